@@ -9,7 +9,6 @@
 //! in [`crate::io`], a word of [`Generated`], or a row of the table here.
 
 mod as_reel;
-mod capabilities;
 mod demo;
 mod entry;
 mod error;
@@ -24,6 +23,7 @@ mod options;
 mod photo_sets;
 mod photo_video;
 mod photos;
+mod questions;
 mod reel;
 mod rgbd;
 mod scanner;
@@ -33,7 +33,6 @@ mod standard_input;
 mod traits;
 
 pub use as_reel::AsReel;
-pub use capabilities::{About, Capabilities, DepthImages, Groups, Growth, ImageFiles, Meshes, Photographed, Samples};
 pub use demo::demo;
 pub use entry::{FrameBytes, FrameEntry};
 pub use error::{OpeningChoice, SequenceError};
@@ -53,14 +52,17 @@ pub use scanner::LiveScanner;
 pub use shapes::Shape;
 pub(crate) use shapes::{OUTLIERS, Sampled};
 pub use spin::Spin;
-pub use traits::{DecodeFailure, DecodedFrame, DecodedLevel, Decoder, FrameSample, Source};
+pub use traits::{
+    About, Capabilities, DecodeFailure, DecodedFrame, DecodedLevel, Decoder, DepthImages, FrameSample, Groups, Growth,
+    ImageFiles, Meshes, Photographed, Samples, Source,
+};
 
 use crate::progress::Progress;
 use opener::{Asked, Opener};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What can be opened, the first that the inputs are; files, folders and patterns are whatever nothing else is.
+/// What can be opened, the first that the inputs are.
 const OPENERS: &[Opener] = &[
     Opener::One(&generated::WORDS),
     Opener::One(&standard_input::STANDARD_INPUT),
@@ -71,6 +73,14 @@ const OPENERS: &[Opener] = &[
     Opener::Any(photo_sets::open_unless_depth),
     Opener::Any(|asked| rgbd::open(asked.inputs, asked.options)),
     Opener::Any(photo_sets::open_one_below),
+    // Whatever nothing else is.
+    Opener::Any(|asked| {
+        Ok(Some(Arc::new(Files::open(
+            asked.inputs,
+            asked.options,
+            asked.progress,
+        )?)))
+    }),
 ];
 
 /// The source that `inputs` name: one that is [`Generated`], standard input (`-`), a sensor ([`LiveScanner`]), a stream
@@ -80,16 +90,12 @@ const OPENERS: &[Opener] = &[
 /// cancelled.
 pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> Result<Arc<dyn Source>, SequenceError> {
     let asked = Asked {
+        openers: OPENERS,
         inputs,
         options,
         progress,
     };
-    for opener in OPENERS {
-        if let Some(source) = opener.open(asked)? {
-            return Ok(source);
-        }
-    }
-    Ok(Arc::new(Files::open(inputs, options, progress)?))
+    asked.open()
 }
 
 /// Whether `input` is a word for a source that is neither a file nor an address, such as `demo:`.

@@ -11,10 +11,24 @@ pub(super) type Opened = Result<Arc<dyn Source>, SequenceError>;
 /// Inputs that a person named, and how they are to be read.
 #[derive(Clone, Copy)]
 pub(super) struct Asked<'a> {
+    /// What can be opened, the first that the inputs are.
+    pub(super) openers: &'static [Opener],
     pub(super) inputs: &'a [PathBuf],
     pub(super) options: &'a OpenOptions,
     /// Counts the files that were looked at, and may be cancelled.
     pub(super) progress: &'a Progress,
+}
+
+impl Asked<'_> {
+    /// The source that the inputs are.
+    pub(super) fn open(self) -> Opened {
+        for opener in self.openers {
+            if let Some(source) = opener.open(self)? {
+                return Ok(source);
+            }
+        }
+        Err(SequenceError::NoInput)
+    }
 }
 
 /// A way to open inputs.
@@ -38,7 +52,7 @@ pub(super) struct One {
 
 impl Opener {
     /// The source, if the inputs are of this kind.
-    pub(super) fn open(&self, asked: Asked<'_>) -> Result<Option<Arc<dyn Source>>, SequenceError> {
+    fn open(&self, asked: Asked<'_>) -> Result<Option<Arc<dyn Source>>, SequenceError> {
         match self {
             Self::One(one) => one.open(asked),
             Self::Any(open) => open(asked),

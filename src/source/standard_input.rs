@@ -5,7 +5,7 @@
 //! First bytes tell the format; text without them is rows of points.
 
 use super::opener::{Asked, One, Opened};
-use super::{About, Capabilities, DecodeFailure, Decoder, DepthImages, FrameEntry, SequenceError, Source, open};
+use super::{About, Capabilities, DecodeFailure, Decoder, DepthImages, FrameEntry, SequenceError, Source};
 use crate::io::Format;
 use crate::locks::lock;
 use crate::progress::Progress;
@@ -67,8 +67,12 @@ impl StandardInput {
             }
         };
         drop(received);
-        let source = open(&[file], asked.options, asked.progress)?;
-        Ok(Arc::new(Self::of(source)))
+        let inputs = [file];
+        let as_file = Asked {
+            inputs: &inputs,
+            ..asked
+        };
+        Ok(Arc::new(Self::of(as_file.open()?)))
     }
 
     fn of(source: Arc<dyn Source>) -> Self {

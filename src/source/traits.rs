@@ -1,11 +1,28 @@
-//! What every source of frames can do.
+//! Capabilities of a source beyond its frames, and the facts about it.
+//!
+//! How it works: a source answers two questions, [`Source::about`] for what is known without reading a frame and
+//! [`Source::capabilities`] for what else it can do, each a struct with a field per answer. Both methods have no
+//! default. A source by itself names what it has and ends with `..Default::default()`. A source that wraps another one
+//! names every field, or hands on the whole struct in one expression: a new field is then an error of the compiler in
+//! every wrapper, and nothing is lost unnoticed. Whoever uses a source asks the methods of `dyn Source`.
 
-use super::capabilities::{About, Capabilities};
+use super::SequenceError;
 use super::entry::FrameEntry;
+use super::files::Recording;
+use super::live::Live;
+use crate::assumption::Assumption;
 use crate::cloud::RawCloud;
+use crate::photos::ViewSet;
 use crate::progress::Progress;
+use crate::reel::ReelFile;
+use crate::rgbd::{Filters, Sensor};
+use crate::wire::RawImages;
+use std::fmt;
 use std::ops::Range;
+use std::path::PathBuf;
 use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
 
 /// Why a decoder failed; its message names the file, the place in it and what was expected.
 pub type DecodeFailure = Box<dyn std::error::Error + Send + Sync>;
@@ -88,4 +105,152 @@ where
     ) -> Result<DecodedFrame, DecodeFailure> {
         self(entry, progress).map(DecodedFrame::from)
     }
+}
+
+/// Facts about a source, known without reading a frame.
+#[derive(Debug, Clone, Default)]
+pub struct About<'a> {
+    /// What a person opened: nothing for what is no file.
+    pub inputs: &'a [PathBuf],
+    /// Frames per second, if the source says it and frames have no time stamps.
+    pub fps: Option<f64>,
+    /// The sequence file that was opened, as it is now.
+    pub reel: Option<Arc<ReelFile>>,
+    /// The recordings among what was opened.
+    pub recordings: &'a [Recording],
+    /// Assumptions about the inputs as a whole: which files are frames, in which order. Those about one frame are in
+    /// [`RawCloud::assumptions`](crate::cloud::RawCloud::assumptions).
+    pub assumptions: &'a [Assumption],
+    /// What of the inputs is skipped, a sentence each.
+    pub notes: &'a [String],
+    /// Where the inputs are cut or damaged, and what is lost by that, a sentence each; all of them are among the notes.
+    /// Sequence files tell it of themselves ([`About::reel`]).
+    pub damage: &'a [String],
+}
+
+/// What a source can do beyond decoding its frames: a field per capability, `None` where it has it not.
+#[derive(Clone, Copy, Default)]
+pub struct Capabilities<'a> {
+    /// Frames that are made from one another; without it each is by itself.
+    pub groups: Option<&'a dyn Groups>,
+    /// Faces of meshes; without it points that are sampled on them are all there is.
+    pub meshes: Option<&'a dyn Meshes>,
+    /// Some points of a frame without the others.
+    pub samples: Option<&'a dyn Samples>,
+    /// Frames that come while it is open.
+    pub growth: Option<&'a dyn Growth>,
+    /// State and recording of a live stream.
+    pub live: Option<&'a dyn Live>,
+    /// Frames that are depth images.
+    pub depth_images: Option<&'a dyn DepthImages>,
+    /// Calibrated photographs of its frames.
+    pub photographs: Option<&'a dyn Photographed>,
+    /// Files of images next to those of the entries; without it those of [`Capabilities::photographs`] are all.
+    pub image_files: Option<&'a dyn ImageFiles>,
+}
+
+impl fmt::Debug for Capabilities<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            groups,
+            meshes,
+            samples,
+            growth,
+            live,
+            depth_images,
+            photographs,
+            image_files,
+        } = self;
+        formatter
+            .debug_struct("Capabilities")
+            .field("groups", &groups.is_some())
+            .field("meshes", &meshes.is_some())
+            .field("samples", &samples.is_some())
+            .field("growth", &growth.is_some())
+            .field("live", &live.is_some())
+            .field("depth_images", &depth_images.is_some())
+            .field("photographs", &photographs.is_some())
+            .field("image_files", &image_files.is_some())
+            .finish()
+    }
+}
+
+/// Frames that are made from one another.
+pub trait Groups: Send + Sync {
+    /// The frames that one decoder had best decode in their order: `index` among them. Other groups can be decoded
+    /// meanwhile.
+    fn group(&self, index: usize) -> Range<usize>;
+}
+
+/// Frames that may be meshes.
+pub trait Meshes: Send + Sync {
+    /// [`Source::decoder`] where the vertices of meshes are wanted with their faces, and not points that are sampled on
+    /// them.
+    fn mesh_decoder(&self) -> Box<dyn Decoder>;
+}
+
+/// Frames of which some points can be read without the others.
+pub trait Samples: Send + Sync {
+    /// At most `most_points` of a frame that has at least `fewest_points`, without reading the others, and how many it
+    /// has; `None` where that cannot be done.
+    fn sample(
+        &self,
+        index: usize,
+        most_points: usize,
+        fewest_points: usize,
+    ) -> Result<Option<FrameSample>, DecodeFailure>;
+}
+
+/// Frames that come while the source is open.
+pub trait Growth: Send + Sync {
+    /// Whether frames may come.
+    fn may_grow(&self) -> bool;
+
+    /// Whether frames are gone for good some time after they came. Who opens it is shown the newest.
+    fn is_live(&self) -> bool;
+
+    /// Takes frames that came behind the last one; says how many.
+    fn look_again(&self) -> Result<usize, SequenceError>;
+
+    /// Frames whose files changed since they were found, after the first `since` of these changes: what was read of
+    /// them is outdated.
+    fn changed_since(&self, _since: usize) -> Vec<usize> {
+        Vec::new()
+    }
+
+    /// [`Growth::look_again`] once there is something, or after this time: a stream wakes up when a frame comes, a
+    /// folder is looked at from time to time.
+    fn wait_for_more(&self, at_most: Duration) -> Result<usize, SequenceError> {
+        thread::sleep(at_most);
+        self.look_again()
+    }
+}
+
+/// Frames that are depth images, or made of them.
+pub trait DepthImages: Send + Sync {
+    /// The cameras that took frame `index`, and where they were; `None` of frames that no camera took, as far as
+    /// anybody knows.
+    fn sensor(&self, index: usize) -> Option<Sensor>;
+
+    /// What the cameras recorded of frame `index`, before any filter; `None` of frames that are no images.
+    fn raw_images(&self, index: usize) -> Option<Result<RawImages, DecodeFailure>>;
+
+    /// The filters of its depth images; `None` where frames are none.
+    fn filters(&self) -> Option<Filters>;
+
+    /// The same frames with other filters of depth images; `None` where frames are none. A live stream goes on: both
+    /// have the same connection, which ends with the last of them.
+    fn filtered(&self, filters: Filters) -> Option<Arc<dyn Source>>;
+}
+
+/// Frames that calibrated photographs show.
+pub trait Photographed: Send + Sync {
+    /// Photographs of what frame `index` shows, in its coordinates; `None` where there are none.
+    fn photographs(&self, index: usize) -> Option<Arc<ViewSet>>;
+}
+
+/// Images in files next to those of the entries.
+pub trait ImageFiles: Send + Sync {
+    /// Their files: colours of depth images, photographs.
+    fn image_files(&self) -> Vec<PathBuf>;
 }

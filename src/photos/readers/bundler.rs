@@ -7,7 +7,7 @@
 //! copies.
 
 use super::probe::begins_with;
-use super::{Claim, Reader};
+use super::reader::{Claim, Reader};
 use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::{PhotosError, read_file};
 use crate::photos::lens::{Lens, Origin};

@@ -11,7 +11,7 @@
 //! A film of several cameras (Li et al. 2022, *Neural 3D Video Synthesis*) has a row for each camera, in the order of
 //! the names of their folders.
 
-use super::{Claim, Reader};
+use super::reader::{Claim, Reader};
 use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::{PhotosError, read_file};
 use crate::photos::files::is_picture;

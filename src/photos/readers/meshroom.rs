@@ -15,7 +15,7 @@
 //! read here is what it means by its numbers.
 
 use super::probe::{Folder, names_in};
-use super::{Claim, Reader};
+use super::reader::{Claim, Reader};
 use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::PhotosError;
 use crate::photos::json::{array_at, key_at, number, number_at, numbers, numbers_at, read as read_json, side};

@@ -5,7 +5,7 @@
 //! counted from 0, so that centres of pixels are at integers. There are no points, and masks are for the taker to make.
 
 use super::probe::Folder;
-use super::{Claim, Reader};
+use super::reader::{Claim, Reader};
 use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::{PhotosError, read_file};
 use crate::photos::lens::{Lens, Origin};

@@ -17,13 +17,14 @@ mod mvsnet;
 mod nvm;
 mod opensfm;
 mod probe;
+mod reader;
 mod transforms;
 
 use super::calibration::Calibration;
-use super::draft::Drafts;
 use super::error::PhotosError;
 use super::view_set::ViewSet;
 use probe::{File, Folder};
+use reader::{Claim, Confidence, Reader};
 use std::path::{Path, PathBuf};
 
 /// The readers, those with points first.
@@ -40,52 +41,6 @@ const READERS: &[&Reader] = &[
     // Folders that had another set before this was read still show that.
     &opensfm::READER,
 ];
-
-/// A reader of reconstructions of one format.
-#[derive(Debug)]
-struct Reader {
-    /// The format, for people.
-    name: &'static str,
-    /// What it reads of a folder; `None` where there is nothing for it.
-    in_folder: fn(&Folder<'_>) -> Option<PathBuf>,
-    /// Whether a file is one of its own.
-    of_file: fn(&File<'_>) -> Result<Option<Claim>, PhotosError>,
-    /// What is listed there, before any photograph is looked for.
-    read: fn(&Path) -> Result<Drafts, PhotosError>,
-}
-
-/// A reader's claim to a file.
-#[derive(Debug)]
-struct Claim {
-    confidence: Confidence,
-    /// The file; the folder where that is read as a whole.
-    path: PathBuf,
-}
-
-/// How certain a reader is of a file, the less certain first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Confidence {
-    /// By words that files of others may have as well.
-    Likely,
-    /// By its name, or by words of its own.
-    Certain,
-}
-
-impl Claim {
-    fn certain(path: impl Into<PathBuf>) -> Self {
-        Self {
-            confidence: Confidence::Certain,
-            path: path.into(),
-        }
-    }
-
-    fn likely(path: impl Into<PathBuf>) -> Self {
-        Self {
-            confidence: Confidence::Likely,
-            path: path.into(),
-        }
-    }
-}
 
 /// A reconstruction that was found.
 #[derive(Debug, Clone)]

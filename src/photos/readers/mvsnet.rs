@@ -6,7 +6,7 @@
 //! the files copy the principal point of COLMAP, and its own warping takes the middle of the first pixel for (½, ½).
 //! There are no points; the depths are those that stereo tries.
 
-use super::{Claim, Reader};
+use super::reader::{Claim, Reader};
 use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::{PhotosError, read_file};
 use crate::photos::lens::{Lens, Origin};

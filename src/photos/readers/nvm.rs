@@ -12,7 +12,7 @@
 //! which is a strong lens, and by 6·10⁻⁵ at s = −0.1.
 
 use super::probe::begins_with;
-use super::{Claim, Reader};
+use super::reader::{Claim, Reader};
 use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::{PhotosError, read_file};
 use crate::photos::lens::{Focal, Lens, Origin};

@@ -10,7 +10,7 @@
 //! y, and columns that differ by version.
 
 use super::probe::File;
-use super::{Claim, Reader};
+use super::reader::{Claim, Reader};
 use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::{PhotosError, read_file};
 use crate::photos::json::{number_at, numbers_at, read as read_json, side};

@@ -7,7 +7,7 @@
 //! through there. Names may lack their extension. A frame without its file is left out with a note. There are no
 //! points, but nerfstudio may name a file of them (`ply_file_path`).
 
-use super::{Claim, Reader};
+use super::reader::{Claim, Reader};
 use crate::photos::depth_file::{DepthFile, DepthKind};
 use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::PhotosError;

@@ -15,7 +15,7 @@ mod text;
 
 pub use depth::colmap_depth;
 
-use super::{Claim, Reader};
+use super::reader::{Claim, Reader};
 use crate::photos::depth_file::{DepthFile, DepthKind};
 use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::PhotosError;
