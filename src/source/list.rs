@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 type DecodeFn = dyn Fn(&FrameEntry, &Progress) -> Result<RawCloud, DecodeFailure> + Send + Sync;
 
-/// Reads some points of a frame alone: see [`Source::sample`].
+/// Reads some points of a frame alone: see [`Samples::sample`].
 type SampleFn = dyn Fn(&FrameEntry, usize, usize) -> Result<Option<FrameSample>, DecodeFailure> + Send + Sync;
 
 /// Frames that one function decodes, called from several threads at once.

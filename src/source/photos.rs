@@ -2,7 +2,7 @@
 //! that stereo makes of them.
 //!
 //! The frame is an ordinary cloud, so all that works with clouds works with it. Whoever wants the photographs as well
-//! asks [`Source::photographs`].
+//! asks [`Photographed::photographs`].
 
 use super::{About, Capabilities, DecodeFailure, Decoder, FrameEntry, OpenOptions, Photographed, Source};
 use crate::assumption::{Assumption, Evidence, Subject};

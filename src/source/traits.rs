@@ -1,4 +1,4 @@
-//! Capabilities of a source beyond its frames, and the facts about it.
+//! Sources of frames: what each of them has, the facts about it, and its capabilities.
 //!
 //! How it works: a source answers two questions, [`Source::about`] for what is known without reading a frame and
 //! [`Source::capabilities`] for what else it can do, each a struct with a field per answer. Both methods have no
