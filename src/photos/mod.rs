@@ -3,9 +3,9 @@
 //! [`find`] says what a folder holds, and [`FoundSet::read`] reads it into a [`ViewSet`], whatever the format: cameras
 //! have x to the right, y down, z forward, poses take the world to the camera, and centres of pixels are at integers.
 //!
-//! Readers (`readers`, a row each) write down what a file says (`draft`), in its own pixels; `draft` then finds the photographs, looks at their
-//! sizes, and makes cameras (`lens`) and poses of them. What is wrong with one photograph costs that one, and a note of
-//! the set says so.
+//! Readers (`readers`, a row each) write down what a file says (`draft`), in its own pixels; `draft` then finds the
+//! photographs, looks at their sizes, and makes cameras (`lens`) and poses of them. What is wrong with one photograph
+//! costs that one, and a note of the set says so.
 //!
 //! A [`Calibration`] is what a file lists before that. Where it lists cameras that filmed, it is a [`Rig`], and each
 //! moment becomes a set.
