@@ -5,6 +5,9 @@ use crate::progress::Progress;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// A source, where the inputs are of its kind.
+pub(super) type IfOpened = Result<Option<Arc<dyn Source>>, SequenceError>;
+
 /// A source that was opened.
 pub(super) type Opened = Result<Arc<dyn Source>, SequenceError>;
 
@@ -36,7 +39,7 @@ pub(super) enum Opener {
     /// One input that tells what it is.
     One(&'static One),
     /// Inputs that have to be looked into: `None` where they are of another kind.
-    Any(fn(Asked<'_>) -> Result<Option<Arc<dyn Source>>, SequenceError>),
+    Any(fn(Asked<'_>) -> IfOpened),
 }
 
 /// An input that is a sequence of its own.
@@ -52,7 +55,7 @@ pub(super) struct One {
 
 impl Opener {
     /// The source, if the inputs are of this kind.
-    fn open(&self, asked: Asked<'_>) -> Result<Option<Arc<dyn Source>>, SequenceError> {
+    fn open(&self, asked: Asked<'_>) -> IfOpened {
         match self {
             Self::One(one) => one.open(asked),
             Self::Any(open) => open(asked),
@@ -69,7 +72,7 @@ impl Opener {
 }
 
 impl One {
-    fn open(&self, asked: Asked<'_>) -> Result<Option<Arc<dyn Source>>, SequenceError> {
+    fn open(&self, asked: Asked<'_>) -> IfOpened {
         let input = match (asked.inputs, self.beside_others) {
             ([input], _) => Some(input).filter(|input| (self.can_read)(input)),
             (_, None) => None,

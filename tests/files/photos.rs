@@ -67,12 +67,6 @@ const WRITERS: &[(&str, &str, Writer, bool)] = &[
         |scene, folder| scene.write_opensfm(folder, "."),
         true,
     ),
-    (
-        "OpenDroneMap",
-        "OpenSfM (reconstruction.json)",
-        |scene, folder| scene.write_opensfm(folder, "opensfm"),
-        true,
-    ),
 ];
 
 fn read(path: &Path) -> ViewSet {
@@ -167,6 +161,14 @@ fn a_lens_bends_equally_in_all_formats() {
     assert_projects_equally(&Scene::distorted(), |name| {
         !["NVM", "Middlebury", "LLFF"].contains(&name)
     });
+}
+
+#[test]
+fn photographs_of_open_drone_map_are_next_to_the_folder_of_opensfm() {
+    let (scene, folder) = (Scene::simple(), tempfile::tempdir().unwrap());
+    scene.write_opensfm(folder.path(), "opensfm");
+    let set = read(&folder.path().join("opensfm"));
+    assert_eq!(set.photos.len(), scene.poses.len(), "{:?}", set.notes);
 }
 
 /// Photographs of a quarter of the size that was calibrated: all pixels move with the borders.

@@ -1,4 +1,4 @@
-//! OpenSfM's `reconstruction.json`, which `OpenDroneMap` keeps in `opensfm/`.
+//! `OpenSfM`'s `reconstruction.json`, which `OpenDroneMap` keeps in `opensfm/`.
 //!
 //! Its manual, *Reconstruction file format* and *Coordinate systems*: a list of reconstructions, each of `cameras`,
 //! `shots` and `points`. A shot turns the world to the camera (x right, y down, z forward) by `rotation`, an axis of
