@@ -13,7 +13,7 @@ use crate::progress::Progress;
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use crate::session::{ReadSession, session_of};
-use crate::source::Generated;
+use crate::source;
 use anyhow::{Context as _, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -174,7 +174,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         inputs: args
             .inputs
             .iter()
-            .filter(|input| matches!(Generated::of_name(input), Ok(None)))
+            .filter(|input| !source::is_word(input))
             .cloned()
             .collect(),
         warnings,

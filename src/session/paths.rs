@@ -4,7 +4,7 @@
 //! every system; what does not stays absolute. Words that are no files (`demo:`, `http://`, `udp://`) stay as they are.
 
 use super::SessionError;
-use crate::source::Generated;
+use crate::source;
 use std::ffi::OsString;
 use std::path::{Component, Path, PathBuf};
 
@@ -42,7 +42,7 @@ pub(super) fn joined(folder: &Path, text: &str) -> PathBuf {
 
 /// Whether it names something that is no file.
 pub(super) fn is_word(text: &str) -> bool {
-    text.contains("://") || !matches!(Generated::of_name(Path::new(text)), Ok(None))
+    text.contains("://") || source::is_word(Path::new(text))
 }
 
 /// The names on the way from `folder` to `input`, `..` for each folder up; `None` if they share no folder but the root.

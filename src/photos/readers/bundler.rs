@@ -6,20 +6,42 @@
 //! `visualize/00000000.jpg`, in the order of the cameras that have a place, and the bundle beside that is one of the
 //! copies.
 
-use super::draft::{Draft, Drafts};
-use super::error::{PhotosError, read_file};
-use super::lens::{Lens, Origin};
-use super::points::Observation;
-use super::text::Text;
+use super::probe::begins_with;
+use super::reader::{Claim, Reader};
+use crate::photos::draft::{Draft, Drafts};
+use crate::photos::error::{PhotosError, read_file};
+use crate::photos::lens::{Lens, Origin};
+use crate::photos::points::Observation;
+use crate::photos::text::Text;
 use crate::rgbd::Distortion;
 use glam::{DMat3, DVec2, DVec3, Vec2};
 use std::path::{Path, PathBuf};
 
 /// How the file begins.
-pub(super) const MAGIC: &[u8] = b"# Bundle file v";
+const MAGIC: &[u8] = b"# Bundle file v";
+
+/// Bundles, the usual one first.
+const BUNDLES: &[&str] = &[
+    "bundle.out",
+    "bundle/bundle.out",
+    "bundle.rd.out",
+    "bundler/bundle.out",
+    "pmvs/bundle.rd.out",
+];
+
+/// Bundler v0.3.
+pub(super) const READER: Reader = Reader {
+    name: "Bundler",
+    in_folder: |folder| folder.first(BUNDLES).filter(|path| begins_with(path, MAGIC)),
+    of_file: |file| {
+        let is_bundle = file.extension() == "out" && begins_with(file.path, MAGIC);
+        Ok(is_bundle.then(|| Claim::certain(file.path)))
+    },
+    read,
+};
 
 /// The photographs of the bundle `path`.
-pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
+fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let file = read_file(path)?;
     let file = String::from_utf8_lossy(&file);
     let mut text = Text::new(path, &file);

@@ -11,17 +11,18 @@
 //! A film of several cameras (Li et al. 2022, *Neural 3D Video Synthesis*) has a row for each camera, in the order of
 //! the names of their folders.
 
-use super::draft::{Draft, Drafts};
-use super::error::{PhotosError, read_file};
-use super::files::is_picture;
-use super::lens::{Lens, Origin};
-use super::npy_table::NpyTable;
+use super::reader::{Claim, Reader};
+use crate::photos::draft::{Draft, Drafts};
+use crate::photos::error::{PhotosError, read_file};
+use crate::photos::files::is_picture;
+use crate::photos::lens::{Lens, Origin};
+use crate::photos::npy_table::NpyTable;
 use glam::{DMat3, DVec2, DVec3};
 use std::fs;
 use std::path::Path;
 
 /// The name that its tools give to the file.
-pub(super) const FILE: &str = "poses_bounds.npy";
+const FILE: &str = "poses_bounds.npy";
 
 const COLUMNS: usize = 17;
 
@@ -34,8 +35,16 @@ const FOLDERS_OF_CAMERAS: &[&str] = &["", "images", "frames", "cameras", "videos
 /// Entries of a folder that are looked at.
 const MOST_ENTRIES: usize = 100_000;
 
+/// Poses and bounds of LLFF.
+pub(super) const READER: Reader = Reader {
+    name: "LLFF (poses_bounds.npy)",
+    in_folder: |folder| folder.first(&[FILE]),
+    of_file: |file| Ok((file.name == FILE).then(|| Claim::certain(file.path))),
+    read,
+};
+
 /// The photographs of the file `path`.
-pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
+fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let table = NpyTable::parse(path, &read_file(path)?)?;
     let (rows, rest) = table.numbers.as_chunks::<COLUMNS>();
     if table.columns != COLUMNS || rows.is_empty() || !rest.is_empty() {

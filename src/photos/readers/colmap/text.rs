@@ -1,11 +1,11 @@
 //! `cameras.txt`, `images.txt` and `points3D.txt`: a row a line, `#` before remarks. A photograph has two lines, the
 //! second of which may be empty.
 
-use super::super::error::{PhotosError, read_file};
-use super::super::points::SparsePoints;
-use super::super::text::{Text, quoted};
 use super::models::{Model, refusal};
 use super::records::{Cameras, Features, Image, feature, push};
+use crate::photos::error::{PhotosError, read_file};
+use crate::photos::points::SparsePoints;
+use crate::photos::text::{Text, quoted};
 use glam::{DVec3, Vec2};
 use std::path::Path;
 

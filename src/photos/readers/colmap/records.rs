@@ -1,7 +1,7 @@
 //! Rows of COLMAP's files, be they text or binary.
 
-use super::super::lens::Lens;
-use super::super::points::{Observation, SparsePoints};
+use crate::photos::lens::Lens;
+use crate::photos::points::{Observation, SparsePoints};
 use glam::{DVec2, DVec3, Vec2};
 use std::collections::HashMap;
 

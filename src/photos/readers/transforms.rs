@@ -7,11 +7,12 @@
 //! through there. Names may lack their extension. A frame without its file is left out with a note. There are no
 //! points, but nerfstudio may name a file of them (`ply_file_path`).
 
-use super::depth_file::{DepthFile, DepthKind};
-use super::draft::{Draft, Drafts};
-use super::error::PhotosError;
-use super::json::{array_at, number, number_at, read as read_json, side};
-use super::lens::{Focal, Lens, Origin};
+use super::reader::{Claim, Reader};
+use crate::photos::depth_file::{DepthFile, DepthKind};
+use crate::photos::draft::{Draft, Drafts};
+use crate::photos::error::PhotosError;
+use crate::photos::json::{array_at, number, number_at, read as read_json, side};
+use crate::photos::lens::{Focal, Lens, Origin};
 use crate::rgbd::Distortion;
 use glam::{DMat3, DVec2, DVec3};
 use serde_json::Value;
@@ -24,12 +25,31 @@ const USUAL_DEPTH_SCALE: f64 = 1e-3;
 const OTHER_LENSES: &[&str] = &["ftheta_p0", "latlong", "lonlat", "equirectangular", "orthographic"];
 
 /// Whether a file that begins with `head` is one of these.
-pub(super) fn is_transforms(head: &str) -> bool {
+fn is_transforms(head: &str) -> bool {
     head.contains("\"transform_matrix\"") || (head.contains("\"frames\"") && head.contains("\"file_path\""))
 }
 
+/// Photographs to learn from first: others of the same scene are in files next to it.
+const FILES: &[&str] = &[
+    "transforms.json",
+    "transforms_train.json",
+    "transforms_test.json",
+    "transforms_val.json",
+];
+
+/// instant-ngp, nerfstudio and NeRF.
+pub(super) const READER: Reader = Reader {
+    name: "transforms.json",
+    in_folder: |folder| folder.first(FILES),
+    of_file: |file| {
+        let is_one = file.extension() == "json" && is_transforms(&file.head()?);
+        Ok(is_one.then(|| Claim::certain(file.path)))
+    },
+    read,
+};
+
 /// The photographs of the file `path`.
-pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
+fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let file = read_json(path)?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let mut drafts = Drafts::new(path, vec![folder.clone()]);

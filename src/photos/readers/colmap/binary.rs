@@ -1,10 +1,10 @@
 //! `cameras.bin`, `images.bin` and `points3D.bin`: a count and as many rows, little-endian.
 
-use super::super::bytes::Bytes;
-use super::super::error::{PhotosError, read_file};
-use super::super::points::SparsePoints;
 use super::models::Model;
 use super::records::{Cameras, Features, Image, feature, push};
+use crate::photos::bytes::Bytes;
+use crate::photos::error::{PhotosError, read_file};
+use crate::photos::points::SparsePoints;
 use glam::DVec3;
 use std::path::Path;
 

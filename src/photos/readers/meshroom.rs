@@ -14,19 +14,22 @@
 //! (its SIFT features and its undistortion); half of the width is therefore half a pixel right of the middle. What is
 //! read here is what it means by its numbers.
 
-use super::draft::{Draft, Drafts};
-use super::error::PhotosError;
-use super::json::{array_at, key_at, number, number_at, numbers, numbers_at, read as read_json, side};
-use super::lens::{Focal, Lens, Origin};
-use super::points::Observation;
+use super::probe::{Folder, names_in};
+use super::reader::{Claim, Reader};
+use crate::photos::draft::{Draft, Drafts};
+use crate::photos::error::PhotosError;
+use crate::photos::json::{array_at, key_at, number, number_at, numbers, numbers_at, read as read_json, side};
+use crate::photos::lens::{Focal, Lens, Origin};
+use crate::photos::points::Observation;
 use crate::rgbd::Distortion;
 use glam::{DMat3, DVec2, DVec3, Vec2};
 use serde_json::Value;
 use std::collections::HashMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The folder of a project that holds what its nodes made.
-pub(super) const CACHE: &str = "MeshroomCache";
+pub(in crate::photos) const CACHE: &str = "MeshroomCache";
 
 /// Width of a sensor that the file does not tell, in millimetres, as AliceVision takes it.
 const USUAL_SENSOR_MM: f64 = 36.0;
@@ -35,7 +38,7 @@ const USUAL_SENSOR_MM: f64 = 36.0;
 const UNDISTORT_FIRST: &str = "undistort the photographs first (ExportImages of Meshroom)";
 
 /// Whether a file that begins with `head` is a scene.
-pub(super) fn is_scene(head: &str) -> bool {
+fn is_scene(head: &str) -> bool {
     head.contains("\"version\"") && (head.contains("\"views\"") || head.contains("\"intrinsics\""))
         || head.contains("\"featuresFolders\"")
 }
@@ -43,8 +46,50 @@ pub(super) fn is_scene(head: &str) -> bool {
 /// Where a camera is.
 type Pose = (DMat3, DVec3);
 
+/// Names of scenes: those with points first.
+const SCENES: &[&str] = &["sfm.json", "sfm.sfm", "cameras.sfm"];
+
+/// Folders of a project that hold scenes, each run in a folder of its own.
+const NODES: &[&str] = &[
+    "MeshroomCache/ConvertSfMFormat",
+    "MeshroomCache/StructureFromMotion",
+    "ConvertSfMFormat",
+    "StructureFromMotion",
+];
+
+/// Meshroom (AliceVision).
+pub(super) const READER: Reader = Reader {
+    name: "Meshroom",
+    in_folder: |folder| {
+        let scene = folder.first(SCENES).or_else(|| folder.by_ending(".sfm"));
+        scene.or_else(|| in_cache(folder))
+    },
+    of_file: |file| {
+        Ok(match file.extension() {
+            "sfm" => Some(Claim::certain(file.path)),
+            "json" if is_scene(&file.head()?) => Some(Claim::likely(file.path)),
+            _ => None,
+        })
+    },
+    read,
+};
+
+/// The scene that was written last by a project.
+fn in_cache(folder: &Folder<'_>) -> Option<PathBuf> {
+    let scenes = NODES.iter().flat_map(|node| {
+        let node = folder.path.join(node);
+        let runs = names_in(&node);
+        runs.into_iter().flat_map(move |run| {
+            let run = node.join(run);
+            SCENES.iter().map(move |scene| run.join(scene))
+        })
+    });
+    let written = |path: PathBuf| Some((fs::metadata(&path).ok()?.modified().ok()?, path));
+    scenes.filter_map(written).max().map(|(_, path)| path)
+}
+
 /// The photographs of the scene `path`.
-pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
+fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let scene = read_json(path)?;
     let invalid = |place: &str, problem: &str| PhotosError::invalid(path, place, problem);
     let version = scene.get("version").and_then(numbers::<3>);

@@ -6,22 +6,35 @@
 //! integers.
 //! Older pairs (2001 to 2006) came without a calibration.
 
-use super::draft::{Draft, Drafts};
-use super::error::{PhotosError, read_file};
-use super::json::side;
-use super::lens::{Lens, Origin};
-use super::text::quoted;
+use super::probe::begins_with;
+use super::reader::{Claim, Reader};
+use crate::photos::draft::{Draft, Drafts};
+use crate::photos::error::{PhotosError, read_file};
+use crate::photos::json::side;
+use crate::photos::lens::{Lens, Origin};
+use crate::photos::text::quoted;
 use glam::{DMat3, DVec2, DVec3};
 use std::path::Path;
 
 /// The name of the file.
-pub(super) const FILE: &str = "calib.txt";
+const FILE: &str = "calib.txt";
 
 /// How it begins.
-pub(super) const MAGIC: &[u8] = b"cam0=";
+const MAGIC: &[u8] = b"cam0=";
+
+/// A rectified pair of Middlebury.
+pub(super) const READER: Reader = Reader {
+    name: "Middlebury stereo (calib.txt)",
+    in_folder: |folder| folder.first(&[FILE]).filter(|path| begins_with(path, MAGIC)),
+    of_file: |file| {
+        let is_pair = file.name == FILE && begins_with(file.path, MAGIC);
+        Ok(is_pair.then(|| Claim::certain(file.path)))
+    },
+    read,
+};
 
 /// The photographs of the pair that the file `path` calibrates.
-pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
+fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let file = read_file(path)?;
     let file = String::from_utf8_lossy(&file);
     let value = |key: &str| {

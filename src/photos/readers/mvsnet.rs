@@ -6,16 +6,17 @@
 //! the files copy the principal point of COLMAP, and its own warping takes the middle of the first pixel for (½, ½).
 //! There are no points; the depths are those that stereo tries.
 
-use super::draft::{Draft, Drafts};
-use super::error::{PhotosError, read_file};
-use super::lens::{Lens, Origin};
-use super::text::Text;
+use super::reader::{Claim, Reader};
+use crate::photos::draft::{Draft, Drafts};
+use crate::photos::error::{PhotosError, read_file};
+use crate::photos::lens::{Lens, Origin};
+use crate::photos::text::Text;
 use glam::{DMat3, DVec2, DVec3};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// How the names of its files end.
-pub(super) const SUFFIX: &str = "_cam.txt";
+const SUFFIX: &str = "_cam.txt";
 
 /// Folders of a scene in which its files are.
 const FOLDERS: &[&str] = &["cams", "cams_1", "cameras", ""];
@@ -27,7 +28,7 @@ const MOST_ENTRIES: usize = 100_000;
 const USUAL_STEPS: f64 = 192.0;
 
 /// The folder of the cameras of a scene.
-pub(super) fn cameras_in(folder: &Path) -> Option<PathBuf> {
+fn cameras_in(folder: &Path) -> Option<PathBuf> {
     let all = FOLDERS.iter().map(|below| folder.join(below));
     all.into_iter().find(|folder| {
         let entries = fs::read_dir(folder).into_iter().flatten();
@@ -36,8 +37,16 @@ pub(super) fn cameras_in(folder: &Path) -> Option<PathBuf> {
     })
 }
 
+/// A camera per file, of `MVSNet`.
+pub(super) const READER: Reader = Reader {
+    name: "MVSNet (cams)",
+    in_folder: |folder| cameras_in(folder.path),
+    of_file: |file| Ok(file.name.ends_with(SUFFIX).then(|| Claim::certain(file.folder()))),
+    read,
+};
+
 /// The photographs of the cameras in `folder`.
-pub(super) fn read(folder: &Path) -> Result<Drafts, PhotosError> {
+fn read(folder: &Path) -> Result<Drafts, PhotosError> {
     let entries = fs::read_dir(folder).map_err(|source| PhotosError::Io {
         path: folder.into(),
         source,

@@ -11,17 +11,19 @@
 //! follows it further, up to the turn at s = −4/27. It is off by 7·10⁻⁸ of the distance from the middle at s = −0.05,
 //! which is a strong lens, and by 6·10⁻⁵ at s = −0.1.
 
-use super::draft::{Draft, Drafts};
-use super::error::{PhotosError, read_file};
-use super::lens::{Focal, Lens, Origin};
-use super::points::{Observation, SparsePoints};
-use super::text::Text;
+use super::probe::begins_with;
+use super::reader::{Claim, Reader};
+use crate::photos::draft::{Draft, Drafts};
+use crate::photos::error::{PhotosError, read_file};
+use crate::photos::lens::{Focal, Lens, Origin};
+use crate::photos::points::{Observation, SparsePoints};
+use crate::photos::text::Text;
 use crate::rgbd::Distortion;
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use std::path::Path;
 
 /// How the file begins.
-pub(super) const MAGIC: &[u8] = b"NVM_V3";
+const MAGIC: &[u8] = b"NVM_V3";
 
 /// A calibration for all cameras.
 #[derive(Debug, Clone, Copy)]
@@ -38,8 +40,16 @@ struct Model {
     points: SparsePoints,
 }
 
+/// `VisualSFM`.
+pub(super) const READER: Reader = Reader {
+    name: "NVM (VisualSFM)",
+    in_folder: |folder| folder.by_ending(".nvm").filter(|path| begins_with(path, MAGIC)),
+    of_file: |file| Ok((file.extension() == "nvm").then(|| Claim::certain(file.path))),
+    read,
+};
+
 /// The photographs of the file `path`.
-pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
+fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let file = read_file(path)?;
     let file = String::from_utf8_lossy(&file);
     let mut text = Text::new(path, &file);

@@ -15,11 +15,13 @@ mod text;
 
 pub use depth::colmap_depth;
 
-use super::depth_file::{DepthFile, DepthKind};
-use super::draft::{Draft, Drafts};
-use super::error::PhotosError;
+use super::reader::{Claim, Reader};
+use crate::photos::depth_file::{DepthFile, DepthKind};
+use crate::photos::draft::{Draft, Drafts};
+use crate::photos::error::PhotosError;
 use glam::{DMat3, DQuat};
 use records::{Cameras, Features, Image};
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Names of folders between that of a scene and that of a model.
@@ -33,8 +35,60 @@ const LAYOUT: &[&str] = &[
     "distorted",
 ];
 
+/// Folders of a scene in which models are, or folders of them by their numbers.
+const FOLDERS: &[&str] = &[
+    "",
+    "sparse",
+    "colmap/sparse",
+    "colmap_sparse",
+    "colmap_text",
+    "dense/0/sparse",
+    "dense/sparse",
+    "undistorted/sparse",
+    "dslr_calibration_undistorted",
+    "rig_calibration_undistorted",
+    "dslr/colmap",
+    // Lenses that are not shown, mostly: who opens the scene is told so.
+    "distorted/sparse",
+    "dslr_calibration_jpg",
+    "rig_calibration",
+];
+
+/// Models of one scene whose numbers are tried: COLMAP makes one of each group of photographs that hangs together.
+const MOST_MODELS: u32 = 50;
+
+/// Names of the files of a model.
+const FILES: &[&str] = &["cameras", "images", "points3d", "rigs", "frames"];
+
+/// COLMAP, text or binary.
+pub(in crate::photos::readers) const READER: Reader = Reader {
+    name: "COLMAP",
+    in_folder: |folder| FOLDERS.iter().find_map(|name| model_in(&folder.path.join(name))),
+    of_file: |file| {
+        let is_of_model = matches!(file.extension(), "bin" | "txt") && FILES.contains(&file.stem());
+        Ok((is_of_model && is_in(file.folder())).then(|| Claim::certain(file.folder())))
+    },
+    read,
+};
+
+/// The folder itself, or the largest of the models that it has by their numbers.
+fn model_in(folder: &Path) -> Option<PathBuf> {
+    if is_in(folder) {
+        return Some(folder.to_owned());
+    }
+    let numbered = (0..MOST_MODELS).map(|number| folder.join(number.to_string()));
+    let size_of = |model: &PathBuf| {
+        let size = |name: &str| fs::metadata(model.join(name)).map_or(0, |file| file.len());
+        size("images.bin").max(size("images.txt"))
+    };
+    // From the last on, as the last of equals would be taken. A number may be missing; folders without 0 have none.
+    let first = folder.join("0").is_dir();
+    let models: Vec<PathBuf> = numbered.take_while(|_| first).filter(|model| is_in(model)).collect();
+    models.into_iter().rev().max_by_key(size_of)
+}
+
 /// Whether the folder holds a model.
-pub(super) fn is_in(folder: &Path) -> bool {
+fn is_in(folder: &Path) -> bool {
     let has = |name: &str| folder.join(name).is_file();
     ["bin", "txt"]
         .iter()
@@ -42,7 +96,7 @@ pub(super) fn is_in(folder: &Path) -> bool {
 }
 
 /// The photographs of the model in `folder`.
-pub(super) fn read(folder: &Path) -> Result<Drafts, PhotosError> {
+fn read(folder: &Path) -> Result<Drafts, PhotosError> {
     let is_binary = folder.join("cameras.bin").is_file() && folder.join("images.bin").is_file();
     let extension = if is_binary { "bin" } else { "txt" };
     let file = |name: &str| folder.join(format!("{name}.{extension}"));

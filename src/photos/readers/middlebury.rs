@@ -4,22 +4,41 @@
 //! origin of the image is its first pixel, x to the right, y down. The calibrations are made of corners found on pixels
 //! counted from 0, so that centres of pixels are at integers. There are no points, and masks are for the taker to make.
 
-use super::draft::{Draft, Drafts};
-use super::error::{PhotosError, read_file};
-use super::lens::{Lens, Origin};
-use super::text::Text;
+use super::probe::Folder;
+use super::reader::{Claim, Reader};
+use crate::photos::draft::{Draft, Drafts};
+use crate::photos::error::{PhotosError, read_file};
+use crate::photos::lens::{Lens, Origin};
+use crate::photos::text::Text;
 use glam::{DMat3, DVec2, DVec3};
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 /// How the names of par files end.
-pub(super) const SUFFIX: &str = "_par.txt";
+const SUFFIX: &str = "_par.txt";
 
 /// Skew of the axes of pixels, in parts of the focal length, that no photograph shows: a tenth of a pixel in a
 /// thousand.
 const MOST_SKEW: f64 = 1e-4;
 
+/// Par files of Middlebury.
+pub(super) const READER: Reader = Reader {
+    name: "Middlebury par",
+    in_folder: largest,
+    of_file: |file| Ok(file.name.ends_with(SUFFIX).then(|| Claim::certain(file.path))),
+    read,
+};
+
+/// Of several par files the longest: `temple_par.txt` has all photographs, `templeR_par.txt` those of a ring.
+fn largest(folder: &Folder<'_>) -> Option<PathBuf> {
+    let is_one = |name: &&String| name.to_lowercase().ends_with(SUFFIX);
+    let size = |path: &PathBuf| fs::metadata(path).map_or(0, |file| file.len());
+    let files = folder.names().iter().filter(is_one).map(|name| folder.path.join(name));
+    files.max_by_key(size)
+}
+
 /// The photographs of the par file `path`.
-pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
+fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let file = read_file(path)?;
     let file = String::from_utf8_lossy(&file);
     let mut text = Text::new(path, &file);
