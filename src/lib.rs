@@ -41,9 +41,16 @@
 //! | [`app`] | the window |
 //! | [`cli`] | the command line |
 
+#![cfg_attr(
+    not(all(feature = "sqlite", feature = "window")),
+    allow(dead_code, unused_imports, reason = "the core is made for the whole program")
+)]
+
 pub mod analysis;
+#[cfg(feature = "window")]
 pub mod app;
 pub mod assumption;
+#[cfg(feature = "bench")]
 pub mod bench;
 mod binary;
 pub mod check;
