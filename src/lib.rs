@@ -59,6 +59,9 @@ pub mod cloud;
 pub mod convert;
 pub mod deadlines;
 pub mod export;
+#[cfg(feature = "fuzzing")]
+#[doc(hidden)]
+pub mod fuzzing;
 pub mod headless;
 pub mod io;
 mod kept;
