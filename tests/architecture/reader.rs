@@ -312,7 +312,10 @@ fn what_stands_in_for_a_module_is_read_by_its_own_name() {
     let sources = read(&[
         (
             "lib.rs",
-            "#[cfg_attr(not(feature = \"gpu\"), path = \"no_gpu.rs\")] mod gpu; #[cfg_attr(unix, derive(Debug))] struct A;",
+            "#[cfg_attr(not(feature = \"gpu\"), path = \"no_gpu.rs\")]
+            mod gpu;
+            #[cfg_attr(unix, derive(Debug))]
+            struct A;",
         ),
         ("gpu.rs", "use crate::cloud;"),
         ("no_gpu.rs", "use crate::app;"),
