@@ -43,7 +43,7 @@
 //! | `fuzzing` | readers for the targets in `fuzz/` |
 //!
 //! Features of the package: `window` brings [`app`], `bench` [`mod@bench`], `gpu` [`render::gpu`], `sqlite` recordings
-//! in SQLite. What is absent from a build has a stand-in (`no_*.rs`) that says so.
+//! in `SQLite`. What is absent from a build has a stand-in (`no_*.rs`) that says so.
 
 #![cfg_attr(
     not(all(feature = "sqlite", feature = "window")),
