@@ -27,9 +27,11 @@ pub fn read_cameras(path: &Path) {
                 CameraMessage::Image | CameraMessage::CompressedImage => {
                     let _ = read_image(path, message, topic.kind, &options);
                 }
-                CameraMessage::CameraInfo => drop(read_parsed(path, message, &options, camera_info)),
+                CameraMessage::CameraInfo => {
+                    let _ = read_parsed(path, message, &options, camera_info);
+                }
                 CameraMessage::StaticTransforms | CameraMessage::Transforms => {
-                    drop(read_parsed(path, message, &options, links));
+                    let _ = read_parsed(path, message, &options, links);
                 }
                 CameraMessage::Extrinsics => {
                     let place = read_parsed(path, message, &options, extrinsics);

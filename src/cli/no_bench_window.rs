@@ -1,5 +1,10 @@
 //! In place of the suite that opens a window, in a build without one.
 
+#![allow(
+    clippy::needless_pass_by_value,
+    reason = "functions take what those of the real module take"
+)]
+
 use super::usage::UsageError;
 use crate::bench::{BenchOptions, Input, Report};
 use crate::scene::RendererChoice;

@@ -3,6 +3,11 @@
 //! Types without a value have the functions by which the rest of the program asks the real ones, so that nobody else
 //! needs to know which build this is.
 
+#![allow(
+    clippy::needless_pass_by_value,
+    reason = "functions take what those of the real module take"
+)]
+
 use super::{PassTimes, RenderError, RenderStats, Renderer};
 use crate::rgbd::DepthFrame;
 use crate::scene::ScenePacket;
