@@ -328,7 +328,7 @@ fn what_stands_in_for_a_module_is_read_by_its_own_name() {
     assert_eq!(
         files,
         [
-            ("".into(), "lib.rs"),
+            (String::new(), "lib.rs"),
             ("gpu".into(), "gpu.rs"),
             ("no_gpu".into(), "no_gpu.rs")
         ]
