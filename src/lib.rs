@@ -40,10 +40,21 @@
 //! | [`serve`] | a sequence file by HTTP, any sequence as a live stream |
 //! | [`app`] | the window |
 //! | [`cli`] | the command line |
+//! | `fuzzing` | readers for the targets in `fuzz/` |
+//!
+//! Features of the package: `window` brings [`app`], `bench` [`mod@bench`], `gpu` [`render::gpu`], `sqlite` recordings
+//! in `SQLite`. What is absent from a build has a stand-in (`no_*.rs`) that says so.
+
+#![cfg_attr(
+    not(all(feature = "sqlite", feature = "window")),
+    allow(dead_code, unused_imports, reason = "the core is made for the whole program")
+)]
 
 pub mod analysis;
+#[cfg(feature = "window")]
 pub mod app;
 pub mod assumption;
+#[cfg(feature = "bench")]
 pub mod bench;
 mod binary;
 pub mod check;
@@ -52,6 +63,9 @@ pub mod cloud;
 pub mod convert;
 pub mod deadlines;
 pub mod export;
+#[cfg(feature = "fuzzing")]
+#[doc(hidden)]
+pub mod fuzzing;
 pub mod headless;
 pub mod io;
 mod kept;

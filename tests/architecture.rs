@@ -2,7 +2,7 @@
 //!
 //! - A room, which is a module of the root, never names one to its right; see the table in `src/lib.rs`. Comments and
 //!   tests count as well.
-//! - `wgpu` and `egui` are named only where a list says so.
+//! - `wgpu` and `egui` are named only where a list says so, and a build without their features has neither.
 //! - Files that import one another are a *knot*. A name counts for the file that defines it, whatever re-exports it is
 //!   reached through; so a parent that only declares or re-exports a child does not import it, and a child that takes
 //!   what its parent re-exports imports the sibling. Comments, tests, and what is reached without being named (methods
@@ -11,6 +11,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "architecture/features.rs"]
+mod features;
 #[path = "architecture/knots.rs"]
 mod knots;
 #[path = "architecture/known.rs"]
@@ -62,7 +64,7 @@ const ORDER: &[&[&str]] = &[
     &["playback"],
     &["render"],
     &["headless"],
-    &["export", "bench", "check", "convert", "serve"],
+    &["export", "bench", "check", "convert", "serve", "fuzzing"],
     &["app"],
     &["cli"],
 ];

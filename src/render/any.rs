@@ -77,12 +77,10 @@ impl AnyRenderer {
         }
     }
 
-    /// Waits for uploads and pictures that were asked for. Copies out of mapped memory are carried out with the next
-    /// submission.
+    /// Waits for uploads and pictures that were asked for.
     pub fn wait(&self) -> Result<(), RenderError> {
         if let Self::Gpu(renderer) = self {
-            renderer.context().queue.submit([]);
-            renderer.context().wait()?;
+            renderer.context().wait_for_uploads()?;
         }
         Ok(())
     }
