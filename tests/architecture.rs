@@ -58,6 +58,7 @@ const ORDER: &[&[&str]] = &[
     &["timeline"],
     &["sequence"],
     &["scene"],
+    &["composition"],
     &["session"],
     &["playback"],
     &["render"],
