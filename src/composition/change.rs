@@ -18,23 +18,6 @@ pub(super) const STAGE: Stage = Stage {
     step,
 };
 
-/// Colours by the distance to another pose.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ChangeColors {
-    /// How many frames later that is; negative for earlier.
-    pub step: i64,
-    /// The distance in the last colour, scene units; that which 99 % of the points do not exceed if `None`.
-    pub range: Option<f64>,
-}
-
-impl ChangeColors {
-    /// The frame that `index` is compared with; `None` where a sequence of so many has no such frame.
-    pub fn other_frame(&self, index: usize, frame_count: usize) -> Option<usize> {
-        let other = i64::try_from(index).ok()?.checked_add(self.step)?;
-        usize::try_from(other).ok().filter(|&other| other < frame_count)
-    }
-}
-
 #[derive(Debug)]
 struct ChangeStep {
     to: usize,
@@ -120,20 +103,5 @@ impl Step for ChangeStep {
             Err(reason) => composed.problems.push(Problem::OtherUnread { frame, reason }),
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_other_frame_is_one_of_the_sequence() {
-        let with = |step| ChangeColors { step, range: None };
-        assert_eq!(with(1).other_frame(3, 5), Some(4));
-        assert_eq!(with(2).other_frame(3, 5), None);
-        assert_eq!(with(-3).other_frame(3, 5), Some(0));
-        assert_eq!(with(-4).other_frame(3, 5), None);
-        assert_eq!(with(i64::MAX).other_frame(3, 5), None);
     }
 }

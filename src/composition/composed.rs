@@ -1,9 +1,8 @@
 //! A frame on its way through the stages.
 
-use super::levels::Coarse;
 use crate::measure::Change;
 use crate::messages::frame_with_index;
-use crate::scene::PhotoDepths;
+use crate::scene::{PhotoDepths, Style};
 use crate::sequence::{FrameError, PreparedFrame};
 use std::sync::Arc;
 
@@ -45,6 +44,15 @@ impl Composed {
         let index = *self.frame.frame.file_index().get(slot)? as usize;
         (index < self.pose.points.len()).then_some(index)
     }
+}
+
+/// A frame with levels of detail, and settings that draw it by these.
+#[derive(Debug, Clone)]
+pub struct Coarse {
+    /// The same points as those of the frame that it stands for.
+    pub frame: Arc<PreparedFrame>,
+    /// See [`in_cells`](super::in_cells).
+    pub style: Style,
 }
 
 /// Distances to another frame, as they are drawn.

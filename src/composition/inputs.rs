@@ -1,6 +1,6 @@
 //! All that stages take.
 
-use super::levels::Coarse;
+use super::composed::Coarse;
 use super::options::ComposeOptions;
 use crate::measure::Change;
 use crate::photos::LoadedPhotographs;

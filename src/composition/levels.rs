@@ -1,13 +1,12 @@
 //! Levels of detail in place of all points, while the camera moves.
 
-use super::composed::{Composed, Problem};
+use super::composed::{Coarse, Composed, Problem};
 use super::inputs::Inputs;
 use super::step::{Lane, Stage, Step, same_stage};
 use crate::cloud::CloudError;
 use crate::levels::Lod;
 use crate::progress::Progress;
 use crate::scene::Style;
-use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
 /// The row of the list.
@@ -16,15 +15,6 @@ pub(super) const STAGE: Stage = Stage {
     lane: Lane::View,
     step,
 };
-
-/// A frame with levels of detail, and settings that draw it by these.
-#[derive(Debug, Clone)]
-pub struct Coarse {
-    /// The same points as those of the frame that it stands for.
-    pub frame: Arc<PreparedFrame>,
-    /// See [`in_cells`].
-    pub style: Style,
-}
 
 /// The same settings, by as many cells of the octree as can be drawn in `frame_ms`.
 #[must_use]

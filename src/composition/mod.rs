@@ -13,8 +13,8 @@
 //!
 //! **How it works.** A stage looks at the [`Inputs`] and gives a [`Step`] where it applies: all that it takes for one
 //! frame, held by identity. Whoever waits ([`compose`]: headless pictures, exports, thumbnails) runs stage after stage.
-//! The window gathers the steps of one [`Lane`] into a [`Request`], starts it on a task if it differs from the last one,
-//! and shows the plain pose meanwhile.
+//! The window gathers the steps of one [`Lane`] into a [`Request`], starts it on a task if it differs from the last
+//! one, and shows the plain pose meanwhile.
 //!
 //! A stage that is new is a file with its [`Step`], a row in `stages.rs`, and what it takes in [`ComposeOptions`].
 
@@ -27,6 +27,7 @@ mod in_view;
 mod inputs;
 mod levels;
 mod onion;
+mod onion_skin;
 mod options;
 mod packet;
 mod photographs;
@@ -35,19 +36,18 @@ mod stages;
 mod step;
 mod trails;
 
-pub use change::ChangeColors;
-pub use composed::{Composed, Measured, Problem};
+pub use composed::{Coarse, Composed, Measured, Problem};
 pub use composer::{Request, compose, with_stand_ins};
 pub use drawable::can_draw;
 pub use ghosts::{Ghost, with_ghosts};
 pub use in_view::ViewOfFrame;
 pub use inputs::{Frames, Inputs, StandIns, WholeFrame};
-pub use levels::{Coarse, has_moving_levels, in_cells};
-pub use onion::OnionSkin;
-pub use options::ComposeOptions;
+pub use levels::{has_moving_levels, in_cells};
+pub use onion_skin::OnionSkin;
+pub use options::{ChangeColors, ComposeOptions, TrailLook};
 pub use packet::{Drawn, PictureView, packet};
 pub use photographs::{DepthsAhead, PHOTOGRAPH_BYTES, PhotographsStep, on_surface, photographs_apply};
 pub use points_in_view::points_in_view;
 pub use stages::STAGES;
 pub use step::{Lane, Stage, Step};
-pub use trails::{BreakReason, TrailBreak, TrailLook, TrailMeasure, TrailRequest, Trails};
+pub use trails::{BreakReason, TrailBreak, TrailMeasure, TrailRequest, Trails};

@@ -5,7 +5,7 @@ use crate::app::drawing::Drawing;
 use crate::app::features::comparison::PicturePair;
 use crate::app::features::photos::Photos;
 use crate::app::meter::Redraw;
-use crate::composition::{Composed, PictureView};
+use crate::composition::{Composed, PictureView, photographs_apply};
 use crate::render::RenderStats;
 use crate::scene::{Primitive, ScenePacket, Style};
 use crate::sequence::PreparedFrame;
@@ -54,8 +54,10 @@ impl State {
         }
         let origin = player.sequence().origin();
         let mut style = self.drawn_style();
-        let waits_for_surface = self.waits_for_surface(&style);
+        let shows_photographs = photographs_apply(&self.temporal.options(), &style);
+        let waits_for_surface = shows_photographs && self.waits_for_surface(&style);
         let set = Photos::set_of(player);
+        let set = set.filter(|_| shows_photographs);
         let photographed = self.photos.drawn(&composed.frame, set.as_ref(), &style);
         if self.style.primitive == Primitive::Auto && waits_for_surface && photographed.is_none() {
             // A few thousand points are no surface before it is found.

@@ -14,7 +14,6 @@ mod tube;
 
 pub use breaks::{BreakReason, TrailBreak};
 pub(super) use stage::STAGE;
-pub use stage::TrailLook;
 
 use crate::cloud::even_places;
 use crate::progress::Progress;

@@ -5,6 +5,7 @@ use crate::cloud::CloudError;
 use crate::composition::composed::{Composed, Problem};
 use crate::composition::ghosts::{Ghost, with_ghosts};
 use crate::composition::inputs::Inputs;
+use crate::composition::options::TrailLook;
 use crate::composition::step::{Lane, Stage, Step, same_stage};
 use crate::levels::LevelsKey;
 use crate::levels::octree::StopCriterion;
@@ -22,31 +23,6 @@ pub(in crate::composition) const STAGE: Stage = Stage {
 
 /// Radius of trails, as a share of that of the frame.
 const TRAIL_RADIUS: f32 = 0.003;
-
-/// How a trail is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct TrailLook {
-    /// Which one.
-    pub trail: usize,
-    /// Its colour; what is still to come is half as bright.
-    pub tint: [u8; 3],
-    /// Only so many frames before the shown one; all of them, and those to come, if `None`.
-    pub length: Option<usize>,
-}
-
-impl TrailLook {
-    /// The colour of trails of picked points.
-    pub const PICKED_TINT: [u8; 3] = [255, 190, 60];
-
-    /// All of a trail of a picked point.
-    pub fn picked(trail: usize) -> Self {
-        Self {
-            trail,
-            tint: Self::PICKED_TINT,
-            length: None,
-        }
-    }
-}
 
 /// Trails for a pose.
 #[derive(Debug)]
