@@ -29,6 +29,7 @@
 //! | [`timeline`] | which frame is due when: the clock, its pace and the range that plays |
 //! | [`sequence`] | frames prepared ahead of the playhead within a byte budget |
 //! | [`scene`] | camera, settings, the [`scene::ScenePacket`] that holds all that one picture needs, and what is under its pixels |
+//! | [`composition`] | the stages from a frame to the packet of its picture: other poses, photographs, levels |
 //! | [`session`] | session files: all that a person made around a sequence |
 //! | [`playback`] | the playhead: which frame is due, which is shown, with how many points |
 //! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
@@ -60,6 +61,7 @@ mod binary;
 pub mod check;
 pub mod cli;
 pub mod cloud;
+pub mod composition;
 pub mod convert;
 pub mod deadlines;
 pub mod export;

@@ -60,6 +60,7 @@ const ORDER: &[&[&str]] = &[
     &["timeline"],
     &["sequence"],
     &["scene"],
+    &["composition"],
     &["session"],
     &["playback"],
     &["render"],

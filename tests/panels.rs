@@ -4,6 +4,8 @@
 #[path = "common/walk.rs"]
 mod walk;
 
+#[path = "panels/agreement.rs"]
+mod agreement;
 #[path = "panels/assumptions.rs"]
 mod assumptions;
 #[path = "panels/benchmark.rs"]

@@ -10,7 +10,7 @@ use super::sources::{OutputKind, check_outputs, check_replaced, write_text};
 use super::video::render_video;
 use super::warnings;
 use crate::assumption::Subject;
-use crate::export::{Dressed, FRAME_PLACEHOLDER, PictureFormat, numbered, write_picture, write_png};
+use crate::export::{FRAME_PLACEHOLDER, PictureFormat, numbered, write_picture, write_png};
 use crate::headless::{Headless, PictureStats};
 use crate::messages::frame_with_index;
 use crate::render::AnyRenderer;
@@ -197,7 +197,7 @@ fn render_frames(
     let _new_folder = make_folder(output, count)?;
     let look = headless.first_look()?;
     let range = FrameRange { first, last };
-    let poses = arguments.poses.poses(range, headless, style)?;
+    let options = arguments.poses.options(range, headless, style)?;
     let mut failed = Vec::new();
     // One camera for the whole range: poses stay comparable.
     let mut camera: Option<Camera> = None;
@@ -220,7 +220,8 @@ fn render_frames(
             let named = frame_with_index(index, count);
             warnings::warn_of_frame(&format!("{named} has no triangles: its points are drawn"));
         }
-        let Dressed { frame, problems } = poses.dress(&frame, headless, style)?;
+        let (composed, problems) = headless.compose(&frame, &options, style)?;
+        let frame = composed.frame;
         for problem in problems {
             warnings::warn_of_frame(&problem);
         }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::cloud::{Positions, RawCloud};
 use crate::progress::Progress;
+use crate::scene::Primitive;
 use crate::sequence::FrameEntry;
 use crate::source::{About, Capabilities, Decoder, Growth, Source};
 use std::collections::BTreeSet;

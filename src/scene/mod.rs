@@ -15,7 +15,6 @@ mod gaps;
 mod gauge;
 mod ground;
 mod halo;
-mod in_view;
 mod labels;
 mod legend;
 mod lights;
@@ -55,7 +54,6 @@ pub(crate) use gaps::{GAP_ONE_SURFACE, GAP_SOLID, GAPS_PER_SLIT, GAPS_PER_SPECK,
 pub use gauge::Gauge;
 pub use ground::{GroundPlane, SeenGround};
 pub use halo::halo_px;
-pub use in_view::points_in_view;
 pub use labels::{Label, LabelOnPicture, MAX_LABEL_CHARS, labels_on_picture};
 pub use legend::{Legend, LegendBody, field_title};
 pub use lights::{Lamp, Lights};

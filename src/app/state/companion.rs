@@ -1,12 +1,12 @@
 //! A second sequence beside the open one: opening and closing it, its pictures, its share of the memory.
 
 use super::State;
-use crate::app::drawing::DrawnFrame;
 use crate::app::features::beside::{Beside, Layout};
 use crate::app::sequence_name::name_of;
 use crate::app::side::Side;
 use crate::app::widgets::numbers::significant;
 use crate::app::work::tasks::close;
+use crate::composition::{Composed, PictureView};
 use crate::math::Aabb;
 use crate::playback::{Companion, PlayerChange};
 use crate::scene::ScenePacket;
@@ -213,16 +213,13 @@ impl State {
         if self.viewport.other_size_px.contains(&0) {
             return None;
         }
-        let drawn = DrawnFrame {
-            frame: Arc::clone(frame),
-            pose: Arc::clone(frame),
+        let view = PictureView {
+            camera: &self.camera,
             origin: beside.companion.sequence().origin(),
-            depths: None,
+            size_px: self.viewport.other_size_px,
         };
-        let size_px = self.viewport.other_size_px;
-        let packet = beside
-            .drawing
-            .next_packet(drawn, &self.camera, &style, size_px, self.now)?;
+        let composed = Composed::of(Arc::clone(frame));
+        let packet = beside.drawing.next_packet(composed, &view, &style, self.now)?;
         beside.note_change(self.now);
         Some(packet)
     }

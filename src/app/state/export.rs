@@ -7,8 +7,9 @@ use crate::app::features::export::{ExportEnded, ExportSubject, Exportable};
 use crate::app::open_panels::PanelId;
 use crate::app::work::files::picture_folder;
 use crate::app::work::works::WorkKind;
+use crate::composition::ComposeOptions;
 use crate::convert::SourceFiles;
-use crate::export::{ChangeColors, ExportError, PictureSize, Poses, VideoFormat};
+use crate::export::{ExportError, PictureSize, VideoFormat};
 use crate::playback::Player;
 use crate::scene::CameraPath;
 use crate::sequence::LoaderOptions;
@@ -101,7 +102,7 @@ impl State {
         Some(ExportJob {
             sequence: Arc::clone(player.sequence()),
             style: self.style_of_export(),
-            poses: self.poses_of_export(),
+            options: self.compose_options(),
             labels: self.labels.shown(),
             shows: self.shown_by_export(player)?,
             per_second: export.per_second,
@@ -140,16 +141,12 @@ impl State {
     }
 
     /// What other poses add to the picture on the screen. Trails that are still being found are not there yet.
-    fn poses_of_export(&self) -> Poses {
-        let change = Some(self.temporal.change).filter(|change| change.is_on);
-        Poses {
-            change: change.map(|change| ChangeColors {
-                step: change.step,
-                range: change.range,
-            }),
-            onion: Some(self.temporal.onion).filter(|onion| onion.is_on),
-            trails: self.trails.found().map(|trails| (trails.clone(), self.trails.looks())),
+    fn compose_options(&self) -> ComposeOptions {
+        let trails = self.trails.found();
+        ComposeOptions {
+            trails: trails.map(|trails| (Arc::new(trails.clone()), self.trails.looks())),
             left_out_photos: self.photos.left_out(),
+            ..self.temporal.options()
         }
     }
 

@@ -11,9 +11,9 @@ pub(in crate::app) mod panel;
 pub use pair::{PictureDifference, PicturePair};
 
 use crate::app::side::Side;
-use crate::scene::{Camera, Scene, ScenePacket, Style};
+use crate::composition::{Drawn, PictureView, packet};
+use crate::scene::{Scene, ScenePacket, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
-use glam::DVec3;
 use std::sync::Arc;
 
 /// Another way to draw beside that of the window.
@@ -48,10 +48,8 @@ impl Comparison {
     pub(in crate::app) fn next_packet(
         &mut self,
         frame: &PreparedFrame,
-        origin: DVec3,
-        camera: &Camera,
+        view: &PictureView<'_>,
         style: &Style,
-        viewport_px: [u32; 2],
     ) -> Option<ScenePacket> {
         let photographs = |frame: &PreparedFrame| frame.photographs.as_ref().map(Arc::as_ptr);
         let is_known =
@@ -59,7 +57,7 @@ impl Comparison {
         let known = self.frame.take().filter(is_known);
         let needs = Scene::needs(style);
         let frame = complete(known.as_ref().unwrap_or(frame), &needs, &PrepareCounters::default());
-        let packet = self.scene.packet(&frame, origin, camera, style, viewport_px);
+        let packet = packet(&mut self.scene, Drawn::from(&frame), view, style);
         self.frame = Some(frame);
         if self.packet.as_ref() == Some(&packet) {
             return None;

@@ -2,7 +2,8 @@
 
 use super::plan;
 use crate::app::work::works::Progress;
-use crate::export::{ExportError, PictureSize, Poses, Video, export_video, write_picture_observed};
+use crate::composition::ComposeOptions;
+use crate::export::{ExportError, PictureSize, Video, export_video, write_picture_observed};
 use crate::headless::{Headless, HeadlessError};
 use crate::render::AnyRenderer;
 use crate::scene::{Camera, CameraPath, Label, Style};
@@ -35,8 +36,8 @@ pub(in crate::app) enum Shows {
 pub(in crate::app) struct ExportJob {
     pub(in crate::app) sequence: Arc<Sequence>,
     pub(in crate::app) style: Style,
-    /// What other poses add to each picture.
-    pub(in crate::app) poses: Poses,
+    /// Additions to each pose.
+    pub(in crate::app) options: ComposeOptions,
     /// Texts at points.
     pub(in crate::app) labels: Arc<Vec<Label>>,
     pub(in crate::app) shows: Shows,
@@ -69,7 +70,7 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
     let ExportJob {
         sequence,
         style,
-        poses,
+        options,
         labels,
         shows,
         per_second,
@@ -79,21 +80,22 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
         budget_bytes,
     } = job;
     let defaults = LoaderOptions::default();
-    let options = LoaderOptions {
+    let loader_options = LoaderOptions {
         // The other half is the window's.
         workers: defaults.workers.div_ceil(2),
         budget_bytes,
         ..defaults
     };
-    let loader = Loader::new(Arc::clone(&sequence), options)?;
+    let loader = Loader::new(Arc::clone(&sequence), loader_options)?;
     let renderer = AnyRenderer::open(style.drawing.renderer)?;
     let mut headless = Headless::new(sequence, loader, renderer);
     headless.set_labels(labels);
     let path = match shows {
         Shows::Picture { camera, frame } => {
             let pose = headless.frame(frame, &style);
-            let dressed = pose.and_then(|pose| poses.dress(&pose, &headless, &style));
-            let shown = dressed.map_err(HeadlessError::from)?.frame;
+            let composed = pose.and_then(|pose| headless.compose(&pose, &options, &style));
+            let (composed, _) = composed.map_err(HeadlessError::from)?;
+            let shown = composed.frame;
             let file = (output.as_path(), progress);
             write_picture_observed(&mut headless, &shown, &camera, &style, size, file)?;
             return Ok(Exported {
@@ -114,7 +116,7 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
     let video = Video {
         path: &path,
         style: &style,
-        poses: &poses,
+        options: &options,
         size,
         per_second,
         speed: 1.0,

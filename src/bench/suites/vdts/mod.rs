@@ -25,7 +25,7 @@ use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, OptionGroup, Suite};
 use crate::bench::truth_cache::TruthCache;
 use crate::bench::{BenchError, Quantiles};
-use crate::headless::PHOTOGRAPH_BYTES;
+use crate::composition::PHOTOGRAPH_BYTES;
 use crate::measure::{SizeMismatch, flip, mean_squared_error, psnr_db};
 use crate::photos::{LoadedPhotographs, Photograph, Photographs};
 use crate::render::AnyRenderer;

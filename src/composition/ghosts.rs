@@ -1,12 +1,12 @@
-//! Poses in other colours, and with others around them: frames made from frames.
+//! Frames merged into one.
 //!
-//! **Ghosts** (onion skin). Neighbouring poses become points of the same frame: some of their points, evenly taken, in
+//! **Ghosts.** Other poses become points of the same frame: some of their points, evenly taken, in
 //! a tint. Which share of them says how faint a ghost is: a screen door in place of blending, which every renderer and
 //! every primitive draws alike, as blended surfels have no order and voxels no transparency. The indices in the file of
 //! the merged frame lead back: those below the number of the pose's points are its slots, all others are ghosts.
 
-use super::{ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, prepare};
 use crate::cloud::{CloudError, Frame, Positions, RawCloud, ShapeRecord, decode_ellipse, oct_decode};
+use crate::sequence::{ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, prepare};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -19,6 +19,13 @@ pub struct Ghost {
     pub share: f32,
     /// Its colour, 8-bit red, green and blue; points that are dark are drawn darker.
     pub tint: [u8; 3],
+}
+
+/// Equal if they are the same allocation in the same look.
+impl PartialEq for Ghost {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.frame, &other.frame) && self.share == other.share && self.tint == other.tint
+    }
 }
 
 impl Ghost {

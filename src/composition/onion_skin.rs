@@ -1,4 +1,4 @@
-//! Onion skin: which neighbouring poses are drawn around one, and how faint.
+//! Onion skin: neighbouring poses around one, and how faint.
 
 /// Past poses are warm, those to come are cool.
 const PAST_TINT: [u8; 3] = [255, 150, 60];

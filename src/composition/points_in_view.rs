@@ -9,8 +9,8 @@
 //! **When it wins.** It costs one read of the positions, and what is estimated afterwards depends on the picture alone:
 //! surfels of a view take the same time for any number of points.
 
-use super::{Clip, ViewTransform};
 use crate::cloud::even_places;
+use crate::scene::{Clip, ViewTransform};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -133,5 +133,5 @@ impl<'a> PixelGrid<'a> {
 }
 
 #[cfg(test)]
-#[path = "in_view_tests.rs"]
+#[path = "points_in_view_tests.rs"]
 mod tests;

@@ -9,13 +9,15 @@
 
 mod breaks;
 mod order;
+mod stage;
 mod tube;
 
 pub use breaks::{BreakReason, TrailBreak};
+pub(super) use stage::STAGE;
 
-use super::{FrameError, PreparedFrame, Sequence};
 use crate::cloud::even_places;
 use crate::progress::Progress;
+use crate::sequence::{FrameError, PreparedFrame, Sequence};
 use glam::{DVec3, Vec3};
 use order::{WITNESSES, keeps_order};
 use std::collections::BTreeMap;
