@@ -18,7 +18,7 @@ use std::fs;
 /// Nothing in it is as in a new window.
 fn unusual() -> Preferences {
     Preferences {
-        settings: Style {
+        settings: Settings {
             primitive: Primitive::Voxel,
             colors: Coloring::of(ColorSource::Scalar(None)),
             surfels: SurfelStyle {
@@ -304,7 +304,7 @@ proptest! {
 fn each_value_is_read_by_itself() {
     let whole = of_version_6();
     let default = Preferences::default();
-    let with = |change: fn(&mut Style)| {
+    let with = |change: fn(&mut Settings)| {
         let mut preferences = whole;
         change(&mut preferences.settings);
         preferences

@@ -46,8 +46,8 @@ const OF_VERSION_1: &str = r#"{
   ]
 }"#;
 
-fn of_version_1() -> Style {
-    Style {
+fn of_version_1() -> Settings {
+    Settings {
         primitive: Primitive::Voxel,
         colors: Coloring::of(ColorSource::Scalar(None)),
         surfels: SurfelStyle {
@@ -155,7 +155,7 @@ fn files_of_version_1_are_read_as_they_were_meant() {
 #[test]
 fn each_value_is_read_by_itself() {
     let whole = of_version_1();
-    let default = Style::default();
+    let default = Settings::default();
     let scale = |splat_scale| whole.with(|style| style.surfels.splat_scale = splat_scale);
     let cases = [
         ("\"splat_scale\": 1.25,", "", scale(1.0), true),
@@ -165,7 +165,7 @@ fn each_value_is_read_by_itself() {
         (
             "\"voxel\"",
             "\"cone\"",
-            Style {
+            Settings {
                 primitive: default.primitive,
                 ..whole
             },
@@ -183,7 +183,7 @@ fn each_value_is_read_by_itself() {
         let changed = OF_VERSION_1.replacen(from, to, 1);
         assert_ne!(changed, OF_VERSION_1, "{from}");
         let (folder, presets) = read_of(&changed);
-        let read: Vec<Style> = presets.list().iter().map(|p| p.settings).collect();
+        let read: Vec<Settings> = presets.list().iter().map(|p| p.settings).collect();
         assert_eq!(read, [settings], "{to}");
         assert_eq!(presets.problem().is_none(), is_whole, "{to}");
         let files = std::fs::read_dir(folder.path()).unwrap().count();
@@ -205,7 +205,7 @@ fn what_cannot_be_read_is_copied_before_it_is_written_over() {
         let (folder, mut presets) = read_of(&damaged);
         assert!(presets.list().is_empty(), "{damaged}");
         assert!(presets.problem().unwrap().contains("presets.json.unreadable"));
-        presets.save("new", Style::default()).unwrap();
+        presets.save("new", Settings::default()).unwrap();
         let copy = std::fs::read_to_string(folder.path().join("presets.json.unreadable"));
         assert_eq!(copy.unwrap(), damaged);
         assert_eq!(Presets::load_from(&folder.path().join("presets.json")).list().len(), 1);

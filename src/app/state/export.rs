@@ -101,6 +101,7 @@ impl State {
         Some(ExportJob {
             sequence: Arc::clone(player.sequence()),
             style: self.style_of_export(),
+            renderer: self.main.renderer(self.style.drawing.renderer),
             poses: self.poses_of_export(),
             labels: self.labels.shown(),
             shows: self.shown_by_export(player)?,

@@ -11,7 +11,7 @@ pub(in crate::app) mod panel;
 pub use pair::{PictureDifference, PicturePair};
 
 use crate::app::side::Side;
-use crate::scene::{Camera, Scene, ScenePacket, Style};
+use crate::scene::{Camera, Scene, ScenePacket, Settings, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use glam::DVec3;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Comparison {
     /// How the side draws that is not edited.
-    pub other: Style,
+    pub other: Settings,
     /// The side that the settings of the window are of.
     pub edited: Side,
     /// Both pictures.
@@ -33,7 +33,7 @@ pub struct Comparison {
 
 impl Comparison {
     /// The same settings on both sides; the right one is edited.
-    pub(in crate::app) fn new(style: Style) -> Self {
+    pub(in crate::app) fn new(style: Settings) -> Self {
         Self {
             other: style,
             edited: Side::B,

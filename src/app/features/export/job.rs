@@ -5,7 +5,7 @@ use crate::app::work::works::Progress;
 use crate::export::{ExportError, PictureSize, Poses, Video, export_video, write_picture_observed};
 use crate::headless::{Headless, HeadlessError};
 use crate::render::AnyRenderer;
-use crate::scene::{Camera, CameraPath, Label, Style};
+use crate::scene::{Camera, CameraPath, Choice, Label, RendererChoice, Style};
 use crate::sequence::{Loader, LoaderOptions, Sequence};
 use crate::timeline::Clock;
 use std::path::PathBuf;
@@ -35,6 +35,8 @@ pub(in crate::app) enum Shows {
 pub(in crate::app) struct ExportJob {
     pub(in crate::app) sequence: Arc<Sequence>,
     pub(in crate::app) style: Style,
+    /// Who is to draw.
+    pub(in crate::app) renderer: Choice<RendererChoice>,
     /// What other poses add to each picture.
     pub(in crate::app) poses: Poses,
     /// Texts at points.
@@ -69,6 +71,7 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
     let ExportJob {
         sequence,
         style,
+        renderer,
         poses,
         labels,
         shows,
@@ -86,7 +89,7 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
         ..defaults
     };
     let loader = Loader::new(Arc::clone(&sequence), options)?;
-    let renderer = AnyRenderer::open(style.drawing.renderer)?;
+    let renderer = AnyRenderer::open(renderer)?;
     let mut headless = Headless::new(sequence, loader, renderer);
     headless.set_labels(labels);
     let path = match shows {

@@ -6,7 +6,7 @@ use crate::kept;
 use crate::progress::Progress;
 use crate::render::cpu::CpuRenderer;
 use crate::render::{RenderError, Renderer as _};
-use crate::scene::{Background, Camera, Content, Primitive, ScenePacket, Style};
+use crate::scene::{Background, Camera, Content, PacketParams, Primitive, ScenePacket, Style};
 use crate::sequence::{
     ColorHints, Coloring, Detail, FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, prepare,
 };
@@ -128,6 +128,7 @@ fn draw(frame: &PreparedFrame, camera: &Camera, origin: DVec3) -> Result<ColorIm
         ground: None,
         photographs: None,
         bounds: frame.frame.bounds(),
+        params: PacketParams::default(),
     };
     let mut renderer = CpuRenderer::new();
     renderer.prepare(&packet)?;
