@@ -164,7 +164,7 @@ mod tests {
         history.note(&scaled(3.0), false, at(4400));
         history.note(&scaled(4.0), false, at(4800));
         let mut points = scaled(4.0);
-        points.style.primitive = Primitive::Point;
+        points.style.primitive = Primitive::Point.into();
         history.note(&points, false, at(4900));
         let undone: Vec<_> = std::iter::from_fn(|| history.undo()).collect();
         assert_eq!(undone, [4.0, 1.5, 1.4, 1.0].map(scaled));

@@ -153,12 +153,12 @@ mod tests {
     fn a_word_that_is_short_for_several_settings_gives_way_to_what_is_given_of_them() {
         let of = |style: Settings| (style.primitive, style.surfels.filter);
         let short = ["--primitive", "ewa"];
-        assert_eq!(of(style_of(&short)), (Primitive::Surfel, SplatFilter::Ewa));
+        assert_eq!(of(style_of(&short)), (Primitive::Surfel.into(), SplatFilter::Ewa));
         for arguments in [
             ["--primitive", "ewa", "--splat-filter", "none"],
             ["--splat-filter", "none", "--primitive", "ewa"],
         ] {
-            assert_eq!(of(style_of(&arguments)), (Primitive::Surfel, SplatFilter::Off));
+            assert_eq!(of(style_of(&arguments)), (Primitive::Surfel.into(), SplatFilter::Off));
         }
         let wrong = StyleArgs::augment_args(Command::new("pointreel"));
         let error = wrong

@@ -3,11 +3,11 @@
 use super::*;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
-    Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, Environment, EyeDome, Footprint,
-    LevelStructure, LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PhotoStyle,
-    PointStyle, RendererChoice, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    Antialiasing, BackFaces, Backdrop, Background, Choice, CodeStyle, DrawingSettings, Environment, Footprint,
+    LevelStructure, LevelStyle, LightSettings, Lighting, NormalBits, OffsetBits, OnOff, PhotoStyle, PointStyle,
+    RendererChoice, Splatting, Strategy, SurfelSettings, VoxelLight, VoxelStyle,
 };
-use crate::sequence::{ColorHints, ColorSource, Coloring};
+use crate::sequence::{ColorSource, Coloring};
 
 /// As version 0.1 wrote it when nothing was by default, and cut short.
 const OF_VERSION_1: &str = r#"{
@@ -48,14 +48,14 @@ const OF_VERSION_1: &str = r#"{
 
 fn of_version_1() -> Settings {
     Settings {
-        primitive: Primitive::Voxel,
+        primitive: Primitive::Voxel.into(),
         colors: Coloring::of(ColorSource::Scalar(None)),
-        surfels: SurfelStyle {
+        surfels: SurfelSettings {
             splatting: Splatting::NoDepth,
             splat_scale: 1.25,
             enlargement: 3.5,
-            back_faces: BackFaces::Drawn,
-            ..SurfelStyle::default()
+            back_faces: BackFaces::Drawn.into(),
+            ..SurfelSettings::default()
         },
         points: PointStyle {
             size_px: 7.0,
@@ -77,9 +77,9 @@ fn of_version_1() -> Settings {
             normal_bits: NormalBits::Fifteen,
             offset_bits: OffsetBits::Two,
         },
-        light: LightStyle {
-            lighting: Lighting::PerVertex,
-            rig: LightRig::Auto,
+        light: LightSettings {
+            lighting: Lighting::PerVertex.into(),
+            rig: Choice::Auto,
             metallic: 0.0,
             roughness: 0.5,
             environment: Environment::Studio,
@@ -87,7 +87,7 @@ fn of_version_1() -> Settings {
             ao: OnOff::Off,
             ao_strength: 1.0,
             ao_radius: 1.0,
-            eye_dome: EyeDome::Auto,
+            eye_dome: Choice::Auto,
             eye_dome_strength: 1.0,
         },
         photos: PhotoStyle::default(),
@@ -98,15 +98,9 @@ fn of_version_1() -> Settings {
                 bottom: [0, 16, 255],
             },
         },
-        of_sequence: OfSequence {
-            ground_box: None,
-            color_hints: ColorHints::default(),
-            point_spacing: 0.0,
-            has_photographs: false,
-            clip: None,
-        },
-        drawing: DrawingStyle {
-            renderer: RendererChoice::Cpu,
+        clip: None,
+        drawing: DrawingSettings {
+            renderer: RendererChoice::Cpu.into(),
             strategy: Strategy::Compute,
             resolution: 0.5,
             antialiasing: Antialiasing::None,

@@ -1,6 +1,6 @@
 //! Styles and their descriptions.
 
-use super::describe::Values;
+use super::describe::{Described, Value, Values};
 use super::*;
 use crate::analysis::ColorMap;
 use crate::levels::Lod;
