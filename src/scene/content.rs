@@ -325,3 +325,34 @@ impl CodedCells {
         self.cloud.level(level).len()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contents_are_equal_if_they_are_the_same_allocations() {
+        let surfels = || Surfels {
+            points: Arc::default(),
+            shapes: Arc::default(),
+        };
+        let voxels = || Voxels {
+            records: Arc::default(),
+            normals: Some(Arc::default()),
+            cube_edge: 1.0,
+        };
+        let all = || {
+            [
+                Content::Points(Arc::default()),
+                Content::Surfels(surfels()),
+                Content::Voxels(voxels()),
+            ]
+        };
+        assert_eq!(Content::Nothing, Content::Nothing);
+        for (content, other) in all().into_iter().zip(all()) {
+            assert_eq!(content, content.clone());
+            assert_ne!(content, other);
+            assert_ne!(content, Content::Nothing);
+        }
+    }
+}
