@@ -18,7 +18,7 @@ fn cube() -> Harness<'static, State> {
 /// The window with all frames there and points drawn as squares of 9 pixels.
 pub(super) fn in_squares(mut harness: Harness<'static, State>) -> Harness<'static, State> {
     harness.state_mut().style = Settings::default().with(|style| {
-        style.primitive = Primitive::Point;
+        style.primitive = Primitive::Point.into();
         style.points.size_px = 9.0;
     });
     load_all(harness.state_mut());
