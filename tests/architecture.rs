@@ -91,6 +91,12 @@ const MAY_NAME_WGPU: &[(&str, &str)] = &[
     ),
 ];
 
+/// Files and folders in which settings are decided: they alone of what is below the window may name an open choice.
+const MAY_LEAVE_OPEN: &[&str] = &["scene/style/", "scene/first_look/"];
+
+/// What draws, and what packets are made by.
+const DRAWS: &[&str] = &["scene/", "playback/", "render/", "headless", "export/"];
+
 /// Files and folders that may name `egui` or one of its companions.
 const MAY_NAME_EGUI: &[(&str, &str)] = &[("app/", "panels, and the window that they are in")];
 
@@ -193,6 +199,23 @@ fn assert_named_only_in(allowed: &[(&str, &str)], is_the_crate: impl Fn(&str) ->
 #[test]
 fn wgpu_is_named_by_the_renderer_and_the_windows_own_graphics() {
     assert_named_only_in(MAY_NAME_WGPU, |name| name == "wgpu");
+}
+
+#[test]
+fn nothing_that_draws_names_an_open_choice() {
+    let is_in = |file: &str, places: &[&str]| places.iter().any(|place| file.starts_with(place));
+    let files = rust_files();
+    let drawing: Vec<_> = files
+        .iter()
+        .filter(|(file, _)| is_in(file, DRAWS) && !is_in(file, MAY_LEAVE_OPEN))
+        .collect();
+    assert!(drawing.len() > 100, "{}", drawing.len());
+    let naming: Vec<_> = drawing
+        .iter()
+        .filter(|(_, text)| text.contains("::Auto"))
+        .map(|(file, _)| file)
+        .collect();
+    assert!(naming.is_empty(), "a style leaves nothing open: {naming:?}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What is known of the open sequence, and what was chosen for it.
 
 use crate::math::Aabb;
-use crate::scene::{Camera, FirstLook, Primitive, UpAxis};
+use crate::scene::{Camera, Choice, FirstLook, Primitive, UpAxis};
 use crate::sequence::Sequence;
 use std::sync::{Arc, Weak};
 
@@ -27,7 +27,7 @@ pub(in crate::app) struct SequenceLook {
     /// The view that followed from it.
     pub(in crate::app) view: Option<FirstView>,
     /// The primitive at the end of the last pass.
-    pub(in crate::app) primitive: Option<Primitive>,
+    pub(in crate::app) primitive: Option<Choice<Primitive>>,
 }
 
 /// A view that nobody has chosen.

@@ -4,7 +4,7 @@
 //! the change goes on: with the same button held, or the same fields within half a second of the change before.
 
 use crate::app::features::camera_path::Draft;
-use crate::scene::{Label, Style};
+use crate::scene::{Label, Settings};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,7 +19,7 @@ const MAX_ENTRIES: usize = 200;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Edited {
     /// The settings.
-    pub style: Style,
+    pub style: Settings,
     /// The camera path.
     pub path: Arc<Draft>,
     /// The labels.
@@ -135,7 +135,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn scaled(splat_scale: f32) -> Edited {
-        let style = Style::default().with(|style| style.surfels.splat_scale = splat_scale);
+        let style = Settings::default().with(|style| style.surfels.splat_scale = splat_scale);
         Edited {
             style,
             path: Arc::default(),
@@ -164,7 +164,7 @@ mod tests {
         history.note(&scaled(3.0), false, at(4400));
         history.note(&scaled(4.0), false, at(4800));
         let mut points = scaled(4.0);
-        points.style.primitive = Primitive::Point;
+        points.style.primitive = Primitive::Point.into();
         history.note(&points, false, at(4900));
         let undone: Vec<_> = std::iter::from_fn(|| history.undo()).collect();
         assert_eq!(undone, [4.0, 1.5, 1.4, 1.0].map(scaled));

@@ -9,7 +9,7 @@ use crate::messages::listed;
 use crate::printable;
 use crate::progress::Progress;
 use crate::render::gpu::{Context, ContextOptions};
-use crate::scene::RendererChoice;
+use crate::scene::{Choice, RendererChoice};
 use crate::sequence::OpenOptions;
 use crate::source::Generated;
 use anyhow::bail;
@@ -103,7 +103,7 @@ pub(super) struct BenchArgs {
 
     /// Who draws the pictures in it: auto, gpu or cpu
     #[arg(long, value_name = "RENDERER")]
-    renderer: Option<RendererChoice>,
+    renderer: Option<Choice<RendererChoice>>,
 
     #[arg(long, value_name = "N", value_parser = count, help = format!(
         "Directions from which each frame is seen [default: {}]",

@@ -14,7 +14,7 @@ use crate::export::{FRAME_PLACEHOLDER, PictureFormat, numbered, write_picture, w
 use crate::headless::{Headless, PictureStats};
 use crate::messages::frame_with_index;
 use crate::render::AnyRenderer;
-use crate::scene::{Camera, Primitive, Style};
+use crate::scene::{Camera, Primitive, Settings, Style};
 use crate::sequence::{ColorSource, Loader, LoaderOptions};
 use crate::session::Session;
 use crate::temporary::Temporary;
@@ -80,7 +80,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         check_outputs(&sequence, names, OutputKind::Picture)?;
     }
     check_outputs(&sequence, arguments.stats.clone().into_iter(), OutputKind::Json)?;
-    let of_session = session.as_ref().map_or_else(Style::default, Session::style);
+    let of_session = session.as_ref().map_or_else(Settings::default, Session::style);
     let style = arguments.picture.style_over(of_session);
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;
     let renderer = AnyRenderer::open(style.drawing.renderer)?;
@@ -89,10 +89,10 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         headless.set_labels(Arc::new(session.labels));
     }
     let look = headless.first_look()?;
-    if let Some(lack) = look.lack_of(style.primitive) {
+    if let Some(lack) = style.primitive.chosen().and_then(|primitive| look.lack_of(primitive)) {
         warnings::warn(&lack);
     }
-    let chooses_primitive = style.primitive != Primitive::Auto;
+    let chooses_primitive = !style.primitive.is_open();
     let chooses_colors = style.colors.source != ColorSource::Auto;
     let style = style.resolved(&look);
     if let Some(source) = arguments.picture.color_source() {

@@ -241,7 +241,7 @@ impl FirstOpened {
 fn give_precedence(args: &ViewArgs, read: &mut ReadSession) {
     let style = args.picture.style_over(read.session.style());
     read.session.settings = style;
-    read.session.clip = style.of_sequence.clip;
+    read.session.clip = style.clip;
     read.session.view = args.view.or(read.session.view);
     if !args.compare.is_empty() {
         read.session.compare = None;

@@ -57,7 +57,7 @@ pub use halo::halo_px;
 pub use labels::{Label, LabelOnPicture, MAX_LABEL_CHARS, labels_on_picture};
 pub use legend::{Legend, LegendBody, field_title};
 pub use lights::{Lamp, Lights};
-pub use packet::ScenePacket;
+pub use packet::{PacketParams, ScenePacket};
 pub use path::{CameraPath, Keyframe, PathError, PathFileError};
 pub use photo_depths::PhotoDepths;
 pub(crate) use photo_depths::{DepthMap, DepthRelation};
@@ -75,11 +75,12 @@ pub use screen_surfels::screen_view;
 pub use shadow::Shadow;
 pub(crate) use style::choices;
 pub use style::{
-    Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure,
-    LevelStyle, LightRig, LightStyle, Lighting, NormalBits, NormalSource, OfSequence, OffsetBits, OnOff,
-    ParseChoiceError, PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle, PointLight,
-    PointShape, PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy,
-    Style, SurfelColors, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
+    Antialiasing, Automatic, BackFaces, Backdrop, Background, Choice, CodeStyle, DrawingSettings, DrawingStyle,
+    EyeDome, Footprint, Kernel, LevelStructure, LevelStyle, LightRig, LightSettings, LightStyle, Lighting, NormalBits,
+    NormalSource, OfSequence, OffsetBits, OnOff, ParseChoiceError, PhotoClipping, PhotoGains, PhotoHoles, PhotoMode,
+    PhotoRelight, PhotoStyle, PointLight, PointShape, PointSizing, PointStyle, Primitive, RendererChoice, Settings,
+    SplatFilter, SplatGeometry, Splatting, Strategy, Style, SurfelColors, SurfelSettings, SurfelStyle, VoxelLight,
+    VoxelStyle, coloring, describe,
 };
 pub use view_text::ParseViewError;
 pub use visible_points::{PointImages, ScreenStats, VisiblePoints, VisibleSurfels};

@@ -7,7 +7,7 @@ use super::text;
 use super::written::{self, VERSION, Version, Written, clip_fields, compare_fields, label_fields, measured_fields};
 use crate::kept::{self, Fields};
 use crate::regular_file;
-use crate::scene::Style;
+use crate::scene::Settings;
 use crate::timeline::PlayRange;
 use serde::Serialize;
 use serde_json::Value;
@@ -221,20 +221,20 @@ impl Notes {
 }
 
 /// The settings, each by itself, and those that are not known.
-fn settings_of(written: &Fields, notes: &mut Notes) -> (Style, Fields) {
+fn settings_of(written: &Fields, notes: &mut Notes) -> (Settings, Fields) {
     let mut unread = Vec::new();
-    let settings = kept::fields::<Style>(written, &mut unread).nearest();
+    let settings = kept::fields::<Settings>(written, &mut unread).nearest();
     notes
         .0
         .extend(unread.iter().map(|reason| format!("the setting {reason}")));
-    let known = settings_value(&Style::default());
+    let known = settings_value(&Settings::default());
     let unknown = written.iter().filter(|(name, _)| !known.contains_key(*name));
     let unknown = unknown.map(|(name, value)| (name.clone(), value.clone())).collect();
     (settings, unknown)
 }
 
 /// By the names that files have for them. Single numbers have the few digits that they need.
-fn settings_value(settings: &Style) -> Fields {
+fn settings_value(settings: &Settings) -> Fields {
     // Words and numbers alone: nothing of it can fail.
     let text = serde_json::to_string(settings).unwrap_or_default();
     serde_json::from_str(&text).unwrap_or_default()

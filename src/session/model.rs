@@ -2,7 +2,7 @@
 
 use super::Reading;
 use crate::kept::Fields;
-use crate::scene::{Camera, CameraPath, Clip, FollowedPoint, Gauge, Label, Style};
+use crate::scene::{Camera, CameraPath, Clip, FollowedPoint, Gauge, Label, Settings};
 use crate::timeline::PlayRange;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -20,7 +20,7 @@ pub struct Session {
     /// Where it was seen from; where the sequence is first seen from if `None`.
     pub view: Option<Camera>,
     /// How it was drawn; what belongs to one sequence is not among them.
-    pub settings: Style,
+    pub settings: Settings,
     /// What of it was drawn.
     pub clip: Option<Clip>,
     /// In and out point.
@@ -41,8 +41,8 @@ pub struct Session {
 
 impl Session {
     /// The settings with the clip.
-    pub fn style(&self) -> Style {
-        self.settings.with(|style| style.of_sequence.clip = self.clip)
+    pub fn style(&self) -> Settings {
+        self.settings.with(|style| style.clip = self.clip)
     }
 }
 

@@ -4,8 +4,8 @@ use super::*;
 use crate::cloud::NoData;
 use crate::rgbd::Filters;
 use crate::scene::{
-    Camera, CameraPath, Clip, ClipShape, FollowedPoint, Gauge, Keyframe, Label, MAX_LABEL_CHARS, Primitive, Style,
-    UpAxis,
+    Camera, CameraPath, Choice, Clip, ClipShape, FollowedPoint, Gauge, Keyframe, Label, MAX_LABEL_CHARS, Primitive,
+    Settings, UpAxis,
 };
 use crate::timeline::PlayRange;
 use glam::DVec3;
@@ -202,10 +202,10 @@ fn what_is_beside_is_read_as_a_person_writes_it_and_damage_is_told() {
 
 fn session() -> impl Strategy<Value = Session> {
     let settings = (0.1f32..10.0, 0usize..3, any::<bool>()).prop_map(|(scale, primitive, grid)| {
-        Style::default()
+        Settings::default()
             .with(|style| {
                 style.surfels.splat_scale = scale;
-                style.primitive = [Primitive::Auto, Primitive::Voxel, Primitive::Point][primitive];
+                style.primitive = [Choice::Auto, Primitive::Voxel.into(), Primitive::Point.into()][primitive];
                 style.backdrop.grid = grid;
             })
             .nearest()
@@ -293,7 +293,10 @@ fn a_session_is_text_that_a_person_can_write() {
     let ReadSession { session, warnings, .. } = read(BY_HAND).unwrap();
     assert_eq!(warnings, [""; 0]);
     assert_eq!(session.inputs, [PathBuf::from("/data/walk/scans")]);
-    assert_eq!((session.frame, session.settings.primitive), (7, Primitive::Voxel));
+    assert_eq!(
+        (session.frame, session.settings.primitive),
+        (7, Primitive::Voxel.into())
+    );
     assert_eq!(session.view, None);
     let [knee, door] = session.labels.as_slice() else {
         panic!("{:?}", session.labels)

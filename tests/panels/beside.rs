@@ -10,7 +10,7 @@ use glam::DVec3;
 use pointreel::app::{Command, Layout, Side, State, StateOptions, Tool, WindowRequest};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::playback::PairBy;
-use pointreel::scene::{Primitive, Scene, Style};
+use pointreel::scene::{Primitive, Scene, Settings};
 use pointreel::sequence::{FrameEntry, Sequence};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -54,8 +54,8 @@ fn beside(b: &Arc<Sequence>) -> Harness<'static, State> {
 
 fn beside_with(a: Arc<Sequence>, b: &Arc<Sequence>, options: StateOptions) -> Harness<'static, State> {
     let mut harness = window_on(a, options);
-    harness.state_mut().style = Style::default().with(|style| {
-        style.primitive = Primitive::Point;
+    harness.state_mut().style = Settings::default().with(|style| {
+        style.primitive = Primitive::Point.into();
         style.points.size_px = 9.0;
     });
     load_all(harness.state_mut());
@@ -72,7 +72,7 @@ fn load_both(harness: &mut Harness<'_, State>) {
     let loader = state.beside.as_ref().unwrap().companion.loader();
     for index in 0..loader.sequence().len() {
         // A broken frame is an answer as well.
-        let _ = loader.wait(index, &Scene::needs(&state.style));
+        let _ = loader.wait(index, &Scene::needs(&state.style.decided()));
     }
     harness.state_mut().update(now);
     harness.run();

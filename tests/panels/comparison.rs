@@ -15,7 +15,7 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
     harness.state_mut().run(Command::ToggleComparison);
     harness.run();
     // The right side is edited first; the left one stays as it was.
-    harness.state_mut().style.primitive = Primitive::Point;
+    harness.state_mut().style.primitive = Primitive::Point.into();
     let other = harness.state_mut().next_other_packet().unwrap();
     assert_eq!(other.style.primitive, Primitive::Surfel);
     assert!(harness.state_mut().next_other_packet().is_none(), "once");
@@ -28,10 +28,10 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
     let comparison = harness.state().comparison.as_ref().unwrap();
     assert_eq!(
         (comparison.edited, comparison.other.primitive),
-        (Side::A, Primitive::Point)
+        (Side::A, Primitive::Point.into())
     );
     // What one side needs of the frame is there for it alone.
-    harness.state_mut().comparison.as_mut().unwrap().other.primitive = Primitive::Voxel;
+    harness.state_mut().comparison.as_mut().unwrap().other.primitive = Primitive::Voxel.into();
     let packet = harness.state_mut().next_other_packet().unwrap();
     assert!(!packet.content.voxels().unwrap().records.is_empty());
     // Both are seen from one camera.
@@ -52,7 +52,7 @@ fn closing_keeps_a_and_b_is_a_choice() {
         for edited in ["A (left)", "B (right)"] {
             let mut harness = window();
             harness.state_mut().run(Command::ToggleComparison);
-            harness.state_mut().style.primitive = Primitive::Point;
+            harness.state_mut().style.primitive = Primitive::Point.into();
             harness.run();
             click(&mut harness, edited);
             assert_eq!(harness.state().preferences().settings.primitive, Primitive::Surfel);

@@ -61,9 +61,9 @@ fn worked_on(folder: &Path) -> Harness<'static, State> {
     let mut harness = window();
     open(&mut harness, &folder.join("scans"));
     let state = harness.state_mut();
-    state.style.primitive = Primitive::Point;
+    state.style.primitive = Primitive::Point.into();
     state.style.points.size_px = 5.0;
-    state.style.of_sequence.clip = Some(Clip::to(ClipShape::Box {
+    state.style.clip = Some(Clip::to(ClipShape::Box {
         min: DVec3::ZERO,
         max: DVec3::splat(2.5),
     }));
@@ -135,10 +135,7 @@ fn a_session_is_taken_up_again_as_it_was_left() {
     // Others are drawn as before, and nothing of it is kept for them.
     open(&mut taken, &folder.path().join("scans/a1.xyz"));
     let style = taken.state().style;
-    assert_eq!(
-        (style.points.size_px, style.of_sequence.clip),
-        (usual.points.size_px, None)
-    );
+    assert_eq!((style.points.size_px, style.clip), (usual.points.size_px, None));
     assert!(taken.state().labels.list.is_empty() && taken.state().session_file().is_none());
 }
 

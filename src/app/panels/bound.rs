@@ -226,7 +226,7 @@ pub(super) fn clip_handles(ui: &Ui, state: &mut State) {
     let rect = state.viewport.rect;
     let painter = ui.painter_at(rect);
     let canvas = PictureOverlay::new(&painter, rect, state.viewport.size_px, &state.camera);
-    if let Some(clip) = state.style.of_sequence.clip.as_mut().filter(|clip| clip.is_on) {
+    if let Some(clip) = state.style.clip.as_mut().filter(|clip| clip.is_on) {
         handles_ui(ui, &canvas, (&mut state.clipping, clip), &frames, unit);
     }
 }

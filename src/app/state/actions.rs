@@ -13,7 +13,7 @@ use crate::app::sequence_name::name_of;
 use crate::app::side::Side;
 use crate::playback::Player;
 use crate::scene::describe::Value;
-use crate::scene::{PointSizing, PointStyle, Primitive, Style, SurfelStyle};
+use crate::scene::{PointSizing, PointStyle, Primitive, Settings, Style, SurfelSettings};
 use crate::sequence::Sequence;
 use crate::timeline::PlayRange;
 use std::sync::Arc;
@@ -204,14 +204,11 @@ impl State {
 
     /// How an export draws: as the window does, but at full resolution.
     pub(in crate::app) fn style_of_export(&self) -> Style {
-        let mut style = self.drawn_style();
-        style.drawing.resolution = 1.0;
-        style.drawing.renderer = self.main.renderer(self.style.drawing.renderer);
-        style
+        self.drawn_style().with(|style| style.drawing.resolution = 1.0)
     }
 
     /// Draws as `way` from now on.
-    pub fn draw_as(&mut self, way: &Style) {
+    pub fn draw_as(&mut self, way: &Settings) {
         self.style = self.style.drawn_as(way);
     }
 
@@ -220,8 +217,8 @@ impl State {
             Primitive::Mesh => &PointStyle::SIZE_PX,
             Primitive::Point if self.style.points.sizing == PointSizing::Pixels => &PointStyle::SIZE_PX,
             Primitive::Point => &PointStyle::SCALE,
-            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite | Primitive::Voxel => {
-                &SurfelStyle::SPLAT_SCALE
+            Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite | Primitive::Voxel => {
+                &SurfelSettings::SPLAT_SCALE
             }
         };
         self.style.edit(&mut |described, value| match value {

@@ -31,11 +31,11 @@ impl State {
 
     /// Has a box around all frames take in those that were read since.
     pub(super) fn follow_clip(&mut self) {
-        let clip = self.style.of_sequence.clip;
+        let clip = self.style.clip;
         if clip.is_some_and(|clip| clip.is_on && self.clipping.is_around_all(&clip))
             && let Some(frames) = self.clipped_frames()
         {
-            self.clipping.grow(&mut self.style.of_sequence.clip, &frames);
+            self.clipping.grow(&mut self.style.clip, &frames);
         }
     }
 }

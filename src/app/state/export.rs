@@ -102,6 +102,7 @@ impl State {
         Some(ExportJob {
             sequence: Arc::clone(player.sequence()),
             style: self.style_of_export(),
+            renderer: self.main.renderer(self.style.drawing.renderer),
             options: self.compose_options(),
             labels: self.labels.shown(),
             shows: self.shown_by_export(player)?,

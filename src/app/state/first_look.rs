@@ -10,7 +10,7 @@ use crate::app::features::photos::Photos;
 use crate::app::first_look::{Chosen, FirstView, RefinedLook, SequenceLook};
 use crate::math::Aabb;
 use crate::rgbd::Sensor;
-use crate::scene::{Camera, FirstLook, Primitive, Style, UpAxis};
+use crate::scene::{Camera, Choice, FirstLook, Primitive, Settings, Style, UpAxis};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
@@ -35,20 +35,20 @@ impl State {
         self.is_drawn_by_processor(&self.style)
     }
 
-    fn is_drawn_by_processor(&self, style: &Style) -> bool {
+    fn is_drawn_by_processor(&self, style: &Settings) -> bool {
         let choice = self.main.renderer(style.drawing.renderer);
         choice.is_processor(self.graphics.is_software)
     }
 
-    pub(super) fn resolved(&self, style: &Style) -> Style {
+    pub(super) fn resolved(&self, style: &Settings) -> Style {
         let is_processor = self.is_drawn_by_processor(style);
         self.first_look()
-            .map_or(*style, |look| style.resolved(look))
+            .map_or_else(|| style.decided(), |look| style.resolved(look))
             .drawn_by(is_processor)
     }
 
     /// The next sequence that is opened is drawn as this, whatever was chosen for it, and it is not kept.
-    pub(in crate::app) fn ask_for_primitive(&mut self, primitive: Primitive) {
+    pub(in crate::app) fn ask_for_primitive(&mut self, primitive: Choice<Primitive>) {
         self.options.primitive = Some(primitive);
     }
 
@@ -57,7 +57,8 @@ impl State {
         self.looked = SequenceLook::default();
         let usual = self.options.preferences.settings.primitive;
         let asked = self.options.primitive.take();
-        self.style.primitive = asked.or(chosen.primitive).unwrap_or(usual);
+        let chosen_before = chosen.primitive.map(Choice::Is);
+        self.style.primitive = asked.or(chosen_before).unwrap_or(usual);
         self.looked.primitive = Some(self.style.primitive);
         self.timeline.chosen = chosen;
     }
@@ -68,15 +69,14 @@ impl State {
         if self.player.is_none() || self.looked.primitive.replace(primitive) == Some(primitive) {
             return;
         }
-        let chosen = Some(primitive).filter(|&primitive| primitive != Primitive::Auto);
-        self.timeline.chosen.primitive = chosen;
+        self.timeline.chosen.primitive = primitive.chosen();
         self.keep_timeline();
     }
 
     /// Everything as in a new installation, for this sequence and those to come; the camera stays.
     pub(in crate::app) fn reset_settings(&mut self) {
-        self.style = Style::default();
-        self.options.preferences.settings.primitive = Primitive::Auto;
+        self.style = Settings::default();
+        self.options.preferences.settings.primitive = Choice::Auto;
     }
 
     /// Looks at the first frame that is shown, and puts the camera where it is seen best.
@@ -134,7 +134,9 @@ impl State {
 
     /// Says so if the open sequence has not what is to be drawn of it.
     fn tell_lack(&mut self) {
-        let lack = self.first_look().and_then(|look| look.lack_of(self.style.primitive));
+        let lack = self
+            .first_look()
+            .and_then(|look| look.lack_of(self.style.primitive.chosen()?));
         if let Some(lack) = lack {
             self.notices.warn(lack);
         }

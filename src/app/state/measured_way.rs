@@ -4,11 +4,11 @@
 use super::State;
 use crate::app::features::quality::MeasuredWay;
 use crate::app::side::Side;
-use crate::scene::Style;
+use crate::scene::Settings;
 
 impl State {
     /// Draws the open sequence as `way`, which was measured with it.
-    pub fn draw_as_measured(&mut self, way: &Style) {
+    pub fn draw_as_measured(&mut self, way: &Settings) {
         let before = self.usual_style(self.style);
         self.draw_as(way);
         let chosen = self.style;
@@ -16,19 +16,19 @@ impl State {
     }
 
     /// Settings as they are for other sequences.
-    fn usual_style(&self, style: Style) -> Style {
+    fn usual_style(&self, style: Settings) -> Settings {
         self.measured_way.map_or(style, |way| way.undone(style))
     }
 
     /// The settings, those of A where two ways to draw are compared.
-    pub(super) fn style_of_a(&self) -> Style {
+    pub(super) fn style_of_a(&self) -> Settings {
         let comparison = self.comparison.as_ref();
         let of_a = comparison.filter(|comparison| comparison.edited == Side::B);
         of_a.map_or(self.style, |comparison| comparison.other)
     }
 
     /// What is kept of the settings.
-    pub(super) fn style_to_keep(&self) -> Style {
+    pub(super) fn style_to_keep(&self) -> Settings {
         self.usual_style(self.style_of_a())
     }
 

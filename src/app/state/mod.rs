@@ -79,7 +79,7 @@ use crate::app::work::works::Works;
 use crate::cloud::LengthUnit;
 use crate::math::Aabb;
 use crate::playback::{Player, PlayerChange};
-use crate::scene::{Camera, SceneStats, ScreenStats, Style};
+use crate::scene::{Camera, SceneStats, ScreenStats, Settings, Style};
 use crate::timeline::Clock;
 use glam::DVec3;
 use std::sync::Arc;
@@ -93,7 +93,7 @@ pub struct State {
     /// Where the picture is seen from; kept across frames.
     pub camera: Camera,
     /// How pictures are asked for.
-    pub style: Style,
+    pub style: Settings,
     /// Messages.
     pub notices: Notices,
     /// Open panels.
@@ -261,7 +261,7 @@ impl State {
         let clock = self.player.as_ref().map(Player::clock);
         Preferences {
             // The primitive is chosen for one sequence, and kept with it.
-            settings: Style {
+            settings: Settings {
                 primitive: self.options.preferences.settings.primitive,
                 ..self.style_to_keep()
             },

@@ -40,7 +40,7 @@ impl State {
         player.set_loop_mode(loop_mode, self.now);
         player.set_speed(speed, self.now);
         // The window may take a while to open.
-        player.begin(&self.style);
+        player.begin(&self.style.decided().drawn_by(self.draws_on_processor()));
         if let Some(before) = self.player.replace(player) {
             self.leave(before);
         }

@@ -5,7 +5,7 @@ use crate::app::presets::Presets;
 use crate::app::reading_choices::ReadingChoices;
 use crate::app::recent::Recent;
 use crate::app::work::tasks::Wake;
-use crate::scene::{Camera, Primitive, UpAxis};
+use crate::scene::{Camera, Choice, Primitive, UpAxis};
 use crate::sequence::OpenOptions;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ pub struct StateOptions {
     /// Which axis is up; guessed for each sequence if `None`.
     pub up: Option<UpAxis>,
     /// What the first sequence is drawn as, whatever was kept with it.
-    pub primitive: Option<Primitive>,
+    pub primitive: Option<Choice<Primitive>>,
     /// Where the first sequence is seen from, in place of a view that shows all of it.
     pub view: Option<Camera>,
     /// How inputs are opened.

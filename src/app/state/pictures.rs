@@ -59,7 +59,7 @@ impl State {
         let set = Photos::set_of(player);
         let set = set.filter(|_| shows_photographs);
         let photographed = self.photos.drawn(&composed.frame, set.as_ref(), &style);
-        if self.style.primitive == Primitive::Auto && waits_for_surface && photographed.is_none() {
+        if self.style.primitive.is_open() && waits_for_surface && photographed.is_none() {
             // A few thousand points are no surface before it is found.
             style.primitive = Primitive::Point;
         }
@@ -116,7 +116,7 @@ impl State {
         let other = self.comparison.as_ref()?.other;
         let style_of_a = self.drawn_style();
         let mut style = self.resolved(&other);
-        style.of_sequence.clip = self.style.of_sequence.clip;
+        style.of_sequence.clip = self.style.clip;
         let comparison = self.comparison.as_mut()?;
         let player = self.player.as_ref()?;
         let set = Photos::set_of(player);

@@ -133,7 +133,7 @@ impl State {
     /// Forgets what belongs to the sequence that was open before.
     pub(super) fn leave(&mut self, before: Player) {
         // Its numbers are those of the sequence before.
-        self.style.of_sequence.clip = None;
+        self.style.clip = None;
         self.forget_measured_way();
         self.clipping.forget_frames();
         // Its threads end what they are on; nobody waits for that here.

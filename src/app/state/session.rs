@@ -11,7 +11,6 @@ use crate::app::features::quality::MeasuredWay;
 use crate::app::side::Side;
 use crate::app::work::tasks::TaskFailed;
 use crate::playback::{PairBy, Player};
-use crate::scene::OfSequence;
 use crate::sequence::{OpenOptions, Sequence};
 use crate::session::{
     Compared, ComparedBy, ComparedLayout, EXTENSION, Measured, MeasuredPoint, ReadSession, Reading, Session,
@@ -53,8 +52,8 @@ impl State {
             reading,
             frame: shown,
             view: Some(self.camera),
-            settings: style.with(|style| style.of_sequence = OfSequence::default()),
-            clip: style.of_sequence.clip,
+            settings: style.with(|style| style.clip = None),
+            clip: style.clip,
             range: player.clock().range(),
             markers: self.timeline.markers.list().to_vec(),
             measurements: self.inspection.measurements.iter().filter_map(measured).collect(),

@@ -18,7 +18,7 @@ use super::trial::Trial;
 use crate::app::side::Side;
 use crate::bench::{BenchOptions, Input, WindowAction};
 use crate::render::RenderError;
-use crate::scene::RendererChoice;
+use crate::scene::{Choice, RendererChoice};
 use crate::sequence::{OpenOptions, Sequence};
 use crate::session::ReadSession;
 use crate::signals;
@@ -114,7 +114,7 @@ pub fn bench_window(
     inputs: &[Input],
     bench: &BenchOptions,
     present: PresentChoice,
-    renderer: RendererChoice,
+    renderer: Choice<RendererChoice>,
 ) -> Result<Vec<WindowAction>, AppError> {
     let options = Options {
         state: StateOptions {

@@ -395,7 +395,7 @@ impl ViewUniform {
                 Lighting::Unlit | Lighting::Lambert | Lighting::BlinnPhong | Lighting::Physical => LIGHTING_UNLIT,
                 Lighting::PerSurfel => LIGHTING_PER_SURFEL,
                 Lighting::PerVertex => LIGHTING_PER_VERTEX,
-                Lighting::Auto | Lighting::PerFragment => LIGHTING_PER_FRAGMENT,
+                Lighting::PerFragment => LIGHTING_PER_FRAGMENT,
             },
             back_faces: if packet.style.culls_back_faces() {
                 BACK_FACES_CULLED

@@ -12,7 +12,7 @@ pub use pair::{PictureDifference, PicturePair};
 
 use crate::app::side::Side;
 use crate::composition::{Drawn, PictureView, packet};
-use crate::scene::{Scene, ScenePacket, Style};
+use crate::scene::{Scene, ScenePacket, Settings, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Comparison {
     /// How the side draws that is not edited.
-    pub other: Style,
+    pub other: Settings,
     /// The side that the settings of the window are of.
     pub edited: Side,
     /// Both pictures.
@@ -33,7 +33,7 @@ pub struct Comparison {
 
 impl Comparison {
     /// The same settings on both sides; the right one is edited.
-    pub(in crate::app) fn new(style: Style) -> Self {
+    pub(in crate::app) fn new(style: Settings) -> Self {
         Self {
             other: style,
             edited: Side::B,

@@ -6,7 +6,7 @@ use crate::composition::ComposeOptions;
 use crate::export::{ExportError, PictureSize, Video, export_video, write_picture_observed};
 use crate::headless::{Headless, HeadlessError};
 use crate::render::AnyRenderer;
-use crate::scene::{Camera, CameraPath, Label, Style};
+use crate::scene::{Camera, CameraPath, Choice, Label, RendererChoice, Style};
 use crate::sequence::{Loader, LoaderOptions, Sequence};
 use crate::timeline::Clock;
 use std::path::PathBuf;
@@ -36,6 +36,8 @@ pub(in crate::app) enum Shows {
 pub(in crate::app) struct ExportJob {
     pub(in crate::app) sequence: Arc<Sequence>,
     pub(in crate::app) style: Style,
+    /// Who is to draw.
+    pub(in crate::app) renderer: Choice<RendererChoice>,
     /// Additions to each pose.
     pub(in crate::app) options: ComposeOptions,
     /// Texts at points.
@@ -70,6 +72,7 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
     let ExportJob {
         sequence,
         style,
+        renderer,
         options,
         labels,
         shows,
@@ -87,7 +90,7 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
         ..defaults
     };
     let loader = Loader::new(Arc::clone(&sequence), loader_options)?;
-    let renderer = AnyRenderer::open(style.drawing.renderer)?;
+    let renderer = AnyRenderer::open(renderer)?;
     let mut headless = Headless::new(sequence, loader, renderer);
     headless.set_labels(labels);
     let path = match shows {

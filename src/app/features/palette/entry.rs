@@ -6,7 +6,7 @@ use crate::app::presets::built_in;
 use crate::bench::Suite;
 use crate::bench::suites;
 use crate::scene::describe::{Described, Shorthand, Value, Values};
-use crate::scene::{Background, Style};
+use crate::scene::{Background, Settings};
 use crate::source::Example;
 use egui::ThemePreference;
 use std::borrow::Cow;
@@ -126,7 +126,7 @@ pub(super) fn entries(presets: &[String]) -> Vec<Entry> {
     let without = WITHOUT_KEYS
         .iter()
         .map(|&(text, command)| Entry::of_command(text, command));
-    let settings = Style::default().settings();
+    let settings = Settings::default().settings();
     let settings = settings.into_iter().flat_map(|(described, _)| values_of(described));
     let built_in = built_in().into_iter().enumerate();
     let built_in =
