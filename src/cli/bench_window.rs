@@ -14,7 +14,7 @@ pub(super) fn measure_window(
     renderer: Option<RendererChoice>,
 ) -> anyhow::Result<Report> {
     let present = present.unwrap_or_default();
-    let renderer = renderer.unwrap_or(RendererChoice::Auto);
+    let renderer = renderer.unwrap_or_default();
     let actions = app::bench_window(inputs, &options, present, renderer)?;
     Ok(bench::window_report(inputs, options, &actions))
 }

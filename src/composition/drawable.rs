@@ -6,7 +6,7 @@ use crate::sequence::PreparedFrame;
 /// True if `frame` has what is drawn in a style.
 pub fn can_draw(frame: &PreparedFrame, style: &Style) -> bool {
     match style.primitive {
-        Primitive::Auto | Primitive::Surfel | Primitive::Sprite => {
+        Primitive::Surfel | Primitive::Sprite => {
             frame.shapes.is_some() || style.has_screen_normals() && !style.shows_normal_errors()
         }
         Primitive::Ellipse => frame.shapes.is_some() && frame.has_ellipses,
