@@ -29,7 +29,7 @@
 //! | [`timeline`] | which frame is due when: the clock, its pace and the range that plays |
 //! | [`sequence`] | frames prepared ahead of the playhead within a byte budget |
 //! | [`scene`] | camera, settings, the [`scene::ScenePacket`] that holds all that one picture needs, and what is under its pixels |
-//! | [`session`] | session files: all that a person made around a sequence |
+//! | [`document`] | what is open and all that was made around it: session files, what is kept, undo |
 //! | [`playback`] | the playhead: which frame is due, which is shown, with how many points |
 //! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
 //! | [`headless`] | pictures without a window |
@@ -51,6 +51,7 @@ pub mod cli;
 pub mod cloud;
 pub mod convert;
 pub mod deadlines;
+pub mod document;
 pub mod export;
 pub mod headless;
 pub mod io;
@@ -74,7 +75,6 @@ pub mod rgbd;
 pub mod scene;
 pub mod sequence;
 pub mod serve;
-pub mod session;
 mod signals;
 pub mod source;
 pub mod stereo;

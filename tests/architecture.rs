@@ -58,7 +58,7 @@ const ORDER: &[&[&str]] = &[
     &["timeline"],
     &["sequence"],
     &["scene"],
-    &["session"],
+    &["document"],
     &["playback"],
     &["render"],
     &["headless"],

@@ -7,12 +7,12 @@ use super::sources::{OutputKind, check_replaced, check_sources};
 use crate::app::{
     Options, Preferences, PreferencesFile, PresentChoice, Presets, ReadingChoices, Recent, StateOptions, open_as_chosen,
 };
+use crate::document::{ReadSession, session_of};
 use crate::export::PictureFormat;
 use crate::kept;
 use crate::progress::Progress;
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
-use crate::session::{ReadSession, session_of};
 use crate::source::Generated;
 use anyhow::{Context as _, bail};
 use clap::Args;
@@ -239,12 +239,12 @@ impl FirstOpened {
 
 /// What is given goes before what is kept in a session.
 fn give_precedence(args: &ViewArgs, read: &mut ReadSession) {
-    let style = args.picture.style_over(read.session.style());
-    read.session.settings = style;
-    read.session.clip = style.of_sequence.clip;
-    read.session.view = args.view.or(read.session.view);
+    let style = args.picture.style_over(read.document.style());
+    read.document.settings = style;
+    read.document.clip = style.of_sequence.clip;
+    read.document.view = args.view.or(read.document.view);
     if !args.compare.is_empty() {
-        read.session.compare = None;
+        read.document.compare = None;
     }
 }
 

@@ -12,11 +12,11 @@ use crate::app::reading_choices::first_failure;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
 use crate::app::work::works::WorkKind;
+use crate::document::{ReadSession, Reading};
 use crate::playback::Player;
 use crate::rgbd::Filters;
 use crate::scene::{FirstLook, Primitive};
 use crate::sequence::{OpenOptions, Sequence};
-use crate::session::{ReadSession, Reading};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -171,7 +171,7 @@ impl State {
         let (file, is_damaged) = (self.opened.file.take(), self.opened.is_damaged);
         let read = ReadSession {
             file: file.clone().unwrap_or_default(),
-            session,
+            document: session,
             warnings: Vec::new(),
         };
         let turns = self.motion.turntable.is_on;

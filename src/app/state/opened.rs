@@ -3,8 +3,8 @@
 use crate::app::features::camera_path::Draft;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
+use crate::document::{Beyond, Compared, Unknown};
 use crate::sequence::OpenOptions;
-use crate::session::{Beyond, Compared, Unknown};
 use std::path::PathBuf;
 use std::sync::Arc;
 

@@ -7,10 +7,10 @@ use crate::app::reading_choices::open_as_chosen;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
 use crate::app::work::works::WorkKind;
+use crate::document::session_of;
 use crate::playback::Player;
 use crate::progress::Progress;
 use crate::sequence::{OpenOptions, Sequence, watch};
-use crate::session::session_of;
 use crate::source::SessionReach;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -92,10 +92,10 @@ impl State {
             let mut problem = None;
             let (open, session, sequence) = match session_of(&inputs) {
                 Ok(Some(read)) => {
-                    let open = read.session.reading.over(&open);
+                    let open = read.document.reading.over(&open);
                     let beyond = read.beyond(open.session_reach);
                     let sequence = if beyond.is_empty() {
-                        found(&read.session.inputs, &open, &progress)
+                        found(&read.document.inputs, &open, &progress)
                     } else {
                         Err(NotFound::Beyond(beyond))
                     };

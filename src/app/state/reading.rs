@@ -5,6 +5,7 @@ use super::State;
 use crate::app::first_look::SequenceLook;
 use crate::app::work::tasks::close;
 use crate::app::work::works::WorkKind;
+use crate::document::History;
 use crate::playback::Player;
 use crate::sequence::{Loader, Reading, ReadingStage, Sequence};
 use std::time::Duration;
@@ -147,7 +148,7 @@ impl State {
         self.trails.forget_points();
         self.inspection.forget_points();
         self.labels.forget();
-        self.history.forget_labels(&self.labels.list);
+        self.history = History::default();
         self.note_unnamed();
         self.timeline.forget_playhead();
         self.quality.forget();

@@ -10,12 +10,13 @@ use crate::app::features::inspection::measuring::Measurement;
 use crate::app::features::quality::MeasuredWay;
 use crate::app::side::Side;
 use crate::app::work::tasks::TaskFailed;
+use crate::document::{
+    Compared, ComparedBy, ComparedLayout, Document, EXTENSION, History, Measured, MeasuredPoint, ReadSession, Reading,
+    ShownTrails,
+};
 use crate::playback::{PairBy, Player};
 use crate::scene::OfSequence;
 use crate::sequence::{OpenOptions, Sequence};
-use crate::session::{
-    Compared, ComparedBy, ComparedLayout, EXTENSION, Measured, MeasuredPoint, ReadSession, Reading, Session,
-};
 use crate::source::SessionReach;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -38,7 +39,7 @@ impl State {
     }
 
     /// What a session of the open sequence holds now. `Err` is a text for a notice.
-    pub fn session(&self) -> Result<Session, String> {
+    pub fn session(&self) -> Result<Document, String> {
         let Some(player) = &self.player else {
             return Err("There is nothing to save yet: open a sequence first".to_owned());
         };
@@ -48,7 +49,7 @@ impl State {
         }
         let style = self.style_of_a();
         let shown = player.waiting_for().unwrap_or(player.clock().frame());
-        Ok(Session {
+        Ok(Document {
             inputs: self.named_inputs(player)?,
             reading,
             frame: shown,
@@ -59,6 +60,9 @@ impl State {
             markers: self.timeline.markers.list().to_vec(),
             measurements: self.inspection.measurements.iter().filter_map(measured).collect(),
             labels: self.labels.list.to_vec(),
+            up: self.timeline.chosen.up,
+            trails: ShownTrails::default(),
+            notes: String::new(),
             path: self.path.draft.path().cloned(),
             compare: self.compared().or_else(|| self.opened.compared.clone()),
             unknown: self.opened.unknown.clone(),
@@ -185,7 +189,7 @@ impl State {
     pub fn open_session(&mut self, sequence: Arc<Sequence>, read: ReadSession) {
         let ReadSession {
             file,
-            session,
+            document: session,
             warnings,
         } = read;
         let opened = Arc::clone(&sequence);
@@ -216,7 +220,7 @@ impl State {
         let measured = session.measurements.iter().map(measurement);
         self.inspection.measurements = measured.collect();
         self.labels.take(Arc::new(session.labels));
-        self.history.forget_labels(&self.labels.list);
+        self.history = History::default();
         if let Some(problem) = self.timeline.take_markers(session.markers) {
             self.notices.warn(problem);
         }

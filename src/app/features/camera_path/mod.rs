@@ -8,11 +8,10 @@ pub(in crate::app) mod marks;
 pub(in crate::app) mod panel;
 pub(in crate::app) mod request;
 
-mod draft;
 mod file;
 mod preview;
 
-pub use draft::Draft;
+pub use crate::document::Draft;
 pub use file::PathFile;
 pub(in crate::app) use file::{read_path, save_path};
 

@@ -6,10 +6,10 @@
 
 use super::Markers;
 use crate::app::first_look::Chosen;
+use crate::document::Marker;
 use crate::kept::{self, Fields, Lenient};
 use crate::scene::{Primitive, UpAxis};
 use crate::sequence::Sequence;
-use crate::session::Marker;
 use crate::timeline::PlayRange;
 use serde::Serialize;
 use serde_json::Value;

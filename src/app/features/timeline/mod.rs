@@ -14,9 +14,9 @@ pub use markers::Markers;
 pub(in crate::app) use visible::VisibleFrames;
 
 use crate::app::first_look::Chosen;
+use crate::document::Marker;
 use crate::playback::Player;
 use crate::sequence::{NumberGap, Sequence, number_gaps};
-use crate::session::Marker;
 use crate::timeline::PlayRange;
 use std::path::PathBuf;
 use std::time::Duration;
