@@ -74,7 +74,7 @@ pub use reading_choices::{ReadingChoices, open_as_chosen};
 pub use recent::Recent;
 pub use side::Side;
 pub use state::{
-    Counters, DialogAnswer, DialogKind, FailedOpening, FoundSequence, GraphicsInfo, Outcome, SavedSession,
+    Counters, DialogAnswer, DialogKind, FailedOpening, FoundSequence, GivenStyle, GraphicsInfo, Outcome, SavedSession,
     SessionQuestion, State, StateOptions, Viewport, VisibleChange, WindowRequest,
 };
 pub use theme::apply_theme;

@@ -10,7 +10,7 @@ use crate::cloud::{ColorDepth, NoData};
 use crate::io::{ColumnMap, ReadOptions};
 use crate::render::matcher_of_machine;
 use crate::rgbd::Filters;
-use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Primitive, Style, SurfelStyle};
+use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Style, SurfelStyle};
 use crate::sequence::{ColorSource, OpenOptions, Sequence};
 use crate::source::SessionReach;
 use clap::{Args, ValueEnum};
@@ -231,11 +231,6 @@ impl PictureArgs {
     /// The source of colours that was named.
     pub(super) fn color_source(&self) -> Option<ColorSource> {
         self.colors.source()
-    }
-
-    /// What was chosen for points to become.
-    pub(super) fn primitive(&self) -> Option<Primitive> {
-        self.style.given(Style::PRIMITIVE.key)
     }
 
     /// `default`, but for what is given.

@@ -222,6 +222,10 @@ fn edit_menu(ui: &mut Ui, state: &mut State) {
         let title = name.as_ref().map_or(what.to_owned(), |name| format!("{what}: {name}"));
         ui.add_enabled_ui(name.is_some(), |ui| item(ui, state, &title, command));
     }
+    ui.add_enabled_ui(state.player.is_some(), |ui| {
+        item(ui, state, "Begin again from defaults", Command::BeginAgain);
+        item(ui, state, "Use this look for new files", Command::UseAsDefaults);
+    });
     ui.separator();
     item(ui, state, "Copy view", Command::CopyView);
     item(ui, state, "Paste view", Command::PasteView);

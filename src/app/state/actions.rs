@@ -105,6 +105,8 @@ impl State {
                 let after = self.history.redo();
                 self.take_edited(after);
             }
+            Command::BeginAgain => self.begin_again(),
+            Command::UseAsDefaults => self.use_as_defaults(),
             Command::TogglePanel(panel) => self.panels.toggle(panel),
             Command::ToggleTrails => self.toggle_trails(),
             Command::Theme(theme) => self.appearance.theme = theme,
@@ -183,6 +185,7 @@ impl State {
         let now = Duration::try_from_secs_f64(seconds).unwrap_or_default();
         let edited = self.edited();
         self.history.note(&edited, is_held, now);
+        self.note_document();
     }
 
     /// What undo takes back.
@@ -194,7 +197,7 @@ impl State {
             labels: Arc::clone(&self.labels.list),
             markers: self.timeline.markers.list().to_vec(),
             range: player.map_or_else(PlayRange::default, |player| player.clock().range()),
-            notes: String::new(),
+            notes: self.notes.clone(),
         }
     }
 
@@ -206,8 +209,9 @@ impl State {
         if let Some(problem) = self.timeline.take_markers(edited.markers) {
             self.notices.warn(problem);
         }
+        self.notes = edited.notes;
         self.play_with(|player, now| player.set_range(edited.range, now));
-        self.keep_timeline();
+        self.keep_document();
     }
 
     /// Asks the window for what only it can do.

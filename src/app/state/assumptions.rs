@@ -1,6 +1,6 @@
 //! Alternatives to assumptions take effect, and are remembered for the open sequence.
 //!
-//! **How it works.** Up axis and primitive are kept with the markers (`state/first_look.rs`). Options of reading are
+//! **How it works.** Up axis and primitive are of the document (`state/document.rs`). Options of reading are
 //! kept by inputs ([`crate::app::ReadingChoices`]), as they have to be known before anything is opened. The inputs are
 //! opened again on a thread; if no frame can be decoded with the new options, what is open stays, and nothing is
 //! remembered.
@@ -175,7 +175,7 @@ impl State {
             warnings: Vec::new(),
         };
         let turns = self.motion.turntable.is_on;
-        self.open_session(sequence, read);
+        self.with_document_kept(|state| state.open_session(sequence, read));
         (self.opened.file, self.opened.is_damaged) = (file, is_damaged);
         // A choice in the window goes before what the command line says.
         self.opened.options = Some(open);
