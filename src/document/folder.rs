@@ -86,7 +86,7 @@ impl DocumentFolder {
         };
         let bytes = match kept::read(file) {
             Ok(Some(bytes)) => bytes,
-            Ok(None) => return self.from_timeline(file, new),
+            Ok(None) => return self.read_timeline(file, new),
             Err(reason) => {
                 let (problem, is_writable) = unread(reason);
                 return KeptDocument {
@@ -114,7 +114,7 @@ impl DocumentFolder {
         }
     }
 
-    fn from_timeline(&self, file: &Path, new: &Document) -> KeptDocument {
+    fn read_timeline(&self, file: &Path, new: &Document) -> KeptDocument {
         let mut document = new.clone();
         let problem = timeline_file::read_into(&mut document, &self.timeline_of(file));
         KeptDocument {

@@ -142,7 +142,7 @@ mod tests {
             change(&mut document);
             document
         };
-        for (from, to, expected, is_whole) in [
+        let cases = vec![
             ("{", "{\"of later\": 1,", whole.clone(), true),
             ("\"frame\"", "\"color\": 3, \"frame\"", whole.clone(), true),
             ("\"version\": 1,", "", whole.clone(), true),
@@ -173,7 +173,8 @@ mod tests {
             ),
             ("{", "{\"up\": \"-q\", ", whole.clone(), false),
             ("{", "", Document::default(), false),
-        ] {
+        ];
+        for (from, to, expected, is_whole) in cases {
             let changed = OF_VERSION_1.replacen(from, to, 1);
             assert_ne!(changed, OF_VERSION_1, "{from}");
             std::fs::write(&file, &changed).unwrap();

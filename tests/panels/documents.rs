@@ -190,7 +190,7 @@ fn each_sequence_has_its_own_document() {
 }
 
 #[test]
-fn what_is_kept_is_written_a_moment_after_the_last_change_and_is_a_session() {
+fn what_is_kept_is_a_session() {
     let folder = tempfile::tempdir().unwrap();
     let a = scans(folder.path(), "a");
     let mut harness = window_of(kept_in(folder.path()), &a);

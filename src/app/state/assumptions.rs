@@ -75,6 +75,7 @@ impl State {
                 Change::Read(change) => read.push(change),
             }
         }
+        self.keep_document();
         match &read[..] {
             [] => {}
             // A source with other filters takes them as chosen: only what is opened again has automatic ones.

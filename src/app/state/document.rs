@@ -76,8 +76,9 @@ impl State {
         let (range, frame) = (document.range, document.frame);
         self.play_with(|player, now| {
             player.set_range(range, now);
-            // Frames of a live source are gone.
-            if !player.sequence().source().is_live() && frame != player.clock().frame() {
+            // Frames of a live source are gone; who follows a folder has asked for its newest.
+            let has_frame = !player.sequence().source().is_live() && !player.follows_newest();
+            if has_frame && frame != player.clock().frame() {
                 player.seek(frame, now);
             }
         });

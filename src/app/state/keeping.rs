@@ -62,7 +62,10 @@ impl State {
         if std::mem::take(&mut self.options.is_fresh) {
             read.document = None;
         }
-        let kept = read.document.as_ref().map(|document| document.summary(&undrawn(&new)));
+        let kept = read
+            .document
+            .as_ref()
+            .map(|document| document.summary(&undrawn(new.clone())));
         let mut document = read.document.unwrap_or_else(|| new.clone());
         document.settings.drawing = new.settings.drawing;
         let before = document.style();
@@ -83,7 +86,7 @@ impl State {
             keeper: Keeper {
                 file: file.filter(|_| read.is_writable),
                 written,
-                new: undrawn(&new),
+                new: undrawn(new),
                 given: (chosen != before).then_some(MeasuredWay { before, chosen }),
                 ..Keeper::default()
             },
@@ -122,7 +125,7 @@ impl State {
         {
             document.inputs = vec![player.sequence().entry(0).path.clone()];
         }
-        undrawn(&document)
+        undrawn(document)
     }
 
     /// Takes notice that the document is as it begins.
@@ -243,7 +246,7 @@ impl State {
             of_sequence: OfSequence::default(),
             ..kept
         };
-        self.keeper.new = undrawn(&self.new_document());
+        self.keeper.new = undrawn(self.new_document());
         self.notices
             .info("New files begin with this look; those that were opened before keep theirs");
     }
@@ -263,13 +266,53 @@ impl State {
 }
 
 /// A document without who draws, which is no part of it.
-fn undrawn(document: &Document) -> Document {
-    let settings = Style {
-        drawing: DrawingStyle::default(),
-        ..document.settings
-    };
-    Document {
-        settings,
-        ..document.clone()
+fn undrawn(mut document: Document) -> Document {
+    document.settings.drawing = DrawingStyle::default();
+    document
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::StateOptions;
+    use crate::cloud::{Positions, RawCloud};
+    use crate::document::DocumentFolder;
+    use crate::sequence::FrameEntry;
+
+    #[test]
+    fn a_change_is_kept_once_it_has_stayed_for_a_moment() {
+        let folder = tempfile::tempdir().unwrap();
+        let documents = folder.path().join("documents");
+        let mut state = State::new(StateOptions {
+            documents: Some(DocumentFolder::at(documents.clone(), folder.path().join("timelines"))),
+            ..StateOptions::default()
+        });
+        let decode = |_: &FrameEntry| Ok(RawCloud::from_positions(Positions::F32(vec![[0.0; 3], [1.0; 3]])));
+        let sequence = Sequence::with_decoder(vec![FrameEntry::file("/scans/a.ply")], decode);
+        state.open(Arc::new(sequence));
+        state.note_document();
+        assert_eq!((state.keeping_deadline(), state.is_unsaved()), (None, false));
+        state.notes.push('a');
+        state.note_document();
+        state.now += WRITE_DELAY / 2;
+        state.notes.push('b');
+        state.note_document();
+        let due = state.now + WRITE_DELAY;
+        assert_eq!((state.keeping_deadline(), state.is_unsaved()), (Some(due), true));
+        state.keep_if_due(due.saturating_sub(Duration::from_millis(1)));
+        assert!(!documents.exists());
+        state.keep_if_due(due);
+        assert_eq!(documents.read_dir().unwrap().count(), 1);
+        assert_eq!(
+            (state.keeping_deadline(), state.is_unsaved()),
+            (None, true),
+            "no session has it"
+        );
+        // As it was before: there is nothing to keep any more.
+        state.notes.clear();
+        state.note_document();
+        state.keep_if_due(due + 2 * WRITE_DELAY);
+        assert_eq!(documents.read_dir().unwrap().count(), 0);
+        assert!(!state.is_unsaved());
     }
 }
