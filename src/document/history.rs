@@ -3,12 +3,9 @@
 //! **How it works.** What is edited is looked at once a pass. Where it differs from the last look, that is kept, unless
 //! the change goes on: with the same button held, or the same fields within half a second of the change before.
 
+use super::edited::{Edited, changed_fields};
 use super::names::name_of;
-use super::{Draft, Marker};
-use crate::scene::{Label, Style};
-use crate::timeline::PlayRange;
 use std::collections::VecDeque;
-use std::sync::Arc;
 use std::time::Duration;
 
 /// Changes of the same fields within this time are one.
@@ -16,23 +13,6 @@ const GESTURE: Duration = Duration::from_millis(500);
 
 /// Entries that are kept; the oldest go first.
 const MAX_ENTRIES: usize = 200;
-
-/// What can be undone.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Edited {
-    /// The settings.
-    pub style: Style,
-    /// The camera path.
-    pub path: Arc<Draft>,
-    /// The labels.
-    pub labels: Arc<Vec<Label>>,
-    /// The markers.
-    pub markers: Vec<Marker>,
-    /// In and out point.
-    pub range: PlayRange,
-    /// Free text.
-    pub notes: String,
-}
 
 /// What was edited before and after, as a person changed it.
 #[derive(Debug, Clone, Default)]
@@ -131,29 +111,13 @@ impl History {
     }
 }
 
-/// The settings that differ, by their names in files, and the other parts that do.
-pub(super) fn changed_fields(before: &Edited, after: &Edited) -> Vec<&'static str> {
-    let parts = [
-        ("path", before.path != after.path),
-        ("labels", before.labels != after.labels),
-        ("markers", before.markers != after.markers),
-        ("range", before.range != after.range),
-        ("notes", before.notes != after.notes),
-        ("clip", before.style.of_sequence != after.style.of_sequence),
-    ];
-    let parts = parts.into_iter().filter_map(|(name, differs)| differs.then_some(name));
-    let style = before.style.settings().into_iter();
-    let changed = style
-        .zip(after.style.settings())
-        .filter(|((_, before), (_, after))| before != after);
-    parts.chain(changed.map(|((described, _), _)| described.key)).collect()
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::Marker;
     use super::*;
-    use crate::scene::Primitive;
+    use crate::scene::{Label, Primitive, Style};
     use proptest::prelude::*;
+    use std::sync::Arc;
 
     fn scaled(splat_scale: f32) -> Edited {
         let style = Style::default().with(|style| style.surfels.splat_scale = splat_scale);

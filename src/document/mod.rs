@@ -1,7 +1,7 @@
 //! The document: what is open, and all that a user made around it.
 //!
-//! **How it works.** A [`Document`] is plain data and has one text: JSON, as settings, presets and camera paths are
-//! (`text.rs`). A session file (`.pointreel`) is that text next to the data: paths from its folder, how inputs are read,
+//! **How it works.** A [`Document`] is plain data and has one text: JSON, as settings, presets and camera paths
+//! are (`text.rs`). A session file (`.pointreel`) is that text next to the data: paths from its folder, how inputs are read,
 //! the frame, the view as the line that the window copies, all settings by the words of the command line, clip, range,
 //! markers, measurements, labels, trails, notes, the camera path, and the second sequence. The same folder on another
 //! machine opens as it was left, in a window and by `render`. The window keeps the same text for each sequence without
@@ -18,6 +18,7 @@
 
 mod beyond;
 mod draft;
+mod edited;
 mod error;
 mod file;
 mod folder;
@@ -35,10 +36,11 @@ mod work;
 mod written;
 
 pub use draft::Draft;
+pub use edited::Edited;
 pub use error::SessionError;
 pub use file::{EXTENSION, ReadSession, is_session, session_of};
 pub use folder::{DocumentFolder, KeptDocument};
-pub use history::{Edited, History};
+pub use history::History;
 pub use model::{
     Compared, ComparedBy, ComparedLayout, Document, Marker, Measured, MeasuredPoint, ShownTrails, SpreadTrails, Unknown,
 };

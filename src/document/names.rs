@@ -1,6 +1,6 @@
 //! Names of changes, for undo: `Lighting Matt`.
 
-use super::history::{Edited, changed_fields};
+use super::edited::{Edited, changed_fields};
 use crate::scene::describe::{Described, Value, Values};
 
 /// Names that a menu has room for.

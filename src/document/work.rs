@@ -13,8 +13,8 @@ impl Document {
         }
     }
 
-    /// Whether `other` holds the same work. Looking around is none: frame and view may differ, and where followed points
-    /// are in the shown frame.
+    /// Whether `other` holds the same work. Looking around is none: frame and view may differ, and where followed
+    /// points are in the shown frame.
     pub fn is_same_work(&self, other: &Self) -> bool {
         self.work() == other.work()
     }

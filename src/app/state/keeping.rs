@@ -1,42 +1,22 @@
 //! The document is kept without being asked: while it is worked on, when it is left, and at the end of the program.
 //!
-//! **How it works.** Each sequence has a file ([`DocumentFolder`](crate::document::DocumentFolder)). Once a pass the document is compared with what it
-//! began with; what differs is written a moment after the last change, so that a program that is killed has lost little.
-//! Looking at frames is no change, and a file that was only opened leaves nothing behind. A session has a file of its
-//! own: it is written when the user saves it.
+//! **How it works.** Each sequence has a file ([`DocumentFolder`](crate::document::DocumentFolder)). Once a pass the
+//! document is compared with what it began with; what differs is written a moment after the last change, so that a
+//! program that is killed has lost little. Looking at frames is no change, and a file that was only opened leaves
+//! nothing behind. A session has a file of its own: it is written when the user saves it.
 
 use super::State;
+use super::keeper::Keeper;
 use crate::app::features::quality::MeasuredWay;
 use crate::app::side::Side;
 use crate::document::Document;
 use crate::scene::{DrawingStyle, OfSequence, Style};
 use crate::sequence::Sequence;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
 /// A slider that is being dragged is not written at each of its steps.
 const WRITE_DELAY: Duration = Duration::from_secs(1);
-
-/// What is known of how the open document is kept.
-#[derive(Debug, Default)]
-pub(super) struct Keeper {
-    /// Its file; `None` if it is not kept.
-    file: Option<PathBuf>,
-    /// What this window has read from the file or written to it last.
-    written: Document,
-    /// As it was opened, or kept last.
-    begun: Document,
-    /// As it was opened, or saved as a session last.
-    saved: Document,
-    /// As a new one is.
-    new: Document,
-    /// What is to be kept, and since when it is so.
-    changed: Option<(Document, Duration)>,
-    is_unsaved: bool,
-    /// What the command line has changed of the settings: that is not kept.
-    given: Option<MeasuredWay>,
-}
 
 /// A document that is to be opened.
 pub(super) struct Found {

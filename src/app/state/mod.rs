@@ -16,6 +16,7 @@ mod files;
 mod first_look;
 mod inspecting;
 mod intake;
+mod keeper;
 mod keeping;
 mod labels;
 mod live;
@@ -46,7 +47,7 @@ pub(in crate::app) use reading::PictureStage;
 use connection::Connection;
 use dialogs::Dialogs;
 use failed_opening::Unproven;
-use keeping::Keeper;
+use keeper::Keeper;
 use main_picture::MainPicture;
 use opened::Opened;
 

@@ -2,7 +2,7 @@
 
 use super::State;
 use super::connection::Connection;
-use super::keeping::Keeper;
+use super::keeper::Keeper;
 use super::outcome::{FoundSequence, NotFound};
 use crate::app::first_look::SequenceLook;
 use crate::app::reading_choices::open_as_chosen;
@@ -19,8 +19,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 impl State {
-    /// Opens the document of `sequence` in place of the open one: what was kept of it, or a new one. Loop mode and speed
-    /// stay: they are choices of the user, not of the document.
+    /// Opens the document of `sequence` in place of the open one: what was kept of it, or a new one. Loop mode and
+    /// speed stay: they are choices of the user, not of the document.
     pub fn open(&mut self, sequence: Arc<Sequence>) {
         self.keep_document();
         let found = self.find_document(&sequence);

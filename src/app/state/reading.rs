@@ -2,7 +2,7 @@
 //! more.
 
 use super::State;
-use super::keeping::Keeper;
+use super::keeper::Keeper;
 use crate::app::first_look::SequenceLook;
 use crate::app::side::Side;
 use crate::app::work::tasks::close;

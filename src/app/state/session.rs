@@ -34,7 +34,8 @@ impl State {
         self.opened.file.as_ref()
     }
 
-    /// The document as a session holds it, with a view and files that can be opened again. `Err` is a text for a notice.
+    /// The document as a session holds it, with a view and files that can be opened again. `Err` is a text for a
+    /// notice.
     pub fn session(&self) -> Result<Document, String> {
         let Some(player) = &self.player else {
             return Err("There is nothing to save yet: open a sequence first".to_owned());
