@@ -3,8 +3,8 @@
 //! **How it works.** A sequence is known by path, name and size of its first frame: frames that are added later leave
 //! it the same. Its file holds the text of a session with absolute paths, and is written as a whole. Two windows may
 //! have the same sequence open: each writes the parts that were changed in it, into the file as it is then
-//! (`kept/update.rs`); of a part that both have changed, the later stays. A file that cannot be read is copied before it
-//! is replaced. The number and the size of the files are bounded: the oldest are removed.
+//! (`kept/update.rs`); of a part that both have changed, the later stays. A file that cannot be read is copied before
+//! it is replaced. The number and the size of the files are bounded: the oldest are removed.
 
 use super::model::Document;
 use super::{EXTENSION, ReadSession, text, timeline_file};

@@ -1,11 +1,11 @@
 //! The document: what is open, and all that a user made around it.
 //!
-//! **How it works.** A [`Document`] is plain data and has one text: JSON, as settings, presets and camera paths
-//! are (`text.rs`). A session file (`.pointreel`) is that text next to the data: paths from its folder, how inputs are read,
-//! the frame, the view as the line that the window copies, all settings by the words of the command line, clip, range,
-//! markers, measurements, labels, trails, notes, the camera path, and the second sequence. The same folder on another
-//! machine opens as it was left, in a window and by `render`. The window keeps the same text for each sequence without
-//! being asked ([`DocumentFolder`]). [`History`] is what can be undone, with names.
+//! **How it works.** A [`Document`] is plain data and has one text: JSON, as settings, presets and camera paths are
+//! (`text.rs`). A session file (`.pointreel`) is that text next to the data: paths from its folder, how inputs are
+//! read, the frame, the view as the line that the window copies, all settings by the words of the command line, clip,
+//! range, markers, measurements, labels, trails, notes, the camera path, and the second sequence. The same folder on
+//! another machine opens as it was left, in a window and by `render`. The window keeps the same text for each sequence
+//! without being asked ([`DocumentFolder`]). [`History`] is what can be undone, with names.
 //!
 //! **What a session may open.** A session comes from anybody, and says what is opened. The files in its folder are;
 //! addresses and files elsewhere only after a question, or with an option ([`Beyond`]).
