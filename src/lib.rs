@@ -30,7 +30,7 @@
 //! | [`sequence`] | frames prepared ahead of the playhead within a byte budget |
 //! | [`scene`] | camera, settings, the [`scene::ScenePacket`] that holds all that one picture needs, and what is under its pixels |
 //! | [`composition`] | the stages from a frame to the packet of its picture: other poses, photographs, levels |
-//! | [`session`] | session files: all that a person made around a sequence |
+//! | [`document`] | what is open and all that was made around it: session files, what is kept, undo |
 //! | [`playback`] | the playhead: which frame is due, which is shown, with how many points |
 //! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
 //! | [`headless`] | pictures without a window |
@@ -64,6 +64,7 @@ pub mod cloud;
 pub mod composition;
 pub mod convert;
 pub mod deadlines;
+pub mod document;
 pub mod export;
 #[cfg(feature = "fuzzing")]
 #[doc(hidden)]
@@ -90,7 +91,6 @@ pub mod rgbd;
 pub mod scene;
 pub mod sequence;
 pub mod serve;
-pub mod session;
 mod signals;
 pub mod source;
 pub mod stereo;

@@ -61,7 +61,7 @@ const ORDER: &[&[&str]] = &[
     &["sequence"],
     &["scene"],
     &["composition"],
-    &["session"],
+    &["document"],
     &["playback"],
     &["render"],
     &["headless"],

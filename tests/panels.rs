@@ -26,6 +26,8 @@ mod colors;
 mod comparison;
 #[path = "panels/depth_filters.rs"]
 mod depth_filters;
+#[path = "panels/documents.rs"]
+mod documents;
 #[path = "panels/escape.rs"]
 mod escape;
 #[path = "panels/export.rs"]

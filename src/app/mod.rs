@@ -23,7 +23,6 @@ mod first_look;
 mod fly;
 mod focus;
 mod grip;
-mod history;
 mod meter;
 mod motion;
 mod notices;
@@ -65,7 +64,6 @@ pub use features::thumbnails::{Delivery, Thumbnails};
 pub use features::timeline::{Markers, Quantity, Timeline};
 pub use features::trails::{Traced, TrailField, Trails};
 pub use fly::Fly;
-pub use history::{Edited, History};
 pub use motion::{CameraMotion, Turntable};
 pub use notices::{Notice, Notices, Severity};
 pub use open_panels::{OpenPanels, PanelId, RememberedPanels};
@@ -76,7 +74,7 @@ pub use reading_choices::{ReadingChoices, open_as_chosen};
 pub use recent::Recent;
 pub use side::Side;
 pub use state::{
-    Counters, DialogAnswer, DialogKind, FailedOpening, FoundSequence, GraphicsInfo, Outcome, SavedSession,
+    Counters, DialogAnswer, DialogKind, FailedOpening, FoundSequence, GivenStyle, GraphicsInfo, Outcome, SavedSession,
     SessionQuestion, State, StateOptions, Viewport, VisibleChange, WindowRequest,
 };
 pub use theme::apply_theme;

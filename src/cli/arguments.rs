@@ -11,7 +11,7 @@ use crate::io::{ColumnMap, ReadOptions};
 use crate::render::matcher_of_machine;
 use crate::rgbd::Filters;
 use crate::scene::{
-    BackFaces, Backdrop, Background, Choice, Clip, ClipShape, ParseChoiceError, Primitive, Settings, SurfelSettings,
+    BackFaces, Backdrop, Background, Choice, Clip, ClipShape, ParseChoiceError, Settings, SurfelSettings,
 };
 use crate::sequence::{ColorSource, OpenOptions, Sequence};
 use crate::source::SessionReach;
@@ -233,11 +233,6 @@ impl PictureArgs {
     /// The source of colours that was named.
     pub(super) fn color_source(&self) -> Option<ColorSource> {
         self.colors.source()
-    }
-
-    /// What was chosen for points to become.
-    pub(super) fn primitive(&self) -> Option<Choice<Primitive>> {
-        self.style.given(Settings::PRIMITIVE.key)
     }
 
     /// `default`, but for what is given.

@@ -4,14 +4,14 @@ pub(super) use crate::app::PresentChoice;
 
 use crate::app;
 use crate::bench::{self, BenchOptions, Input, Report};
-use crate::scene::RendererChoice;
+use crate::scene::{Choice, RendererChoice};
 
 /// Measures the window.
 pub(super) fn measure_window(
     inputs: &[Input],
     options: BenchOptions,
     present: Option<PresentChoice>,
-    renderer: Option<RendererChoice>,
+    renderer: Option<Choice<RendererChoice>>,
 ) -> anyhow::Result<Report> {
     let present = present.unwrap_or_default();
     let renderer = renderer.unwrap_or_default();

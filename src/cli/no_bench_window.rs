@@ -7,7 +7,7 @@
 
 use super::usage::UsageError;
 use crate::bench::{BenchOptions, Input, Report};
-use crate::scene::RendererChoice;
+use crate::scene::{Choice, RendererChoice};
 use std::str::FromStr;
 
 const ABSENT: &str = "this build has no window: build with `--features window`";
@@ -29,7 +29,7 @@ pub(super) fn measure_window(
     _inputs: &[Input],
     _options: BenchOptions,
     _present: Option<PresentChoice>,
-    _renderer: Option<RendererChoice>,
+    _renderer: Option<Choice<RendererChoice>>,
 ) -> anyhow::Result<Report> {
     Err(UsageError(ABSENT.to_owned()).into())
 }

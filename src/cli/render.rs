@@ -10,13 +10,13 @@ use super::sources::{OutputKind, check_outputs, check_replaced, write_text};
 use super::video::render_video;
 use super::warnings;
 use crate::assumption::Subject;
+use crate::document::Document;
 use crate::export::{FRAME_PLACEHOLDER, PictureFormat, numbered, write_picture, write_png};
 use crate::headless::{Headless, PictureStats};
 use crate::messages::frame_with_index;
 use crate::render::AnyRenderer;
 use crate::scene::{Camera, Primitive, Settings, Style};
 use crate::sequence::{ColorSource, Loader, LoaderOptions};
-use crate::session::Session;
 use crate::temporary::Temporary;
 use anyhow::{Context as _, bail};
 use serde::Serialize;
@@ -35,7 +35,7 @@ struct Stats {
 }
 
 /// Gives `arguments` of `render` what a session says and they do not, of a sequence of so many frames.
-pub(super) fn fill(arguments: &mut RenderArgs, session: &Session, frame_count: usize) {
+pub(super) fn fill(arguments: &mut RenderArgs, session: &Document, frame_count: usize) {
     let last = frame_count.saturating_sub(1);
     arguments.camera.take_view(session.view);
     if arguments.video.video.is_none() {
@@ -66,7 +66,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     let OpenedInputs { sequence, session } =
         open_inputs_and_tell(&arguments.inputs, &arguments.read.picture_options())?;
     let sequence = Arc::new(sequence);
-    let session = session.map(|read| read.session);
+    let session = session.map(|read| read.document);
     let mut arguments = arguments.clone();
     if let Some(session) = &session {
         fill(&mut arguments, session, sequence.len());
@@ -80,7 +80,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         check_outputs(&sequence, names, OutputKind::Picture)?;
     }
     check_outputs(&sequence, arguments.stats.clone().into_iter(), OutputKind::Json)?;
-    let of_session = session.as_ref().map_or_else(Settings::default, Session::style);
+    let of_session = session.as_ref().map_or_else(Settings::default, Document::style);
     let style = arguments.picture.style_over(of_session);
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;
     let renderer = AnyRenderer::open(style.drawing.renderer)?;

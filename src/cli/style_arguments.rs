@@ -1,7 +1,7 @@
 //! Options for the settings of a picture, made of their descriptions.
 
 use crate::scene::Settings;
-use crate::scene::describe::{Described, Given, Setting, Value, Values};
+use crate::scene::describe::{Described, Given, Value, Values};
 use clap::builder::ValueParser;
 use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, Error, FromArgMatches};
 
@@ -13,12 +13,6 @@ pub(super) struct StyleArgs {
 }
 
 impl StyleArgs {
-    /// The setting of this name, if it is given.
-    pub(super) fn given<T: Setting>(&self, key: &str) -> Option<T> {
-        let (_, value) = self.given.iter().rfind(|(given, _)| *given == key)?;
-        T::from_value(*value)
-    }
-
     /// `default`, but for what is given.
     pub(super) fn over(&self, mut default: Settings) -> Settings {
         default.edit(&mut |described, value| {

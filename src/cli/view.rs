@@ -5,15 +5,16 @@ use super::colors::check_source;
 use super::session::{OpenedInputs, open_inputs};
 use super::sources::{OutputKind, check_replaced, check_sources};
 use crate::app::{
-    Options, Preferences, PreferencesFile, PresentChoice, Presets, ReadingChoices, Recent, StateOptions, open_as_chosen,
+    GivenStyle, Options, Preferences, PreferencesFile, PresentChoice, Presets, ReadingChoices, Recent, StateOptions,
+    open_as_chosen,
 };
+use crate::document::{DocumentFolder, ReadSession, session_of};
 use crate::export::PictureFormat;
-use crate::kept;
 use crate::progress::Progress;
-use crate::scene::{Camera, UpAxis};
+use crate::scene::{Camera, Settings, UpAxis};
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
-use crate::session::{ReadSession, session_of};
 use crate::source;
+use crate::source::Generated;
 use anyhow::{Context as _, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -57,6 +58,10 @@ pub(super) struct ViewArgs {
     /// Do not play
     #[arg(long)]
     paused: bool,
+
+    /// Begin from defaults, whatever the window has kept of INPUT
+    #[arg(long, visible_alias = "no-document")]
+    fresh: bool,
 
     /// Memory for prepared frames, such as 2GB
     #[arg(long, value_name = "SIZE", value_parser = byte_count)]
@@ -125,7 +130,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     } = if offers_recent || waits || asks {
         FirstOpened::default()
     } else {
-        FirstOpened::of(&args.inputs, &open, &reading_choices)?
+        FirstOpened::of(args, &open, &reading_choices)?
     };
     if let Some(read) = &mut session {
         give_precedence(args, read);
@@ -153,7 +158,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         state: StateOptions {
             preferences,
             up: args.up,
-            primitive: args.picture.primitive(),
+            given: given_style(args),
             view: args.view,
             open,
             follow: args.follow,
@@ -162,7 +167,8 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             recent,
             reading_choices,
             presets,
-            timelines: args.screenshot.is_none().then(|| kept::place_of("timelines")).flatten(),
+            documents: args.screenshot.is_none().then(DocumentFolder::of_user).flatten(),
+            is_fresh: args.fresh,
             ..StateOptions::default()
         },
         sequence: sequence.map(Arc::new),
@@ -212,9 +218,10 @@ struct FirstOpened {
 }
 
 impl FirstOpened {
-    /// As was chosen for `inputs` in the window before, where nothing else is given.
-    fn of(inputs: &[PathBuf], open: &OpenOptions, choices: &ReadingChoices) -> anyhow::Result<Self> {
-        let chosen = choices.of(inputs);
+    /// As was chosen for the inputs in the window before, where nothing else is given.
+    fn of(args: &ViewArgs, open: &OpenOptions, choices: &ReadingChoices) -> anyhow::Result<Self> {
+        let inputs = &args.inputs;
+        let chosen = choices.of(inputs).filter(|_| !args.fresh);
         let as_chosen = chosen.map(|chosen| open_as_chosen(inputs, chosen, open, &Progress::default()));
         let problem = match as_chosen {
             Some(Ok((sequence, chosen))) => {
@@ -239,13 +246,22 @@ impl FirstOpened {
 
 /// What is given goes before what is kept in a session.
 fn give_precedence(args: &ViewArgs, read: &mut ReadSession) {
-    let style = args.picture.style_over(read.session.style());
-    read.session.settings = style;
-    read.session.clip = style.clip;
-    read.session.view = args.view.or(read.session.view);
+    let style = args.picture.style_over(read.document.style());
+    read.document.clip = style.clip;
+    read.document.settings = style.with(|style| style.clip = None);
+    read.document.view = args.view.or(read.document.view);
     if !args.compare.is_empty() {
-        read.session.compare = None;
+        read.document.compare = None;
     }
+}
+
+/// What is given goes before what was kept of a sequence.
+fn given_style(args: &ViewArgs) -> GivenStyle {
+    let picture = args.picture.clone();
+    GivenStyle::new(move |style| Style {
+        drawing: style.drawing,
+        ..picture.style_over(style)
+    })
 }
 
 fn record_arrivals(sequence: Option<&Sequence>, path: &Path) -> anyhow::Result<()> {
@@ -276,11 +292,14 @@ fn load_preferences(args: &ViewArgs, has_settings: bool) -> (PreferencesFile, Pr
     } else {
         PreferencesFile::load()
     };
-    let settings = if has_settings {
-        kept.settings
-    } else {
-        args.picture.style_over(kept.settings)
-    };
+    if kept.settings != Style::default() {
+        log::info!("new documents begin with the settings in settings.json, which are not all as by default");
+    }
+    let mut settings = kept.settings;
+    if !has_settings {
+        // Who draws is of no document.
+        settings.drawing = args.picture.style_over(settings).drawing;
+    }
     let preferences = Preferences {
         settings,
         present: args.present.unwrap_or(kept.present),

@@ -8,6 +8,7 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use pointreel::app::{Command, ReadingChoices, State, StateOptions};
 use pointreel::assumption::{Assumption, Evidence, Subject};
 use pointreel::cloud::{Positions, RawCloud};
+use pointreel::document::DocumentFolder;
 use pointreel::scene::{Choice, Primitive, UpAxis};
 use pointreel::sequence::{FrameEntry, Sequence};
 use std::fs;
@@ -33,7 +34,7 @@ fn kept_in(folder: &Path) -> StateOptions {
     let (reading_choices, problem) = ReadingChoices::load_from(&folder.join("reading.json"));
     assert_eq!(problem, None);
     StateOptions {
-        timelines: Some(folder.join("timelines")),
+        documents: Some(DocumentFolder::at(folder.join("documents"), folder.join("timelines"))),
         reading_choices,
         ..options
     }

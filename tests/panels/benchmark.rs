@@ -286,7 +286,7 @@ fn a_measured_way_is_that_of_its_sequence_alone() {
     harness.state_mut().open(super::sequence(&[]));
     let style = harness.state().style;
     assert_eq!(style.drawing, before.drawing);
-    assert_eq!(style.light.eye_dome_strength, 0.25);
+    assert_eq!(style.light, before.light, "the look is that of the other document");
 }
 
 #[test]

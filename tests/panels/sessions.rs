@@ -6,9 +6,9 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use glam::DVec3;
 use pointreel::app::{Command, PanelId, State, StateOptions};
+use pointreel::document::ReadSession;
 use pointreel::playback::PairBy;
 use pointreel::scene::{Clip, ClipShape, FollowedPoint, Label, Primitive, UpAxis};
-use pointreel::session::ReadSession;
 use pointreel::timeline::PlayRange;
 use std::fs;
 use std::path::Path;
@@ -126,7 +126,7 @@ fn a_session_is_taken_up_again_as_it_was_left() {
     assert_eq!(state.session_file(), Some(&file));
     assert!(state.notices.list().is_empty(), "{:?}", state.notices.list());
     // What was taken up and saved again is the same text.
-    assert_eq!(state.session().unwrap(), ReadSession::read(&file).unwrap().session);
+    assert_eq!(state.session().unwrap(), ReadSession::read(&file).unwrap().document);
     let text = fs::read(&file).unwrap();
     taken.state_mut().run(Command::SaveSession);
     until(&mut taken, "it is not saved", |state| !state.notices.list().is_empty());
@@ -167,7 +167,7 @@ fn what_is_beside_is_opened_again_as_it_was_laid_out() {
     assert_eq!(of(taken.state()), of(left.state()));
     assert_eq!(
         taken.state().session().unwrap(),
-        ReadSession::read(&file).unwrap().session
+        ReadSession::read(&file).unwrap().document
     );
     // Who closes it has closed it.
     taken.state_mut().run(Command::CloseComparison);

@@ -113,6 +113,10 @@ pub enum Command {
     SaveSession,
     /// Write the session to a file chosen with a dialog.
     SaveSessionAs,
+    /// Begin the open document again from defaults.
+    BeginAgain,
+    /// Begin new documents with the look of the open one.
+    UseAsDefaults,
     /// Full screen and back.
     FullScreen,
     /// Show or hide a panel.

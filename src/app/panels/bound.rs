@@ -104,7 +104,7 @@ pub(super) fn timeline(ui: &mut Ui, state: &mut State) {
     for request in timeline_ui(ui, &mut context) {
         match request {
             TimelineRequest::Run(command) => state.run(command),
-            TimelineRequest::Keep => state.keep_timeline(),
+            TimelineRequest::Keep => state.keep_document(),
         }
     }
 }

@@ -217,8 +217,15 @@ fn recent_items(ui: &mut Ui, state: &State) -> Option<Vec<PathBuf>> {
 
 fn edit_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(190.0);
-    ui.add_enabled_ui(state.history.can_undo(), |ui| item(ui, state, "Undo", Command::Undo));
-    ui.add_enabled_ui(state.history.can_redo(), |ui| item(ui, state, "Redo", Command::Redo));
+    let [undo, redo] = [state.history.undo_name(), state.history.redo_name()].map(|name| name.map(str::to_owned));
+    for (what, name, command) in [("Undo", undo, Command::Undo), ("Redo", redo, Command::Redo)] {
+        let title = name.as_ref().map_or(what.to_owned(), |name| format!("{what}: {name}"));
+        ui.add_enabled_ui(name.is_some(), |ui| item(ui, state, &title, command));
+    }
+    ui.add_enabled_ui(state.player.is_some(), |ui| {
+        item(ui, state, "Begin again from defaults", Command::BeginAgain);
+        item(ui, state, "Use this look for new files", Command::UseAsDefaults);
+    });
     ui.separator();
     item(ui, state, "Copy view", Command::CopyView);
     item(ui, state, "Paste view", Command::PasteView);

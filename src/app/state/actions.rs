@@ -8,9 +8,9 @@ use crate::app::features::camera_path::Question;
 use crate::app::features::comparison::Comparison;
 use crate::app::features::export::ExportSubject;
 use crate::app::features::palette::Palette;
-use crate::app::history::Edited;
 use crate::app::sequence_name::name_of;
 use crate::app::side::Side;
+use crate::document::Edited;
 use crate::playback::Player;
 use crate::scene::describe::Value;
 use crate::scene::{PointSizing, PointStyle, Primitive, Settings, Style, SurfelSettings};
@@ -105,6 +105,8 @@ impl State {
                 let after = self.history.redo();
                 self.take_edited(after);
             }
+            Command::BeginAgain => self.begin_again(),
+            Command::UseAsDefaults => self.use_as_defaults(),
             Command::TogglePanel(panel) => self.panels.toggle(panel),
             Command::ToggleTrails => self.toggle_trails(),
             Command::Theme(theme) => self.appearance.theme = theme,
@@ -177,24 +179,39 @@ impl State {
         }
     }
 
-    /// Looks whether settings, camera path or labels have changed, for undo. Call after the panels.
+    /// Looks whether something that undo takes back has changed. Call after the panels.
     pub(in crate::app) fn note_settings(&mut self, ctx: &egui::Context) {
         let (is_held, seconds) = ctx.input(|input| (input.pointer.any_down(), input.time));
         let now = Duration::try_from_secs_f64(seconds).unwrap_or_default();
-        let edited = Edited {
+        let edited = self.edited();
+        self.history.note(&edited, is_held, now);
+        self.note_document();
+    }
+
+    /// What undo takes back.
+    fn edited(&self) -> Edited {
+        let player = self.player.as_ref();
+        Edited {
             style: self.style,
             path: Arc::clone(&self.path.draft),
             labels: Arc::clone(&self.labels.list),
-        };
-        self.history.note(&edited, is_held, now);
+            markers: self.timeline.markers.list().to_vec(),
+            range: player.map_or_else(PlayRange::default, |player| player.clock().range()),
+            notes: self.notes.clone(),
+        }
     }
 
     fn take_edited(&mut self, edited: Option<Edited>) {
-        if let Some(Edited { style, path, labels }) = edited {
-            self.style = style;
-            self.path.draft = path;
-            self.labels.take(labels);
+        let Some(edited) = edited else { return };
+        self.style = edited.style;
+        self.path.draft = edited.path;
+        self.labels.take(edited.labels);
+        if let Some(problem) = self.timeline.take_markers(edited.markers) {
+            self.notices.warn(problem);
         }
+        self.notes = edited.notes;
+        self.play_with(|player, now| player.set_range(edited.range, now));
+        self.keep_document();
     }
 
     /// Asks the window for what only it can do.

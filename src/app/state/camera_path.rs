@@ -124,7 +124,7 @@ impl State {
 
     /// What would be lost by the end of the program, a sentence each.
     pub(in crate::app) fn losses(&self) -> Vec<&'static str> {
-        let path = self.path.is_unsaved();
+        let path = self.path.is_unsaved() && !self.is_kept();
         let export = self.works.has(WorkKind::Export);
         let save = self.works.has(WorkKind::Save);
         [

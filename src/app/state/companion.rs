@@ -48,25 +48,6 @@ impl State {
         self.share_budget();
     }
 
-    /// Shows what is beside the open sequence, which is another one now, beside that. Nothing that was read of it is
-    /// kept: where its points are held may have changed with the origin.
-    pub(super) fn compare_again(&mut self) {
-        let Some(before) = &self.beside else { return };
-        let before = &before.companion;
-        let sequence = Arc::new(before.sequence().anew());
-        let offset_frames = before.offset_frames();
-        // Where there was no choice, the person made none.
-        let has_choice = before.times().is_some() || before.numbers().is_some();
-        let by = has_choice.then(|| before.paired_by());
-        self.compare_with(sequence);
-        if let Some(beside) = &mut self.beside {
-            beside.companion.set_offset_frames(offset_frames);
-            if let Some(by) = by {
-                beside.companion.pair_by(by);
-            }
-        }
-    }
-
     /// Finds the frames of `inputs` on a thread and shows them beside the open sequence.
     pub fn compare_paths(&mut self, inputs: Vec<PathBuf>) {
         self.find(inputs, self.options.open.clone(), Side::B);

@@ -7,7 +7,7 @@ use crate::app::features::benchmark::{Benchmark, ReportFormat};
 use crate::app::work::files::{
     PicturePlace, document_folder, numbered_files, picture_folder, save_bytes, save_picture, with_extension,
 };
-use crate::session::EXTENSION;
+use crate::document::EXTENSION;
 use std::path::{Path, PathBuf};
 
 impl State {

@@ -2,15 +2,14 @@
 //!
 //! **How it works.** The first frame that is shown tells what is looked at and where to stand
 //! ([`FirstLook::of_first`]). Of a sequence of many frames a thread looks at some others meanwhile; when it is done,
-//! and nobody has moved the camera, the view is that of all of them. What a person chooses for a sequence, up axis and
-//! primitive, is kept with its markers.
+//! and nobody has moved the camera, the view is that of all of them. An up axis that a user chooses is in the document.
 
 use super::State;
 use crate::app::features::photos::Photos;
-use crate::app::first_look::{Chosen, FirstView, RefinedLook, SequenceLook};
+use crate::app::first_look::{FirstView, RefinedLook};
 use crate::math::Aabb;
 use crate::rgbd::Sensor;
-use crate::scene::{Camera, Choice, FirstLook, Primitive, Settings, Style, UpAxis};
+use crate::scene::{Camera, FirstLook, Settings, Style, UpAxis};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
@@ -47,36 +46,10 @@ impl State {
             .drawn_by(is_processor)
     }
 
-    /// The next sequence that is opened is drawn as this, whatever was chosen for it, and it is not kept.
-    pub(in crate::app) fn ask_for_primitive(&mut self, primitive: Choice<Primitive>) {
-        self.options.primitive = Some(primitive);
-    }
-
-    /// Takes what was chosen for the sequence that is being opened.
-    pub(in crate::app) fn take_chosen(&mut self, chosen: Chosen) {
-        self.looked = SequenceLook::default();
-        let usual = self.options.preferences.settings.primitive;
-        let asked = self.options.primitive.take();
-        let chosen_before = chosen.primitive.map(Choice::Is);
-        self.style.primitive = asked.or(chosen_before).unwrap_or(usual);
-        self.looked.primitive = Some(self.style.primitive);
-        self.timeline.chosen = chosen;
-    }
-
-    /// Keeps the primitive if it was changed for the open sequence.
-    pub(super) fn keep_primitive(&mut self) {
-        let primitive = self.style.primitive;
-        if self.player.is_none() || self.looked.primitive.replace(primitive) == Some(primitive) {
-            return;
-        }
-        self.timeline.chosen.primitive = primitive.chosen();
-        self.keep_timeline();
-    }
-
-    /// Everything as in a new installation, for this sequence and those to come; the camera stays.
+    /// All settings as in a new installation, for this document and new ones; the camera stays.
     pub(in crate::app) fn reset_settings(&mut self) {
         self.style = Settings::default();
-        self.options.preferences.settings.primitive = Choice::Auto;
+        self.options.preferences.settings = Settings::default();
     }
 
     /// Looks at the first frame that is shown, and puts the camera where it is seen best.
@@ -154,7 +127,7 @@ impl State {
 
     /// The up axis that the user has chosen for the open sequence.
     pub(super) fn chosen_up(&self) -> Option<UpAxis> {
-        self.options.up.or(self.timeline.chosen.up)
+        self.options.up.or(self.timeline.chosen_up)
     }
 
     /// Puts the camera where it is for a sequence that was just opened.
@@ -201,8 +174,8 @@ impl State {
 
     fn take_chosen_up(&mut self, up: Option<UpAxis>) {
         self.options.up = None;
-        self.timeline.chosen.up = up;
-        self.keep_timeline();
+        self.timeline.chosen_up = up;
+        self.keep_document();
         if let Some(guessed) = self.looked.guessed.take() {
             self.take_look(guessed);
         }

@@ -1,5 +1,5 @@
-//! A way to draw that was chosen by its measured time and error, or with a session. It is of the open sequence, so it
-//! is used for this one alone: the settings that it has changed come back with the next.
+//! A way to draw that was chosen by its measured time and error, or with a session. Who draws and how many pixels is no
+//! part of a document; that of such a way is used for the open sequence alone, and comes back with the next.
 
 use super::State;
 use crate::app::features::quality::MeasuredWay;
@@ -16,7 +16,7 @@ impl State {
     }
 
     /// Settings as they are for other sequences.
-    fn usual_style(&self, style: Settings) -> Settings {
+    pub(super) fn usual_style(&self, style: Settings) -> Settings {
         self.measured_way.map_or(style, |way| way.undone(style))
     }
 
@@ -25,16 +25,5 @@ impl State {
         let comparison = self.comparison.as_ref();
         let of_a = comparison.filter(|comparison| comparison.edited == Side::B);
         of_a.map_or(self.style, |comparison| comparison.other)
-    }
-
-    /// What is kept of the settings.
-    pub(super) fn style_to_keep(&self) -> Settings {
-        self.usual_style(self.style_of_a())
-    }
-
-    /// The open sequence is left: others are drawn as before it was measured.
-    pub(super) fn forget_measured_way(&mut self) {
-        self.style = self.usual_style(self.style);
-        self.measured_way = None;
     }
 }

@@ -9,12 +9,15 @@ mod companion;
 mod connection;
 mod depth_filters;
 mod dialogs;
+mod document;
 mod export;
 mod failed_opening;
 mod files;
 mod first_look;
 mod inspecting;
 mod intake;
+mod keeper;
+mod keeping;
 mod labels;
 mod live;
 mod main_picture;
@@ -36,7 +39,7 @@ mod timeline;
 pub use dialogs::{DialogAnswer, DialogKind};
 pub use failed_opening::FailedOpening;
 pub use opened::{SavedSession, SessionQuestion};
-pub use options::StateOptions;
+pub use options::{GivenStyle, StateOptions};
 pub use outcome::{FoundSequence, Outcome};
 pub use parts::{Counters, GraphicsInfo, Viewport, VisibleChange, WindowRequest};
 pub(in crate::app) use reading::PictureStage;
@@ -44,6 +47,7 @@ pub(in crate::app) use reading::PictureStage;
 use connection::Connection;
 use dialogs::Dialogs;
 use failed_opening::Unproven;
+use keeper::Keeper;
 use main_picture::MainPicture;
 use opened::Opened;
 
@@ -65,7 +69,6 @@ use crate::app::features::thumbnails::Thumbnails;
 use crate::app::features::timeline::Timeline;
 use crate::app::features::trails::Trails;
 use crate::app::first_look::SequenceLook;
-use crate::app::history::History;
 use crate::app::motion::CameraMotion;
 use crate::app::notices::Notices;
 use crate::app::open_panels::OpenPanels;
@@ -77,6 +80,7 @@ use crate::app::side::Side;
 use crate::app::work::tasks::{Tasks, Wake};
 use crate::app::work::works::Works;
 use crate::cloud::LengthUnit;
+use crate::document::History;
 use crate::math::Aabb;
 use crate::playback::{Player, PlayerChange};
 use crate::scene::{Camera, SceneStats, ScreenStats, Settings, Style};
@@ -120,7 +124,9 @@ pub struct State {
     pub presets: Presets,
     /// The name of the preset that is being saved.
     pub(in crate::app) preset_name: Option<String>,
-    /// Undo and redo of settings and camera path.
+    /// Free text of the document.
+    pub notes: String,
+    /// What can be undone of the document.
     pub(in crate::app) history: History,
     /// Commands by their names, while they are looked for.
     pub palette: Option<Palette>,
@@ -167,6 +173,8 @@ pub struct State {
     requests: Vec<WindowRequest>,
     /// How the open sequence was opened.
     opened: Opened,
+    /// How its document is kept.
+    keeper: Keeper,
     /// See [`State::prove`].
     unproven: Unproven,
     /// The way to draw that was measured and is used for the open sequence.
@@ -184,7 +192,7 @@ impl State {
         Self {
             player: None,
             camera: Camera::framing(&nothing, DVec3::ZERO, options.up.unwrap_or_default()),
-            style: options.preferences.settings,
+            style: options.given.over(options.preferences.settings),
             notices: Notices::default(),
             panels: options.preferences.panels.into(),
             comparison: None,
@@ -197,10 +205,12 @@ impl State {
             failed: None,
             session_question: None,
             opened: Opened::default(),
+            keeper: Keeper::default(),
             unproven: Unproven::default(),
             measured_way: None,
             presets: options.presets.clone(),
             preset_name: None,
+            notes: String::new(),
             history: History::default(),
             palette: None,
             timeline: Timeline::default(),
@@ -260,11 +270,7 @@ impl State {
     pub fn preferences(&self) -> Preferences {
         let clock = self.player.as_ref().map(Player::clock);
         Preferences {
-            // The primitive is chosen for one sequence, and kept with it.
-            settings: Settings {
-                primitive: self.options.preferences.settings.primitive,
-                ..self.style_to_keep()
-            },
+            settings: self.new_style(),
             present: self.appearance.present,
             loop_mode: clock.map_or(self.options.preferences.loop_mode, Clock::loop_mode),
             // A sequence that was left while it played backward is not what the next one is to begin with.
@@ -304,7 +310,6 @@ impl State {
             self.requests.push(WindowRequest::Compare);
             visible = true;
         }
-        self.keep_primitive();
         let style = self.drawn_style();
         let Some(player) = &mut self.player else {
             return VisibleChange::of_panels(visible);

@@ -3,8 +3,8 @@
 use crate::app::features::camera_path::Draft;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
+use crate::document::{Beyond, Compared, Document, Unknown};
 use crate::sequence::OpenOptions;
-use crate::session::{Beyond, Compared, Unknown};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ pub(super) struct Opened {
     pub(super) inputs: Vec<PathBuf>,
     /// How, if otherwise than the window usually opens.
     pub(super) options: Option<OpenOptions>,
-    /// What its session has beside it, until that is open.
+    /// What its document has next to it, until that is open.
     pub(super) compared: Option<Compared>,
     /// The file of its session.
     pub(super) file: Option<PathBuf>,
@@ -48,4 +48,6 @@ pub struct SavedSession {
     pub(super) file: PathBuf,
     /// The camera path that is in it.
     pub(super) path: Arc<Draft>,
+    /// The document that is in it, as it is kept.
+    pub(super) document: Box<Document>,
 }

@@ -2,11 +2,15 @@
 //! more.
 
 use super::State;
+use super::keeper::Keeper;
 use crate::app::first_look::SequenceLook;
+use crate::app::side::Side;
 use crate::app::work::tasks::close;
 use crate::app::work::works::WorkKind;
+use crate::document::History;
 use crate::playback::Player;
 use crate::sequence::{Loader, Reading, ReadingStage, Sequence};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// How often is looked at how far the reading of a frame is.
@@ -124,7 +128,7 @@ impl State {
 
     /// Nothing is open any more.
     pub(super) fn close_sequence(&mut self) {
-        self.close_beside();
+        self.keep_document();
         if let Some(player) = self.player.take() {
             self.leave(player);
         }
@@ -132,9 +136,18 @@ impl State {
 
     /// Forgets what belongs to the sequence that was open before.
     pub(super) fn leave(&mut self, before: Player) {
-        // Its numbers are those of the sequence before.
-        self.style.clip = None;
-        self.forget_measured_way();
+        self.close_beside();
+        self.end_comparison(Side::A);
+        self.style = self.new_style();
+        self.measured_way = None;
+        self.options.view = None;
+        // What is in no file is not lost without a question.
+        if self.is_kept() || !self.path.is_unsaved() {
+            self.stop_preview();
+            self.path.take(Arc::default(), None);
+        }
+        self.keeper = Keeper::default();
+        self.notes.clear();
         self.clipping.forget_frames();
         // Its threads end what they are on; nobody waits for that here.
         close(before);
@@ -145,9 +158,11 @@ impl State {
         self.photos.forget();
         self.thumbnails.forget_frames();
         self.trails.forget_points();
+        self.trails.is_on = false;
+        self.trails.field.is_on = false;
         self.inspection.forget_points();
         self.labels.forget();
-        self.history.forget_labels(&self.labels.list);
+        self.history = History::default();
         self.note_unnamed();
         self.timeline.forget_playhead();
         self.quality.forget();

@@ -1,32 +1,10 @@
-//! What a person puts on the timeline of the open sequence, and what is kept of it.
+//! What a user puts on the timeline of the open sequence.
 
 use super::State;
 use crate::playback::Player;
 use crate::timeline::PlayRange;
-use std::path::PathBuf;
 
 impl State {
-    /// Takes what was kept of the sequence that was just opened.
-    pub(super) fn read_timeline(&mut self, folder: Option<&PathBuf>) {
-        let Some(player) = &mut self.player else {
-            return;
-        };
-        let (range, chosen, problem) = self.timeline.read(folder, player.sequence());
-        if let Some(problem) = problem {
-            self.notices.warn(problem);
-        }
-        player.set_range(range, self.now);
-        self.take_chosen(chosen);
-    }
-
-    pub(in crate::app) fn keep_timeline(&mut self) {
-        if let Some(player) = &self.player
-            && let Err(problem) = self.timeline.keep(player.clock().range())
-        {
-            self.notices.warn(problem);
-        }
-    }
-
     /// The frame at the playhead, or waited for, of the open sequence.
     fn frame_at_playhead(&self) -> Option<usize> {
         let player = self.player.as_ref()?;
@@ -40,7 +18,7 @@ impl State {
             self.play_with(|player, now| {
                 player.set_range(change(player.clock().range(), frame), now);
             });
-            self.keep_timeline();
+            self.keep_document();
         }
     }
 
@@ -48,7 +26,7 @@ impl State {
     pub(in crate::app) fn toggle_marker(&mut self) {
         if let Some(frame) = self.frame_at_playhead() {
             self.timeline.toggle_marker(frame);
-            self.keep_timeline();
+            self.keep_document();
         }
     }
 

@@ -202,8 +202,10 @@ impl Trial {
 
     fn begin(&self, step: Step, now: Duration, state: &mut State) -> Watched {
         let input = &self.inputs[step.input];
-        state.ask_for_primitive(step.primitive);
-        state.style = Settings::default().with(|style| style.drawing.renderer = self.renderer);
+        let style = Settings::default().with(|style| {
+            style.drawing.renderer = self.renderer;
+            style.primitive = step.primitive;
+        });
         let is_opened = step.action == Action::Open;
         if is_opened {
             Processor::forget_peak();
@@ -214,7 +216,7 @@ impl Trial {
         } else {
             Arc::clone(&input.sequence)
         };
-        state.open_fresh(sequence, step.action == Action::Play);
+        state.open_fresh(sequence, style, step.action == Action::Play);
         let mut watched = Watched {
             step,
             phase: Phase::Settling { still_since: now },

@@ -1,18 +1,16 @@
 //! The camera path that is being made: its keyframes ([`Draft`]), the time at which the next one is set, and its file.
 //!
-//! A path belongs to no sequence and stays when another one is opened. What is not in a file is never lost without a
-//! question.
+//! A path is of the document. What is neither kept nor in a file is never lost without a question.
 
 mod keyframes;
 pub(in crate::app) mod marks;
 pub(in crate::app) mod panel;
 pub(in crate::app) mod request;
 
-mod draft;
 mod file;
 mod preview;
 
-pub use draft::Draft;
+pub use crate::document::Draft;
 pub use file::PathFile;
 pub(in crate::app) use file::{read_path, save_path};
 

@@ -19,6 +19,8 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
     ("Open an example: depth image", Command::OpenExample(Example::Depth)),
     ("Open an example: animated model", Command::OpenExample(Example::Model)),
     ("Close the sequence", Command::CloseSequence),
+    ("Begin again from defaults", Command::BeginAgain),
+    ("Use this look for new files", Command::UseAsDefaults),
     ("Compare with a folder", Command::CompareFolder),
     ("Close comparison", Command::CloseComparison),
     ("Show or hide thumbnails over the timeline", Command::ToggleThumbnails),

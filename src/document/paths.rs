@@ -8,8 +8,8 @@ use crate::source;
 use std::ffi::OsString;
 use std::path::{Component, Path, PathBuf};
 
-/// `input` as a session in `folder` holds it.
-pub(super) fn as_text(input: &Path, folder: &Path) -> Result<String, SessionError> {
+/// `input` as a session in `folder` holds it; absolute without a folder.
+pub(super) fn as_text(input: &Path, folder: Option<&Path>) -> Result<String, SessionError> {
     let no_text = || SessionError::Name {
         input: input.to_owned(),
     };
@@ -17,7 +17,7 @@ pub(super) fn as_text(input: &Path, folder: &Path) -> Result<String, SessionErro
     if is_word(text) {
         return Ok(text.to_owned());
     }
-    if let Some(names) = from_folder(input, folder) {
+    if let Some(names) = folder.and_then(|folder| from_folder(input, folder)) {
         let names = names.iter().map(|name| name.to_str());
         let names: Option<Vec<&str>> = names.collect();
         return names.map(|names| names.join("/")).ok_or_else(no_text);
@@ -97,7 +97,7 @@ mod tests {
             if cfg!(windows) && input.has_root() {
                 continue;
             }
-            let text = as_text(input, folder).unwrap();
+            let text = as_text(input, Some(folder)).unwrap();
             assert_eq!(text, expected);
             let there = joined(folder, &text);
             let same = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
@@ -111,10 +111,12 @@ mod tests {
     fn relative_inputs_are_found_from_another_folder() {
         // From where the test runs.
         let here = std::env::current_dir().unwrap();
-        let text = as_text(Path::new("scans/a.ply"), &here.join("sessions")).unwrap();
+        let text = as_text(Path::new("scans/a.ply"), Some(&here.join("sessions"))).unwrap();
         assert_eq!(text, "../scans/a.ply");
-        let text = as_text(Path::new("scans"), Path::new("")).unwrap();
+        let text = as_text(Path::new("scans"), Some(Path::new(""))).unwrap();
         assert_eq!(text, "scans");
+        let text = as_text(Path::new("scans"), None).unwrap();
+        assert_eq!(Path::new(&text), here.join("scans"));
         assert_eq!(joined(Path::new(""), "scans"), Path::new("scans"));
         assert_eq!(joined(Path::new(""), "."), Path::new("."));
     }
@@ -124,7 +126,7 @@ mod tests {
     fn a_name_that_is_no_text_is_refused() {
         use std::os::unix::ffi::OsStrExt as _;
         let input = Path::new("/data").join(std::ffi::OsStr::from_bytes(b"scan\xff"));
-        let error = as_text(&input, Path::new("/data")).unwrap_err().to_string();
+        let error = as_text(&input, Some(Path::new("/data"))).unwrap_err().to_string();
         assert!(error.contains("rename it"), "{error}");
     }
 }

@@ -1,13 +1,15 @@
-//! Sessions as files.
+//! Documents as session files.
 
 use super::error::SessionError;
-use super::model::{Session, Unknown};
+use super::model::{Document, Unknown};
 use super::paths::{as_text, joined};
 use super::text;
-use super::written::{self, VERSION, Version, Written, clip_fields, compare_fields, label_fields, measured_fields};
+use super::written::{
+    self, VERSION, Version, Written, clip_fields, compare_fields, label_fields, measured_fields, trail_fields,
+};
 use crate::kept::{self, Fields};
 use crate::regular_file;
-use crate::scene::Settings;
+use crate::scene::{Settings, UpAxis};
 use crate::timeline::PlayRange;
 use serde::Serialize;
 use serde_json::Value;
@@ -35,7 +37,7 @@ pub struct ReadSession {
     /// Its file.
     pub file: PathBuf,
     /// What is in it.
-    pub session: Session,
+    pub document: Document,
     /// What of it could not be read, a sentence each.
     pub warnings: Vec<String>,
 }
@@ -129,9 +131,10 @@ impl ReadSession {
         let measurements = measurements.collect();
         let mut markers = written.markers;
         markers.sort_by_key(|marker| marker.frame);
-        let session = Session {
+        let document = Document {
             inputs,
             reading: written.reading.read_in(folder),
+            up: written.up,
             frame: written.frame,
             view: written.view,
             settings,
@@ -140,8 +143,10 @@ impl ReadSession {
             markers,
             measurements,
             labels,
+            trails: written.trails.0,
             path: written.camera_path,
             compare: written.compare.map(|compared| compared.read_in(folder)),
+            notes: written.notes,
             unknown: Unknown {
                 session: written.unknown,
                 settings: unknown_settings,
@@ -149,7 +154,7 @@ impl ReadSession {
         };
         Ok(Self {
             file: file.to_owned(),
-            session,
+            document,
             warnings: notes.warnings(file),
         })
     }
@@ -160,6 +165,7 @@ fn check_counts(file: &Path, written: &Written) -> Result<(), SessionError> {
     let counts = [
         ("labels", written.labels.len()),
         ("measurements", written.measurements.len()),
+        ("trails", written.trails.0.kept.len()),
     ];
     match counts.into_iter().find(|(_, count)| *count > MAX_MARKS) {
         Some((what, count)) => Err(SessionError::TooMany {
@@ -181,7 +187,7 @@ fn check_frames(file: &Path, written: &Written) -> Result<(), SessionError> {
     let labels = labels.flat_map(|label| of_range(label.frames).into_iter().chain([Some(label.frame)]));
     let measured = written.measurements.iter();
     let measured = measured.flat_map(|written::WrittenMeasured(measured, _)| &measured.points);
-    let measured = measured.map(|point| Some(point.frame));
+    let measured = measured.chain(&written.trails.0.kept).map(|point| Some(point.frame));
     let mut frames = named.chain(markers).chain(labels).chain(measured).flatten();
     match frames.find(|&frame| frame > LAST_FRAME) {
         Some(frame) => Err(SessionError::Frame {
@@ -245,13 +251,19 @@ fn value_of(fields: impl Serialize) -> Value {
     serde_json::to_value(fields).unwrap_or_default()
 }
 
-impl Session {
+impl Document {
     /// The text of a session in `file`: JSON, whose paths are from the folder of the file.
     ///
     /// # Errors
     /// Of inputs whose names are no text.
     pub fn to_text(&self, file: &Path) -> Result<String, SessionError> {
-        let folder = file.parent().unwrap_or(Path::new(""));
+        let fields = self.fields(Some(file.parent().unwrap_or(Path::new(""))))?;
+        Ok(text::of_fields(fields.iter().map(|(name, value)| (*name, value))))
+    }
+
+    /// Its fields in the order of files, without those that have nothing. Paths are from `folder`, or absolute without
+    /// one.
+    pub(super) fn fields(&self, folder: Option<&Path>) -> Result<Vec<(&str, Value)>, SessionError> {
         let files = self.inputs.iter().map(|input| as_text(input, folder));
         let files = files.collect::<Result<Vec<String>, _>>()?;
         let mut settings = self.unknown.settings.clone();
@@ -267,6 +279,7 @@ impl Session {
             ("pointreel_session", Value::from(VERSION)),
             ("files", value_of(files)),
             ("reading", value_of(self.reading.written_in(folder)?)),
+            ("up", value_of(self.up.map(UpAxis::name))),
             ("frame", self.frame.into()),
             ("view", value_of(view)),
             (
@@ -276,9 +289,11 @@ impl Session {
             ("markers", value_of(&self.markers)),
             ("labels", labels.into()),
             ("measurements", measured.into()),
+            ("trails", value_of(trail_fields(&self.trails))),
             ("clip", value_of(clip)),
             ("camera_path", value_of(&self.path)),
             ("compare", value_of(compared)),
+            ("notes", value_of(Some(&self.notes).filter(|notes| !notes.is_empty()))),
             ("settings", settings.into()),
         ];
         // What there is none of needs no line.
@@ -288,18 +303,16 @@ impl Session {
             Value::Object(fields) => !fields.is_empty(),
             _ => true,
         };
-        let fields = fields.iter().map(|(name, value)| (*name, value));
+        let fields = fields.into_iter().filter(|(_, value)| is_there(value));
         let unknown = self.unknown.session.iter();
-        let unknown = unknown.map(|(name, value)| (name.as_str(), value));
-        Ok(text::of_fields(
-            fields.filter(|(_, value)| is_there(value)).chain(unknown),
-        ))
+        let unknown = unknown.map(|(name, value)| (name.as_str(), value.clone()));
+        Ok(fields.chain(unknown).collect())
     }
 
     /// Writes the session to `file`, which is replaced as a whole.
     ///
     /// # Errors
-    /// As [`Session::to_text`], and the system's.
+    /// As [`Document::to_text`], and the system's.
     pub fn write(&self, file: &Path) -> Result<(), SessionError> {
         let text = self.to_text(file)?;
         kept::write_whole(file, text.as_bytes()).map_err(|reason| SessionError::Write {

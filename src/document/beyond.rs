@@ -9,7 +9,7 @@
 use super::file::ReadSession;
 use super::paths::is_word;
 use super::reach::Beyond;
-use super::{Session, SessionError};
+use super::{Document, SessionError};
 use crate::scene::Environment;
 use crate::source::SessionReach;
 use std::path::{Component, Path};
@@ -17,7 +17,7 @@ use std::path::{Component, Path};
 impl ReadSession {
     /// What it would open that `reach` does not allow.
     pub fn beyond(&self, reach: SessionReach) -> Beyond {
-        beyond(&self.session, &self.file, reach)
+        beyond(&self.document, &self.file, reach)
     }
 
     /// Fails if it would open what `reach` does not allow.
@@ -36,21 +36,24 @@ impl ReadSession {
     }
 }
 
-fn beyond(session: &Session, file: &Path, reach: SessionReach) -> Beyond {
+fn beyond(document: &Document, file: &Path, reach: SessionReach) -> Beyond {
     let folder = match file.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    let compared = session
+    let compared = document
         .compare
         .iter()
         .flat_map(|compared| compared.inputs.iter().cloned());
-    let environment = match session.settings.light.environment {
+    let environment = match document.settings.light.environment {
         Environment::File(file) => Some(file.path()),
         _ => None,
     };
-    let inputs = session.inputs.iter().cloned();
-    let named = inputs.chain(compared).chain(session.reading.files()).chain(environment);
+    let inputs = document.inputs.iter().cloned();
+    let named = inputs
+        .chain(compared)
+        .chain(document.reading.files())
+        .chain(environment);
     let mut beyond = Beyond::default();
     for path in named {
         match path.to_str() {

@@ -1,12 +1,11 @@
-//! Undo and redo of what a person edits: settings, camera path and labels, in one order.
+//! Undo and redo of what a user edits in a document, in one order, each change with a name.
 //!
 //! **How it works.** What is edited is looked at once a pass. Where it differs from the last look, that is kept, unless
 //! the change goes on: with the same button held, or the same fields within half a second of the change before.
 
-use crate::app::features::camera_path::Draft;
-use crate::scene::{Label, Settings};
+use super::edited::{Edited, changed_fields};
+use super::names::name_of;
 use std::collections::VecDeque;
-use std::sync::Arc;
 use std::time::Duration;
 
 /// Changes of the same fields within this time are one.
@@ -15,25 +14,22 @@ const GESTURE: Duration = Duration::from_millis(500);
 /// Entries that are kept; the oldest go first.
 const MAX_ENTRIES: usize = 200;
 
-/// What can be undone.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Edited {
-    /// The settings.
-    pub style: Settings,
-    /// The camera path.
-    pub path: Arc<Draft>,
-    /// The labels.
-    pub labels: Arc<Vec<Label>>,
-}
-
 /// What was edited before and after, as a person changed it.
 #[derive(Debug, Clone, Default)]
 pub struct History {
-    past: VecDeque<Edited>,
-    future: Vec<Edited>,
+    past: VecDeque<Change>,
+    future: Vec<Change>,
     /// As of the last look; `None` before the first.
     present: Option<Edited>,
     last: Option<LastChange>,
+}
+
+/// A change that can be undone, or made again.
+#[derive(Debug, Clone)]
+struct Change {
+    /// As it is on the other side of the change.
+    edited: Edited,
+    name: String,
 }
 
 /// The last change.
@@ -69,7 +65,14 @@ impl History {
             if self.past.len() == MAX_ENTRIES {
                 self.past.pop_front();
             }
-            self.past.push_back(before);
+            self.past.push_back(Change {
+                edited: before,
+                name: String::new(),
+            });
+        }
+        // A gesture is named after all of it.
+        if let Some(change) = self.past.back_mut() {
+            change.name = name_of(&change.edited, edited);
         }
         self.future.clear();
         self.last = Some(LastChange {
@@ -79,67 +82,48 @@ impl History {
         });
     }
 
-    /// Whether there is a change that [`History::undo`] takes back.
-    pub fn can_undo(&self) -> bool {
-        !self.past.is_empty()
+    /// Name of the change that [`History::undo`] takes back, as `Lighting Matt`.
+    pub fn undo_name(&self) -> Option<&str> {
+        self.past.back().map(|change| change.name.as_str())
     }
 
-    /// Whether there is a change that [`History::redo`] makes again.
-    pub fn can_redo(&self) -> bool {
-        !self.future.is_empty()
-    }
-
-    /// `labels` are those of another sequence: none of the one before come back.
-    pub(in crate::app) fn forget_labels(&mut self, labels: &Arc<Vec<Label>>) {
-        let entries = self.past.iter_mut().chain(&mut self.future).chain(&mut self.present);
-        for entry in entries {
-            entry.labels = Arc::clone(labels);
-        }
+    /// Name of the change that [`History::redo`] makes again.
+    pub fn redo_name(&self) -> Option<&str> {
+        self.future.last().map(|change| change.name.as_str())
     }
 
     /// What was there before the last change, and is from now on; `None` if there was none.
     pub fn undo(&mut self) -> Option<Edited> {
-        let before = self.past.pop_back()?;
-        self.future.extend(self.present.replace(before.clone()));
+        let Change { edited: before, name } = self.past.pop_back()?;
+        let after = self.present.replace(before.clone());
+        self.future.extend(after.map(|edited| Change { edited, name }));
         self.last = None;
         Some(before)
     }
 
     /// What was there before the last [`History::undo`]; `None` if something was changed since.
     pub fn redo(&mut self) -> Option<Edited> {
-        let after = self.future.pop()?;
-        self.past.extend(self.present.replace(after.clone()));
+        let Change { edited: after, name } = self.future.pop()?;
+        let before = self.present.replace(after.clone());
+        self.past.extend(before.map(|edited| Change { edited, name }));
         self.last = None;
         Some(after)
     }
 }
 
-/// The settings that differ, by their names in files, and `path` and `labels` if those do.
-fn changed_fields(before: &Edited, after: &Edited) -> Vec<&'static str> {
-    let path = (before.path != after.path).then_some("path");
-    let labels = (before.labels != after.labels).then_some("labels");
-    let style = before.style.settings().into_iter();
-    let changed = style
-        .zip(after.style.settings())
-        .filter(|((_, before), (_, after))| before != after);
-    path.into_iter()
-        .chain(labels)
-        .chain(changed.map(|((described, _), _)| described.key))
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::Marker;
     use super::*;
-    use crate::scene::Primitive;
+    use crate::scene::{Label, Primitive, Settings};
     use proptest::prelude::*;
+    use std::sync::Arc;
 
     fn scaled(splat_scale: f32) -> Edited {
         let style = Settings::default().with(|style| style.surfels.splat_scale = splat_scale);
         Edited {
             style,
-            path: Arc::default(),
-            labels: Arc::default(),
+            ..Edited::default()
         }
     }
 
@@ -189,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn labels_are_undone_and_those_of_another_sequence_do_not_come_back() {
+    fn labels_are_undone_with_settings() {
         let label = Label {
             text: "knee".to_owned(),
             frame: 0,
@@ -214,9 +198,50 @@ mod tests {
             false,
             at(3000),
         );
-        history.forget_labels(&Arc::default());
+        assert_eq!(history.undo().map(|before| before.labels.len()), Some(1));
         assert_eq!(history.undo(), Some(scaled(1.0)));
-        assert_eq!(history.redo(), Some(scaled(2.0)));
+        assert_eq!(history.undo_name(), None);
+        assert_eq!(history.redo_name(), Some("Label"));
+    }
+
+    #[test]
+    fn a_change_has_a_name() {
+        use crate::scene::Lighting;
+        let name = |change: &dyn Fn(&mut Edited)| {
+            let mut history = History::default();
+            let mut edited = Edited::default();
+            history.note(&edited, false, at(0));
+            assert_eq!(history.undo_name(), None);
+            change(&mut edited);
+            history.note(&edited, false, at(1000));
+            let name = history.undo_name().map(str::to_owned);
+            history.undo();
+            assert_eq!(history.redo_name(), name.as_deref());
+            name.unwrap()
+        };
+        assert_eq!(
+            name(&|edited| edited.style.light.lighting = Lighting::Lambert),
+            "Lighting Matt"
+        );
+        assert_eq!(
+            name(&|edited| edited.style.surfels.splat_scale = 1.5),
+            "Splat scale 1.5"
+        );
+        assert_eq!(name(&|edited| edited.style.backdrop.grid = true), "Grid on");
+        assert_eq!(name(&|edited| edited.notes.push('a')), "Notes");
+        let several = name(&|edited| {
+            edited.style.backdrop.grid = true;
+            edited.style.surfels.splat_scale = 1.5;
+        });
+        assert_eq!(several, "2 settings");
+        let marked = name(&|edited| {
+            edited.style.backdrop.grid = true;
+            edited.markers = vec![Marker {
+                frame: 1,
+                name: String::new(),
+            }];
+        });
+        assert_eq!(marked, "Markers, Grid on");
     }
 
     proptest! {

@@ -4,11 +4,11 @@
 //! that every error has the line of the object that it is in.
 
 use super::SessionError;
-use super::model::{Compared, ComparedBy, ComparedLayout, Marker, Measured, MeasuredPoint};
+use super::model::{Compared, ComparedBy, ComparedLayout, Marker, Measured, MeasuredPoint, ShownTrails, SpreadTrails};
 use super::paths::{as_text, joined};
 use super::reading::Reading;
 use crate::kept::Fields;
-use crate::scene::{Camera, CameraPath, Clip, ClipShape, FollowedPoint, Gauge, Label};
+use crate::scene::{Camera, CameraPath, Clip, ClipShape, FollowedPoint, Gauge, Label, UpAxis};
 use crate::timeline::PlayRange;
 use glam::DVec3;
 use serde::de::value::MapAccessDeserializer;
@@ -39,6 +39,8 @@ pub(super) struct Written {
     pub(super) files: Vec<String>,
     #[serde(default)]
     pub(super) reading: Reading,
+    #[serde(default, deserialize_with = "up")]
+    pub(super) up: Option<UpAxis>,
     #[serde(default)]
     pub(super) frame: usize,
     #[serde(default, deserialize_with = "view")]
@@ -56,9 +58,13 @@ pub(super) struct Written {
     #[serde(default)]
     pub(super) labels: Vec<WrittenLabel>,
     #[serde(default)]
+    pub(super) trails: WrittenTrails,
+    #[serde(default)]
     pub(super) camera_path: Option<CameraPath>,
     #[serde(default)]
     pub(super) compare: Option<WrittenCompared>,
+    #[serde(default)]
+    pub(super) notes: String,
     #[serde(flatten)]
     pub(super) unknown: Fields,
 }
@@ -120,7 +126,7 @@ impl WrittenCompared {
 }
 
 /// As a session in `folder` holds it.
-pub(super) fn compare_fields(compared: &Compared, folder: &Path) -> Result<CompareFields, SessionError> {
+pub(super) fn compare_fields(compared: &Compared, folder: Option<&Path>) -> Result<CompareFields, SessionError> {
     let files = compared.inputs.iter().map(|input| as_text(input, folder));
     Ok(CompareFields {
         files: files.collect::<Result<_, _>>()?,
@@ -133,6 +139,11 @@ pub(super) fn compare_fields(compared: &Compared, folder: &Path) -> Result<Compa
 }
 
 fn view<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Camera>, D::Error> {
+    let text = Option::<String>::deserialize(deserializer)?;
+    text.map(|text| text.parse().map_err(Error::custom)).transpose()
+}
+
+fn up<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<UpAxis>, D::Error> {
     let text = Option::<String>::deserialize(deserializer)?;
     text.map(|text| text.parse().map_err(Error::custom)).transpose()
 }
@@ -291,6 +302,18 @@ impl PointFields {
     }
 }
 
+impl PointFields {
+    /// A point that is followed, and where it was last.
+    fn followed(&self) -> Result<Option<MeasuredPoint>, String> {
+        let followed = self.point()?.filter(|followed| followed.points_in_file.is_some());
+        let Some((point, at)) = followed.zip(self.at) else {
+            return Ok(None);
+        };
+        let (frame, place) = (self.frame, place_of(at)?);
+        Ok(Some(MeasuredPoint { frame, point, place }))
+    }
+}
+
 /// A measurement, and the names of fields that are not known.
 #[derive(Debug, Clone)]
 pub(super) struct WrittenMeasured(pub(super) Measured, pub(super) Vec<String>);
@@ -315,15 +338,10 @@ impl<'de> Deserialize<'de> for WrittenMeasured {
             let mut points = Vec::with_capacity(count);
             for point in &fields.points {
                 unknown.extend(point.unknown.keys().cloned());
-                let followed = point.point()?.filter(|followed| followed.points_in_file.is_some());
-                let Some((followed, at)) = followed.zip(point.at) else {
+                let Some(point) = point.followed()? else {
                     return Err("a point of a measurement has a `point`, `of` how many, and a place (`at`)".to_owned());
                 };
-                points.push(MeasuredPoint {
-                    frame: point.frame,
-                    point: followed,
-                    place: place_of(at)?,
-                });
+                points.push(point);
             }
             Ok(Self(Measured { gauge, points }, unknown))
         })
@@ -397,4 +415,47 @@ pub(super) fn label_fields(label: &Label) -> impl Serialize + use<> {
         to: label.frames.last(),
         point: PointFields::new(label.frame, label.point, label.place),
     }
+}
+
+/// Trails that are shown.
+#[derive(Debug, Clone, Default)]
+pub(super) struct WrittenTrails(pub(super) ShownTrails);
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TrailFields {
+    #[serde(default)]
+    picked: bool,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    kept: Vec<PointFields>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    spread: Option<SpreadTrails>,
+}
+
+impl<'de> Deserialize<'de> for WrittenTrails {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        checked(deserializer, |fields: TrailFields| {
+            let kept = fields.kept.iter().map(|point| {
+                let told = || "a point of `trails` has a `point`, `of` how many, and a place (`at`)".to_owned();
+                point.followed()?.ok_or_else(told)
+            });
+            Ok(Self(ShownTrails {
+                of_picked: fields.picked,
+                kept: kept.collect::<Result<_, String>>()?,
+                spread: fields.spread,
+            }))
+        })
+    }
+}
+
+/// Trails as they are written; `None` if there are none.
+pub(super) fn trail_fields(trails: &ShownTrails) -> Option<impl Serialize + use<>> {
+    let kept = trails.kept.iter();
+    (*trails != ShownTrails::default()).then(|| TrailFields {
+        picked: trails.of_picked,
+        kept: kept
+            .map(|point| PointFields::new(point.frame, Some(point.point), Some(point.place)))
+            .collect(),
+        spread: trails.spread,
+    })
 }

@@ -221,8 +221,8 @@ impl Reading {
         poses.into_iter().chain(intrinsics.map(PathBuf::from))
     }
 
-    /// With the paths of its files as a session in `folder` holds them.
-    pub(super) fn written_in(&self, folder: &Path) -> Result<Self, SessionError> {
+    /// With the paths of its files as a session in `folder` holds them, or absolute without one.
+    pub(super) fn written_in(&self, folder: Option<&Path>) -> Result<Self, SessionError> {
         let file_of_poses = self.poses.as_deref().filter(|file| *file != Path::new(NO_POSES));
         let poses = match file_of_poses {
             Some(file) => Some(as_text(file, folder)?),

@@ -80,6 +80,22 @@ fn measured() -> impl Strategy<Value = Measured> {
     })
 }
 
+fn trails() -> impl Strategy<Value = ShownTrails> {
+    let point =
+        (0usize..1000, followed(), place()).prop_map(|(frame, point, place)| MeasuredPoint { frame, point, place });
+    let spread = (1usize..500, 1usize..240).prop_map(|(points, frames)| SpreadTrails { points, frames });
+    let parts = (
+        any::<bool>(),
+        prop::collection::vec(point, 0..3),
+        prop::option::of(spread),
+    );
+    parts.prop_map(|(of_picked, kept, spread)| ShownTrails {
+        of_picked,
+        kept,
+        spread,
+    })
+}
+
 fn camera() -> impl Strategy<Value = Camera> {
     (place(), 1e-3f64..1e6, -180f64..180.0, -90f64..90.0).prop_map(|(target_in_world, distance, azimuth, elevation)| {
         Camera {
@@ -176,7 +192,7 @@ fn what_is_beside_is_read_as_a_person_writes_it_and_damage_is_told() {
     };
     let compared = with(r#"{"files": ["smooth"], "layout": "line"}"#)
         .unwrap()
-        .session
+        .document
         .compare;
     let expected = Compared {
         inputs: vec!["/data/walk/smooth".into()],
@@ -187,7 +203,7 @@ fn what_is_beside_is_read_as_a_person_writes_it_and_damage_is_told() {
         line: 0.5,
     };
     assert_eq!(compared, Some(expected));
-    assert_eq!(read(BY_HAND).unwrap().session.compare, None);
+    assert_eq!(read(BY_HAND).unwrap().document.compare, None);
     for (wrong, expected) in [
         (r#"{"files": []}"#, "expected at least one"),
         (r#"{"files": ["a"], "line": 1.5}"#, "expected 0 to 1"),
@@ -200,7 +216,7 @@ fn what_is_beside_is_read_as_a_person_writes_it_and_damage_is_told() {
     }
 }
 
-fn session() -> impl Strategy<Value = Session> {
+fn session() -> impl Strategy<Value = Document> {
     let settings = (0.1f32..10.0, 0usize..3, any::<bool>()).prop_map(|(scale, primitive, grid)| {
         Settings::default()
             .with(|style| {
@@ -241,9 +257,15 @@ fn session() -> impl Strategy<Value = Session> {
         prop::collection::vec(label(), 0..6),
         prop::option::of(path()),
         prop::option::of(compared()),
+        trails(),
     );
-    (view, marks).prop_map(
-        |((reading, frame, view, settings, clip), (range, markers, measurements, labels, path, compare))| Session {
+    let notes = (prop::option::of(0..UpAxis::ALL.len()), ".{0,40}");
+    (view, marks, notes).prop_map(
+        |(
+            (reading, frame, view, settings, clip),
+            (range, markers, measurements, labels, path, compare, trails),
+            (up, notes),
+        )| Document {
             inputs: vec!["/data/walk/scans".into(), "/data/b.ply".into(), "demo:".into()],
             reading,
             frame,
@@ -254,8 +276,11 @@ fn session() -> impl Strategy<Value = Session> {
             markers,
             measurements,
             labels,
+            trails,
             path,
             compare,
+            notes,
+            up: up.map(|axis| UpAxis::ALL[axis].1),
             unknown: Unknown::default(),
         },
     )
@@ -269,8 +294,8 @@ proptest! {
         prop_assert_eq!(&read.warnings, &Vec::<String>::new());
         // The text has a path from the folder where one leads there.
         let inputs: Vec<PathBuf> = vec!["/data/walk/scans".into(), "/data/walk/../b.ply".into(), "demo:".into()];
-        prop_assert_eq!(&read.session.inputs, &inputs);
-        let read = Session { inputs: session.inputs.clone(), ..read.session };
+        prop_assert_eq!(&read.document.inputs, &inputs);
+        let read = Document { inputs: session.inputs.clone(), ..read.document };
         prop_assert_eq!(&read, &session);
         // What is written again is the same text.
         prop_assert_eq!(read.to_text(Path::new("/data/walk/walk.pointreel")).unwrap(), text);
@@ -290,7 +315,11 @@ proptest! {
 
 #[test]
 fn a_session_is_text_that_a_person_can_write() {
-    let ReadSession { session, warnings, .. } = read(BY_HAND).unwrap();
+    let ReadSession {
+        document: session,
+        warnings,
+        ..
+    } = read(BY_HAND).unwrap();
     assert_eq!(warnings, [""; 0]);
     assert_eq!(session.inputs, [PathBuf::from("/data/walk/scans")]);
     assert_eq!(
@@ -317,7 +346,7 @@ fn a_session_is_text_that_a_person_can_write() {
 
 #[test]
 fn a_label_a_marker_and_a_setting_are_a_line_each() {
-    let text = read(BY_HAND).unwrap().session;
+    let text = read(BY_HAND).unwrap().document;
     let text = text.to_text(Path::new("/data/walk/walk.pointreel")).unwrap();
     for line in [
         r#"  "files": ["scans"],"#,
@@ -426,7 +455,7 @@ fn what_is_no_session_or_of_a_later_version_is_refused() {
     let error = read(&many).unwrap_err().to_string();
     assert!(error.contains("has 1001 labels: expected at most 1000"), "{error}");
     let long = BY_HAND.replace("knee", &"x".repeat(5000));
-    assert_eq!(read(&long).unwrap().session.labels[0].text.len(), MAX_LABEL_CHARS);
+    assert_eq!(read(&long).unwrap().document.labels[0].text.len(), MAX_LABEL_CHARS);
 }
 
 #[test]
@@ -438,7 +467,11 @@ fn what_another_version_wrote_is_kept_or_said() {
             "{\"sparkle\": 0.5, \"splat_scale\": \"large\", \"primitive\"",
         )
         .replace("\"text\": \"knee\"", "\"text\": \"knee\", \"hue\": 3");
-    let ReadSession { session, warnings, .. } = read(&text).unwrap();
+    let ReadSession {
+        document: session,
+        warnings,
+        ..
+    } = read(&text).unwrap();
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].contains("the setting splat_scale"), "{warnings:?}");
     assert!(warnings[1].contains("`hue` of a label is not known"), "{warnings:?}");
@@ -458,14 +491,14 @@ fn a_session_moves_with_its_folder_and_is_replaced_as_a_whole() {
     let [before, after] = ["before", "after"].map(|name| folder.path().join(name));
     fs::create_dir_all(before.join("scans")).unwrap();
     let file = before.join("walk.pointreel");
-    let session = Session {
+    let session = Document {
         inputs: vec![before.join("scans")],
         reading: Reading {
             poses: Some(before.join("poses.txt")),
             intrinsics: Some("500,500,320,240".to_owned()),
             ..Reading::default()
         },
-        ..Session::default()
+        ..Document::default()
     };
     session.write(&file).unwrap();
     session.write(&file).unwrap();
@@ -474,15 +507,69 @@ fn a_session_moves_with_its_folder_and_is_replaced_as_a_whole() {
     fs::rename(&before, &after).unwrap();
     let file = after.join("walk.pointreel");
     let read = session_of(std::slice::from_ref(&file)).unwrap().unwrap();
-    assert_eq!(read.session.inputs, [after.join("scans")]);
-    assert_eq!(read.session.reading.poses, Some(after.join("poses.txt")));
-    assert_eq!(read.session.reading.intrinsics.as_deref(), Some("500,500,320,240"));
+    assert_eq!(read.document.inputs, [after.join("scans")]);
+    assert_eq!(read.document.reading.poses, Some(after.join("poses.txt")));
+    assert_eq!(read.document.reading.intrinsics.as_deref(), Some("500,500,320,240"));
     // Other files are none, nor is a folder of such a name.
     assert_eq!(session_of(&[after.join("scans")]).unwrap(), None);
     fs::create_dir(after.join("folder.pointreel")).unwrap();
     assert_eq!(session_of(&[after.join("folder.pointreel")]).unwrap(), None);
     let missing = session_of(&[after.join("gone.pointreel")]).unwrap_err().to_string();
     assert!(missing.contains("gone.pointreel cannot be read"), "{missing}");
-    let unwritable = Session::default().write(&after.join("no/such/folder/a.pointreel"));
+    let unwritable = Document::default().write(&after.join("no/such/folder/a.pointreel"));
     assert!(unwritable.unwrap_err().to_string().contains("could not be saved"));
+}
+
+/// As a program wrote it before documents had trails, notes and an up axis.
+const OF_VERSION_1: &str = include_str!("versions/1.pointreel");
+
+#[test]
+fn a_session_of_each_version_is_read() {
+    let ReadSession { document, warnings, .. } = read(OF_VERSION_1).unwrap();
+    assert_eq!(warnings, [""; 0]);
+    assert_eq!(document.reading.topic.as_deref(), Some("/points"));
+    assert_eq!((document.frame, document.reading.fps), (2, Some(12.5)));
+    assert_eq!(
+        document.view.map(|view| (view.up, view.distance)),
+        Some((UpAxis::Z, 4.0))
+    );
+    assert_eq!((document.range.first(), document.range.last()), (Some(1), Some(9)));
+    let counts = [
+        document.markers.len(),
+        document.labels.len(),
+        document.measurements.len(),
+    ];
+    assert_eq!(counts, [1, 1, 1]);
+    assert!(document.clip.is_some_and(|clip| clip.is_on));
+    let compared = document.compare.as_ref().unwrap();
+    assert_eq!(
+        (compared.by, compared.layout),
+        (Some(ComparedBy::Number), ComparedLayout::Line)
+    );
+    assert_eq!(
+        (document.settings.primitive, document.settings.surfels.splat_scale),
+        (Primitive::Voxel, 1.25)
+    );
+    // What it does not know of is as in a new document.
+    let new = Document::new(Settings::default());
+    assert_eq!((document.up, document.notes.as_str()), (new.up, ""));
+    assert_eq!(document.trails, new.trails);
+    let summary = document.summary(&new).join(", ");
+    assert_eq!(
+        summary,
+        "view, look, clip, in and out point, 1 marker, 1 label, 1 measurement, second sequence"
+    );
+}
+
+#[test]
+fn looking_around_is_no_work() {
+    let document = read(OF_VERSION_1).unwrap().document;
+    let mut looked = document.clone();
+    looked.frame = 7;
+    looked.measurements[0].points[0].place = DVec3::ONE;
+    assert!(looked.is_same_work(&document) && looked.is_kept_same(&document));
+    looked.view = None;
+    assert!(looked.is_same_work(&document) && !looked.is_kept_same(&document));
+    looked.notes.push('a');
+    assert!(!looked.is_same_work(&document));
 }

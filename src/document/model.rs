@@ -1,20 +1,22 @@
-//! What a session holds.
+//! What a document holds.
 
 use super::Reading;
 use crate::kept::Fields;
-use crate::scene::{Camera, CameraPath, Clip, FollowedPoint, Gauge, Label, Settings};
+use crate::scene::{Camera, CameraPath, Clip, FollowedPoint, Gauge, Label, Settings, UpAxis};
 use crate::timeline::PlayRange;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// All that a person made around a sequence.
+/// What is open, and all that a user made around it.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Session {
+pub struct Document {
     /// What was opened: folders, files, patterns, or words such as `demo:`; at least one.
     pub inputs: Vec<PathBuf>,
     /// How it was opened.
     pub reading: Reading,
+    /// The axis that was chosen to be up; guessed if `None`.
+    pub up: Option<UpAxis>,
     /// Index of the frame that was shown.
     pub frame: usize,
     /// Where it was seen from; where the sequence is first seen from if `None`.
@@ -31,25 +33,50 @@ pub struct Session {
     pub measurements: Vec<Measured>,
     /// Texts at points, oldest first.
     pub labels: Vec<Label>,
+    /// Paths of points through time.
+    pub trails: ShownTrails,
     /// The camera path.
     pub path: Option<CameraPath>,
     /// The sequence beside it.
     pub compare: Option<Compared>,
-    /// What another version of the program wrote beside it.
+    /// Free text.
+    pub notes: String,
+    /// Fields that another version of the program wrote.
     pub unknown: Unknown,
 }
 
-impl Session {
+impl Document {
     /// The settings with the clip.
     pub fn style(&self) -> Settings {
         self.settings.with(|style| style.clip = self.clip)
     }
 }
 
-/// A sequence beside that of the session.
+/// Trails that are shown.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ShownTrails {
+    /// Those of the points that were picked.
+    pub of_picked: bool,
+    /// Points whose trails stay when others are picked.
+    pub kept: Vec<MeasuredPoint>,
+    /// Those of points that are spread over the frame.
+    pub spread: Option<SpreadTrails>,
+}
+
+/// Trails of points that are spread evenly over the frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpreadTrails {
+    /// Number of points.
+    pub points: usize,
+    /// Frames before the shown one.
+    pub frames: usize,
+}
+
+/// A sequence next to that of the document.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compared {
-    /// What was opened: as [`Session::inputs`].
+    /// What was opened: as [`Document::inputs`].
     pub inputs: Vec<PathBuf>,
     /// Its topic, of a recording with several.
     pub topic: Option<String>,
@@ -112,7 +139,7 @@ pub struct Measured {
     pub points: Vec<MeasuredPoint>,
 }
 
-/// A point of a measurement.
+/// A point of a measurement, or of a trail.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredPoint {
     /// Index of the frame in which it was clicked on.
