@@ -10,9 +10,7 @@ use crate::cloud::{ColorDepth, NoData};
 use crate::io::{ColumnMap, ReadOptions};
 use crate::render::matcher_of_machine;
 use crate::rgbd::Filters;
-use crate::scene::{
-    BackFaces, Backdrop, Background, Choice, Clip, ClipShape, ParseChoiceError, Settings, SurfelSettings,
-};
+use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Settings, SurfelSettings};
 use crate::sequence::{ColorSource, OpenOptions, Sequence};
 use crate::source::SessionReach;
 use clap::{Args, ValueEnum};

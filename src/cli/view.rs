@@ -14,7 +14,6 @@ use crate::progress::Progress;
 use crate::scene::{Camera, Settings, UpAxis};
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use crate::source;
-use crate::source::Generated;
 use anyhow::{Context as _, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -258,7 +257,7 @@ fn give_precedence(args: &ViewArgs, read: &mut ReadSession) {
 /// What is given goes before what was kept of a sequence.
 fn given_style(args: &ViewArgs) -> GivenStyle {
     let picture = args.picture.clone();
-    GivenStyle::new(move |style| Style {
+    GivenStyle::new(move |style| Settings {
         drawing: style.drawing,
         ..picture.style_over(style)
     })
@@ -292,7 +291,7 @@ fn load_preferences(args: &ViewArgs, has_settings: bool) -> (PreferencesFile, Pr
     } else {
         PreferencesFile::load()
     };
-    if kept.settings != Style::default() {
+    if kept.settings != Settings::default() {
         log::info!("new documents begin with the settings in settings.json, which are not all as by default");
     }
     let mut settings = kept.settings;

@@ -30,7 +30,7 @@ pub(super) fn changed_fields(before: &Edited, after: &Edited) -> Vec<&'static st
         ("markers", before.markers != after.markers),
         ("range", before.range != after.range),
         ("notes", before.notes != after.notes),
-        ("clip", before.style.of_sequence != after.style.of_sequence),
+        ("clip", before.style.clip != after.style.clip),
     ];
     let parts = parts.into_iter().filter_map(|(name, differs)| differs.then_some(name));
     let style = before.style.settings().into_iter();

@@ -341,7 +341,7 @@ mod tests {
         let read = documents.read(&file, &new).document.unwrap();
         assert_eq!(
             (&read.markers, read.settings.primitive),
-            (&vec![marker(5)], Primitive::Voxel)
+            (&vec![marker(5)], Primitive::Voxel.into())
         );
         documents.write(&file, &new, &document()).unwrap();
         assert_eq!(documents.read(&file, &new).document, Some(document()));
@@ -361,7 +361,7 @@ mod tests {
         documents.write(&file, &new, &before).unwrap();
         let mut one = before.clone();
         one.markers = vec![marker(3)];
-        one.settings.primitive = Primitive::Point;
+        one.settings.primitive = Primitive::Point.into();
         let mut other = before.clone();
         other.notes = "changed".to_owned();
         other.settings.backdrop.grid = true;

@@ -220,7 +220,7 @@ mod tests {
             name.unwrap()
         };
         assert_eq!(
-            name(&|edited| edited.style.light.lighting = Lighting::Lambert),
+            name(&|edited| edited.style.light.lighting = Lighting::Lambert.into()),
             "Lighting Matt"
         );
         assert_eq!(

@@ -548,7 +548,7 @@ fn a_session_of_each_version_is_read() {
     );
     assert_eq!(
         (document.settings.primitive, document.settings.surfels.splat_scale),
-        (Primitive::Voxel, 1.25)
+        (Primitive::Voxel.into(), 1.25)
     );
     // What it does not know of is as in a new document.
     let new = Document::new(Settings::default());

@@ -127,7 +127,7 @@ mod tests {
         std::fs::write(&file, text).unwrap();
         let mut expected = of_version_1();
         expected.up = Some(UpAxis::NegY);
-        expected.settings.primitive = Primitive::Voxel;
+        expected.settings.primitive = Primitive::Voxel.into();
         assert_eq!(read(&file), (expected, None));
     }
 

@@ -107,7 +107,7 @@ fn work_on(harness: &mut Harness<'_, State>) {
         state.run(command);
     }
     let mut document = state.document();
-    document.settings.primitive = Primitive::Point;
+    document.settings.primitive = Primitive::Point.into();
     document.settings.points.size_px = 5.0;
     document.clip = Some(Clip::to(ClipShape::Box {
         min: DVec3::ZERO,
@@ -311,7 +311,7 @@ fn what_the_command_line_says_goes_before_what_is_kept_and_is_not_kept() {
     };
     let mut harness = window_of(given, &a);
     let points = harness.state().style.points.size_px;
-    assert_eq!((points, harness.state().style.primitive), (9.0, Primitive::Point));
+    assert_eq!((points, harness.state().style.primitive), (9.0, Primitive::Point.into()));
     harness.state_mut().style.backdrop.grid = true;
     close(&mut harness);
     let harness = window_of(kept_in(folder.path()), &a);
@@ -340,7 +340,7 @@ fn marks_and_choices_from_before_documents_are_read() {
     assert_eq!(state.timeline.markers.list()[0].name, "turn");
     assert_eq!(
         (state.style.primitive, state.camera.up),
-        (Primitive::Voxel, UpAxis::NegX)
+        (Primitive::Voxel.into(), UpAxis::NegX)
     );
     let range = state.player.as_ref().unwrap().clock().range();
     assert_eq!((range.first(), range.last()), (Some(1), Some(2)));

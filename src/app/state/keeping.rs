@@ -10,7 +10,7 @@ use super::keeper::Keeper;
 use crate::app::features::quality::MeasuredWay;
 use crate::app::side::Side;
 use crate::document::Document;
-use crate::scene::{DrawingStyle, Settings};
+use crate::scene::{DrawingSettings, Settings};
 use crate::sequence::Sequence;
 use std::sync::Arc;
 use std::time::Duration;
@@ -52,7 +52,7 @@ impl State {
         let mut chosen = self.options.given.over(before);
         if self.player.is_some() {
             // A clip of the command line is that of its first sequence.
-            chosen.of_sequence = before.of_sequence;
+            chosen.clip = before.clip;
         }
         document.clip = chosen.clip;
         document.settings = chosen.with(|style| style.clip = None);
@@ -244,7 +244,7 @@ impl State {
 
 /// A document without who draws, which is no part of it.
 fn undrawn(mut document: Document) -> Document {
-    document.settings.drawing = DrawingStyle::default();
+    document.settings.drawing = DrawingSettings::default();
     document
 }
 

@@ -12,7 +12,7 @@ use crate::app::work::works::WorkKind;
 use crate::document::{Document, session_of};
 use crate::playback::Player;
 use crate::progress::Progress;
-use crate::scene::Style;
+use crate::scene::Settings;
 use crate::sequence::{OpenOptions, Sequence, watch};
 use crate::source::SessionReach;
 use std::path::PathBuf;
@@ -30,7 +30,7 @@ impl State {
     }
 
     /// Shows `sequence` in place of what was open, whose document is closed. False if it cannot be shown.
-    pub(super) fn show(&mut self, sequence: Arc<Sequence>, style: Style) -> bool {
+    pub(super) fn show(&mut self, sequence: Arc<Sequence>, style: Settings) -> bool {
         let loader_options = self.loader_options(self.budget_bytes());
         let mut player = match Player::new(sequence, loader_options, !self.options.paused) {
             Ok(player) => player,
@@ -71,7 +71,7 @@ impl State {
     }
 
     /// Shows `sequence` drawn as `style`, as a window does that has just been opened with it, playing or not.
-    pub(in crate::app) fn open_fresh(&mut self, sequence: Arc<Sequence>, style: Style, plays: bool) {
+    pub(in crate::app) fn open_fresh(&mut self, sequence: Arc<Sequence>, style: Settings, plays: bool) {
         self.options.paused = !plays;
         if self.show(sequence, style) {
             self.apply_document(Document::new(style));
