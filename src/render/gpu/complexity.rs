@@ -50,7 +50,7 @@ pub fn passes_of(packet: &ScenePacket) -> Vec<PassComplexity> {
 
 /// `None` for what is no WGSL, which no permutation is (`tests/pictures/shaders.rs`).
 fn of_pass(pass: &'static str, permutation: Permutation) -> Option<PassComplexity> {
-    let module = front::wgsl::parse_str(&permutation.source(false)).ok()?;
+    let module = front::wgsl::parse_str(&permutation.source(false).ok()?).ok()?;
     Some(PassComplexity {
         pass,
         vertex: of_stage(&module, ShaderStage::Vertex),

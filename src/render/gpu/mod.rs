@@ -6,7 +6,7 @@
 
 pub mod complexity;
 mod compute;
-mod constants;
+pub(in crate::render) mod constants;
 mod context;
 mod depth_images;
 mod gather;
@@ -16,7 +16,9 @@ mod gather_tests;
 pub mod gpu_data;
 mod instancing;
 mod late_read;
-mod passes;
+pub(in crate::render) mod layout;
+pub(in crate::render) mod part;
+pub(in crate::render) mod passes;
 mod photo_answers;
 mod photographs;
 mod picture;
@@ -28,13 +30,16 @@ mod recording;
 mod renderer;
 mod residency;
 mod rooms;
+mod shader_library;
+mod shader_reload;
 pub mod shaders;
 mod stereo;
-mod targets;
+pub(in crate::render) mod targets;
 mod textures;
 mod timer;
+mod uniforms;
 mod visible;
-mod wgsl;
+pub(in crate::render) mod wgsl;
 
 pub use context::{Context, ContextOptions};
 pub(crate) use presence::may_have_gpu;

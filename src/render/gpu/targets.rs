@@ -27,7 +27,7 @@ pub(super) enum Precision {
 
 /// What is drawn into.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Target {
+pub(in crate::render) enum Target {
     /// Over the background, which is there.
     Picture,
     /// Cleared by the pass over records that draws into it.
@@ -44,7 +44,7 @@ pub(super) enum Target {
 
 /// What a screen pass reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Source {
+pub(in crate::render) enum Source {
     Picture,
     /// Sums of colours, and depths.
     Sums,
@@ -62,6 +62,90 @@ pub(super) enum Source {
     /// The next coarser one.
     CoarserLevel,
 }
+
+/// How a texture is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum TextureKind {
+    /// Colours, or other numbers.
+    Color,
+    /// The same in layers.
+    Layers,
+    Depth,
+}
+
+impl TextureKind {
+    /// Its type in WGSL.
+    pub(super) fn wgsl(self) -> &'static str {
+        match self {
+            Self::Color => "texture_2d<f32>",
+            Self::Layers => "texture_2d_array<f32>",
+            Self::Depth => "texture_depth_2d",
+        }
+    }
+
+    pub(super) fn binding_type(self) -> wgpu::BindingType {
+        let not_filtered = wgpu::TextureSampleType::Float { filterable: false };
+        let (sample_type, view_dimension) = match self {
+            Self::Color => (not_filtered, wgpu::TextureViewDimension::D2),
+            Self::Layers => (not_filtered, wgpu::TextureViewDimension::D2Array),
+            Self::Depth => (wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2),
+        };
+        wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension,
+            multisampled: false,
+        }
+    }
+}
+
+/// A texture by its name in WGSL.
+type NamedTexture = (&'static str, TextureKind);
+
+/// Sums, depths, and what light depends on.
+const SURFACE_TEXTURES: [NamedTexture; 6] = [
+    ("colors", TextureKind::Color),
+    ("normals", TextureKind::Color),
+    ("nearnesses", TextureKind::Color),
+    ("depths", TextureKind::Depth),
+    ("shadow_map", TextureKind::Depth),
+    // As the roughness mirrors it, and the curve of what is mirrored and lost in one more row.
+    ("environment", TextureKind::Color),
+];
+
+const PHOTO_TABLE: NamedTexture = ("photo_table", TextureKind::Color);
+const PHOTOGRAPHS: [NamedTexture; 3] = [
+    PHOTO_TABLE,
+    ("photo_texels", TextureKind::Layers),
+    ("photo_depths", TextureKind::Layers),
+];
+
+impl Source {
+    /// Its textures, in the order of [`Targets::sources`].
+    pub(super) fn textures(self) -> Vec<NamedTexture> {
+        match self {
+            Self::Picture => vec![("picture", TextureKind::Color)],
+            Self::Sums => vec![("accumulated", TextureKind::Color), ("depths", TextureKind::Depth)],
+            Self::Depths => vec![("depths", TextureKind::Depth)],
+            Self::Surfaces => SURFACE_TEXTURES.to_vec(),
+            Self::Photographed => [&SURFACE_TEXTURES[..], &PHOTOGRAPHS].concat(),
+            Self::PhotographedSums => {
+                let mut textures = Self::Photographed.textures();
+                textures[ENVIRONMENT] = ("lit_colors", TextureKind::Color);
+                textures
+            }
+            Self::PhotoAnswers => {
+                // Colours times how sure they are, and that; normals, and `ANSWER_*`.
+                let answers = ["answered_colors", "answered_normals"].map(|name| (name, TextureKind::Color));
+                [&SURFACE_TEXTURES[..], &[PHOTO_TABLE], &answers].concat()
+            }
+            Self::FinerLevel => vec![("finer", TextureKind::Color)],
+            Self::CoarserLevel => vec![("coarser", TextureKind::Color)],
+        }
+    }
+}
+
+/// The place of the environment among the textures of surfaces.
+const ENVIRONMENT: usize = 5;
 
 /// Of the picture that is drawn, and of the one that is shown where that is another.
 pub(super) type SizesPx = ([u32; 2], Option<[u32; 2]>);
@@ -259,7 +343,7 @@ impl Targets {
             }
             Source::PhotographedSums => {
                 let mut sources = self.sources(Source::Photographed, level);
-                sources[5] = &self.accumulation_view;
+                sources[ENVIRONMENT] = &self.accumulation_view;
                 sources
             }
             Source::PhotoAnswers => {

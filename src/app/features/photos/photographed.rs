@@ -7,7 +7,7 @@
 
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::photos::Photographs;
-use crate::render::cpu::depths_of_photographs;
+use crate::render::depths_of_photographs;
 use crate::scene::{Camera, PhotoDepths, PhotoMode, Scene, Style, SurfelStyle, UpAxis};
 use crate::sequence::PreparedFrame;
 use glam::DVec3;

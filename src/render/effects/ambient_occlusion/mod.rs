@@ -1,0 +1,4 @@
+//! Ambient occlusion (Loos and Sloan 2010), a part of deferred shading. The formula: `scene/ambient_occlusion.rs`.
+
+pub(in crate::render) mod cpu;
+pub(in crate::render) mod gpu;

@@ -1,0 +1,76 @@
+//! Shaders of a build for development are read anew when they change: if `POINTREEL_SHADERS` names a folder, files in it
+//! take the place of those that were compiled in. Other builds have the latter alone.
+
+use super::wgsl::{ImportError, ShaderFile};
+use std::borrow::Cow;
+use std::path::PathBuf;
+use std::time::{Duration, Instant, SystemTime};
+
+/// How long changes may go unnoticed.
+const PERIOD: Duration = Duration::from_millis(300);
+
+/// The folder, if there is one.
+fn folder() -> Option<PathBuf> {
+    let is_development = cfg!(debug_assertions);
+    let named = is_development.then(|| std::env::var_os("POINTREEL_SHADERS"));
+    named.flatten().map(PathBuf::from)
+}
+
+/// The text of a file.
+pub(super) fn text_of(file: &ShaderFile) -> Cow<'static, str> {
+    let read = folder().and_then(|folder| std::fs::read_to_string(folder.join(file.name)).ok());
+    read.map_or(Cow::Borrowed(file.text), Cow::Owned)
+}
+
+/// A source; where an import cannot be followed, that is logged, and the adapter refuses what is left.
+pub(super) fn source_or_nothing(source: Result<String, ImportError>) -> String {
+    source.unwrap_or_else(|error| {
+        log::error!("shaders: {error}");
+        String::new()
+    })
+}
+
+/// Notices that a file of the folder has changed.
+#[derive(Debug)]
+pub(super) struct Watch {
+    folder: PathBuf,
+    newest: Option<SystemTime>,
+    looked: Instant,
+}
+
+impl Watch {
+    /// `None` where there is nothing to watch.
+    pub(super) fn begin() -> Option<Self> {
+        let folder = folder()?;
+        Some(Self {
+            newest: newest(&folder),
+            folder,
+            looked: Instant::now(),
+        })
+    }
+
+    /// Whether files have changed since this was asked last.
+    pub(super) fn has_news(&mut self) -> bool {
+        if self.looked.elapsed() < PERIOD {
+            return false;
+        }
+        self.looked = Instant::now();
+        let newest = newest(&self.folder);
+        let has_news = newest != self.newest;
+        self.newest = newest;
+        has_news
+    }
+}
+
+/// When a file of a folder, or of one in it, was changed last.
+fn newest(folder: &std::path::Path) -> Option<SystemTime> {
+    let entries = std::fs::read_dir(folder).ok()?.filter_map(Result::ok);
+    let times = entries.filter_map(|entry| {
+        let kind = entry.file_type().ok()?;
+        if kind.is_dir() {
+            return newest(&entry.path());
+        }
+        entry.metadata().ok()?.modified().ok()
+    });
+    times.max()
+}
