@@ -13,6 +13,7 @@ mod fxaa;
 mod grid;
 pub(in crate::render) mod shadow;
 mod supersample;
+mod tone;
 
 pub(in crate::render) use effect::{Effect, OnCpu, PictureRow, RowStep, Stage};
 
@@ -21,10 +22,11 @@ use super::gpu::targets::Target;
 use crate::scene::ScenePacket;
 
 /// All of them, in the order of steps within a stage.
-pub(in crate::render) const EFFECTS: [&Effect; 5] = [
+pub(in crate::render) const EFFECTS: [&Effect; 6] = [
     &background::EFFECT,
     &eye_dome::EFFECT,
     &grid::EFFECT,
+    &tone::EFFECT,
     &fxaa::EFFECT,
     &supersample::EFFECT,
 ];

@@ -128,7 +128,7 @@ fn is_in_buffer(module: &Module, function: &Function, pointer: Handle<Expression
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::gpu::shaders::SCREEN_PASSES;
+    use crate::render::gpu::shaders::screen_passes;
     use crate::scene::Strategy;
 
     #[test]
@@ -194,7 +194,7 @@ mod tests {
                 permutation.label()
             );
         }
-        for pass in SCREEN_PASSES {
+        for pass in screen_passes() {
             let reads = of_pass(pass.name, Permutation::Screen(pass))
                 .unwrap()
                 .fragment

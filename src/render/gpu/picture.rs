@@ -7,7 +7,7 @@ use super::passes::screen::{PHOTO_ANSWERS, PULL, PUSH};
 use super::passes::{DepthUse, GeometryKey, Pipelines, ScreenPass};
 use super::plan::{LAMP_VIEW, Plan};
 use super::recording::Recording;
-use super::targets::{Target, Targets};
+use super::targets::{Source, Target, Targets};
 use super::timer::{Stamps, Timer};
 use super::uniforms::PartUniforms;
 use crate::render::RenderStats;
@@ -159,6 +159,9 @@ impl<'a> Recorder<'a> {
         let Some(bound) = self.bound(screen, plan, level) else {
             return;
         };
+        if screen.source == Some(Source::PictureCopy) {
+            self.targets.copy_picture(self.encoder);
+        }
         let targets = &*self.targets;
         // What is drawn without depth hides nothing.
         let cleared = (!plan.leaves_depths()).then_some(wgpu::LoadOp::Clear(FAR));

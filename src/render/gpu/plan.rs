@@ -14,7 +14,7 @@ use super::passes::shade::{
 use super::passes::{GeometryKey, ScreenPass};
 use super::primitives::{self, Drawable};
 use super::residency::{RecordSource, StreamKey};
-use super::targets::{Precision, Target};
+use super::targets::{Precision, Source, Target};
 use crate::render::effects::{self, Stage};
 use crate::scene::{PhotoViews, PhysicalLight, ScenePacket, Shadow, Strategy};
 
@@ -148,6 +148,12 @@ impl<'a> Plan<'a> {
     /// Whether the picture that is shown is another one than the one that is drawn.
     pub(super) fn makes_another(&self) -> bool {
         self.finish.iter().any(|pass| pass.color.target == Target::Shown)
+    }
+
+    /// Whether a pass into the picture reads it.
+    pub(super) fn reads_picture(&self) -> bool {
+        let mut passes = self.finish.iter();
+        passes.any(|pass| pass.source == Some(Source::PictureCopy))
     }
 
     /// Whether what photographs do not show is filled from around.

@@ -313,6 +313,15 @@ impl GpuRenderer {
         Ok(())
     }
 
+    fn ensure_picture_copy(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
+        match &mut self.targets {
+            Some(targets) if plan.reads_picture() => self
+                .context
+                .catching_out_of_memory("a copy of the picture", || targets.ensure_picture_copy(&self.context)),
+            _ => Ok(()),
+        }
+    }
+
     fn ensure_surfaces(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
         match &mut self.targets {
             Some(targets) if plan.defers_shading() => {
@@ -469,6 +478,7 @@ impl Renderer for GpuRenderer {
             self.instancing = (instancing::row(strategy).open)(&self.context, &self.pipelines.view_layout);
             self.strategy = strategy;
         }
+        self.ensure_picture_copy(&plan)?;
         self.ensure_surfaces(&plan)?;
         self.ensure_photographs(&plan, &drawn)?;
         self.ensure_streams(&plan)?;

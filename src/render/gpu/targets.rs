@@ -46,6 +46,8 @@ pub(in crate::render) enum Target {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::render) enum Source {
     Picture,
+    /// A copy of it, for passes that draw into the picture itself.
+    PictureCopy,
     /// Sums of colours, and depths.
     Sums,
     Depths,
@@ -123,7 +125,7 @@ impl Source {
     /// Its textures, in the order of [`Targets::sources`].
     pub(super) fn textures(self) -> Vec<NamedTexture> {
         match self {
-            Self::Picture => vec![("picture", TextureKind::Color)],
+            Self::Picture | Self::PictureCopy => vec![("picture", TextureKind::Color)],
             Self::Sums => vec![("accumulated", TextureKind::Color), ("depths", TextureKind::Depth)],
             Self::Depths => vec![("depths", TextureKind::Depth)],
             Self::Surfaces => SURFACE_TEXTURES.to_vec(),
@@ -177,6 +179,8 @@ pub(super) struct Targets {
     pub(super) precision: Precision,
     color: wgpu::Texture,
     color_view: wgpu::TextureView,
+    /// Once a pass has read it.
+    picture_copy: Option<(wgpu::Texture, wgpu::TextureView)>,
     shown: Option<(wgpu::Texture, wgpu::TextureView)>,
     pub(super) accumulation_view: wgpu::TextureView,
     pub(super) depth_view: wgpu::TextureView,
@@ -215,6 +219,7 @@ impl Targets {
             shown,
             color_view: view(&color),
             color,
+            picture_copy: None,
             accumulation_view: view(&texture("accumulation", *of_sums, none)),
             depth_view: view(&texture("depth", DEPTH_FORMAT, none)),
             surfaces: None,
@@ -282,6 +287,23 @@ impl Targets {
         }
     }
 
+    /// Makes the texture of a copy of the picture unless it is there.
+    pub(super) fn ensure_picture_copy(&mut self, context: &Context) {
+        self.picture_copy.get_or_insert_with(|| {
+            let usage = wgpu::TextureUsages::COPY_DST;
+            let copy = texture(context, self.size_px, "copy of the picture", COLOR_FORMAT, usage);
+            let view = view(&copy);
+            (copy, view)
+        });
+    }
+
+    /// Copies the picture as it is.
+    pub(super) fn copy_picture(&self, encoder: &mut wgpu::CommandEncoder) {
+        if let Some((copy, _)) = &self.picture_copy {
+            encoder.copy_texture_to_texture(self.color.as_image_copy(), copy.as_image_copy(), copy.size());
+        }
+    }
+
     /// What they were made for.
     pub(super) fn sizes_px(&self) -> SizesPx {
         (self.size_px, self.shown_px)
@@ -334,6 +356,7 @@ impl Targets {
     pub(super) fn sources(&self, source: Source, level: usize) -> Vec<&wgpu::TextureView> {
         match source {
             Source::Picture => vec![&self.color_view],
+            Source::PictureCopy => self.picture_copy.iter().map(|(_, view)| view).collect(),
             Source::Sums => vec![&self.accumulation_view, &self.depth_view],
             Source::Depths => vec![&self.depth_view],
             Source::Surfaces => self.surface_sources().collect(),

@@ -66,7 +66,7 @@ impl Pipelines {
         Self {
             geometry: HashMap::new(),
             screen: HashMap::new(),
-            before: Default::default(),
+            before: (HashMap::new(), HashMap::new()),
             watch: Watch::begin(),
             view_layout: layout(context, "view", of_all, [view]),
             source_layouts: HashMap::new(),
