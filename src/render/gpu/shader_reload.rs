@@ -3,7 +3,7 @@
 
 use super::wgsl::{ImportError, ShaderFile};
 use std::borrow::Cow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 /// How long changes may go unnoticed.
@@ -41,12 +41,15 @@ pub(super) struct Watch {
 impl Watch {
     /// `None` where there is nothing to watch.
     pub(super) fn begin() -> Option<Self> {
-        let folder = folder()?;
-        Some(Self {
+        folder().map(Self::of)
+    }
+
+    fn of(folder: PathBuf) -> Self {
+        Self {
             newest: newest(&folder),
             folder,
             looked: Instant::now(),
-        })
+        }
     }
 
     /// Whether files have changed since this was asked last.
@@ -55,6 +58,10 @@ impl Watch {
             return false;
         }
         self.looked = Instant::now();
+        self.has_changed()
+    }
+
+    fn has_changed(&mut self) -> bool {
         let newest = newest(&self.folder);
         let has_news = newest != self.newest;
         self.newest = newest;
@@ -63,7 +70,7 @@ impl Watch {
 }
 
 /// When a file of a folder, or of one in it, was changed last.
-fn newest(folder: &std::path::Path) -> Option<SystemTime> {
+fn newest(folder: &Path) -> Option<SystemTime> {
     let entries = std::fs::read_dir(folder).ok()?.filter_map(Result::ok);
     let times = entries.filter_map(|entry| {
         let kind = entry.file_type().ok()?;
@@ -73,4 +80,29 @@ fn newest(folder: &std::path::Path) -> Option<SystemTime> {
         entry.metadata().ok()?.modified().ok()
     });
     times.max()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs::{self, File};
+
+    #[test]
+    fn a_file_that_is_written_again_is_news_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("effects/tone.wgsl");
+        fs::create_dir(folder.path().join("effects")).unwrap();
+        fs::write(&file, "fn first() {}").unwrap();
+        let mut watch = Watch::of(folder.path().to_owned());
+        assert!(!watch.has_changed());
+        let later = SystemTime::now() + Duration::from_secs(60);
+        File::options()
+            .write(true)
+            .open(&file)
+            .unwrap()
+            .set_modified(later)
+            .unwrap();
+        assert!(watch.has_changed());
+        assert!(!watch.has_changed());
+    }
 }

@@ -28,7 +28,8 @@ const PART: Part = Part {
         bytes: |packet| {
             let uniform = ToneUniform {
                 exponent: exponent(packet).unwrap_or(1.0),
-                unused: [0.0; 3],
+                unused_a: 0.0,
+                unused_b: [0.0; 2],
             };
             bytemuck::bytes_of(&uniform).to_vec()
         },
@@ -41,6 +42,8 @@ shared_struct! {
         /// The power that channels from 0 to 1 are raised to.
         exponent: f32,
         /// Padding.
-        unused: [f32; 3],
+        unused_a: f32,
+        /// Padding.
+        unused_b: [f32; 2],
     }
 }
