@@ -2,8 +2,8 @@
 
 #import generated/constants
 
-// Row 0 of `photo_table`: number of photographs, how many are blended, 1/σ², and PHOTO_* flags: what becomes of what they do not show.
-// And in the first of its next texel: how wide gaps are that are closed, in pixels.
+// Row 0 of `photo_table`: number of photographs, how many are blended, 1/σ², and PHOTO_* flags: what becomes of what
+// they do not show. And in the first of its next texel: how wide gaps are that are closed, in pixels.
 // Then a row for each photograph.
 
 // What photographs say of a place.

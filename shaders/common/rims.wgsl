@@ -5,7 +5,7 @@
 #import generated/constants
 
 fn opacity_at(pixel: vec2i) -> f32 {
-    return min(sum_at(pixel).a / resolving.opaque_weight, 1.0);
+    return min(sum_at(pixel).a / parts.resolving.opaque_weight, 1.0);
 }
 
 fn color_at(pixel: vec2i) -> vec3f {
@@ -52,7 +52,7 @@ fn behind_rim(pixel: vec2i) -> vec4f {
     if (opacity < RIM_OPEN || opacity >= RIM_OPAQUE) {
         return found;
     }
-    let most = i32(resolving.rim_px);
+    let most = i32(parts.resolving.rim_px);
     var lines = PIXEL_LINES;
     var shortest = 1e30;
     for (var line = 0; line < 4; line++) {

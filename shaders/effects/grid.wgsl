@@ -22,28 +22,28 @@ fn lines(place: vec2f, per_px: vec2f, spacing: f32) -> f32 {
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> GridPixel {
     // Lines are as wide as pixels that are shown.
-    let slope_per_px = grid.samples_per_edge * vec2f(2.0, -2.0) / (view.viewport_px * view.focal);
+    let slope_per_px = parts.grid.samples_per_edge * vec2f(2.0, -2.0) / (view.viewport_px * view.focal);
     let ray = ray_through(position.xy);
-    let facing = dot(grid.normal.xyz, ray);
-    let distance = grid.normal.w / facing;
+    let facing = dot(parts.grid.normal.xyz, ray);
+    let distance = parts.grid.normal.w / facing;
     // Along the plane, behind the eye and too near.
     if (abs(facing) < 1e-6 || distance <= view.near) {
         discard;
     }
-    let along = vec2f(dot(grid.right.xyz, ray), dot(grid.forward.xyz, ray));
-    let place = distance * along - vec2f(grid.right.w, grid.forward.w);
+    let along = vec2f(dot(parts.grid.right.xyz, ray), dot(parts.grid.forward.xyz, ray));
+    let place = distance * along - vec2f(parts.grid.right.w, parts.grid.forward.w);
     // The derivative of distance · along: a quotient of two functions that are affine in pixels.
     let per_facing = along / facing;
-    let right_per_px = (grid.right.xy - per_facing.x * grid.normal.xy) * slope_per_px;
-    let forward_per_px = (grid.forward.xy - per_facing.y * grid.normal.xy) * slope_per_px;
+    let right_per_px = (parts.grid.right.xy - per_facing.x * parts.grid.normal.xy) * slope_per_px;
+    let forward_per_px = (parts.grid.forward.xy - per_facing.y * parts.grid.normal.xy) * slope_per_px;
     let per_px = max(distance * vec2f(length(right_per_px), length(forward_per_px)), vec2f(1e-30));
-    let usual = USUAL_LINES * lines(place, per_px, grid.spacing);
-    let coarse = COARSE_LINES * lines(place, per_px, 10.0 * grid.spacing);
-    let fine = FINE_LINES * lines(place, per_px, 0.1 * grid.spacing);
-    let fading = clamp(2.0 - 2.0 * length(place) / grid.color.w, 0.0, 1.0);
+    let usual = USUAL_LINES * lines(place, per_px, parts.grid.spacing);
+    let coarse = COARSE_LINES * lines(place, per_px, 10.0 * parts.grid.spacing);
+    let fine = FINE_LINES * lines(place, per_px, 0.1 * parts.grid.spacing);
+    let fading = clamp(2.0 - 2.0 * length(place) / parts.grid.color.w, 0.0, 1.0);
     let opacity = fading * max(max(usual, coarse), fine);
     if (opacity <= 0.0) {
         discard;
     }
-    return GridPixel(vec4f(grid.color.rgb, opacity), view.near / distance);
+    return GridPixel(vec4f(parts.grid.color.rgb, opacity), view.near / distance);
 }

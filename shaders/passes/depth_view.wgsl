@@ -11,6 +11,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         discard;
     }
     let distance = view.near / depth;
-    let t = clamp((distance - depth_view.range.x) / (depth_view.range.y - depth_view.range.x), 0.0, 1.0);
+    let range = parts.depth_view.range;
+    let t = clamp((distance - range.x) / (range.y - range.x), 0.0, 1.0);
     return vec4f(vec3f(mix(NEAREST_GREY, FARTHEST_GREY, t)), 1.0);
 }

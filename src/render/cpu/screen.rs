@@ -1,5 +1,5 @@
-//! What is done when all tiles are drawn: effects that look beyond them, as eye-dome lighting and the grid on the ground
-//! do, and gaps and rims.
+//! What is done when all tiles are drawn: effects that look beyond them, as eye-dome lighting and the grid on the
+//! ground do, and gaps and rims.
 //!
 //! How it works: tiles leave reversed depths beside the picture, and opacities in place of its alpha. Then rows are
 //! gone through once more, step after step, in place; most of them are in a cache still. Without such steps no

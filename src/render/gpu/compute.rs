@@ -1,11 +1,11 @@
-//! Compute passes: entry points of one shader, each with the storage buffers that it binds beside one uniform. A pass is
-//! a row, and the WGSL of its bindings is made of the rows.
+//! Compute passes: entry points of one shader, each with the storage buffers that it binds beside one uniform. A pass
+//! is a row, and the WGSL of its bindings is made of the rows.
 
 use super::constants::declared;
 use super::context::Context;
 use super::layout::Layout;
-use super::shader_reload;
-use super::wgsl::{ImportError, ShaderFile, assembled};
+use super::shader_file::GeneratedRow;
+use super::wgsl::{ImportError, ShaderFile, assembled, source_or_nothing};
 use std::fmt::Write;
 
 /// Of the uniform of every pass; storage buffers have the bindings behind it.
@@ -48,7 +48,7 @@ pub(super) struct ComputeShader {
     pub(super) label: &'static str,
     pub(super) rows: &'static [EntryRow],
     /// What its files have from Rust: texts by the names that they are imported by.
-    pub(super) given: &'static [(&'static str, fn() -> String)],
+    pub(super) given: &'static [GeneratedRow],
     /// The uniform by the name of its variable.
     pub(super) uniform: (&'static str, &'static Layout),
     pub(super) buffers: &'static [BufferRow],
@@ -115,7 +115,7 @@ impl ComputePrograms {
     pub(super) fn new(context: &Context, shader: ComputeShader) -> Self {
         let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(shader.label),
-            source: wgpu::ShaderSource::Wgsl(shader_reload::source_or_nothing(shader.source()).into()),
+            source: wgpu::ShaderSource::Wgsl(source_or_nothing(shader.source()).into()),
         });
         let program = |row| Program::new(context, &module, row, shader);
         Self {

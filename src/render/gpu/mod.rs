@@ -30,6 +30,7 @@ mod recording;
 mod renderer;
 mod residency;
 mod rooms;
+pub(in crate::render) mod shader_file;
 mod shader_library;
 mod shader_reload;
 pub mod shaders;

@@ -173,13 +173,13 @@ impl<'a> Recorder<'a> {
         self.stats.draw_calls += 1;
     }
 
-    /// A pass over the screen with what it reads: textures, and uniforms behind them.
+    /// A pass over the screen with what it reads: textures, and its uniform behind them.
     fn bound(&self, screen: &ScreenPass, plan: &Plan<'_>, level: usize) -> Option<BoundPass<'a>> {
         let textures = screen.source.map(|source| self.targets.sources(source, level));
         let textures = textures.into_iter().flatten().map(wgpu::BindingResource::TextureView);
-        let uniforms = screen.uniforms().map(|uniform| self.uniforms.binding(uniform));
+        let uniform = self.uniforms.binding(screen);
         let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
-        let entries: Vec<_> = (0..).zip(textures.chain(uniforms)).map(entry).collect();
+        let entries: Vec<_> = (0..).zip(textures.chain(uniform)).map(entry).collect();
         Some(BoundPass {
             pipeline: self.pipelines.screen(screen, plan.precision)?,
             source: self.context.device.create_bind_group(&wgpu::BindGroupDescriptor {

@@ -1,10 +1,10 @@
-//! What shaders import: files of `shaders/`, and WGSL that is made of what Rust knows. A file that one row names, as that
-//! of a pass, is with that row, and so is what it alone has from Rust.
+//! What shaders import: files of `shaders/`, and WGSL that is made of what Rust knows. A file that one row names, as
+//! that of a pass, is with that row, and so is what it alone has from Rust.
 
 use super::constants;
 use super::gpu_data::{SplatVertex, ViewUniform};
 use super::layout::Shared;
-use super::wgsl::{ShaderFile, shader_file};
+use super::shader_file::{GeneratedRow, ShaderFile, shader_file};
 
 /// Files that others import.
 pub(super) const LIBRARY: &[ShaderFile] = &[
@@ -39,7 +39,7 @@ pub(super) const LIBRARY: &[ShaderFile] = &[
 ];
 
 /// What is made of what Rust knows.
-pub(super) const GENERATED: &[(&str, fn() -> String)] = &[
+pub(super) const GENERATED: &[GeneratedRow] = &[
     ("generated/constants", constants::shared),
     ("generated/splat_vertex", || SplatVertex::LAYOUT.declaration()),
     ("generated/view", || ViewUniform::LAYOUT.declaration()),

@@ -1,7 +1,7 @@
-//! Shaders of a build for development are read anew when they change: if `POINTREEL_SHADERS` names a folder, files in it
-//! take the place of those that were compiled in. Other builds have the latter alone.
+//! Shaders of a build for development are read anew when they change: if `POINTREEL_SHADERS` names a folder, files in
+//! it take the place of those that were compiled in. Other builds have the latter alone.
 
-use super::wgsl::{ImportError, ShaderFile};
+use super::shader_file::ShaderFile;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
@@ -20,14 +20,6 @@ fn folder() -> Option<PathBuf> {
 pub(super) fn text_of(file: &ShaderFile) -> Cow<'static, str> {
     let read = folder().and_then(|folder| std::fs::read_to_string(folder.join(file.name)).ok());
     read.map_or(Cow::Borrowed(file.text), Cow::Owned)
-}
-
-/// A source; where an import cannot be followed, that is logged, and the adapter refuses what is left.
-pub(super) fn source_or_nothing(source: Result<String, ImportError>) -> String {
-    source.unwrap_or_else(|error| {
-        log::error!("shaders: {error}");
-        String::new()
-    })
 }
 
 /// Notices that a file of the folder has changed.

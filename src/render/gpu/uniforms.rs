@@ -1,7 +1,6 @@
 //! The uniforms of the parts of one picture, in one buffer.
 
 use super::context::Context;
-use super::part::Uniform;
 use super::passes::ScreenPass;
 use crate::scene::ScenePacket;
 
@@ -34,12 +33,10 @@ impl PartUniforms {
         let alignment = context.limits.min_uniform_buffer_offset_alignment as usize;
         let mut bytes = Vec::new();
         self.offsets.clear();
-        for uniform in passes.flat_map(ScreenPass::uniforms) {
-            if self.offset_of(uniform).is_none() {
-                self.offsets.push((uniform.name, bytes.len() as u64));
-                bytes.extend((uniform.bytes)(packet));
-                bytes.resize(bytes.len().next_multiple_of(alignment), 0);
-            }
+        for pass in passes {
+            self.offsets.push((pass.name, bytes.len() as u64));
+            bytes.extend(pass.uniforms().flat_map(|uniform| (uniform.bytes)(packet)));
+            bytes.resize(bytes.len().next_multiple_of(alignment), 0);
         }
         if bytes.len() as u64 > self.buffer.size() {
             self.buffer = buffer(context, bytes.len() as u64);
@@ -47,18 +44,15 @@ impl PartUniforms {
         context.queue.write_buffer(&self.buffer, 0, &bytes);
     }
 
-    /// What is bound for one. Precondition: a pass that was prepared has it.
-    pub(super) fn binding(&self, uniform: &Uniform) -> wgpu::BindingResource<'_> {
-        wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+    /// What is bound for a pass, if it has a uniform. Precondition: it was prepared.
+    pub(super) fn binding(&self, pass: &ScreenPass) -> Option<wgpu::BindingResource<'_>> {
+        let size = wgpu::BufferSize::new(pass.uniform_bytes())?;
+        let &(_, offset) = self.offsets.iter().find(|(name, _)| *name == pass.name)?;
+        Some(wgpu::BindingResource::Buffer(wgpu::BufferBinding {
             buffer: &self.buffer,
-            offset: self.offset_of(uniform).unwrap_or_default(),
-            size: wgpu::BufferSize::new(uniform.layout.size as u64),
-        })
-    }
-
-    fn offset_of(&self, uniform: &Uniform) -> Option<u64> {
-        let known = self.offsets.iter().find(|(name, _)| *name == uniform.name);
-        known.map(|&(_, offset)| offset)
+            offset,
+            size: Some(size),
+        }))
     }
 }
 

@@ -1,33 +1,16 @@
 //! How the WGSL of a shader is put together. WGSL has no includes: files say in lines `#import NAME` what they need, a
 //! shader names some files, and what these need is put before them, each file once.
 //!
-//! A name is that of a file of `shaders/`, or of something that Rust knows as well (`generated/…`), so that no constant,
-//! structure or binding is written twice. What only some shaders have (as the source of records) is not imported: a
-//! shader names one of the files that have it.
+//! A name is that of a file of `shaders/`, or of something that Rust knows as well (`generated/…`), so that no
+//! constant, structure or binding is written twice. What only some shaders have (as the source of records) is not
+//! imported: a shader names one of the files that have it.
 
 use super::shader_library::{GENERATED, LIBRARY};
 use super::shader_reload;
 use std::borrow::Cow;
 
-/// A file of `shaders/`: see [`shader_file`].
-#[derive(Debug, Clone, Copy)]
-pub struct ShaderFile {
-    /// Its path in that folder.
-    pub(in crate::render) name: &'static str,
-    pub(in crate::render) text: &'static str,
-}
-
-/// A [`ShaderFile`] by its path in `shaders/`.
-macro_rules! shader_file {
-    ($name:literal) => {
-        $crate::render::gpu::wgsl::ShaderFile {
-            name: $name,
-            text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $name)),
-        }
-    };
-}
-
-pub(in crate::render) use shader_file;
+pub use super::shader_file::ShaderFile;
+pub(in crate::render) use super::shader_file::shader_file;
 
 /// An import that cannot be followed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -56,8 +39,8 @@ pub enum ImportError {
     },
 }
 
-/// The WGSL of `files` and of all that they import, behind what is `given` to this shader alone: texts by the names that
-/// they are imported by.
+/// The WGSL of `files` and of all that they import, behind what is `given` to this shader alone: texts by the names
+/// that they are imported by.
 pub(super) fn assembled(given: &[(&str, String)], files: &[ShaderFile]) -> Result<String, ImportError> {
     let of_given = given.iter().map(|(name, _)| *name);
     let roots: Vec<&str> = of_given.chain(files.iter().map(|file| file.name)).collect();
@@ -72,6 +55,14 @@ pub(super) fn assembled(given: &[(&str, String)], files: &[ShaderFile]) -> Resul
         }
         let generated = GENERATED.iter().find(|(known, _)| *known == name);
         generated.map(|(_, text)| Cow::Owned(text()))
+    })
+}
+
+/// A source; where an import cannot be followed, that is logged, and the adapter refuses what is left.
+pub(super) fn source_or_nothing(source: Result<String, ImportError>) -> String {
+    source.unwrap_or_else(|error| {
+        log::error!("shaders: {error}");
+        String::new()
     })
 }
 
@@ -113,7 +104,9 @@ impl<'a, Texts: Fn(&str) -> Option<Cow<'a, str>>> Assembly<Texts> {
         }
         self.begun.pop();
         self.done.push(name.to_owned());
-        self.source.push_str(&format!("// {name}\n"));
+        self.source.push_str("// ");
+        self.source.push_str(name);
+        self.source.push('\n');
         for line in text.lines().filter(|line| imported_by(line).is_none()) {
             self.source.push_str(line);
             self.source.push('\n');

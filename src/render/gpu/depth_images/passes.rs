@@ -24,7 +24,7 @@ pub(super) const AFTER: u32 = 4;
 pub(super) const MEAN: u32 = 5;
 /// For how many frames each pixel was a hole.
 pub(super) const AGES: u32 = 6;
-/// x and y at a depth of 1; NO_RAY where the lens shows nothing.
+/// x and y at a depth of 1; `NO_RAY` where the lens shows nothing.
 pub(super) const RAYS: u32 = 7;
 /// Bytes of red, green and blue, one pixel after the other.
 pub(super) const COLORS: u32 = 8;

@@ -15,8 +15,7 @@ use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::SplatVertex;
 use crate::render::gpu::primitives::Amplification;
 use crate::render::gpu::recording::Recording;
-use crate::render::gpu::shader_reload::source_or_nothing;
-use crate::render::gpu::wgsl::{ShaderFile, assembled, shader_file};
+use crate::render::gpu::wgsl::{ShaderFile, assembled, shader_file, source_or_nothing};
 use std::collections::HashMap;
 
 /// Bytes of `DrawIndexedIndirect`, of which the first four words are also those of a draw without indices.

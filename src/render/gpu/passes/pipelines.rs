@@ -4,9 +4,10 @@ use super::state::{DepthUse, GeometryPass, ScreenPass};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::instancing::Instancing;
 use crate::render::gpu::primitives::Amplification;
-use crate::render::gpu::shader_reload::{Watch, source_or_nothing};
+use crate::render::gpu::shader_reload::Watch;
 use crate::render::gpu::shaders::Permutation;
 use crate::render::gpu::targets::Precision;
+use crate::render::gpu::wgsl::source_or_nothing;
 use crate::scene::Strategy;
 use std::collections::HashMap;
 
@@ -177,16 +178,16 @@ fn checked(
 
 fn source_layout(context: &Context, pass: &ScreenPass) -> wgpu::BindGroupLayout {
     let textures = pass.textures().into_iter().map(|(_, kind)| kind.binding_type());
-    let uniforms = pass.uniforms().map(|uniform| wgpu::BindingType::Buffer {
+    let uniform = wgpu::BufferSize::new(pass.uniform_bytes()).map(|bytes| wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Uniform,
         has_dynamic_offset: false,
-        min_binding_size: wgpu::BufferSize::new(uniform.layout.size as u64),
+        min_binding_size: Some(bytes),
     });
     layout(
         context,
         pass.name,
         wgpu::ShaderStages::FRAGMENT,
-        textures.chain(uniforms),
+        textures.chain(uniform),
     )
 }
 

@@ -69,14 +69,19 @@ impl GeometryPass {
 
 impl ScreenPass {
     /// The textures that it reads, by the names that its WGSL has for them, in the order of their bindings. Behind them
-    /// are its uniforms.
+    /// is the uniform that has those of all parts: lavapipe crashes where a group has several.
     pub(in crate::render::gpu) fn textures(&self) -> Vec<(&'static str, TextureKind)> {
         self.source.map(Source::textures).unwrap_or_default()
     }
 
-    /// Its uniforms, in the order of their bindings.
+    /// The uniforms of its parts, in the order in which they are members of the one that is bound.
     pub(in crate::render::gpu) fn uniforms(&self) -> impl Iterator<Item = &'static Uniform> + use<> {
         self.parts.iter().filter_map(|part| part.uniform.as_ref())
+    }
+
+    /// Bytes of the uniform that is bound; 0 if there is none.
+    pub(in crate::render::gpu) fn uniform_bytes(&self) -> u64 {
+        self.uniforms().map(|uniform| uniform.layout.size as u64).sum()
     }
 
     /// The WGSL of what its files have from Rust.
@@ -88,15 +93,23 @@ impl ScreenPass {
         }
         let textures = self.textures().into_iter();
         let textures = textures.map(|(name, kind)| format!("var {name}: {}", kind.wgsl()));
-        let uniforms = self.uniforms().map(|uniform| {
-            text += &uniform.layout.declaration();
-            format!("var<uniform> {}: {}", uniform.name, uniform.layout.name)
-        });
-        let bound: Vec<_> = uniforms.collect();
-        for (binding, variable) in textures.chain(bound).enumerate() {
+        for (binding, variable) in textures.enumerate() {
             // A string takes everything.
             let _ = writeln!(text, "@group(SOURCE_GROUP) @binding({binding}) {variable};");
         }
+        if self.uniforms().next().is_none() {
+            return text;
+        }
+        let mut members = String::new();
+        for uniform in self.uniforms() {
+            text += &uniform.layout.declaration();
+            let _ = writeln!(members, "    @align(16) {}: {},", uniform.name, uniform.layout.name);
+        }
+        let binding = self.textures().len();
+        let _ = writeln!(
+            text,
+            "struct Parts {{\n{members}}}\n@group(SOURCE_GROUP) @binding({binding}) var<uniform> parts: Parts;"
+        );
         text
     }
 }

@@ -20,10 +20,10 @@ pub(super) const MADE_CENSUS: u32 = 3;
 pub(super) const COLUMNS: u32 = 4;
 /// The same of all paths, or of squares.
 pub(super) const SUMS: u32 = 5;
-/// The label of each pixel of the left image, with IS_UNIQUE where no other is as good, and behind them those of the
+/// The label of each pixel of the left image, with `IS_UNIQUE` where no other is as good, and behind them those of the
 /// right one.
 pub(super) const WINNERS: u32 = 6;
-/// Labels, NO_LABEL where there is none.
+/// Labels, `NO_LABEL` where there is none.
 pub(super) const BEFORE: u32 = 7;
 /// The same after a pass.
 pub(super) const AFTER: u32 = 8;

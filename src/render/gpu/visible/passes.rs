@@ -16,7 +16,7 @@ pub(super) const FOUND: u32 = 2;
 pub(super) const NEAREST: u32 = 3;
 /// The same once all are drawn.
 pub(super) const NEAREST_DRAWN: u32 = 4;
-/// The same as depths, with a border of BORDER_PX pixels.
+/// The same as depths, with a border of `BORDER_PX` pixels.
 pub(super) const DEPTHS: u32 = 5;
 /// Of each point the bits of its depth, then its place among those of its workgroup that are visible, then its cell.
 /// Behind these the visible points, and behind these the sums of workgroups.
@@ -34,7 +34,7 @@ pub(super) const CELLS: u32 = 10;
 pub(super) const DRAWN_POINTS: u32 = 11;
 /// What is drawn.
 pub(super) const DRAWN_SHAPES: u32 = 12;
-/// Of visible points, or NO_NORMAL where there is no plane around.
+/// Of visible points, or `NO_NORMAL` where there is no plane around.
 pub(super) const NORMALS: u32 = 13;
 
 /// What passes bind, by these names in WGSL.
