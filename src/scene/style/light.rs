@@ -242,6 +242,12 @@ group! {
 }
 
 impl LightStyle {
+    /// The power that channels of the picture from 0 to 1 are raised to; `None` where they stay as they are.
+    pub fn tone_exponent(&self) -> Option<f32> {
+        let changes = self.gamma > 0.0 && self.gamma.is_finite() && (self.gamma - 1.0).abs() > f32::EPSILON;
+        changes.then(|| 1.0 / self.gamma)
+    }
+
     /// How surfaces are lit, with what is usual in place of [`Lighting::Auto`].
     pub fn drawn_lighting(&self) -> Lighting {
         match self.lighting {

@@ -1,6 +1,5 @@
 //! The tone curve on the processor (`shaders/effects/tone.wgsl`): a table of bytes.
 
-use super::exponent;
 use crate::render::effects::effect::{PictureRow, RowStep};
 use crate::scene::ScenePacket;
 use std::array;
@@ -11,7 +10,7 @@ struct Curve([u8; 256]);
 
 /// That of a packet.
 pub(super) fn step(packet: &ScenePacket) -> Option<Box<dyn RowStep>> {
-    let exponent = exponent(packet)?;
+    let exponent = packet.style.light.tone_exponent()?;
     Some(Box::new(Curve::of(exponent)))
 }
 

@@ -1,6 +1,5 @@
 //! Its pass.
 
-use super::exponent;
 use crate::render::gpu::layout::{Shared, shared_struct};
 use crate::render::gpu::part::{Part, Uniform, no_constants};
 use crate::render::gpu::passes::{ColorUse, ScreenPass};
@@ -27,7 +26,7 @@ const PART: Part = Part {
         layout: &ToneUniform::LAYOUT,
         bytes: |packet| {
             let uniform = ToneUniform {
-                exponent: exponent(packet).unwrap_or(1.0),
+                exponent: packet.style.light.tone_exponent().unwrap_or(1.0),
                 unused_a: 0.0,
                 unused_b: [0.0; 2],
             };
