@@ -87,7 +87,7 @@ mod tests {
         fs::write(&file, "fn first() {}").unwrap();
         let mut watch = Watch::of(folder.path().to_owned());
         assert!(!watch.has_changed());
-        let later = SystemTime::now() + Duration::from_secs(60);
+        let later = SystemTime::now() + Duration::from_mins(1);
         File::options()
             .write(true)
             .open(&file)
