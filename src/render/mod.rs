@@ -3,14 +3,17 @@
 mod any;
 mod constants;
 pub mod cpu;
+mod effects;
 mod gathered;
 #[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 pub mod gpu;
+mod known_depths;
 mod matcher;
 mod pass_times;
 pub mod truth;
 
 pub use any::AnyRenderer;
+pub use known_depths::depths_of_photographs;
 pub use matcher::matcher_of_machine;
 pub use pass_times::{PassTime, PassTimes};
 

@@ -6,7 +6,7 @@ use pointreel::composition::{ChangeColors, ComposeOptions, OnionSkin};
 use pointreel::headless::Headless;
 use pointreel::levels::Lod;
 use pointreel::render::AnyRenderer;
-use pointreel::scene::{Clip, ClipShape, Primitive, RendererChoice, ScenePacket, Style};
+use pointreel::scene::{Clip, ClipShape, Primitive, RendererChoice, ScenePacket, Settings};
 use pointreel::sequence::{Loader, LoaderOptions};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -26,8 +26,9 @@ fn told(packet: &ScenePacket) -> String {
         bounds,
         ground,
         photographs,
+        params,
     } = packet;
-    format!("{viewport_px:?} {view:?} {style:?} {content:?} {bounds:?} {ground:?} {photographs:?}")
+    format!("{viewport_px:?} {view:?} {style:?} {content:?} {bounds:?} {ground:?} {photographs:?} {params:?}")
 }
 
 /// Waits until the window draws `expected`.
@@ -49,12 +50,12 @@ fn assert_drawn(state: &mut State, expected: &str, name: &str) {
     }
 }
 
-fn assert_same(name: &str, wanted: &ComposeOptions, change: impl Fn(&mut Style)) {
+fn assert_same(name: &str, wanted: &ComposeOptions, change: impl Fn(&mut Settings)) {
     let mut state = state_on(sequence(&[]), options());
     let now = state.now();
     state.player.as_mut().unwrap().seek(INDEX, now);
     state.viewport.size_px = SIZE_PX;
-    state.style.drawing.renderer = RendererChoice::Cpu;
+    state.style.drawing.renderer = RendererChoice::Cpu.into();
     change(&mut state.style);
     if let Some(change) = wanted.change {
         state.temporal.change.is_on = true;
@@ -98,7 +99,7 @@ fn the_window_draws_what_is_drawn_without_one() {
         onion: onion.onion,
         ..change.clone()
     };
-    let same = |_: &mut Style| {};
+    let same = |_: &mut Settings| {};
     for (name, wanted) in [
         ("plain", &plain),
         ("change", &change),
@@ -106,10 +107,10 @@ fn the_window_draws_what_is_drawn_without_one() {
         ("both", &both),
     ] {
         assert_same(name, wanted, same);
-        assert_same(name, wanted, |style| style.primitive = Primitive::Point);
+        assert_same(name, wanted, |style| style.primitive = Primitive::Point.into());
     }
     assert_same("clip", &both, |style| {
-        style.of_sequence.clip = Some(Clip::to(ClipShape::Plane {
+        style.clip = Some(Clip::to(ClipShape::Plane {
             normal: glam::DVec3::X,
             offset: 0.0,
         }));
@@ -118,5 +119,5 @@ fn the_window_draws_what_is_drawn_without_one() {
         style.levels.surfel_lod = true;
         style.levels.lod = Lod::ThresholdPx(4.0);
     });
-    assert_same("voxels", &change, |style| style.primitive = Primitive::Voxel);
+    assert_same("voxels", &change, |style| style.primitive = Primitive::Voxel.into());
 }

@@ -311,7 +311,10 @@ fn what_the_command_line_says_goes_before_what_is_kept_and_is_not_kept() {
     };
     let mut harness = window_of(given, &a);
     let points = harness.state().style.points.size_px;
-    assert_eq!((points, harness.state().style.primitive), (9.0, Primitive::Point.into()));
+    assert_eq!(
+        (points, harness.state().style.primitive),
+        (9.0, Primitive::Point.into())
+    );
     harness.state_mut().style.backdrop.grid = true;
     close(&mut harness);
     let harness = window_of(kept_in(folder.path()), &a);

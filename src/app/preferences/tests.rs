@@ -67,6 +67,7 @@ fn unusual() -> Preferences {
                 ao_radius: 2.0,
                 eye_dome: EyeDome::On.into(),
                 eye_dome_strength: 2.5,
+                gamma: 1.5,
             },
             photos: PhotoStyle {
                 gaps: 1.0,
@@ -138,6 +139,7 @@ fn of_version_6() -> Preferences {
             style.light.ao_radius = 1.0;
             style.light.eye_dome = Choice::Auto;
             style.light.eye_dome_strength = 1.0;
+            style.light.gamma = 1.0;
             style.backdrop.grid = false;
             style.photos = PhotoStyle::default();
             style.points = PointStyle {

@@ -89,6 +89,7 @@ fn of_version_1() -> Settings {
             ao_radius: 1.0,
             eye_dome: Choice::Auto,
             eye_dome_strength: 1.0,
+            gamma: 1.0,
         },
         photos: PhotoStyle::default(),
         backdrop: Backdrop {

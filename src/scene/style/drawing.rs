@@ -74,7 +74,7 @@ impl Antialiasing {
     pub const FXAA_SEARCH_STEPS: u32 = 16;
 
     /// Pixels that are drawn for one that is shown, along both edges of the picture.
-    pub fn samples_per_edge(self) -> u32 {
+    pub const fn samples_per_edge(self) -> u32 {
         match self {
             Self::None | Self::Fxaa => 1,
             Self::Supersample => 2,

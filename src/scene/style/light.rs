@@ -224,6 +224,29 @@ group! {
                 ..Numbers::USUAL
             }),
         }
+        /// How bright the finished picture is between black and white, which stay; 1 leaves it as it is.
+        gamma: f32 = 1.0, "gamma" GAMMA {
+            flag: "gamma",
+            value_name: "G",
+            help: "Brighten the picture above 1, darken it below; black and white stay (default: 1)",
+            title: "Gamma",
+            hint: "Brightens the finished picture above 1 and darkens it below; black and white stay",
+            section: Section::Shading,
+            values: Values::Number(Numbers {
+                kept: [0.1, 10.0],
+                offered: [0.25, 4.0],
+                is_logarithmic: true,
+                ..Numbers::USUAL
+            }),
+        }
+    }
+}
+
+impl LightStyle {
+    /// The power that channels of the picture from 0 to 1 are raised to; `None` where they stay as they are.
+    pub fn tone_exponent(&self) -> Option<f32> {
+        let changes = self.gamma > 0.0 && self.gamma.is_finite() && (self.gamma - 1.0).abs() > f32::EPSILON;
+        changes.then(|| 1.0 / self.gamma)
     }
 }
 

@@ -8,7 +8,7 @@
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::composition::{Composed, DepthsAhead, PhotographsStep};
 use crate::photos::Photographs;
-use crate::render::cpu::depths_of_photographs;
+use crate::render::depths_of_photographs;
 use crate::scene::{Style, SurfelStyle};
 use crate::sequence::PreparedFrame;
 use glam::DVec3;

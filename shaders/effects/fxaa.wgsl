@@ -1,7 +1,8 @@
 // Fast approximate antialiasing (Lottes 2009): edges are found in the finished picture, and pixels beside them get as
 // much of their neighbour as the edge covers of them. How: render/cpu/fxaa.rs.
 
-@group(SOURCE_GROUP) @binding(0) var picture: texture_2d<f32>;
+#import common/fullscreen.wgsl
+#import common/view.wgsl
 
 fn color_at(pixel: vec2i) -> vec3f {
     let last = vec2i(view.viewport_px) - 1;

@@ -3,16 +3,16 @@
 // How much of the key light reaches a place in view space; the cosine between its normal and the way to the lamp is
 // `facing`.
 fn light_of_key(shadow_map: texture_depth_2d, position: vec3f, normal: vec3f, facing: f32) -> f32 {
-    if (view.shadow_texel == 0.0 || facing <= 0.0) {
+    if (parts.shadow.texel == 0.0 || facing <= 0.0) {
         return 1.0;
     }
     let slope = sqrt(max(1.0 - facing * facing, 0.0));
-    let offset = view.shadow_texel * (SHADOW_OFFSET_TEXELS + SHADOW_SLOPE_TEXELS * slope);
+    let offset = parts.shadow.texel * (SHADOW_OFFSET_TEXELS + SHADOW_SLOPE_TEXELS * slope);
     let place = vec4f(position + normal * offset, 1.0);
-    let per_distance = -1.0 / dot(view.lamp_from_view_z, place);
-    let aside = vec2f(dot(view.lamp_from_view_x, place), dot(view.lamp_from_view_y, place));
-    let ndc = view.shadow_focal * per_distance * aside;
-    let depth = view.shadow_near * per_distance;
+    let per_distance = -1.0 / dot(parts.shadow.lamp_from_view_z, place);
+    let aside = vec2f(dot(parts.shadow.lamp_from_view_x, place), dot(parts.shadow.lamp_from_view_y, place));
+    let ndc = parts.shadow.focal * per_distance * aside;
+    let depth = parts.shadow.near * per_distance;
     // The corner of a square of 3×3 texels.
     let corner = (0.5 + vec2f(0.5, -0.5) * ndc) * SHADOW_EDGE_PX - 1.5;
     let first = floor(corner);

@@ -1,15 +1,51 @@
-//! Eye-dome lighting on the processor (`shaders/passes/eye_dome.wgsl`): the shades of eight pixels of a row at a time.
+//! Eye-dome lighting on the processor (`shaders/effects/eye_dome.wgsl`): the shades of eight pixels of a row at a time.
 //!
 //! How it works: of the row, and of the rows above and below in which neighbours are, the depths of eight pixels are
 //! read from where the neighbours begin; one division, and a product and two comparisons for each of them, give the sum
 //! of steps. Beside the borders of the picture neighbours are gathered one by one.
 
-use super::tile::LANES;
-use crate::scene::EyeDomeLight;
-use fearless_simd::{Bytes, Simd, SimdBase, SimdFloat, f32x8};
+use crate::render::cpu::pixels::{repack, unpacked};
+use crate::render::cpu::tile::LANES;
+use crate::render::effects::background::cpu::Gradient;
+use crate::render::effects::effect::{PictureRow, RowStep};
+use crate::scene::{EyeDomeLight, ScenePacket};
+use fearless_simd::{Bytes, Simd, SimdBase, SimdFloat, dispatch, f32x8};
+
+/// Shades what covers the background.
+#[derive(Debug)]
+struct Shading {
+    light: EyeDomeLight,
+    gradient: Gradient,
+}
+
+/// That of a packet.
+pub(super) fn step(packet: &ScenePacket) -> Option<Box<dyn RowStep>> {
+    let light = EyeDomeLight::of(packet)?;
+    let gradient = Gradient::of(packet);
+    Some(Box::new(Shading { light, gradient }))
+}
+
+impl RowStep for Shading {
+    fn draw(&self, row: &mut PictureRow<'_>) {
+        let background = self.gradient.at_row(row.y as i32);
+        dispatch!(row.level, simd => {
+            simd.vectorize(
+                #[inline(always)]
+                || {
+                    let eye_dome = EyeDome::of_row(&self.light, row.size_px, row.depths, row.y);
+                    for (chunk, pixels) in row.pixels.chunks_mut(LANES).enumerate() {
+                        if let Some(shade) = eye_dome.shades(simd, LANES * chunk) {
+                            shaded(simd, pixels, shade, background);
+                        }
+                    }
+                },
+            );
+        });
+    }
+}
 
 /// A row of a picture, and those around it.
-pub(super) struct EyeDome<'a> {
+struct EyeDome<'a> {
     light: &'a EyeDomeLight,
     row: &'a [f32],
     /// As far above and below as neighbours in a column are.
@@ -21,7 +57,7 @@ pub(super) struct EyeDome<'a> {
 impl<'a> EyeDome<'a> {
     /// Of the row `y` of reversed depths.
     #[inline(always)]
-    pub(super) fn of_row(light: &'a EyeDomeLight, [width, height]: [usize; 2], depths: &'a [f32], y: usize) -> Self {
+    fn of_row(light: &'a EyeDomeLight, [width, height]: [usize; 2], depths: &'a [f32], y: usize) -> Self {
         let row = |y: usize| {
             let y = y.min(height - 1);
             &depths[width * y..width * (y + 1)]
@@ -37,7 +73,7 @@ impl<'a> EyeDome<'a> {
 
     /// The shades of eight pixels from `x` on; `None` where none has a depth. Where the row ends, of what is not there.
     #[inline(always)]
-    pub(super) fn shades<S: Simd>(&self, simd: S, x: usize) -> Option<f32x8<S>> {
+    fn shades<S: Simd>(&self, simd: S, x: usize) -> Option<f32x8<S>> {
         let halo = self.light.halo_px() as usize;
         if x >= halo && x + LANES + halo <= self.row.len() {
             self.shades_of(
@@ -127,6 +163,21 @@ fn exp_of_minus<S: Simd>(simd: S, x: f32x8<S>) -> f32x8<S> {
     // The exponent's bits are above 23 others.
     let exponent = (simd.cvt_i32_f32x8(whole) + 127) << 23;
     series * exponent.bitcast::<f32x8<S>>()
+}
+
+/// Multiplies what covers the background by up to eight shades.
+#[inline(always)]
+fn shaded<S: Simd>(simd: S, pixels: &mut [[u8; 4]], shade: f32x8<S>, background: [f32; 3]) {
+    let ([red, green, blue], opacity) = unpacked(simd, pixels);
+    let behind = (1.0 - shade) * (1.0 - opacity);
+    let [behind_red, behind_green, behind_blue] = background;
+    let colors = [
+        red.mul_add(shade, behind * behind_red),
+        green.mul_add(shade, behind * behind_green),
+        blue.mul_add(shade, behind * behind_blue),
+    ];
+    // Gaps and rims follow, and ask for opacities.
+    repack(simd, colors, pixels);
 }
 
 #[cfg(test)]

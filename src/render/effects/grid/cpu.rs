@@ -1,24 +1,45 @@
-//! The grid on the ground on the processor (`shaders/passes/grid.wgsl`): eight pixels of a row at a time.
+//! The grid on the ground on the processor (`shaders/effects/grid.wgsl`): eight pixels of a row at a time.
 
-use super::eight::{Vectors, lane_numbers};
-use super::pixels::{make_opaque, pack, unpacked};
-use super::tile::LANES;
-use super::view::PixelView;
 use crate::render::constants::{COARSE_LINES, FINE_LINES, NARROWEST_CELL_PX, USUAL_LINES, WIDEST_CELL_PX};
+use crate::render::cpu::eight::{Vectors, lane_numbers};
+use crate::render::cpu::pixels::{pack, unpacked};
+use crate::render::cpu::tile::LANES;
+use crate::render::cpu::view::PixelView;
+use crate::render::effects::effect::{PictureRow, RowStep};
 use crate::scene::{ScenePacket, SeenGround};
-use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
+use fearless_simd::{Simd, SimdBase, SimdFloat, dispatch, f32x8};
 use glam::Vec3;
 
 /// The plane, and the rays through pixels.
-pub(super) struct Grid {
+#[derive(Debug)]
+struct Grid {
     ground: SeenGround,
     view: PixelView,
     /// Of pixels that are shown: lines are as wide as these.
     slope_per_px: [f32; 2],
 }
 
+/// That of a packet.
+pub(super) fn step(packet: &ScenePacket) -> Option<Box<dyn RowStep>> {
+    let ground = packet.ground?.seen_by(&packet.view);
+    Some(Box::new(Grid::new(ground, packet)))
+}
+
+impl RowStep for Grid {
+    fn draw(&self, row: &mut PictureRow<'_>) {
+        let [width, _] = row.size_px;
+        let depths = &row.depths[width * row.y..width * (row.y + 1)];
+        dispatch!(row.level, simd => {
+            simd.vectorize(
+                #[inline(always)]
+                || self.draw_row(simd, row.y, depths, row.pixels),
+            );
+        });
+    }
+}
+
 impl Grid {
-    pub(super) fn new(ground: SeenGround, packet: &ScenePacket) -> Self {
+    fn new(ground: SeenGround, packet: &ScenePacket) -> Self {
         let view = PixelView::new(packet);
         let samples = packet.style.drawing.antialiasing.samples_per_edge() as f32;
         Self {
@@ -28,15 +49,14 @@ impl Grid {
         }
     }
 
-    /// Lays lines over a row of the picture, where nothing is before them, and makes it opaque.
+    /// Lays lines over a row of the picture, where nothing is before them.
     #[inline(always)]
-    pub(super) fn draw_row<S: Simd>(&self, simd: S, y: usize, depths: &[f32], pixels: &mut [[u8; 4]]) {
+    fn draw_row<S: Simd>(&self, simd: S, y: usize, depths: &[f32], pixels: &mut [[u8; 4]]) {
         let [line_red, line_green, line_blue] = self.ground.color;
         let nothing = f32x8::splat(simd, 0.0);
         for (chunk, pixels) in pixels.chunks_mut(LANES).enumerate() {
             let x = LANES * chunk;
             let Some((opacity, depth)) = self.eight(simd, x, y) else {
-                make_opaque(pixels);
                 continue;
             };
             let mut there = [0.0; LANES];

@@ -1,15 +1,17 @@
 // Ambient occlusion (volumetric obscurance, Loos and Sloan 2010). The formula: scene/ambient_occlusion.rs.
 
+#import common/view.wgsl
+
 // The share of the light from around that reaches what a pixel shows. `normal` is in view space and towards the eye.
 fn openness(depths: texture_depth_2d, pixel: vec2i, normal: vec3f) -> f32 {
-    if (view.occlusion_strength == 0.0) {
+    if (parts.occlusion.strength == 0.0) {
         return 1.0;
     }
     let depth = textureLoad(depths, pixel, 0);
     if (depth == 0.0) {
         return 1.0;
     }
-    let radius_px = min(view.occlusion_near_radius_px * depth, view.occlusion_most_radius_px);
+    let radius_px = min(parts.occlusion.near_radius_px * depth, parts.occlusion.most_radius_px);
     // From relative distances to heights in radii.
     let heights = 0.5 * view.focal.y * view.viewport_px.y / radius_px;
     let facing = dot(normal, ray_through(vec2f(pixel) + 0.5));
@@ -30,5 +32,5 @@ fn openness(depths: texture_depth_2d, pixel: vec2i, normal: vec3f) -> f32 {
         filled += (clamp(height, bottom, top) - bottom) * nearness;
         room += top - bottom;
     }
-    return max(1.0 - view.occlusion_strength * filled / max(room, 1e-6), 0.0);
+    return max(1.0 - parts.occlusion.strength * filled / max(room, 1e-6), 0.0);
 }

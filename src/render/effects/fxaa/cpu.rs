@@ -1,4 +1,4 @@
-//! Fast approximate antialiasing (Lottes 2009) on the processor (`shaders/passes/fxaa.wgsl`).
+//! Fast approximate antialiasing (Lottes 2009) on the processor (`shaders/effects/fxaa.wgsl`).
 //!
 //! **How it works.** Of pixels whose luma differs from that of their neighbours, second derivatives say whether an edge
 //! runs along the row or the column, and the greater difference on which side of the pixel it is. Both of its ends are

@@ -1,23 +1,23 @@
-//! The shadow of the key light on the processor (`shaders/common/shadow.wgsl`): on eight pixels at a time. How:
+//! The shadow of the key light on the processor (`shaders/effects/shadow.wgsl`): on eight pixels at a time. How:
 //! `scene/shadow.rs`.
 
-use super::eight::Vectors;
-use super::tile::LANES;
+use crate::render::cpu::eight::Vectors;
+use crate::render::cpu::tile::LANES;
 use crate::scene::Shadow;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 
 /// The reversed depths that the key light sees.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ShadowMap<'a> {
-    pub(super) shadow: &'a Shadow,
-    pub(super) depths: &'a [f32],
+pub(in crate::render) struct ShadowMap<'a> {
+    pub(in crate::render) shadow: &'a Shadow,
+    pub(in crate::render) depths: &'a [f32],
 }
 
 impl ShadowMap<'_> {
     /// How much of the key light reaches eight places in view space; the cosines between their normals and the ways to
     /// the lamp are `facing`.
     #[inline(always)]
-    pub(super) fn light_of_key<S: Simd>(
+    pub(in crate::render) fn light_of_key<S: Simd>(
         &self,
         simd: S,
         position: Vectors<S>,

@@ -1,8 +1,7 @@
-//! Draws what each photograph sees of the surface, for its depths (paper 004 §3.3). The GPU's renderer has them from
-//! here as well: they are drawn once for each frame, and not for each picture.
+//! What each photograph sees of the surface: its depths (paper 004 §3.3). Both renderers have them from here: they are
+//! drawn on the processor, once for each frame and not for each picture.
 
-use crate::render::cpu::depths::draw_distances;
-use crate::render::cpu::primitives::Drawable;
+use super::cpu::depths::distances_of_surface;
 use crate::scene::{DepthMap, PhotoDepths, PhotographsInFrame, ScenePacket, SurfelStyle, seen_by_photograph};
 use std::sync::Arc;
 
@@ -42,9 +41,7 @@ pub fn depths_of_photographs(packet: &ScenePacket) -> PhotoDepths {
         let Some(seen) = seen_by_photograph(packet, photograph) else {
             return DepthMap::new([1, 1], vec![0.0], 0.0, false);
         };
-        let drawable = Drawable::of_surface(&seen);
-        let blocks = blocks.get_or_insert_with(|| drawable.blocks());
-        let distances = draw_distances(&drawable, &seen, blocks);
+        let distances = distances_of_surface(&seen, &mut blocks);
         DepthMap::new(seen.viewport_px, distances, most_extent, false)
     });
     PhotoDepths { maps: maps.collect() }

@@ -1,10 +1,10 @@
 // The picture that is shown: each pixel is the mean of those that were drawn for it, as they are displayed.
 
-@group(SOURCE_GROUP) @binding(0) var picture: texture_2d<f32>;
+#import common/fullscreen.wgsl
 
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let samples = u32(view.samples_per_edge);
+    let samples = SAMPLES_PER_EDGE;
     let first = samples * vec2u(position.xy);
     var sum = vec4f(0.0);
     for (var row = 0u; row < samples; row++) {

@@ -1,21 +1,12 @@
-//! From the picture that was drawn to the one that is shown (`shaders/passes/supersample.wgsl`).
+//! Supersampling on the processor (`shaders/effects/supersample.wgsl`).
 
-use super::fxaa;
 use crate::scene::Antialiasing;
 use image::RgbaImage;
 use rayon::prelude::*;
 
-/// Makes `shown` of `drawn`, which has as many more pixels along both edges as the choice says.
-pub(super) fn antialias(antialiasing: Antialiasing, drawn: &RgbaImage, shown: &mut RgbaImage) {
-    match antialiasing {
-        Antialiasing::None => shown.clone_from(drawn),
-        Antialiasing::Fxaa => fxaa::smooth(drawn, shown),
-        Antialiasing::Supersample => average(antialiasing.samples_per_edge() as usize, drawn, shown),
-    }
-}
-
 /// Each pixel is the mean of those that were drawn for it, as they are displayed.
-fn average(samples: usize, drawn: &RgbaImage, shown: &mut RgbaImage) {
+pub(super) fn average(drawn: &RgbaImage, shown: &mut RgbaImage) {
+    let samples = Antialiasing::Supersample.samples_per_edge() as usize;
     let drawn_row_bytes = 4 * drawn.width() as usize;
     let row_bytes = 4 * shown.width() as usize;
     let count = (samples * samples) as u32;

@@ -1,17 +1,17 @@
-//! Ambient occlusion on the processor (`shaders/common/ambient_occlusion.wgsl`): of eight pixels of a row at a time.
+//! Ambient occlusion on the processor (`shaders/effects/ambient_occlusion.wgsl`): of eight pixels of a row at a time.
 //! The formula: `scene/ambient_occlusion.rs`.
 //!
 //! Depths are drawn before all else: a tile is lit when it is drawn, and needs those of its neighbours.
 
-use super::eight::{Vectors, lane_numbers};
-use super::tile::LANES;
-use super::view::PixelView;
+use crate::render::cpu::eight::{Vectors, lane_numbers};
+use crate::render::cpu::tile::LANES;
+use crate::render::cpu::view::PixelView;
 use crate::scene::AmbientOcclusion;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 
 /// The reversed depths of a picture, and what they hide light with.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Occlusion<'a> {
+pub(in crate::render) struct Occlusion<'a> {
     settings: AmbientOcclusion,
     lines: [[f32; 2]; AmbientOcclusion::LINES],
     size_px: [usize; 2],
@@ -19,7 +19,7 @@ pub(super) struct Occlusion<'a> {
 }
 
 impl<'a> Occlusion<'a> {
-    pub(super) fn new(settings: AmbientOcclusion, size_px: [u32; 2], depths: &'a [f32]) -> Self {
+    pub(in crate::render) fn new(settings: AmbientOcclusion, size_px: [u32; 2], depths: &'a [f32]) -> Self {
         Self {
             settings,
             lines: AmbientOcclusion::lines(),
@@ -31,7 +31,7 @@ impl<'a> Occlusion<'a> {
     /// The share of the light from around that reaches eight pixels from `pixel` on to the right, with normals towards
     /// the eye whose products with the rays through the pixels are `facing`.
     #[inline(always)]
-    pub(super) fn openness<S: Simd>(
+    pub(in crate::render) fn openness<S: Simd>(
         &self,
         simd: S,
         view: &PixelView,
