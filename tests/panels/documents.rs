@@ -128,7 +128,7 @@ fn work_on(harness: &mut Harness<'_, State>) {
         kept: vec![point(3)],
         spread: Some(SpreadTrails { points: 4, frames: 2 }),
     };
-    document.notes = "from the north".to_owned();
+    document.notes.push_str("from the north");
     state.apply_document(document);
     state.choose_up(UpAxis::Z);
     state.camera.azimuth_deg = 33.0;
@@ -291,7 +291,7 @@ fn a_fresh_window_begins_from_defaults_and_takes_nothing_away() {
     close(&mut harness);
     // What is made in it goes before what was.
     let mut harness = window_of(fresh(), &a);
-    harness.state_mut().notes = "anew".to_owned();
+    harness.state_mut().notes.push_str("anew");
     open(&mut harness, &b);
     open(&mut harness, &a);
     assert!(harness.state().labels.list.is_empty());
