@@ -1,7 +1,8 @@
 # The two commands are `make demo` and `make test`; both work on a fresh Debian or Ubuntu machine with cargo.
 #
-# Compiling the dependencies is most of the time, so the steps of `make test` share them: clippy and rustdoc use one set
-# of checked crates, tests and benches one set of compiled ones (the dev profile: optimised, with debug assertions).
+# Compiling the dependencies is most of the time, so the steps of `make test` share them: clippy, for all sets of
+# features, and rustdoc use one set of checked crates, tests one set of compiled ones (the dev profile: optimised, with
+# debug assertions). Benches are checked by clippy, not linked: fifteen programs with nothing to run.
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
@@ -22,7 +23,7 @@ demo: system-packages ## play the demo in a window, or without a display render 
 	fi
 
 .PHONY: test
-test: test-packages tools fmt-check lint docs deny tests doctests benches-build ## everything that CI runs
+test: test-packages tools fmt-check lint features docs deny tests doctests ## everything that CI runs
 
 .PHONY: fmt
 fmt: ## format the code
@@ -31,6 +32,13 @@ fmt: ## format the code
 .PHONY: lint
 lint: ## clippy on all targets, warnings are errors
 	$(CARGO) clippy --locked --all-targets -- -D warnings
+
+# Sets of features besides the whole: the core, as fuzz/ has it, and what a machine with a card and no screen needs.
+# `--examples` as in `docs`.
+.PHONY: features
+features: ## clippy on the core alone, and on all but the window
+	$(CARGO) clippy --locked --no-default-features --features fuzzing --lib --bins --examples -- -D warnings
+	$(CARGO) clippy --locked --no-default-features --features bench --lib --bins --examples -- -D warnings
 
 # `--examples` documents nothing (there are none): it makes cargo choose dependency features as for tests, so that the
 # crates clippy has just checked are used instead of being checked a second time with fewer features.
@@ -91,7 +99,7 @@ fmt-check:
 .PHONY: tests
 tests: export PROPTEST_RNG_SEED ?= 4
 tests:
-	$(CARGO) test --locked --lib --bins --tests
+	$(CARGO) test --locked --lib --tests
 
 .PHONY: properties
 properties: export PROPTEST_CASES ?= 2000
@@ -101,11 +109,6 @@ properties: ## try properties on many new random cases (PROPTEST_CASES=20000 for
 .PHONY: doctests
 doctests:
 	$(CARGO) test --locked --doc
-
-# In the dev profile: it only has to link here, and the bench profile would compile every dependency again.
-.PHONY: benches-build
-benches-build:
-	$(CARGO) bench --locked --benches --no-run --profile dev
 
 .PHONY: system-packages
 system-packages:

@@ -30,8 +30,8 @@ use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    Antialiasing, Camera, Content, EyeDome, GroundPlane, LightRig, Lighting, OnOff, Primitive, ScenePacket,
-    SplatFilter, Style, Surfels, UpAxis, Voxels,
+    Antialiasing, Camera, Content, EyeDome, GroundPlane, LightRig, Lighting, OnOff, PacketParams, Primitive,
+    ScenePacket, SplatFilter, Style, Surfels, UpAxis, Voxels,
 };
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -94,7 +94,7 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
     };
     let content = match primitive {
         Primitive::Voxel => Content::Voxels(voxels()),
-        Primitive::Auto | Primitive::Surfel | Primitive::Sprite | Primitive::Ellipse => Content::Surfels(Surfels {
+        Primitive::Surfel | Primitive::Sprite | Primitive::Ellipse => Content::Surfels(Surfels {
             points: Arc::new(points),
             shapes: Arc::new(shapes.collect()),
         }),
@@ -111,6 +111,7 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
         content,
         ground: None,
         photographs: None,
+        params: PacketParams::default(),
         bounds,
     }
 }

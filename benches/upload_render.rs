@@ -17,7 +17,7 @@ use pointreel::cloud::{PointRecord, ShapeRecord, oct_encode};
 use pointreel::math::{Aabb, Cube, order_of_codes};
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
-use pointreel::scene::{Camera, Content, Primitive, ScenePacket, Strategy, Style, Surfels, UpAxis};
+use pointreel::scene::{Camera, Content, PacketParams, Primitive, ScenePacket, Strategy, Style, Surfels, UpAxis};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -78,6 +78,7 @@ fn sphere(count: usize, primitive: Primitive, strategy: Strategy) -> ScenePacket
         },
         ground: None,
         photographs: None,
+        params: PacketParams::default(),
         bounds,
     }
 }

@@ -1,5 +1,9 @@
 //! Pictures without a window: the same sequence, scene and renderer as the window uses, one frame at a time.
 
+use crate::composition::{
+    ComposeOptions, Composed, Drawn, Frames, Inputs, PHOTOGRAPH_BYTES, PictureView, Problem, StandIns, WholeFrame,
+    compose, on_surface, packet,
+};
 use crate::levels::LevelsSize;
 use crate::locks::lock;
 use crate::math::Aabb;
@@ -11,15 +15,11 @@ use crate::scene::{
     Style, UpAxis, labels_on_picture,
 };
 use crate::sequence::{ColorSource, FrameError, Loader, Needs, PreparedFrame, Sequence};
-use crate::stereo::photo_surface;
 use crate::timeline::Direction;
 use glam::DVec3;
 use image::RgbaImage;
 use serde::Serialize;
 use std::sync::{Arc, Mutex, OnceLock};
-
-/// Texels of all photographs together, with their mip levels.
-pub const PHOTOGRAPH_BYTES: u64 = 1 << 30;
 
 /// Why a picture could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -267,7 +267,7 @@ impl Headless {
     }
 
     /// The photographs of what frame `index` shows, if there are some. They are loaded once.
-    pub fn photographs(&self, index: usize) -> Option<Arc<LoadedPhotographs>> {
+    fn loaded_photographs(&self, index: usize) -> Option<Arc<LoadedPhotographs>> {
         let set = self.sequence.source().photographs(index)?;
         let mut known = lock(&self.photographs);
         if let Some((of, loaded)) = &*known
@@ -281,17 +281,9 @@ impl Headless {
     }
 
     /// Those that are not left out, on the surface that is made of them if they are of one scene.
-    pub fn photographs_without(&self, index: usize, left_out: &[usize]) -> Option<Arc<Photographs>> {
-        let loaded = self.photographs(index)?;
+    fn photographs_without(&self, index: usize, left_out: &[usize]) -> Option<Arc<Photographs>> {
+        let loaded = self.loaded_photographs(index)?;
         let set = self.sequence.source().photographs(index)?;
-        // Of what was filmed, each frame has a cloud of its own.
-        if self.sequence.len() > 1 {
-            return Some(if left_out.is_empty() {
-                Arc::clone(&loaded.photographs)
-            } else {
-                Arc::new(loaded.photographs.without(left_out))
-            });
-        }
         let mut known = lock(&self.surfaced);
         if let Some(surfaced) = &*known
             && Arc::ptr_eq(&surfaced.of, &loaded)
@@ -299,15 +291,48 @@ impl Headless {
         {
             return Some(Arc::clone(&surfaced.used));
         }
-        let used = loaded.photographs.without(left_out);
-        let surface = photo_surface(&set, &used, self.sequence.origin(), &Progress::default());
-        let used = Arc::new(used.with_surface(surface));
+        let used = if left_out.is_empty() {
+            Arc::clone(&loaded.photographs)
+        } else {
+            Arc::new(loaded.photographs.without(left_out))
+        };
+        let used = on_surface(used, &set, &self.sequence, &Progress::default());
         *known = Some(Surfaced {
             of: loaded,
             left_out: left_out.to_vec(),
             used: Arc::clone(&used),
         });
         Some(used)
+    }
+
+    /// `pose` with all that `options` ask for. Inputs that are missing (a frame beyond the ends, a broken one) are
+    /// skipped, and told as problems, after what could not be read of the pose's own file.
+    ///
+    /// # Errors
+    /// If all together has more points than a frame can have.
+    pub fn compose(
+        &self,
+        pose: &Arc<PreparedFrame>,
+        options: &ComposeOptions,
+        style: &Style,
+    ) -> Result<(Composed, Vec<String>), FrameError> {
+        let style = style.drawn_by(self.renderer.is_processor());
+        let inputs = Inputs {
+            pose,
+            options,
+            style: &style,
+            frames: self,
+            stand_ins: StandIns::default(),
+        };
+        let composed = compose(pose, &inputs).map_err(|reason| FrameError::Invalid {
+            index: pose.index,
+            path: self.sequence.entry(pose.index).path.clone(),
+            reason,
+        })?;
+        let mut problems = pose.frame.warnings().to_vec();
+        let count = self.sequence.len();
+        problems.extend(composed.problems.iter().map(|problem: &Problem| problem.text(count)));
+        Ok((composed, problems))
     }
 
     /// What a frame must have to be drawn here with these settings.
@@ -334,9 +359,13 @@ impl Headless {
 
     /// All that [`Headless::draw`] draws from.
     pub fn packet(&mut self, frame: &PreparedFrame, camera: &Camera, style: &Style, size_px: [u32; 2]) -> ScenePacket {
-        let origin = self.sequence.origin();
+        let view = PictureView {
+            camera,
+            origin: self.sequence.origin(),
+            size_px,
+        };
         let style = style.drawn_by(self.renderer.is_processor());
-        self.scene.packet(frame, origin, camera, &style, size_px)
+        packet(&mut self.scene, Drawn::from(frame), &view, &style)
     }
 
     /// Draws what a packet says, in its size.
@@ -385,5 +414,26 @@ impl Headless {
             screen: self.screen_stats(),
             render: self.renderer.stats(),
         }
+    }
+}
+
+/// Frames are waited for; what is prepared meanwhile stays as it was.
+impl Frames for Headless {
+    fn frame_count(&self) -> usize {
+        self.sequence.len()
+    }
+
+    fn whole(&self, index: usize, needs: &Needs) -> Result<WholeFrame, FrameError> {
+        self.loader.wait(index, needs).map(WholeFrame::InMemory)
+    }
+
+    fn drawable(&self, index: usize, needs: &Needs) -> Result<Option<Arc<PreparedFrame>>, FrameError> {
+        self.loader.wait(index, needs).map(Some)
+    }
+
+    fn photographs(&self, index: usize, left_out: &[usize]) -> Option<LoadedPhotographs> {
+        let notes = self.loaded_photographs(index)?.notes.clone();
+        let photographs = self.photographs_without(index, left_out)?;
+        Some(LoadedPhotographs { photographs, notes })
     }
 }

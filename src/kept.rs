@@ -4,10 +4,8 @@
 mod lenient;
 mod update;
 
-pub(crate) use lenient::{
-    Fields, Lenient, copy_beside, entries, fields, note_later_version, read_leniently, retain_readable,
-};
-pub(crate) use update::{merge, readable_entries, update};
+pub(crate) use lenient::{Fields, copy_beside, entries, fields, note_later_version, read_leniently, retain_readable};
+pub(crate) use update::{merge, readable_entries, update, update_as};
 
 use crate::regular_file;
 use crate::temporary::Temporary;

@@ -29,7 +29,8 @@
 //! | [`timeline`] | which frame is due when: the clock, its pace and the range that plays |
 //! | [`sequence`] | frames prepared ahead of the playhead within a byte budget |
 //! | [`scene`] | camera, settings, the [`scene::ScenePacket`] that holds all that one picture needs, and what is under its pixels |
-//! | [`session`] | session files: all that a person made around a sequence |
+//! | [`composition`] | the stages from a frame to the packet of its picture: other poses, photographs, levels |
+//! | [`document`] | what is open and all that was made around it: session files, what is kept, undo |
 //! | [`playback`] | the playhead: which frame is due, which is shown, with how many points |
 //! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
 //! | [`headless`] | pictures without a window |
@@ -40,18 +41,34 @@
 //! | [`serve`] | a sequence file by HTTP, any sequence as a live stream |
 //! | [`app`] | the window |
 //! | [`cli`] | the command line |
+//! | `fuzzing` | readers for the targets in `fuzz/` |
+//!
+//! Features of the package: `window` brings [`app`], `bench` [`mod@bench`], `gpu` [`render::gpu`], `sqlite` recordings
+//! in `SQLite`. What is absent from a build has a stand-in (`no_*.rs`) that says so.
+
+#![cfg_attr(
+    not(all(feature = "sqlite", feature = "window")),
+    allow(dead_code, unused_imports, reason = "the core is made for the whole program")
+)]
 
 pub mod analysis;
+#[cfg(feature = "window")]
 pub mod app;
 pub mod assumption;
+#[cfg(feature = "bench")]
 pub mod bench;
 mod binary;
 pub mod check;
 pub mod cli;
 pub mod cloud;
+pub mod composition;
 pub mod convert;
 pub mod deadlines;
+pub mod document;
 pub mod export;
+#[cfg(feature = "fuzzing")]
+#[doc(hidden)]
+pub mod fuzzing;
 pub mod headless;
 pub mod io;
 mod kept;
@@ -74,7 +91,6 @@ pub mod rgbd;
 pub mod scene;
 pub mod sequence;
 pub mod serve;
-pub mod session;
 mod signals;
 pub mod source;
 pub mod stereo;

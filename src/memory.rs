@@ -40,6 +40,10 @@ pub(crate) fn give_back_freed_pages() {
 /// Bytes of memory that this process may have: the machine's, or those of its control groups if they are fewer; `None`
 /// where the system does not say.
 pub(crate) fn machine_bytes() -> Option<u64> {
+    // The same on every machine, so that a finding is one everywhere.
+    if cfg!(fuzzing) {
+        return Some(1 << 30);
+    }
     let mut system = sysinfo::System::new();
     system.refresh_memory();
     let machine = Some(system.total_memory()).filter(|&bytes| bytes > 0);

@@ -2,7 +2,7 @@
 //!
 //! - A room, which is a module of the root, never names one to its right; see the table in `src/lib.rs`. Comments and
 //!   tests count as well.
-//! - `wgpu` and `egui` are named only where a list says so.
+//! - `wgpu` and `egui` are named only where a list says so, and a build without their features has neither.
 //! - Files that import one another are a *knot*. A name counts for the file that defines it, whatever re-exports it is
 //!   reached through; so a parent that only declares or re-exports a child does not import it, and a child that takes
 //!   what its parent re-exports imports the sibling. Comments, tests, and what is reached without being named (methods
@@ -13,6 +13,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "architecture/features.rs"]
+mod features;
 #[path = "architecture/knots.rs"]
 mod knots;
 #[path = "architecture/known.rs"]
@@ -60,11 +62,12 @@ const ORDER: &[&[&str]] = &[
     &["timeline"],
     &["sequence"],
     &["scene"],
-    &["session"],
+    &["composition"],
+    &["document"],
     &["playback"],
     &["render"],
     &["headless"],
-    &["export", "bench", "check", "convert", "serve"],
+    &["export", "bench", "check", "convert", "serve", "fuzzing"],
     &["app"],
     &["cli"],
 ];
@@ -89,6 +92,12 @@ const MAY_NAME_WGPU: &[(&str, &str)] = &[
         "the picture that the processor has drawn is uploaded",
     ),
 ];
+
+/// Files and folders in which settings are decided: they alone of what is below the window may name an open choice.
+const MAY_LEAVE_OPEN: &[&str] = &["scene/style/", "scene/first_look/"];
+
+/// What draws, and what packets are made by.
+const DRAWS: &[&str] = &["scene/", "playback/", "render/", "headless", "export/"];
 
 /// Files and folders that may name `egui` or one of its companions.
 const MAY_NAME_EGUI: &[(&str, &str)] = &[("app/", "panels, and the window that they are in")];
@@ -192,6 +201,23 @@ fn assert_named_only_in(allowed: &[(&str, &str)], is_the_crate: impl Fn(&str) ->
 #[test]
 fn wgpu_is_named_by_the_renderer_and_the_windows_own_graphics() {
     assert_named_only_in(MAY_NAME_WGPU, |name| name == "wgpu");
+}
+
+#[test]
+fn nothing_that_draws_names_an_open_choice() {
+    let is_in = |file: &str, places: &[&str]| places.iter().any(|place| file.starts_with(place));
+    let files = rust_files();
+    let drawing: Vec<_> = files
+        .iter()
+        .filter(|(file, _)| is_in(file, DRAWS) && !is_in(file, MAY_LEAVE_OPEN))
+        .collect();
+    assert!(drawing.len() > 100, "{}", drawing.len());
+    let naming: Vec<_> = drawing
+        .iter()
+        .filter(|(_, text)| text.contains("::Auto"))
+        .map(|(file, _)| file)
+        .collect();
+    assert!(naming.is_empty(), "a style leaves nothing open: {naming:?}");
 }
 
 #[test]

@@ -4,6 +4,8 @@
 #[path = "common/walk.rs"]
 mod walk;
 
+#[path = "panels/agreement.rs"]
+mod agreement;
 #[path = "panels/assumptions.rs"]
 mod assumptions;
 #[path = "panels/benchmark.rs"]
@@ -24,6 +26,8 @@ mod colors;
 mod comparison;
 #[path = "panels/depth_filters.rs"]
 mod depth_filters;
+#[path = "panels/documents.rs"]
+mod documents;
 #[path = "panels/escape.rs"]
 mod escape;
 #[path = "panels/export.rs"]

@@ -10,5 +10,5 @@ fuzz_target!(init: pointreel_fuzz::let_caught_panics_pass(), |data: &[u8]| {
     };
     let extensions = ["bag", "mcap", "db3"];
     let extension = extensions[usize::from(choice) % extensions.len()];
-    pointreel_fuzz::with_file(extension, bytes, pointreel_fuzz::read_cameras);
+    pointreel_fuzz::with_file(extension, bytes, pointreel::fuzzing::read_cameras);
 });

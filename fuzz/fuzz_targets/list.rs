@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pointreel_fuzz::io::{self, ReadOptions};
+use pointreel::io::{self, ReadOptions};
 
 /// Frames that are read of those that are listed.
 const READ: usize = 3;

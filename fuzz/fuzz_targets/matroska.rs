@@ -5,5 +5,5 @@
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {
-    pointreel_fuzz::with_file("mkv", data, pointreel_fuzz::read_matroska);
+    pointreel_fuzz::with_file("mkv", data, pointreel::fuzzing::read_matroska);
 });

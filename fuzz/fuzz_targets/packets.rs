@@ -4,7 +4,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pointreel_fuzz::io::{self, ReadOptions};
+use pointreel::io::{self, ReadOptions};
 use std::path::Path;
 
 /// Turns of a sensor that are read.

@@ -4,7 +4,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pointreel_fuzz::photos::{self, colmap_depth};
+use pointreel::photos::{self, colmap_depth};
 use std::path::{Path, PathBuf};
 
 /// The files of each format.

@@ -4,7 +4,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pointreel_fuzz::io;
+use pointreel::io;
 use std::path::PathBuf;
 
 fuzz_target!(init: pointreel_fuzz::let_caught_panics_pass(), |data: &[u8]| {

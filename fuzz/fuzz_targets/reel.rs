@@ -4,8 +4,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pointreel_fuzz::progress::Progress;
-use pointreel_fuzz::reel::{ReelDecoder, ReelFile};
+use pointreel::progress::Progress;
+use pointreel::reel::{ReelDecoder, ReelFile};
 use std::path::Path;
 use std::sync::Arc;
 

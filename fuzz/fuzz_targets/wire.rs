@@ -4,8 +4,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pointreel_fuzz::unpacked_size_px;
-use pointreel_fuzz::wire::{Content, Frame, FrameHead, Kind, Message, StreamHead, View, read_message};
+use pointreel::fuzzing::unpacked_size_px;
+use pointreel::wire::{Content, Frame, FrameHead, Kind, Message, StreamHead, View, read_message};
 
 /// Bytes that a payload, and what is unpacked of it, may take.
 const MOST_BYTES: u64 = 1 << 26;

@@ -1,9 +1,7 @@
 // What the passes over records summed up at a pixel: the blended surface, on which light falls, and of which
 // photographs are asked.
 
-@group(SOURCE_GROUP) @binding(0) var colors: texture_2d<f32>;
-@group(SOURCE_GROUP) @binding(1) var normals: texture_2d<f32>;
-@group(SOURCE_GROUP) @binding(2) var nearnesses: texture_2d<f32>;
+#import common/view.wgsl
 
 struct BlendedSurface {
     // Of all splats; 0 where nothing is, and nothing else is known.

@@ -1,5 +1,8 @@
 // Light after Lambert, with the highlights of Blinn 1977. The lights: scene/lights.rs.
 
+#import effects/shadow.wgsl
+#import generated/constants
+
 // Linear light: what colours are multiplied with, and what is added.
 struct Light {
     diffuse: vec3f,
@@ -15,22 +18,21 @@ fn highlight(cosine: f32) -> f32 {
 fn light_on(position: vec3f, normal: vec3f, to_eye: vec3f) -> Light {
     let facing = dot(normal, to_eye);
     // The half vector of the head light is the way to the eye.
-    let head = view.head_light * view.specular * highlight(facing);
-    var light = Light(vec3f(view.ambient + view.head_light * facing), vec3f(head));
+    let head = parts.lights.head * parts.lights.specular * highlight(facing);
+    var light = Light(vec3f(parts.lights.ambient + parts.lights.head * facing), vec3f(head));
     for (var index = 0u; index < MOST_LAMPS; index++) {
-        let lamp = view.lamps[index];
-        let way = lamp.place.xyz - lamp.place.w * position;
+        let way = parts.lights.lamp_places[index].xyz - parts.lights.lamp_places[index].w * position;
         // A surface at the place of a lamp gets no light of it.
         let to_lamp = way * inverseSqrt(max(dot(way, way), 1e-37));
         let lamp_facing = max(dot(normal, to_lamp), 0.0);
-        var color = lamp.color.rgb;
+        var color = parts.lights.lamp_colors[index].rgb;
         if (index == 0u) {
             color *= light_of_key(shadow_map, position, normal, lamp_facing);
         }
         light.diffuse += color * lamp_facing;
         if (lamp_facing > 0.0) {
             let along = max(dot(normal, normalize(to_lamp + to_eye)), 0.0);
-            light.specular += color * view.specular * highlight(along);
+            light.specular += color * parts.lights.specular * highlight(along);
         }
     }
     return light;

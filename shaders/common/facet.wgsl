@@ -1,6 +1,8 @@
 // A flat patch in space as functions of rays: where the ray through a pixel meets it, without vertices on it. How, and
 // why this way: render/cpu/facet.rs.
 
+#import common/view.wgsl
+
 // A patch as it is seen. The ray d with d.z = -1 meets it at the middle + p·u + q·v with p = P/W and q = Q/W.
 struct Facet {
     // What rays are multiplied with to give P, Q and W; W is positive in front of the eye.

@@ -1,5 +1,8 @@
 // What fragments leave, whatever they are of.
 
+#import common/view.wgsl
+#import generated/constants
+
 fn is_beside_splat(in: Varyings) -> bool {
     let place = place_on_splat(in);
     return dot(place, place) > 1.0;

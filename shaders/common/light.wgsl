@@ -1,6 +1,9 @@
 // A head light: it shines from the eye, so that every surface that can be seen is lit (paper 000 §V-B: per instance,
 // per vertex or per fragment).
 
+#import common/view.wgsl
+#import generated/constants
+
 // The exponent of the multiplications below.
 const_assert HEAD_LIGHT_SHININESS == 3u * 8u;
 

@@ -1,10 +1,9 @@
 // What photographs have said of each pixel (`passes/photo_answers.wgsl`), where what they do not show is filled from
 // around (`passes/push.wgsl`).
 
-// Colours times how sure they are, and that.
-@group(SOURCE_GROUP) @binding(7) var answered_colors: texture_2d<f32>;
-// Normals, and ANSWER_*.
-@group(SOURCE_GROUP) @binding(8) var answered_normals: texture_2d<f32>;
+#import common/blended_surface.wgsl
+#import common/photo_table.wgsl
+#import generated/constants
 
 fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
     let color = textureLoad(answered_colors, pixel, 0);

@@ -1,9 +1,10 @@
 // What is common to the passes that ask photographs, and to those that read what these have said.
 
-// Row 0: number of photographs, how many are blended, 1/σ², and PHOTO_* flags: what becomes of what they do not show.
-// And in the first of its next texel: how wide gaps are that are closed, in pixels.
+#import generated/constants
+
+// Row 0 of `photo_table`: number of photographs, how many are blended, 1/σ², and PHOTO_* flags: what becomes of what
+// they do not show. And in the first of its next texel: how wide gaps are that are closed, in pixels.
 // Then a row for each photograph.
-@group(SOURCE_GROUP) @binding(6) var photo_table: texture_2d<f32>;
 
 // What photographs say of a place.
 struct PhotoAnswer {

@@ -1,6 +1,10 @@
 // Surfaces have the colours that photographs show, and, where these tell them, the normals of their depths. What
 // photographs say: `photographs.wgsl`, `photo_answers.wgsl`.
 
+#import common/blended_surface.wgsl
+#import common/photo_table.wgsl
+#import generated/constants
+
 fn surface_at(blended: BlendedSurface, pixel: vec2u) -> Surface {
     let answer = photo_answer(blended, pixel);
     if (answer.kind == ANSWER_CLIPPED) {

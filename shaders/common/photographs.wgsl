@@ -1,8 +1,10 @@
 // Surfaces have their colours from photographs (paper 004 §3.2-3.4), and, where they are lit anew, normals from depths
 // of these (§4.1): scene/photographs.rs, render/cpu/photographs.
 
-@group(SOURCE_GROUP) @binding(7) var photo_texels: texture_2d_array<f32>;
-@group(SOURCE_GROUP) @binding(8) var photo_depths: texture_2d_array<f32>;
+#import common/blended_surface.wgsl
+#import common/photo_table.wgsl
+#import common/view.wgsl
+#import generated/constants
 
 // Where a place is in a photograph: texels from the upper left corner of its finest level, and along its axis.
 struct InPhoto {

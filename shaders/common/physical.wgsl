@@ -1,7 +1,9 @@
 // Metallic–roughness shading with an environment. The formulas: scene/physical_light.rs.
 
+#import effects/shadow.wgsl
+#import generated/constants
+
 // The environment as the roughness mirrors it, and the curve of what is mirrored and lost in one more row.
-@group(SOURCE_GROUP) @binding(5) var environment: texture_2d<f32>;
 
 // Linear light, by what the surface makes of it.
 struct Light {
@@ -32,14 +34,14 @@ fn entry_at(cosine: f32) -> vec4f {
 }
 
 fn in_environment(direction: vec3f) -> vec3f {
-    return view.environment_from_view_x.xyz * direction.x
-        + view.environment_from_view_y.xyz * direction.y
-        + view.environment_from_view_z.xyz * direction.z;
+    return parts.physical.environment_from_view_x.xyz * direction.x
+        + parts.physical.environment_from_view_y.xyz * direction.y
+        + parts.physical.environment_from_view_z.xyz * direction.z;
 }
 
 // What a matt white surface with this normal sends back of the environment.
 fn harmonics_at(n: vec3f) -> vec3f {
-    let c = view.harmonics;
+    let c = parts.physical.harmonics;
     let light = c[0] + c[1] * n.y + c[2] * n.z + c[3] * n.x + c[4] * (n.x * n.y) + c[5] * (n.y * n.z)
         + c[6] * (3.0 * n.z * n.z - 1.0) + c[7] * (n.x * n.z) + c[8] * (n.x * n.x - n.y * n.y);
     return max(light.rgb, vec3f(0.0));
@@ -66,7 +68,7 @@ fn environment_at(direction: vec3f) -> vec3f {
         textureLoad(environment, corner + vec2u(1u, 1u), 0),
         beyond.x,
     );
-    return view.environment_light * mix(upper, lower, beyond.y).rgb;
+    return parts.physical.environment_light * mix(upper, lower, beyond.y).rgb;
 }
 
 fn smith(first: f32, second: f32, alpha2: f32) -> f32 {
@@ -75,7 +77,7 @@ fn smith(first: f32, second: f32, alpha2: f32) -> f32 {
 
 // What a lamp adds; `facing` is the cosine between normal and eye.
 fn of_lamp(toward: Toward, normal: vec3f, to_eye: vec3f, facing: f32, open: f32) -> Light {
-    let alpha2 = view.alpha * view.alpha;
+    let alpha2 = parts.physical.alpha * parts.physical.alpha;
     let half = normalize(toward.to_lamp + to_eye);
     // 1 - cos², from the way between two directions: cosines near 1 have too few digits.
     let between = half - normal;
@@ -101,21 +103,25 @@ fn sum(a: Light, b: Light) -> Light {
 fn light_on(position: vec3f, normal: vec3f, to_eye: vec3f, facing: f32, of_eye: vec4f, open: f32) -> Light {
     let mirrored = open * environment_at(in_environment(2.0 * facing * normal - to_eye));
     let matt = open * harmonics_at(in_environment(normal));
-    var light = Light(mirrored * of_eye.x, mirrored * of_eye.y, matt * view.mean_loss, matt * view.mean_let_in);
-    if (view.head_light > 0.0) {
-        let head = Toward(to_eye, facing, vec3f(view.head_light));
+    var light = Light(
+        mirrored * of_eye.x,
+        mirrored * of_eye.y,
+        matt * parts.physical.mean_loss,
+        matt * parts.physical.mean_let_in,
+    );
+    if (parts.lights.head > 0.0) {
+        let head = Toward(to_eye, facing, vec3f(parts.lights.head));
         light = sum(light, of_lamp(head, normal, to_eye, facing, open));
     }
     for (var index = 0u; index < MOST_LAMPS; index++) {
-        let lamp = view.lamps[index];
-        if (all(lamp.color.rgb == vec3f(0.0))) {
+        var color = parts.lights.lamp_colors[index].rgb;
+        if (all(color == vec3f(0.0))) {
             continue;
         }
-        let way = lamp.place.xyz - lamp.place.w * position;
+        let way = parts.lights.lamp_places[index].xyz - parts.lights.lamp_places[index].w * position;
         // A surface at the place of a lamp gets no light of it.
         let to_lamp = way * inverseSqrt(max(dot(way, way), 1e-37));
         let lamp_facing = max(dot(normal, to_lamp), 0.0);
-        var color = lamp.color.rgb;
         if (index == 0u) {
             color *= light_of_key(shadow_map, position, normal, lamp_facing);
         }
@@ -128,7 +134,7 @@ fn light_on(position: vec3f, normal: vec3f, to_eye: vec3f, facing: f32, of_eye: 
 fn of_more_bounces(reflectance: vec3f) -> vec3f {
     // The mean of Schlick's formula by the cosine.
     let mean = reflectance * (20.0 / 21.0) + 1.0 / 21.0;
-    return mean * mean * (1.0 - view.mean_loss) / (1.0 - mean * view.mean_loss);
+    return mean * mean * (1.0 - parts.physical.mean_loss) / (1.0 - mean * parts.physical.mean_loss);
 }
 
 // Linear light that comes from a place of view space with a linear colour; the share `open` of the light from around
@@ -137,9 +143,10 @@ fn lit(albedo: vec3f, position: vec3f, normal: vec3f, to_eye: vec3f, open: f32) 
     let facing = max(dot(normal, to_eye), 0.0);
     let of_eye = entry_at(facing);
     let light = light_on(position, normal, to_eye, facing, of_eye, open);
-    let reflectance = mix(vec3f(DIELECTRIC), albedo, view.metallic);
-    let again = mix(of_more_bounces(vec3f(DIELECTRIC)), of_more_bounces(albedo), view.metallic);
-    let lost = light.lost * (of_eye.z / max(view.mean_loss, 1e-6));
-    let let_in = light.let_in * (of_eye.w / view.mean_let_in);
-    return reflectance * light.mirrored + light.grazing + again * lost + (1.0 - view.metallic) * albedo * let_in;
+    let reflectance = mix(vec3f(DIELECTRIC), albedo, parts.physical.metallic);
+    let again = mix(of_more_bounces(vec3f(DIELECTRIC)), of_more_bounces(albedo), parts.physical.metallic);
+    let lost = light.lost * (of_eye.z / max(parts.physical.mean_loss, 1e-6));
+    let let_in = light.let_in * (of_eye.w / parts.physical.mean_let_in);
+    let matt = 1.0 - parts.physical.metallic;
+    return reflectance * light.mirrored + light.grazing + again * lost + matt * albedo * let_in;
 }

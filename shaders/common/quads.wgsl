@@ -2,18 +2,10 @@
 // stage of the instanced strategies and by the compute pass of the amplifying one, so that all of them draw the same
 // picture.
 
-// A corner, ready for the rasteriser. Mirror: gpu_data.rs, `SplatVertex`.
-struct SplatVertex {
-    clip: vec4f,
-    // 8-bit red, green, blue in the low bytes.
-    color: u32,
-    // Packed normal, see oct_decode.
-    normal: u32,
-    // See light.wgsl: both unorm16.
-    light: u32,
-    // Factor on the mask of a splat.
-    weight: f32,
-}
+#import common/view.wgsl
+#import generated/amplification
+#import generated/constants
+#import generated/splat_vertex
 
 // A corner of what is not drawn: all are at one place outside of the view.
 fn nowhere() -> SplatVertex {

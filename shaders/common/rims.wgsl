@@ -1,8 +1,11 @@
 // The colour behind rims of splats (scene/rims.rs). A pass that includes this says what it knows of a pixel: `sum_at`,
 // sums of colours and weights, and `depth_at`, a reversed depth.
 
+#import common/view.wgsl
+#import generated/constants
+
 fn opacity_at(pixel: vec2i) -> f32 {
-    return min(sum_at(pixel).a / view.opaque_weight, 1.0);
+    return min(sum_at(pixel).a / parts.resolving.opaque_weight, 1.0);
 }
 
 fn color_at(pixel: vec2i) -> vec3f {
@@ -49,7 +52,7 @@ fn behind_rim(pixel: vec2i) -> vec4f {
     if (opacity < RIM_OPEN || opacity >= RIM_OPAQUE) {
         return found;
     }
-    let most = i32(view.rim_px);
+    let most = i32(parts.resolving.rim_px);
     var lines = PIXEL_LINES;
     var shortest = 1e30;
     for (var line = 0; line < 4; line++) {

@@ -1,5 +1,7 @@
 // Sums over the records before each one, within a workgroup of GROUP_RECORDS.
 
+#import generated/constants
+
 var<workgroup> kept: array<u32, GROUP_RECORDS>;
 
 // Runs in uniform control flow: number of kept records in the workgroup up to and with this one.

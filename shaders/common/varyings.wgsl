@@ -1,5 +1,10 @@
 // What geometry passes hand from their vertex to their fragment stage where records become quads of one colour.
 
+#import common/light.wgsl
+#import common/quads.wgsl
+#import common/records.wgsl
+#import common/view.wgsl
+
 struct Varyings {
     @builtin(position) position: vec4f,
     // -1 to 1 across the quad, or across the disk in the triangle.

@@ -1,5 +1,7 @@
 // The mean of the neighbours that are at a similar depth. Twin of rgbd/filters/bilateral.rs.
 
+#import depth_images/image.wgsl
+
 fn sigma_at(depth: f32) -> f32 {
     if (imaging.sigma_m > 0.0) {
         return imaging.sigma_m;

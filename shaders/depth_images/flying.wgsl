@@ -1,5 +1,7 @@
 // Pixels between a surface and what is behind it. Twin of rgbd/filters/flying.rs.
 
+#import depth_images/image.wgsl
+
 // How many of the eight pixels around one are at its depth. Precondition: something was measured there.
 fn near_neighbours(corner: u32, edge: u32) -> f32 {
     let middle = tile[corner + edge + 1u];

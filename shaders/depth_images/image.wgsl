@@ -6,47 +6,9 @@
 // that is left of the frames before, and `reproject` makes a point of every pixel. Depths are metres, 0 where nothing
 // was measured; there are no infinities and nothing that is no number.
 
-// Mirror: render/gpu/gpu_data.rs.
-struct DepthImaging {
-    size_px: vec2u,
-    near_m: f32,
-    far_m: f32,
-    // What the middle of the points is moved to, in the frame of the camera.
-    origin: vec3f,
-    // Whether samples are numbers of 16 bits, two in a word, that the table explains; else they are metres.
-    is_coded: u32,
-    // Exponent of 2 by the square of the distance in pixels.
-    exponent_per_px2: f32,
-    // Of the bilateral filter, if it is the same everywhere, else 0.
-    sigma_m: f32,
-    noise_factor: f32,
-    // Within what neighbours are near.
-    flying_m: f32,
-    flying_share: f32,
-    least_neighbours: f32,
-    newest_share: f32,
-    same_m: f32,
-    fill_frames: u32,
-    has_colors: u32,
-    // Of all points where there is no image of colours: red, green, blue, alpha.
-    one_color: u32,
-    unused: u32,
-}
-
-@group(DEPTH_GROUP) @binding(0) var<uniform> imaging: DepthImaging;
-@group(DEPTH_GROUP) @binding(1) var<storage, read> samples: array<u32>;
-// Metres of each number.
-@group(DEPTH_GROUP) @binding(2) var<storage, read> table: array<f32>;
-@group(DEPTH_GROUP) @binding(3) var<storage, read> before: array<f32>;
-@group(DEPTH_GROUP) @binding(4) var<storage, read_write> after: array<f32>;
-// Of the frames so far, and for how many frames each pixel was a hole.
-@group(DEPTH_GROUP) @binding(5) var<storage, read_write> mean: array<f32>;
-@group(DEPTH_GROUP) @binding(6) var<storage, read_write> ages: array<u32>;
-// x and y at a depth of 1; NO_RAY where the lens shows nothing.
-@group(DEPTH_GROUP) @binding(7) var<storage, read> rays: array<vec2f>;
-// Bytes of red, green and blue, one pixel after the other.
-@group(DEPTH_GROUP) @binding(8) var<storage, read> colors: array<u32>;
-@group(DEPTH_GROUP) @binding(9) var<storage, read_write> made_points: array<PointRecord>;
+#import common/records.wgsl
+#import generated/bindings
+#import generated/depth_images
 
 // The pixels of a workgroup with those around them that it reads.
 var<workgroup> tile: array<f32, DEPTH_TILE_VALUES>;

@@ -1,6 +1,9 @@
 // The median of 5 × 5 pixels. Twin of rgbd/filters/median.rs: what is forgotten after which value (`middle_of_window`)
 // is written out by render/gpu/depth_images/network.rs.
 
+#import depth_images/image.wgsl
+#import generated/middle_of_window
+
 // What stands for the next hole: in turn less than all depths and more.
 var<private> stands_for_hole: f32;
 

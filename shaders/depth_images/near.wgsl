@@ -1,5 +1,7 @@
 // Numbers of a camera → metres that are neither too near nor too far. Twin of rgbd/filters/range.rs.
 
+#import depth_images/image.wgsl
+
 @compute @workgroup_size(DEPTH_TILE_PX, DEPTH_TILE_PX)
 fn near(@builtin(global_invocation_id) id: vec3u) {
     if (!is_in_image(id.xy)) {

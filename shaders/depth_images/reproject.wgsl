@@ -1,6 +1,8 @@
 // A point of every pixel, X = z · ray(u, v). Twin of rgbd/cloud.rs. Holes are points of no colour, which nothing draws:
 // those of images are opaque.
 
+#import depth_images/image.wgsl
+
 fn color_of(index: u32) -> u32 {
     if (imaging.has_colors == 0u) {
         return imaging.one_color;

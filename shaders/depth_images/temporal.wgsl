@@ -1,6 +1,8 @@
 // The mean with the images before. Twin of rgbd/filters/temporal.rs. Of the first image mean and ages are zeros: before
 // it nothing was measured.
 
+#import depth_images/image.wgsl
+
 @compute @workgroup_size(DEPTH_TILE_PX, DEPTH_TILE_PX)
 fn mean_over_time(@builtin(global_invocation_id) id: vec3u) {
     if (!is_in_image(id.xy)) {

@@ -1,5 +1,7 @@
 // Fragments leave what deferred shading needs.
 
+#import common/fragments.wgsl
+
 @vertex
 fn vertex(instance: Instance) -> Varyings {
     return varyings(instance);

@@ -1,5 +1,7 @@
 // Fragments leave what deferred shading needs, and are at depths of their own.
 
+#import common/fragments.wgsl
+
 @vertex
 fn vertex(instance: Instance) -> Varyings {
     return varyings(instance);

@@ -1,5 +1,8 @@
 // Strategy `compute`: the corners were written by passes/amplify.wgsl; the vertex stage only hands them on.
 
+#import common/quads.wgsl
+#import generated/constants
+
 @group(STREAM_GROUP) @binding(0) var<storage, read> amplified: array<SplatVertex>;
 
 struct Instance {

@@ -1,5 +1,8 @@
 // Meshes, whatever the strategy: the vertex stage pulls triangles by index, and the vertices that they name.
 
+#import generated/amplification
+#import generated/constants
+
 // Mirrors: cloud/record.rs.
 struct TriangleRecord {
     // Three times the same vertex is a point.

@@ -1,5 +1,9 @@
 // Strategy `storage`: the vertex stage pulls records from storage buffers by index.
 
+#import common/records.wgsl
+#import generated/amplification
+#import generated/constants
+
 @group(STREAM_GROUP) @binding(0) var<storage, read> points: array<PointRecord>;
 @group(SHAPE_GROUP) @binding(0) var<storage, read> shapes: array<ShapeRecord>;
 

@@ -1,5 +1,9 @@
 // Strategy `texture`: a record is one rgba32uint texel; rows are as wide as the texture.
 
+#import common/records.wgsl
+#import generated/amplification
+#import generated/constants
+
 @group(STREAM_GROUP) @binding(0) var points: texture_2d<u32>;
 @group(SHAPE_GROUP) @binding(0) var shapes: texture_2d<u32>;
 

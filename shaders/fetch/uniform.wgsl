@@ -1,5 +1,9 @@
 // Strategy `uniform`: batches of BATCH_RECORDS and one draw for each.
 
+#import common/records.wgsl
+#import generated/amplification
+#import generated/constants
+
 struct PointBatch {
     records: array<PointRecord, BATCH_RECORDS>,
 }

@@ -1,6 +1,8 @@
 // Strategy `vertex`: the hardware hands the record over as per-instance attributes. Packed colours and normals come as
 // integers and are unpacked like everywhere else, so that no adapter's own conversion changes the picture.
 
+#import common/records.wgsl
+
 struct Instance {
     @builtin(vertex_index) vertex: u32,
     @location(0) position: vec3f,

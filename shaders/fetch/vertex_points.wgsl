@@ -1,5 +1,7 @@
 // Strategy `vertex` for primitives that need no shape: the second vertex buffer is neither uploaded nor bound.
 
+#import common/records.wgsl
+
 struct Instance {
     @builtin(vertex_index) vertex: u32,
     @location(0) position: vec3f,

@@ -3,6 +3,11 @@
 // Three dispatches: `count` sums what each workgroup keeps, `scan` turns the sums into offsets and writes the indirect
 // draw, `emit` writes the corners. The order is that of the records, so blending gives what the other strategies give.
 
+#import common/quads.wgsl
+#import common/scan.wgsl
+#import generated/amplification
+#import generated/constants
+
 // The first four words are also those of a draw of vertices without indices.
 struct DrawIndexedIndirect {
     index_count: u32,

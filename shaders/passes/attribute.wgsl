@@ -1,5 +1,7 @@
 // Attribute pass: sums colour times weight, and weight, of what lies at the surface. Additive blending, no depth write.
 
+#import common/fragments.wgsl
+
 fn left(in: Varyings) -> vec4f {
     let weight = mask_weight(place_on_splat(in)) * in.weight;
     if (weight == 0.0) {

@@ -1,6 +1,8 @@
 // The picture of the visibility pass, Fig. 3 (c): near is light, far is dark, nothing is background.
 
-@group(SOURCE_GROUP) @binding(0) var depths: texture_depth_2d;
+#import common/fullscreen.wgsl
+#import common/view.wgsl
+#import generated/constants
 
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
@@ -9,6 +11,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         discard;
     }
     let distance = view.near / depth;
-    let t = clamp((distance - view.depth_range.x) / (view.depth_range.y - view.depth_range.x), 0.0, 1.0);
+    let range = parts.depth_view.range;
+    let t = clamp((distance - range.x) / (range.y - range.x), 0.0, 1.0);
     return vec4f(vec3f(mix(NEAREST_GREY, FARTHEST_GREY, t)), 1.0);
 }

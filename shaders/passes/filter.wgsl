@@ -2,33 +2,9 @@
 // that of levels/spheres/rule.rs. It is worked out in single floats with a bound on their error, and where that leaves
 // it open, in the double floats of the processor, so that both find the same nodes (Shewchuk 1997).
 
-// Mirror: render/gpu/gpu_data.rs.
-struct Filtering {
-    // The first of these candidates, and how many they are.
-    first: u32,
-    count: u32,
-    // Candidates that are no leaves, and nodes of the tree that are none. The root, which is the first of these, is no
-    // candidate, but divided.
-    inner_candidates: u32,
-    inners: u32,
-    eye: vec3f,
-    // 1 where nodes that are not drawn are marked, which shapes are.
-    marks: u32,
-    // Doubles: the area of a disk of radius 1 at a distance of 1, and that of the largest small node.
-    area_px2: vec2u,
-    small_px2: vec2u,
-    // Roughly the same.
-    rough_area_px2: f32,
-    rough_small_px2: f32,
-    is_oriented: u32,
-    culls_back_faces: u32,
-    // Nodes of this level are not divided.
-    deepest_level: u32,
-    unused_a: u32,
-    unused_b: u32,
-    unused_c: u32,
-    planes: array<vec4f, 5>,
-}
+#import common/f64.wgsl
+#import generated/bindings
+#import generated/constants
 
 // Mirror: levels/spheres/filter.rs. Numbers of which all bits count.
 struct NodeBounds {
@@ -41,13 +17,6 @@ struct NodeBounds {
     parent: u32,
     unused: u32,
 }
-
-@group(GATHER_GROUP) @binding(0) var<uniform> filtering: Filtering;
-// Names of the parents of leaves.
-@group(GATHER_GROUP) @binding(1) var<storage, read> parents: array<u32>;
-@group(GATHER_GROUP) @binding(2) var<storage, read> nodes: array<vec4u>;
-@group(GATHER_GROUP) @binding(3) var<storage, read_write> gathered: array<vec4u>;
-@group(GATHER_GROUP) @binding(4) var<storage, read> bounds: array<NodeBounds>;
 
 @compute @workgroup_size(GROUP_RECORDS)
 fn gather(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {

@@ -1,5 +1,7 @@
 // Hard disks, not blended.
 
+#import common/fragments.wgsl
+
 fn left(in: Varyings) -> vec4f {
     if (is_beside_splat(in)) {
         discard;

@@ -1,6 +1,11 @@
 // What photographs say of each pixel, for the passes that look beyond it: colours with how sure they are, all or
 // nothing, and normals with what is known. As `fill_holes` has it: render/cpu/photographs/push_pull.rs.
 
+#import common/blended_surface.wgsl
+#import common/fullscreen.wgsl
+#import common/photographs.wgsl
+#import generated/constants
+
 struct Answers {
     @location(0) color: vec4f,
     @location(1) normal: vec4f,

@@ -1,7 +1,7 @@
 // A level of half the size (Gortler et al. 1996, §3.5): the mean colour of four pixels, weighted by how sure they are,
 // as sure as all of them together, at most 1.
 
-@group(SOURCE_GROUP) @binding(0) var finer: texture_2d<f32>;
+#import common/fullscreen.wgsl
 
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {

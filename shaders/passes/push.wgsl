@@ -2,7 +2,7 @@
 // blending leaves as much of this as is missing. The middle of a pixel lies a quarter of a coarser one from the middle
 // of the one that it is in, towards one on each axis.
 
-@group(SOURCE_GROUP) @binding(0) var coarser: texture_2d<f32>;
+#import common/fullscreen.wgsl
 
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {

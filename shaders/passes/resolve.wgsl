@@ -1,8 +1,8 @@
 // Resolve: divides the summed colours by the summed weights and lays the result over the background, or over what lies
 // behind a rim.
 
-@group(SOURCE_GROUP) @binding(0) var accumulated: texture_2d<f32>;
-@group(SOURCE_GROUP) @binding(1) var depths: texture_depth_2d;
+#import common/fullscreen.wgsl
+#import common/rims.wgsl
 
 fn sum_at(pixel: vec2i) -> vec4f {
     return textureLoad(accumulated, pixel, 0);

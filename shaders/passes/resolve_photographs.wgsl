@@ -1,8 +1,11 @@
 // Resolve of a surface with photographs: as `resolve.wgsl` has it, and gaps in the surface are closed before. What a
 // gap is: scene/gaps.rs.
 
-// Sums of colours on which light has fallen: nothing is where photographs showed something else.
-@group(SOURCE_GROUP) @binding(5) var lit_colors: texture_2d<f32>;
+#import common/blended_surface.wgsl
+#import common/fullscreen.wgsl
+#import common/photographs.wgsl
+#import common/rims.wgsl
+#import generated/constants
 
 // The first pixel of the surface from another one on, or of what is beyond the picture.
 struct GapEnd {

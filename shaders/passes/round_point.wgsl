@@ -1,5 +1,7 @@
 // Round points: the disk in the square, and in any case the pixel that the point is in.
 
+#import common/quads.wgsl
+
 fn left(in: Varyings) -> vec4f {
     if (is_beside_disk(in.quad)) {
         discard;

@@ -1,5 +1,7 @@
 // Opaque geometry among which points are round.
 
+#import common/quads.wgsl
+
 fn left(in: Varyings) -> vec4f {
     if (is_beside_disk(in.quad)) {
         discard;

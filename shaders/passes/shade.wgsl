@@ -2,8 +2,10 @@
 // colours and weights, as the attribute pass does without it. What light is: `blinn_phong.wgsl`, `physical.wgsl`.
 // What colours and normals are: `own_colors.wgsl`, `photographed.wgsl`.
 
-@group(SOURCE_GROUP) @binding(3) var depths: texture_depth_2d;
-@group(SOURCE_GROUP) @binding(4) var shadow_map: texture_depth_2d;
+#import common/blended_surface.wgsl
+#import common/fullscreen.wgsl
+#import common/linear.wgsl
+#import effects/ambient_occlusion.wgsl
 
 // What light falls on.
 struct Surface {

@@ -1,6 +1,8 @@
 // One-pass splatting, Fig. 3 (a) and (b): the mask is the opacity. Corners of quads on surfaces are not discarded, so
 // with depth writing on they hide what is behind them: the square artefacts that the paper shows.
 
+#import common/fragments.wgsl
+
 fn left(in: Varyings) -> vec4f {
     if (is_beside_surface(in)) {
         discard;

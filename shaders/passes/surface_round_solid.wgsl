@@ -1,5 +1,8 @@
 // Opaque geometry among which points are round, for deferred shading.
 
+#import common/fragments.wgsl
+#import common/quads.wgsl
+
 fn left(in: Varyings) -> Surface {
     if (is_beside_disk(in.quad)) {
         discard;

@@ -1,6 +1,9 @@
 // Splats for deferred shading: what they leave at the surface is summed up, or blended, by the masks. As in
 // `splat.wgsl`, corners are not discarded.
 
+#import common/fragments.wgsl
+#import common/view.wgsl
+
 fn left(in: Varyings) -> Surface {
     if (is_beside_surface(in)) {
         discard;

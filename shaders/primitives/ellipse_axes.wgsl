@@ -1,4 +1,7 @@
 // Half axes of an ellipse whose quadratic mean is 1. Mirror: cloud/ellipse.rs.
+
+#import generated/constants
+
 fn half_axes(n: vec3f, ellipse: u32) -> mat2x3f {
     // Two unit vectors across n (Duff et al. 2017).
     let sign = select(1.0, -1.0, n.z < 0.0);

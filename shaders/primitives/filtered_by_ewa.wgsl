@@ -1,5 +1,8 @@
 // EWA filtering in object space (Ren et al. 2002). The formulas: render/cpu/ewa.rs.
 
+#import common/view.wgsl
+#import generated/constants
+
 fn filtered(splat: Splat, center: vec3f) -> Splat {
     let middle = rotate_to_view(center);
     let per_distance = 1.0 / max(-middle.z, view.near);

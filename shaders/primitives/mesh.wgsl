@@ -1,6 +1,14 @@
 // A triangle is half a quad: the fourth corner is the third once more. A vertex that belongs to no triangle is the
 // square of a point. So both are drawn by one call, in their order.
 
+#import common/light.wgsl
+#import common/linear.wgsl
+#import common/quads.wgsl
+#import common/records.wgsl
+#import common/view.wgsl
+#import fetch/indexed.wgsl
+#import generated/constants
+
 struct Varyings {
     @builtin(position) position: vec4f,
     // -1 to 1 across the square of a point.

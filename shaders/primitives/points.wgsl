@@ -1,6 +1,11 @@
 // A point is a square that faces the screen; one of a pixel is one vertex of a point list. What is known of it beside
 // its place and its colour: `points_*.wgsl`.
 
+#import common/quads.wgsl
+#import common/view.wgsl
+#import generated/amplification
+#import generated/constants
+
 fn amplified_vertex(instance: Instance) -> SplatVertex {
     let point = fetch_point(instance);
     let shape = point_shape(instance);

@@ -1,5 +1,7 @@
 // Nothing else is known of a point.
 
+#import common/records.wgsl
+
 fn point_shape(instance: Instance) -> ShapeRecord {
     return ShapeRecord(0u, 0.0, 0u, 0.0);
 }

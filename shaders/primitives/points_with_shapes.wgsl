@@ -1,5 +1,9 @@
 // A point has a radius and a normal.
 
+#import common/light.wgsl
+#import common/records.wgsl
+#import common/view.wgsl
+
 fn point_shape(instance: Instance) -> ShapeRecord {
     return fetch_shape(instance);
 }

@@ -1,5 +1,10 @@
 // What surfels are on their planes, whatever they become on the screen.
 
+#import common/records.wgsl
+#import common/view.wgsl
+#import generated/constants
+#import primitives/filtered_by_ewa.wgsl
+
 // What a surfel is on its plane.
 struct Splat {
     // Half axes, times the radius of the surfel.

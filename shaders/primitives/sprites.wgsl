@@ -2,6 +2,15 @@
 // fragment is, and how far away, is worked out there: exact in every pixel, without vertices on the disk between which
 // anything is interpolated.
 
+#import common/facet.wgsl
+#import common/fragments.wgsl
+#import common/light.wgsl
+#import common/quads.wgsl
+#import common/records.wgsl
+#import common/view.wgsl
+#import generated/constants
+#import primitives/splats.wgsl
+
 struct Varyings {
     @builtin(position) position: vec4f,
     // The functions of the facet; the fourth number of W is the depth for each unit of it.

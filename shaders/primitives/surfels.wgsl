@@ -1,5 +1,12 @@
 // A surfel is one quad in its plane, or one triangle.
 
+#import common/light.wgsl
+#import common/quads.wgsl
+#import common/records.wgsl
+#import common/view.wgsl
+#import generated/constants
+#import primitives/splats.wgsl
+
 fn amplified_vertex(instance: Instance) -> SplatVertex {
     return surfel_vertex(fetch_point(instance), fetch_shape(instance), vertex_of_record(instance));
 }

@@ -1,5 +1,11 @@
 // A voxel is the three faces of its cube that can face the eye. Which light falls on them: `voxels_lit_by_*.wgsl`.
 
+#import common/light.wgsl
+#import common/quads.wgsl
+#import common/records.wgsl
+#import common/view.wgsl
+#import generated/constants
+
 fn amplified_vertex(instance: Instance) -> SplatVertex {
     let cell = fetch_point(instance);
     let vertex = vertex_of_record(instance);

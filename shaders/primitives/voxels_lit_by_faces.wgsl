@@ -1,5 +1,8 @@
 // Light falls on the faces of a voxel.
 
+#import common/records.wgsl
+#import primitives/voxels.wgsl
+
 fn lit_normal(instance: Instance, cell: PointRecord, face: u32) -> u32 {
     return pack2x16snorm(face_oct(face, towards_eye(cell, face)));
 }

@@ -1,5 +1,7 @@
 // Visible points in cells of the picture, in a pyramid of them. Twin of analysis/screen/cells.rs.
 
+#import screen_normals/view.wgsl
+
 // Cells of a level.
 fn level_size(level: u32) -> vec2u {
     return (screening.size_px >> vec2u(level)) + 1u;

@@ -1,5 +1,10 @@
 // Points that others hide. Twin of analysis/screen/cull.rs.
 
+#import common/scan.wgsl
+#import screen_normals/cells.wgsl
+#import screen_normals/ramp.wgsl
+#import screen_normals/view.wgsl
+
 var<workgroup> group_nearest: atomic<u32>;
 var<workgroup> group_farthest: atomic<u32>;
 

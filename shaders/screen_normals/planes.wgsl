@@ -1,6 +1,11 @@
 // Planes through the neighbours of points in a picture, and the records that are drawn. Twin of
 // analysis/screen/planes.rs.
 
+#import common/oct_encode.wgsl
+#import common/smallest_eigenvector.wgsl
+#import screen_normals/cells.wgsl
+#import screen_normals/view.wgsl
+
 // The neighbours of a point within a radius.
 struct Neighbourhood {
     radius: f32,

@@ -1,6 +1,8 @@
 // Surfaces that are seen from the side: what is nearer there covers nothing, it is the same surface. Twin of
 // analysis/screen/ramp.rs.
 
+#import screen_normals/view.wgsl
+
 // Sums over the nearer pixels of a window: how many, of columns and rows and their products, of the values and theirs.
 struct RampSums {
     count: f32,

@@ -1,5 +1,7 @@
 // Whether each of the neighbours is darker. Twin of stereo/census.rs.
 
+#import stereo/pair.wgsl
+
 @compute @workgroup_size(STEREO_TILE_PX, STEREO_TILE_PX)
 fn census(@builtin(global_invocation_id) id: vec3u) {
     let size = matching.size_px;

@@ -1,5 +1,8 @@
 // Which winners stay, and their places by a parabola. Twin of stereo/winner.rs and stereo/contrast.rs.
 
+#import stereo/exact_share.wgsl
+#import stereo/pair.wgsl
+
 fn winner_at(index: u32) -> u32 {
     return winners[index] & (IS_UNIQUE - 1u);
 }

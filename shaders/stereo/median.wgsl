@@ -1,5 +1,7 @@
 // The median of the 3 × 3 pixels that have a label, as a disparity. Twin of stereo/filters.rs.
 
+#import stereo/pair.wgsl
+
 @compute @workgroup_size(STEREO_TILE_PX, STEREO_TILE_PX)
 fn median(@builtin(global_invocation_id) id: vec3u) {
     if (!is_in_image(id.xy)) {

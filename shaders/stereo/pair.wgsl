@@ -5,41 +5,8 @@
 // `find_winners`, `choose`; `meet` and `lay_on_planes` where places between labels are those of lines; `median`. Costs
 // are worked out where they are asked for. Sums and labels are the processor's to the bit.
 
-// Mirror: render/gpu/gpu_data.rs.
-struct StereoMatching {
-    size_px: vec2u,
-    // Labels of a pixel, an even number; label k is the disparity `min_px` + k.
-    count: u32,
-    min_px: i32,
-    // From pixel to pixel of a path.
-    path_step: vec2i,
-    // Whether the path writes sums, as it is the first one; else it adds to them.
-    is_first_path: u32,
-    radius_px: u32,
-    p1: u32,
-    p2_least: u32,
-    p2_above_least: u32,
-    half_change: u32,
-    unique_percent: u32,
-    // Whether places between labels are those of a parabola.
-    by_parabola: u32,
-}
-
-@group(STEREO_GROUP) @binding(0) var<uniform> matching: StereoMatching;
-// Brightnesses of the left image and behind it those of the right one, four in a word.
-@group(STEREO_GROUP) @binding(1) var<storage, read> pixels: array<u32>;
-// The bits of each of these pixels.
-@group(STEREO_GROUP) @binding(2) var<storage, read> census_bits: array<vec2u>;
-@group(STEREO_GROUP) @binding(3) var<storage, read_write> made_census: array<vec2u>;
-// Of each pixel and label 16 bits: line by line, pixel by pixel, label by label.
-@group(STEREO_GROUP) @binding(4) var<storage, read_write> columns: array<u32>;
-@group(STEREO_GROUP) @binding(5) var<storage, read_write> sums: array<u32>;
-// The label of each pixel of the left image, with IS_UNIQUE where no other is as good, and behind them those of the
-// right one.
-@group(STEREO_GROUP) @binding(6) var<storage, read_write> winners: array<u32>;
-// Labels, NO_LABEL where there is none.
-@group(STEREO_GROUP) @binding(7) var<storage, read> before: array<f32>;
-@group(STEREO_GROUP) @binding(8) var<storage, read_write> after: array<f32>;
+#import generated/bindings
+#import generated/stereo
 
 fn is_in_image(pixel: vec2u) -> bool {
     return all(pixel < matching.size_px);

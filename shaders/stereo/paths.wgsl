@@ -1,6 +1,8 @@
 // Costs of one path, added to the sums: a workgroup goes along it, and its lanes share the labels of a pixel. Twin of
 // stereo/semi_global.
 
+#import stereo/pair.wgsl
+
 // Costs at two pixels of the path in turn, each with a label before the first one and behind the last that are never
 // taken.
 var<workgroup> path: array<u32, STEREO_PATH_VALUES>;

@@ -1,5 +1,8 @@
 // Labels between whole ones, and on the planes of their surfaces. Twin of stereo/refine.rs.
 
+#import stereo/exact_share.wgsl
+#import stereo/pair.wgsl
+
 // First and last pixel of the square around one.
 fn square_around(pixel: vec2u) -> vec4i {
     let first = max(vec2i(pixel) - REFINE_REACH, vec2i(0));

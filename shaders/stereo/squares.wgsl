@@ -1,6 +1,8 @@
 // Costs summed over squares: over columns first, then over the sums of columns, each with one added and one taken away
 // from pixel to pixel. Beyond the border costs are those of the border. Twin of stereo/local.rs.
 
+#import stereo/pair.wgsl
+
 @compute @workgroup_size(STEREO_LANES)
 fn sum_columns(@builtin(global_invocation_id) id: vec3u) {
     let words = word_count();

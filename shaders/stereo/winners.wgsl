@@ -1,6 +1,8 @@
 // The first of the cheapest labels of each pixel of both images; a workgroup has one pixel of each. Twin of
 // stereo/winner.rs.
 
+#import stereo/pair.wgsl
+
 // A sum and behind it its label: the smallest of these is the first of the cheapest.
 var<workgroup> cheapest: atomic<u32>;
 var<workgroup> cheapest_of_right: atomic<u32>;

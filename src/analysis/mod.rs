@@ -2,64 +2,36 @@
 //!
 //! Nothing here depends on timing or on the number of threads in rayon's pool: the same points give the same bits.
 
-mod bent_disks;
-#[cfg(test)]
-mod block_tests;
-mod blocks;
-mod bucket_search;
-mod classes;
-mod color_maps;
-mod color_places;
-mod color_scale;
-mod colors;
-mod directions;
-mod ellipses;
-mod file_surface;
-mod four_matrices;
-mod lanes;
-mod nearest_point;
-mod neighbours;
+mod color;
 mod normal_errors;
-mod normals;
-mod openings;
-mod orientation;
-mod places;
-#[cfg(test)]
-mod places_tests;
-#[cfg(test)]
-mod plane_tests;
-mod point_tree;
-mod radii;
-mod robust_planes;
 pub mod screen;
-mod smallest_rows;
-mod steps;
-mod stray;
+mod search;
+mod surface;
 #[cfg(test)]
 pub(crate) mod test_shapes;
 #[cfg(test)]
 mod tests;
 
-pub use bent_disks::{Disk, bent_disks};
-pub use classes::{class_color, class_name, class_of};
-pub use color_maps::ColorMap;
-pub(crate) use color_places::{NO_PLACE, Placer};
-pub use color_scale::{ColorScale, histogram, quantile_range};
-pub use colors::fake_color;
-pub use file_surface::FileSurface;
-pub use nearest_point::NearestPoint;
-pub use neighbours::{Neighbours, nearest_neighbours};
+pub use color::classes::{class_color, class_name, class_of};
+pub use color::color_maps::ColorMap;
+pub(crate) use color::color_places::{NO_PLACE, Placer};
+pub use color::color_scale::{ColorScale, histogram, quantile_range};
+pub use color::colors::fake_color;
 pub use normal_errors::NormalErrors;
-pub use radii::LONE_RADIUS;
-pub use stray::stray_points;
+pub use search::nearest_point::NearestPoint;
+pub use search::neighbours::{Neighbours, nearest_neighbours};
+pub use surface::bent_disks::{Disk, bent_disks};
+pub use surface::file_surface::FileSurface;
+pub use surface::radii::LONE_RADIUS;
+pub use surface::stray::stray_points;
 
 use crate::cloud::Ellipse;
 use crate::progress::Progress;
-use blocks::SlotSurface;
 use glam::Vec3;
-use places::Places;
-use point_tree::PointTree;
-use steps::{NEIGHBOURS_STEPS, OUTWARDS_STEPS, PLANES_STEPS, RADII_STEPS, REPRESENTATIVES_STEPS, TREE_STEPS};
+use search::places::Places;
+use search::point_tree::PointTree;
+use surface::blocks::SlotSurface;
+use surface::steps::{NEIGHBOURS_STEPS, OUTWARDS_STEPS, PLANES_STEPS, RADII_STEPS, REPRESENTATIVES_STEPS, TREE_STEPS};
 
 /// Number of neighbours that normals and radii are estimated from.
 ///
@@ -133,9 +105,9 @@ impl PlaneFit {
 pub fn estimate_planes(positions: &[Vec3], k: usize, fit: PlaneFit) -> Planes {
     let tree = PointTree::new(positions);
     let neighbours = tree.neighbours(k);
-    let mut planes = normals::fit_planes(&tree, &neighbours, 0..tree.len());
+    let mut planes = surface::normals::fit_planes(&tree, &neighbours, 0..tree.len());
     if fit == PlaneFit::Robust {
-        robust_planes::refine(&tree, &neighbours, &planes.without_plane, &mut planes.normals);
+        surface::robust_planes::refine(&tree, &neighbours, &planes.without_plane, &mut planes.normals);
     }
     Planes {
         normals: tree.to_file_order(&planes.normals),
@@ -236,12 +208,12 @@ fn estimated_surface(
     let mut by_slot = if orientation == Orientation::Neighbours {
         let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);
         goes_on(NEIGHBOURS_STEPS)?;
-        let planes = normals::fit_planes(&tree, &neighbours, 0..tree.len());
+        let planes = surface::normals::fit_planes(&tree, &neighbours, 0..tree.len());
         goes_on(PLANES_STEPS)?;
-        let radii = radii::closing_radii(&tree, &neighbours, &planes.normals);
+        let radii = surface::radii::closing_radii(&tree, &neighbours, &planes.normals);
         goes_on(RADII_STEPS)?;
         let mut normals = planes.normals;
-        orientation::face_outwards(&tree, &neighbours, &mut normals);
+        surface::orientation::face_outwards(&tree, &neighbours, &mut normals);
         goes_on(OUTWARDS_STEPS)?;
         SlotSurface {
             normals,
@@ -249,13 +221,13 @@ fn estimated_surface(
             without_plane: planes.without_plane,
         }
     } else {
-        blocks::surface(&tree, DEFAULT_NEIGHBOURS, progress)?
+        surface::blocks::surface(&tree, DEFAULT_NEIGHBOURS, progress)?
     };
     tree.forget_boxes();
     if let Some(sensor) = sensor {
-        orientation::face_sensor(&tree, sensor, 0, &mut by_slot.normals);
+        surface::orientation::face_sensor(&tree, sensor, 0, &mut by_slot.normals);
     } else if orientation == Orientation::Representatives {
-        orientation::face_as_representatives(&tree, DEFAULT_NEIGHBOURS, &mut by_slot.normals);
+        surface::orientation::face_as_representatives(&tree, DEFAULT_NEIGHBOURS, &mut by_slot.normals);
         goes_on(REPRESENTATIVES_STEPS)?;
     }
     let without_plane = tree.to_file_indices(&by_slot.without_plane);
@@ -301,8 +273,8 @@ fn radii_of_distinct(positions: &[Vec3], normals: &[Vec3]) -> Vec<f32> {
     let tree = PointTree::new(positions);
     let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);
     let mut normals = tree.to_slot_order(normals);
-    normals::fill_missing(&tree, &neighbours, &mut normals);
-    tree.to_file_order(&radii::closing_radii(&tree, &neighbours, &normals))
+    surface::normals::fill_missing(&tree, &neighbours, &mut normals);
+    tree.to_file_order(&surface::radii::closing_radii(&tree, &neighbours, &normals))
 }
 
 /// Ellipses that close the surface as the circles of [`splat_radii`] do, with less area; `None` where a circle is
@@ -325,6 +297,6 @@ fn ellipses_of_distinct(positions: &[Vec3], normals: &[Vec3]) -> Vec<Option<Elli
     let tree = PointTree::new(positions);
     let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);
     let mut normals = tree.to_slot_order(normals);
-    normals::fill_missing(&tree, &neighbours, &mut normals);
-    tree.to_file_order(&ellipses::closing_ellipses(&tree, &neighbours, &normals))
+    surface::normals::fill_missing(&tree, &neighbours, &mut normals);
+    tree.to_file_order(&surface::ellipses::closing_ellipses(&tree, &neighbours, &normals))
 }

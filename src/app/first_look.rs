@@ -1,16 +1,9 @@
-//! What is known of the open sequence, and what was chosen for it.
+//! What is known of the open sequence.
 
 use crate::math::Aabb;
-use crate::scene::{Camera, FirstLook, Primitive, UpAxis};
+use crate::scene::{Camera, FirstLook};
 use crate::sequence::Sequence;
 use std::sync::{Arc, Weak};
-
-/// What was chosen for one sequence, and outlives it.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(in crate::app) struct Chosen {
-    pub(in crate::app) up: Option<UpAxis>,
-    pub(in crate::app) primitive: Option<Primitive>,
-}
 
 /// What is known of the open sequence.
 #[derive(Debug, Default)]
@@ -26,8 +19,6 @@ pub(in crate::app) struct SequenceLook {
     pub(in crate::app) is_complete: bool,
     /// The view that followed from it.
     pub(in crate::app) view: Option<FirstView>,
-    /// The primitive at the end of the last pass.
-    pub(in crate::app) primitive: Option<Primitive>,
 }
 
 /// A view that nobody has chosen.

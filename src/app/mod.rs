@@ -24,7 +24,6 @@ mod first_look;
 mod fly;
 mod focus;
 mod grip;
-mod history;
 mod meter;
 mod motion;
 mod notices;
@@ -71,7 +70,6 @@ pub use features::thumbnails::{Delivery, Thumbnails};
 pub use features::timeline::{Markers, Quantity, Timeline};
 pub use features::trails::{Traced, TrailField, Trails};
 pub use fly::Fly;
-pub use history::{Edited, History};
 pub use motion::{CameraMotion, Turntable};
 pub use notices::{Notice, Notices, Severity};
 pub use open_panels::{OpenPanels, PanelId, RememberedPanels};
@@ -83,8 +81,8 @@ pub use recent::Recent;
 pub use script::{Script, ScriptError};
 pub use side::Side;
 pub use state::{
-    Counters, DialogAnswer, DialogKind, FailedOpening, FoundSequence, GraphicsInfo, Kept, OpeningFacts, SavedSession,
-    SessionQuestion, Shared, State, StateOptions, Viewport, VisibleChange, WindowRequest,
+    Counters, DialogAnswer, DialogKind, FailedOpening, FoundSequence, GivenStyle, GraphicsInfo, Kept, OpeningFacts,
+    SavedSession, SessionQuestion, Shared, State, StateOptions, Viewport, VisibleChange, WindowRequest,
 };
 pub use theme::apply_theme;
 pub use window::{AppError, Options, bench_window, run};

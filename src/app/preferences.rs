@@ -10,7 +10,7 @@
 use super::open_panels::RememberedPanels;
 use super::present_choice::PresentChoice;
 use crate::kept::{self, Fields};
-use crate::scene::Style;
+use crate::scene::Settings;
 use crate::timeline::{LoopMode, MAX_SPEED, MIN_SPEED};
 use egui::ThemePreference;
 use serde::{Deserialize, Serialize};
@@ -37,7 +37,7 @@ const WINDOW_EDGE_RANGE: RangeInclusive<f64> = 100.0..=16_384.0;
 pub struct Preferences {
     /// How pictures are asked for.
     #[serde(flatten)]
-    pub settings: Style,
+    pub settings: Settings,
     /// Who brings pictures onto the screen.
     pub present: PresentChoice,
     /// What happens at the ends of a sequence.
@@ -65,7 +65,7 @@ pub struct Preferences {
 impl Default for Preferences {
     fn default() -> Self {
         Self {
-            settings: Style::default(),
+            settings: Settings::default(),
             present: PresentChoice::default(),
             loop_mode: LoopMode::default(),
             speed: 1.0,

@@ -8,7 +8,7 @@
 use crate::kept::{self, Fields};
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
-use crate::scene::{Primitive, Style, VoxelLight};
+use crate::scene::{Primitive, Settings, VoxelLight};
 use serde::Serialize;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ pub struct Preset {
     /// What a person calls them; not empty.
     pub name: String,
     /// All of them.
-    pub settings: Style,
+    pub settings: Settings,
 }
 
 /// The presets of this person, by name.
@@ -46,8 +46,8 @@ const WHAT: &str = "the presets";
 const LIST: &str = "presets";
 
 /// Ways to draw that every window offers: name, what it is, and how it draws. Colours and background are not theirs.
-pub(super) fn built_in() -> [(&'static str, &'static str, Style); 4] {
-    let settings = Style::default();
+pub(super) fn built_in() -> [(&'static str, &'static str, Settings); 4] {
+    let settings = Settings::default();
     [
         (
             "Fast",
@@ -70,7 +70,7 @@ pub(super) fn built_in() -> [(&'static str, &'static str, Style); 4] {
             "Points",
             "Every point as a square of 2 px",
             settings.with(|style| {
-                style.primitive = Primitive::Point;
+                style.primitive = Primitive::Point.into();
                 style.points.size_px = 2.0;
             }),
         ),
@@ -78,7 +78,7 @@ pub(super) fn built_in() -> [(&'static str, &'static str, Style); 4] {
             "Voxels",
             "Cells of an octree, as large as it takes to close surfaces",
             settings.with(|style| {
-                style.primitive = Primitive::Voxel;
+                style.primitive = Primitive::Voxel.into();
                 style.voxels.light = VoxelLight::Normals;
                 style.levels.stop = StopCriterion::Spacing;
             }),
@@ -113,7 +113,7 @@ impl Presets {
     }
 
     /// Keeps `settings` under `name`, in place of those that had it. `Err` is a text for a notice.
-    pub fn save(&mut self, name: &str, settings: Style) -> Result<(), String> {
+    pub fn save(&mut self, name: &str, settings: Settings) -> Result<(), String> {
         let name = as_name(name);
         if name.is_empty() {
             return Err("A preset needs a name".to_owned());
@@ -193,7 +193,7 @@ fn presets_of(stored: &Fields, unread: &mut Vec<String>) -> Vec<Preset> {
             continue;
         }
         let mut unread_here = Vec::new();
-        let settings = kept::fields::<Style>(settings, &mut unread_here).nearest();
+        let settings = kept::fields::<Settings>(settings, &mut unread_here).nearest();
         unread.extend(unread_here.iter().map(|reason| format!("`{name}`: {reason}")));
         match presets.binary_search_by(|preset| preset.name.cmp(&name)) {
             Ok(_) => unread.push(format!("`{name}` is there twice")),

@@ -1,11 +1,11 @@
 //! Options of reading that the user has chosen for inputs in the window, kept between runs in a small JSON file.
 
 use super::recent::{MAX_INPUTS, absolute, entry_name};
+use crate::document::Reading;
 use crate::kept::{self, Fields};
 use crate::progress::Progress;
 use crate::rgbd::Filters;
 use crate::sequence::{OpenOptions, Sequence};
-use crate::session::Reading;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::{Path, PathBuf};

@@ -5,7 +5,7 @@
 
 use super::Environment;
 use crate::kept;
-use crate::scene::Style;
+use crate::scene::Settings;
 use crate::sequence::Sequence;
 use image::RgbaImage;
 use serde::{Deserialize, Serialize};
@@ -19,7 +19,7 @@ pub struct LabPoint {
     /// Name of the sequence.
     pub sequence: String,
     /// How it was drawn; names who drew.
-    pub style: Style,
+    pub style: Settings,
     /// The settings in a few words.
     pub label: String,
     /// From camera to finished picture, median.
@@ -63,7 +63,7 @@ pub struct QualityChoice {
     /// The settings in a few words.
     pub label: String,
     /// How to draw.
-    pub style: Style,
+    pub style: Settings,
     /// What a picture took, milliseconds.
     pub draw_ms: f64,
     /// FLIP of the object, 0 to 1.
@@ -169,7 +169,7 @@ mod tests {
     fn point(draw_ms: f64, flip: f64) -> LabPoint {
         LabPoint {
             sequence: "scan".to_owned(),
-            style: Style::default(),
+            style: Settings::default(),
             label: String::new(),
             draw_ms,
             flip,

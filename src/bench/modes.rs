@@ -37,10 +37,7 @@ impl Modes {
     pub fn admit(&self, style: &Style) -> bool {
         let is_gpu = style.drawing.renderer == RendererChoice::Gpu;
         let is_surfel = style.draws_surfels();
-        let primitive = match style.primitive {
-            Primitive::Auto => Primitive::Surfel,
-            chosen => chosen,
-        };
+        let primitive = style.primitive;
         let any_what = self.primitives.is_empty() && self.splattings.is_empty();
         let what = if is_surfel && !self.splattings.is_empty() {
             self.splattings.contains(&style.surfels.splatting)
@@ -60,10 +57,9 @@ impl FromStr for Modes {
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let mut modes = Self::default();
         for word in text.split(',').map(str::trim) {
-            let is_renderer = |choice: &RendererChoice| *choice != RendererChoice::Auto;
-            if let Some(renderer) = word.parse().ok().filter(is_renderer) {
+            if let Ok(renderer) = word.parse() {
                 modes.renderers.push(renderer);
-            } else if let Some(primitive) = word.parse().ok().filter(|&one| one != Primitive::Auto) {
+            } else if let Ok(primitive) = word.parse() {
                 modes.primitives.push(primitive);
             } else if let Ok(splatting) = word.parse::<Splatting>() {
                 modes.splattings.push(splatting);

@@ -10,7 +10,7 @@ use crate::cloud::{ColorDepth, NoData};
 use crate::io::{ColumnMap, ReadOptions};
 use crate::render::matcher_of_machine;
 use crate::rgbd::Filters;
-use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Primitive, Style, SurfelStyle};
+use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Settings, SurfelSettings};
 use crate::sequence::{ColorSource, OpenOptions, Sequence};
 use crate::source::SessionReach;
 use clap::{Args, ValueEnum};
@@ -188,7 +188,7 @@ pub(super) struct PictureArgs {
     background: Option<Behind>,
 
     /// The same as --back-faces drawn
-    #[arg(long, conflicts_with = SurfelStyle::BACK_FACES.flag)]
+    #[arg(long, conflicts_with = SurfelSettings::BACK_FACES.flag)]
     two_sided: bool,
 
     /// Draw only points from the first to the second corner, coordinates of the file
@@ -233,23 +233,18 @@ impl PictureArgs {
         self.colors.source()
     }
 
-    /// What was chosen for points to become.
-    pub(super) fn primitive(&self) -> Option<Primitive> {
-        self.style.given(Style::PRIMITIVE.key)
-    }
-
     /// `default`, but for what is given.
-    pub(super) fn style_over(&self, default: Style) -> Style {
+    pub(super) fn style_over(&self, default: Settings) -> Settings {
         let mut style = self.style.over(default);
         style.colors = self.colors.over(default.colors);
         if self.two_sided {
-            style.surfels.back_faces = BackFaces::Drawn;
+            style.surfels.back_faces = BackFaces::Drawn.into();
         }
         if let Some(Behind::Colors(background)) = self.background {
             style.backdrop.background = background;
         }
         if let Some(shape) = self.clip_box {
-            style.of_sequence.clip = Some(Clip {
+            style.clip = Some(Clip {
                 keeps_outside: self.clip_outside,
                 ..Clip::to(shape)
             });

@@ -1,15 +1,15 @@
 //! `pointreel bench`: the suites of the benchmark menu, without a window.
 
 use super::arguments::{DEMO_INPUT, FrameRange, ReadArgs, byte_count, frame_rate, open_sequence_and_tell, size_px};
+use super::bench_window::{PresentChoice, measure_window};
 use super::output::{answer, say};
 use super::sources::{check_sources, write_text};
-use crate::app::{self, PresentChoice};
 use crate::bench::{self, BenchOptions, Input, LeaveOut, Modes, OptionGroup, Report, Step, Suite, suites};
 use crate::messages::listed;
 use crate::printable;
 use crate::progress::Progress;
 use crate::render::gpu::{Context, ContextOptions};
-use crate::scene::RendererChoice;
+use crate::scene::{Choice, RendererChoice};
 use crate::sequence::OpenOptions;
 use crate::source::Generated;
 use anyhow::bail;
@@ -103,7 +103,7 @@ pub(super) struct BenchArgs {
 
     /// Who draws the pictures in it: auto, gpu or cpu
     #[arg(long, value_name = "RENDERER")]
-    renderer: Option<RendererChoice>,
+    renderer: Option<Choice<RendererChoice>>,
 
     #[arg(long, value_name = "N", value_parser = count, help = format!(
         "Directions from which each frame is seen [default: {}]",
@@ -237,10 +237,7 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
         ..default
     };
     let report = if arguments.suite.takes(OptionGroup::Window) {
-        let present = arguments.present.unwrap_or_default();
-        let renderer = arguments.renderer.unwrap_or(RendererChoice::Auto);
-        let actions = app::bench_window(&inputs, &options, present, renderer)?;
-        bench::window_report(&inputs, options, &actions)
+        measure_window(&inputs, options, arguments.present, arguments.renderer)?
     } else {
         measure(&inputs, &options)?
     };

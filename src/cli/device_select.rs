@@ -16,7 +16,7 @@ const SWITCH: &str = "NODEVICE_SELECT";
 /// Leaves the layer out for the rest of the program if there is no session that it could ask. To be called once, when
 /// the program starts and has one thread.
 pub(super) fn leave_out_without_session() {
-    if cfg!(target_os = "linux") && is_useless(|name| std::env::var_os(name)) {
+    if cfg!(all(target_os = "linux", feature = "gpu")) && is_useless(|name| std::env::var_os(name)) {
         #[allow(
             unsafe_code,
             reason = "the layer is chosen by the loader of Vulkan, which asks the environment alone"

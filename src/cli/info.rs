@@ -11,7 +11,7 @@ use super::warnings;
 use crate::assumption::Assumption;
 use crate::check::changed_attributes;
 use crate::cloud::ImageGrid;
-use crate::scene::{BackFaces, CaptureKind, FirstLook, Primitive, Style};
+use crate::scene::{BackFaces, CaptureKind, FirstLook, Primitive, Settings};
 use crate::sequence::{Recording, Sequence};
 use anyhow::{Context as _, bail};
 use clap::Args;
@@ -200,7 +200,7 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
 
 fn guess(look: &FirstLook, origin: DVec3) -> Guess {
     let in_file = |corner: Vec3| (origin + corner.as_dvec3()).to_array();
-    let style = Style::default().resolved(look);
+    let style = Settings::default().resolved(look);
     Guess {
         up: look.up.name(),
         up_because: look.up_why,

@@ -4,7 +4,11 @@
 
 mod arguments;
 mod assumptions;
+#[cfg_attr(not(feature = "bench"), path = "no_bench.rs")]
 mod bench;
+#[cfg(feature = "bench")]
+#[cfg_attr(not(feature = "window"), path = "no_bench_window.rs")]
+mod bench_window;
 mod camera_arguments;
 mod camera_info;
 mod check;
@@ -32,6 +36,7 @@ mod usage;
 mod values;
 mod video;
 mod video_arguments;
+#[cfg_attr(not(feature = "window"), path = "no_view.rs")]
 mod view;
 mod waits;
 mod warnings;

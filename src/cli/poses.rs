@@ -3,14 +3,14 @@
 
 use super::arguments::FrameRange;
 use super::warnings;
-use crate::export::{ChangeColors, Poses, TrailLook};
+use crate::composition::{ChangeColors, ComposeOptions, OnionSkin, TrailLook, TrailRequest, Trails};
 use crate::headless::Headless;
 use crate::messages::frame_with_index;
 use crate::progress::Progress;
 use crate::scene::Style;
-use crate::sequence::{OnionSkin, TrailRequest, Trails};
 use anyhow::bail;
 use clap::Args;
+use std::sync::Arc;
 
 /// Which other poses.
 #[derive(Debug, Clone, Default, Args)]
@@ -43,7 +43,12 @@ pub(super) struct PosesArgs {
 
 impl PosesArgs {
     /// All that was asked for, for pictures of the frames of `range`.
-    pub(super) fn poses(&self, range: FrameRange, headless: &Headless, style: &Style) -> anyhow::Result<Poses> {
+    pub(super) fn options(
+        &self,
+        range: FrameRange,
+        headless: &Headless,
+        style: &Style,
+    ) -> anyhow::Result<ComposeOptions> {
         let onion = |count: u8| OnionSkin {
             is_on: true,
             before: count.into(),
@@ -53,7 +58,7 @@ impl PosesArgs {
         };
         let trails = self.trails(range, headless, style)?;
         let looks = |trails: &Trails| (0..trails.trail_count()).map(TrailLook::picked).collect();
-        Ok(Poses {
+        Ok(ComposeOptions {
             change: self.change.map(|step| ChangeColors {
                 step,
                 range: self.change_range,
@@ -61,7 +66,7 @@ impl PosesArgs {
             onion: self.onion.map(onion),
             trails: trails.map(|trails| {
                 let looks = looks(&trails);
-                (trails, looks)
+                (Arc::new(trails), looks)
             }),
             left_out_photos: self.leave_out.clone(),
         })

@@ -10,13 +10,13 @@ use super::sources::{OutputKind, check_outputs, check_replaced, write_text};
 use super::video::render_video;
 use super::warnings;
 use crate::assumption::Subject;
-use crate::export::{Dressed, FRAME_PLACEHOLDER, PictureFormat, numbered, write_picture, write_png};
+use crate::document::Document;
+use crate::export::{FRAME_PLACEHOLDER, PictureFormat, numbered, write_picture, write_png};
 use crate::headless::{Headless, PictureStats};
 use crate::messages::frame_with_index;
 use crate::render::AnyRenderer;
-use crate::scene::{Camera, Primitive, Style};
+use crate::scene::{Camera, Primitive, Settings, Style};
 use crate::sequence::{ColorSource, Loader, LoaderOptions};
-use crate::session::Session;
 use crate::temporary::Temporary;
 use anyhow::{Context as _, bail};
 use serde::Serialize;
@@ -35,7 +35,7 @@ struct Stats {
 }
 
 /// Gives `arguments` of `render` what a session says and they do not, of a sequence of so many frames.
-pub(super) fn fill(arguments: &mut RenderArgs, session: &Session, frame_count: usize) {
+pub(super) fn fill(arguments: &mut RenderArgs, session: &Document, frame_count: usize) {
     let last = frame_count.saturating_sub(1);
     arguments.camera.take_view(session.view);
     if arguments.video.video.is_none() {
@@ -66,7 +66,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     let OpenedInputs { sequence, session } =
         open_inputs_and_tell(&arguments.inputs, &arguments.read.picture_options())?;
     let sequence = Arc::new(sequence);
-    let session = session.map(|read| read.session);
+    let session = session.map(|read| read.document);
     let mut arguments = arguments.clone();
     if let Some(session) = &session {
         fill(&mut arguments, session, sequence.len());
@@ -80,7 +80,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         check_outputs(&sequence, names, OutputKind::Picture)?;
     }
     check_outputs(&sequence, arguments.stats.clone().into_iter(), OutputKind::Json)?;
-    let of_session = session.as_ref().map_or_else(Style::default, Session::style);
+    let of_session = session.as_ref().map_or_else(Settings::default, Document::style);
     let style = arguments.picture.style_over(of_session);
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;
     let renderer = AnyRenderer::open(style.drawing.renderer)?;
@@ -89,10 +89,10 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         headless.set_labels(Arc::new(session.labels));
     }
     let look = headless.first_look()?;
-    if let Some(lack) = look.lack_of(style.primitive) {
+    if let Some(lack) = style.primitive.chosen().and_then(|primitive| look.lack_of(primitive)) {
         warnings::warn(&lack);
     }
-    let chooses_primitive = style.primitive != Primitive::Auto;
+    let chooses_primitive = !style.primitive.is_open();
     let chooses_colors = style.colors.source != ColorSource::Auto;
     let style = style.resolved(&look);
     if let Some(source) = arguments.picture.color_source() {
@@ -197,7 +197,7 @@ fn render_frames(
     let _new_folder = make_folder(output, count)?;
     let look = headless.first_look()?;
     let range = FrameRange { first, last };
-    let poses = arguments.poses.poses(range, headless, style)?;
+    let options = arguments.poses.options(range, headless, style)?;
     let mut failed = Vec::new();
     // One camera for the whole range: poses stay comparable.
     let mut camera: Option<Camera> = None;
@@ -220,7 +220,8 @@ fn render_frames(
             let named = frame_with_index(index, count);
             warnings::warn_of_frame(&format!("{named} has no triangles: its points are drawn"));
         }
-        let Dressed { frame, problems } = poses.dress(&frame, headless, style)?;
+        let (composed, problems) = headless.compose(&frame, &options, style)?;
+        let frame = composed.frame;
         for problem in problems {
             warnings::warn_of_frame(&problem);
         }

@@ -3,10 +3,10 @@
 use super::stream::tell_of_connection;
 use super::values::DEMO_INPUT;
 use super::warnings;
+use crate::document::{ReadSession, session_of};
 use crate::messages::frame_by_index;
 use crate::scene::Clip;
 use crate::sequence::{OpenOptions, Sequence};
-use crate::session::{ReadSession, session_of};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -25,7 +25,7 @@ pub(super) fn open_inputs(inputs: &[PathBuf], options: &OpenOptions) -> anyhow::
         read.check_reach(options.session_reach)?;
     }
     let sequence = match (&session, inputs) {
-        (Some(read), _) => Sequence::open(&read.session.inputs, &read.session.reading.over(options))?,
+        (Some(read), _) => Sequence::open(&read.document.inputs, &read.document.reading.over(options))?,
         (None, []) => Sequence::open(&[DEMO_INPUT.into()], options)?,
         (None, inputs) => Sequence::open(inputs, options)?,
     };
@@ -65,7 +65,7 @@ pub(super) struct SessionInfo {
 
 impl SessionInfo {
     pub(super) fn of(read: &ReadSession) -> Self {
-        let session = &read.session;
+        let session = &read.document;
         Self {
             file: read.file.display().to_string(),
             files: session.inputs.iter().map(|input| input.display().to_string()).collect(),

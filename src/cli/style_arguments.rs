@@ -1,7 +1,7 @@
 //! Options for the settings of a picture, made of their descriptions.
 
-use crate::scene::Style;
-use crate::scene::describe::{Described, Given, Setting, Value, Values};
+use crate::scene::Settings;
+use crate::scene::describe::{Described, Given, Value, Values};
 use clap::builder::ValueParser;
 use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, Error, FromArgMatches};
 
@@ -13,14 +13,8 @@ pub(super) struct StyleArgs {
 }
 
 impl StyleArgs {
-    /// The setting of this name, if it is given.
-    pub(super) fn given<T: Setting>(&self, key: &str) -> Option<T> {
-        let (_, value) = self.given.iter().rfind(|(given, _)| *given == key)?;
-        T::from_value(*value)
-    }
-
     /// `default`, but for what is given.
-    pub(super) fn over(&self, mut default: Style) -> Style {
+    pub(super) fn over(&self, mut default: Settings) -> Settings {
         default.edit(&mut |described, value| {
             let given = self.given.iter().rfind(|(key, _)| *key == described.key);
             given.map_or(value, |(_, given)| *given)
@@ -31,7 +25,7 @@ impl StyleArgs {
 
 /// The settings and their descriptions.
 fn all() -> Vec<(&'static Described, Value)> {
-    Style::default().settings()
+    Settings::default().settings()
 }
 
 fn with_options(command: Command, described: &'static Described) -> Command {
@@ -128,12 +122,12 @@ mod tests {
     use super::*;
     use crate::scene::{EyeDome, LevelStructure, Lighting, Primitive, SplatFilter};
 
-    fn style_of(arguments: &[&str]) -> Style {
+    fn style_of(arguments: &[&str]) -> Settings {
         let command = StyleArgs::augment_args(Command::new("pointreel"));
         let matches = command
             .try_get_matches_from([&["pointreel"], arguments].concat())
             .unwrap();
-        StyleArgs::from_arg_matches(&matches).unwrap().over(Style::default())
+        StyleArgs::from_arg_matches(&matches).unwrap().over(Settings::default())
     }
 
     #[test]
@@ -151,14 +145,14 @@ mod tests {
 
     #[test]
     fn a_word_that_is_short_for_several_settings_gives_way_to_what_is_given_of_them() {
-        let of = |style: Style| (style.primitive, style.surfels.filter);
+        let of = |style: Settings| (style.primitive, style.surfels.filter);
         let short = ["--primitive", "ewa"];
-        assert_eq!(of(style_of(&short)), (Primitive::Surfel, SplatFilter::Ewa));
+        assert_eq!(of(style_of(&short)), (Primitive::Surfel.into(), SplatFilter::Ewa));
         for arguments in [
             ["--primitive", "ewa", "--splat-filter", "none"],
             ["--splat-filter", "none", "--primitive", "ewa"],
         ] {
-            assert_eq!(of(style_of(&arguments)), (Primitive::Surfel, SplatFilter::Off));
+            assert_eq!(of(style_of(&arguments)), (Primitive::Surfel.into(), SplatFilter::Off));
         }
         let wrong = StyleArgs::augment_args(Command::new("pointreel"));
         let error = wrong

@@ -36,11 +36,11 @@ pub(super) fn render_video(
     let frame_count = headless.sequence().len();
     let last = frame_count - 1;
     let range = arguments.frame.unwrap_or(FrameRange { first: 0, last });
-    let poses = arguments.poses.poses(range, headless, style)?;
+    let options = arguments.poses.options(range, headless, style)?;
     let video = Video {
         path: &path,
         style,
-        poses: &poses,
+        options: &options,
         size: arguments.picture_size(),
         per_second,
         speed,

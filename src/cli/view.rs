@@ -5,16 +5,15 @@ use super::colors::check_source;
 use super::session::{OpenedInputs, open_inputs};
 use super::sources::{OutputKind, check_replaced, check_sources};
 use crate::app::{
-    Options, Preferences, PreferencesFile, PresentChoice, Presets, ReadingChoices, Recent, Script, StateOptions,
-    open_as_chosen,
+    GivenStyle, Options, Preferences, PreferencesFile, PresentChoice, Presets, ReadingChoices, Recent, Script,
+    StateOptions, open_as_chosen,
 };
+use crate::document::{DocumentFolder, ReadSession, session_of};
 use crate::export::PictureFormat;
-use crate::kept;
 use crate::progress::Progress;
-use crate::scene::{Camera, UpAxis};
+use crate::scene::{Camera, Settings, UpAxis};
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
-use crate::session::{ReadSession, session_of};
-use crate::source::Generated;
+use crate::source;
 use anyhow::{Context as _, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -58,6 +57,10 @@ pub(super) struct ViewArgs {
     /// Do not play
     #[arg(long)]
     paused: bool,
+
+    /// Begin from defaults, whatever the window has kept of INPUT
+    #[arg(long, visible_alias = "no-document")]
+    fresh: bool,
 
     /// Memory for prepared frames, such as 2GB
     #[arg(long, value_name = "SIZE", value_parser = byte_count)]
@@ -131,7 +134,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     } = if offers_recent || waits || asks {
         FirstOpened::default()
     } else {
-        FirstOpened::of(&args.inputs, &open, &reading_choices)?
+        FirstOpened::of(args, &open, &reading_choices)?
     };
     if let Some(read) = &mut session {
         give_precedence(args, read);
@@ -159,7 +162,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         state: StateOptions {
             preferences,
             up: args.up,
-            primitive: args.picture.primitive(),
+            given: given_style(args),
             view: args.view,
             open,
             follow: args.follow,
@@ -168,7 +171,8 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             recent,
             reading_choices,
             presets,
-            timelines: args.screenshot.is_none().then(|| kept::place_of("timelines")).flatten(),
+            documents: args.screenshot.is_none().then(DocumentFolder::of_user).flatten(),
+            is_fresh: args.fresh,
             ..StateOptions::default()
         },
         sequence: sequence.map(Arc::new),
@@ -180,7 +184,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         inputs: args
             .inputs
             .iter()
-            .filter(|input| matches!(Generated::of_name(input), Ok(None)))
+            .filter(|input| !source::is_word(input))
             .cloned()
             .collect(),
         warnings,
@@ -219,9 +223,10 @@ struct FirstOpened {
 }
 
 impl FirstOpened {
-    /// As was chosen for `inputs` in the window before, where nothing else is given.
-    fn of(inputs: &[PathBuf], open: &OpenOptions, choices: &ReadingChoices) -> anyhow::Result<Self> {
-        let chosen = choices.of(inputs);
+    /// As was chosen for the inputs in the window before, where nothing else is given.
+    fn of(args: &ViewArgs, open: &OpenOptions, choices: &ReadingChoices) -> anyhow::Result<Self> {
+        let inputs = &args.inputs;
+        let chosen = choices.of(inputs).filter(|_| !args.fresh);
         let as_chosen = chosen.map(|chosen| open_as_chosen(inputs, chosen, open, &Progress::default()));
         let problem = match as_chosen {
             Some(Ok((sequence, chosen))) => {
@@ -246,13 +251,22 @@ impl FirstOpened {
 
 /// What is given goes before what is kept in a session.
 fn give_precedence(args: &ViewArgs, read: &mut ReadSession) {
-    let style = args.picture.style_over(read.session.style());
-    read.session.settings = style;
-    read.session.clip = style.of_sequence.clip;
-    read.session.view = args.view.or(read.session.view);
+    let style = args.picture.style_over(read.document.style());
+    read.document.clip = style.clip;
+    read.document.settings = style.with(|style| style.clip = None);
+    read.document.view = args.view.or(read.document.view);
     if !args.compare.is_empty() {
-        read.session.compare = None;
+        read.document.compare = None;
     }
+}
+
+/// What is given goes before what was kept of a sequence.
+fn given_style(args: &ViewArgs) -> GivenStyle {
+    let picture = args.picture.clone();
+    GivenStyle::new(move |style| Settings {
+        drawing: style.drawing,
+        ..picture.style_over(style)
+    })
 }
 
 fn record_arrivals(sequence: Option<&Sequence>, path: &Path) -> anyhow::Result<()> {
@@ -283,11 +297,14 @@ fn load_preferences(args: &ViewArgs, has_settings: bool) -> (PreferencesFile, Pr
     } else {
         PreferencesFile::load()
     };
-    let settings = if has_settings {
-        kept.settings
-    } else {
-        args.picture.style_over(kept.settings)
-    };
+    if kept.settings != Settings::default() {
+        log::info!("new documents begin with the settings in settings.json, which are not all as by default");
+    }
+    let mut settings = kept.settings;
+    if !has_settings {
+        // Who draws is of no document.
+        settings.drawing = args.picture.style_over(settings).drawing;
+    }
     let preferences = Preferences {
         settings,
         present: args.present.unwrap_or(kept.present),

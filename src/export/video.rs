@@ -2,7 +2,8 @@
 
 use super::limits::MAX_PICTURES;
 use super::picture::{self, PictureSize, draw_picture};
-use super::{Dressed, ExportError, FrameSink, Poses, VideoStream, open_sink};
+use super::{ExportError, FrameSink, VideoStream, open_sink};
+use crate::composition::{ComposeOptions, Composed};
 use crate::headless::{Headless, HeadlessError, PictureStats};
 use crate::progress::Progress;
 use crate::scene::{CameraPath, Style};
@@ -25,8 +26,8 @@ pub struct Video<'a> {
     pub path: &'a CameraPath,
     /// How pictures are drawn.
     pub style: &'a Style,
-    /// What other poses add to each picture.
-    pub poses: &'a Poses,
+    /// Additions to each pose.
+    pub options: &'a ComposeOptions,
     /// How large they are.
     pub size: PictureSize,
     /// How many there are a second.
@@ -148,7 +149,7 @@ fn draw_pictures(
     let mut failed: Vec<(usize, FrameError)> = Vec::new();
     let mut shown: Option<Arc<PreparedFrame>> = None;
     // What is drawn of the shown frame: made once for all pictures that show it.
-    let mut dressed: Option<(Arc<PreparedFrame>, Dressed)> = None;
+    let mut composed: Option<(Arc<PreparedFrame>, Composed)> = None;
     let at = |picture: usize| {
         let seconds = picture as f64 * video.speed / video.per_second;
         video.path.at(seconds)
@@ -172,13 +173,12 @@ fn draw_pictures(
             Err(_) => {}
         }
         let Some(pose) = &shown else { continue };
-        let (frame, problems) = match &mut dressed {
-            Some((of, dressed)) if Arc::ptr_eq(of, pose) => (&dressed.frame, Vec::new()),
+        let (frame, problems) = match &mut composed {
+            Some((of, composed)) if Arc::ptr_eq(of, pose) => (&composed.frame, Vec::new()),
             _ => {
-                let new = video.poses.dress(pose, headless, video.style);
-                let mut new = new.map_err(HeadlessError::from)?;
-                let problems = std::mem::take(&mut new.problems);
-                let (_, new) = dressed.insert((Arc::clone(pose), new));
+                let new = headless.compose(pose, video.options, video.style);
+                let (new, problems) = new.map_err(HeadlessError::from)?;
+                let (_, new) = composed.insert((Arc::clone(pose), new));
                 (&new.frame, problems)
             }
         };

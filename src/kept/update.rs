@@ -29,6 +29,20 @@ pub(crate) fn update(
     what: &str,
     change: impl FnOnce(&mut Fields, &mut Vec<String>),
 ) -> std::io::Result<()> {
+    let pretty = |fields: &Fields| serde_json::to_vec_pretty(fields).map_err(Error::other);
+    update_as(file, what, pretty, change)
+}
+
+/// [`update`], of which the file has the text that `layout` makes.
+///
+/// # Errors
+/// As [`update`], and those of `layout`.
+pub(crate) fn update_as(
+    file: &Path,
+    what: &str,
+    layout: impl FnOnce(&Fields) -> std::io::Result<Vec<u8>>,
+    change: impl FnOnce(&mut Fields, &mut Vec<String>),
+) -> std::io::Result<()> {
     if let Some(folder) = file.parent() {
         fs::create_dir_all(folder)?;
     }
@@ -52,8 +66,7 @@ pub(crate) fn update(
             copy.display()
         );
     }
-    let bytes = serde_json::to_vec_pretty(&fields).map_err(Error::other)?;
-    replace(file, &bytes)
+    replace(file, &layout(&fields)?)
 }
 
 /// Keeps other processes from an [`update`] of the files in the folder of `file` until the answer is dropped; `None`

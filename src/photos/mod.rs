@@ -3,9 +3,9 @@
 //! [`find`] says what a folder holds, and [`FoundSet::read`] reads it into a [`ViewSet`], whatever the format: cameras
 //! have x to the right, y down, z forward, poses take the world to the camera, and centres of pixels are at integers.
 //!
-//! Readers write down what a file says (`draft`), in its own pixels; `draft` then finds the photographs, looks at their
-//! sizes, and makes cameras (`lens`) and poses of them. What is wrong with one photograph costs that one, and a note of
-//! the set says so.
+//! Readers (`readers`, a row each) write down what a file says (`draft`), in its own pixels; `draft` then finds the
+//! photographs, looks at their sizes, and makes cameras (`lens`) and poses of them. What is wrong with one photograph
+//! costs that one, and a note of the set says so.
 //!
 //! A [`Calibration`] is what a file lists before that. Where it lists cameras that filmed, it is a [`Rig`], and each
 //! moment becomes a set.
@@ -15,49 +15,38 @@
 //! [`LoadedPhotographs`] are all of a set, with the levels of their [`Texture`]s.
 
 mod budget;
-mod bundler;
 mod bytes;
 mod calibration;
-mod colmap;
 mod depth_file;
 mod draft;
 mod error;
 mod files;
-mod find;
 mod gains;
 mod json;
 mod lens;
-mod llff;
 mod loading;
-mod meshroom;
-mod middlebury;
-mod middlebury_stereo;
 mod mips;
-mod mvsnet;
 mod npy_table;
-mod nvm;
 mod photo;
 mod photo_image;
 mod photographs;
 mod picture_file;
 mod points;
 mod prepared;
+mod readers;
 mod rig;
 mod shared_points;
 mod text;
 mod texture;
-mod transforms;
 mod undistort;
 mod unread;
 mod view_set;
 
 pub use budget::{halvings_within, texture_bytes};
 pub use calibration::Calibration;
-pub use colmap::colmap_depth;
 pub use depth_file::{DepthCamera, DepthFile, DepthKind};
 pub use error::PhotosError;
 pub use files::is_picture;
-pub use find::{Format, FoundSet, find};
 pub use gains::gains;
 pub use loading::LoadedPhotographs;
 pub use mips::{halved, mips};
@@ -66,6 +55,8 @@ pub use photo_image::PhotoImage;
 pub use photographs::{PhotoSurface, Photograph, Photographs};
 pub use points::{Observation, SparsePoints};
 pub use prepared::PreparedPhoto;
+pub use readers::colmap::colmap_depth;
+pub use readers::{FoundSet, find};
 pub use rig::Rig;
 pub use texture::Texture;
 pub use undistort::{Extent, pinhole_of, undistort};

@@ -5,7 +5,7 @@
 
 use super::error::PhotosError;
 use super::files::is_picture;
-use super::meshroom;
+use super::readers::meshroom;
 use std::collections::HashSet;
 use std::fs;
 use std::path::Path;
@@ -66,11 +66,6 @@ const TABLE: &[Unread] = &[
         is_there: |names| names.folders.contains("keyframes"),
         found: "raw data of Polycam (keyframes), which is not read",
         advice: "convert it by `ns-process-data polycam` of nerfstudio, and open the folder of its transforms.json",
-    },
-    Unread {
-        is_there: |names| names.files.contains("reconstruction.json"),
-        found: "a reconstruction of OpenSfM, which is not read",
-        advice: "write it by `opensfm export_colmap`, and open that folder",
     },
     Unread {
         is_there: |names| names.files.contains("sfm_data.json") || names.files.contains("sfm_data.bin"),
@@ -217,7 +212,6 @@ mod tests {
                 "compute the node StructureFromMotion",
             ),
             (&["keyframes/images/1.jpg", "mesh_info.json"], "ns-process-data polycam"),
-            (&["reconstruction.json", "images/a.jpg"], "export_colmap"),
             (&["sfm_data.json", "images/a.jpg"], "openMVG2Colmap"),
             (&["cameras_sphere.npz", "image/000.png"], "IDR or NeuS"),
             (&["intrinsics.txt", "pose/0.txt", "rgb/0.png"], "NSVF"),

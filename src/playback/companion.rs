@@ -7,9 +7,9 @@
 //! that belong to the ends of what plays, and is told how long one of *its* frames lasts, which is another time where
 //! the sequences have other rates.
 
-use super::can_draw;
 use super::pairing::{Pair, PairBy, PairNumbers, PairTimes};
 use super::player::{PlayerChange, new_warnings};
+use crate::composition::can_draw;
 use crate::scene::{Scene, Style};
 use crate::sequence::{
     FrameEntry, FrameError, Loader, LoaderOptions, Needs, PreparedFrame, Sequence, SequenceError, Slot,

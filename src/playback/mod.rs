@@ -12,4 +12,4 @@ mod player;
 pub use companion::Companion;
 pub use marks::{Mark, MarkRun};
 pub use pairing::{Pair, PairBy, PairNumbers, PairTimes};
-pub use player::{Player, PlayerChange, can_draw};
+pub use player::{Player, PlayerChange};

@@ -10,7 +10,8 @@
 
 use super::attributes::FirstAttributes;
 use super::marks::{MarkRun, runs};
-use crate::scene::{Primitive, Scene, Style};
+use crate::composition::can_draw;
+use crate::scene::{Scene, Style};
 use crate::sequence::{FrameError, Loader, LoaderOptions, Needs, PreparedFrame, Sequence, SequenceError, Slot};
 use crate::timeline::{Clock, Direction, LoopMode, PlayRange};
 use std::collections::{HashSet, VecDeque};
@@ -469,19 +470,6 @@ pub(super) fn new_warnings(frame: &PreparedFrame, told: &mut HashSet<usize>) -> 
         return Vec::new();
     }
     warnings.to_vec()
-}
-
-/// True if `frame` has what is drawn in a style.
-pub fn can_draw(frame: &PreparedFrame, style: &Style) -> bool {
-    match style.primitive {
-        Primitive::Auto | Primitive::Surfel | Primitive::Sprite => {
-            frame.shapes.is_some() || style.has_screen_normals() && !style.shows_normal_errors()
-        }
-        Primitive::Ellipse => frame.shapes.is_some() && frame.has_ellipses,
-        Primitive::Voxel => frame.levels.octree().is_some(),
-        Primitive::Mesh => frame.mesh.is_some() || !frame.frame.has_faces(),
-        Primitive::Point => true,
-    }
 }
 
 #[cfg(test)]

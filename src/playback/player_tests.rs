@@ -1,8 +1,9 @@
 use super::*;
 use crate::cloud::{Positions, RawCloud};
 use crate::progress::Progress;
+use crate::scene::Primitive;
 use crate::sequence::FrameEntry;
-use crate::source::{Decoder, Source};
+use crate::source::{About, Capabilities, Decoder, Growth, Source};
 use std::collections::BTreeSet;
 use std::sync::{Condvar, Mutex};
 use std::time::Instant;
@@ -244,8 +245,29 @@ impl Source for Arc<LiveFrames> {
         Box::new(|_: &FrameEntry, _: &Progress| Ok(RawCloud::from_positions(Positions::F32(vec![[0.0; 3]; 8]))))
     }
 
+    fn about(&self) -> About<'_> {
+        About::default()
+    }
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            growth: Some(self),
+            ..Capabilities::default()
+        }
+    }
+}
+
+impl Growth for Arc<LiveFrames> {
+    fn may_grow(&self) -> bool {
+        false
+    }
+
     fn is_live(&self) -> bool {
         true
+    }
+
+    fn look_again(&self) -> Result<usize, SequenceError> {
+        Ok(0)
     }
 }
 

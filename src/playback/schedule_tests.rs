@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::cloud::{Positions, RawCloud};
+use crate::scene::Primitive;
 use crate::sequence::FrameEntry;
 use crate::sequence::simulation::{Cost, Simulation};
 

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::cloud::{Positions, RawCloud, even_places};
+use crate::scene::Primitive;
 use crate::sequence::simulation::{Cost, Simulation};
 use crate::sequence::{FrameEntry, Reading, ReadingStage};
 use crate::source::FrameList;

@@ -4,7 +4,7 @@ use super::cpu::CpuRenderer;
 use super::gpu::{Context, ContextOptions, GpuRenderer, may_have_gpu};
 use super::{PassTimes, RenderError, RenderStats, Renderer};
 use crate::rgbd::DepthFrame;
-use crate::scene::{RendererChoice, ScenePacket};
+use crate::scene::{Choice, RendererChoice, ScenePacket};
 use image::RgbaImage;
 use std::sync::Arc;
 
@@ -21,12 +21,12 @@ impl AnyRenderer {
     /// Opens what was chosen. Where it may choose, it takes the GPU if there is a real one: a software adapter is
     /// slower than [`CpuRenderer`], and where there is none at all that needs none. No driver is opened where no card
     /// can be.
-    pub fn open(choice: RendererChoice) -> Result<Self, RenderError> {
-        Self::open_where(choice, may_have_gpu())
+    pub fn open(choice: impl Into<Choice<RendererChoice>>) -> Result<Self, RenderError> {
+        Self::open_where(choice.into(), may_have_gpu())
     }
 
-    fn open_where(choice: RendererChoice, may_have_gpu: bool) -> Result<Self, RenderError> {
-        if choice == RendererChoice::Cpu || choice == RendererChoice::Auto && !may_have_gpu {
+    fn open_where(choice: Choice<RendererChoice>, may_have_gpu: bool) -> Result<Self, RenderError> {
+        if choice == RendererChoice::Cpu || choice.is_open() && !may_have_gpu {
             return Ok(Self::cpu());
         }
         match Context::headless(&ContextOptions::default()) {
@@ -35,7 +35,7 @@ impl AnyRenderer {
                 Ok(Self::cpu())
             }
             Ok(context) => Self::gpu(context),
-            Err(error) if choice == RendererChoice::Auto => {
+            Err(error) if choice.is_open() => {
                 log::info!("{error}");
                 Ok(Self::cpu())
             }
@@ -77,12 +77,10 @@ impl AnyRenderer {
         }
     }
 
-    /// Waits for uploads and pictures that were asked for. Copies out of mapped memory are carried out with the next
-    /// submission.
+    /// Waits for uploads and pictures that were asked for.
     pub fn wait(&self) -> Result<(), RenderError> {
         if let Self::Gpu(renderer) = self {
-            renderer.context().queue.submit([]);
-            renderer.context().wait()?;
+            renderer.context().wait_for_uploads()?;
         }
         Ok(())
     }

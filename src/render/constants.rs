@@ -1,4 +1,4 @@
-//! Numbers that renderers on both sides know, and the truth. WGSL gets them from here (`gpu/constants.rs`).
+//! Numbers that renderers on both sides know, and the truth. WGSL gets them from here (`gpu/constants.rs`, `effects`).
 
 use crate::scene::{Primitive, SplatFilter, Style};
 

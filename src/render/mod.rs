@@ -3,13 +3,17 @@
 mod any;
 mod constants;
 pub mod cpu;
+mod effects;
 mod gathered;
+#[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 pub mod gpu;
+mod known_depths;
 mod matcher;
 mod pass_times;
 pub mod truth;
 
 pub use any::AnyRenderer;
+pub use known_depths::depths_of_photographs;
 pub use matcher::matcher_of_machine;
 pub use pass_times::{PassTime, PassTimes};
 
@@ -85,6 +89,9 @@ pub(crate) fn scaled_to(image: image::RgbaImage, size_px: [u32; 2]) -> image::Rg
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
+    /// The GPU renderer is not in this build.
+    #[error("this build has no GPU renderer: build with `--features gpu`, or draw on the processor (`--renderer cpu`)")]
+    NotBuilt,
     /// No adapter at all.
     #[error(
         "no Vulkan, Metal or DirectX 12 adapter was found ({reason}); \

@@ -5,7 +5,7 @@
 
 use super::content::{CodedCells, Content, Surfels};
 use super::first_look::{PointSpacing, typical_spacing};
-use super::packet::ScenePacket;
+use super::packet::{PacketParams, ScenePacket};
 use super::screen_surfels::{ScreenInput, ScreenSurfels};
 use super::visible_points::{PointImages, ScreenStats};
 use super::{
@@ -111,6 +111,16 @@ impl PartialEq for CutInput {
     }
 }
 
+/// What a picture is asked of.
+struct Wanted<'a> {
+    frame: &'a PreparedFrame,
+    origin: DVec3,
+    view: ViewTransform,
+    viewport_px: [u32; 2],
+    style: &'a Style,
+    params: &'a PacketParams,
+}
+
 /// All of a frame that a clip keeps, and what it was kept from.
 #[derive(Debug)]
 struct Clipped {
@@ -180,8 +190,8 @@ impl Scene {
     ) -> ScenePacket {
         let viewport_px = style.drawn_px(viewport_px);
         let view = camera.transform(origin, viewport_px);
-        let clip = style.of_sequence.clip.filter(|clip| clip.is_on);
         let mut style = *style;
+        let clip = style.of_sequence.clip.take().filter(|clip| clip.is_on);
         style.of_sequence.has_photographs = frame.photographs.is_some();
         let photographs = frame.photographs.as_ref().filter(|_| style.draws_photographs());
         let photographs = photographs.map(|photographs| PhotographsInFrame {
@@ -196,8 +206,10 @@ impl Scene {
         if style.shows_normal_errors() {
             style = style.of_normal_errors();
         }
-        style.of_sequence.clip = clip.map(|clip| clip.relative_to(origin));
-        style.of_sequence.point_spacing = self.point_spacing(frame, &style);
+        let params = PacketParams {
+            point_spacing: self.point_spacing(frame, &style),
+            clip: clip.map(|clip| clip.relative_to(origin)),
+        };
         let bounds = frame.frame.bounds();
         let ground = style.backdrop.grid.then(|| {
             let ground_box = style.of_sequence.ground_box.unwrap_or(bounds);
@@ -206,29 +218,39 @@ impl Scene {
         ScenePacket {
             viewport_px,
             view,
-            content: self.content((frame, origin), &view, viewport_px, &style),
+            content: self.content(&Wanted {
+                frame,
+                origin,
+                view,
+                viewport_px,
+                style: &style,
+                params: &params,
+            }),
             style,
             bounds,
             ground,
             photographs,
+            params,
         }
     }
 
     /// What is drawn of `frame`. Whatever is drawn of levels of detail that are not there is drawn of all points.
-    fn content(
-        &mut self,
-        (frame, origin): (&PreparedFrame, DVec3),
-        view: &ViewTransform,
-        viewport_px: [u32; 2],
-        style: &Style,
-    ) -> Content {
+    fn content(&mut self, wanted: &Wanted<'_>) -> Content {
+        let &Wanted {
+            frame,
+            origin,
+            view,
+            viewport_px,
+            style,
+            params,
+        } = wanted;
         let is_of_screen = style.has_screen_normals();
         if !is_of_screen {
             self.screen.forget();
         }
         let kind = style.levels_kind();
         let coded = self.coded(frame, style);
-        if let Some(coded) = coded.filter(|_| style.of_sequence.clip.is_none()) {
+        if let Some(coded) = coded.filter(|_| params.clip.is_none()) {
             self.stats.emitted_voxels = coded.deepest_nodes();
             return Content::Coded(coded);
         }
@@ -236,13 +258,13 @@ impl Scene {
             return self.cut(CutInput {
                 levels,
                 culls_back_faces: style.culls_back_faces(),
-                view: *view,
+                view,
                 viewport_px,
                 lod: style.levels.lod,
                 metric: style.levels.metric,
                 affordable: self.affordable,
-                clip: style.of_sequence.clip,
-                may_select: style.drawing.renderer == RendererChoice::Gpu && style.of_sequence.clip.is_none(),
+                clip: params.clip,
+                may_select: style.drawing.renderer == RendererChoice::Gpu && params.clip.is_none(),
             });
         }
         let points = || Arc::clone(&frame.points);
@@ -256,30 +278,28 @@ impl Scene {
                 surfels().unwrap_or_else(|| Content::Points(points()))
             }
             Primitive::Point => Content::Points(points()),
-            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite => {
-                surfels().unwrap_or_default()
-            }
+            Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite => surfels().unwrap_or_default(),
             Primitive::Mesh => match frame.triangles() {
                 Some(triangles) => Content::Mesh(Arc::clone(triangles)),
                 None => Content::Points(points()),
             },
             Primitive::Voxel => Content::Nothing,
         };
-        let whole = match style.of_sequence.clip {
+        let whole = match params.clip {
             Some(clip) => self.clip(clip, whole),
             None => whole,
         };
         if !is_of_screen {
             return whole;
         }
-        let images = images_of(frame, origin).filter(|_| style.of_sequence.clip.is_none());
+        let images = images_of(frame, origin).filter(|_| params.clip.is_none());
         self.screen.content(ScreenInput {
             content: whole,
             images,
-            view: *view,
+            view,
             viewport_px,
             cloud: ScreenCloud {
-                spacing: style.of_sequence.point_spacing,
+                spacing: params.point_spacing,
                 closing: self.spacing.as_ref().map_or(1.0, |(_, spacing)| spacing.closing),
                 sensor: frame.frame.sensor(),
             },
@@ -288,7 +308,7 @@ impl Scene {
         })
     }
 
-    /// [`OfSequence::point_spacing`](super::OfSequence) of a frame for a style, if that asks for it.
+    /// [`PacketParams::point_spacing`] of a frame for a style, if that asks for it.
     fn point_spacing(&mut self, frame: &PreparedFrame, style: &Style) -> f32 {
         let is_of_points = style.primitive == Primitive::Point && style.points.sizing != PointSizing::Pixels;
         if !is_of_points && !style.has_screen_normals() {

@@ -262,31 +262,59 @@ impl From<Records> for Content {
     }
 }
 
+/// Every variant is named on the left: the compiler asks for a new one.
 impl PartialEq for Content {
     fn eq(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Nothing, Self::Nothing) => true,
-            (Self::Points(a), Self::Points(b)) => Arc::ptr_eq(a, b),
-            (Self::Visible(a), Self::Visible(b)) => Arc::ptr_eq(a, b),
-            (Self::Mesh(a), Self::Mesh(b)) => Arc::ptr_eq(a, b),
-            (Self::Surfels(a), Self::Surfels(b)) => {
-                Arc::ptr_eq(&a.points, &b.points) && Arc::ptr_eq(&a.shapes, &b.shapes)
-            }
-            (Self::Selected(a), Self::Selected(b)) => {
-                Arc::ptr_eq(&a.nodes.points, &b.nodes.points)
-                    && Arc::ptr_eq(&a.nodes.shapes, &b.nodes.shapes)
-                    && Arc::ptr_eq(&a.selection, &b.selection)
-            }
-            (Self::Voxels(a), Self::Voxels(b)) => {
-                Arc::ptr_eq(&a.records, &b.records)
-                    && a.normals.as_ref().map(Arc::as_ptr) == b.normals.as_ref().map(Arc::as_ptr)
-                    && a.cube_edge == b.cube_edge
-            }
-            (Self::Coded(a), Self::Coded(b)) => {
-                Arc::ptr_eq(&a.cloud, &b.cloud) && a.lod_px == b.lod_px && a.deepest_level == b.deepest_level
-            }
-            _ => false,
+        match self {
+            Self::Nothing => matches!(other, Self::Nothing),
+            Self::Points(a) => matches!(other, Self::Points(b) if Arc::ptr_eq(a, b)),
+            Self::Surfels(a) => matches!(other, Self::Surfels(b) if a == b),
+            Self::Selected(a) => matches!(other, Self::Selected(b) if a == b),
+            Self::Visible(a) => matches!(other, Self::Visible(b) if Arc::ptr_eq(a, b)),
+            Self::Voxels(a) => matches!(other, Self::Voxels(b) if a == b),
+            Self::Mesh(a) => matches!(other, Self::Mesh(b) if Arc::ptr_eq(a, b)),
+            Self::Coded(a) => matches!(other, Self::Coded(b) if a == b),
         }
+    }
+}
+
+impl PartialEq for Surfels {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { points, shapes } = self;
+        Arc::ptr_eq(points, &other.points) && Arc::ptr_eq(shapes, &other.shapes)
+    }
+}
+
+impl PartialEq for Selected {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { nodes, selection } = self;
+        Arc::ptr_eq(&nodes.points, &other.nodes.points)
+            && Arc::ptr_eq(&nodes.shapes, &other.nodes.shapes)
+            && Arc::ptr_eq(selection, &other.selection)
+    }
+}
+
+impl PartialEq for Voxels {
+    fn eq(&self, other: &Self) -> bool {
+        let Self {
+            records,
+            normals,
+            cube_edge,
+        } = self;
+        Arc::ptr_eq(records, &other.records)
+            && normals.as_ref().map(Arc::as_ptr) == other.normals.as_ref().map(Arc::as_ptr)
+            && *cube_edge == other.cube_edge
+    }
+}
+
+impl PartialEq for CodedCells {
+    fn eq(&self, other: &Self) -> bool {
+        let Self {
+            cloud,
+            lod_px,
+            deepest_level,
+        } = self;
+        Arc::ptr_eq(cloud, &other.cloud) && *lod_px == other.lod_px && *deepest_level == other.deepest_level
     }
 }
 
@@ -295,5 +323,36 @@ impl CodedCells {
     pub(super) fn deepest_nodes(&self) -> usize {
         let level = self.deepest_level.min(self.cloud.depth());
         self.cloud.level(level).len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contents_are_equal_if_they_are_the_same_allocations() {
+        let surfels = || Surfels {
+            points: Arc::default(),
+            shapes: Arc::default(),
+        };
+        let voxels = || Voxels {
+            records: Arc::default(),
+            normals: Some(Arc::default()),
+            cube_edge: 1.0,
+        };
+        let all = || {
+            [
+                Content::Points(Arc::default()),
+                Content::Surfels(surfels()),
+                Content::Voxels(voxels()),
+            ]
+        };
+        assert_eq!(Content::Nothing, Content::Nothing);
+        for (content, other) in all().into_iter().zip(all()) {
+            assert_eq!(content, content.clone());
+            assert_ne!(content, other);
+            assert_ne!(content, Content::Nothing);
+        }
     }
 }

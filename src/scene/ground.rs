@@ -4,7 +4,7 @@
 //! that 5 to 50 of them lie under the cloud; lines ten times finer and ten times coarser appear where they have room.
 //! Lines are at whole multiples of the spacing in the coordinates of the file. Renderers intersect the ray of each
 //! pixel with the plane; how many pixels away the nearest line is follows from the derivative, which is known in closed
-//! form, so that both draw the same lines (`shaders/passes/grid.wgsl`, `render/cpu/grid.rs`).
+//! form, so that both draw the same lines (`shaders/effects/grid.wgsl`, `render/effects/grid`).
 
 use super::style::luma;
 use super::{Background, UpAxis, ViewTransform};

@@ -78,16 +78,16 @@ impl Lights {
             // Ambient light and highlights are those of [`PhysicalLight`](super::PhysicalLight) there.
             Lighting::Lambert | Lighting::Physical => 0.0,
             Lighting::BlinnPhong => 0.25,
-            Lighting::Auto | Lighting::Unlit | Lighting::PerSurfel | Lighting::PerVertex | Lighting::PerFragment => {
+            Lighting::Unlit | Lighting::PerSurfel | Lighting::PerVertex | Lighting::PerFragment => {
                 return None;
             }
         };
         let center = packet.view.to_view(packet.bounds.center());
         let radius = packet.bounds.radius();
-        let rig = light.drawn_rig();
+        let rig = light.rig;
         let (head, lamps) = match rig {
             LightRig::None => (0.0, Vec::new()),
-            LightRig::Head | LightRig::Auto => (1.0 - AMBIENT, Vec::new()),
+            LightRig::Head => (1.0 - AMBIENT, Vec::new()),
             LightRig::ThreePoint => (0.1, three_point()),
             LightRig::Paper => (0.0, of_paper(center, radius)),
             LightRig::Colored => (0.15, colored()),

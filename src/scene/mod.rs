@@ -15,7 +15,6 @@ mod gaps;
 mod gauge;
 mod ground;
 mod halo;
-mod in_view;
 mod labels;
 mod legend;
 mod lights;
@@ -55,11 +54,10 @@ pub(crate) use gaps::{GAP_ONE_SURFACE, GAP_SOLID, GAPS_PER_SLIT, GAPS_PER_SPECK,
 pub use gauge::Gauge;
 pub use ground::{GroundPlane, SeenGround};
 pub use halo::halo_px;
-pub use in_view::points_in_view;
 pub use labels::{Label, LabelOnPicture, MAX_LABEL_CHARS, labels_on_picture};
 pub use legend::{Legend, LegendBody, field_title};
 pub use lights::{Lamp, Lights};
-pub use packet::ScenePacket;
+pub use packet::{PacketParams, ScenePacket};
 pub use path::{CameraPath, Keyframe, PathError, PathFileError};
 pub use photo_depths::PhotoDepths;
 pub(crate) use photo_depths::{DepthMap, DepthRelation};
@@ -77,11 +75,12 @@ pub use screen_surfels::screen_view;
 pub use shadow::Shadow;
 pub(crate) use style::choices;
 pub use style::{
-    Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure,
-    LevelStyle, LightRig, LightStyle, Lighting, NormalBits, NormalSource, OfSequence, OffsetBits, OnOff,
-    ParseChoiceError, PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle, PointLight,
-    PointShape, PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy,
-    Style, SurfelColors, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
+    Antialiasing, Automatic, BackFaces, Backdrop, Background, Choice, CodeStyle, DrawingSettings, DrawingStyle,
+    EyeDome, Footprint, Kernel, LevelStructure, LevelStyle, LightRig, LightSettings, LightStyle, Lighting, NormalBits,
+    NormalSource, OfSequence, OffsetBits, OnOff, ParseChoiceError, PhotoClipping, PhotoGains, PhotoHoles, PhotoMode,
+    PhotoRelight, PhotoStyle, PointLight, PointShape, PointSizing, PointStyle, Primitive, RendererChoice, Settings,
+    SplatFilter, SplatGeometry, Splatting, Strategy, Style, SurfelColors, SurfelSettings, SurfelStyle, VoxelLight,
+    VoxelStyle, coloring, describe,
 };
 pub use view_text::ParseViewError;
 pub use visible_points::{PointImages, ScreenStats, VisiblePoints, VisibleSurfels};

@@ -2,7 +2,7 @@
 
 use super::content::Content;
 use super::style::{Antialiasing, BackFaces, Splatting};
-use super::{GroundPlane, Lighting, PhotographsInFrame, Primitive, Style, ViewTransform};
+use super::{Clip, GroundPlane, Lighting, PhotographsInFrame, Primitive, Style, ViewTransform};
 use crate::math::Aabb;
 
 /// Everything a renderer needs for one picture. Equal packets make equal pictures.
@@ -22,6 +22,17 @@ pub struct ScenePacket {
     pub ground: Option<GroundPlane>,
     /// What surfaces have their colours from, if these are not those of points.
     pub photographs: Option<PhotographsInFrame>,
+    /// What settings are in this picture.
+    pub params: PacketParams,
+}
+
+/// What is derived from settings for one picture: lengths and places of its frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PacketParams {
+    /// How far apart neighbouring points of the frame typically are, scene units; 0 where nobody has measured it.
+    pub point_spacing: f32,
+    /// What of the cloud is drawn, relative to the origin of the frame; all if `None`.
+    pub clip: Option<Clip>,
 }
 
 impl ScenePacket {
@@ -61,7 +72,7 @@ impl ScenePacket {
             _ => self.style.primitive != Primitive::Point || self.style.lights_points(),
         };
         if is_lit {
-            self.style.light.drawn_lighting()
+            self.style.light.lighting
         } else {
             Lighting::Unlit
         }

@@ -96,7 +96,7 @@ impl PhysicalLight {
         let light = &packet.style.light;
         let roughness = light.roughness.clamp(0.0, 1.0);
         let tables = PhysicalTables::of(light.environment, roughness);
-        let environment_light = match (light.environment, light.drawn_rig()) {
+        let environment_light = match (light.environment, light.rig) {
             (Environment::None, _) => AMBIENT,
             (_, LightRig::None) => 1.0,
             _ => ENVIRONMENT_BESIDE_LAMPS,

@@ -19,7 +19,6 @@
 
 use super::camera::TELEPHOTO_FOCAL;
 use super::style::Primitive;
-use super::style::describe::When;
 use super::{Lights, ScenePacket, ViewTransform};
 use glam::{DVec3, Mat3, Vec4};
 
@@ -57,7 +56,7 @@ impl Shadow {
     /// That of a packet as it is drawn ([`ScenePacket::as_drawn`]); `None` where there is none, or no key light that is
     /// far away.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
-        let is_on = packet.style.is(When::Shadows);
+        let is_on = packet.style.has_shadows();
         let lights = Lights::of(packet).filter(|_| is_on)?;
         let key = lights.key()?;
         let radius = packet.bounds.radius() * SHOWN_OF_RADIUS;

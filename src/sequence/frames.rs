@@ -120,7 +120,8 @@ impl Sequence {
         Self::of_shared(Arc::clone(&self.source), self.fps, self.no_data)
     }
 
-    /// The same frames with other filters of depth images; `None` where frames are none: see [`Source::filtered`].
+    /// The same frames with other filters of depth images; `None` where frames are none: see
+    /// [`DepthImages::filtered`](crate::source::DepthImages::filtered).
     #[must_use]
     pub fn filtered(&self, filters: Filters) -> Option<Self> {
         let source = self.source.filtered(filters)?;
@@ -151,7 +152,8 @@ impl Sequence {
         self.source.frames()
     }
 
-    /// The frames that one decoder had best decode in their order: see [`Source::group`].
+    /// The frames that one decoder had best decode in their order: see
+    /// [`Groups::group`](crate::source::Groups::group).
     pub(crate) fn group(&self, index: usize) -> Range<usize> {
         self.source.group(index)
     }
@@ -314,7 +316,7 @@ impl Sequence {
         self.origin.is_sample_outdated()
     }
 
-    /// [`Source::changed_since`]: frames that are to be read again.
+    /// [`Growth::changed_since`](crate::source::Growth::changed_since): frames that are to be read again.
     pub(crate) fn changed_since(&self, since: usize) -> Vec<usize> {
         let changed = self.source.changed_since(since);
         for &index in &changed {

@@ -24,16 +24,13 @@ mod effort;
 mod error;
 mod frames;
 mod gaps;
-mod ghosts;
 mod loader;
 mod needs;
-mod onion;
 mod origin;
 mod prepare;
 mod records;
 mod scaled;
 mod stamps;
-mod trails;
 mod watch;
 
 pub use crate::natural::natural_order;
@@ -46,15 +43,12 @@ pub use detail::Detail;
 pub use error::FrameError;
 pub use frames::Sequence;
 pub use gaps::{NumberGap, number_gaps};
-pub use ghosts::{Ghost, with_ghosts};
 #[cfg(test)]
 pub(crate) use loader::simulation;
 pub use loader::{FrameFacts, FrameState, Loader, LoaderOptions, LoaderStats, Reading, ReadingStage, Slot};
 pub use needs::Needs;
-pub use onion::OnionSkin;
 pub use prepare::{PrepareCounters, PreparedFrame, PreparedMesh, Timings, complete, prepare, prepare_part};
 pub use scaled::NO_VALUE_COLOR;
-pub use trails::{BreakReason, TrailBreak, TrailMeasure, TrailRequest, Trails};
 pub use watch::watch;
 
 // The loader hands sequences and frames to worker threads.

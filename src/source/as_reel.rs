@@ -1,12 +1,13 @@
 //! The frames of another source as a sequence file with some options would give them back: what is lost can be seen
 //! before a file is written.
 
-use super::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, SequenceError, Source};
+use super::{About, Capabilities, DecodeFailure, DecodedFrame, Decoder, DepthImages, FrameEntry, Source};
 use crate::progress::Progress;
 use crate::reel::{NewFrame, ReelDecoder, ReelFile, ReelOptions, write_to_memory};
+use crate::rgbd::{Filters, Sensor};
+use crate::wire::RawImages;
 use std::ops::Range;
 use std::sync::Arc;
-use std::time::Duration;
 
 /// Frames of another source, each encoded and decoded by itself whenever it is asked for.
 pub struct AsReel {
@@ -39,10 +40,6 @@ impl Source for AsReel {
         self.source.entry(index)
     }
 
-    fn group(&self, index: usize) -> Range<usize> {
-        self.source.group(index)
-    }
-
     fn decoder(&self) -> Box<dyn Decoder> {
         Box::new(ThroughReel {
             decoder: self.source.decoder(),
@@ -50,28 +47,74 @@ impl Source for AsReel {
         })
     }
 
-    fn fps(&self) -> Option<f64> {
-        self.source.fps()
+    fn about(&self) -> About<'_> {
+        let About {
+            inputs: _,
+            fps,
+            reel: _,
+            recordings: _,
+            assumptions,
+            notes,
+            damage,
+        } = self.source.about();
+        About {
+            // Nobody opened these frames: a session that names the inputs would open the original in their place.
+            inputs: &[],
+            fps,
+            // The one that is open is not the one that would be written.
+            reel: None,
+            // Another topic is chosen by opening the inputs again.
+            recordings: &[],
+            assumptions,
+            notes,
+            damage,
+        }
     }
 
-    fn is_live(&self) -> bool {
-        self.source.is_live()
+    fn capabilities(&self) -> Capabilities<'_> {
+        let Capabilities {
+            groups,
+            meshes: _,
+            samples: _,
+            growth,
+            live,
+            depth_images,
+            photographs,
+            image_files,
+        } = self.source.capabilities();
+        Capabilities {
+            groups,
+            // A sequence file holds points, and no faces.
+            meshes: None,
+            // What is read of a frame alone has not gone through a file, and levels of a file are made of the whole.
+            samples: None,
+            growth,
+            live,
+            depth_images: depth_images.map(|_| self as &dyn DepthImages),
+            photographs,
+            image_files,
+        }
+    }
+}
+
+/// Frames that are no longer images: a file holds their points, and who took them can still be asked here.
+impl DepthImages for AsReel {
+    fn sensor(&self, index: usize) -> Option<Sensor> {
+        self.source.sensor(index)
     }
 
-    fn may_grow(&self) -> bool {
-        self.source.may_grow()
+    /// What was recorded before any filter does not go through the file.
+    fn raw_images(&self, _index: usize) -> Option<Result<RawImages, DecodeFailure>> {
+        None
     }
 
-    fn look_again(&self) -> Result<usize, SequenceError> {
-        self.source.look_again()
+    fn filters(&self) -> Option<Filters> {
+        self.source.filters()
     }
 
-    fn changed_since(&self, since: usize) -> Vec<usize> {
-        self.source.changed_since(since)
-    }
-
-    fn wait_for_more(&self, at_most: Duration) -> Result<usize, SequenceError> {
-        self.source.wait_for_more(at_most)
+    fn filtered(&self, filters: Filters) -> Option<Arc<dyn Source>> {
+        let filtered = self.source.filtered(filters)?;
+        Some(Arc::new(Self::new(filtered, self.options.clone())))
     }
 }
 
@@ -104,9 +147,18 @@ impl Decoder for ThroughReel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::assumption::{Assumption, Evidence, Subject};
     use crate::cloud::{Positions, RawCloud};
+    use crate::photos::ViewSet;
     use crate::reel::Precision;
-    use crate::source::FrameList;
+    use crate::rgbd::{Camera, Distortion, Rig};
+    use crate::source::{
+        FrameList, Groups, Growth, ImageFiles, Live, LiveState, LiveStatus, Meshes, Photographed, SequenceError,
+        StreamRecording,
+    };
+    use crate::wire::View;
+    use glam::DVec2;
+    use std::path::{Path, PathBuf};
 
     #[test]
     fn frames_are_those_that_a_file_would_give() {
@@ -128,5 +180,193 @@ mod tests {
         let lossless = kept(Precision::Lossless).positions;
         assert_eq!(lossless.len(), 3);
         assert!(matches!(lossless, Positions::F32(_)));
+    }
+
+    /// A source that can do all that a source can.
+    struct Able {
+        list: FrameList,
+        inputs: [PathBuf; 1],
+        assumptions: Vec<Assumption>,
+        notes: Vec<String>,
+        filters: Filters,
+    }
+
+    impl Source for Able {
+        fn frames(&self) -> Range<usize> {
+            self.list.frames()
+        }
+
+        fn entry(&self, index: usize) -> Arc<FrameEntry> {
+            self.list.entry(index)
+        }
+
+        fn decoder(&self) -> Box<dyn Decoder> {
+            self.list.decoder()
+        }
+
+        fn about(&self) -> About<'_> {
+            About {
+                inputs: &self.inputs,
+                fps: Some(12.5),
+                reel: None,
+                recordings: &[],
+                assumptions: &self.assumptions,
+                notes: &self.notes,
+                damage: &self.notes[1..],
+            }
+        }
+
+        fn capabilities(&self) -> Capabilities<'_> {
+            Capabilities {
+                groups: Some(self),
+                meshes: Some(self),
+                samples: Some(&self.list),
+                growth: Some(self),
+                live: Some(self),
+                depth_images: Some(self),
+                photographs: Some(self),
+                image_files: Some(self),
+            }
+        }
+    }
+
+    impl Groups for Able {
+        fn group(&self, _index: usize) -> Range<usize> {
+            0..2
+        }
+    }
+
+    impl Meshes for Able {
+        fn mesh_decoder(&self) -> Box<dyn Decoder> {
+            self.list.decoder()
+        }
+    }
+
+    impl Growth for Able {
+        fn may_grow(&self) -> bool {
+            true
+        }
+
+        fn is_live(&self) -> bool {
+            true
+        }
+
+        fn look_again(&self) -> Result<usize, SequenceError> {
+            Ok(7)
+        }
+
+        fn changed_since(&self, since: usize) -> Vec<usize> {
+            vec![since]
+        }
+    }
+
+    impl Live for Able {
+        fn status(&self) -> LiveStatus {
+            LiveStatus {
+                state: LiveState::Connected,
+                received_frames: 3,
+                lost_frames: 0,
+                bytes_per_s: 0.0,
+                frames_per_s: 0.0,
+                delay_s: None,
+                kept_s: 0.0,
+                kept_bytes: 0,
+                reconnects: 0,
+                recording: None,
+            }
+        }
+
+        fn frames_behind(&self, _shown: usize) -> Option<u64> {
+            None
+        }
+
+        fn look_from(&self, _view: View) {}
+
+        fn start_recording(&self, _path: &Path) -> Result<(), String> {
+            Ok(())
+        }
+
+        fn stop_recording(&self) -> Result<Option<StreamRecording>, String> {
+            Ok(None)
+        }
+    }
+
+    impl DepthImages for Able {
+        fn sensor(&self, _index: usize) -> Option<Sensor> {
+            let depth = Camera::new([4, 4], DVec2::splat(4.0), DVec2::splat(1.5), Distortion::None).unwrap();
+            Some(Sensor {
+                rig: Arc::new(Rig { depth, color: None }),
+                world_from_camera: None,
+            })
+        }
+
+        fn raw_images(&self, _index: usize) -> Option<Result<RawImages, DecodeFailure>> {
+            Some(Err("not asked for".into()))
+        }
+
+        fn filters(&self) -> Option<Filters> {
+            Some(self.filters)
+        }
+
+        fn filtered(&self, filters: Filters) -> Option<Arc<dyn Source>> {
+            Some(Arc::new(able(filters)))
+        }
+    }
+
+    impl Photographed for Able {
+        fn photographs(&self, _index: usize) -> Option<Arc<ViewSet>> {
+            Some(Arc::default())
+        }
+    }
+
+    impl ImageFiles for Able {
+        fn image_files(&self) -> Vec<PathBuf> {
+            vec!["color.png".into()]
+        }
+    }
+
+    fn able(filters: Filters) -> Able {
+        Able {
+            list: FrameList::new(vec![FrameEntry::file("a.ply"), FrameEntry::file("b.ply")], |_, _| {
+                Ok(RawCloud::from_positions(Positions::F32(vec![[0.0; 3]])))
+            }),
+            inputs: ["scan".into()],
+            assumptions: vec![Assumption::new(Subject::Frames, "2", "a test", Evidence::File)],
+            notes: vec!["a note".to_owned(), "it is cut".to_owned()],
+            filters,
+        }
+    }
+
+    #[test]
+    fn all_that_the_frames_keep_in_a_file_can_still_be_asked() {
+        let inner = able(Filters::NONE);
+        let whole = format!("{:?}", inner.capabilities());
+        let reel: &dyn Source = &AsReel::new(Arc::new(inner), ReelOptions::default());
+        assert!(!whole.contains("false"), "{whole}");
+        let lost = whole.replace("meshes: true", "meshes: false");
+        let lost = lost.replace("samples: true", "samples: false");
+        assert_eq!(format!("{:?}", reel.capabilities()), lost);
+        assert_eq!((reel.group(1), reel.fps()), (0..2, Some(12.5)));
+        assert!(reel.may_grow() && reel.is_live());
+        assert_eq!((reel.look_again().unwrap(), reel.changed_since(5)), (7, vec![5]));
+        assert_eq!(reel.live().map(|live| live.status().received_frames), Some(3));
+        assert!(reel.sensor(0).is_some() && reel.photographs(0).is_some() && reel.raw_images(0).is_none());
+        assert_eq!(reel.images(), [PathBuf::from("color.png")]);
+        assert_eq!(
+            (reel.notes(), reel.damage()),
+            (
+                &["a note".to_owned(), "it is cut".to_owned()][..],
+                &["it is cut".to_owned()][..]
+            )
+        );
+        assert_eq!((reel.assumptions().len(), reel.inputs().len()), (1, 0));
+        let other: Filters = "temporal".parse().unwrap();
+        let filtered = reel.filtered(other).unwrap();
+        assert_eq!((reel.filters(), filtered.filters()), (Some(Filters::NONE), Some(other)));
+        assert_eq!(
+            format!("{:?}", filtered.capabilities()),
+            lost,
+            "it goes through the file as well"
+        );
     }
 }

@@ -141,7 +141,7 @@ pub enum SequenceError {
         /// What is wrong, and what to do.
         problem: String,
     },
-    /// A live stream, or a recording of one, that cannot be opened.
+    /// A live stream, a recording of one, or standard input, that cannot be opened.
     #[error("{input}: {problem}")]
     Stream {
         /// The input as given.

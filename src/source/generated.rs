@@ -1,5 +1,6 @@
 //! Sources that are no files: words where files are named.
 
+use super::opener::One;
 use super::{Example, SequenceError, Shape, Source, Spin, demo};
 use std::path::Path;
 use std::sync::Arc;
@@ -9,6 +10,17 @@ const USUAL_POINTS: usize = 100_000;
 
 /// Most points that a shape can be asked for.
 const MOST_POINTS: usize = 50_000_000;
+
+/// Words before a colon.
+pub(super) const WORDS: One = One {
+    can_read: |input| !matches!(Generated::of_name(input), Ok(None)),
+    open: |input, _| {
+        let generated = Generated::of_name(input)?;
+        generated.map(Generated::source).ok_or(SequenceError::NoInput)
+    },
+    beside_others: None,
+    is_word: true,
+};
 
 /// What an input names that is no file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

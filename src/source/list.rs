@@ -1,6 +1,6 @@
 //! A list of frames and a function that decodes them: sensors, generators, slow or broken files in tests.
 
-use super::{DecodeFailure, Decoder, FrameEntry, FrameSample, Source};
+use super::{About, Capabilities, DecodeFailure, Decoder, FrameEntry, FrameSample, Samples, Source};
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
 use std::ops::Range;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 type DecodeFn = dyn Fn(&FrameEntry, &Progress) -> Result<RawCloud, DecodeFailure> + Send + Sync;
 
-/// Reads some points of a frame alone: see [`Source::sample`].
+/// Reads some points of a frame alone: see [`Samples::sample`].
 type SampleFn = dyn Fn(&FrameEntry, usize, usize) -> Result<Option<FrameSample>, DecodeFailure> + Send + Sync;
 
 /// Frames that one function decodes, called from several threads at once.
@@ -65,6 +65,19 @@ impl Source for FrameList {
         Box::new(move |entry: &FrameEntry, progress: &Progress| decode(entry, progress))
     }
 
+    fn about(&self) -> About<'_> {
+        About::default()
+    }
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            samples: Some(self),
+            ..Capabilities::default()
+        }
+    }
+}
+
+impl Samples for FrameList {
     fn sample(
         &self,
         index: usize,

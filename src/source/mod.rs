@@ -6,7 +6,7 @@
 //! a place in memory.
 //!
 //! To add a source: a type that implements [`Source`] and its [`Decoder`], and where a person names it: a file format
-//! in [`crate::io`], or a word of [`Generated`].
+//! in [`crate::io`], a word of [`Generated`], or a row of the table here.
 
 mod as_reel;
 mod demo;
@@ -18,15 +18,18 @@ mod generated;
 mod http;
 mod list;
 mod live;
+mod opener;
 mod options;
 mod photo_sets;
 mod photo_video;
 mod photos;
+mod questions;
 mod reel;
 mod rgbd;
 mod scanner;
 mod shapes;
 mod spin;
+mod standard_input;
 mod traits;
 
 pub use as_reel::AsReel;
@@ -37,7 +40,6 @@ pub use examples::Example;
 pub use files::{Files, Recording};
 pub use generated::Generated;
 pub use list::FrameList;
-use live::is_recording;
 pub use live::{
     ConnectionChange, ConnectionWatch, Live, LiveState, LiveStatus, LiveStream, RecordedStream, StreamRecording,
 };
@@ -50,79 +52,53 @@ pub use scanner::LiveScanner;
 pub use shapes::Shape;
 pub(crate) use shapes::{OUTLIERS, Sampled};
 pub use spin::Spin;
-pub use traits::{DecodeFailure, DecodedFrame, DecodedLevel, Decoder, FrameSample, Source};
+pub use traits::{
+    About, Capabilities, DecodeFailure, DecodedFrame, DecodedLevel, Decoder, DepthImages, FrameSample, Groups, Growth,
+    ImageFiles, Meshes, Photographed, Samples, Source,
+};
 
 use crate::progress::Progress;
-use std::path::PathBuf;
+use opener::{Asked, Opener};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The source that `inputs` name: one that is [`Generated`], a sensor ([`LiveScanner`]), a stream ([`LiveStream`]) or
-/// what was recorded of one ([`RecordedStream`]), a sequence file ([`Reel`]), calibrated photographs of one moment
-/// ([`PhotoScene`]) or of many ([`PhotoVideo`]), a recording of depth images ([`RgbdRecording`]), else files, folders
-/// and patterns. `progress` counts the files that were looked at, and may be cancelled.
+/// What can be opened, the first that the inputs are.
+const OPENERS: &[Opener] = &[
+    Opener::One(&generated::WORDS),
+    Opener::One(&standard_input::STANDARD_INPUT),
+    Opener::One(&scanner::ADDRESS),
+    Opener::One(&live::ADDRESS),
+    Opener::One(&live::RECORDING),
+    Opener::One(&reel::FILE_OR_ADDRESS),
+    Opener::Any(photo_sets::open_unless_depth),
+    Opener::Any(|asked| rgbd::open(asked.inputs, asked.options)),
+    Opener::Any(photo_sets::open_one_below),
+    // Whatever nothing else is.
+    Opener::Any(|asked| {
+        Ok(Some(Arc::new(Files::open(
+            asked.inputs,
+            asked.options,
+            asked.progress,
+        )?)))
+    }),
+];
+
+/// The source that `inputs` name: one that is [`Generated`], standard input (`-`), a sensor ([`LiveScanner`]), a stream
+/// ([`LiveStream`]) or what was recorded of one ([`RecordedStream`]), a sequence file ([`Reel`]), calibrated
+/// photographs of one moment ([`PhotoScene`]) or of many ([`PhotoVideo`]), a recording of depth images
+/// ([`RgbdRecording`]), else files, folders and patterns. `progress` counts the files that were looked at, and may be
+/// cancelled.
 pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> Result<Arc<dyn Source>, SequenceError> {
-    if let [input] = inputs
-        && let Some(generated) = Generated::of_name(input)?
-    {
-        return Ok(generated.source());
-    }
-    if let Some(scanner) = inputs.iter().find(|input| LiveScanner::is_one(input)) {
-        return match inputs {
-            [_] => Ok(Arc::new(LiveScanner::open(scanner, &options.read, progress)?)),
-            _ => Err(SequenceError::Scanner {
-                input: scanner.display().to_string(),
-                problem: "a live sensor is a sequence of its own: open it without other inputs".to_owned(),
-            }),
-        };
-    }
-    if let Some(stream) = inputs.iter().find(|input| LiveStream::is_one(input)) {
-        return match inputs {
-            [_] => Ok(Arc::new(LiveStream::open(stream, options, progress)?)),
-            _ => Err(SequenceError::Stream {
-                input: stream.display().to_string(),
-                problem: "a live stream is a sequence of its own: open it without other inputs".to_owned(),
-            }),
-        };
-    }
-    if let [input] = inputs
-        && is_recording(input)
-    {
-        return Ok(Arc::new(RecordedStream::open(input, options)?));
-    }
-    if let Some(reel) = inputs.iter().find(|input| Reel::is_url(input) || Reel::is_one(input)) {
-        return match inputs {
-            [_] => Ok(Arc::new(Reel::open(reel, options)?)),
-            _ => Err(SequenceError::NotAlone { path: reel.clone() }),
-        };
-    }
-    if !rgbd::comes_before_photographs(inputs, options)
-        && let Some(photographs) = photo_sets::open(inputs, options)?
-    {
-        return Ok(photographs);
-    }
-    if let Some(recording) = rgbd::open(inputs, options)? {
-        return Ok(recording);
-    }
-    if let [input] = inputs
-        && input.is_dir()
-    {
-        // Photographs in a folder of a recording of clouds are no reason to refuse it.
-        match photo_sets::open_below(input, options) {
-            Ok(Some(below)) => return Ok(below),
-            Ok(None) => {}
-            Err(error) => {
-                return match Files::open(inputs, options, progress) {
-                    // Lists of numbers next to images are no recording of clouds.
-                    Ok(files) if !files.are_texts() => Ok(shared(files)),
-                    Err(several @ SequenceError::Several { .. }) => Err(several),
-                    _ => Err(error),
-                };
-            }
-        }
-    }
-    Files::open(inputs, options, progress).map(shared)
+    let asked = Asked {
+        openers: OPENERS,
+        inputs,
+        options,
+        progress,
+    };
+    asked.open()
 }
 
-fn shared(source: impl Source + 'static) -> Arc<dyn Source> {
-    Arc::new(source)
+/// Whether `input` is a word for a source that is neither a file nor an address, such as `demo:`.
+pub fn is_word(input: &Path) -> bool {
+    OPENERS.iter().any(|opener| opener.has_word(input))
 }

@@ -5,9 +5,10 @@
 //! could be. That is asked last, and of a folder alone that has no file of a cloud; what only lies beside photographs
 //! is none.
 
+use super::opener::Asked;
 use super::photo_video::PhotoVideo;
 use super::photos::PhotoScene;
-use super::{OpenOptions, SequenceError, Source, rgbd};
+use super::{Files, OpenOptions, SequenceError, Source, rgbd};
 use crate::io::Format;
 use crate::io::foreign::by_members;
 use crate::natural::natural_order;
@@ -29,7 +30,7 @@ const MOST_NAMES: usize = 6;
 ///
 /// # Errors
 /// Where the files break the rules of their format, and where none of the photographs can be shown.
-pub(super) fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<Arc<dyn Source>>, SequenceError> {
+fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<Arc<dyn Source>>, SequenceError> {
     let [input] = inputs else { return Ok(None) };
     let Some(found) = photos::find(input).map_err(wrong)? else {
         let sets = PhotoVideo::of_sets(inputs, options);
@@ -50,12 +51,39 @@ pub(super) fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<A
     ))
 }
 
+/// [`open`] where the inputs are no recording whose depth images count more.
+pub(super) fn open_unless_depth(asked: Asked<'_>) -> Result<Option<Arc<dyn Source>>, SequenceError> {
+    if rgbd::comes_before_photographs(asked.inputs, asked.options) {
+        return Ok(None);
+    }
+    open(asked.inputs, asked.options)
+}
+
+/// [`open_below`] the one folder, unless it is a recording of clouds.
+pub(super) fn open_one_below(asked: Asked<'_>) -> Result<Option<Arc<dyn Source>>, SequenceError> {
+    let [input] = asked.inputs else { return Ok(None) };
+    if !input.is_dir() {
+        return Ok(None);
+    }
+    let error = match open_below(input, asked.options) {
+        Ok(below) => return Ok(below),
+        Err(error) => error,
+    };
+    // Photographs in a folder of a recording of clouds are no reason to refuse it.
+    match Files::open(asked.inputs, asked.options, asked.progress) {
+        // Lists of numbers next to images are no recording of clouds.
+        Ok(files) if !files.are_texts() => Ok(Some(Arc::new(files))),
+        Err(several @ SequenceError::Several { .. }) => Err(several),
+        _ => Err(error),
+    }
+}
+
 /// What the one sub-folder of `input` holds that can be opened; `None` where `input` has frames of its own, or nothing
 /// is known of it.
 ///
 /// # Errors
 /// Where several could be opened, where the one cannot, and where the folder holds photographs that are not read.
-pub(super) fn open_below(input: &Path, options: &OpenOptions) -> Result<Option<Arc<dyn Source>>, SequenceError> {
+fn open_below(input: &Path, options: &OpenOptions) -> Result<Option<Arc<dyn Source>>, SequenceError> {
     let Some(folders) = folders_of_no_frames(input) else {
         return Ok(None);
     };

@@ -2,9 +2,9 @@
 //! that stereo makes of them.
 //!
 //! The frame is an ordinary cloud, so all that works with clouds works with it. Whoever wants the photographs as well
-//! asks [`Source::photographs`].
+//! asks [`Photographed::photographs`].
 
-use super::{DecodeFailure, Decoder, FrameEntry, OpenOptions, Source};
+use super::{About, Capabilities, DecodeFailure, Decoder, FrameEntry, OpenOptions, Photographed, Source};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{Positions, RawCloud};
 use crate::io::{self, Part};
@@ -80,20 +80,26 @@ impl Source for PhotoScene {
         })
     }
 
-    fn inputs(&self) -> &[PathBuf] {
-        &self.inputs
+    fn about(&self) -> About<'_> {
+        About {
+            inputs: &self.inputs,
+            assumptions: &self.assumptions,
+            notes: &self.set.notes,
+            ..About::default()
+        }
     }
 
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            photographs: Some(self),
+            ..Capabilities::default()
+        }
+    }
+}
+
+impl Photographed for PhotoScene {
     fn photographs(&self, _index: usize) -> Option<Arc<ViewSet>> {
         (!self.set.photos.is_empty()).then(|| Arc::clone(&self.set))
-    }
-
-    fn assumptions(&self) -> &[Assumption] {
-        &self.assumptions
-    }
-
-    fn notes(&self) -> &[String] {
-        &self.set.notes
     }
 }
 

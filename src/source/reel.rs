@@ -2,8 +2,9 @@
 
 use super::files::number;
 use super::http::HttpFile;
+use super::opener::One;
+use super::{About, Capabilities, Groups, Growth, Samples, SequenceError, Source};
 use super::{DecodeFailure, DecodedFrame, DecodedLevel, Decoder, FrameEntry, FrameSample, OpenOptions};
-use super::{SequenceError, Source};
 use crate::deadlines::ClientDeadlines;
 use crate::io::ReadOptions;
 use crate::locks::{lock, read, write};
@@ -42,16 +43,24 @@ struct Opened {
     entries: Vec<Arc<FrameEntry>>,
 }
 
+/// A sequence file, here or on the web.
+pub(super) const FILE_OR_ADDRESS: One = One {
+    can_read: |input| Reel::is_url(input) || Reel::is_one(input),
+    open: |input, asked| Ok(Arc::new(Reel::open(input, asked.options)?)),
+    beside_others: Some(|input| SequenceError::NotAlone { path: input.to_owned() }),
+    is_word: false,
+};
+
 impl Reel {
     /// Whether the file at `path` begins as a sequence file does.
-    pub(super) fn is_one(path: &Path) -> bool {
+    fn is_one(path: &Path) -> bool {
         let mut begin = [0; MAGIC.len()];
         let read = regular_file::open(path).and_then(|mut file| file.read_exact(&mut begin));
         read.is_ok() && begin == MAGIC
     }
 
     /// Whether `input` is an address on the web.
-    pub(super) fn is_url(input: &Path) -> bool {
+    fn is_url(input: &Path) -> bool {
         let has_scheme = |scheme: &str| input.to_str().is_some_and(|input| input.starts_with(scheme));
         has_scheme("http://") || has_scheme("https://")
     }
@@ -182,10 +191,6 @@ impl Source for Reel {
         Arc::clone(&read(&self.shared.opened).entries[index])
     }
 
-    fn group(&self, index: usize) -> Range<usize> {
-        self.file().run_of(index)
-    }
-
     fn decoder(&self) -> Box<dyn Decoder> {
         Box::new(FileDecoder {
             decoder: ReelDecoder::new(self.file(), self.shared.max_memory_bytes),
@@ -193,6 +198,33 @@ impl Source for Reel {
         })
     }
 
+    fn about(&self) -> About<'_> {
+        About {
+            inputs: &self.inputs,
+            fps: self.file().fps(),
+            reel: Some(self.file()),
+            notes: &self.notes,
+            ..About::default()
+        }
+    }
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            groups: Some(self),
+            samples: Some(self),
+            growth: Some(self),
+            ..Capabilities::default()
+        }
+    }
+}
+
+impl Groups for Reel {
+    fn group(&self, index: usize) -> Range<usize> {
+        self.file().run_of(index)
+    }
+}
+
+impl Samples for Reel {
     fn sample(
         &self,
         index: usize,
@@ -208,15 +240,17 @@ impl Source for Reel {
             .decode(index, &self.entry(index), most_points, &Progress::default())?;
         Ok(Some((sample, points)))
     }
+}
 
-    fn fps(&self) -> Option<f64> {
-        self.file().fps()
-    }
-
+impl Growth for Reel {
     /// A scanner may write while others read.
     fn may_grow(&self) -> bool {
         let [path] = &self.inputs;
         !self.is_embedded && !Self::is_url(path)
+    }
+
+    fn is_live(&self) -> bool {
+        false
     }
 
     fn look_again(&self) -> Result<usize, SequenceError> {
@@ -240,18 +274,6 @@ impl Source for Reel {
             *write(&self.shared.opened) = now;
         }
         Ok(more)
-    }
-
-    fn inputs(&self) -> &[PathBuf] {
-        &self.inputs
-    }
-
-    fn reel(&self) -> Option<Arc<ReelFile>> {
-        Some(self.file())
-    }
-
-    fn notes(&self) -> &[String] {
-        &self.notes
     }
 }
 

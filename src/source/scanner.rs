@@ -11,7 +11,8 @@
 //! What follows the address behind a `?` is the file that packets of some sensors cannot be read without: metadata of
 //! Ouster, or the calibration of an HDL-64E.
 
-use super::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, SequenceError, Source};
+use super::opener::One;
+use super::{About, Capabilities, DecodeFailure, DecodedFrame, Decoder, FrameEntry, Growth, SequenceError, Source};
 use crate::deadlines::ClientDeadlines;
 use crate::io::ReadOptions;
 use crate::io::packets::{Companion, LiveTurn, LiveTurns};
@@ -77,12 +78,21 @@ struct Turns {
     last: Option<(SocketAddr, usize)>,
 }
 
-impl LiveScanner {
-    /// Whether `input` is the address of one.
-    pub(super) fn is_one(input: &Path) -> bool {
-        input.to_str().is_some_and(|input| input.starts_with(SCHEME))
-    }
+/// The address of a sensor.
+pub(super) const ADDRESS: One = One {
+    can_read: |input| input.to_str().is_some_and(|input| input.starts_with(SCHEME)),
+    open: |input, asked| {
+        let scanner = LiveScanner::open(input, &asked.options.read, asked.progress)?;
+        Ok(Arc::new(scanner))
+    },
+    beside_others: Some(|input| SequenceError::Scanner {
+        input: input.display().to_string(),
+        problem: "a live sensor is a sequence of its own: open it without other inputs".to_owned(),
+    }),
+    is_word: false,
+};
 
+impl LiveScanner {
     /// Listens at `input`, such as `udp://:2368` or `udp://192.168.1.100:7502?os1.json`, until the first turn is over.
     /// `progress` may be cancelled.
     ///
@@ -307,6 +317,22 @@ impl Source for LiveScanner {
         })
     }
 
+    fn about(&self) -> About<'_> {
+        About {
+            inputs: std::slice::from_ref(&self.input),
+            ..About::default()
+        }
+    }
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            growth: Some(self),
+            ..Capabilities::default()
+        }
+    }
+}
+
+impl Growth for LiveScanner {
     fn is_live(&self) -> bool {
         true
     }
@@ -327,10 +353,6 @@ impl Source for LiveScanner {
         let told = *lock(&self.told);
         self.ring.wait(told, at_most);
         self.look_again()
-    }
-
-    fn inputs(&self) -> &[PathBuf] {
-        std::slice::from_ref(&self.input)
     }
 }
 
@@ -375,6 +397,7 @@ mod tests {
             let problem = parsed(wrong).unwrap_err();
             assert!(problem.contains("udp://:2368"), "{problem}");
         }
-        assert!(LiveScanner::is_one(Path::new("udp://:1")) && !LiveScanner::is_one(Path::new("drive.pcap")));
+        let is_address = ADDRESS.can_read;
+        assert!(is_address(Path::new("udp://:1")) && !is_address(Path::new("drive.pcap")));
     }
 }

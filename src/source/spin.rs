@@ -2,7 +2,9 @@
 //!
 //! It stands for sensors where there is none: whoever shows, measures or records a stream can be tried on it.
 
-use super::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, SequenceError, Shape, Source};
+use super::{
+    About, Capabilities, DecodeFailure, DecodedFrame, Decoder, FrameEntry, Growth, SequenceError, Shape, Source,
+};
 use crate::cloud::{Positions, RawCloud};
 use crate::locks::lock;
 use crate::progress::Progress;
@@ -91,6 +93,19 @@ impl Source for Spin {
         })
     }
 
+    fn about(&self) -> About<'_> {
+        About::default()
+    }
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            growth: Some(self),
+            ..Capabilities::default()
+        }
+    }
+}
+
+impl Growth for Spin {
     fn is_live(&self) -> bool {
         true
     }

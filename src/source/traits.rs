@@ -1,17 +1,23 @@
-//! What every source of frames can do.
+//! Sources of frames: what each of them has, the facts about it, and its capabilities.
+//!
+//! How it works: a source answers two questions, [`Source::about`] for what is known without reading a frame and
+//! [`Source::capabilities`] for what else it can do, each a struct with a field per answer. Both methods have no
+//! default. A source by itself names what it has and ends with `..Default::default()`. A source that wraps another one
+//! names every field, or hands on the whole struct in one expression: a new field is then an error of the compiler in
+//! every wrapper, and nothing is lost unnoticed. Whoever uses a source asks the methods of `dyn Source`.
 
+use super::SequenceError;
 use super::entry::FrameEntry;
-use super::error::SequenceError;
-use super::files::{Recording, topics_of};
+use super::files::Recording;
 use super::live::Live;
 use crate::assumption::Assumption;
 use crate::cloud::RawCloud;
-use crate::io::Topic;
 use crate::photos::ViewSet;
 use crate::progress::Progress;
 use crate::reel::ReelFile;
 use crate::rgbd::{Filters, Sensor};
 use crate::wire::RawImages;
+use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -49,7 +55,8 @@ impl From<RawCloud> for DecodedFrame {
     }
 }
 
-/// Where the frames of a sequence come from. Shared between threads.
+/// Origin of the frames of a sequence. Shared between threads. No method has a default, so that a source that wraps
+/// another one loses nothing unnoticed.
 pub trait Source: Send + Sync {
     /// The frames that can be decoded now: up to the newest, from the oldest that is not gone for good. Frames keep
     /// their numbers.
@@ -59,147 +66,14 @@ pub trait Source: Send + Sync {
     /// [`Source::frames`].
     fn entry(&self, index: usize) -> Arc<FrameEntry>;
 
-    /// The frames that one decoder had best decode in their order, as they are made from one another: `index` among
-    /// them. Other groups can be decoded meanwhile.
-    fn group(&self, index: usize) -> Range<usize> {
-        index..index + 1
-    }
-
     /// Something that decodes frames of this source, for one thread at a time.
     fn decoder(&self) -> Box<dyn Decoder>;
 
-    /// The same where the vertices of meshes are wanted with their faces, and not points that are sampled on them.
-    fn mesh_decoder(&self) -> Box<dyn Decoder> {
-        self.decoder()
-    }
+    /// Facts that are known without reading a frame.
+    fn about(&self) -> About<'_>;
 
-    /// At most `most_points` of a frame that has at least `fewest_points`, without reading the others, and how many it
-    /// has; `None` where that cannot be done.
-    fn sample(
-        &self,
-        _index: usize,
-        _most_points: usize,
-        _fewest_points: usize,
-    ) -> Result<Option<FrameSample>, DecodeFailure> {
-        Ok(None)
-    }
-
-    /// Frames a second, if the source says it and frames have no time stamps.
-    fn fps(&self) -> Option<f64> {
-        None
-    }
-
-    /// Whether its frames come while it is open and are gone for good some time later. Who opens it is shown the
-    /// newest.
-    fn is_live(&self) -> bool {
-        false
-    }
-
-    /// Whether frames may come while it is open.
-    fn may_grow(&self) -> bool {
-        false
-    }
-
-    /// Takes frames that came behind the last one; says how many.
-    fn look_again(&self) -> Result<usize, SequenceError> {
-        Ok(0)
-    }
-
-    /// Frames whose files changed since they were found, after the first `since` of these changes: what was read of
-    /// them is outdated.
-    fn changed_since(&self, _since: usize) -> Vec<usize> {
-        Vec::new()
-    }
-
-    /// [`Source::look_again`] once there is something, or after this time: a stream wakes up when a frame comes, a
-    /// folder is looked at from time to time.
-    fn wait_for_more(&self, at_most: Duration) -> Result<usize, SequenceError> {
-        thread::sleep(at_most);
-        self.look_again()
-    }
-
-    /// What a person opened: nothing for what is no file.
-    fn inputs(&self) -> &[PathBuf] {
-        &[]
-    }
-
-    /// The sequence file that was opened, as it is now.
-    fn reel(&self) -> Option<Arc<ReelFile>> {
-        None
-    }
-
-    /// The cameras that took frame `index`, and where they were; `None` of frames that no camera took, as far as
-    /// anybody knows.
-    fn sensor(&self, _index: usize) -> Option<Sensor> {
-        None
-    }
-
-    /// What the cameras recorded of frame `index`, before any filter; `None` of frames that are no images.
-    fn raw_images(&self, _index: usize) -> Option<Result<RawImages, DecodeFailure>> {
-        None
-    }
-
-    /// The filters of its depth images; `None` where frames are none.
-    fn filters(&self) -> Option<Filters> {
-        None
-    }
-
-    /// The same frames with other filters of depth images; `None` where frames are none. A live stream goes on: both
-    /// have the same connection, which ends with the last of them.
-    fn filtered(&self, _filters: Filters) -> Option<Arc<dyn Source>> {
-        None
-    }
-
-    /// How a live stream is doing, and what records it; `None` of sources that are none.
-    fn live(&self) -> Option<&dyn Live> {
-        None
-    }
-
-    /// Calibrated photographs of what frame `index` shows, in its coordinates; `None` where there are none.
-    fn photographs(&self, _index: usize) -> Option<Arc<ViewSet>> {
-        None
-    }
-
-    /// Files of images that are read beside those of the entries: colours of depth images, photographs.
-    fn images(&self) -> Vec<PathBuf> {
-        let set = (!self.is_live() && !self.frames().is_empty()).then(|| self.photographs(self.frames().start));
-        let photos = set.flatten();
-        let files = photos
-            .iter()
-            .flat_map(|set| &set.photos)
-            .filter(|photo| photo.has_file());
-        files
-            .flat_map(|photo| std::iter::once(&photo.path).chain(&photo.mask))
-            .cloned()
-            .collect()
-    }
-
-    /// The recordings among what was opened.
-    fn recordings(&self) -> &[Recording] {
-        &[]
-    }
-
-    /// The topics with point clouds of all recordings together, in the order of their names.
-    fn topics(&self) -> Vec<Topic> {
-        topics_of(self.recordings())
-    }
-
-    /// Assumptions about the inputs as a whole: which files are frames, in which order. Those about one frame are in
-    /// [`RawCloud::assumptions`].
-    fn assumptions(&self) -> &[Assumption] {
-        &[]
-    }
-
-    /// What of the inputs is left out, a sentence each.
-    fn notes(&self) -> &[String] {
-        &[]
-    }
-
-    /// Where the inputs are cut or damaged, and what is lost by that, a sentence each; all of them are among the notes.
-    /// Sequence files tell it of themselves ([`Source::reel`]).
-    fn damage(&self) -> &[String] {
-        &[]
-    }
+    /// What it can do beyond decoding its frames.
+    fn capabilities(&self) -> Capabilities<'_>;
 }
 
 /// Decodes frames of one source. It may keep what several frames share, such as an open file or the frame before, but
@@ -231,4 +105,152 @@ where
     ) -> Result<DecodedFrame, DecodeFailure> {
         self(entry, progress).map(DecodedFrame::from)
     }
+}
+
+/// Facts about a source, known without reading a frame.
+#[derive(Debug, Clone, Default)]
+pub struct About<'a> {
+    /// What a person opened: nothing for what is no file.
+    pub inputs: &'a [PathBuf],
+    /// Frames per second, if the source says it and frames have no time stamps.
+    pub fps: Option<f64>,
+    /// The sequence file that was opened, as it is now.
+    pub reel: Option<Arc<ReelFile>>,
+    /// The recordings among what was opened.
+    pub recordings: &'a [Recording],
+    /// Assumptions about the inputs as a whole: which files are frames, in which order. Those about one frame are in
+    /// [`RawCloud::assumptions`](crate::cloud::RawCloud::assumptions).
+    pub assumptions: &'a [Assumption],
+    /// What of the inputs is skipped, a sentence each.
+    pub notes: &'a [String],
+    /// Where the inputs are cut or damaged, and what is lost by that, a sentence each; all of them are among the notes.
+    /// Sequence files tell it of themselves ([`About::reel`]).
+    pub damage: &'a [String],
+}
+
+/// What a source can do beyond decoding its frames: a field per capability, `None` where it has it not.
+#[derive(Clone, Copy, Default)]
+pub struct Capabilities<'a> {
+    /// Frames that are made from one another; without it each is by itself.
+    pub groups: Option<&'a dyn Groups>,
+    /// Faces of meshes; without it points that are sampled on them are all there is.
+    pub meshes: Option<&'a dyn Meshes>,
+    /// Some points of a frame without the others.
+    pub samples: Option<&'a dyn Samples>,
+    /// Frames that come while it is open.
+    pub growth: Option<&'a dyn Growth>,
+    /// State and recording of a live stream.
+    pub live: Option<&'a dyn Live>,
+    /// Frames that are depth images.
+    pub depth_images: Option<&'a dyn DepthImages>,
+    /// Calibrated photographs of its frames.
+    pub photographs: Option<&'a dyn Photographed>,
+    /// Files of images next to those of the entries; without it those of [`Capabilities::photographs`] are all.
+    pub image_files: Option<&'a dyn ImageFiles>,
+}
+
+impl fmt::Debug for Capabilities<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            groups,
+            meshes,
+            samples,
+            growth,
+            live,
+            depth_images,
+            photographs,
+            image_files,
+        } = self;
+        formatter
+            .debug_struct("Capabilities")
+            .field("groups", &groups.is_some())
+            .field("meshes", &meshes.is_some())
+            .field("samples", &samples.is_some())
+            .field("growth", &growth.is_some())
+            .field("live", &live.is_some())
+            .field("depth_images", &depth_images.is_some())
+            .field("photographs", &photographs.is_some())
+            .field("image_files", &image_files.is_some())
+            .finish()
+    }
+}
+
+/// Frames that are made from one another.
+pub trait Groups: Send + Sync {
+    /// The frames that one decoder had best decode in their order: `index` among them. Other groups can be decoded
+    /// meanwhile.
+    fn group(&self, index: usize) -> Range<usize>;
+}
+
+/// Frames that may be meshes.
+pub trait Meshes: Send + Sync {
+    /// [`Source::decoder`] where the vertices of meshes are wanted with their faces, and not points that are sampled on
+    /// them.
+    fn mesh_decoder(&self) -> Box<dyn Decoder>;
+}
+
+/// Frames of which some points can be read without the others.
+pub trait Samples: Send + Sync {
+    /// At most `most_points` of a frame that has at least `fewest_points`, without reading the others, and how many it
+    /// has; `None` where that cannot be done.
+    fn sample(
+        &self,
+        index: usize,
+        most_points: usize,
+        fewest_points: usize,
+    ) -> Result<Option<FrameSample>, DecodeFailure>;
+}
+
+/// Frames that come while the source is open.
+pub trait Growth: Send + Sync {
+    /// Whether frames may come.
+    fn may_grow(&self) -> bool;
+
+    /// Whether frames are gone for good some time after they came. Who opens it is shown the newest.
+    fn is_live(&self) -> bool;
+
+    /// Takes frames that came behind the last one; says how many.
+    fn look_again(&self) -> Result<usize, SequenceError>;
+
+    /// Frames whose files changed since they were found, after the first `since` of these changes: what was read of
+    /// them is outdated.
+    fn changed_since(&self, _since: usize) -> Vec<usize> {
+        Vec::new()
+    }
+
+    /// [`Growth::look_again`] once there is something, or after this time: a stream wakes up when a frame comes, a
+    /// folder is looked at from time to time.
+    fn wait_for_more(&self, at_most: Duration) -> Result<usize, SequenceError> {
+        thread::sleep(at_most);
+        self.look_again()
+    }
+}
+
+/// Frames that are depth images, or made of them.
+pub trait DepthImages: Send + Sync {
+    /// The cameras that took frame `index`, and where they were; `None` of frames that no camera took, as far as
+    /// anybody knows.
+    fn sensor(&self, index: usize) -> Option<Sensor>;
+
+    /// What the cameras recorded of frame `index`, before any filter; `None` of frames that are no images.
+    fn raw_images(&self, index: usize) -> Option<Result<RawImages, DecodeFailure>>;
+
+    /// The filters of its depth images; `None` where frames are none.
+    fn filters(&self) -> Option<Filters>;
+
+    /// The same frames with other filters of depth images; `None` where frames are none. A live stream goes on: both
+    /// have the same connection, which ends with the last of them.
+    fn filtered(&self, filters: Filters) -> Option<Arc<dyn Source>>;
+}
+
+/// Frames that calibrated photographs show.
+pub trait Photographed: Send + Sync {
+    /// Photographs of what frame `index` shows, in its coordinates; `None` where there are none.
+    fn photographs(&self, index: usize) -> Option<Arc<ViewSet>>;
+}
+
+/// Images in files next to those of the entries.
+pub trait ImageFiles: Send + Sync {
+    /// Their files: colours of depth images, photographs.
+    fn image_files(&self) -> Vec<PathBuf>;
 }

@@ -306,3 +306,31 @@ fn a_knot_that_has_come_apart_is_two_in_the_list() {
         [""; 0]
     );
 }
+
+#[test]
+fn what_stands_in_for_a_module_is_read_by_its_own_name() {
+    let sources = read(&[
+        (
+            "lib.rs",
+            "#[cfg_attr(not(feature = \"gpu\"), path = \"no_gpu.rs\")]
+            mod gpu;
+            #[cfg_attr(unix, derive(Debug))]
+            struct A;",
+        ),
+        ("gpu.rs", "use crate::cloud;"),
+        ("no_gpu.rs", "use crate::app;"),
+    ]);
+    let files: Vec<_> = sources
+        .modules
+        .iter()
+        .map(|(path, module)| (path.join("::"), &*module.file))
+        .collect();
+    assert_eq!(
+        files,
+        [
+            (String::new(), "lib.rs"),
+            ("gpu".into(), "gpu.rs"),
+            ("no_gpu".into(), "no_gpu.rs")
+        ]
+    );
+}

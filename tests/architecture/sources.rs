@@ -174,6 +174,11 @@ impl Reader<'_> {
                     given_file = Some(file.trim_matches('"'));
                     after
                 }
+                ["#", "[", "cfg_attr", "(", ..] => {
+                    let (attribute, after) = rest.split_at(1 + closing(&rest[1..]));
+                    self.read_stand_in(attribute, scope);
+                    after
+                }
                 ["mod", name, ";", after @ ..] => {
                     self.read_file_of_child(name, given_file.take(), scope);
                     after
@@ -234,6 +239,14 @@ impl Reader<'_> {
             ..child
         };
         self.read_file(&child, &text);
+    }
+
+    /// The file that stands in for a module where the build lacks a feature: a module of its own name.
+    fn read_stand_in(&mut self, attribute: &[&str], scope: &Scope) {
+        if let [.., "path", "=", file, ")", "]"] = attribute {
+            let file = file.trim_matches('"');
+            self.read_file_of_child(file.trim_end_matches(".rs"), Some(file), scope);
+        }
     }
 
     fn module(&mut self, scope: &Scope) -> &mut Module {

@@ -10,8 +10,8 @@ use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
 use pointreel::render::{RenderStats, Renderer};
 use pointreel::scene::{
-    Background, Camera, Content, Lighting, PicturePlane, Primitive, Projection, Scene, ScenePacket, Splatting, Style,
-    Surfels, UpAxis, Voxels,
+    Background, Camera, Content, Lighting, PacketParams, PicturePlane, Primitive, Projection, Scene, ScenePacket,
+    Splatting, Style, Surfels, UpAxis, Voxels,
 };
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard};
@@ -122,6 +122,7 @@ pub(crate) fn surfels(surfels: &[Surfel], camera: &Camera, style: Style, viewpor
         style,
         ground: None,
         photographs: None,
+        params: PacketParams::default(),
         bounds: Aabb::from_points(&positions),
     }
 }
@@ -146,6 +147,7 @@ pub(crate) fn voxels(
         }),
         ground: None,
         photographs: None,
+        params: PacketParams::default(),
         bounds: Aabb::from_points(&centers),
     }
 }

@@ -2,7 +2,7 @@
 
 use pointreel::app::{Preferences, State, StateOptions};
 use pointreel::cloud::{Positions, RawCloud};
-use pointreel::scene::{Primitive, Scene, Style};
+use pointreel::scene::{Primitive, Scene, Settings};
 use pointreel::sequence::{FrameEntry, Sequence};
 use std::sync::Arc;
 use std::time::Duration;
@@ -35,9 +35,9 @@ pub(crate) fn options() -> StateOptions {
             thumbnails: false,
             advanced: true,
             // What `auto` makes of a handful of points is not what these tests are about.
-            settings: Style {
-                primitive: Primitive::Surfel,
-                ..Style::default()
+            settings: Settings {
+                primitive: Primitive::Surfel.into(),
+                ..Settings::default()
             },
             ..Preferences::default()
         },
@@ -65,7 +65,7 @@ pub(crate) fn state_on(sequence: Arc<Sequence>, options: StateOptions) -> State 
 /// Waits until the loader has every frame as the settings need it.
 pub(crate) fn load_all(state: &mut State) {
     state.update(state.now());
-    let needs = Scene::needs(&state.style);
+    let needs = Scene::needs(&state.style.decided());
     let loader = state.player.as_ref().unwrap().loader();
     for index in 0..FRAMES {
         // A broken frame is an answer as well.

@@ -8,7 +8,7 @@ mod spoilt;
 
 use glam::{DVec2, DVec3};
 use image::RgbImage;
-use pointreel::photos::{self, Format, ViewSet};
+use pointreel::photos::{self, ViewSet};
 use scene::Scene;
 use std::fs;
 use std::path::Path;
@@ -17,50 +17,56 @@ use tempfile::TempDir;
 type Writer = fn(&Scene, &Path);
 
 /// Every format with a writer; whether it has points.
-const WRITERS: &[(&str, Format, Writer, bool)] = &[
-    ("COLMAP text", Format::Colmap, Scene::write_colmap_text, true),
-    ("COLMAP binary", Format::Colmap, Scene::write_colmap_binary, true),
-    ("Bundler", Format::Bundler, Scene::write_bundler, true),
-    ("NVM", Format::Nvm, Scene::write_nvm, true),
+const WRITERS: &[(&str, &str, Writer, bool)] = &[
+    ("COLMAP text", "COLMAP", Scene::write_colmap_text, true),
+    ("COLMAP binary", "COLMAP", Scene::write_colmap_binary, true),
+    ("Bundler", "Bundler", Scene::write_bundler, true),
+    ("NVM", "NVM (VisualSFM)", Scene::write_nvm, true),
     (
         "Meshroom 1.0.0",
-        Format::Meshroom,
+        "Meshroom",
         |scene, folder| scene.write_meshroom(folder, [1, 0, 0]),
         true,
     ),
     (
         "Meshroom 1.2.0",
-        Format::Meshroom,
+        "Meshroom",
         |scene, folder| scene.write_meshroom(folder, [1, 2, 0]),
         true,
     ),
     (
         "Meshroom 1.2.1",
-        Format::Meshroom,
+        "Meshroom",
         |scene, folder| scene.write_meshroom(folder, [1, 2, 1]),
         true,
     ),
     (
         "Meshroom 1.2.4",
-        Format::Meshroom,
+        "Meshroom",
         |scene, folder| scene.write_meshroom(folder, [1, 2, 4]),
         true,
     ),
     (
         "Meshroom 1.2.6",
-        Format::Meshroom,
+        "Meshroom",
         |scene, folder| scene.write_meshroom(folder, [1, 2, 6]),
         true,
     ),
     (
         "Meshroom 1.2.11",
-        Format::Meshroom,
+        "Meshroom",
         |scene, folder| scene.write_meshroom(folder, [1, 2, 11]),
         true,
     ),
-    ("Middlebury", Format::Middlebury, Scene::write_middlebury, false),
-    ("transforms.json", Format::Transforms, Scene::write_transforms, false),
-    ("LLFF", Format::Llff, Scene::write_llff, false),
+    ("Middlebury", "Middlebury par", Scene::write_middlebury, false),
+    ("transforms.json", "transforms.json", Scene::write_transforms, false),
+    ("LLFF", "LLFF (poses_bounds.npy)", Scene::write_llff, false),
+    (
+        "OpenSfM",
+        "OpenSfM (reconstruction.json)",
+        |scene, folder| scene.write_opensfm(folder, "."),
+        true,
+    ),
 ];
 
 fn read(path: &Path) -> ViewSet {
@@ -82,7 +88,7 @@ fn assert_projects_equally(scene: &Scene, is_able: impl Fn(&str) -> bool) {
         let folder = tempfile::tempdir().unwrap();
         write(scene, folder.path());
         let found = photos::find(folder.path()).unwrap().unwrap();
-        assert_eq!(found.format, format, "{name}");
+        assert_eq!(found.format(), format, "{name}");
         let set = found.read().unwrap();
         assert_eq!(set.photos.len(), scene.poses.len(), "{name}: {:?}", set.notes);
         for (index, photo) in set.photos.iter().enumerate() {
@@ -155,6 +161,14 @@ fn a_lens_bends_equally_in_all_formats() {
     assert_projects_equally(&Scene::distorted(), |name| {
         !["NVM", "Middlebury", "LLFF"].contains(&name)
     });
+}
+
+#[test]
+fn photographs_of_open_drone_map_are_next_to_the_folder_of_opensfm() {
+    let (scene, folder) = (Scene::simple(), tempfile::tempdir().unwrap());
+    scene.write_opensfm(folder.path(), "opensfm");
+    let set = read(&folder.path().join("opensfm"));
+    assert_eq!(set.photos.len(), scene.poses.len(), "{:?}", set.notes);
 }
 
 /// Photographs of a quarter of the size that was calibrated: all pixels move with the borders.
@@ -396,7 +410,7 @@ fn a_project_of_meshroom_is_a_scene() {
     Scene::simple().write_meshroom(&run, [1, 2, 6]);
     fs::rename(run.join("sfm.json"), run.join("cameras.sfm")).unwrap();
     let found = photos::find(folder.path()).unwrap().unwrap();
-    assert_eq!(found.format, Format::Meshroom);
+    assert_eq!(found.format(), "Meshroom");
     assert_eq!(found.read().unwrap().photos.len(), 6);
 }
 
@@ -409,7 +423,7 @@ fn folders_of_anything_else_are_none() {
         ("settings.json", "{\"frames\": 3}"),
         ("notes.txt", ""),
     ]);
-    assert_eq!(photos::find(folder.path()).unwrap(), None);
+    assert!(photos::find(folder.path()).unwrap().is_none());
     for file in [
         "cameras.txt",
         "bundle.out",
@@ -418,7 +432,7 @@ fn folders_of_anything_else_are_none() {
         "a.png",
         "missing",
     ] {
-        assert_eq!(photos::find(&folder.path().join(file)).unwrap(), None, "{file}");
+        assert!(photos::find(&folder.path().join(file)).unwrap().is_none(), "{file}");
     }
 }
 

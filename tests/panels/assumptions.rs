@@ -8,7 +8,8 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use pointreel::app::{Command, ReadingChoices, State, StateOptions};
 use pointreel::assumption::{Assumption, Evidence, Subject};
 use pointreel::cloud::{Positions, RawCloud};
-use pointreel::scene::{Primitive, UpAxis};
+use pointreel::document::DocumentFolder;
+use pointreel::scene::{Choice, Primitive, UpAxis};
 use pointreel::sequence::{FrameEntry, Sequence};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -29,11 +30,11 @@ fn until(harness: &mut Harness<'_, State>, what: &str, is_so: impl Fn(&State) ->
 /// Options of a window whose files are in `folder`.
 fn kept_in(folder: &Path) -> StateOptions {
     let mut options = options();
-    options.preferences.settings.primitive = Primitive::Auto;
+    options.preferences.settings.primitive = Choice::Auto;
     let (reading_choices, problem) = ReadingChoices::load_from(&folder.join("reading.json"));
     assert_eq!(problem, None);
     StateOptions {
-        timelines: Some(folder.join("timelines")),
+        documents: Some(DocumentFolder::at(folder.join("documents"), folder.join("timelines"))),
         reading_choices,
         ..options
     }

@@ -9,7 +9,7 @@ use pointreel::bench::{Measured, Step};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::measure::ReferenceCloud;
 use pointreel::reel::{Precision, ReelOptions};
-use pointreel::scene::{Background, PointStyle, Primitive, RendererChoice, Strategy, Style};
+use pointreel::scene::{Background, PointStyle, Primitive, RendererChoice, Settings, Strategy};
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
@@ -114,7 +114,7 @@ fn a_benchmark_is_cancelled_or_fails_with_its_reason() {
 }
 
 /// A way to draw that takes so long and is so wrong.
-fn point(draw_ms: f64, flip: f64, style: Style) -> Arc<LabPoint> {
+fn point(draw_ms: f64, flip: f64, style: Settings) -> Arc<LabPoint> {
     Arc::new(LabPoint {
         sequence: "demo".to_owned(),
         style,
@@ -129,9 +129,9 @@ fn point(draw_ms: f64, flip: f64, style: Style) -> Arc<LabPoint> {
 
 /// Points of 2 px, voxels at half the resolution, surfels, and points that voxels beat.
 fn points() -> Vec<Arc<LabPoint>> {
-    let cpu = Style::default().with(|style| style.drawing.renderer = RendererChoice::Cpu);
-    let points_2_px = Style {
-        primitive: Primitive::Point,
+    let cpu = Settings::default().with(|style| style.drawing.renderer = RendererChoice::Cpu.into());
+    let points_2_px = Settings {
+        primitive: Primitive::Point.into(),
         points: PointStyle {
             size_px: 2.0,
             ..PointStyle::default()
@@ -139,11 +139,11 @@ fn points() -> Vec<Arc<LabPoint>> {
         ..cpu
     };
     let voxels = cpu.with(|style| {
-        style.primitive = Primitive::Voxel;
+        style.primitive = Primitive::Voxel.into();
         style.drawing.resolution = 0.5;
     });
-    let beaten = Style {
-        primitive: Primitive::Point,
+    let beaten = Settings {
+        primitive: Primitive::Point.into(),
         ..cpu
     };
     vec![
@@ -181,7 +181,10 @@ fn ways_appear_while_they_are_measured_and_a_click_draws_as_one() {
     harness.run();
     click(&mut harness, "8.00 ms, FLIP 0.2000: way of 8 ms");
     let style = harness.state().style;
-    assert_eq!((style.primitive, style.drawing.resolution), (Primitive::Voxel, 0.5));
+    assert_eq!(
+        (style.primitive, style.drawing.resolution),
+        (Primitive::Voxel.into(), 0.5)
+    );
     assert_eq!(
         style.backdrop.background,
         Background::solid([1, 2, 3]),
@@ -283,7 +286,7 @@ fn a_measured_way_is_that_of_its_sequence_alone() {
     harness.state_mut().open(super::sequence(&[]));
     let style = harness.state().style;
     assert_eq!(style.drawing, before.drawing);
-    assert_eq!(style.light.eye_dome_strength, 0.25);
+    assert_eq!(style.light, before.light, "the look is that of the other document");
 }
 
 #[test]

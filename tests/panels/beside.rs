@@ -10,7 +10,7 @@ use glam::DVec3;
 use pointreel::app::{Command, Layout, Side, State, StateOptions, Tool, WindowRequest};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::playback::PairBy;
-use pointreel::scene::{Primitive, Scene, Style};
+use pointreel::scene::{Primitive, Scene, Settings};
 use pointreel::sequence::{FrameEntry, Sequence};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -54,8 +54,8 @@ fn beside(b: &Arc<Sequence>) -> Harness<'static, State> {
 
 fn beside_with(a: Arc<Sequence>, b: &Arc<Sequence>, options: StateOptions) -> Harness<'static, State> {
     let mut harness = window_on(a, options);
-    harness.state_mut().style = Style::default().with(|style| {
-        style.primitive = Primitive::Point;
+    harness.state_mut().style = Settings::default().with(|style| {
+        style.primitive = Primitive::Point.into();
         style.points.size_px = 9.0;
     });
     load_all(harness.state_mut());
@@ -72,7 +72,7 @@ fn load_both(harness: &mut Harness<'_, State>) {
     let loader = state.features.beside.as_ref().unwrap().companion.loader();
     for index in 0..loader.sequence().len() {
         // A broken frame is an answer as well.
-        let _ = loader.wait(index, &Scene::needs(&state.style));
+        let _ = loader.wait(index, &Scene::needs(&state.style.decided()));
     }
     harness.state_mut().update(now);
     harness.run();
@@ -493,39 +493,23 @@ fn a_drop_opens_and_with_shift_compares() {
     let (left, dropped) = (Some("left".to_owned()), Some("dropped.xyz".to_owned()));
     let names = drop_with(&mut harness, Modifiers::SHIFT);
     assert_eq!(names, [left, dropped.clone()]);
-    // Opened in place of the first alone.
+    // Opened in place of both.
     let names = drop_with(&mut harness, Modifiers::NONE);
-    assert_eq!(names, [dropped.clone(), dropped]);
+    assert_eq!(names, [dropped, None]);
 }
 
 #[test]
-fn another_sequence_is_opened_in_place_of_a_and_b_stays() {
+fn another_document_has_nothing_beside_it() {
     let far = DVec3::new(5e5, 0.0, 0.0);
     let b = cubes("right", far + DVec3::X, FRAMES, Some(40), &[]);
     let mut harness = beside(&b);
-    let beside_now = harness.state_mut().features.beside.as_mut().unwrap();
-    beside_now.companion.pair_by(PairBy::Index);
-    beside_now.companion.set_offset_frames(2);
-    beside_now.pictures.split = 0.3;
-    harness.state_mut().run(Command::NEXT_LAYOUT);
     let whole = budgets(&harness).iter().sum::<usize>();
-
-    let other = cubes("other", far, FRAMES, Some(40), &[]);
-    harness.state_mut().open(other);
+    harness.state_mut().open(cubes("other", far, FRAMES, Some(40), &[]));
     load_all(harness.state_mut());
-    load_both(&mut harness);
     assert_eq!(harness.state().sequence_name().as_deref(), Some("other"));
-    let beside_now = harness.state().features.beside.as_ref().unwrap();
-    assert_eq!(beside_now.name, "right");
-    assert_eq!(beside_now.layout, Layout::Wipe);
-    assert_eq!(beside_now.pictures.split, 0.3);
-    assert_eq!(beside_now.companion.paired_by(), PairBy::Index);
-    assert_eq!(companion_frame(&harness), Some(2));
-    assert_eq!(budgets(&harness).iter().sum::<usize>(), whole);
-    // It has the origin of the new one: both are where f32 tell an edge from its neighbour.
-    let state = harness.state();
-    let origin = state.player.as_ref().unwrap().sequence().origin();
-    assert_ne!(origin, DVec3::ZERO);
-    let companion = &state.features.beside.as_ref().unwrap().companion;
-    assert_eq!(companion.sequence().origin(), origin);
+    assert!(
+        harness.state().features.beside.is_none(),
+        "it is of the document before"
+    );
+    assert_eq!(budgets(&harness), [whole, 0]);
 }

@@ -63,7 +63,7 @@ fn the_palette_brings_the_row_of_a_setting_into_view() {
 fn settings_are_undone_and_redone() {
     let mut harness = window();
     let before = harness.state().style;
-    harness.state_mut().style.primitive = Primitive::Point;
+    harness.state_mut().style.primitive = Primitive::Point.into();
     harness.run();
     let after = harness.state().style;
     press(&mut harness, Modifiers::COMMAND, Key::Z);

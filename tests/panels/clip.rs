@@ -34,10 +34,10 @@ fn a_box_is_cut_to_and_comes_back_as_it_was() {
     let mut harness = window();
     choose(&mut harness, "Clipping", "To a box");
     // Around the largest cube, that of the last frame.
-    assert_eq!(harness.state().style.of_sequence.clip, Some(cube(1.23)));
+    assert_eq!(harness.state().style.clip, Some(cube(1.23)));
     tap(&mut harness, "This frame");
     let whole = cube(1.0);
-    assert_eq!(harness.state().style.of_sequence.clip, Some(whole));
+    assert_eq!(harness.state().style.clip, Some(whole));
     drag(&mut harness, "Y from", 0.25);
     drag(&mut harness, "Z to", 0.0);
     choose(&mut harness, "Keep", "Outside");
@@ -48,16 +48,16 @@ fn a_box_is_cut_to_and_comes_back_as_it_was() {
             max: DVec3::new(0.5, 0.5, 0.0),
         })
     };
-    assert_eq!(harness.state().style.of_sequence.clip, Some(cut));
+    assert_eq!(harness.state().style.clip, Some(cut));
     choose(&mut harness, "Clipping", "Off");
     assert!(harness.query_by_label("Y from").is_none());
-    assert!(!harness.state().style.of_sequence.clip.unwrap().is_on);
+    assert!(!harness.state().style.clip.unwrap().is_on);
     choose(&mut harness, "Clipping", "To a box");
-    assert_eq!(harness.state().style.of_sequence.clip, Some(cut));
+    assert_eq!(harness.state().style.clip, Some(cut));
     tap(&mut harness, "This frame");
-    assert_eq!(harness.state().style.of_sequence.clip.unwrap().shape, whole.shape);
+    assert_eq!(harness.state().style.clip.unwrap().shape, whole.shape);
     tap(&mut harness, "All frames");
-    assert_eq!(harness.state().style.of_sequence.clip.unwrap().shape, cube(1.23).shape);
+    assert_eq!(harness.state().style.clip.unwrap().shape, cube(1.23).shape);
 }
 
 #[test]
@@ -70,14 +70,14 @@ fn a_plane_stands_across_an_axis() {
         normal: DVec3::Z,
         offset: 0.125,
     });
-    assert_eq!(harness.state().style.of_sequence.clip, Some(plane));
+    assert_eq!(harness.state().style.clip, Some(plane));
     tap(&mut harness, "All frames");
-    let ClipShape::Plane { offset, .. } = harness.state().style.of_sequence.clip.unwrap().shape else {
+    let ClipShape::Plane { offset, .. } = harness.state().style.clip.unwrap().shape else {
         panic!("it is a plane");
     };
     assert_eq!(offset, 0.0);
     tap(&mut harness, "Reset to defaults");
-    assert_eq!(harness.state().style.of_sequence.clip, None);
+    assert_eq!(harness.state().style.clip, None);
 }
 
 /// Drags what is called `handle` in the picture to where `place` is seen.
@@ -104,7 +104,7 @@ fn edges_of_the_box_are_dragged_in_the_picture() {
     let camera = harness.state().camera;
     pull(&mut harness, "X to in the picture", DVec3::new(0.2, 0.0, 0.0));
     pull(&mut harness, "Y from in the picture", DVec3::new(-0.15, -0.1, 0.0));
-    let ClipShape::Box { min, max } = harness.state().style.of_sequence.clip.unwrap().shape else {
+    let ClipShape::Box { min, max } = harness.state().style.clip.unwrap().shape else {
         panic!("it is a box");
     };
     assert!((max - DVec3::new(0.2, 0.5, 0.5)).length() < 0.01, "{max}");
@@ -112,7 +112,7 @@ fn edges_of_the_box_are_dragged_in_the_picture() {
     assert_eq!(harness.state().camera, camera, "the picture was not dragged");
     // One edge does not go beyond the other.
     pull(&mut harness, "X to in the picture", DVec3::new(-0.9, 0.2, 0.0));
-    let ClipShape::Box { min, max } = harness.state().style.of_sequence.clip.unwrap().shape else {
+    let ClipShape::Box { min, max } = harness.state().style.clip.unwrap().shape else {
         panic!("it is a box");
     };
     assert_eq!(max.x, min.x);
@@ -130,7 +130,7 @@ fn a_plane_is_dragged_along_its_normal() {
     choose(&mut harness, "Clipping", "At a plane");
     choose(&mut harness, "Keep", "\u{2212}X side");
     pull(&mut harness, "Plane in the picture", DVec3::new(0.3, 0.0, 0.0));
-    let clip = harness.state().style.of_sequence.clip.unwrap();
+    let clip = harness.state().style.clip.unwrap();
     assert!(clip.keeps_outside);
     let ClipShape::Plane { normal, offset } = clip.shape else {
         panic!("it is a plane");

@@ -15,7 +15,7 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
     harness.state_mut().run(Command::TOGGLE_COMPARISON);
     harness.run();
     // The right side is edited first; the left one stays as it was.
-    harness.state_mut().style.primitive = Primitive::Point;
+    harness.state_mut().style.primitive = Primitive::Point.into();
     let other = harness.state_mut().next_other_packet().unwrap();
     assert_eq!(other.style.primitive, Primitive::Surfel);
     assert!(harness.state_mut().next_other_packet().is_none(), "once");
@@ -28,7 +28,7 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
     let comparison = harness.state().features.comparison.as_ref().unwrap();
     assert_eq!(
         (comparison.edited, comparison.other.primitive),
-        (Side::A, Primitive::Point)
+        (Side::A, Primitive::Point.into())
     );
     // What one side needs of the frame is there for it alone.
     harness
@@ -38,7 +38,7 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
         .as_mut()
         .unwrap()
         .other
-        .primitive = Primitive::Voxel;
+        .primitive = Primitive::Voxel.into();
     let packet = harness.state_mut().next_other_packet().unwrap();
     assert!(!packet.content.voxels().unwrap().records.is_empty());
     // Both are seen from one camera.
@@ -59,7 +59,7 @@ fn closing_keeps_a_and_b_is_a_choice() {
         for edited in ["A (left)", "B (right)"] {
             let mut harness = window();
             harness.state_mut().run(Command::TOGGLE_COMPARISON);
-            harness.state_mut().style.primitive = Primitive::Point;
+            harness.state_mut().style.primitive = Primitive::Point.into();
             harness.run();
             click(&mut harness, edited);
             assert_eq!(harness.state().preferences().settings.primitive, Primitive::Surfel);

@@ -27,7 +27,7 @@ fn exporting(folder: &Path) -> Harness<'static, State> {
 
 fn exporting_of(sequence: Arc<Sequence>, folder: &Path) -> Harness<'static, State> {
     let mut harness = window_on(sequence, options());
-    harness.state_mut().style.drawing.renderer = RendererChoice::Cpu;
+    harness.state_mut().style.drawing.renderer = RendererChoice::Cpu.into();
     press(&mut harness, Modifiers::SHIFT, Key::P);
     let export = &mut harness.state_mut().features.export;
     export.folder = folder.display().to_string();
@@ -81,7 +81,7 @@ fn a_turntable_becomes_a_gif_while_the_window_lives() {
     click(&mut harness, "Export");
     assert!(!harness.state().panels.has(PanelId::EXPORT));
     // It draws what was chosen when it began.
-    harness.state_mut().style.drawing.renderer = RendererChoice::Gpu;
+    harness.state_mut().style.drawing.renderer = RendererChoice::Gpu.into();
     harness.state_mut().camera.orbit(90.0, 0.0);
     let said = finish(&mut harness);
     let file = folder.path().join("pointreel-walk-turntable.gif");
@@ -100,7 +100,7 @@ fn the_sequence_becomes_png_files_from_in_to_out_point() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = exporting(folder.path());
     let state = harness.state_mut();
-    state.style.primitive = Primitive::Point;
+    state.style.primitive = Primitive::Point.into();
     for (frame, command) in [(3, Command::SET_IN), (6, Command::SET_OUT)] {
         let now = state.now();
         state.player.as_mut().unwrap().seek(frame, now);
@@ -292,7 +292,7 @@ fn videos_show_the_ghosts_and_colours_that_the_picture_shows() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = exporting(folder.path());
     let state = harness.state_mut();
-    state.style.primitive = Primitive::Point;
+    state.style.primitive = Primitive::Point.into();
     for (frame, command) in [(3, Command::SET_IN), (5, Command::SET_OUT)] {
         let now = state.now();
         state.player.as_mut().unwrap().seek(frame, now);

@@ -6,6 +6,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use pointreel::app::{Command, Quantity, StateOptions};
+use pointreel::document::DocumentFolder;
 use std::time::Duration;
 
 #[test]
@@ -34,7 +35,10 @@ fn playing_stays_between_in_and_out_point() {
 fn markers_are_set_named_jumped_to_and_kept() {
     let folder = tempfile::tempdir().unwrap();
     let kept = || StateOptions {
-        timelines: Some(folder.path().to_owned()),
+        documents: Some(DocumentFolder::at(
+            folder.path().join("documents"),
+            folder.path().join("timelines"),
+        )),
         ..options()
     };
     let mut harness = window_on(sequence(&[]), kept());

@@ -64,11 +64,11 @@ fn what_there_is_nothing_to_do_for_is_grey() {
     assert!(!can_choose(&mut harness, "Edit", "Redo"));
     assert!(!can_choose(&mut harness, "Benchmark", "Show the last result"));
     press(&mut harness, Modifiers::NONE, Key::G);
-    assert!(can_choose(&mut harness, "Edit", "Undo"));
+    assert!(can_choose(&mut harness, "Edit", "Undo: Grid on"));
     harness.state_mut().run(Command::UNDO);
     harness.run();
     assert!(!can_choose(&mut harness, "Edit", "Undo"));
-    assert!(can_choose(&mut harness, "Edit", "Redo"));
+    assert!(can_choose(&mut harness, "Edit", "Redo: Grid on"));
 }
 
 #[test]

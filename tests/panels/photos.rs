@@ -6,7 +6,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use image::{Rgb, RgbImage};
 use pointreel::app::{PanelId, State};
-use pointreel::scene::{PhotoMode, Primitive};
+use pointreel::scene::{Choice, PhotoMode, Primitive};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -125,7 +125,7 @@ fn until_drawn(harness: &mut Harness<'_, State>, photographs: usize) {
 fn points_are_points_until_photographs_are_on_a_surface() {
     let folder = tempfile::tempdir().unwrap();
     write_set(folder.path());
-    for chosen in [Primitive::Auto, Primitive::Surfel] {
+    for chosen in [Choice::Auto, Primitive::Surfel.into()] {
         let mut harness = window();
         harness.state_mut().open_paths(vec![folder.path().to_owned()]);
         let begin = Instant::now();

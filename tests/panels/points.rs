@@ -7,7 +7,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use glam::DVec3;
 use pointreel::app::{State, Tool};
-use pointreel::scene::{Gauge, Primitive, Style};
+use pointreel::scene::{Gauge, Primitive, Settings};
 use std::time::Duration;
 
 /// A window on the cube that grows, its corners drawn as squares of 9 pixels, seen from the front and above.
@@ -17,8 +17,8 @@ fn cube() -> Harness<'static, State> {
 
 /// The window with all frames there and points drawn as squares of 9 pixels.
 pub(super) fn in_squares(mut harness: Harness<'static, State>) -> Harness<'static, State> {
-    harness.state_mut().style = Style::default().with(|style| {
-        style.primitive = Primitive::Point;
+    harness.state_mut().style = Settings::default().with(|style| {
+        style.primitive = Primitive::Point.into();
         style.points.size_px = 9.0;
     });
     load_all(harness.state_mut());

@@ -6,9 +6,9 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use glam::DVec3;
 use pointreel::app::{Command, PanelId, State, StateOptions};
+use pointreel::document::ReadSession;
 use pointreel::playback::PairBy;
 use pointreel::scene::{Clip, ClipShape, FollowedPoint, Label, Primitive, UpAxis};
-use pointreel::session::ReadSession;
 use pointreel::timeline::PlayRange;
 use std::fs;
 use std::path::Path;
@@ -61,9 +61,9 @@ fn worked_on(folder: &Path) -> Harness<'static, State> {
     let mut harness = window();
     open(&mut harness, &folder.join("scans"));
     let state = harness.state_mut();
-    state.style.primitive = Primitive::Point;
+    state.style.primitive = Primitive::Point.into();
     state.style.points.size_px = 5.0;
-    state.style.of_sequence.clip = Some(Clip::to(ClipShape::Box {
+    state.style.clip = Some(Clip::to(ClipShape::Box {
         min: DVec3::ZERO,
         max: DVec3::splat(2.5),
     }));
@@ -126,7 +126,7 @@ fn a_session_is_taken_up_again_as_it_was_left() {
     assert_eq!(state.session_file(), Some(&file));
     assert!(state.notices.list().is_empty(), "{:?}", state.notices.list());
     // What was taken up and saved again is the same text.
-    assert_eq!(state.session().unwrap(), ReadSession::read(&file).unwrap().session);
+    assert_eq!(state.session().unwrap(), ReadSession::read(&file).unwrap().document);
     let text = fs::read(&file).unwrap();
     taken.state_mut().run(Command::SAVE_SESSION);
     until(&mut taken, "it is not saved", |state| !state.notices.list().is_empty());
@@ -135,10 +135,7 @@ fn a_session_is_taken_up_again_as_it_was_left() {
     // Others are drawn as before, and nothing of it is kept for them.
     open(&mut taken, &folder.path().join("scans/a1.xyz"));
     let style = taken.state().style;
-    assert_eq!(
-        (style.points.size_px, style.of_sequence.clip),
-        (usual.points.size_px, None)
-    );
+    assert_eq!((style.points.size_px, style.clip), (usual.points.size_px, None));
     assert!(taken.state().features.labels.list.is_empty() && taken.state().session_file().is_none());
 }
 
@@ -174,7 +171,7 @@ fn what_is_beside_is_opened_again_as_it_was_laid_out() {
     assert_eq!(of(taken.state()), of(left.state()));
     assert_eq!(
         taken.state().session().unwrap(),
-        ReadSession::read(&file).unwrap().session
+        ReadSession::read(&file).unwrap().document
     );
     // Who closes it has closed it.
     taken.state_mut().run(Command::CLOSE_COMPARISON);

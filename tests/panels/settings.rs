@@ -10,7 +10,7 @@ use pointreel::levels::Lod;
 use pointreel::levels::octree::StopCriterion;
 use pointreel::scene::{
     BackFaces, Background, EyeDome, Footprint, Lighting, NormalBits, OffsetBits, PointShape, PointSizing, Primitive,
-    RendererChoice, SplatFilter, Splatting, Strategy, Style, UpAxis, VoxelLight,
+    RendererChoice, Settings, SplatFilter, Splatting, Strategy, UpAxis, VoxelLight,
 };
 use pointreel::sequence::{ColorSource, FrameEntry, Sequence};
 use std::sync::Arc;
@@ -86,7 +86,7 @@ fn a_mesh_is_offered_where_there_are_triangles_and_else_it_is_said_why_not() {
     let button = without.get_by_role_and_label(Role::Button, "Mesh");
     assert!(button.accesskit_node().is_disabled());
     // It may be chosen already: as the settings had it for another sequence.
-    without.state_mut().style.primitive = Primitive::Mesh;
+    without.state_mut().style.primitive = Primitive::Mesh.into();
     without.run();
     assert_ne!(without.state().drawn_style().primitive, Primitive::Mesh);
     assert!(without.query_by_label_contains("no triangles").is_some());
@@ -167,7 +167,7 @@ fn every_setting_can_be_changed_and_reset() {
     slide(&mut harness, "Point scale", 2.0);
     assert_eq!(harness.state().style.points.scale, 2.0);
     choose(&mut harness, "Light on", "Normals");
-    assert!(harness.state().style.lights_points());
+    assert!(harness.state().style.decided().lights_points());
     tap(&mut harness, "Surfels");
     assert_eq!(harness.state().style.primitive, Primitive::Surfel);
     // A word for surfels with a filter: nothing else is chosen, and nothing of it stays.
@@ -180,11 +180,15 @@ fn every_setting_can_be_changed_and_reset() {
     ] {
         tap(&mut harness, word);
         let style = harness.state().style;
-        assert_eq!((style.primitive, style.surfels.filter), (primitive, filter), "{word}");
+        assert_eq!(
+            (style.primitive, style.surfels.filter),
+            (primitive.into(), filter),
+            "{word}"
+        );
     }
 
     tap(&mut harness, "Reset to defaults");
-    assert_eq!(harness.state().style, Style::default());
+    assert_eq!(harness.state().style, Settings::default());
     assert_eq!(harness.state().camera.up, UpAxis::Z);
 }
 
@@ -210,7 +214,7 @@ fn footprints_are_for_the_processor_and_for_modes_with_a_visibility_pass() {
     assert_eq!(style.codes.footprint, Footprint::Masks);
     assert_eq!(style.codes.normal_bits, NormalBits::Seventeen);
     assert_eq!(style.codes.offset_bits, OffsetBits::None);
-    assert!(style.draws_codes());
+    assert!(style.decided().draws_codes());
     // How finely codes are drawn is a level of detail.
     slide(&mut harness, "Smallest cell (τ)", 8.0);
     assert_eq!(harness.state().style.levels.lod, Lod::ThresholdPx(8.0));
@@ -221,8 +225,8 @@ fn an_untouched_slider_changes_no_setting() {
     let mut harness = window();
     for primitive in ["Voxels", "Points", "Surfels"] {
         click(&mut harness, primitive);
-        harness.state_mut().style.primitive = Style::default().primitive;
-        assert_eq!(harness.state().style, Style::default(), "{primitive}");
+        harness.state_mut().style.primitive = Settings::default().primitive;
+        assert_eq!(harness.state().style, Settings::default(), "{primitive}");
     }
 }
 

@@ -55,7 +55,7 @@ fn parts_of_a_redraw_are_no_more_than_the_whole_and_unknown_times_are_not_shown(
     let state = harness.state_mut();
     // It has the same words.
     state.panels.set(PanelId::SETTINGS, false);
-    state.style.drawing.renderer = RendererChoice::Cpu;
+    state.style.drawing.renderer = RendererChoice::Cpu.into();
     state.graphics.frame_ms = 3.03;
     state.graphics.redraw.panels = Duration::from_micros(2030);
     state.graphics.redraw.painting = Duration::from_millis(1);
@@ -78,7 +78,7 @@ fn parts_of_a_redraw_are_no_more_than_the_whole_and_unknown_times_are_not_shown(
     }
 
     let state = harness.state_mut();
-    state.style.drawing.renderer = RendererChoice::Gpu;
+    state.style.drawing.renderer = RendererChoice::Gpu.into();
     state.graphics.render.gpu_ms = Some(1.25);
     harness.run();
     assert!(has_row(&harness, "GPU", "1.25 ms") && has_row(&harness, "Encoding", "8.67 ms"));

@@ -93,7 +93,7 @@ fn the_change_is_measured_shown_and_can_be_copied() {
 #[test]
 fn changes_are_the_colours_of_the_picture_until_they_are_put_away() {
     let mut harness = window();
-    harness.state_mut().style.light.lighting = Lighting::Unlit;
+    harness.state_mut().style.light.lighting = Lighting::Unlit.into();
     let before = until_points(&mut harness, 8);
     check(&mut harness, "Change map");
     until_measured(&mut harness);

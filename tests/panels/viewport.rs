@@ -50,7 +50,7 @@ fn a_window_without_room_draws_nothing() {
 #[test]
 fn a_paused_untouched_window_does_nothing() {
     let mut harness = window();
-    harness.state_mut().style.primitive = Primitive::Voxel;
+    harness.state_mut().style.primitive = Primitive::Voxel.into();
     load_all(harness.state_mut());
     harness.run();
     assert!(harness.state_mut().next_packet().is_some());
@@ -83,7 +83,7 @@ fn the_picture_stays_until_the_new_primitive_is_there() {
         harness.state_mut().next_packet().unwrap().style.primitive,
         Primitive::Surfel
     );
-    harness.state_mut().style.primitive = Primitive::Voxel;
+    harness.state_mut().style.primitive = Primitive::Voxel.into();
     harness.state_mut().style.surfels.splat_scale = 2.0;
     // No update yet: the frame has no octree.
     assert_eq!(

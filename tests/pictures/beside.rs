@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::app::{Command, Layout, State, StateOptions};
 use pointreel::cloud::{Positions, RawCloud};
-use pointreel::scene::{Background, Primitive, Scene, ScenePacket, Style};
+use pointreel::scene::{Background, Primitive, Scene, ScenePacket, Settings};
 use pointreel::sequence::{ColorSource, FrameEntry, Sequence, Shape};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -41,8 +41,8 @@ fn window(a: &Arc<Sequence>, b: &Arc<Sequence>, primitive: Primitive, frame: usi
         paused: true,
         ..StateOptions::default()
     });
-    state.style = Style::default().with(|style| {
-        style.primitive = primitive;
+    state.style = Settings::default().with(|style| {
+        style.primitive = primitive.into();
         // Ranges of heights are of each sequence.
         style.colors = ColorSource::Uniform.into();
         style.backdrop.background = Background::solid([0; 3]);
@@ -51,7 +51,7 @@ fn window(a: &Arc<Sequence>, b: &Arc<Sequence>, primitive: Primitive, frame: usi
     state.compare_with(Arc::clone(b));
     state.update(Duration::ZERO);
     state.player.as_mut().unwrap().seek(frame, Duration::ZERO);
-    let needs = Scene::needs(&state.style);
+    let needs = Scene::needs(&state.style.decided());
     for index in 0..a.len() {
         state.player.as_ref().unwrap().loader().wait(index, &needs).unwrap();
         let companion = &state.features.beside.as_ref().unwrap().companion;

@@ -252,11 +252,12 @@ fn points_that_are_sized_in_the_scene() {
                 style.primitive = Primitive::Point;
                 style.points.sizing = sizing;
                 style.points.shape = shape;
-                style.of_sequence.point_spacing = 0.05;
             });
             // From near to so far that most are as small as points get.
             for distance in [0.7, 1.9, 30.0] {
-                assert_same_picture(&surfel_scene(style, distance), 38.0, 2e-3);
+                let mut packet = surfel_scene(style, distance);
+                packet.params.point_spacing = 0.05;
+                assert_same_picture(&packet, 38.0, 2e-3);
             }
         }
     }

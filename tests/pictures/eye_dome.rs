@@ -7,7 +7,7 @@ use pointreel::cloud::{PointRecord, VoxelRecord};
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::scene::{
     Background, Camera, Content, EyeDome, GroundPlane, Lighting, PointStyle, Primitive, Projection, ScenePacket,
-    Splatting, Strategy, Style, UpAxis,
+    Settings, Splatting, Strategy, Style, UpAxis,
 };
 use std::sync::Arc;
 
@@ -45,7 +45,7 @@ fn assert_same_picture(packet: &ScenePacket, name: &str) {
     let share = differing as f64 / f64::from(gpu.width() * gpu.height());
     let (least, most) = match packet.style.primitive {
         Primitive::Point | Primitive::Mesh | Primitive::Voxel => (LEAST_PSNR_OF_EDGES_DB, MOST_DIFFERING_OF_EDGES),
-        Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite => (LEAST_PSNR_DB, MOST_DIFFERING),
+        Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite => (LEAST_PSNR_DB, MOST_DIFFERING),
     };
     assert!(
         psnr >= least && share <= most,
@@ -212,7 +212,7 @@ fn off_is_as_before_and_so_is_auto_while_nobody_decides() {
         draw_on_cpu(&surfels(&scene, &camera_at(2.0), style, [200, 150]))
     };
     let off = picture(EyeDome::Off, 1.0);
-    assert_eq!(picture(EyeDome::Auto, 1.0), off);
+    assert_eq!(picture(Settings::default().decided().light.eye_dome, 1.0), off);
     assert_eq!(picture(EyeDome::On, 0.0), off);
     let on = picture(EyeDome::On, 1.0);
     assert!(common::difference(&on, &off).0 > 1000);

@@ -10,7 +10,7 @@ use pointreel::headless::{CameraChoice, Headless};
 use pointreel::math::Aabb;
 use pointreel::render::AnyRenderer;
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, CaptureKind, FirstLook, Primitive, RendererChoice, Style, UpAxis,
+    BackFaces, Backdrop, Background, Camera, CaptureKind, FirstLook, Primitive, RendererChoice, Settings, Style, UpAxis,
 };
 use pointreel::sequence::{FrameEntry, Loader, LoaderOptions, OpenOptions, Sequence, Shape};
 use std::collections::HashMap;
@@ -42,9 +42,9 @@ fn first_picture(sequence: Sequence) -> Shown {
     let style = Style {
         backdrop: Backdrop {
             background: Background::solid([255, 0, 255]),
-            ..(Style::default().resolved(&look)).backdrop
+            ..(Settings::default().resolved(&look)).backdrop
         },
-        ..Style::default().resolved(&look)
+        ..Settings::default().resolved(&look)
     };
     let camera = CameraChoice::default().camera(&look, sequence.origin(), SIZE_PX);
     let frame = headless.frame(0, &style).unwrap();
@@ -222,7 +222,7 @@ fn a_wall_is_seen_from_its_front_and_does_not_vanish_from_behind() {
         raw.attributes.normals = Some(vec![[0.0, 0.0, facing]; points.len()]);
         let shown = check("wall", of_cloud(raw));
         assert!(!shown.look.is_closed);
-        let style = Style::default().resolved(&shown.look);
+        let style = Settings::default().resolved(&shown.look);
         assert_eq!(style.surfels.back_faces, BackFaces::Darker);
     }
 }

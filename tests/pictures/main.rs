@@ -44,6 +44,7 @@ mod splat_geometry;
 mod sprites;
 mod stability;
 mod strategies;
+mod tone;
 mod visible_surfels;
 #[path = "../common/walk.rs"]
 mod walk;

@@ -9,7 +9,9 @@ use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::gpu::{ContextOptions, GpuRenderer};
-use pointreel::scene::{Camera, Content, EyeDome, Lighting, PointShape, Primitive, ScenePacket, Strategy, Style};
+use pointreel::scene::{
+    Camera, Content, EyeDome, Lighting, PacketParams, PointShape, Primitive, ScenePacket, Strategy, Style,
+};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [210, 160];
@@ -101,6 +103,7 @@ fn packet(mesh: MeshRecords, camera: &Camera, style: Style) -> ScenePacket {
         },
         ground: None,
         photographs: None,
+        params: PacketParams::default(),
         bounds: Aabb::from_points(&positions),
     }
 }

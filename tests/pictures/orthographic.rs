@@ -5,7 +5,9 @@ use glam::{DVec2, DVec3, Vec3};
 use pointreel::cloud::PointRecord;
 use pointreel::math::Aabb;
 use pointreel::measure::{mean_squared_error, psnr_db};
-use pointreel::scene::{Background, Camera, Content, Lighting, Primitive, Projection, ScenePacket, Style, UpAxis};
+use pointreel::scene::{
+    Background, Camera, Content, Lighting, PacketParams, Primitive, Projection, ScenePacket, Style, UpAxis,
+};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [1280, 720];
@@ -42,6 +44,7 @@ fn packet_of(points: Vec<PointRecord>, camera: &Camera, origin: DVec3) -> SceneP
         content: Content::Points(Arc::new(points)),
         ground: None,
         photographs: None,
+        params: PacketParams::default(),
         bounds: Aabb::from_points(&positions),
     }
 }

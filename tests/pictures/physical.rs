@@ -282,8 +282,8 @@ fn surfaces_are_those_of_the_formulas_in_double_precision() {
         let exact = Exact::new(f64::from(roughness));
         for metallic in [0.0, 0.4, 1.0] {
             let rigs = LightRig::ALL.iter().map(|&rig| (rig, Environment::Studio));
-            let none = [LightRig::Auto, LightRig::ThreePoint].map(|rig| (rig, Environment::None));
-            for (rig, environment) in rigs.chain(none).chain([(LightRig::Auto, Environment::Sky)]) {
+            let none = [LightRig::Head, LightRig::ThreePoint].map(|rig| (rig, Environment::None));
+            for (rig, environment) in rigs.chain(none).chain([(LightRig::None, Environment::Sky)]) {
                 for normal in NORMALS {
                     let style = style_of((metallic, roughness), rig, environment);
                     let packet = one_surfel(normal, color, &camera, style);
@@ -306,7 +306,7 @@ fn white_surfaces_in_white_light_from_all_sides_are_white() {
     for roughness in [0.0, 0.1, 0.35, 0.6, 0.8, 1.0] {
         for metallic in [0.0, 0.5, 1.0] {
             for normal in [Vec3::Z, Vec3::new(0.7, 0.0, 0.7), Vec3::new(0.0, 0.97, 0.2)] {
-                let style = style_of((metallic, roughness), LightRig::Auto, Environment::Uniform);
+                let style = style_of((metallic, roughness), LightRig::None, Environment::Uniform);
                 let packet = one_surfel(normal, [255; 3], &camera, style);
                 for (drawn, by) in drawn(&packet) {
                     let least = *drawn.iter().min().unwrap();
@@ -391,7 +391,7 @@ fn mirrors_show_a_picture_of_the_user_and_matt_surfaces_its_mean() {
     for normal in NORMALS {
         let facing = normal.normalize().as_dvec3() * f64::from(normal.z.signum());
         let mirrored = 2.0 * facing.z * facing - DVec3::Z;
-        let mirror = style_of((1.0, 0.0), LightRig::Auto, environment);
+        let mirror = style_of((1.0, 0.0), LightRig::None, environment);
         let light = exposure * (0.5 + 0.5 * mirrored.y);
         for (drawn, by) in drawn(&one_surfel(normal, [255; 3], &camera, mirror)) {
             for (drawn, share) in drawn.into_iter().zip([1.0, 0.5, 0.25]) {
@@ -407,7 +407,7 @@ fn mirrors_show_a_picture_of_the_user_and_matt_surfaces_its_mean() {
             normal,
             [255; 3],
             &camera,
-            style_of((0.0, 1.0), LightRig::Auto, environment),
+            style_of((0.0, 1.0), LightRig::None, environment),
         );
         let physical = PhysicalLight::of(&packet).unwrap();
         let view = packet.view.view_from_frame_rotation.as_dmat3();
@@ -425,7 +425,7 @@ fn environments_are_near_their_integrals() {
     const MEAN: f64 = 0.045;
     let camera = camera_at(DISTANCE);
     let tables_of = |environment, roughness| {
-        let style = style_of((1.0, roughness), LightRig::Auto, environment);
+        let style = style_of((1.0, roughness), LightRig::None, environment);
         PhysicalLight::of(&one_surfel(Vec3::Z, [255; 3], &camera, style)).unwrap()
     };
     let (mut sum, mut count, mut most) = (0.0, 0, 0f64);
@@ -502,7 +502,7 @@ fn environments_are_near_their_integrals() {
 /// An environment stays where it is when the camera goes around the scene, and up is up whatever axis that is.
 #[test]
 fn environments_turn_with_the_scene() {
-    let style = style_of((1.0, 0.0), LightRig::Auto, Environment::Sky);
+    let style = style_of((1.0, 0.0), LightRig::None, Environment::Sky);
     // Horizontal mirrors show the zenith from above, whichever axis is up.
     let zeniths: Vec<[u8; 3]> = [pointreel::scene::UpAxis::Y, pointreel::scene::UpAxis::Z]
         .into_iter()

@@ -67,7 +67,7 @@ fn adaptive_points_without_radii_are_projected_ones() {
     let [adaptive, projected] = [PointSizing::Adaptive, PointSizing::Projected].map(|sizing| {
         let style = points(|style| style.points.sizing = sizing);
         let packet = Scene::default().packet(&frame, sequence.origin(), &camera, &style, SIZE);
-        assert!(matches!(packet.content, Content::Points(_)) && packet.style.of_sequence.point_spacing > 0.0);
+        assert!(matches!(packet.content, Content::Points(_)) && packet.params.point_spacing > 0.0);
         drawn_by_both(&packet)
     });
     assert!(adaptive == projected && covered(&adaptive[0], BLACK) > 1_000);
@@ -98,13 +98,11 @@ fn a_point_of_the_scene_is_as_large_as_its_length_is_at_its_distance() {
         (PointSizing::Adaptive, 9.0, 0.125),
     ] {
         for (distance, edge_px) in [(1.0, 20), (2.0, 10), (5.0, 4), (10.0, 2)] {
-            let style = points(|style| {
-                style.points.sizing = sizing;
-                style.of_sequence.point_spacing = spacing;
-            });
+            let style = points(|style| style.points.sizing = sizing);
             // No corner is in the middle of a pixel.
             let place = Vec3::new(0.003, 0.003, 0.0) * distance;
-            let packet = surfels(&[point(place, radius)], &camera_at(f64::from(distance)), style, SIZE);
+            let mut packet = surfels(&[point(place, radius)], &camera_at(f64::from(distance)), style, SIZE);
+            packet.params.point_spacing = spacing;
             for image in drawn_by_both(&packet) {
                 assert_eq!(covered(&image, BLACK), edge_px * edge_px, "{sizing} {distance}");
             }
@@ -149,10 +147,10 @@ fn no_point_vanishes_however_far_it_is() {
                 style.points.shape = shape;
                 style.points.light = light;
                 style.light.lighting = Lighting::Lambert;
-                style.of_sequence.point_spacing = 0.01;
             });
             // The eye is in the origin.
             let mut packet = surfels(&places, &camera_at(1.0), style, SIZE);
+            packet.params.point_spacing = 0.01;
             packet.view.eye_high = [0.0; 3].into();
             packet.view.eye_low = [0.0; 3].into();
             for image in drawn_by_both(&packet) {

@@ -98,7 +98,7 @@ fn white_surfaces_in_white_light_from_all_sides_are_white() {
     let style = style().with(|style| {
         style.colors.one_color = [255; 3];
         style.light.lighting = Lighting::Physical;
-        style.light.rig = LightRig::Auto;
+        style.light.rig = LightRig::None;
         style.light.environment = Environment::Uniform;
     });
     let (frame, _) = sphere(8_000, &style, false);

@@ -6,12 +6,12 @@ mod languages;
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use pointreel::render::gpu::gpu_data::{
-    DepthImaging, Filtering, Gathering, LampUniform, NodeBounds, PointRecord, Screening, ShapeRecord, SplatVertex,
-    StereoMatching, TexturePlace, TriangleRecord, VertexRecord, ViewUniform,
+    LAYOUTS, NodeBounds, PointRecord, ShapeRecord, TexturePlace, TriangleRecord, VertexRecord,
 };
-use pointreel::render::gpu::shaders::Permutation;
-use std::collections::BTreeSet;
+use pointreel::render::gpu::shaders::{Permutation, uniform_layouts};
+use std::collections::{BTreeMap, BTreeSet};
 use std::mem::offset_of;
+use std::path::{Path, PathBuf};
 
 fn parse(permutation: Permutation) -> Result<(naga::Module, ModuleInfo), String> {
     parse_with(permutation, false)
@@ -19,7 +19,9 @@ fn parse(permutation: Permutation) -> Result<(naga::Module, ModuleInfo), String>
 
 /// For adapters that leave out fragments before they are drawn, or not.
 fn parse_with(permutation: Permutation, tests_depths_early: bool) -> Result<(naga::Module, ModuleInfo), String> {
-    let source = permutation.source(tests_depths_early);
+    let source = permutation
+        .source(tests_depths_early)
+        .map_err(|error| error.to_string())?;
     let capabilities = if tests_depths_early {
         Capabilities::EARLY_DEPTH_TEST
     } else {
@@ -44,26 +46,50 @@ fn every_permutation_validates() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Numbers that Rust knows too are written before the files of a shader. What the files themselves call a constant is
-/// known to one of them alone, so there is nothing that it could differ from.
+/// Files of `shaders/` by their paths in it, with their text.
+fn shader_files() -> BTreeMap<String, String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    let folders = std::fs::read_dir(&root).unwrap().map(|entry| entry.unwrap().path());
+    let files = folders.flat_map(|folder| std::fs::read_dir(folder).unwrap());
+    let named = |path: PathBuf| {
+        let name = path.strip_prefix(&root).unwrap().to_str().unwrap().replace('\\', "/");
+        (name, std::fs::read_to_string(&path).unwrap())
+    };
+    files.map(|entry| named(entry.unwrap().path())).collect()
+}
+
+/// Numbers that Rust knows too are made of those of Rust. What the files themselves call a constant is known to one of
+/// them alone, so there is nothing that it could differ from.
 #[test]
 fn files_of_shaders_have_no_constants_of_their_own() {
-    let permutations = Permutation::all().into_iter();
-    let found: BTreeSet<String> = permutations
-        .flat_map(|permutation| {
-            let source = permutation.source(false);
-            let (_, files) = source.split_once("\n//").unwrap();
-            let lines = files.lines().filter(|line| line.starts_with("const "));
-            lines.map(str::to_owned).collect::<Vec<_>>()
-        })
+    let files = shader_files();
+    let lines = files.values().flat_map(|text| text.lines());
+    let found: Vec<&str> = lines.filter(|line| line.starts_with("const ")).collect();
+    assert_eq!(found, Vec::<&str>::new());
+}
+
+#[test]
+fn every_file_of_a_shader_is_drawn_with() {
+    let sources = Permutation::all()
+        .into_iter()
+        .map(|permutation| permutation.source(false).unwrap());
+    let used: BTreeSet<String> = sources
+        .flat_map(|source| source.lines().map(str::to_owned).collect::<Vec<_>>())
+        .filter_map(|line| line.strip_prefix("// ").map(str::to_owned))
         .collect();
-    assert_eq!(found, BTreeSet::new());
+    let files = shader_files();
+    let unused: Vec<&String> = files.keys().filter(|name| !used.contains(*name)).collect();
+    assert!(
+        unused.is_empty() && files.len() > 80,
+        "{} files, unused: {unused:?}",
+        files.len()
+    );
 }
 
 #[test]
 fn files_of_shaders_call_bind_groups_by_the_names_that_rust_gives_them() {
     let groups = Permutation::all().into_iter().flat_map(|permutation| {
-        let source = permutation.source(false);
+        let source = permutation.source(false).unwrap();
         let groups = source.split("@group(").skip(1);
         groups
             .map(|group| group.split(')').next().unwrap().to_owned())
@@ -74,84 +100,45 @@ fn files_of_shaders_call_bind_groups_by_the_names_that_rust_gives_them() {
     assert!(groups.iter().all(|group| group.ends_with("_GROUP")), "{groups:?}");
 }
 
-/// Offsets of the members of a WGSL struct by name, and its size.
-fn wgsl_layout(name: &str) -> (Vec<(String, u32)>, u32) {
-    // The compute stage of surfels has all but those of meshes.
-    let has_them = |permutation: &Permutation| match permutation {
-        Permutation::Amplify(amplification) => amplification.reads_shapes,
-        Permutation::Geometry(_, amplification, _) => amplification.is_indexed,
-        Permutation::Gather
-        | Permutation::Filter
-        | Permutation::Visible
-        | Permutation::DepthImages
-        | Permutation::Stereo => true,
-        Permutation::Screen(_) => false,
-    };
-    let permutations = Permutation::all().into_iter().filter(has_them);
-    let modules: Vec<naga::Module> = permutations.map(|permutation| parse(permutation).unwrap().0).collect();
-    modules
-        .iter()
-        .flat_map(|module| module.types.iter())
-        .find_map(|(_, ty)| match &ty.inner {
-            naga::TypeInner::Struct { members, span } if ty.name.as_deref() == Some(name) => Some((
-                members
+/// Offsets of the members of a structure by name, and its size.
+type MemberOffsets = (Vec<(String, u32)>, u32);
+
+/// The structures of all shaders by their names. Two of one name are the same.
+fn wgsl_layouts() -> BTreeMap<String, MemberOffsets> {
+    let mut layouts: BTreeMap<String, MemberOffsets> = BTreeMap::new();
+    for permutation in Permutation::all() {
+        let (module, _) = parse(permutation).unwrap();
+        for (_, ty) in module.types.iter() {
+            if let (Some(name), naga::TypeInner::Struct { members, span }) = (&ty.name, &ty.inner) {
+                let offsets = members
                     .iter()
-                    .map(|member| (member.name.clone().unwrap(), member.offset))
-                    .collect(),
-                *span,
-            )),
-            _ => None,
-        })
-        .unwrap_or_else(|| panic!("no WGSL struct {name}"))
+                    .map(|member| (member.name.clone().unwrap(), member.offset));
+                layouts.insert(name.clone(), (offsets.collect(), *span));
+            }
+        }
+    }
+    layouts
 }
 
 macro_rules! assert_layout {
-    ($rust:ty, $wgsl:literal, $($field:ident),+) => {
+    ($layouts:ident, $rust:ident, $($field:ident),+) => {
+        let name = stringify!($rust);
         let expected = vec![$((stringify!($field).to_owned(), offset_of!($rust, $field) as u32)),+];
-        assert_eq!(wgsl_layout($wgsl), (expected, size_of::<$rust>() as u32), "{}", $wgsl);
+        assert_eq!($layouts[name], (expected, size_of::<$rust>() as u32), "{name}");
     };
 }
 
 #[test]
-fn rust_and_wgsl_agree_on_the_layouts_of_records_and_passes() {
-    assert_layout!(PointRecord, "PointRecord", position, color);
-    assert_layout!(ShapeRecord, "ShapeRecord", normal, radius, ellipse, scalar);
-    assert_layout!(TriangleRecord, "TriangleRecord", corners, normal);
+fn rust_and_wgsl_agree_on_the_layouts_of_records() {
+    let layouts = wgsl_layouts();
+    assert_layout!(layouts, PointRecord, position, color);
+    assert_layout!(layouts, ShapeRecord, normal, radius, ellipse, scalar);
+    assert_layout!(layouts, TriangleRecord, corners, normal);
+    assert_layout!(layouts, VertexRecord, position, color, texture_place, normal, texture);
+    assert_layout!(layouts, TexturePlace, first, width, height, unused);
     assert_layout!(
-        VertexRecord,
-        "VertexRecord",
-        position,
-        color,
-        texture_place,
-        normal,
-        texture
-    );
-    assert_layout!(TexturePlace, "TexturePlace", first, width, height, unused);
-    assert_layout!(Gathering, "Gathering", first, count, step, radius_factor);
-    assert_layout!(
-        Filtering,
-        "Filtering",
-        first,
-        count,
-        inner_candidates,
-        inners,
-        eye,
-        marks,
-        area_px2,
-        small_px2,
-        rough_area_px2,
-        rough_small_px2,
-        is_oriented,
-        culls_back_faces,
-        deepest_level,
-        unused_a,
-        unused_b,
-        unused_c,
-        planes
-    );
-    assert_layout!(
+        layouts,
         NodeBounds,
-        "NodeBounds",
         center,
         sphere_radius,
         axis,
@@ -161,134 +148,26 @@ fn rust_and_wgsl_agree_on_the_layouts_of_records_and_passes() {
         parent,
         unused
     );
-    assert_layout!(
-        Screening,
-        "Screening",
-        rotation_x,
-        near,
-        rotation_y,
-        radius,
-        rotation_z,
-        spacing,
-        eye_high,
-        closing,
-        eye_low,
-        has_sensor,
-        sensor,
-        point_count,
-        px_per_slope,
-        middle_px,
-        size_px,
-        first,
-        count,
-        level,
-        has_holes,
-        unused_a,
-        unused_b
-    );
-    assert_layout!(
-        DepthImaging,
-        "DepthImaging",
-        size_px,
-        near_m,
-        far_m,
-        origin,
-        is_coded,
-        exponent_per_px2,
-        sigma_m,
-        noise_factor,
-        flying_m,
-        flying_share,
-        least_neighbours,
-        newest_share,
-        same_m,
-        fill_frames,
-        has_colors,
-        one_color,
-        unused
-    );
-    assert_layout!(
-        StereoMatching,
-        "StereoMatching",
-        size_px,
-        count,
-        min_px,
-        path_step,
-        is_first_path,
-        radius_px,
-        p1,
-        p2_least,
-        p2_above_least,
-        half_change,
-        unique_percent,
-        by_parabola
-    );
+}
+
+/// WGSL has rules of its own for where members are.
+#[test]
+fn structures_that_wgsl_is_made_of_lie_there_as_in_rust() {
+    let layouts = wgsl_layouts();
+    let mut names = BTreeSet::new();
+    for layout in LAYOUTS.into_iter().chain(uniform_layouts()) {
+        let members = layout.members.iter();
+        let members = members.map(|member| (member.name.to_owned(), member.offset as u32));
+        let expected = (members.collect(), layout.size as u32);
+        assert_eq!(layouts[layout.name], expected, "{}", layout.name);
+        names.insert(layout.name);
+    }
+    assert!(names.len() > 14, "{names:?}");
 }
 
 #[test]
-fn rust_and_wgsl_agree_on_the_layout_of_a_view() {
-    assert_layout!(LampUniform, "Lamp", place, color);
-    assert_layout!(SplatVertex, "SplatVertex", clip, color, normal, light, weight);
-    assert_layout!(
-        ViewUniform,
-        "View",
-        rotation_x,
-        rotation_y,
-        rotation_z,
-        eye_high,
-        splat_scale,
-        eye_low,
-        near,
-        focal,
-        viewport_px,
-        background_top,
-        opaque_weight,
-        background_bottom,
-        rim_px,
-        depth_range,
-        point_least_px,
-        cube_half_edge,
-        depth_slack,
-        lighting,
-        back_faces,
-        ground_spacing,
-        center_ndc,
-        eye_dome_reach_px,
-        eye_dome,
-        ground_normal,
-        ground_right,
-        ground_forward,
-        ground_color,
-        ambient,
-        head_light,
-        specular,
-        usual_distance,
-        depth_slack_px,
-        filter_radius_px,
-        kernel,
-        samples_per_edge,
-        occlusion_near_radius_px,
-        occlusion_most_radius_px,
-        occlusion_strength,
-        shadow_texel,
-        px_per_slope,
-        point_edge,
-        point_edge_per_radius,
-        lamps,
-        lamp_from_view_x,
-        lamp_from_view_y,
-        lamp_from_view_z,
-        shadow_focal,
-        shadow_near,
-        metallic,
-        alpha,
-        mean_loss,
-        mean_let_in,
-        environment_light,
-        clamp_radius_px,
-        environment_from_view_x,
-        environment_from_view_y,
-        environment_from_view_z,
-        harmonics
-    );
+fn the_view_is_a_camera_and_little_more() {
+    let layouts = wgsl_layouts();
+    let (members, _) = &layouts["View"];
+    assert!(members.len() <= 25, "{members:?}");
 }

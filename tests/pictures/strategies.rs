@@ -278,9 +278,9 @@ fn points_that_are_sized_in_the_scene() {
                 style.primitive = Primitive::Point;
                 style.points.sizing = sizing;
                 style.points.shape = shape;
-                style.of_sequence.point_spacing = 0.03;
             });
-            let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
+            let mut packet = surfels(&cloud, &close_camera(), style, [120, 90]);
+            packet.params.point_spacing = 0.03;
             assert_agreement(&mut renderer, &packet, &format!("{sizing} points, {shape}"));
         }
     }

@@ -442,6 +442,7 @@ fn all_that_closes_a_surface_is_white_in_white_light_from_all_sides() {
     for (metallic, roughness) in [(0.0, 0.5), (1.0, 0.2), (1.0, 1.0), (0.5, 0.7)] {
         let light = |style: &mut Style| {
             style.light.lighting = Lighting::Physical;
+            style.light.rig = LightRig::None;
             style.light.environment = Environment::Uniform;
             (style.light.metallic, style.light.roughness) = (metallic, roughness);
         };

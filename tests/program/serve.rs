@@ -2,7 +2,7 @@
 
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::progress::Progress;
-use pointreel::source::{self, Live as _, LiveState, LiveStream, OpenOptions, Source};
+use pointreel::source::{self, Growth as _, Live as _, LiveState, LiveStream, OpenOptions, Source};
 use pointreel::wire::{Kind, Message, StreamHead};
 use std::fmt::Write as _;
 use std::fs;

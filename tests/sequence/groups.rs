@@ -2,7 +2,7 @@
 
 use super::*;
 use pointreel::progress::Progress;
-use pointreel::source::{DecodedFrame, DecodedLevel, Decoder, Source};
+use pointreel::source::{About, Capabilities, DecodedFrame, DecodedLevel, Decoder, Groups, Source};
 use std::ops::Range;
 
 const FRAMES: usize = 24;
@@ -46,10 +46,6 @@ impl Source for Chained {
         Arc::clone(&self.entries[index])
     }
 
-    fn group(&self, index: usize) -> Range<usize> {
-        group_of(index)
-    }
-
     fn decoder(&self) -> Box<dyn Decoder> {
         Box::new(ChainedDecoder {
             last: None,
@@ -57,6 +53,23 @@ impl Source for Chained {
             busy: Arc::clone(&self.busy),
             met: Arc::clone(&self.met),
         })
+    }
+
+    fn about(&self) -> About<'_> {
+        About::default()
+    }
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            groups: Some(self),
+            ..Capabilities::default()
+        }
+    }
+}
+
+impl Groups for Chained {
+    fn group(&self, index: usize) -> Range<usize> {
+        group_of(index)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Triangles of frames: read when they are asked for, and not before.
 
 use super::*;
-use pointreel::scene::{Camera, Content, FirstLook, Primitive, Scene, Style, UpAxis};
+use pointreel::scene::{Camera, Content, FirstLook, Primitive, Scene, Settings, UpAxis};
 
 const SQUARE: &str = "OFF\n5 2 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n5 5 5\n3 0 1 2\n3 2 1 3\n";
 
@@ -82,24 +82,24 @@ fn a_cloud_without_faces_is_drawn_as_auto_would_and_says_so() {
     assert_eq!(loader.stats().decoded, 1);
     assert!(frame.mesh.is_none() && frame.satisfies(&MESH));
     let look = FirstLook::of(&[&frame.frame], sequence.origin());
-    let style = Style {
-        primitive: Primitive::Mesh,
-        ..Style::default()
+    let style = Settings {
+        primitive: Primitive::Mesh.into(),
+        ..Settings::default()
     };
-    let auto = Style::default().resolved(&look);
+    let auto = Settings::default().resolved(&look);
     assert_eq!(style.resolved(&look).primitive, auto.primitive);
     assert!(look.lack_of(Primitive::Mesh).unwrap().contains("no triangles"));
     assert_eq!(look.lack_of(Primitive::Surfel), None);
     // One frame without faces among others shows its points.
     let camera = Camera::framing(&frame.frame.bounds(), sequence.origin(), UpAxis::Y);
-    let packet = Scene::default().packet(&frame, sequence.origin(), &camera, &style, [64, 64]);
+    let packet = Scene::default().packet(&frame, sequence.origin(), &camera, &style.decided(), [64, 64]);
     assert!(matches!(packet.content, Content::Points(_)));
 
     let (sequence, _folder) = sequence_of("a.off", SQUARE);
     let look = FirstLook::of(&[&sequence.frame(0).unwrap()], sequence.origin());
     assert_eq!(style.resolved(&look).primitive, Primitive::Mesh);
     assert_eq!(look.lack_of(Primitive::Mesh), None);
-    assert_eq!(Style::default().resolved(&look).primitive, Primitive::Mesh);
+    assert_eq!(Settings::default().resolved(&look).primitive, Primitive::Mesh);
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use super::constants::MOST_REACH_CELLS;
 use super::planes::{Neighbourhood, Planes};
 use super::view::ScreenPoint;
-use crate::analysis::four_matrices::FOUR;
+use crate::analysis::surface::four_matrices::FOUR;
 use crate::cloud::ShapeRecord;
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;

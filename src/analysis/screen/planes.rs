@@ -25,7 +25,7 @@ use super::constants::{
 };
 use super::lanes::total;
 use super::view::{ScreenPoint, ScreenView};
-use crate::analysis::four_matrices::{FOUR, FourMatrices};
+use crate::analysis::surface::four_matrices::{FOUR, FourMatrices};
 use crate::cloud::{ShapeRecord, oct_decode, oct_encode};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8, f64x4};
 use glam::{DVec3, Vec3};

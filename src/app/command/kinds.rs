@@ -119,6 +119,10 @@ impl Command {
     pub const SAVE_SESSION: Self = Self("save session");
     /// Write the session to a file chosen with a dialog.
     pub const SAVE_SESSION_AS: Self = Self("save session as");
+    /// Begin the open document again from defaults.
+    pub const BEGIN_AGAIN: Self = Self("begin again");
+    /// Begin new documents with the look of the open one.
+    pub const USE_AS_DEFAULTS: Self = Self("use as defaults");
     /// Full screen and back.
     pub const FULL_SCREEN: Self = Self("full screen");
     /// Show or hide small pictures over the timeline.

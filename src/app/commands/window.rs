@@ -1,31 +1,44 @@
 //! Commands of the window: undo, themes, lists, the end.
 
-use super::common::{Row, group};
+use super::common::{Row, group, needs_sequence};
 use crate::app::command::{Chord, Command};
 use crate::app::features::camera_path::Question;
 use crate::app::open_panels::PanelId;
 use crate::app::state::{State, WindowRequest};
 use egui::{Key, ThemePreference};
+use std::borrow::Cow;
 
 pub(super) const ROWS: &[Row] = &[
     Row::new(Command::UNDO, "Undo", |state| {
         let before = state.history.undo();
         state.take_edited(before);
     })
+    .titled(|state| titled("Undo", state.history.undo_name()))
     .what("Undo the last change of settings, path or labels")
     .keys(group::FILE, "Ctrl+Z", &[Chord::ctrl(Key::Z)])
-    .applies(|state| state.history.can_undo().then_some(()).ok_or("Nothing was changed")),
+    .applies(|state| state.history.undo_name().map(|_| ()).ok_or("Nothing was changed")),
     Row::new(Command::REDO, "Redo", |state| {
         let after = state.history.redo();
         state.take_edited(after);
     })
+    .titled(|state| titled("Redo", state.history.redo_name()))
     .what("Redo it")
     .keys(
         group::FILE,
         "Ctrl+Y, Ctrl+Shift+Z",
         &[Chord::ctrl(Key::Y), Chord::ctrl_shift(Key::Z)],
     )
-    .applies(|state| state.history.can_redo().then_some(()).ok_or("Nothing was undone")),
+    .applies(|state| state.history.redo_name().map(|_| ()).ok_or("Nothing was undone")),
+    Row::new(Command::BEGIN_AGAIN, "Begin again from defaults", State::begin_again)
+        .what("Begin the open document again from defaults")
+        .applies(needs_sequence),
+    Row::new(
+        Command::USE_AS_DEFAULTS,
+        "Use this look for new files",
+        State::use_as_defaults,
+    )
+    .what("Begin new documents with the look of the open one")
+    .applies(needs_sequence),
     Row::new(Command::FULL_SCREEN, "Full screen", |state| {
         state.request(WindowRequest::FullScreen);
     })
@@ -66,3 +79,8 @@ pub(super) const ROWS: &[Row] = &[
         .also(&["exit"])
         .keys(group::FILE, "Ctrl+Q", &[Chord::ctrl(Key::Q)]),
 ];
+
+/// A title with what it is about, if that is known.
+fn titled(title: &'static str, name: Option<&str>) -> Cow<'static, str> {
+    name.map_or(Cow::Borrowed(title), |name| Cow::Owned(format!("{title}: {name}")))
+}

@@ -2,35 +2,22 @@
 //! machine has no memory for them.
 //!
 //! **How it works.** When camera and frame have been the same for a moment, a thread takes the points that the picture
-//! shows, no more than it has pixels ([`points_in_view`]), and estimates the surface of these alone. Their picture
+//! shows, no more than it has pixels ([`ViewOfFrame`]), and estimates the surface of these alone. Their picture
 //! replaces that of all points until the view is another one, or the surfels of all points are there.
 
 use super::levels::REST;
 use crate::analysis::MOST_JOINED;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
-use crate::playback::can_draw;
-use crate::scene::{Camera, Clip, Scene, Style, ViewTransform, points_in_view};
-use crate::sequence::{Needs, PrepareCounters, PreparedFrame, prepare_part};
-use glam::DVec3;
+use crate::composition::{PictureView, ViewOfFrame};
+use crate::scene::Style;
+use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 use std::time::Duration;
-
-/// What surfels in view depend on.
-#[derive(Debug, Clone, PartialEq)]
-struct ViewKey {
-    /// [`PreparedFrame::id`].
-    frame: u64,
-    needs: Needs,
-    view: ViewTransform,
-    viewport_px: [u32; 2],
-    /// Relative to the origin of the sequence.
-    clip: Option<Clip>,
-}
 
 /// A frame whose surfels are wanted and not there.
 #[derive(Debug)]
 struct WantedView {
-    key: ViewKey,
+    key: ViewOfFrame,
     frame: Arc<PreparedFrame>,
     since: Duration,
 }
@@ -38,7 +25,7 @@ struct WantedView {
 /// Surfels of a view that were estimated; `None` where nothing is seen.
 #[derive(Debug)]
 pub struct InView {
-    key: ViewKey,
+    key: ViewOfFrame,
     part: Option<Arc<PreparedFrame>>,
 }
 
@@ -48,7 +35,7 @@ pub(in crate::app) struct SurfelsInView {
     /// Those of frames of fewer points are there before anybody misses them.
     fewest_points: usize,
     wanted: Option<WantedView>,
-    asked_for: Option<ViewKey>,
+    asked_for: Option<ViewOfFrame>,
     made: Option<Arc<InView>>,
 }
 
@@ -68,25 +55,15 @@ impl SurfelsInView {
     pub(in crate::app) fn choose(
         &mut self,
         frame: &Arc<PreparedFrame>,
-        (camera, origin): (&Camera, DVec3),
+        view: &PictureView<'_>,
         style: &Style,
-        viewport_px: [u32; 2],
         now: Duration,
     ) -> Option<Arc<PreparedFrame>> {
-        let are_missing = style.draws_surfels() && !can_draw(frame, style);
-        if !are_missing || frame.is_sample() || frame.points.len() < self.fewest_points {
+        let is_large = frame.points.len() >= self.fewest_points;
+        let Some(key) = ViewOfFrame::without_surfels(frame, view, style).filter(|_| is_large) else {
             self.wanted = None;
             self.made = None;
             return None;
-        }
-        let viewport_px = style.drawn_px(viewport_px);
-        let clip = style.of_sequence.clip.filter(|clip| clip.is_on);
-        let key = ViewKey {
-            frame: frame.id,
-            needs: Scene::needs(style),
-            view: camera.transform(origin, viewport_px),
-            viewport_px,
-            clip: clip.map(|clip| clip.relative_to(origin)),
         };
         if self.wanted.as_ref().is_none_or(|wanted| wanted.key != key) {
             self.wanted = Some(WantedView {
@@ -112,7 +89,10 @@ impl SurfelsInView {
         let Some(wanted) = &self.wanted else { return };
         let (key, frame) = (wanted.key.clone(), Arc::clone(&wanted.frame));
         self.asked_for = Some(key.clone());
-        tasks.start("surfels in view", move || Arc::new(InView::of(key, &frame)));
+        tasks.start("surfels in view", move || {
+            let part = key.surfels(&frame);
+            Arc::new(InView { key, part })
+        });
     }
 
     /// Takes what was made.
@@ -132,27 +112,16 @@ impl SurfelsInView {
     }
 }
 
-impl InView {
-    fn of(key: ViewKey, frame: &PreparedFrame) -> Self {
-        let positions = frame.frame.positions();
-        let slots = points_in_view(positions, &key.view, key.viewport_px, key.clip.as_ref());
-        let counters = PrepareCounters::default();
-        let part = prepare_part(frame, &slots, &key.needs, &counters);
-        let part = part.map(Arc::new).ok().filter(|_| !slots.is_empty());
-        Self { key, part }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::app::Outcome;
     use crate::cloud::{Frame, Positions, RawCloud};
+    use crate::composition::can_draw;
     use crate::math::Aabb;
-    use crate::scene::Primitive;
-    use crate::scene::UpAxis;
-    use crate::sequence::prepare;
-    use glam::Vec3;
+    use crate::scene::{Camera, Primitive, Scene, UpAxis};
+    use crate::sequence::{Needs, PrepareCounters, prepare};
+    use glam::{DVec3, Vec3};
     use std::sync::mpsc::sync_channel;
 
     const VIEWPORT_PX: [u32; 2] = [64, 48];
@@ -169,6 +138,14 @@ mod tests {
     fn camera(edge: f32) -> Camera {
         let bounds = Aabb::from_points(&[Vec3::ZERO, Vec3::splat(edge)]);
         Camera::framing(&bounds, DVec3::ZERO, UpAxis::Z)
+    }
+
+    fn view(camera: &Camera) -> PictureView<'_> {
+        PictureView {
+            camera,
+            origin: DVec3::ZERO,
+            size_px: VIEWPORT_PX,
+        }
     }
 
     fn for_all_clouds() -> SurfelsInView {
@@ -188,8 +165,7 @@ mod tests {
         camera: &Camera,
         time_ms: u64,
     ) -> Option<Arc<PreparedFrame>> {
-        let (style, from) = (Style::default(), (camera, DVec3::ZERO));
-        surfels.choose(frame, from, &style, VIEWPORT_PX, ms(time_ms))
+        surfels.choose(frame, &view(camera), &Style::default(), ms(time_ms))
     }
 
     /// Has made at `time_ms` what is due then; `None` if nothing is.
@@ -266,8 +242,7 @@ mod tests {
             primitive: Primitive::Point,
             ..Style::default()
         };
-        let from = (&camera, DVec3::ZERO);
-        let chosen = surfels.choose(&frame, from, &points, VIEWPORT_PX, ms(70));
+        let chosen = surfels.choose(&frame, &view(&camera), &points, ms(70));
         assert!(chosen.is_none() && surfels.next_deadline().is_none());
         // Nor have clouds whose own surfels are there soon.
         let mut surfels = SurfelsInView::default();

@@ -2,12 +2,11 @@
 //!
 //! **How it works.** A picture of all points that took longer than a smooth motion allows is remembered with its frame,
 //! which then gets an octree on a thread if it has none. While the camera moves, as many cells are drawn as there is
-//! time for ([`Lod::FrameTimeMs`]); once it has rested, all points. Frames that play have fewer points instead
+//! time for ([`in_cells`]); once it has rested, all points. Frames that play have fewer points instead
 //! (`sequence/effort.rs`): an octree for each would take the time of the points that it saves.
 
 use crate::app::work::tasks::{TaskOutcome, Tasks};
-use crate::levels::Lod;
-use crate::playback::can_draw;
+use crate::composition::{Coarse, can_draw, has_moving_levels, in_cells};
 use crate::scene::{Camera, Scene, Style};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, complete};
 use std::sync::Arc;
@@ -56,15 +55,13 @@ impl Levels {
         style: &Style,
         tasks: &Tasks<T>,
     ) {
-        let needs = Scene::needs(&in_cells(style));
+        let needs = Scene::needs(&in_cells(style, SMOOTH_MS));
         let has_levels = frame.satisfies(&needs) || self.made_for(frame, &needs).is_some();
         if !self.is_slow(frame)
             || has_levels
             || self.asked_for == Some(frame.id)
-            || style.draws_points()
+            || !has_moving_levels(style)
             || style.draws_codes()
-            // Levels have normals of their own.
-            || style.has_screen_normals()
             // What it lacks is on its way, or not wanted.
             || !can_draw(frame, style)
         {
@@ -91,15 +88,14 @@ impl Levels {
         self.moved_at.filter(|_| self.are_drawn).map(|moved_at| moved_at + REST)
     }
 
-    /// The frame and the settings to draw with from `camera` at `now`: those that are given, or coarser ones while it
-    /// moves.
+    /// Levels to draw in place of `frame` from `camera` at `now`, while it moves.
     pub(in crate::app) fn choose(
         &mut self,
         frame: &Arc<PreparedFrame>,
         camera: &Camera,
         style: &Style,
         now: Duration,
-    ) -> (Arc<PreparedFrame>, Style) {
+    ) -> Option<Coarse> {
         if self.camera.replace(*camera).is_some_and(|before| before != *camera) {
             self.moved_at = Some(now);
         }
@@ -107,18 +103,16 @@ impl Levels {
             .moved_at
             .is_some_and(|moved_at| now.saturating_sub(moved_at) < REST);
         self.are_drawn = false;
-        if is_moving && self.is_slow(frame) && !style.draws_points() && !style.has_screen_normals() {
-            let coarse = in_cells(style);
-            let needs = Scene::needs(&coarse);
-            let made = self.made_for(frame, &needs);
-            let made = made.or_else(|| frame.satisfies(&needs).then_some(frame));
-            if let Some(made) = made {
-                let made = Arc::clone(made);
-                self.are_drawn = true;
-                return (made, coarse);
-            }
+        if !is_moving || !self.is_slow(frame) || !has_moving_levels(style) {
+            return None;
         }
-        (Arc::clone(frame), *style)
+        let style = in_cells(style, SMOOTH_MS);
+        let needs = Scene::needs(&style);
+        let made = self.made_for(frame, &needs);
+        let made = made.or_else(|| frame.satisfies(&needs).then_some(frame))?;
+        let frame = Arc::clone(made);
+        self.are_drawn = true;
+        Some(Coarse { frame, style })
     }
 
     /// Whether the whole picture of a frame takes longer than a smooth motion allows.
@@ -132,14 +126,6 @@ impl Levels {
             .as_ref()
             .filter(|made| made.id == frame.id && made.satisfies(needs))
     }
-}
-
-/// The same settings, by as many cells of the octree as can be drawn in time.
-fn in_cells(style: &Style) -> Style {
-    style.with(|style| {
-        style.levels.surfel_lod = true;
-        style.levels.lod = Lod::FrameTimeMs(SMOOTH_MS);
-    })
 }
 
 #[cfg(test)]
@@ -190,23 +176,21 @@ mod tests {
         let style = Style::default();
         let mut levels = Levels::default();
         let ms = Duration::from_millis;
-        let (drawn, same) = levels.choose(&frame, &camera(0), &style, ms(0));
-        assert!(Arc::ptr_eq(&drawn, &frame) && same == style);
+        assert!(levels.choose(&frame, &camera(0), &style, ms(0)).is_none());
         levels.note_whole_picture(&frame, 60.0);
         // Levels are made once.
         assert!(make(&mut levels, &frame, &style));
         assert!(!make(&mut levels, &frame, &style));
 
-        let (drawn, coarse) = levels.choose(&frame, &camera(1), &style, ms(100));
-        assert!(drawn.levels.octree().is_some() && drawn.id == frame.id);
-        assert_eq!(coarse, in_cells(&style));
+        let coarse = levels.choose(&frame, &camera(1), &style, ms(100)).unwrap();
+        assert!(coarse.frame.levels.octree().is_some() && coarse.frame.id == frame.id);
+        assert_eq!(coarse.style, in_cells(&style, SMOOTH_MS));
         assert!(levels.are_drawn());
         // The picture of all points is due once the camera has rested, and no sooner.
         assert_eq!(levels.next_deadline(), Some(ms(100) + REST));
-        let (_, still_coarse) = levels.choose(&frame, &camera(1), &style, ms(149));
-        assert_eq!(still_coarse, in_cells(&style));
-        let (drawn, whole) = levels.choose(&frame, &camera(1), &style, ms(150));
-        assert!(Arc::ptr_eq(&drawn, &frame) && whole == style);
+        let still_coarse = levels.choose(&frame, &camera(1), &style, ms(149)).unwrap();
+        assert_eq!(still_coarse.style, in_cells(&style, SMOOTH_MS));
+        assert!(levels.choose(&frame, &camera(1), &style, ms(150)).is_none());
         assert_eq!(levels.next_deadline(), None);
     }
 
@@ -228,8 +212,7 @@ mod tests {
             assert!(!make(&mut levels, &frame, &style), "{name}");
             for step in 0..3 {
                 let now = Duration::from_millis(10 * u64::from(step));
-                let (drawn, same) = levels.choose(&frame, &camera(step), &style, now);
-                assert!(Arc::ptr_eq(&drawn, &frame) && same == style, "{name}");
+                assert!(levels.choose(&frame, &camera(step), &style, now).is_none(), "{name}");
             }
         }
     }
@@ -243,7 +226,6 @@ mod tests {
         assert!(make(&mut levels, &before, &style));
         levels.note_whole_picture(&next, 60.0);
         levels.choose(&next, &camera(0), &style, Duration::ZERO);
-        let (drawn, same) = levels.choose(&next, &camera(1), &style, Duration::ZERO);
-        assert!(Arc::ptr_eq(&drawn, &next) && same == style);
+        assert!(levels.choose(&next, &camera(1), &style, Duration::ZERO).is_none());
     }
 }

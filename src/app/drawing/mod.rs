@@ -4,10 +4,8 @@ pub(super) mod in_view;
 pub(super) mod levels;
 
 use crate::app::work::tasks::{TaskOutcome, Tasks};
-use crate::playback::can_draw;
-use crate::scene::{
-    Camera, PhotoDepths, Pick, Primitive, Scene, ScenePacket, SceneStats, ScreenStats, Style, hidden, pick,
-};
+use crate::composition::{Composed, PictureView, StandIns, can_draw, packet, with_stand_ins};
+use crate::scene::{Camera, Pick, Primitive, Scene, ScenePacket, SceneStats, ScreenStats, Style, hidden, pick};
 use crate::sequence::PreparedFrame;
 use egui::{Pos2, Rect, Vec2};
 use glam::{DVec2, DVec3};
@@ -24,7 +22,8 @@ const PICK_RADIUS: f32 = 6.0;
 pub(in crate::app) struct Drawing {
     scene: Scene,
     packet: Option<ScenePacket>,
-    frame: Option<DrawnFrame>,
+    /// The frame of the packet, and the origin of its positions.
+    drawn: Option<(Composed, DVec3)>,
     primitive: Primitive,
     /// What makes pictures coarser while the camera moves.
     levels: Levels,
@@ -34,35 +33,12 @@ pub(in crate::app) struct Drawing {
     is_new: bool,
 }
 
-/// What a packet is made of.
-#[derive(Debug, Clone)]
-pub(in crate::app) struct DrawnFrame {
-    pub(in crate::app) frame: Arc<PreparedFrame>,
-    /// The pose in it: the same, or what it was made from.
-    pub(in crate::app) pose: Arc<PreparedFrame>,
-    /// Of their positions.
-    pub(in crate::app) origin: DVec3,
-    /// What its photographs see of it.
-    pub(in crate::app) depths: Option<Arc<PhotoDepths>>,
-}
-
-impl DrawnFrame {
-    /// The slot in the pose of a point of the frame; `None` for points of ghosts.
-    fn slot_in_pose(&self, slot: usize) -> Option<usize> {
-        if Arc::ptr_eq(&self.frame.frame, &self.pose.frame) {
-            return Some(slot);
-        }
-        let index = *self.frame.frame.file_index().get(slot)? as usize;
-        (index < self.pose.points.len()).then_some(index)
-    }
-}
-
 impl Default for Drawing {
     fn default() -> Self {
         Self {
             scene: Scene::that_remembers(),
             packet: None,
-            frame: None,
+            drawn: None,
             primitive: Primitive::Point,
             levels: Levels::default(),
             surfels_in_view: SurfelsInView::default(),
@@ -88,7 +64,7 @@ impl Drawing {
         if !std::mem::take(&mut self.is_new) {
             return None;
         }
-        let (packet, drawn) = self.packet.as_ref().zip(self.frame.as_ref())?;
+        let (packet, (drawn, _)) = self.packet.as_ref().zip(self.drawn.as_ref())?;
         self.scene.note_draw_ms(&packet.style, draw_ms);
         // Triangles are drawn whatever the number of points.
         if self.levels.are_drawn() || packet.content.mesh().is_some() {
@@ -104,7 +80,7 @@ impl Drawing {
     where
         T: TaskOutcome + From<FrameWithLevels> + From<Arc<InView>>,
     {
-        if let Some(drawn) = self.frame.as_ref().filter(|_| is_at_rest) {
+        if let Some((drawn, _)) = self.drawn.as_ref().filter(|_| is_at_rest) {
             self.levels.prepare(&drawn.frame, style, tasks);
         }
         self.surfels_in_view.prepare(tasks, now);
@@ -138,37 +114,28 @@ impl Drawing {
     /// is shown as before.
     pub(in crate::app) fn next_packet(
         &mut self,
-        mut drawn: DrawnFrame,
-        camera: &Camera,
+        composed: Composed,
+        view: &PictureView<'_>,
         style: &Style,
-        viewport_px: [u32; 2],
         now: Duration,
     ) -> Option<ScenePacket> {
-        let seen_from = (camera, drawn.origin);
-        let part = self
-            .surfels_in_view
-            .choose(&drawn.frame, seen_from, style, viewport_px, now);
-        if let Some(part) = part {
-            drawn.frame = Arc::clone(&part);
-            drawn.pose = part;
-            drawn.depths = None;
-        }
-        let (frame, mut style) = self.levels.choose(&drawn.frame, camera, style, now);
-        if !can_draw(&drawn.frame, &style) {
+        let in_view = self.surfels_in_view.choose(&composed.frame, view, style, now);
+        let whole = in_view.as_ref().unwrap_or(&composed.frame);
+        let coarse = self.levels.choose(whole, view.camera, style, now);
+        let composed = with_stand_ins(composed, style, StandIns { in_view, coarse });
+        let mut style = composed.coarse.as_ref().map_or(*style, |coarse| coarse.style);
+        if !can_draw(&composed.frame, &style) {
             style.primitive = self.primitive;
-            if !can_draw(&drawn.frame, &style) {
+            if !can_draw(&composed.frame, &style) {
                 style.primitive = Primitive::Point;
             }
         }
-        let mut packet = self.scene.packet(&frame, drawn.origin, camera, &style, viewport_px);
-        if let Some(photographs) = &mut packet.photographs {
-            photographs.depths.clone_from(&drawn.depths);
-        }
+        let packet = packet(&mut self.scene, &composed, view, &style);
         if self.packet.as_ref() == Some(&packet) {
             return None;
         }
         self.primitive = style.primitive;
-        self.frame = Some(drawn);
+        self.drawn = Some((composed, view.origin));
         self.packet = Some(packet.clone());
         self.is_new = true;
         Some(packet)
@@ -186,26 +153,26 @@ impl Drawing {
 
     /// Forgets what can be picked.
     pub(in crate::app) fn forget_frame(&mut self) {
-        self.frame = None;
+        self.drawn = None;
         self.surfels_in_view = SurfelsInView::default();
     }
 
     /// Which of these places, in the coordinates of the file, are behind what was drawn last, as `camera` saw it.
     pub(in crate::app) fn hides(&self, camera: &Camera, places: &[DVec3]) -> Vec<bool> {
-        let Some((packet, drawn)) = self.packet.as_ref().zip(self.frame.as_ref()) else {
+        let Some((packet, (_, origin))) = self.packet.as_ref().zip(self.drawn.as_ref()) else {
             return vec![false; places.len()];
         };
         // What is behind the eye is not in the picture.
         let seen = places.iter().map(|&place| {
             let px = camera.to_px(place, packet.viewport_px);
-            (place - drawn.origin, px.unwrap_or(DVec2::NEG_ONE))
+            (place - origin, px.unwrap_or(DVec2::NEG_ONE))
         });
         hidden(packet, &seen.collect::<Vec<_>>())
     }
 
     /// The point under `place` of the picture over `rect`, and the pose that it is of, as they were drawn last.
     pub(in crate::app) fn point_at(&self, place: Pos2, rect: Rect) -> Option<(Pick, Arc<PreparedFrame>)> {
-        let (packet, drawn) = self.packet.as_ref().zip(self.frame.as_ref())?;
+        let (packet, (drawn, origin)) = self.packet.as_ref().zip(self.drawn.as_ref())?;
         if !rect.contains(place) || rect.area() == 0.0 {
             return None;
         }
@@ -219,7 +186,7 @@ impl Drawing {
         let slot = drawn.slot_in_pose(slot)?;
         let pick = Pick {
             drawn_color: [red, green, blue],
-            ..Pick::of(&drawn.pose, drawn.origin, slot)?
+            ..Pick::of(&drawn.pose, *origin, slot)?
         };
         Some((pick, Arc::clone(&drawn.pose)))
     }

@@ -10,7 +10,7 @@ use crate::app::command::CommandRow;
 use crate::app::panel_row::PanelRow;
 use crate::app::widgets::overlay::PictureOverlay;
 use crate::app::work::outcome::Outcome;
-use crate::session::Session;
+use crate::document::Document;
 use egui::Ui;
 use std::time::Duration;
 
@@ -59,10 +59,10 @@ pub(in crate::app) trait Feature<S: 'static> {
     fn forget_sequence(_state: &mut S) {}
 
     /// Writes what is kept of it with the open sequence.
-    fn save(_state: &S, _session: &mut Session) {}
+    fn save(_state: &S, _document: &mut Document) {}
 
     /// Takes what was kept of it with the sequence that was opened.
-    fn load(_state: &mut S, _session: &Session) {}
+    fn load(_state: &mut S, _document: &Document) {}
 
     /// Closes what it has over all else: Escape. False if there is nothing.
     fn escape(_state: &mut S) -> bool {
@@ -103,8 +103,8 @@ pub(in crate::app) struct FeatureRow<S: 'static> {
     pub(in crate::app) take: fn(&mut S, Outcome) -> Result<(), Outcome>,
     pub(in crate::app) forget_frame: fn(&mut S, usize),
     pub(in crate::app) forget_sequence: fn(&mut S),
-    pub(in crate::app) save: fn(&S, &mut Session),
-    pub(in crate::app) load: fn(&mut S, &Session),
+    pub(in crate::app) save: fn(&S, &mut Document),
+    pub(in crate::app) load: fn(&mut S, &Document),
     pub(in crate::app) escape: fn(&mut S) -> bool,
     pub(in crate::app) loss: fn(&S) -> Option<&'static str>,
     pub(in crate::app) paint: fn(&S, &PictureOverlay<'_>, bool),

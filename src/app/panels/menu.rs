@@ -222,7 +222,16 @@ fn recent_items(ui: &mut Ui, state: &State) -> Option<Vec<PathBuf>> {
 
 fn edit_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(190.0);
-    items(ui, state, &[Command::UNDO, Command::REDO]);
+    items(
+        ui,
+        state,
+        &[
+            Command::UNDO,
+            Command::REDO,
+            Command::BEGIN_AGAIN,
+            Command::USE_AS_DEFAULTS,
+        ],
+    );
     ui.separator();
     items(ui, state, &[Command::COPY_VIEW, Command::PASTE_VIEW]);
     own_items(ui, state, Menu::Edit);

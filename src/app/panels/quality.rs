@@ -3,7 +3,7 @@
 use super::settings::{heading, row, rows};
 use crate::app::{MeasuredQuality, QualityLimits};
 use crate::bench::{Quality, QualityChoice};
-use crate::scene::Style;
+use crate::scene::Settings;
 use egui::{Button, DragValue, Slider, Ui};
 
 /// What the section asks of the window.
@@ -11,12 +11,12 @@ pub(super) enum QualityRequest {
     /// Measure the ways to draw.
     Measure,
     /// Draw the open sequence so.
-    DrawAs(Box<Style>),
+    DrawAs(Box<Settings>),
 }
 
 /// A slider over the ways that no other beats, and the two limits that choose one of them. What
 /// is asked for.
-pub(super) fn quality_ui(ui: &mut Ui, quality: &mut MeasuredQuality, style: &Style) -> Option<QualityRequest> {
+pub(super) fn quality_ui(ui: &mut Ui, quality: &mut MeasuredQuality, style: &Settings) -> Option<QualityRequest> {
     heading(ui, "Quality");
     if let Some(known) = &quality.known {
         let way = choose(ui, known, &mut quality.limits, style);
@@ -29,7 +29,7 @@ pub(super) fn quality_ui(ui: &mut Ui, quality: &mut MeasuredQuality, style: &Sty
 }
 
 /// The slider and the limits; the way to draw that was chosen now.
-fn choose(ui: &mut Ui, quality: &Quality, limits: &mut QualityLimits, style: &Style) -> Option<Style> {
+fn choose(ui: &mut Ui, quality: &Quality, limits: &mut QualityLimits, style: &Settings) -> Option<Settings> {
     let choices = quality.choices();
     let current = choices
         .iter()

@@ -14,8 +14,8 @@ use crate::app::widgets::sought;
 use crate::app::{Clipping, MeasuredQuality, PresentChoice, Temporal, Thumbnails, Trails, Turntable};
 use crate::playback::Player;
 use crate::rgbd::Filters;
-use crate::scene::describe::{Section, When, Word};
-use crate::scene::{Camera, Primitive, Projection, Style, UpAxis};
+use crate::scene::describe::{Section, Word};
+use crate::scene::{Camera, Choice, Primitive, Projection, Settings, Style, UpAxis};
 use egui::{Button, Checkbox, CollapsingHeader, RichText, ScrollArea, Slider, Ui};
 use glam::DVec3;
 
@@ -31,7 +31,7 @@ const LEAST_SLIDER_WIDTH: f32 = 60.0;
 /// The parts of the window that settings are about.
 pub(super) struct SettingsContext<'a> {
     pub(super) player: Option<&'a Player>,
-    pub(super) style: &'a mut Style,
+    pub(super) style: &'a mut Settings,
     /// The style with what was guessed in place of what is left open.
     pub(super) drawn: Style,
     /// What was guessed, with the reason: the primitive.
@@ -91,7 +91,7 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Opt
         }
         part(ui, "Clip");
         let mut clip = ClipContext {
-            clip: &mut context.style.of_sequence.clip,
+            clip: &mut context.style.clip,
             clipping: context.clipping,
             frames: context.frames,
             angle: context.angle,
@@ -140,7 +140,7 @@ fn look(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<SettingsReques
     rows(ui, "look", |ui| section_rows(ui, style, drawn, Section::Look));
     let shown = context.player.and_then(Player::shown);
     colors_ui(ui, &mut style.colors, shown, context.has_legend);
-    if drawn.is(When::HasPhotographs) {
+    if drawn.of_sequence.has_photographs {
         section_ui(ui, style, drawn, ("Photographs", Section::Photographs));
     }
     for section in [("Light", Section::Shading), ("Background", Section::Background)] {
@@ -182,30 +182,33 @@ fn advanced_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<Setting
 
 /// The list of primitives, and of words for some of them with other settings. One that the open files have not cannot
 /// be chosen, and tells why.
-fn primitive(ui: &mut Ui, style: &mut Style, guessed: Option<(Primitive, &str)>, lacks: &[(Primitive, String)]) {
+fn primitive(ui: &mut Ui, style: &mut Settings, guessed: Option<(Primitive, &str)>, lacks: &[(Primitive, String)]) {
     let button = |is_chosen, word: &Word| Button::selectable(is_chosen, word.title).min_size(egui::vec2(62.0, 26.0));
-    let short = Style::PRIMITIVE.shorthands.iter().find(|short| style.has_all_of(short));
-    let lack_of = |primitive| {
+    let short = Settings::PRIMITIVE
+        .shorthands
+        .iter()
+        .find(|short| style.has_all_of(short));
+    let lack_of = |primitive: Choice<Primitive>| {
         lacks
             .iter()
-            .find(|(lacking, _)| *lacking == primitive)
+            .find(|(lacking, _)| primitive == *lacking)
             .map(|(_, lack)| lack)
     };
     ui.horizontal_wrapped(|ui| {
-        for (&primitive, word) in Primitive::ALL.iter().zip(Primitive::WORDS.list) {
+        for (primitive, word) in Choice::all().zip(Choice::<Primitive>::WORDS.list) {
             let button = button(short.is_none() && style.primitive == primitive, word);
             let lack = lack_of(primitive);
             let added = ui.add_enabled(lack.is_none(), button).on_hover_text(word.hint);
             if added.on_disabled_hover_text(lack.map_or("", String::as_str)).clicked() {
                 style.primitive = primitive;
                 // What was clicked is what is chosen, not what with other settings has another word.
-                Style::PRIMITIVE
+                Settings::PRIMITIVE
                     .shorthands
                     .iter()
                     .for_each(|short| style.take_back(short));
             }
         }
-        for shorthand in Style::PRIMITIVE.shorthands {
+        for shorthand in Settings::PRIMITIVE.shorthands {
             let button = button(style.has_all_of(shorthand), &shorthand.word);
             if ui.add(button).on_hover_text(shorthand.word.hint).clicked() {
                 style.take(shorthand);
@@ -215,7 +218,7 @@ fn primitive(ui: &mut Ui, style: &mut Style, guessed: Option<(Primitive, &str)>,
     if let Some(lack) = lack_of(style.primitive) {
         ui.label(RichText::new(lack).weak());
     }
-    if let (Primitive::Auto, Some((primitive, why))) = (style.primitive, guessed) {
+    if let (Choice::Auto, Some((primitive, why))) = (style.primitive, guessed) {
         let text = format!("Drawn as {primitive}s: {why}");
         ui.label(RichText::new(text).weak());
     }

@@ -2,13 +2,13 @@
 
 use crate::app::widgets::rows::{choice, heading, row, rows};
 use crate::scene::describe::{Described, Kind, Numbers, Section, Unit, Value, Values, Words};
-use crate::scene::{Background, Environment, Style};
+use crate::scene::{Background, Environment, Settings, Style};
 use egui::{Checkbox, Slider, Ui};
 
 /// A section of the panel with its heading, if one of its settings has an effect on what is `drawn`: the style without
 /// what is left open.
-pub(super) fn section_ui(ui: &mut Ui, style: &mut Style, drawn: &Style, (title, section): (&str, Section)) {
-    let is_in_it = |described: &Described| described.section == section && drawn.is(described.when);
+pub(super) fn section_ui(ui: &mut Ui, style: &mut Settings, drawn: &Style, (title, section): (&str, Section)) {
+    let is_in_it = |described: &Described| described.section == section && (described.when)(drawn);
     if (style.settings().iter()).any(|(described, _)| is_in_it(described)) {
         heading(ui, title);
         rows(ui, title, |ui| section_rows(ui, style, drawn, section));
@@ -16,9 +16,9 @@ pub(super) fn section_ui(ui: &mut Ui, style: &mut Style, drawn: &Style, (title, 
 }
 
 /// Those settings of a section that have an effect on what is `drawn`.
-pub(super) fn section_rows(ui: &mut Ui, style: &mut Style, drawn: &Style, section: Section) {
+pub(super) fn section_rows(ui: &mut Ui, style: &mut Settings, drawn: &Style, section: Section) {
     style.edit(&mut |described, value| {
-        if described.section == section && drawn.is(described.when) {
+        if described.section == section && (described.when)(drawn) {
             setting(ui, described, value)
         } else {
             value

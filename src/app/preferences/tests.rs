@@ -5,23 +5,23 @@ use crate::analysis::ColorMap;
 use crate::levels::octree::StopCriterion;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
-    Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, Environment, EyeDome, Footprint, Kernel,
-    LevelStructure, LevelStyle, LightRig, LightStyle, Lighting, NormalBits, NormalSource, OfSequence, OffsetBits,
-    OnOff, PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle, PointLight, PointShape,
-    PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy, SurfelColors,
-    SurfelStyle, VoxelLight, VoxelStyle,
+    Antialiasing, BackFaces, Backdrop, Background, Choice, CodeStyle, DrawingSettings, Environment, EyeDome, Footprint,
+    Kernel, LevelStructure, LevelStyle, LightRig, LightSettings, Lighting, NormalBits, NormalSource, OffsetBits, OnOff,
+    PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle, PointLight, PointShape, PointSizing,
+    PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy, SurfelColors,
+    SurfelSettings, VoxelLight, VoxelStyle,
 };
-use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
+use crate::sequence::{ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
 use std::fs;
 
 /// Nothing in it is as in a new window.
 fn unusual() -> Preferences {
     Preferences {
-        settings: Style {
-            primitive: Primitive::Voxel,
+        settings: Settings {
+            primitive: Primitive::Voxel.into(),
             colors: Coloring::of(ColorSource::Scalar(None)),
-            surfels: SurfelStyle {
+            surfels: SurfelSettings {
                 splatting: Splatting::NoDepth,
                 filter: SplatFilter::Ewa,
                 geometry: SplatGeometry::Triangle,
@@ -31,7 +31,7 @@ fn unusual() -> Preferences {
                 shown: SurfelColors::NormalErrors,
                 splat_scale: 1.25,
                 enlargement: 3.5,
-                back_faces: BackFaces::Drawn,
+                back_faces: BackFaces::Drawn.into(),
             },
             points: PointStyle {
                 sizing: PointSizing::Adaptive,
@@ -55,9 +55,9 @@ fn unusual() -> Preferences {
                 normal_bits: NormalBits::Fifteen,
                 offset_bits: OffsetBits::Two,
             },
-            light: LightStyle {
-                lighting: Lighting::PerVertex,
-                rig: LightRig::ThreePoint,
+            light: LightSettings {
+                lighting: Lighting::PerVertex.into(),
+                rig: LightRig::ThreePoint.into(),
                 metallic: 1.0,
                 roughness: 0.25,
                 environment: Environment::Sky,
@@ -65,8 +65,9 @@ fn unusual() -> Preferences {
                 ao: OnOff::On,
                 ao_strength: 0.5,
                 ao_radius: 2.0,
-                eye_dome: EyeDome::On,
+                eye_dome: EyeDome::On.into(),
                 eye_dome_strength: 2.5,
+                gamma: 1.5,
             },
             photos: PhotoStyle {
                 gaps: 1.0,
@@ -85,15 +86,9 @@ fn unusual() -> Preferences {
                     bottom: [0, 16, 255],
                 },
             },
-            of_sequence: OfSequence {
-                ground_box: None,
-                color_hints: ColorHints::NONE,
-                point_spacing: 0.0,
-                has_photographs: false,
-                clip: None,
-            },
-            drawing: DrawingStyle {
-                renderer: RendererChoice::Cpu,
+            clip: None,
+            drawing: DrawingSettings {
+                renderer: RendererChoice::Cpu.into(),
                 strategy: Strategy::Compute,
                 resolution: 0.5,
                 antialiasing: Antialiasing::Supersample,
@@ -133,7 +128,7 @@ fn of_version_6() -> Preferences {
             style.surfels.normals = NormalSource::Neighbours;
             style.surfels.shown = SurfelColors::Points;
             style.voxels.light = VoxelLight::Normals;
-            style.light.rig = LightRig::Auto;
+            style.light.rig = Choice::Auto;
             style.light.metallic = 0.0;
             style.light.roughness = 0.5;
             style.light.environment = Environment::Studio;
@@ -142,8 +137,9 @@ fn of_version_6() -> Preferences {
             style.light.ao = OnOff::Off;
             style.light.ao_strength = 1.0;
             style.light.ao_radius = 1.0;
-            style.light.eye_dome = EyeDome::Auto;
+            style.light.eye_dome = Choice::Auto;
             style.light.eye_dome_strength = 1.0;
+            style.light.gamma = 1.0;
             style.backdrop.grid = false;
             style.photos = PhotoStyle::default();
             style.points = PointStyle {
@@ -206,8 +202,8 @@ fn of_versions() -> [(&'static str, Preferences); 7] {
     let usual = Preferences::default();
     let last = Preferences {
         settings: unusual().settings.with(|style| {
-            style.surfels = SurfelStyle {
-                back_faces: BackFaces::Darker,
+            style.surfels = SurfelSettings {
+                back_faces: BackFaces::Darker.into(),
                 ..of_version_6().settings.surfels
             };
             style.colors = Coloring {
@@ -220,7 +216,7 @@ fn of_versions() -> [(&'static str, Preferences); 7] {
             style.points = of_version_6().settings.points;
             style.drawing = of_version_6().settings.drawing;
             style.photos = PhotoStyle::default();
-            style.light = LightStyle {
+            style.light = LightSettings {
                 eye_dome: style.light.eye_dome,
                 eye_dome_strength: style.light.eye_dome_strength,
                 ..of_version_6().settings.light
@@ -291,7 +287,7 @@ proptest! {
         let lod = if is_time { Lod::FrameTimeMs(size) } else { Lod::ThresholdPx(size) };
         let stop = StopCriterion::Depth(depth);
         let style = &mut preferences.settings;
-        style.surfels = SurfelStyle { splat_scale, enlargement, ..style.surfels };
+        style.surfels = SurfelSettings { splat_scale, enlargement, ..style.surfels };
         style.points.size_px = point_size_px;
         style.levels = LevelStyle { stop, lod, ..style.levels };
         let offered = preferences.offered();
@@ -304,7 +300,7 @@ proptest! {
 fn each_value_is_read_by_itself() {
     let whole = of_version_6();
     let default = Preferences::default();
-    let with = |change: fn(&mut Style)| {
+    let with = |change: fn(&mut Settings)| {
         let mut preferences = whole;
         change(&mut preferences.settings);
         preferences
@@ -331,7 +327,7 @@ fn each_value_is_read_by_itself() {
         ("0.25", "0.0", Preferences { speed, ..whole }, true),
         ("900.0", "1e9", Preferences { window_size, ..whole }, true),
         // Not known.
-        ("\"voxel\"", "\"cone\"", with(|s| s.primitive = Primitive::Auto), false),
+        ("\"voxel\"", "\"cone\"", with(|s| s.primitive = Choice::Auto), false),
         (
             "\"scalar\"",
             "\"sound\"",

@@ -60,11 +60,10 @@ impl GpuPicture {
     ) -> Result<(), RenderError> {
         // A window that could not be painted has left them.
         self.submit(context, work);
-        let choice = packet.style.drawing.renderer;
-        self.drawn_by = if choice.is_processor(context.is_software()) {
-            DrawnBy::Processor
-        } else {
+        self.drawn_by = if packet.style.is_drawn_on_gpu() {
             DrawnBy::Gpu
+        } else {
+            DrawnBy::Processor
         };
         let (generation, view) = match self.drawn_by {
             DrawnBy::Gpu => {

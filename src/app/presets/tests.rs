@@ -3,11 +3,11 @@
 use super::*;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
-    Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, Environment, EyeDome, Footprint,
-    LevelStructure, LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PhotoStyle,
-    PointStyle, RendererChoice, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    Antialiasing, BackFaces, Backdrop, Background, Choice, CodeStyle, DrawingSettings, Environment, Footprint,
+    LevelStructure, LevelStyle, LightSettings, Lighting, NormalBits, OffsetBits, OnOff, PhotoStyle, PointStyle,
+    RendererChoice, Splatting, Strategy, SurfelSettings, VoxelLight, VoxelStyle,
 };
-use crate::sequence::{ColorHints, ColorSource, Coloring};
+use crate::sequence::{ColorSource, Coloring};
 
 /// As version 0.1 wrote it when nothing was by default, and cut short.
 const OF_VERSION_1: &str = r#"{
@@ -46,16 +46,16 @@ const OF_VERSION_1: &str = r#"{
   ]
 }"#;
 
-fn of_version_1() -> Style {
-    Style {
-        primitive: Primitive::Voxel,
+fn of_version_1() -> Settings {
+    Settings {
+        primitive: Primitive::Voxel.into(),
         colors: Coloring::of(ColorSource::Scalar(None)),
-        surfels: SurfelStyle {
+        surfels: SurfelSettings {
             splatting: Splatting::NoDepth,
             splat_scale: 1.25,
             enlargement: 3.5,
-            back_faces: BackFaces::Drawn,
-            ..SurfelStyle::default()
+            back_faces: BackFaces::Drawn.into(),
+            ..SurfelSettings::default()
         },
         points: PointStyle {
             size_px: 7.0,
@@ -77,9 +77,9 @@ fn of_version_1() -> Style {
             normal_bits: NormalBits::Fifteen,
             offset_bits: OffsetBits::Two,
         },
-        light: LightStyle {
-            lighting: Lighting::PerVertex,
-            rig: LightRig::Auto,
+        light: LightSettings {
+            lighting: Lighting::PerVertex.into(),
+            rig: Choice::Auto,
             metallic: 0.0,
             roughness: 0.5,
             environment: Environment::Studio,
@@ -87,8 +87,9 @@ fn of_version_1() -> Style {
             ao: OnOff::Off,
             ao_strength: 1.0,
             ao_radius: 1.0,
-            eye_dome: EyeDome::Auto,
+            eye_dome: Choice::Auto,
             eye_dome_strength: 1.0,
+            gamma: 1.0,
         },
         photos: PhotoStyle::default(),
         backdrop: Backdrop {
@@ -98,15 +99,9 @@ fn of_version_1() -> Style {
                 bottom: [0, 16, 255],
             },
         },
-        of_sequence: OfSequence {
-            ground_box: None,
-            color_hints: ColorHints::default(),
-            point_spacing: 0.0,
-            has_photographs: false,
-            clip: None,
-        },
-        drawing: DrawingStyle {
-            renderer: RendererChoice::Cpu,
+        clip: None,
+        drawing: DrawingSettings {
+            renderer: RendererChoice::Cpu.into(),
             strategy: Strategy::Compute,
             resolution: 0.5,
             antialiasing: Antialiasing::None,
@@ -155,7 +150,7 @@ fn files_of_version_1_are_read_as_they_were_meant() {
 #[test]
 fn each_value_is_read_by_itself() {
     let whole = of_version_1();
-    let default = Style::default();
+    let default = Settings::default();
     let scale = |splat_scale| whole.with(|style| style.surfels.splat_scale = splat_scale);
     let cases = [
         ("\"splat_scale\": 1.25,", "", scale(1.0), true),
@@ -165,7 +160,7 @@ fn each_value_is_read_by_itself() {
         (
             "\"voxel\"",
             "\"cone\"",
-            Style {
+            Settings {
                 primitive: default.primitive,
                 ..whole
             },
@@ -183,7 +178,7 @@ fn each_value_is_read_by_itself() {
         let changed = OF_VERSION_1.replacen(from, to, 1);
         assert_ne!(changed, OF_VERSION_1, "{from}");
         let (folder, presets) = read_of(&changed);
-        let read: Vec<Style> = presets.list().iter().map(|p| p.settings).collect();
+        let read: Vec<Settings> = presets.list().iter().map(|p| p.settings).collect();
         assert_eq!(read, [settings], "{to}");
         assert_eq!(presets.problem().is_none(), is_whole, "{to}");
         let files = std::fs::read_dir(folder.path()).unwrap().count();
@@ -205,7 +200,7 @@ fn what_cannot_be_read_is_copied_before_it_is_written_over() {
         let (folder, mut presets) = read_of(&damaged);
         assert!(presets.list().is_empty(), "{damaged}");
         assert!(presets.problem().unwrap().contains("presets.json.unreadable"));
-        presets.save("new", Style::default()).unwrap();
+        presets.save("new", Settings::default()).unwrap();
         let copy = std::fs::read_to_string(folder.path().join("presets.json.unreadable"));
         assert_eq!(copy.unwrap(), damaged);
         assert_eq!(Presets::load_from(&folder.path().join("presets.json")).list().len(), 1);

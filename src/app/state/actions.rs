@@ -4,11 +4,12 @@ use super::{State, WindowRequest};
 use crate::app::command::Command;
 use crate::app::commands::dispatch;
 use crate::app::features::Features;
-use crate::app::history::Edited;
 use crate::app::sequence_name::name_of;
+use crate::document::Edited;
 use crate::playback::Player;
 use crate::scene::describe::Value;
-use crate::scene::{PointSizing, PointStyle, Primitive, Style, SurfelStyle};
+use crate::scene::{PointSizing, PointStyle, Primitive, Settings, Style, SurfelSettings};
+use crate::timeline::PlayRange;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -40,24 +41,39 @@ impl State {
         }
     }
 
-    /// Looks whether settings, camera path or labels have changed, for undo. Call after the panels.
+    /// Looks whether something that undo takes back has changed. Call after the panels.
     pub(in crate::app) fn note_settings(&mut self, ctx: &egui::Context) {
         let (is_held, seconds) = ctx.input(|input| (input.pointer.any_down(), input.time));
         let now = Duration::try_from_secs_f64(seconds).unwrap_or_default();
-        let edited = Edited {
+        let edited = self.edited();
+        self.history.note(&edited, is_held, now);
+        self.note_document();
+    }
+
+    /// What undo takes back.
+    fn edited(&self) -> Edited {
+        let player = self.player.as_ref();
+        Edited {
             style: self.style,
             path: Arc::clone(&self.features.path.draft),
             labels: Arc::clone(&self.features.labels.list),
-        };
-        self.history.note(&edited, is_held, now);
+            markers: self.features.timeline.markers.list().to_vec(),
+            range: player.map_or_else(PlayRange::default, |player| player.clock().range()),
+            notes: self.features.notes.text.clone(),
+        }
     }
 
     pub(in crate::app) fn take_edited(&mut self, edited: Option<Edited>) {
-        if let Some(Edited { style, path, labels }) = edited {
-            self.style = style;
-            self.features.path.draft = path;
-            self.features.labels.take(labels);
+        let Some(edited) = edited else { return };
+        self.style = edited.style;
+        self.features.path.draft = edited.path;
+        self.features.labels.take(edited.labels);
+        if let Some(problem) = self.features.timeline.take_markers(edited.markers) {
+            self.notices.warn(problem);
         }
+        self.features.notes.text = edited.notes;
+        self.play_with(|player, now| player.set_range(edited.range, now));
+        self.keep_document();
     }
 
     /// Asks the window for what only it can do.
@@ -67,14 +83,11 @@ impl State {
 
     /// How an export draws: as the window does, but at full resolution.
     pub(in crate::app) fn style_of_export(&self) -> Style {
-        let mut style = self.drawn_style();
-        style.drawing.resolution = 1.0;
-        style.drawing.renderer = self.main.renderer(self.style.drawing.renderer);
-        style
+        self.drawn_style().with(|style| style.drawing.resolution = 1.0)
     }
 
     /// Draws as `way` from now on.
-    pub fn draw_as(&mut self, way: &Style) {
+    pub fn draw_as(&mut self, way: &Settings) {
         self.style = self.style.drawn_as(way);
     }
 
@@ -83,8 +96,8 @@ impl State {
             Primitive::Mesh => &PointStyle::SIZE_PX,
             Primitive::Point if self.style.points.sizing == PointSizing::Pixels => &PointStyle::SIZE_PX,
             Primitive::Point => &PointStyle::SCALE,
-            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite | Primitive::Voxel => {
-                &SurfelStyle::SPLAT_SCALE
+            Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite | Primitive::Voxel => {
+                &SurfelSettings::SPLAT_SCALE
             }
         };
         self.style.edit(&mut |described, value| match value {

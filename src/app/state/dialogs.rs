@@ -2,9 +2,9 @@
 
 use crate::app::features::benchmark::ReportFormat;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
+use crate::document::EXTENSION;
 use crate::export::PictureFormat;
 use crate::io;
-use crate::session::EXTENSION;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 

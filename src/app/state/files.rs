@@ -5,8 +5,8 @@ use super::{State, WindowRequest};
 use crate::app::work::files::{
     PicturePlace, document_folder, numbered_files, picture_folder, save_picture, with_extension,
 };
+use crate::document::EXTENSION;
 use crate::sequence::Sequence;
-use crate::session::EXTENSION;
 use std::path::{Path, PathBuf};
 
 impl State {

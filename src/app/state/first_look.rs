@@ -2,15 +2,14 @@
 //!
 //! **How it works.** The first frame that is shown tells what is looked at and where to stand
 //! ([`FirstLook::of_first`]). Of a sequence of many frames a thread looks at some others meanwhile; when it is done,
-//! and nobody has moved the camera, the view is that of all of them. What a person chooses for a sequence, up axis and
-//! primitive, is kept with its markers.
+//! and nobody has moved the camera, the view is that of all of them. An up axis that a user chooses is in the document.
 
 use super::State;
 use crate::app::features::photos::Photos;
-use crate::app::first_look::{Chosen, FirstView, RefinedLook, SequenceLook};
+use crate::app::first_look::{FirstView, RefinedLook};
 use crate::math::Aabb;
 use crate::rgbd::Sensor;
-use crate::scene::{Camera, FirstLook, Primitive, Style, UpAxis};
+use crate::scene::{Camera, FirstLook, Settings, Style, UpAxis};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
@@ -35,48 +34,22 @@ impl State {
         self.is_drawn_by_processor(&self.style)
     }
 
-    fn is_drawn_by_processor(&self, style: &Style) -> bool {
+    fn is_drawn_by_processor(&self, style: &Settings) -> bool {
         let choice = self.main.renderer(style.drawing.renderer);
         choice.is_processor(self.graphics.is_software)
     }
 
-    pub(in crate::app) fn resolved(&self, style: &Style) -> Style {
+    pub(in crate::app) fn resolved(&self, style: &Settings) -> Style {
         let is_processor = self.is_drawn_by_processor(style);
         self.first_look()
-            .map_or(*style, |look| style.resolved(look))
+            .map_or_else(|| style.decided(), |look| style.resolved(look))
             .drawn_by(is_processor)
     }
 
-    /// The next sequence that is opened is drawn as this, whatever was chosen for it, and it is not kept.
-    pub(in crate::app) fn ask_for_primitive(&mut self, primitive: Primitive) {
-        self.shared.options.primitive = Some(primitive);
-    }
-
-    /// Takes what was chosen for the sequence that is being opened.
-    pub(in crate::app) fn take_chosen(&mut self, chosen: Chosen) {
-        self.opening.looked = SequenceLook::default();
-        let usual = self.shared.options.preferences.settings.primitive;
-        let asked = self.shared.options.primitive.take();
-        self.style.primitive = asked.or(chosen.primitive).unwrap_or(usual);
-        self.opening.looked.primitive = Some(self.style.primitive);
-        self.features.timeline.chosen = chosen;
-    }
-
-    /// Keeps the primitive if it was changed for the open sequence.
-    pub(in crate::app) fn keep_primitive(&mut self) {
-        let primitive = self.style.primitive;
-        if self.player.is_none() || self.opening.looked.primitive.replace(primitive) == Some(primitive) {
-            return;
-        }
-        let chosen = Some(primitive).filter(|&primitive| primitive != Primitive::Auto);
-        self.features.timeline.chosen.primitive = chosen;
-        self.keep_timeline();
-    }
-
-    /// Everything as in a new installation, for this sequence and those to come; the camera stays.
+    /// All settings as in a new installation, for this document and new ones; the camera stays.
     pub(in crate::app) fn reset_settings(&mut self) {
-        self.style = Style::default();
-        self.shared.options.preferences.settings.primitive = Primitive::Auto;
+        self.style = Settings::default();
+        self.shared.options.preferences.settings = Settings::default();
     }
 
     /// Looks at the first frame that is shown, and puts the camera where it is seen best.
@@ -134,7 +107,9 @@ impl State {
 
     /// Says so if the open sequence has not what is to be drawn of it.
     fn tell_lack(&mut self) {
-        let lack = self.first_look().and_then(|look| look.lack_of(self.style.primitive));
+        let lack = self
+            .first_look()
+            .and_then(|look| look.lack_of(self.style.primitive.chosen()?));
         if let Some(lack) = lack {
             self.notices.warn(lack);
         }
@@ -152,7 +127,7 @@ impl State {
 
     /// The up axis that the user has chosen for the open sequence.
     pub(in crate::app) fn chosen_up(&self) -> Option<UpAxis> {
-        self.shared.options.up.or(self.features.timeline.chosen.up)
+        self.shared.options.up.or(self.features.timeline.chosen_up)
     }
 
     /// Puts the camera where it is for a sequence that was just opened.
@@ -199,8 +174,8 @@ impl State {
 
     fn take_chosen_up(&mut self, up: Option<UpAxis>) {
         self.shared.options.up = None;
-        self.features.timeline.chosen.up = up;
-        self.keep_timeline();
+        self.features.timeline.chosen_up = up;
+        self.keep_document();
         if let Some(guessed) = self.opening.looked.guessed.take() {
             self.take_look(guessed);
         }

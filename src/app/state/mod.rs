@@ -4,10 +4,13 @@
 mod actions;
 mod connection;
 mod dialogs;
+mod document;
 mod failed_opening;
 mod files;
 mod first_look;
 mod intake;
+mod keeper;
+mod keeping;
 mod kept;
 mod live;
 mod main_picture;
@@ -30,7 +33,7 @@ pub(in crate::app) use files::folder_of;
 pub use kept::Kept;
 pub use opened::{SavedSession, SessionQuestion};
 pub use opening_facts::OpeningFacts;
-pub use options::StateOptions;
+pub use options::{GivenStyle, StateOptions};
 pub use outcome::FoundSequence;
 pub(in crate::app) use outcome::NotFound;
 pub use parts::{Counters, GraphicsInfo, Viewport, VisibleChange, WindowRequest};
@@ -41,16 +44,16 @@ use main_picture::MainPicture;
 
 use crate::app::appearance::Appearance;
 use crate::app::features::Features;
-use crate::app::history::History;
 use crate::app::motion::CameraMotion;
 use crate::app::notices::Notices;
 use crate::app::open_panels::OpenPanels;
 use crate::app::preferences::Preferences;
 use crate::app::work::tasks::Wake;
 use crate::cloud::LengthUnit;
+use crate::document::History;
 use crate::math::Aabb;
 use crate::playback::{Player, PlayerChange};
-use crate::scene::{Camera, SceneStats, ScreenStats, Style};
+use crate::scene::{Camera, SceneStats, ScreenStats, Settings, Style};
 use crate::timeline::Clock;
 use glam::DVec3;
 use std::sync::Arc;
@@ -68,8 +71,8 @@ pub struct State {
     /// What moves the camera.
     pub motion: CameraMotion,
     /// How pictures are asked for.
-    pub style: Style,
-    /// Undo and redo of settings and camera path.
+    pub style: Settings,
+    /// Undo and redo of the document.
     pub(in crate::app) history: History,
     /// What a person can do beside looking and playing.
     pub features: Features,
@@ -102,7 +105,7 @@ impl State {
             opening: OpeningFacts::default(),
             camera: Camera::framing(&nothing, DVec3::ZERO, options.up.unwrap_or_default()),
             motion: CameraMotion::default(),
-            style: options.preferences.settings,
+            style: options.given.over(options.preferences.settings),
             history: History::default(),
             features,
             notices: Notices::default(),
@@ -150,11 +153,7 @@ impl State {
     pub fn preferences(&self) -> Preferences {
         let clock = self.player.as_ref().map(Player::clock);
         Preferences {
-            // The primitive is chosen for one sequence, and kept with it.
-            settings: Style {
-                primitive: self.shared.options.preferences.settings.primitive,
-                ..self.style_to_keep()
-            },
+            settings: self.new_style(),
             present: self.appearance.present,
             loop_mode: clock.map_or(self.shared.options.preferences.loop_mode, Clock::loop_mode),
             // A sequence that was left while it played backward is not what the next one is to begin with.
@@ -188,7 +187,6 @@ impl State {
             visible |= (feature.update)(self);
         }
         visible |= self.move_camera_on();
-        self.keep_primitive();
         let style = self.drawn_style();
         let Some(player) = &mut self.player else {
             return VisibleChange::of_panels(visible);

@@ -3,8 +3,8 @@
 use crate::app::features::camera_path::Draft;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
+use crate::document::{Beyond, Compared, Document, Unknown};
 use crate::sequence::OpenOptions;
-use crate::session::{Beyond, Compared, Unknown};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ pub(in crate::app) struct Opened {
     pub(in crate::app) inputs: Vec<PathBuf>,
     /// How, if otherwise than the window usually opens.
     pub(in crate::app) options: Option<OpenOptions>,
-    /// What its session has beside it, until that is open.
+    /// What its document has next to it, until that is open.
     pub(in crate::app) compared: Option<Compared>,
     /// The file of its session.
     pub(in crate::app) file: Option<PathBuf>,
@@ -48,4 +48,6 @@ pub struct SavedSession {
     pub(in crate::app) file: PathBuf,
     /// The camera path that is in it.
     pub(in crate::app) path: Arc<Draft>,
+    /// The document that is in it, as it is kept.
+    pub(in crate::app) document: Box<Document>,
 }

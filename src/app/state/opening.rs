@@ -2,27 +2,42 @@
 
 use super::State;
 use super::connection::Connection;
+use super::keeper::Keeper;
 use super::outcome::{FoundSequence, NotFound};
+use crate::app::first_look::SequenceLook;
 use crate::app::reading_choices::open_as_chosen;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
 use crate::app::work::works::WorkKind;
+use crate::document::{Document, session_of};
 use crate::playback::Player;
 use crate::progress::Progress;
+use crate::scene::Settings;
 use crate::sequence::{OpenOptions, Sequence, watch};
-use crate::session::session_of;
 use crate::source::SessionReach;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 impl State {
-    /// Shows `sequence` in place of what was open. Settings, loop mode and speed stay: they are choices of the person,
-    /// not of the sequence. What is beside it stays there.
+    /// Opens the document of `sequence` in place of the open one: what was kept of it, or a new one. Loop mode and
+    /// speed stay: they are choices of the user, not of the document.
     pub fn open(&mut self, sequence: Arc<Sequence>) {
+        self.keep_document();
+        let found = self.find_document(&sequence);
+        if self.show(sequence, found.document.style()) {
+            self.open_document(found);
+        }
+    }
+
+    /// Shows `sequence` in place of what was open, whose document is closed. False if it cannot be shown.
+    pub(super) fn show(&mut self, sequence: Arc<Sequence>, style: Settings) -> bool {
         let loader_options = self.loader_options(self.budget_bytes());
         let mut player = match Player::new(sequence, loader_options, !self.shared.options.paused) {
             Ok(player) => player,
-            Err(error) => return self.notices.error(error.to_string()),
+            Err(error) => {
+                self.notices.error(error.to_string());
+                return false;
+            }
         };
         if let Err(error) = watch(player.sequence(), self.wake()) {
             self.notices.error(error.to_string());
@@ -43,22 +58,27 @@ impl State {
         player.set_loop_mode(loop_mode, self.shared.now);
         player.set_speed(speed, self.shared.now);
         // The window may take a while to open.
-        player.begin(&self.style);
+        player.begin(&style.decided().drawn_by(self.draws_on_processor()));
         if let Some(before) = self.player.replace(player) {
             self.leave(before);
         }
+        self.style = style;
+        self.opening.keeper = Keeper::default();
+        self.opening.looked = SequenceLook::default();
+        self.features.timeline.begin();
         self.opening.failed = None;
         self.opening.connection = Connection::default();
         self.note_unnamed();
         self.prove(Vec::new(), Side::A);
-        self.read_timeline(self.shared.options.timelines.clone().as_ref());
-        self.compare_again();
+        true
     }
 
-    /// Shows `sequence` as a window does that has just been opened with it, playing or not.
-    pub(in crate::app) fn open_fresh(&mut self, sequence: Arc<Sequence>, plays: bool) {
+    /// Shows `sequence` drawn as `style`, as a window does that has just been opened with it, playing or not.
+    pub(in crate::app) fn open_fresh(&mut self, sequence: Arc<Sequence>, style: Settings, plays: bool) {
         self.shared.options.paused = !plays;
-        self.open(sequence);
+        if self.show(sequence, style) {
+            self.apply_document(Document::new(style));
+        }
     }
 
     /// Finds the frames of `inputs` on a thread and opens them.
@@ -95,10 +115,10 @@ impl State {
             let mut problem = None;
             let (open, session, sequence) = match session_of(&inputs) {
                 Ok(Some(read)) => {
-                    let open = read.session.reading.over(&open);
+                    let open = read.document.reading.over(&open);
                     let beyond = read.beyond(open.session_reach);
                     let sequence = if beyond.is_empty() {
-                        found(&read.session.inputs, &open, &progress)
+                        found(&read.document.inputs, &open, &progress)
                     } else {
                         Err(NotFound::Beyond(beyond))
                     };

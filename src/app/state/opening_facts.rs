@@ -2,6 +2,7 @@
 
 use super::connection::Connection;
 use super::failed_opening::{FailedOpening, Unproven};
+use super::keeper::Keeper;
 use super::opened::{Opened, SessionQuestion};
 use crate::app::features::quality::MeasuredWay;
 use crate::app::first_look::SequenceLook;
@@ -17,6 +18,8 @@ pub struct OpeningFacts {
     pub(in crate::app) looked: SequenceLook,
     /// How the open sequence was opened.
     pub(in crate::app) opened: Opened,
+    /// How its document is kept.
+    pub(in crate::app) keeper: Keeper,
     /// See [`super::State::prove`].
     pub(in crate::app) unproven: Unproven,
     /// The way to draw that was measured and is used for the open sequence.

@@ -5,10 +5,44 @@ use crate::app::presets::Presets;
 use crate::app::reading_choices::ReadingChoices;
 use crate::app::recent::Recent;
 use crate::app::work::tasks::Wake;
-use crate::scene::{Camera, Primitive, UpAxis};
+use crate::document::DocumentFolder;
+use crate::scene::{Camera, Settings, UpAxis};
 use crate::sequence::OpenOptions;
-use std::path::PathBuf;
+use std::fmt;
 use std::sync::Arc;
+
+/// Settings that go before those of a document.
+#[derive(Clone)]
+pub struct GivenStyle(Arc<dyn Fn(Settings) -> Settings + Send + Sync>);
+
+impl GivenStyle {
+    /// What `over` changes.
+    pub fn new(over: impl Fn(Settings) -> Settings + Send + Sync + 'static) -> Self {
+        Self(Arc::new(over))
+    }
+
+    /// `style`, but for what is given.
+    #[must_use]
+    pub fn over(&self, style: Settings) -> Settings {
+        (self.0)(style)
+    }
+}
+
+impl fmt::Debug for GivenStyle {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_tuple("GivenStyle")
+            .field(&self.over(Settings::default()))
+            .finish()
+    }
+}
+
+/// Nothing is given.
+impl Default for GivenStyle {
+    fn default() -> Self {
+        Self::new(|style| style)
+    }
+}
 
 /// How a [`super::State`] begins.
 #[derive(Clone)]
@@ -17,8 +51,8 @@ pub struct StateOptions {
     pub preferences: Preferences,
     /// Which axis is up; guessed for each sequence if `None`.
     pub up: Option<UpAxis>,
-    /// What the first sequence is drawn as, whatever was kept with it.
-    pub primitive: Option<Primitive>,
+    /// Settings that were given for this run: they go before those of documents, and are not kept.
+    pub given: GivenStyle,
     /// Where the first sequence is seen from, in place of a view that shows all of it.
     pub view: Option<Camera>,
     /// How inputs are opened.
@@ -35,8 +69,10 @@ pub struct StateOptions {
     pub reading_choices: ReadingChoices,
     /// Settings under names.
     pub presets: Presets,
-    /// The folder where range and markers of each sequence are kept; they are not if `None`.
-    pub timelines: Option<PathBuf>,
+    /// The folder where documents are kept; they are not if `None`.
+    pub documents: Option<DocumentFolder>,
+    /// The first document begins from defaults, whatever is kept of its sequence.
+    pub is_fresh: bool,
     /// Wakes the window from another thread.
     pub wake: Wake,
 }
@@ -46,7 +82,7 @@ impl Default for StateOptions {
         Self {
             preferences: Preferences::default(),
             up: None,
-            primitive: None,
+            given: GivenStyle::default(),
             view: None,
             open: OpenOptions::default(),
             follow: false,
@@ -55,14 +91,15 @@ impl Default for StateOptions {
             recent: Recent::default(),
             reading_choices: ReadingChoices::default(),
             presets: Presets::default(),
-            timelines: None,
+            documents: None,
+            is_fresh: false,
             wake: Arc::new(|| {}),
         }
     }
 }
 
-impl std::fmt::Debug for StateOptions {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl fmt::Debug for StateOptions {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter
             .debug_struct("StateOptions")
             .field("preferences", &self.preferences)

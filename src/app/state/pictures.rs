@@ -1,10 +1,10 @@
 //! What is drawn next, and what was drawn.
 
 use super::State;
-use crate::app::drawing::{Drawing, DrawnFrame};
-use crate::app::features::photos::{PhotographedFrame, Photos};
-use crate::app::features::temporal::ComposedFrame;
+use crate::app::drawing::Drawing;
+use crate::app::features::photos::Photos;
 use crate::app::meter::Redraw;
+use crate::composition::{Composed, PictureView, photographs_apply};
 use crate::render::RenderStats;
 use crate::scene::{Primitive, ScenePacket, Style};
 use crate::sequence::PreparedFrame;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 impl State {
     /// The frame that is drawn: the shown one, or what other poses made of it.
     pub(in crate::app) fn drawn_frame(&self) -> Option<&Arc<PreparedFrame>> {
-        let made = self.features.temporal.shown().map(ComposedFrame::frame);
+        let made = self.features.temporal.shown().map(|made| &made.composed().frame);
         made.or_else(|| self.player.as_ref()?.shown())
     }
 
@@ -47,33 +47,37 @@ impl State {
         let player = self.player.as_ref()?;
         let pose = player.shown()?;
         let made = self.features.temporal.shown();
-        let frame = made.map_or(pose, ComposedFrame::frame);
+        let composed = made.map_or_else(|| Composed::of(Arc::clone(pose)), |made| made.composed().clone());
         if self.viewport.size_px.contains(&0) {
             return None;
         }
         let origin = player.sequence().origin();
         let mut style = self.drawn_style();
-        let waits_for_surface = self.waits_for_surface(&style);
+        let shows_photographs = photographs_apply(&self.features.temporal.options(), &style);
+        let waits_for_surface = shows_photographs && self.waits_for_surface(&style);
         let set = Photos::set_of(player);
-        let photographed = self.features.photos.drawn(frame, set.as_ref(), &style);
-        if self.style.primitive == Primitive::Auto && waits_for_surface && photographed.is_none() {
+        let set = set.filter(|_| shows_photographs);
+        let photographed = self.features.photos.drawn(&composed.frame, set.as_ref(), &style);
+        if self.style.primitive.is_open() && waits_for_surface && photographed.is_none() {
             // A few thousand points are no surface before it is found.
             style.primitive = Primitive::Point;
         }
-        let pose = made.map_or(pose, ComposedFrame::pose);
-        let stands_for_it = photographed.filter(|with| !Arc::ptr_eq(with.bare(), frame));
-        let drawn = DrawnFrame {
-            frame: Arc::clone(photographed.map_or(frame, |with| &with.frame)),
-            pose: Arc::clone(stands_for_it.map_or(pose, PhotographedFrame::bare)),
-            origin,
-            depths: photographed.map(|with| Arc::clone(&with.depths)),
+        let composed = match photographed {
+            Some(with) if Arc::ptr_eq(with.bare(), &composed.frame) => with.composed(&composed.pose),
+            // It stands for one that is being made.
+            Some(with) => with.composed(with.bare()),
+            None => composed,
         };
         self.main.note_choice(self.style.drawing.renderer);
-        let size_px = self.viewport.size_px;
+        let view = PictureView {
+            camera: &self.camera,
+            origin,
+            size_px: self.viewport.size_px,
+        };
         let packet = self
             .main
             .drawing
-            .next_packet(drawn, &self.camera, &style, size_px, self.shared.now)?;
+            .next_packet(composed, &view, &style, self.shared.now)?;
         self.shared.counters.pictures += 1;
         self.note_picture();
         Some(packet)
@@ -114,20 +118,23 @@ impl State {
         let other = self.features.comparison.as_ref()?.other;
         let style_of_a = self.drawn_style();
         let mut style = self.resolved(&other);
-        style.of_sequence.clip = self.style.of_sequence.clip;
+        style.of_sequence.clip = self.style.clip;
         let comparison = self.features.comparison.as_mut()?;
         let player = self.player.as_ref()?;
         let set = Photos::set_of(player);
         let shown = player.shown()?;
         // Disks of the other side may be as large as they like: its renderer draws depths of its own.
         let photographed = self.features.photos.drawn(shown, set.as_ref(), &style_of_a);
-        let frame = photographed.map_or(shown, |with| &with.frame);
+        let frame = photographed.map_or(shown, |with| with.frame());
         if self.viewport.size_px.contains(&0) {
             return None;
         }
-        let origin = player.sequence().origin();
-        let size_px = self.viewport.size_px;
-        let packet = comparison.next_packet(frame, origin, &self.camera, &style, size_px)?;
+        let view = PictureView {
+            camera: &self.camera,
+            origin: player.sequence().origin(),
+            size_px: self.viewport.size_px,
+        };
+        let packet = comparison.next_packet(frame, &view, &style)?;
         comparison.pictures.note_change(self.shared.now);
         Some(packet)
     }

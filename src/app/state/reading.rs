@@ -2,12 +2,16 @@
 //! more.
 
 use super::State;
+use super::keeper::Keeper;
 use crate::app::features::Features;
 use crate::app::first_look::SequenceLook;
+use crate::app::side::Side;
 use crate::app::work::tasks::close;
 use crate::app::work::works::WorkKind;
+use crate::document::History;
 use crate::playback::Player;
 use crate::sequence::{Loader, Reading, ReadingStage, Sequence};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// How often is looked at how far the reading of a frame is.
@@ -125,7 +129,7 @@ impl State {
 
     /// Nothing is open any more.
     pub(in crate::app) fn close_sequence(&mut self) {
-        self.close_beside();
+        self.keep_document();
         if let Some(player) = self.player.take() {
             self.leave(player);
         }
@@ -133,6 +137,16 @@ impl State {
 
     /// Forgets what belongs to the sequence that was open before.
     pub(in crate::app) fn leave(&mut self, before: Player) {
+        self.close_beside();
+        self.end_comparison(Side::A);
+        self.style = self.new_style();
+        self.shared.options.view = None;
+        // What is in no file is not lost without a question.
+        if self.is_kept() || !self.features.path.is_unsaved() {
+            self.stop_preview();
+            self.features.path.take(Arc::default(), None);
+        }
+        self.opening.keeper = Keeper::default();
         // Its threads end what they are on; nobody waits for that here.
         close(before);
         self.opening.looked = SequenceLook::default();
@@ -141,6 +155,9 @@ impl State {
         for feature in Features::rows::<Self>() {
             (feature.forget_sequence)(self);
         }
+        self.features.trails.is_on = false;
+        self.features.trails.field.is_on = false;
+        self.history = History::default();
         self.note_unnamed();
     }
 }

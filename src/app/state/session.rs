@@ -2,21 +2,17 @@
 
 use super::State;
 use super::dialogs::DialogKind;
+use super::document::{inputs_of, measured};
 use super::opened::{Opened, SavedSession};
 use crate::app::features::Features;
 use crate::app::features::beside::Layout;
-use crate::app::features::camera_path::Draft;
-use crate::app::features::inspection::Anchor;
 use crate::app::features::inspection::measuring::Measurement;
 use crate::app::features::quality::MeasuredWay;
 use crate::app::side::Side;
 use crate::app::work::tasks::TaskFailed;
+use crate::document::{ComparedBy, ComparedLayout, Document, EXTENSION, ReadSession};
 use crate::playback::{PairBy, Player};
-use crate::scene::OfSequence;
 use crate::sequence::{OpenOptions, Sequence};
-use crate::session::{
-    Compared, ComparedBy, ComparedLayout, EXTENSION, Measured, MeasuredPoint, ReadSession, Reading, Session,
-};
 use crate::source::SessionReach;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -26,6 +22,7 @@ impl State {
     pub(in crate::app) fn note_opened(&mut self, inputs: Vec<PathBuf>, options: Option<OpenOptions>) {
         self.opening.opened.inputs = inputs;
         self.opening.opened.options = options;
+        self.note_begun();
     }
 
     /// The open sequence is another one, of which nobody has said what it is named by.
@@ -38,43 +35,18 @@ impl State {
         self.opening.opened.file.as_ref()
     }
 
-    /// What a session of the open sequence holds now. `Err` is a text for a notice.
-    pub fn session(&self) -> Result<Session, String> {
+    /// The document as a session holds it, with a view and files that can be opened again. `Err` is a text for a
+    /// notice.
+    pub fn session(&self) -> Result<Document, String> {
         let Some(player) = &self.player else {
             return Err("There is nothing to save yet: open a sequence first".to_owned());
         };
-        let mut reading = Reading::of(self.opened_with());
-        if let Some(topic) = chosen_topic(player.sequence()) {
-            reading.topic = Some(topic);
-        }
-        let style = self.style_of_a();
-        let shown = player.waiting_for().unwrap_or(player.clock().frame());
-        let mut session = Session {
-            inputs: self.named_inputs(player)?,
-            reading,
-            frame: shown,
+        let inputs = self.named_inputs(player)?;
+        Ok(Document {
+            inputs,
             view: Some(self.camera),
-            settings: style.with(|style| style.of_sequence = OfSequence::default()),
-            clip: style.of_sequence.clip,
-            range: player.clock().range(),
-            markers: self.features.timeline.markers.list().to_vec(),
-            measurements: self
-                .features
-                .inspection
-                .measurements
-                .iter()
-                .filter_map(measured)
-                .collect(),
-            labels: self.features.labels.list.to_vec(),
-            path: self.features.path.draft.path().cloned(),
-            compare: self.compared().or_else(|| self.opening.opened.compared.clone()),
-            notes: String::new(),
-            unknown: self.opening.opened.unknown.clone(),
-        };
-        for feature in Features::rows::<Self>() {
-            (feature.save)(self, &mut session);
-        }
-        Ok(session)
+            ..self.document()
+        })
     }
 
     pub(in crate::app) fn named_inputs(&self, player: &Player) -> Result<Vec<PathBuf>, String> {
@@ -85,31 +57,8 @@ impl State {
             .ok_or_else(|| "What is open is no file: a session of it could not be opened again".to_owned())
     }
 
-    /// What is beside the open sequence; `None` if nothing is that could be opened again.
-    fn compared(&self) -> Option<Compared> {
-        let beside = self.features.beside.as_ref()?;
-        let companion = &beside.companion;
-        // Where there was no choice, the person made none.
-        let has_choice = companion.times().is_some() || companion.numbers().is_some();
-        Some(Compared {
-            inputs: inputs_of(companion.sequence())?,
-            topic: chosen_topic(companion.sequence()),
-            by: has_choice.then(|| match companion.paired_by() {
-                PairBy::Index => ComparedBy::Index,
-                PairBy::Number => ComparedBy::Number,
-                PairBy::Time => ComparedBy::Time,
-            }),
-            offset_frames: companion.offset_frames(),
-            layout: match beside.layout {
-                Layout::SideBySide => ComparedLayout::SideBySide,
-                Layout::Wipe => ComparedLayout::Line,
-            },
-            line: (1e4 * f64::from(beside.pictures.split)).round() / 1e4,
-        })
-    }
-
-    /// Looks for what the session has beside the open sequence.
-    fn compare_as_in_session(&mut self) {
+    /// Looks for what the document has next to the open sequence.
+    pub(in crate::app) fn open_companion(&mut self) {
         let Some(compared) = &self.opening.opened.compared else {
             return;
         };
@@ -123,7 +72,7 @@ impl State {
         self.find(inputs, open, Side::B);
     }
 
-    /// Shows `sequence`, which was named as `inputs`, beside the open one: as the session says, if it is that of it.
+    /// Shows `sequence`, which was named as `inputs`, next to the open one: as the document says, if it is that of it.
     pub(in crate::app) fn compare_found(&mut self, sequence: Arc<Sequence>, inputs: &[PathBuf]) {
         let compared = self
             .opening
@@ -175,18 +124,20 @@ impl State {
             self.notices.warn(text);
         }
         let path = Arc::clone(&self.features.path.draft);
+        let document = Box::new(self.kept_document());
         let copies = self.opening.opened.is_damaged && self.opening.opened.file.as_ref() == Some(&file);
         self.shared.tasks.try_start("save session", move || {
             if copies {
                 copy_beside(&file).map_err(TaskFailed)?;
             }
             session.write(&file).map_err(|reason| TaskFailed(reason.to_string()))?;
-            Ok(SavedSession { file, path })
+            Ok(SavedSession { file, path, document })
         });
     }
 
     /// Takes notice that it is written.
-    pub(in crate::app) fn session_was_saved(&mut self, SavedSession { file, path }: SavedSession) {
+    pub(in crate::app) fn session_was_saved(&mut self, saved: SavedSession) {
+        let SavedSession { file, path, document } = saved;
         self.notices.info(format!("Saved {}", file.display()));
         // What is in the session is not lost.
         self.features.path.note_kept(path);
@@ -195,123 +146,39 @@ impl State {
         }
         self.opening.opened.file = Some(file);
         self.opening.opened.is_damaged = false;
+        self.note_saved(*document);
     }
 
     /// Shows `sequence`, which is of a session, as that says.
     pub fn open_session(&mut self, sequence: Arc<Sequence>, read: ReadSession) {
         let ReadSession {
             file,
-            session,
+            document,
             warnings,
         } = read;
-        let opened = Arc::clone(&sequence);
-        // What is beside a session is what it says.
-        self.close_beside();
-        self.open(sequence);
-        let is_open = self
-            .player
-            .as_ref()
-            .is_some_and(|player| Arc::ptr_eq(player.sequence(), &opened));
-        if !is_open {
+        self.keep_document();
+        let before = self.new_style();
+        let chosen = document.style();
+        if !self.show(sequence, chosen) {
             return;
         }
+        // Who draws is as before once another sequence is opened.
+        self.opening.measured_way = Some(MeasuredWay { before, chosen });
         let is_damaged = !warnings.is_empty();
         for warning in warnings {
             self.notices.warn(warning);
         }
-        // They are of this sequence: the next is drawn as others are.
-        let before = self.style;
-        self.style = session.style();
-        self.opening.measured_way = Some(MeasuredWay {
-            before,
-            chosen: self.style,
-        });
-        self.opening.looked.primitive = Some(self.style.primitive);
-        self.shared.options.view = session.view.or(self.shared.options.view.take());
+        let is_playing = self.player.as_ref().is_some_and(Player::is_playing);
         self.motion.turntable.is_on = false;
-        for feature in Features::rows::<Self>() {
-            (feature.load)(self, &session);
-        }
-        let measured = session.measurements.iter().map(measurement);
-        self.features.inspection.measurements = measured.collect();
-        self.features.labels.take(Arc::new(session.labels));
-        self.history.forget_labels(&self.features.labels.list);
-        if let Some(problem) = self.features.timeline.take_markers(session.markers) {
-            self.notices.warn(problem);
-        }
-        if let Some(path) = session.path {
-            self.stop_preview();
-            self.features.path.take(Arc::new(Draft::of(path)), None);
-        }
-        let (range, frame) = (session.range, session.frame);
+        self.apply_document(document);
         self.play_with(|player, now| {
-            player.set_range(range, now);
-            // Frames of a live source are gone.
-            if !player.sequence().source().is_live() {
-                if player.is_playing() {
-                    player.toggle(now);
-                }
-                player.seek(frame, now);
+            if is_playing && !player.sequence().source().is_live() {
+                player.toggle(now);
             }
         });
-        self.opening.opened = Opened {
-            inputs: session.inputs,
-            options: Some(session.reading.over(&self.shared.options.open)),
-            compared: session.compare,
-            file: Some(file),
-            unknown: session.unknown,
-            is_damaged,
-        };
-        self.compare_as_in_session();
-    }
-}
-
-/// What a sequence was named by; `None` of what is no file.
-fn inputs_of(sequence: &Sequence) -> Option<Vec<PathBuf>> {
-    let inputs = sequence.source().inputs();
-    if !inputs.is_empty() {
-        return Some(inputs.to_vec());
-    }
-    let is_demo = !sequence.is_empty() && sequence.entry(0).path.starts_with("demo");
-    is_demo.then(|| vec!["demo:".into()])
-}
-
-/// The topic of a recording that has several.
-fn chosen_topic(sequence: &Sequence) -> Option<String> {
-    let topics = sequence.source().topics();
-    let has_choice = topics.len() > 1;
-    let chosen = topics.into_iter().find(|topic| topic.is_read && has_choice);
-    chosen.map(|topic| topic.name)
-}
-
-/// A measurement of the open sequence alone.
-fn measured(measurement: &Measurement) -> Option<Measured> {
-    let points = measurement.points.iter().map(|anchor| {
-        (anchor.side == Side::A).then(|| MeasuredPoint {
-            frame: anchor.frame,
-            point: anchor.point(),
-            place: anchor.place,
-        })
-    });
-    Some(Measured {
-        gauge: measurement.gauge,
-        points: points.collect::<Option<_>>()?,
-    })
-}
-
-fn measurement(measured: &Measured) -> Measurement {
-    let points = measured.points.iter().map(|point| Anchor {
-        side: Side::A,
-        index_in_file: point.point.index_in_file,
-        frame: point.frame,
-        place: point.place,
-        clicked_in: point.frame,
-        // No file has so many: such a point stays where it is.
-        points_in_file: point.point.points_in_file.unwrap_or(usize::MAX),
-    });
-    Measurement {
-        gauge: measured.gauge,
-        points: points.collect(),
+        self.opening.opened.file = Some(file);
+        self.opening.opened.is_damaged = is_damaged;
+        self.note_begun();
     }
 }
 

@@ -15,7 +15,7 @@ use super::meter::{GpuWork, Redraw};
 use super::state::{PictureStage, State};
 use crate::bench::{BenchOptions, Input, WindowAction};
 use crate::playback::Player;
-use crate::scene::{Primitive, RendererChoice, Style};
+use crate::scene::{Choice, Primitive, RendererChoice, Settings};
 use egui::Event;
 use std::collections::VecDeque;
 use std::fs::File;
@@ -58,7 +58,7 @@ impl Action {
 #[derive(Debug, Clone, Copy)]
 struct Step {
     input: usize,
-    primitive: Primitive,
+    primitive: Choice<Primitive>,
     action: Action,
 }
 
@@ -97,7 +97,7 @@ struct Watched {
 pub(super) struct Trial {
     inputs: Vec<Input>,
     frames: u64,
-    renderer: RendererChoice,
+    renderer: Choice<RendererChoice>,
     steps: VecDeque<Step>,
     watched: Option<Watched>,
     done: Vec<WindowAction>,
@@ -105,10 +105,10 @@ pub(super) struct Trial {
 
 impl Trial {
     /// Opening with the settings of a new window, then all actions for all primitives, on each sequence.
-    pub(super) fn new(inputs: &[Input], options: &BenchOptions, renderer: RendererChoice) -> Self {
+    pub(super) fn new(inputs: &[Input], options: &BenchOptions, renderer: Choice<RendererChoice>) -> Self {
         let opened = (0..inputs.len()).map(|input| Step {
             input,
-            primitive: Style::default().primitive,
+            primitive: Settings::default().primitive,
             action: Action::Open,
         });
         let moved = inputs.iter().enumerate().flat_map(|(index, input)| {
@@ -120,7 +120,7 @@ impl Trial {
                     .filter(move |&action| moves || action == Action::Turn);
                 actions.map(move |action| Step {
                     input: index,
-                    primitive,
+                    primitive: primitive.into(),
                     action,
                 })
             })
@@ -202,8 +202,10 @@ impl Trial {
 
     fn begin(&self, step: Step, now: Duration, state: &mut State) -> Watched {
         let input = &self.inputs[step.input];
-        state.ask_for_primitive(step.primitive);
-        state.style = Style::default().with(|style| style.drawing.renderer = self.renderer);
+        let style = Settings::default().with(|style| {
+            style.drawing.renderer = self.renderer;
+            style.primitive = step.primitive;
+        });
         let is_opened = step.action == Action::Open;
         if is_opened {
             Processor::forget_peak();
@@ -214,7 +216,7 @@ impl Trial {
         } else {
             Arc::clone(&input.sequence)
         };
-        state.open_fresh(sequence, step.action == Action::Play);
+        state.open_fresh(sequence, style, step.action == Action::Play);
         let mut watched = Watched {
             step,
             phase: Phase::Settling { still_since: now },

@@ -18,10 +18,10 @@ use super::theme::apply_theme;
 use super::trial::Trial;
 use crate::app::side::Side;
 use crate::bench::{BenchOptions, Input, WindowAction};
+use crate::document::ReadSession;
 use crate::render::RenderError;
-use crate::scene::RendererChoice;
+use crate::scene::{Choice, RendererChoice};
 use crate::sequence::{OpenOptions, Sequence};
-use crate::session::ReadSession;
 use crate::signals;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -120,7 +120,7 @@ pub fn bench_window(
     inputs: &[Input],
     bench: &BenchOptions,
     present: PresentChoice,
-    renderer: RendererChoice,
+    renderer: Choice<RendererChoice>,
 ) -> Result<Vec<WindowAction>, AppError> {
     let options = Options {
         state: StateOptions {
@@ -435,6 +435,7 @@ impl App {
 
     fn set_title(&self, screen: &mut OpenWindow) {
         let title = match self.state.sequence_name() {
+            Some(name) if self.state.is_unsaved() => format!("*{name} – pointreel"),
             Some(name) => format!("{name} – pointreel"),
             None => "pointreel".to_owned(),
         };
@@ -521,6 +522,7 @@ impl ApplicationHandler<Message> for App {
             }
         }
         self.options.preferences_file.write_if_due(now);
+        self.state.keep_if_due(now);
         let trial_at = self.advance_trial(event_loop, now);
         let script_at = self.advance_script(event_loop, now);
         let draw_at = [self.state.next_deadline(), self.repaint_at, self.news_at];
@@ -536,10 +538,15 @@ impl ApplicationHandler<Message> for App {
             } else {
                 self.last_redraw + self.refresh_interval.mul_f64(MIN_REDRAW_INTERVAL)
             },
-            unseen_at: [self.options.preferences_file.next_deadline(), trial_at, script_at]
-                .into_iter()
-                .flatten()
-                .min(),
+            unseen_at: [
+                self.options.preferences_file.next_deadline(),
+                self.state.keeping_deadline(),
+                trial_at,
+                script_at,
+            ]
+            .into_iter()
+            .flatten()
+            .min(),
             is_hidden: self.sight.is_hidden(),
         };
         let pace = agenda.pace(now);
@@ -555,6 +562,7 @@ impl ApplicationHandler<Message> for App {
 
     fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
         self.options.preferences_file.write();
+        self.state.keep_document();
         self.state.end_exports();
         // What is on the screen goes before the connection to the window system, which ends with the event loop.
         self.screen = None;

@@ -10,6 +10,7 @@ mod bag;
 mod bytes;
 pub(crate) mod camera;
 mod chunk;
+#[cfg_attr(not(feature = "sqlite"), path = "no_db3.rs")]
 mod db3;
 mod encoding;
 mod found;

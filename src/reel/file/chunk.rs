@@ -116,7 +116,6 @@ impl ChunkHeader {
 }
 
 /// Whether a checksum is that of its bytes. Fuzzers, which do not guess checksums, get past.
-#[allow(unexpected_cfgs, reason = "cargo-fuzz sets it")]
 pub(in crate::reel) fn is_right(expected: u32, found: u32) -> bool {
     expected == found || cfg!(fuzzing)
 }

@@ -37,7 +37,7 @@ pub(super) struct Extent {
 
 /// Boxes around blocks of records.
 #[derive(Debug)]
-pub(super) struct Blocks {
+pub(in crate::render) struct Blocks {
     boxes: Vec<BlockBox>,
     record_count: usize,
 }

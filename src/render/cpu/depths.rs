@@ -21,3 +21,10 @@ pub(super) fn draw_distances(drawable: &Drawable<'_>, packet: &ScenePacket, bloc
     }
     distances
 }
+
+/// Distances of the surface that a packet shows. Blocks are those of its content, which packets in turn may share.
+pub(in crate::render) fn distances_of_surface(packet: &ScenePacket, blocks: &mut Option<Blocks>) -> Vec<f32> {
+    let drawable = Drawable::of_surface(packet);
+    let blocks = blocks.get_or_insert_with(|| drawable.blocks());
+    draw_distances(&drawable, packet, blocks)
+}

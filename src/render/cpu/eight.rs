@@ -7,15 +7,15 @@ use glam::Vec3;
 
 /// Eight vectors.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Vectors<S: Simd> {
-    pub(super) x: f32x8<S>,
-    pub(super) y: f32x8<S>,
-    pub(super) z: f32x8<S>,
+pub(in crate::render) struct Vectors<S: Simd> {
+    pub(in crate::render) x: f32x8<S>,
+    pub(in crate::render) y: f32x8<S>,
+    pub(in crate::render) z: f32x8<S>,
 }
 
 impl<S: Simd> Vectors<S> {
     #[inline(always)]
-    pub(super) fn splat(simd: S, vector: Vec3) -> Self {
+    pub(in crate::render) fn splat(simd: S, vector: Vec3) -> Self {
         Self {
             x: f32x8::splat(simd, vector.x),
             y: f32x8::splat(simd, vector.y),
@@ -24,7 +24,7 @@ impl<S: Simd> Vectors<S> {
     }
 
     #[inline(always)]
-    pub(super) fn plus(self, other: Self) -> Self {
+    pub(in crate::render) fn plus(self, other: Self) -> Self {
         Self {
             x: self.x + other.x,
             y: self.y + other.y,
@@ -33,7 +33,7 @@ impl<S: Simd> Vectors<S> {
     }
 
     #[inline(always)]
-    pub(super) fn minus(self, other: Self) -> Self {
+    pub(in crate::render) fn minus(self, other: Self) -> Self {
         Self {
             x: self.x - other.x,
             y: self.y - other.y,
@@ -42,7 +42,7 @@ impl<S: Simd> Vectors<S> {
     }
 
     #[inline(always)]
-    pub(super) fn times(self, factor: f32x8<S>) -> Self {
+    pub(in crate::render) fn times(self, factor: f32x8<S>) -> Self {
         Self {
             x: self.x * factor,
             y: self.y * factor,
@@ -51,7 +51,7 @@ impl<S: Simd> Vectors<S> {
     }
 
     #[inline(always)]
-    pub(super) fn dot(self, other: Self) -> f32x8<S> {
+    pub(in crate::render) fn dot(self, other: Self) -> f32x8<S> {
         let xy = self.x.mul_add(other.x, self.y * other.y);
         self.z.mul_add(other.z, xy)
     }
@@ -111,7 +111,7 @@ pub(super) fn lanes_below<S: Simd>(simd: S, count: usize) -> mask32x8<S> {
 
 /// 0 to 7.
 #[inline(always)]
-pub(super) fn lane_numbers<S: Simd>(simd: S) -> f32x8<S> {
+pub(in crate::render) fn lane_numbers<S: Simd>(simd: S) -> f32x8<S> {
     f32x8::from_slice(simd, &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0])
 }
 

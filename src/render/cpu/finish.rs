@@ -10,7 +10,8 @@ use super::rows::TileRow;
 use super::tile::{HEIGHT, LANES, NOWHERE, PIXELS, Tile, WIDTH};
 use super::view::{PixelRect, PixelView};
 use crate::render::constants::{FARTHEST_GREY, NEAREST_GREY, opaque_weight};
-use crate::scene::{Background, Lights, ScenePacket};
+use crate::render::effects::background::cpu::Gradient;
+use crate::scene::{Lights, ScenePacket};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
 
 /// What the pixels of a tile hold when all is drawn.
@@ -53,36 +54,6 @@ impl Held {
             white,
             black,
         }
-    }
-}
-
-/// The vertical gradient.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Gradient {
-    background: Background,
-    /// Shares of the whole picture's height, at the top of the first row and a row's.
-    first_row: f32,
-    per_row: f32,
-}
-
-impl Gradient {
-    pub(super) fn of(packet: &ScenePacket) -> Self {
-        let [top, bottom] = packet.view.rows_of_whole;
-        Self {
-            background: packet.style.backdrop.background,
-            first_row: top,
-            per_row: (bottom - top) / packet.viewport_px[1] as f32,
-        }
-    }
-
-    /// The colour of a row, 0 to 1.
-    pub(super) fn at_row(&self, y: i32) -> [f32; 3] {
-        let share = self.first_row + (y as f32 + 0.5) * self.per_row;
-        let Background { top, bottom } = self.background;
-        std::array::from_fn(|channel| {
-            let [top, bottom] = [top, bottom].map(|color| f32::from(color[channel]) / 255.0);
-            top * (1.0 - share) + bottom * share
-        })
     }
 }
 

@@ -1,9 +1,9 @@
 //! What light falls on, and from where, eight pixels at a time: shared by the ways to shade a surface.
 
-use super::ambient_occlusion::Occlusion;
 use super::eight::Vectors;
 use super::photographs::Projected;
-use super::shadow::ShadowMap;
+use crate::render::effects::ambient_occlusion::cpu::Occlusion;
+use crate::render::effects::shadow::cpu::ShadowMap;
 use crate::scene::{Lamp, Lights, PhysicalLight};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 

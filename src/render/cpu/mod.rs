@@ -5,24 +5,19 @@
 //! tasks that share nothing, so there are no locks and no atomic operations, and pictures do not depend on the number
 //! of threads. Patches are affine functions of pixels (`facet.rs`), evaluated eight at a time (`raster.rs`). What looks
 //! beyond a tile, as eye-dome lighting does, follows when all of them are drawn (`screen.rs`); depths that light
-//! depends on are drawn before (`ambient_occlusion.rs`, `shadow.rs`).
+//! depends on are drawn before (`effects/ambient_occlusion`, `effects/shadow`).
 //!
 //! Modes, lights and background are those of the shaders; `tests/pictures/cpu_renderer.rs` holds the two against each
 //! other.
 
-mod ambient_occlusion;
-mod antialiasing;
 mod blocks;
 mod deferred;
-mod depths;
-mod eight;
+pub(in crate::render) mod depths;
+pub(in crate::render) mod eight;
 mod ewa;
-mod eye_dome;
 mod facet;
 mod finish;
 mod footprints;
-mod fxaa;
-mod grid;
 mod illumination;
 mod linear;
 mod packed_ellipses;
@@ -30,7 +25,7 @@ mod packed_normals;
 mod painter;
 mod photographs;
 mod physical;
-mod pixels;
+pub(in crate::render) mod pixels;
 mod primitives;
 mod raster;
 mod records;
@@ -38,33 +33,32 @@ mod rims;
 mod rows;
 mod screen;
 mod shading;
-mod shadow;
 mod small_splats;
 mod spans;
 mod sprites;
 #[cfg(test)]
 mod tests;
-mod tile;
+pub(in crate::render) mod tile;
 mod triangle;
-mod view;
+pub(in crate::render) mod view;
 
+use super::effects::ambient_occlusion::cpu::Occlusion;
+use super::effects::shadow::cpu::ShadowMap;
+use super::effects::{self, OnCpu, Stage};
 use super::gathered::Gathered;
+use super::known_depths::KnownDepths;
 use super::{RenderError, RenderStats, Renderer};
 use crate::measure::DepthImage;
-use crate::scene::{AmbientOcclusion, Antialiasing, Content, Lights, PhotoViews, PhysicalLight, ScenePacket, Shadow};
+use crate::scene::{AmbientOcclusion, Content, Lights, PhotoViews, PhysicalLight, ScenePacket, Shadow};
 use crate::stopwatch::milliseconds_since;
-use ambient_occlusion::Occlusion;
 use blocks::Blocks;
 use depths::{draw_distances, draw_reversed_depths};
 use illumination::Illumination;
 use image::RgbaImage;
-pub(in crate::render) use photographs::KnownDepths;
-pub use photographs::depths_of_photographs;
 use photographs::{PhotoAnswer, Projected, fill_holes};
 use primitives::{Drawable, of_surfaces};
 use rows::{TileRow, bands_of};
 use screen::Screen;
-use shadow::ShadowMap;
 use std::time::Instant;
 
 /// Draws on the processor.
@@ -197,16 +191,17 @@ impl CpuRenderer {
 
     /// Makes the picture that is shown of the one that was drawn.
     fn antialias(&mut self, packet: &ScenePacket) {
-        let antialiasing = packet.style.drawing.antialiasing;
-        let [width, height] = match antialiasing {
-            Antialiasing::None => [0; 2],
-            Antialiasing::Fxaa | Antialiasing::Supersample => packet.viewport_px,
-        };
+        let mut steps = effects::of_stage(packet, Stage::Shown);
+        let step = steps.find_map(|effect| match effect.on_cpu {
+            OnCpu::Shown(step) => Some(step),
+            OnCpu::InTiles | OnCpu::Rows(_) => None,
+        });
+        let [width, height] = step.map_or([0; 2], |_| packet.viewport_px);
         if self.smooth.dimensions() != (width, height) {
             self.smooth = RgbaImage::new(width, height);
         }
-        if !self.smooth.is_empty() {
-            antialiasing::antialias(antialiasing, &self.image, &mut self.smooth);
+        if let Some(step) = step {
+            step(&self.image, &mut self.smooth);
         }
     }
 }

@@ -1,11 +1,12 @@
 //! The loop over the tiles of a picture, the same for whatever is drawn into them.
 
-use super::finish::{Finish, Gradient, Held};
+use super::finish::{Finish, Held};
 use super::illumination::Illumination;
 use super::photographs::{PhotoAnswer, Projected};
 use super::rows::TileRow;
 use super::tile::{HEIGHT, Tile, Tiles, WIDTH};
 use super::view::{PixelRect, PixelView};
+use crate::render::effects::background::cpu::Gradient;
 use crate::scene::ScenePacket;
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;

@@ -23,7 +23,7 @@ fn byte<S: Simd>(simd: S, channel: f32x8<S>) -> u32x8<S> {
 
 /// Of a picture whose rows are finished.
 #[inline(always)]
-pub(super) fn make_opaque(pixels: &mut [[u8; 4]]) {
+pub(in crate::render) fn make_opaque(pixels: &mut [[u8; 4]]) {
     for pixel in pixels {
         *pixel = (u32::from_le_bytes(*pixel) | OPAQUE_ALPHA).to_le_bytes();
     }
@@ -31,7 +31,7 @@ pub(super) fn make_opaque(pixels: &mut [[u8; 4]]) {
 
 /// The colours and the fourth bytes of up to eight pixels, 0 to 1.
 #[inline(always)]
-pub(super) fn unpacked<S: Simd>(simd: S, pixels: &[[u8; 4]]) -> ([f32x8<S>; 3], f32x8<S>) {
+pub(in crate::render) fn unpacked<S: Simd>(simd: S, pixels: &[[u8; 4]]) -> ([f32x8<S>; 3], f32x8<S>) {
     let mut words = [0u32; LANES];
     for (word, pixel) in words.iter_mut().zip(pixels) {
         *word = u32::from_le_bytes(*pixel);
@@ -55,7 +55,7 @@ fn channel<S: Simd>(simd: S, words: u32x8<S>) -> f32x8<S> {
 
 /// Writes eight opaque colours to as many pixels as there are.
 #[inline(always)]
-pub(super) fn pack<S: Simd>(simd: S, colors: [f32x8<S>; 3], pixels: &mut [[u8; 4]]) {
+pub(in crate::render) fn pack<S: Simd>(simd: S, colors: [f32x8<S>; 3], pixels: &mut [[u8; 4]]) {
     let eight = opaque(simd, colors);
     for (pixel, &color) in pixels.iter_mut().zip(eight.as_slice()) {
         *pixel = color.to_le_bytes();
@@ -64,7 +64,7 @@ pub(super) fn pack<S: Simd>(simd: S, colors: [f32x8<S>; 3], pixels: &mut [[u8; 4
 
 /// The same under the fourth bytes that are there.
 #[inline(always)]
-pub(super) fn repack<S: Simd>(simd: S, colors: [f32x8<S>; 3], pixels: &mut [[u8; 4]]) {
+pub(in crate::render) fn repack<S: Simd>(simd: S, colors: [f32x8<S>; 3], pixels: &mut [[u8; 4]]) {
     let eight = opaque(simd, colors);
     for (pixel, &color) in pixels.iter_mut().zip(eight.as_slice()) {
         let [red, green, blue, _] = color.to_le_bytes();

@@ -5,7 +5,7 @@
 //! changed; then changed pixels are written. Most pixels are opaque or open, and are passed over.
 //! `photographs/gaps.rs` asks photographs first.
 
-use super::finish::Gradient;
+use crate::render::effects::background::cpu::Gradient;
 use crate::scene::{GAP_ONE_SURFACE, PIXEL_LINES};
 use rayon::prelude::*;
 

@@ -54,7 +54,7 @@ impl Light {
                 let lights = corners.map(|corner| head_light(normal, center + corner));
                 Self::OfCorners([0, 1].map(|part| lights.map(|light| light[part])))
             }
-            Lighting::Auto | Lighting::PerFragment => Self::OfPixels,
+            Lighting::PerFragment => Self::OfPixels,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::view::PixelView;
 use crate::math::Aabb;
-use crate::scene::{Camera, Content, PicturePlane, Projection, ScenePacket, Style, UpAxis};
+use crate::scene::{Camera, Content, PacketParams, PicturePlane, Projection, ScenePacket, Style, UpAxis};
 use glam::{DVec3, Vec3};
 
 /// A packet without records, seen from 4 units in front of the origin.
@@ -24,6 +24,7 @@ pub(super) fn packet_of(size_px: [u32; 2]) -> ScenePacket {
         content: Content::Nothing,
         ground: None,
         photographs: None,
+        params: PacketParams::default(),
         bounds: Aabb {
             min: Vec3::splat(-1.0),
             max: Vec3::splat(1.0),

@@ -12,7 +12,7 @@ pub(super) const PIXELS: usize = WIDTH * HEIGHT;
 pub(super) const NOWHERE: usize = PIXELS;
 
 /// Pixels that are worked out together: those of a row that begin at a multiple of it.
-pub(super) const LANES: usize = 8;
+pub(in crate::render) const LANES: usize = 8;
 
 /// How a picture is divided.
 #[derive(Debug, Clone, Copy)]

@@ -115,7 +115,7 @@ impl TriangleLight {
                 Self::OfCorners([head_light(face, a + b + c); 3])
             }
             Lighting::PerVertex => Self::OfCorners([0, 1, 2].map(|index| head_light(normals[index], corners[index]))),
-            Lighting::Auto | Lighting::PerFragment => Self::OfPixels(normals),
+            Lighting::PerFragment => Self::OfPixels(normals),
         }
     }
 }

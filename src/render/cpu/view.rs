@@ -5,20 +5,20 @@ use glam::{Mat3, Vec3};
 
 /// A view space that looks down −z, and the pixels of a picture.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PixelView {
+pub(in crate::render) struct PixelView {
     rotation: Mat3,
     eye_high: Vec3,
     eye_low: Vec3,
-    pub(super) near: f32,
-    pub(super) size_px: [u32; 2],
+    pub(in crate::render) near: f32,
+    pub(in crate::render) size_px: [u32; 2],
     /// Pixels from the view axis for a slope of 1, rightwards and downwards.
-    pub(super) px_per_slope: [f32; 2],
+    pub(in crate::render) px_per_slope: [f32; 2],
     /// Where the view axis meets the picture: its middle, but for a part of a larger one.
-    pub(super) middle_px: [f32; 2],
+    pub(in crate::render) middle_px: [f32; 2],
 }
 
 impl PixelView {
-    pub(super) fn new(packet: &ScenePacket) -> Self {
+    pub(in crate::render) fn new(packet: &ScenePacket) -> Self {
         let half_size = packet.viewport_px.map(|edge| 0.5 * edge as f32);
         let focal = packet.view.focal;
         let [right, up] = packet.view.center_ndc;

@@ -50,7 +50,7 @@ pub fn passes_of(packet: &ScenePacket) -> Vec<PassComplexity> {
 
 /// `None` for what is no WGSL, which no permutation is (`tests/pictures/shaders.rs`).
 fn of_pass(pass: &'static str, permutation: Permutation) -> Option<PassComplexity> {
-    let module = front::wgsl::parse_str(&permutation.source(false)).ok()?;
+    let module = front::wgsl::parse_str(&permutation.source(false).ok()?).ok()?;
     Some(PassComplexity {
         pass,
         vertex: of_stage(&module, ShaderStage::Vertex),
@@ -128,7 +128,7 @@ fn is_in_buffer(module: &Module, function: &Function, pointer: Handle<Expression
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::gpu::shaders::SCREEN_PASSES;
+    use crate::render::gpu::shaders::screen_passes;
     use crate::scene::Strategy;
 
     #[test]
@@ -194,7 +194,7 @@ mod tests {
                 permutation.label()
             );
         }
-        for pass in SCREEN_PASSES {
+        for pass in screen_passes() {
             let reads = of_pass(pass.name, Permutation::Screen(pass))
                 .unwrap()
                 .fragment

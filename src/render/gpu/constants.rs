@@ -1,4 +1,5 @@
-//! Constants of Rust as WGSL: every shader begins with them, so that none is written twice.
+//! Constants of Rust as WGSL, which shaders import, so that none is written twice. Those of one part of a picture are
+//! with that part.
 
 use super::gpu_data::{
     BACK_FACES_CULLED, BACK_FACES_DARKER, KERNEL_BOX, KERNEL_HAT, LIGHTING_PER_FRAGMENT, LIGHTING_PER_SURFEL,
@@ -11,26 +12,23 @@ use super::photographs::{
 use crate::analysis::screen::constants as screen;
 use crate::cloud::{ELLIPSE_STEPS, VertexRecord};
 use crate::render::constants::{
-    BACK_SIDE, COARSE_LINES, CUBE_REACH_HALF_EDGES, EWA_LEAST_DETERMINANT, EWA_MEAN_WEIGHT, FACET_LEAST_SIZE,
-    FARTHEST_GREY, FINE_LINES, FXAA_BLUE, FXAA_DETAIL, FXAA_END_OF_EDGE, FXAA_GREEN, FXAA_LEAST_CONTRAST,
-    FXAA_LEAST_SHARE, FXAA_MOST_BLENDED, FXAA_RED, HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR,
-    MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY, OPAQUE_WEIGHT, PHOTO_AGREEMENT_ROUNDS, PHOTO_LEAST_COSINE,
+    BACK_SIDE, CUBE_REACH_HALF_EDGES, EWA_LEAST_DETERMINANT, EWA_MEAN_WEIGHT, FACET_LEAST_SIZE, HEAD_LIGHT_AMBIENT,
+    HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, OPAQUE_WEIGHT, PHOTO_AGREEMENT_ROUNDS, PHOTO_LEAST_COSINE,
     PHOTO_LEAST_FACING, PHOTO_MOST_TAPS, PHOTO_NOT_LOOKING, PHOTO_OPACITY, PHOTO_PER_DISAGREEMENT2,
     PHOTO_PER_STEP_ANGLE2, PHOTO_RIM, PHOTO_SAME_ANGLE2, PHOTO_TRUST_NEAR_STEPS, SPRITE_MARGIN_PX, SPRITE_NEARER,
-    SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
+    SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y,
 };
 use crate::rgbd::filter_constants as filter;
 use crate::scene::{
-    AlbedoCurve, AmbientOcclusion, Antialiasing, DIELECTRIC, EnvironmentMap, EyeDomeLight, GAP_ONE_SURFACE, GAP_SOLID,
-    GAPS_PER_SLIT, GAPS_PER_SPECK, Lights, PIXEL_LINES, PhotoStyle, PhotoViews, RIM_OPAQUE, RIM_OPEN, Shadow,
-    SplatFilter,
+    DIELECTRIC, GAP_ONE_SURFACE, GAP_SOLID, GAPS_PER_SLIT, GAPS_PER_SPECK, PIXEL_LINES, PhotoStyle, PhotoViews,
+    RIM_OPAQUE, RIM_OPEN, SplatFilter,
 };
-use crate::stereo::constants as stereo;
+use crate::stereo::matching::constants as stereo;
 use std::fmt::Debug;
 
 /// Bind groups: the view is that of every pass.
 pub(super) const VIEW_GROUP: u32 = 0;
-/// Of a pass over the screen: the texture that it reads.
+/// Of a pass over the screen: the textures that it reads, and its uniforms.
 pub(super) const SOURCE_GROUP: u32 = 1;
 /// Of a pass over records: points or voxels, or the corners that the strategy `compute` has made of them.
 pub(super) const STREAM_GROUP: u32 = 1;
@@ -39,24 +37,12 @@ pub(super) const SHAPE_GROUP: u32 = STREAM_GROUP + 1;
 /// What the compute stage writes.
 pub(super) const OUTPUT_GROUP: u32 = SHAPE_GROUP + 1;
 
-/// Of the pass that gathers records: all that it reads and writes.
-pub(super) const GATHER_GROUP: u32 = 0;
-
-/// Of the passes that make surfels of the screen: all that they read and write.
-pub(super) const SCREENING_GROUP: u32 = 0;
-
-/// Of the passes that filter depth images: all that they read and write.
-pub(super) const DEPTH_GROUP: u32 = 0;
-
 /// Edge of the pixels of a workgroup, and how many it holds with those around them that the widest window reads.
 pub(super) const DEPTH_TILE_PX: u32 = 16;
 const DEPTH_TILE_VALUES: u32 = {
     let edge = DEPTH_TILE_PX + 2 * filter::BILATERAL_REACH as u32;
     edge * edge
 };
-
-/// Of the passes that match pairs of photographs: all that they read and write.
-pub(super) const STEREO_GROUP: u32 = 0;
 
 /// Edge of the pixels of a workgroup.
 pub(super) const STEREO_TILE_PX: u32 = 8;
@@ -98,31 +84,6 @@ pub(super) const VERTICES_PER_TRIANGLE: u32 = 3;
 pub(super) const VERTICES_PER_QUAD: u32 = 4;
 pub(super) const INDICES_PER_QUAD: u32 = 6;
 
-/// Share of neighbours without depth from which a pixel belongs to no surface.
-const LONE: f32 = EyeDomeLight::LONE;
-
-/// Of ambient occlusion.
-const OCCLUSION_LINE_COUNT: u32 = AmbientOcclusion::LINES as u32;
-const OCCLUSION_ROUGHNESS: f32 = AmbientOcclusion::ROUGHNESS;
-
-/// How far along an edge its end is looked for.
-const FXAA_SEARCH_STEPS: i32 = Antialiasing::FXAA_SEARCH_STEPS as i32;
-
-/// Of the map of a shadow.
-const SHADOW_EDGE_PX: f32 = Shadow::EDGE_PX as f32;
-const SHADOW_OFFSET_TEXELS: f32 = Shadow::OFFSET_TEXELS[0];
-const SHADOW_SLOPE_TEXELS: f32 = Shadow::OFFSET_TEXELS[1];
-
-/// Lamps beside the head light.
-const MOST_LAMPS: u32 = Lights::MOST_LAMPS as u32;
-
-/// Of the texture of an environment.
-const ENVIRONMENT_EDGE: u32 = EnvironmentMap::EDGE as u32;
-const ALBEDO_ENTRIES: u32 = AlbedoCurve::COUNT as u32;
-
-/// The power of highlights.
-const SHININESS: u32 = Lights::SHININESS;
-
 /// Splats that are seen at a smaller one are filtered as at this one.
 const LEAST_COSINE: f32 = SplatFilter::LEAST_COSINE;
 /// The two numbers of a normal that is none, as WGSL reads them.
@@ -138,15 +99,18 @@ const NO_TEXTURE: u32 = VertexRecord::NO_TEXTURE;
 const PHOTO_MOST_ASKED: u32 = PhotoViews::MOST_ASKED as u32;
 const PHOTO_MOST_BLENDED: u32 = PhotoStyle::MOST_VIEWS as u32;
 
+/// Constants of Rust as WGSL declares them, by the same names.
+macro_rules! declared {
+    ($($name:ident),+ $(,)?) => {
+        [$($crate::render::gpu::constants::declaration(stringify!($name), $name)),+].join("\n")
+    };
+}
+
+pub(in crate::render) use declared;
+
 /// The declarations that all shaders share.
 pub(super) fn shared() -> String {
-    macro_rules! declared {
-        ($($name:ident),+ $(,)?) => {
-            [occlusion_lines(), pixel_lines(), $(declaration(stringify!($name), $name)),+].join("\n")
-        };
-    }
-    declared![
-        ALBEDO_ENTRIES,
+    let declared = declared![
         ANSWER_CLIPPED,
         ANSWER_SHOWN,
         ANSWER_UNSEEN,
@@ -154,30 +118,16 @@ pub(super) fn shared() -> String {
         BACK_FACES_DARKER,
         BACK_SIDE,
         BATCH_RECORDS,
-        COARSE_LINES,
         CUBE_REACH_HALF_EDGES,
         DIELECTRIC,
         ELLIPSE_STEPS,
-        ENVIRONMENT_EDGE,
         EWA_LEAST_DETERMINANT,
         EWA_MEAN_WEIGHT,
         FACET_LEAST_SIZE,
-        FARTHEST_GREY,
-        FINE_LINES,
-        FXAA_BLUE,
-        FXAA_DETAIL,
-        FXAA_END_OF_EDGE,
-        FXAA_GREEN,
-        FXAA_LEAST_CONTRAST,
-        FXAA_LEAST_SHARE,
-        FXAA_MOST_BLENDED,
-        FXAA_RED,
-        FXAA_SEARCH_STEPS,
         GAP_ONE_SURFACE,
         GAP_SOLID,
         GAPS_PER_SLIT,
         GAPS_PER_SPECK,
-        GATHER_GROUP,
         GROUP_RECORDS,
         HEAD_LIGHT_AMBIENT,
         HEAD_LIGHT_SHININESS,
@@ -188,15 +138,9 @@ pub(super) fn shared() -> String {
         LIGHTING_PER_FRAGMENT,
         LIGHTING_PER_SURFEL,
         LIGHTING_PER_VERTEX,
-        LONE,
         MASK_FALLOFF,
-        MOST_LAMPS,
-        NARROWEST_CELL_PX,
-        NEAREST_GREY,
         NO_NORMAL,
         NO_TEXTURE,
-        OCCLUSION_LINE_COUNT,
-        OCCLUSION_ROUGHNESS,
         OPAQUE_WEIGHT,
         OUTPUT_GROUP,
         PHOTO_AGREEMENT_ROUNDS,
@@ -220,18 +164,13 @@ pub(super) fn shared() -> String {
         RADIUS_OF_NOTHING,
         RIM_OPAQUE,
         RIM_OPEN,
-        SHADOW_EDGE_PX,
-        SHADOW_OFFSET_TEXELS,
-        SHADOW_SLOPE_TEXELS,
         SHAPE_GROUP,
         SOURCE_GROUP,
-        SHININESS,
         SPRITE_MARGIN_PX,
         SPRITE_NEARER,
         SQUARE_REACH_RADII,
         STREAM_GROUP,
         UPRIGHT_NORMAL_Y,
-        USUAL_LINES,
         VERDICT_DIVIDED,
         VERDICT_DROPPED,
         VERDICT_OPEN,
@@ -239,8 +178,8 @@ pub(super) fn shared() -> String {
         VERTICES_PER_QUAD,
         VERTICES_PER_TRIANGLE,
         VIEW_GROUP,
-        WIDEST_CELL_PX,
-    ]
+    ];
+    [pixel_lines(), declared].join("\n")
 }
 
 /// Those of the passes that make surfels of the screen.
@@ -271,7 +210,6 @@ pub(super) fn of_screen_normals() -> String {
         declaration("NO_DEPTH", NO_DEPTH),
         declaration("PI", std::f32::consts::PI),
         declaration("RADIUS_SPACINGS", screen::RADIUS_SPACINGS),
-        declaration("SCREENING_GROUP", SCREENING_GROUP),
         declaration("WIDE_WINDOW", screen::WIDE_WINDOW as u32),
     ]
     .join("\n")
@@ -285,7 +223,6 @@ pub(super) fn of_depth_images() -> String {
     const FARTHEST_POINT_M: f32 = 1e28;
     [
         declaration("BILATERAL_REACH", filter::BILATERAL_REACH as u32),
-        declaration("DEPTH_GROUP", DEPTH_GROUP),
         declaration("DEPTH_TILE_PX", DEPTH_TILE_PX),
         declaration("DEPTH_TILE_VALUES", DEPTH_TILE_VALUES),
         declaration("FARTHEST_POINT_M", FARTHEST_POINT_M),
@@ -317,7 +254,6 @@ pub(super) fn of_stereo() -> String {
         declaration("NO_LABEL", NO_LABEL),
         declaration("PARABOLA_REACH", stereo::PARABOLA_REACH as i32),
         declaration("REFINE_REACH", stereo::REFINE_REACH as i32),
-        declaration("STEREO_GROUP", STEREO_GROUP),
         declaration("STEREO_LANES", STEREO_LANES),
         declaration("STEREO_NEVER", STEREO_NEVER),
         declaration("STEREO_PATH_VALUES", STEREO_PATH_VALUES),
@@ -337,7 +273,7 @@ pub(super) fn of_amplification(vertices_per_record: u32, drawn_per_record: u32) 
 }
 
 /// A number with a type of WGSL.
-trait Number: Debug + Copy {
+pub(in crate::render) trait Number: Debug + Copy {
     const TYPE: &'static str;
     const SUFFIX: &'static str;
 }
@@ -357,19 +293,13 @@ impl Number for u32 {
     const SUFFIX: &'static str = "u";
 }
 
-/// Where the lines of ambient occlusion are.
-fn occlusion_lines() -> String {
-    let lines = AmbientOcclusion::lines().map(|[x, y]| format!("vec2f({x:?}, {y:?})"));
-    format!("const OCCLUSION_LINES = array({});", lines.join(", "))
-}
-
 /// The lines through a pixel on which the ends of gaps and rims are.
 fn pixel_lines() -> String {
     let lines = PIXEL_LINES.map(|[x, y]| format!("vec2i({x}, {y})"));
     format!("const PIXEL_LINES = array({});", lines.join(", "))
 }
 
-fn declaration<T: Number>(name: &str, value: T) -> String {
+pub(in crate::render) fn declaration<T: Number>(name: &str, value: T) -> String {
     // Rust writes as many digits as tell a number from its neighbours.
     format!("const {name}: {} = {value:?}{};", T::TYPE, T::SUFFIX)
 }

@@ -175,6 +175,12 @@ impl Context {
             })
     }
 
+    /// Waits for uploads too. Copies out of mapped memory are carried out with the next submission.
+    pub fn wait_for_uploads(&self) -> Result<(), RenderError> {
+        self.queue.submit([]);
+        self.wait()
+    }
+
     /// A buffer of `size` bytes that begins with `bytes`, written with one copy into its mapped memory.
     pub(super) fn filled_buffer(
         &self,

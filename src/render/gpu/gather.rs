@@ -14,9 +14,8 @@
 //! for each of the four to twelve vertices of a record, and have twice as many shaders. The copy costs 64 bytes of the
 //! GPU's own memory a record, once a view.
 
-use super::constants;
 use super::context::Context;
-use super::gather_program::Program;
+use super::gather_program::{FILTER, GATHER, Program, bind_group, dispatch};
 use super::gpu_data::{Filtering, Gathering};
 use super::instancing::{Chunk, RECORD_BYTES, RecordInstancing, Room, Stream};
 use super::primitives::Amplification;
@@ -25,25 +24,6 @@ use super::residency::{Residency, StreamKey};
 use super::rooms::{MOST_ROOM, stream_in};
 use crate::levels::Selection;
 use std::sync::Arc;
-
-/// The WGSL of the pass.
-pub(super) fn source() -> String {
-    [
-        constants::shared().as_str(),
-        include_str!("../../../shaders/passes/gather.wgsl"),
-    ]
-    .join("\n")
-}
-
-/// The same of the pass that tests nodes.
-pub(super) fn filter_source() -> String {
-    [
-        constants::shared().as_str(),
-        include_str!("../../../shaders/common/f64.wgsl"),
-        include_str!("../../../shaders/passes/filter.wgsl"),
-    ]
-    .join("\n")
-}
 
 /// Streams of records: points, then shapes. Others follow, by which nodes are tested.
 const RECORD_STREAMS: usize = 2;
@@ -78,10 +58,10 @@ pub(super) struct Selected<'a> {
 }
 
 impl Gatherer {
-    pub(super) fn new(context: &Context) -> Self {
+    pub(super) fn new() -> Self {
         Self {
-            gather: Program::new(context, "gather", source, 3),
-            filter: Program::new(context, "filter", filter_source, 4),
+            gather: Program::new(GATHER),
+            filter: Program::new(FILTER),
             places: None,
             gathered: None,
         }
@@ -184,10 +164,11 @@ impl Gatherer {
         } else {
             &mut self.gather
         };
-        program.ensure_pipeline(context);
+        let label = program.shader.label;
+        let programs = program.made(context);
         let (nodes, of_test) = gathered.nodes.split_at(gathered.rooms.len());
         let buffer = |key: &StreamKey| residency.get(*key).and_then(Stream::to_gather_from);
-        let mut pass = recording.begin_compute(program.label);
+        let mut pass = recording.begin_compute(label);
         for (stream, (key, rooms)) in nodes.iter().zip(&gathered.rooms).enumerate() {
             let Some(nodes) = buffer(key) else { continue };
             let mut first = 0;
@@ -205,15 +186,15 @@ impl Gatherer {
                         };
                         let filtering = Filtering::of(filter, records, has_radii);
                         let buffers = [parents, nodes, &room.buffer, bounds];
-                        program.bind_group(context, bytemuck::bytes_of(&filtering), &buffers)
+                        bind_group(programs, context, bytemuck::bytes_of(&filtering), &buffers)
                     }
                     selection => {
                         let gathering = Gathering::of(selection, records, has_radii);
                         let buffers = [self.places.as_ref().unwrap_or(nodes), nodes, &room.buffer];
-                        program.bind_group(context, bytemuck::bytes_of(&gathering), &buffers)
+                        bind_group(programs, context, bytemuck::bytes_of(&gathering), &buffers)
                     }
                 };
-                program.dispatch(context, &mut pass, &group, chunk.record_count);
+                dispatch(programs, context, &mut pass, &group, chunk.record_count);
             }
         }
         drop(pass);

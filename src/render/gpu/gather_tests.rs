@@ -1,7 +1,7 @@
 //! What a graphics card tests of nodes, beside the processor: every bit is the same.
 
 use super::context::{Context, ContextOptions};
-use super::gather::filter_source;
+use super::gather_program::FILTER;
 use super::gpu_data::Filtering;
 use super::readback::map_and_read;
 use crate::analysis::test_shapes::{self, Random};
@@ -254,7 +254,7 @@ fn filtered(context: &Context, filter: &SequenceFilter, shapes: &[ShapeRecord]) 
     let filtering = Filtering::of(filter, 0..filter.len() as u32, true);
     let results = run(
         context,
-        (&filter_source(), "gather"),
+        (&FILTER.source().unwrap(), "gather"),
         filter.len(),
         &[
             (Usages::UNIFORM, bytemuck::bytes_of(&filtering)),

@@ -1,24 +1,32 @@
-//! Every structure that Rust and WGSL share. `tests/pictures/shaders.rs` holds these layouts against the shaders by
-//! reflection.
+//! Structures that Rust and WGSL share, declared once: WGSL imports them (`shader_library.rs`), but for the records of
+//! clouds and trees. `tests/pictures/shaders.rs` holds their layouts against the shaders by reflection.
 
 pub use crate::cloud::{PointRecord, ShapeRecord, TexturePlace, TriangleRecord, VertexRecord, VoxelRecord};
 pub use crate::levels::NodeBounds;
 
+use super::layout::{Layout, Shared, shared_struct};
 use crate::analysis::screen::{RADIUS_SPACINGS, ScreenCloud, ScreenView};
 use crate::levels::{Selection, SequenceFilter};
 use crate::math::Frustum;
-use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
+use crate::render::constants::DEPTH_SLACK_RADII;
 use crate::rgbd::{Bilateral, Filters, FlyingPixels, Temporal};
-use crate::scene::{
-    AmbientOcclusion, Backdrop, EyeDomeLight, Kernel, Lamp, Lighting, Lights, PhysicalLight, PointSize, ScenePacket,
-    Shadow, SplatFilter, Style, rim_px,
-};
-use crate::stereo::constants::MOST_RADIUS;
+use crate::scene::{Kernel, Lighting, Lights, PointSize, ScenePacket, Shadow, SplatFilter};
+use crate::stereo::matching::constants::MOST_RADIUS;
 use crate::stereo::{self, Between, DisparityRange, Matching, Penalties};
-use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
+use bytemuck::Zeroable;
 use std::f32::consts::LOG2_E;
 use std::ops::Range;
+
+/// Those that are declared here; those of effects are with these.
+pub const LAYOUTS: [&Layout; 7] = [
+    &Gathering::LAYOUT,
+    &Filtering::LAYOUT,
+    &Screening::LAYOUT,
+    &DepthImaging::LAYOUT,
+    &StereoMatching::LAYOUT,
+    &ViewUniform::LAYOUT,
+    &SplatVertex::LAYOUT,
+];
 
 /// [`ViewUniform::lighting`] of surfaces that are lit; WGSL gets these numbers from here (`constants.rs`).
 pub(super) const LIGHTING_PER_SURFEL: u32 = 1;
@@ -36,15 +44,18 @@ pub(super) const KERNEL_HAT: u32 = 1;
 pub(super) const KERNEL_BOX: u32 = 2;
 const KERNEL_GAUSSIAN: u32 = 0;
 
-/// Twin of `Gathering` in `passes/gather.wgsl`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
-pub struct Gathering {
-    pub first: u32,
-    pub count: u32,
-    pub step: u32,
-    pub radius_factor: f32,
+shared_struct! {
+    /// What `passes/gather.wgsl` brings together.
+    pub Gathering as "Gathering" {
+        /// The first of these records among those that are selected.
+        first: u32,
+        /// How many they are.
+        count: u32,
+        /// From one record to the next; 0 where indices say which.
+        step: u32,
+        /// On the second number of a record, which is a radius, unless it is 1.
+        radius_factor: f32,
+    }
 }
 
 impl Gathering {
@@ -65,28 +76,44 @@ impl Gathering {
     }
 }
 
-/// Twin of `Filtering` in `passes/filter.wgsl`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
-pub struct Filtering {
-    pub first: u32,
-    pub count: u32,
-    pub inner_candidates: u32,
-    pub inners: u32,
-    pub eye: [f32; 3],
-    pub marks: u32,
-    pub area_px2: [u32; 2],
-    pub small_px2: [u32; 2],
-    pub rough_area_px2: f32,
-    pub rough_small_px2: f32,
-    pub is_oriented: u32,
-    pub culls_back_faces: u32,
-    pub deepest_level: u32,
-    pub unused_a: u32,
-    pub unused_b: u32,
-    pub unused_c: u32,
-    pub planes: [[f32; 4]; Frustum::PLANES],
+shared_struct! {
+    /// What `passes/filter.wgsl` tests candidates by.
+    pub Filtering as "Filtering" {
+        /// The first of these candidates.
+        first: u32,
+        /// How many they are.
+        count: u32,
+        /// Candidates that are no leaves.
+        inner_candidates: u32,
+        /// Nodes of the tree that are no leaves. The root, which is the first of these, is no candidate, but divided.
+        inners: u32,
+        /// Of the view.
+        eye: [f32; 3],
+        /// 1 where nodes that are not drawn are marked, which shapes are.
+        marks: u32,
+        /// A double: the area of a disk of radius 1 at a distance of 1.
+        area_px2: [u32; 2],
+        /// A double: the area of the largest small node.
+        small_px2: [u32; 2],
+        /// Roughly the same as `area_px2`.
+        rough_area_px2: f32,
+        /// Roughly the same as `small_px2`.
+        rough_small_px2: f32,
+        /// Whether nodes have cones of normals.
+        is_oriented: u32,
+        /// Whether nodes that face away are not drawn.
+        culls_back_faces: u32,
+        /// Nodes of this level are not divided.
+        deepest_level: u32,
+        /// Padding.
+        unused_a: u32,
+        /// Padding.
+        unused_b: u32,
+        /// Padding.
+        unused_c: u32,
+        /// Of the frustum.
+        planes: [[f32; 4]; Frustum::PLANES],
+    }
 }
 
 impl Filtering {
@@ -114,32 +141,52 @@ impl Filtering {
     }
 }
 
-/// Twin of `Screening` in `screen_normals/view.wgsl`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
-pub struct Screening {
-    pub rotation_x: [f32; 3],
-    pub near: f32,
-    pub rotation_y: [f32; 3],
-    pub radius: f32,
-    pub rotation_z: [f32; 3],
-    pub spacing: f32,
-    pub eye_high: [f32; 3],
-    pub closing: f32,
-    pub eye_low: [f32; 3],
-    pub has_sensor: u32,
-    pub sensor: [f32; 3],
-    pub point_count: u32,
-    pub px_per_slope: [f32; 2],
-    pub middle_px: [f32; 2],
-    pub size_px: [u32; 2],
-    pub first: u32,
-    pub count: u32,
-    pub level: u32,
-    pub has_holes: u32,
-    pub unused_a: u32,
-    pub unused_b: u32,
+shared_struct! {
+    /// The view that surfels of the screen are made in (`screen_normals/view.wgsl`).
+    pub Screening as "Screening" {
+        /// Columns of the rotation from the axes of the cloud to those of the view (right, up, backward).
+        rotation_x: [f32; 3],
+        /// Distance to the near plane.
+        near: f32,
+        /// The second column.
+        rotation_y: [f32; 3],
+        /// In which neighbours are looked for, scene units.
+        radius: f32,
+        /// The third column.
+        rotation_z: [f32; 3],
+        /// Between points, scene units.
+        spacing: f32,
+        /// The eye is `eye_high + eye_low`.
+        eye_high: [f32; 3],
+        /// Factor on radii.
+        closing: f32,
+        /// The rest of the eye.
+        eye_low: [f32; 3],
+        /// Whether there is one.
+        has_sensor: u32,
+        /// Of the sensor from the eye.
+        sensor: [f32; 3],
+        /// Of the cloud.
+        point_count: u32,
+        /// Pixels for a slope of 1.
+        px_per_slope: [f32; 2],
+        /// Where the view axis meets the picture.
+        middle_px: [f32; 2],
+        /// Of the picture with its margin.
+        size_px: [u32; 2],
+        /// The first record of what `surface` writes among all.
+        first: u32,
+        /// How many it writes.
+        count: u32,
+        /// Of the cells that `coarsen` writes.
+        level: u32,
+        /// Whether points of no colour at all are holes of an image.
+        has_holes: u32,
+        /// Padding.
+        unused_a: u32,
+        /// Padding.
+        unused_b: u32,
+    }
 }
 
 impl Screening {
@@ -168,28 +215,44 @@ impl Screening {
     }
 }
 
-/// Twin of `DepthImaging` in `depth_images/image.wgsl`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
-pub struct DepthImaging {
-    pub size_px: [u32; 2],
-    pub near_m: f32,
-    pub far_m: f32,
-    pub origin: [f32; 3],
-    pub is_coded: u32,
-    pub exponent_per_px2: f32,
-    pub sigma_m: f32,
-    pub noise_factor: f32,
-    pub flying_m: f32,
-    pub flying_share: f32,
-    pub least_neighbours: f32,
-    pub newest_share: f32,
-    pub same_m: f32,
-    pub fill_frames: u32,
-    pub has_colors: u32,
-    pub one_color: u32,
-    pub unused: u32,
+shared_struct! {
+    /// The filters of a depth image, and the points of its pixels (`depth_images/image.wgsl`).
+    pub DepthImaging as "DepthImaging" {
+        /// Of the image.
+        size_px: [u32; 2],
+        /// Nearer depths are dropped.
+        near_m: f32,
+        /// Farther depths are dropped.
+        far_m: f32,
+        /// What the middle of the points is moved to, in the frame of the camera.
+        origin: [f32; 3],
+        /// Whether samples are numbers of 16 bits, two in a word, that the table explains; else they are metres.
+        is_coded: u32,
+        /// Exponent of 2 by the square of the distance in pixels.
+        exponent_per_px2: f32,
+        /// Of the bilateral filter, if it is the same everywhere, else 0.
+        sigma_m: f32,
+        /// On the noise of the sensor, where that is the measure.
+        noise_factor: f32,
+        /// Within what neighbours are near.
+        flying_m: f32,
+        /// The same as a share of the depth.
+        flying_share: f32,
+        /// Pixels with fewer near neighbours are dropped.
+        least_neighbours: f32,
+        /// Of the newest image in the mean over time.
+        newest_share: f32,
+        /// Depths that differ by less are of one surface.
+        same_m: f32,
+        /// For how many frames holes are filled.
+        fill_frames: u32,
+        /// Whether there is an image of colours.
+        has_colors: u32,
+        /// Of all points where there is no image of colours: red, green, blue, alpha.
+        one_color: u32,
+        /// Padding.
+        unused: u32,
+    }
 }
 
 impl DepthImaging {
@@ -217,23 +280,34 @@ impl DepthImaging {
     }
 }
 
-/// Twin of `StereoMatching` in `stereo/pair.wgsl`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
-pub struct StereoMatching {
-    pub size_px: [u32; 2],
-    pub count: u32,
-    pub min_px: i32,
-    pub path_step: [i32; 2],
-    pub is_first_path: u32,
-    pub radius_px: u32,
-    pub p1: u32,
-    pub p2_least: u32,
-    pub p2_above_least: u32,
-    pub half_change: u32,
-    pub unique_percent: u32,
-    pub by_parabola: u32,
+shared_struct! {
+    /// How a pair of photographs is matched (`stereo/pair.wgsl`).
+    pub StereoMatching as "StereoMatching" {
+        /// Of either image.
+        size_px: [u32; 2],
+        /// Labels of a pixel, an even number; label k is the disparity `min_px` + k.
+        count: u32,
+        /// Least disparity.
+        min_px: i32,
+        /// From pixel to pixel of a path.
+        path_step: [i32; 2],
+        /// Whether the path writes sums, as it is the first one; else it adds to them.
+        is_first_path: u32,
+        /// Of the squares that costs are summed over.
+        radius_px: u32,
+        /// Penalty of a step of one label.
+        p1: u32,
+        /// Least penalty of a longer step.
+        p2_least: u32,
+        /// How much more it is where brightness does not change.
+        p2_above_least: u32,
+        /// Change of brightness at which half of that is left.
+        half_change: u32,
+        /// By how much the best label must be better than others.
+        unique_percent: u32,
+        /// Whether places between labels are those of a parabola.
+        by_parabola: u32,
+    }
 }
 
 impl StereoMatching {
@@ -259,119 +333,81 @@ impl StereoMatching {
     }
 }
 
-/// Twin of `View` in `common/view.wgsl`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
-pub struct ViewUniform {
-    pub rotation_x: [f32; 4],
-    pub rotation_y: [f32; 4],
-    pub rotation_z: [f32; 4],
-    pub eye_high: [f32; 3],
-    pub splat_scale: f32,
-    pub eye_low: [f32; 3],
-    pub near: f32,
-    pub focal: [f32; 2],
-    pub viewport_px: [f32; 2],
-    pub background_top: [f32; 3],
-    pub opaque_weight: f32,
-    pub background_bottom: [f32; 3],
-    pub rim_px: f32,
-    pub depth_range: [f32; 2],
-    pub point_least_px: f32,
-    pub cube_half_edge: f32,
-    pub depth_slack: f32,
-    pub lighting: u32,
-    pub back_faces: u32,
-    pub ground_spacing: f32,
-    pub center_ndc: [f32; 2],
-    pub eye_dome_reach_px: [i32; 2],
-    pub eye_dome: [f32; 4],
-    pub ground_normal: [f32; 4],
-    pub ground_right: [f32; 4],
-    pub ground_forward: [f32; 4],
-    pub ground_color: [f32; 4],
-    pub ambient: f32,
-    pub head_light: f32,
-    pub specular: f32,
-    pub usual_distance: f32,
-    pub depth_slack_px: f32,
-    pub filter_radius_px: f32,
-    pub kernel: u32,
-    pub samples_per_edge: f32,
-    pub occlusion_near_radius_px: f32,
-    pub occlusion_most_radius_px: f32,
-    pub occlusion_strength: f32,
-    pub shadow_texel: f32,
-    pub px_per_slope: [f32; 2],
-    pub point_edge: f32,
-    pub point_edge_per_radius: f32,
-    pub lamps: [LampUniform; Lights::MOST_LAMPS],
-    pub lamp_from_view_x: [f32; 4],
-    pub lamp_from_view_y: [f32; 4],
-    pub lamp_from_view_z: [f32; 4],
-    pub shadow_focal: f32,
-    pub shadow_near: f32,
-    pub metallic: f32,
-    pub alpha: f32,
-    pub mean_loss: f32,
-    pub mean_let_in: f32,
-    pub environment_light: f32,
-    pub clamp_radius_px: f32,
-    pub environment_from_view_x: [f32; 4],
-    pub environment_from_view_y: [f32; 4],
-    pub environment_from_view_z: [f32; 4],
-    pub harmonics: [[f32; 4]; 9],
+shared_struct! {
+    /// The camera, and how records are drawn in one pass.
+    pub ViewUniform as "View" {
+        /// Columns of the rotation from the frame's space into view space (right, up, backward).
+        rotation_x: [f32; 4],
+        /// The second column.
+        rotation_y: [f32; 4],
+        /// The third column.
+        rotation_z: [f32; 4],
+        /// The eye in the frame's space is `eye_high + eye_low`.
+        eye_high: [f32; 3],
+        /// Factor on the splat radius in this pass.
+        splat_scale: f32,
+        /// The rest of the eye.
+        eye_low: [f32; 3],
+        /// Distance to the near plane.
+        near: f32,
+        /// Cotangents of half the field of view, horizontal and vertical.
+        focal: [f32; 2],
+        /// Of the picture that is drawn.
+        viewport_px: [f32; 2],
+        /// Where the view axis meets the picture: 0, but for a part of a larger one.
+        center_ndc: [f32; 2],
+        /// Pixels for a slope of 1, to the right and upwards.
+        px_per_slope: [f32; 2],
+        /// Edge of a drawn point at least.
+        point_least_px: f32,
+        /// Edge of a drawn point, scene units.
+        point_edge: f32,
+        /// What is added to that for each unit of its radius.
+        point_edge_per_radius: f32,
+        /// Half the edge of the octree's cube.
+        cube_half_edge: f32,
+        /// How far the visibility pass and the shadow map are pushed back, in splat radii.
+        depth_slack: f32,
+        /// How far they are pushed back beyond that, for splats that are filtered to the pixels.
+        depth_slack_px: f32,
+        /// Radius of the splat that a point becomes by that filter; 0 where there is none.
+        filter_radius_px: f32,
+        /// Radius of the least splat that sprites are, in pixels; 0 where there is none.
+        clamp_radius_px: f32,
+        /// `LIGHTING_*`, or without light.
+        lighting: u32,
+        /// `BACK_FACES_*`, or drawn as fronts are.
+        back_faces: u32,
+        /// `KERNEL_*`, or Gaussian.
+        kernel: u32,
+        /// How far away the middle of the cloud is: the unit of distances that half floats hold.
+        usual_distance: f32,
+    }
 }
 
-/// Twin of `Lamp` in `common/view.wgsl`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
-#[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
-pub struct LampUniform {
-    pub place: [f32; 4],
-    pub color: [f32; 4],
-}
-
-/// Twin of `SplatVertex` in `common/quads.wgsl`: one corner written by the compute strategy.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
-pub struct SplatVertex {
-    pub clip: [f32; 4],
-    pub color: u32,
-    pub normal: u32,
-    pub light: u32,
-    pub weight: f32,
+shared_struct! {
+    /// A corner that the strategy `compute` has written, ready for the rasteriser.
+    pub SplatVertex as "SplatVertex" {
+        /// Its place.
+        clip: [f32; 4],
+        /// 8-bit red, green, blue in the low bytes.
+        color: u32,
+        /// Packed, see `oct_decode`.
+        normal: u32,
+        /// See `light.wgsl`: both unorm16.
+        light: u32,
+        /// Factor on the mask of a splat.
+        weight: f32,
+    }
 }
 
 impl ViewUniform {
     /// The uniforms of one pass over `packet` as it is drawn ([`ScenePacket::as_drawn`]); `enlargement` multiplies its
     /// splat scale.
     pub fn new(packet: &ScenePacket, enlargement: f32) -> Self {
-        let Style {
-            backdrop: Backdrop { background, .. },
-            ..
-        } = packet.style;
         let rotation = packet.view.view_from_frame_rotation;
-        // Of a part of a picture the gradient is a part too.
-        let [background_top, background_bottom] = packet.view.rows_of_whole.map(|share| {
-            let [top, bottom] = [background.top, background.bottom].map(normalized);
-            top * (1.0 - share) + bottom * share
-        });
-        let eye_dome = EyeDomeLight::of(packet);
-        let ground = packet.ground.map(|ground| ground.seen_by(&packet.view));
-        let ground_axis = |axis: usize| {
-            ground.map_or([0.0; 4], |ground| {
-                let along = ground.point_along_axes[axis];
-                ground.axes[axis].extend(along).to_array()
-            })
-        };
         let lights = Lights::of(packet);
         let point_size = PointSize::of(packet);
-        let of_lights = |value: fn(Lights) -> f32| lights.map_or(0.0, value);
-        let occlusion = AmbientOcclusion::of(packet);
-        let of_occlusion = |value: fn(AmbientOcclusion) -> f32| occlusion.map_or(0.0, value);
         let has_slack = packet.style.blends_at_depths();
         Self {
             rotation_x: rotation.x_axis.extend(0.0).to_array(),
@@ -383,11 +419,6 @@ impl ViewUniform {
             near: packet.view.near,
             focal: packet.view.focal,
             viewport_px: packet.viewport_px.map(|edge| edge as f32),
-            background_top: background_top.to_array(),
-            opaque_weight: opaque_weight(&packet.style),
-            background_bottom: background_bottom.to_array(),
-            rim_px: rim_px(packet) as f32,
-            depth_range: packet.depth_range(),
             point_least_px: point_size.least_px,
             cube_half_edge: packet.content.voxels().map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
             depth_slack: if has_slack { DEPTH_SLACK_RADII } else { 0.0 },
@@ -395,7 +426,7 @@ impl ViewUniform {
                 Lighting::Unlit | Lighting::Lambert | Lighting::BlinnPhong | Lighting::Physical => LIGHTING_UNLIT,
                 Lighting::PerSurfel => LIGHTING_PER_SURFEL,
                 Lighting::PerVertex => LIGHTING_PER_VERTEX,
-                Lighting::Auto | Lighting::PerFragment => LIGHTING_PER_FRAGMENT,
+                Lighting::PerFragment => LIGHTING_PER_FRAGMENT,
             },
             back_faces: if packet.style.culls_back_faces() {
                 BACK_FACES_CULLED
@@ -404,74 +435,18 @@ impl ViewUniform {
             } else {
                 BACK_FACES_DRAWN
             },
-            ground_spacing: ground.map_or(1.0, |ground| ground.spacing),
             center_ndc: packet.view.center_ndc,
-            eye_dome_reach_px: eye_dome.map_or([0; 2], |light| light.reach_px.map(|reach_px| reach_px as i32)),
-            eye_dome: eye_dome.map_or([0.0; 4], |light| {
-                let [straight, diagonal] = light.gains;
-                [straight, diagonal, light.most, light.edge]
-            }),
-            ground_normal: ground.map_or([0.0; 4], |ground| ground.normal.extend(ground.height).to_array()),
-            ground_right: ground_axis(0),
-            ground_forward: ground_axis(1),
-            ground_color: ground.map_or([0.0; 4], |ground| {
-                let [red, green, blue] = ground.color;
-                [red, green, blue, ground.reach]
-            }),
-            ambient: of_lights(|lights| lights.ambient),
-            head_light: of_lights(|lights| lights.head),
-            specular: of_lights(|lights| lights.specular),
-            usual_distance: of_lights(|lights| lights.usual_distance),
+            usual_distance: lights.map_or(0.0, |lights| lights.usual_distance),
             depth_slack_px: packet.style.splat_filter().radius_px(),
             kernel: match packet.style.kernel() {
                 Kernel::Gaussian => KERNEL_GAUSSIAN,
                 Kernel::Hat => KERNEL_HAT,
                 Kernel::Flat => KERNEL_BOX,
             },
-            occlusion_near_radius_px: of_occlusion(|occlusion| occlusion.near_radius_px),
-            occlusion_most_radius_px: of_occlusion(|occlusion| occlusion.most_radius_px),
-            occlusion_strength: of_occlusion(|occlusion| occlusion.strength),
-            samples_per_edge: packet.style.drawing.antialiasing.samples_per_edge() as f32,
             px_per_slope: [0, 1].map(|axis| 0.5 * packet.view.focal[axis] * packet.viewport_px[axis] as f32),
             point_edge: point_size.edge,
             point_edge_per_radius: point_size.edge_per_radius,
-            lamps: lights.map_or_else(Default::default, |lights| lights.lamps.map(LampUniform::from)),
             ..Self::zeroed()
-        }
-    }
-
-    /// The same with the shadow of the key light.
-    #[must_use]
-    pub fn with_shadow(self, shadow: &Shadow) -> Self {
-        let [x, y, z] = shadow.lamp_from_view.map(|row| row.to_array());
-        let lamp_view = &shadow.lamp_packet.view;
-        Self {
-            lamp_from_view_x: x,
-            lamp_from_view_y: y,
-            lamp_from_view_z: z,
-            shadow_focal: lamp_view.focal[0],
-            shadow_near: lamp_view.near,
-            shadow_texel: shadow.texel,
-            ..self
-        }
-    }
-
-    /// The same with a material and an environment.
-    #[must_use]
-    pub fn with_physical(self, physical: &PhysicalLight) -> Self {
-        let curve = &physical.tables.curve;
-        let column = |axis: Vec3| axis.extend(0.0).to_array();
-        Self {
-            metallic: physical.metallic,
-            alpha: physical.alpha,
-            mean_loss: curve.mean_loss,
-            mean_let_in: curve.mean_let_in,
-            environment_light: physical.environment_light,
-            environment_from_view_x: column(physical.environment_from_view.x_axis),
-            environment_from_view_y: column(physical.environment_from_view.y_axis),
-            environment_from_view_z: column(physical.environment_from_view.z_axis),
-            harmonics: physical.harmonics.0.map(column),
-            ..self
         }
     }
 
@@ -495,17 +470,4 @@ impl ViewUniform {
             ..self
         }
     }
-}
-
-impl From<Lamp> for LampUniform {
-    fn from(lamp: Lamp) -> Self {
-        Self {
-            place: lamp.place.to_array(),
-            color: lamp.color.extend(0.0).to_array(),
-        }
-    }
-}
-
-fn normalized(color: [u8; 3]) -> Vec3 {
-    Vec3::from_array(color.map(|channel| f32::from(channel) / 255.0))
 }

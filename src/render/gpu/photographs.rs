@@ -6,7 +6,7 @@
 
 use super::context::Context;
 use crate::photos::Photographs;
-use crate::render::cpu::KnownDepths;
+use crate::render::known_depths::KnownDepths;
 use crate::scene::{
     DepthMap, PhotoClipping, PhotoDepths, PhotoHoles, PhotoRelight, PhotoView, PhotoViews, PhotographsInFrame,
     ScenePacket,

@@ -7,8 +7,9 @@ use super::passes::screen::{PHOTO_ANSWERS, PULL, PUSH};
 use super::passes::{DepthUse, GeometryKey, Pipelines, ScreenPass};
 use super::plan::{LAMP_VIEW, Plan};
 use super::recording::Recording;
-use super::targets::{Target, Targets};
+use super::targets::{Source, Target, Targets};
 use super::timer::{Stamps, Timer};
+use super::uniforms::PartUniforms;
 use crate::render::RenderStats;
 use crate::scene::Background;
 
@@ -22,6 +23,7 @@ pub(super) struct Recorder<'a> {
     pub(super) pipelines: &'a Pipelines,
     pub(super) targets: &'a mut Targets,
     pub(super) view_group: &'a wgpu::BindGroup,
+    pub(super) uniforms: &'a PartUniforms,
     pub(super) view_stride: u32,
     pub(super) encoder: &'a mut wgpu::CommandEncoder,
     /// Where the adapter has timestamps.
@@ -80,16 +82,16 @@ impl<'a> Recorder<'a> {
             b: blue,
             a: 1.0,
         });
+        let behind: Vec<_> = plan
+            .behind
+            .iter()
+            .filter_map(|pass| self.bound(pass, plan, 0))
+            .collect();
         let onto = (self.targets.views(Target::Picture, 0), clear);
         let mut pass = begin(self.encoder, self.timer.as_deref_mut(), "background", onto, None);
         self.stats.passes += 1;
-        if let Some(pipeline) = plan
-            .background
-            .and_then(|pass| self.pipelines.screen(pass, plan.precision))
-        {
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(VIEW_GROUP, self.view_group, &[0]);
-            pass.draw(0..3, 0..1);
+        for bound in &behind {
+            bound.draw(&mut pass, self.view_group);
             self.stats.draw_calls += 1;
         }
     }
@@ -154,27 +156,54 @@ impl<'a> Recorder<'a> {
 
     /// A pass over the screen, or over a level of a pyramid.
     fn screen(&mut self, screen: &'static ScreenPass, plan: &Plan<'_>, level: usize) {
-        let Some(pipeline) = self.pipelines.screen(screen, plan.precision) else {
+        let Some(bound) = self.bound(screen, plan, level) else {
             return;
         };
+        if screen.source == Some(Source::PictureCopy) {
+            self.targets.copy_picture(self.encoder);
+        }
         let targets = &*self.targets;
-        let source = screen.source.map(|source| {
-            let layout = self.pipelines.source_layout(source);
-            source_group(self.context, layout, &targets.sources(source, level))
-        });
         // What is drawn without depth hides nothing.
         let cleared = (!plan.leaves_depths()).then_some(wgpu::LoadOp::Clear(FAR));
         let depth = screen.depth.map(|_| (&targets.depth_view, cleared));
         let color = (targets.views(screen.color.target, level), wgpu::LoadOp::Load);
         let mut pass = begin(self.encoder, self.timer.as_deref_mut(), screen.name, color, depth);
         self.stats.passes += 1;
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(VIEW_GROUP, self.view_group, &[0]);
-        if let Some(source) = &source {
-            pass.set_bind_group(SOURCE_GROUP, source, &[]);
-        }
-        pass.draw(0..3, 0..1);
+        bound.draw(&mut pass, self.view_group);
         self.stats.draw_calls += 1;
+    }
+
+    /// A pass over the screen with what it reads: textures, and its uniform behind them.
+    fn bound(&self, screen: &ScreenPass, plan: &Plan<'_>, level: usize) -> Option<BoundPass<'a>> {
+        let textures = screen.source.map(|source| self.targets.sources(source, level));
+        let textures = textures.into_iter().flatten().map(wgpu::BindingResource::TextureView);
+        let uniform = self.uniforms.binding(screen);
+        let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+        let entries: Vec<_> = (0..).zip(textures.chain(uniform)).map(entry).collect();
+        Some(BoundPass {
+            pipeline: self.pipelines.screen(screen, plan.precision)?,
+            source: self.context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some(screen.name),
+                layout: self.pipelines.source_layout(screen)?,
+                entries: &entries,
+            }),
+        })
+    }
+}
+
+/// A pass over the screen with what it reads.
+struct BoundPass<'a> {
+    pipeline: &'a wgpu::RenderPipeline,
+    source: wgpu::BindGroup,
+}
+
+impl BoundPass<'_> {
+    /// Draws the one triangle over the whole target.
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_group: &wgpu::BindGroup) {
+        pass.set_pipeline(self.pipeline);
+        pass.set_bind_group(VIEW_GROUP, view_group, &[0]);
+        pass.set_bind_group(SOURCE_GROUP, &self.source, &[]);
+        pass.draw(0..3, 0..1);
     }
 }
 
@@ -197,20 +226,6 @@ fn draw_records(
         stats.draw_calls += instancing.draw(&mut pass, draw);
         stats.drawn_instances += draw.record_count();
     }
-}
-
-/// What a pass over the screen reads.
-fn source_group(context: &Context, layout: &wgpu::BindGroupLayout, sources: &[&wgpu::TextureView]) -> wgpu::BindGroup {
-    let entry = |(binding, &source)| wgpu::BindGroupEntry {
-        binding,
-        resource: wgpu::BindingResource::TextureView(source),
-    };
-    let entries: Vec<_> = (0..).zip(sources).map(entry).collect();
-    context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("screen source"),
-        layout,
-        entries: &entries,
-    })
 }
 
 /// Begins a render pass.

@@ -2,28 +2,28 @@
 //! over the whole picture at the end.
 //!
 //! Before them comes the map of a shadow, where there is one. Where shading is deferred, light falls on what the
-//! primitive left, and leaves sums that are resolved as others are. Where it is asked for, eye-dome lighting follows
-//! what is drawn, of sums before they are resolved; and the grid at the end. Antialiasing makes the picture that is
-//! shown of it.
+//! primitive left, and leaves sums that are resolved as others are. Effects (`render/effects`) stand where their stages
+//! are: on what is drawn, of sums before they are resolved; on the picture; and from it to the one that is shown.
 
 use super::gpu_data::ViewUniform;
-use super::passes::screen::{
-    BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, FXAA, GRID, PHOTO_ANSWERS, PULL, PUSH, RESOLVE_PHOTOGRAPHS, SHADE,
-    SHADE_PHOTO_ANSWERS, SHADE_PHOTO_ANSWERS_PHYSICAL, SHADE_PHOTOGRAPHS, SHADE_PHOTOGRAPHS_PHYSICAL, SHADE_PHYSICAL,
-    SUPERSAMPLE,
+use super::passes::screen::{PHOTO_ANSWERS, PULL, PUSH, RESOLVE_PHOTOGRAPHS};
+use super::passes::shade::{
+    SHADE, SHADE_PHOTO_ANSWERS, SHADE_PHOTO_ANSWERS_PHYSICAL, SHADE_PHOTOGRAPHS, SHADE_PHOTOGRAPHS_PHYSICAL,
+    SHADE_PHYSICAL,
 };
 use super::passes::{GeometryKey, ScreenPass};
 use super::primitives::{self, Drawable};
 use super::residency::{RecordSource, StreamKey};
-use super::targets::{Precision, Target};
-use crate::scene::{Antialiasing, EyeDomeLight, PhotoViews, PhysicalLight, ScenePacket, Shadow, Strategy};
+use super::targets::{Precision, Source, Target};
+use crate::render::effects::{self, Stage};
+use crate::scene::{PhotoViews, PhysicalLight, ScenePacket, Shadow, Strategy};
 
 /// What a packet asks for, as it is drawn ([`ScenePacket::as_drawn`]).
 #[derive(Debug)]
 pub(super) struct Plan<'a> {
     pub(super) drawable: Drawable<'a>,
-    /// The gradient, if there is one.
-    pub(super) background: Option<&'static ScreenPass>,
+    /// What precedes the passes over records: the gradient, if there is one.
+    pub(super) behind: Vec<&'static ScreenPass>,
     /// What follows the passes over records.
     pub(super) finish: Vec<&'static ScreenPass>,
     /// Of the key light, if it has one.
@@ -60,27 +60,27 @@ impl<'a> Plan<'a> {
         };
         let shade = drawable.draws_into(Target::Surfaces).then_some(shade);
         let draws_sums = shade.is_some() || drawable.draws_into(Target::Sums);
-        let eye_dome = EyeDomeLight::of(packet).map(|_| if draws_sums { &EYE_DOME_OF_SUMS } else { &EYE_DOME });
         let closes_gaps = shade.is_some() && photographs.as_ref().is_some_and(|views| views.gap_px > 0);
         let resolve = drawable
             .resolve
             .map(|resolve| if closes_gaps { &RESOLVE_PHOTOGRAPHS } else { resolve });
-        let [first, second] = if draws_sums {
-            [eye_dome, resolve]
-        } else {
-            [resolve, eye_dome]
-        };
-        let grid = packet.ground.map(|_| &GRID);
-        let antialias = match packet.style.drawing.antialiasing {
-            Antialiasing::None => None,
-            Antialiasing::Fxaa => Some(&FXAA),
-            Antialiasing::Supersample => Some(&SUPERSAMPLE),
-        };
-        let background = packet.style.backdrop.background;
+        // Of sums before they are resolved.
+        let [of_sums, of_picture] = [(Target::Sums, true), (Target::Picture, false)].map(|(target, of_sums)| {
+            let passes = effects::passes(packet, Stage::Drawn, target);
+            passes.filter(move |_| draws_sums == of_sums)
+        });
+        let finish = shade
+            .into_iter()
+            .chain(of_sums)
+            .chain(resolve)
+            .chain(of_picture)
+            .chain(effects::passes(packet, Stage::Picture, Target::Picture))
+            .chain(effects::passes(packet, Stage::Shown, Target::Shown))
+            .collect();
         Self {
             drawable,
-            background: (background.top != background.bottom).then_some(&BACKGROUND),
-            finish: [shade, first, second, grid, antialias].into_iter().flatten().collect(),
+            behind: effects::passes(packet, Stage::Behind, Target::Picture).collect(),
+            finish,
             shadow: Shadow::of(packet),
             physical,
             photographs,
@@ -100,12 +100,8 @@ impl<'a> Plan<'a> {
         let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
         let first = ViewUniform::new(packet, visibility);
         let second = ViewUniform::new(packet, attribute).of_attributes(packet.style.splat_filter());
-        let first = match &self.physical {
-            Some(physical) => first.with_physical(physical),
-            None => first,
-        };
         match &self.shadow {
-            Some(shadow) => vec![first.with_shadow(shadow), second, ViewUniform::of_lamp(shadow)],
+            Some(shadow) => vec![first, second, ViewUniform::of_lamp(shadow)],
             None => vec![first, second],
         }
     }
@@ -140,14 +136,24 @@ impl<'a> Plan<'a> {
         })
     }
 
-    pub(super) fn screen_passes(&self) -> impl Iterator<Item = &'static ScreenPass> {
-        let of_answers: &[_] = if self.fills_photo_holes() {
+    pub(super) fn screen_passes(&self) -> impl Iterator<Item = &'static ScreenPass> + '_ {
+        let of_answers: &[&'static ScreenPass] = if self.fills_photo_holes() {
             &[&PHOTO_ANSWERS, &PULL, &PUSH]
         } else {
             &[]
         };
-        let finish = of_answers.iter().chain(&self.finish);
-        self.background.into_iter().chain(finish.copied())
+        self.behind.iter().chain(of_answers).chain(&self.finish).copied()
+    }
+
+    /// Whether the picture that is shown is another one than the one that is drawn.
+    pub(super) fn makes_another(&self) -> bool {
+        self.finish.iter().any(|pass| pass.color.target == Target::Shown)
+    }
+
+    /// Whether a pass into the picture reads it.
+    pub(super) fn reads_picture(&self) -> bool {
+        let mut passes = self.finish.iter();
+        passes.any(|pass| pass.source == Some(Source::PictureCopy))
     }
 
     /// Whether what photographs do not show is filled from around.

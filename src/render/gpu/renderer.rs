@@ -15,11 +15,12 @@ use super::recording::Recording;
 use super::residency::{RecordSource, Residency, StreamContents};
 use super::targets::{Precision, SizesPx, Targets};
 use super::timer::{GpuTimes, Timer};
+use super::uniforms::PartUniforms;
 use super::visible::{CULL_PASS, NORMALS_PASS, VisibleMaker, Wanted};
 use crate::render::gathered::Gathered;
 use crate::render::{PassTimes, RenderError, RenderStats, Renderer};
 use crate::rgbd::DepthFrame;
-use crate::scene::{Antialiasing, Content, PointImages, ScenePacket, ScreenStats, Strategy, Style};
+use crate::scene::{Content, PointImages, ScenePacket, ScreenStats, Strategy, Style};
 use glam::Vec3;
 use std::sync::Arc;
 use std::time::Instant;
@@ -50,6 +51,7 @@ pub struct GpuRenderer {
     timer: Option<Timer>,
     stats: RenderStats,
     view_buffer: wgpu::Buffer,
+    uniforms: PartUniforms,
     quad_capacity: u32,
     prepared: Option<Prepared>,
     drawn: Option<ScenePacket>,
@@ -94,7 +96,7 @@ impl GpuRenderer {
             instancing: (instancing::row(strategy).open)(&context, &pipelines.view_layout),
             indexed: Indexed::new(&context),
             residency: Residency::new(DEFAULT_RESIDENT_BUDGET_BYTES),
-            gatherer: Gatherer::new(&context),
+            gatherer: Gatherer::new(),
             visible: VisibleMaker::default(),
             depth_images: DepthMaker::default(),
             screen_ms: [None; 2],
@@ -108,6 +110,7 @@ impl GpuRenderer {
             prepared: None,
             drawn: None,
             color_generation: 0,
+            uniforms: PartUniforms::new(&context),
             context,
             pipelines,
             view_buffer,
@@ -273,6 +276,7 @@ impl GpuRenderer {
             pipelines: &self.pipelines,
             targets: self.targets.as_mut().ok_or(RenderError::NothingPrepared)?,
             view_group: &self.view_group,
+            uniforms: &self.uniforms,
             view_stride: self.view_stride,
             encoder: &mut encoder,
             timer: self.timer.as_mut(),
@@ -307,6 +311,15 @@ impl GpuRenderer {
         self.targets = Some(targets);
         self.color_generation += 1;
         Ok(())
+    }
+
+    fn ensure_picture_copy(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
+        match &mut self.targets {
+            Some(targets) if plan.reads_picture() => self
+                .context
+                .catching_out_of_memory("a copy of the picture", || targets.ensure_picture_copy(&self.context)),
+            _ => Ok(()),
+        }
     }
 
     fn ensure_surfaces(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
@@ -454,7 +467,7 @@ impl Renderer for GpuRenderer {
         self.prepared = None;
         let drawn = self.as_drawn(packet);
         let plan = Plan::new(&drawn, self.context.blends_single_floats);
-        let is_smoothed = packet.style.drawing.antialiasing != Antialiasing::None;
+        let is_smoothed = plan.makes_another();
         let sizes_px = (drawn.viewport_px, is_smoothed.then_some(packet.viewport_px));
         self.ensure_targets(sizes_px, plan.precision)?;
         let strategy = packet.style.drawing.strategy;
@@ -465,10 +478,12 @@ impl Renderer for GpuRenderer {
             self.instancing = (instancing::row(strategy).open)(&self.context, &self.pipelines.view_layout);
             self.strategy = strategy;
         }
+        self.ensure_picture_copy(&plan)?;
         self.ensure_surfaces(&plan)?;
         self.ensure_photographs(&plan, &drawn)?;
         self.ensure_streams(&plan)?;
         self.ensure_quad_indices(&plan)?;
+        self.pipelines.notice_changes();
         let instancing = instancing_of(&plan, self.instancing.as_mut(), &mut self.indexed);
         for key in plan.geometry_keys().chain(plan.shadow_key()) {
             self.pipelines.ensure_geometry(&self.context, key, instancing);
@@ -476,6 +491,7 @@ impl Renderer for GpuRenderer {
         for pass in plan.screen_passes() {
             self.pipelines.ensure_screen(&self.context, pass, plan.precision);
         }
+        self.uniforms.prepare(&self.context, plan.screen_passes(), &drawn);
         for (index, view) in (0..).zip(plan.views(&drawn)) {
             let offset = u64::from(self.view_stride) * index;
             self.context

@@ -1,12 +1,30 @@
 //! The permutation table: which files make the shader of a strategy, an amplification and a pass.
 //!
-//! They are put together in `wgsl.rs`. A test validates every row without a GPU.
+//! They import others (`wgsl.rs`). A test validates every row without a GPU.
 
-pub use super::passes::{GeometryPass, SCREEN_PASSES, ScreenPass};
+pub use super::layout::{Layout, Member};
+pub use super::passes::{GeometryPass, ScreenPass};
 pub use super::primitives::{AMPLIFICATIONS, Amplification};
+pub use super::wgsl::{ImportError, ShaderFile};
 
-use super::{depth_images, gather, instancing, stereo, visible, wgsl};
+use super::gather_program::{FILTER, GATHER};
+use super::passes::screen::SCREEN_PASSES;
+use super::wgsl::assembled;
+use super::{depth_images, instancing, stereo, visible};
+use crate::render::effects::EFFECTS;
 use crate::scene::Strategy;
+
+/// All passes over the screen.
+pub fn screen_passes() -> impl Iterator<Item = &'static ScreenPass> {
+    let of_effects = EFFECTS.iter().flat_map(|effect| effect.passes);
+    SCREEN_PASSES.into_iter().chain(of_effects.copied())
+}
+
+/// The structures of their uniforms.
+pub fn uniform_layouts() -> impl Iterator<Item = &'static Layout> {
+    let uniforms = screen_passes().flat_map(ScreenPass::uniforms);
+    uniforms.map(|uniform| uniform.layout)
+}
 
 /// One shader module.
 #[derive(Debug, Clone, Copy)]
@@ -32,7 +50,7 @@ pub enum Permutation {
 impl Permutation {
     /// Every module that a renderer can ask for.
     pub fn all() -> Vec<Self> {
-        let mut all: Vec<Self> = SCREEN_PASSES.map(Self::Screen).to_vec();
+        let mut all: Vec<Self> = screen_passes().map(Self::Screen).collect();
         all.extend([
             Self::Gather,
             Self::Filter,
@@ -73,30 +91,30 @@ impl Permutation {
 
     /// The complete WGSL source. If the adapter `tests_depths_early`, fragments that write depths say that they are
     /// none that is nearer than their quads.
-    pub fn source(self, tests_depths_early: bool) -> String {
+    pub fn source(self, tests_depths_early: bool) -> Result<String, ImportError> {
         match self {
             Self::Geometry(strategy, amplification, pass) => {
-                let mut files = instancing::vertex_wgsl(strategy, amplification);
+                let mut files = instancing::vertex_files(strategy, amplification);
                 let writes_depths = amplification.writes_depths && pass.depth.is_some();
-                let entry = pass.entry(writes_depths);
-                // Reversed: what is less is farther.
-                let early = "@fragment\n@early_depth_test(less_equal)";
-                let entry = if writes_depths && tests_depths_early {
-                    &entry.replace("@fragment", early)
+                files.extend([amplification.varyings, pass.file, pass.entry(writes_depths)]);
+                let source = assembled(&[amplification.given()], &files)?;
+                Ok(if writes_depths && tests_depths_early {
+                    // Reversed: what is less is farther.
+                    source.replace("@fragment", "@fragment\n@early_depth_test(less_equal)")
                 } else {
-                    entry
-                };
-                let fragments = include_str!("../../../shaders/common/fragments.wgsl");
-                files.extend([amplification.varyings, fragments, pass.wgsl, entry]);
-                wgsl::of_records(amplification, &files)
+                    source
+                })
             }
-            Self::Amplify(amplification) => instancing::compute_source(amplification),
-            Self::Gather => gather::source(),
-            Self::Filter => gather::filter_source(),
-            Self::Visible => visible::source(),
-            Self::DepthImages => depth_images::source(),
-            Self::Stereo => stereo::source(),
-            Self::Screen(pass) => wgsl::of_screen(pass.wgsl),
+            Self::Amplify(amplification) => {
+                let files = instancing::amplifying_files(amplification);
+                assembled(&[amplification.given()], &files)
+            }
+            Self::Gather => GATHER.source(),
+            Self::Filter => FILTER.source(),
+            Self::Visible => visible::SHADER.source(),
+            Self::DepthImages => depth_images::SHADER.source(),
+            Self::Stereo => stereo::SHADER.source(),
+            Self::Screen(pass) => assembled(&[("generated/bindings", pass.declarations())], pass.files),
         }
     }
 }

@@ -27,7 +27,7 @@ pub(super) enum Precision {
 
 /// What is drawn into.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Target {
+pub(in crate::render) enum Target {
     /// Over the background, which is there.
     Picture,
     /// Cleared by the pass over records that draws into it.
@@ -44,8 +44,10 @@ pub(super) enum Target {
 
 /// What a screen pass reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Source {
+pub(in crate::render) enum Source {
     Picture,
+    /// A copy of it, for passes that draw into the picture itself.
+    PictureCopy,
     /// Sums of colours, and depths.
     Sums,
     Depths,
@@ -62,6 +64,90 @@ pub(super) enum Source {
     /// The next coarser one.
     CoarserLevel,
 }
+
+/// How a texture is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum TextureKind {
+    /// Colours, or other numbers.
+    Color,
+    /// The same in layers.
+    Layers,
+    Depth,
+}
+
+impl TextureKind {
+    /// Its type in WGSL.
+    pub(super) fn wgsl(self) -> &'static str {
+        match self {
+            Self::Color => "texture_2d<f32>",
+            Self::Layers => "texture_2d_array<f32>",
+            Self::Depth => "texture_depth_2d",
+        }
+    }
+
+    pub(super) fn binding_type(self) -> wgpu::BindingType {
+        let not_filtered = wgpu::TextureSampleType::Float { filterable: false };
+        let (sample_type, view_dimension) = match self {
+            Self::Color => (not_filtered, wgpu::TextureViewDimension::D2),
+            Self::Layers => (not_filtered, wgpu::TextureViewDimension::D2Array),
+            Self::Depth => (wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2),
+        };
+        wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension,
+            multisampled: false,
+        }
+    }
+}
+
+/// A texture by its name in WGSL.
+type NamedTexture = (&'static str, TextureKind);
+
+/// Sums, depths, and what light depends on.
+const SURFACE_TEXTURES: [NamedTexture; 6] = [
+    ("colors", TextureKind::Color),
+    ("normals", TextureKind::Color),
+    ("nearnesses", TextureKind::Color),
+    ("depths", TextureKind::Depth),
+    ("shadow_map", TextureKind::Depth),
+    // As the roughness mirrors it, and the curve of what is mirrored and lost in one more row.
+    ("environment", TextureKind::Color),
+];
+
+const PHOTO_TABLE: NamedTexture = ("photo_table", TextureKind::Color);
+const PHOTOGRAPHS: [NamedTexture; 3] = [
+    PHOTO_TABLE,
+    ("photo_texels", TextureKind::Layers),
+    ("photo_depths", TextureKind::Layers),
+];
+
+impl Source {
+    /// Its textures, in the order of [`Targets::sources`].
+    pub(super) fn textures(self) -> Vec<NamedTexture> {
+        match self {
+            Self::Picture | Self::PictureCopy => vec![("picture", TextureKind::Color)],
+            Self::Sums => vec![("accumulated", TextureKind::Color), ("depths", TextureKind::Depth)],
+            Self::Depths => vec![("depths", TextureKind::Depth)],
+            Self::Surfaces => SURFACE_TEXTURES.to_vec(),
+            Self::Photographed => [&SURFACE_TEXTURES[..], &PHOTOGRAPHS].concat(),
+            Self::PhotographedSums => {
+                let mut textures = Self::Photographed.textures();
+                textures[ENVIRONMENT] = ("lit_colors", TextureKind::Color);
+                textures
+            }
+            Self::PhotoAnswers => {
+                // Colours times how sure they are, and that; normals, and `ANSWER_*`.
+                let answers = ["answered_colors", "answered_normals"].map(|name| (name, TextureKind::Color));
+                [&SURFACE_TEXTURES[..], &[PHOTO_TABLE], &answers].concat()
+            }
+            Self::FinerLevel => vec![("finer", TextureKind::Color)],
+            Self::CoarserLevel => vec![("coarser", TextureKind::Color)],
+        }
+    }
+}
+
+/// The place of the environment among the textures of surfaces.
+const ENVIRONMENT: usize = 5;
 
 /// Of the picture that is drawn, and of the one that is shown where that is another.
 pub(super) type SizesPx = ([u32; 2], Option<[u32; 2]>);
@@ -93,6 +179,8 @@ pub(super) struct Targets {
     pub(super) precision: Precision,
     color: wgpu::Texture,
     color_view: wgpu::TextureView,
+    /// Once a pass has read it.
+    picture_copy: Option<(wgpu::Texture, wgpu::TextureView)>,
     shown: Option<(wgpu::Texture, wgpu::TextureView)>,
     pub(super) accumulation_view: wgpu::TextureView,
     pub(super) depth_view: wgpu::TextureView,
@@ -131,6 +219,7 @@ impl Targets {
             shown,
             color_view: view(&color),
             color,
+            picture_copy: None,
             accumulation_view: view(&texture("accumulation", *of_sums, none)),
             depth_view: view(&texture("depth", DEPTH_FORMAT, none)),
             surfaces: None,
@@ -198,6 +287,23 @@ impl Targets {
         }
     }
 
+    /// Makes the texture of a copy of the picture unless it is there.
+    pub(super) fn ensure_picture_copy(&mut self, context: &Context) {
+        self.picture_copy.get_or_insert_with(|| {
+            let usage = wgpu::TextureUsages::COPY_DST;
+            let copy = texture(context, self.size_px, "copy of the picture", COLOR_FORMAT, usage);
+            let view = view(&copy);
+            (copy, view)
+        });
+    }
+
+    /// Copies the picture as it is.
+    pub(super) fn copy_picture(&self, encoder: &mut wgpu::CommandEncoder) {
+        if let Some((copy, _)) = &self.picture_copy {
+            encoder.copy_texture_to_texture(self.color.as_image_copy(), copy.as_image_copy(), copy.size());
+        }
+    }
+
     /// What they were made for.
     pub(super) fn sizes_px(&self) -> SizesPx {
         (self.size_px, self.shown_px)
@@ -250,6 +356,7 @@ impl Targets {
     pub(super) fn sources(&self, source: Source, level: usize) -> Vec<&wgpu::TextureView> {
         match source {
             Source::Picture => vec![&self.color_view],
+            Source::PictureCopy => self.picture_copy.iter().map(|(_, view)| view).collect(),
             Source::Sums => vec![&self.accumulation_view, &self.depth_view],
             Source::Depths => vec![&self.depth_view],
             Source::Surfaces => self.surface_sources().collect(),
@@ -259,7 +366,7 @@ impl Targets {
             }
             Source::PhotographedSums => {
                 let mut sources = self.sources(Source::Photographed, level);
-                sources[5] = &self.accumulation_view;
+                sources[ENVIRONMENT] = &self.accumulation_view;
                 sources
             }
             Source::PhotoAnswers => {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::cloud::{Ellipse, ImageGrid, Positions, RawCloud};
 use crate::rgbd::Distortion;
-use crate::scene::{BackFaces, Background, Lighting, PhotoRelight, Projection, Style};
+use crate::scene::{BackFaces, Background, Lighting, PhotoRelight, Projection, Settings};
 use crate::sequence::{ColorSource, Coloring, HeightAxis};
 use glam::{DVec2, UVec2};
 use proptest::prelude::*;
@@ -156,9 +156,12 @@ fn gaussian_splats_are_ellipses_with_y_down_and_no_side_is_their_back() {
     let splats = look_of(&raw);
     assert_eq!((splats.primitive, splats.up), (Primitive::Ellipse, UpAxis::NegY));
     assert!(splats.has_surface() && !splats.knows_outside);
-    let style = Style::default().resolved(&splats);
+    let style = Settings::default().resolved(&splats);
     assert_eq!(style.surfels.back_faces, BackFaces::Drawn);
-    assert_eq!(style.light.eye_dome, Style::default().resolved(&disks).light.eye_dome);
+    assert_eq!(
+        style.light.eye_dome,
+        Settings::default().resolved(&disks).light.eye_dome
+    );
 }
 
 #[test]
@@ -171,7 +174,7 @@ fn dark_scans_have_a_brighter_background() {
     };
     let chosen = Background::solid([1, 2, 3]);
     let drawn = |background, level| {
-        let style = Style::default().with(|style| style.backdrop.background = background);
+        let style = Settings::default().with(|style| style.backdrop.background = background);
         style.resolved(&look(level)).backdrop.background
     };
     assert_eq!(drawn(Background::default(), 10), Background::BEHIND_DARK);
@@ -190,16 +193,16 @@ fn colours_of_cameras_are_not_lit_again() {
     };
     let grey = |level: u8| [level, level, level, 255];
     let image = look(true, &grey);
-    let lighting = |look: &FirstLook, change: &dyn Fn(&mut Style)| {
-        let style = Style::default().with(|style| {
-            style.primitive = Primitive::Surfel;
+    let lighting = |look: &FirstLook, change: &dyn Fn(&mut Settings)| {
+        let style = Settings::default().with(|style| {
+            style.primitive = Primitive::Surfel.into();
             change(style);
         });
         style.resolved(look).light.lighting
     };
     assert_eq!(lighting(&image, &|_| ()), Lighting::Unlit);
     assert_eq!(
-        lighting(&image, &|style| style.primitive = Primitive::Voxel),
+        lighting(&image, &|style| style.primitive = Primitive::Voxel.into()),
         Lighting::PerFragment
     );
     let by_height = Coloring::of(ColorSource::Height(HeightAxis::Auto));
@@ -208,7 +211,7 @@ fn colours_of_cameras_are_not_lit_again() {
         Lighting::PerFragment
     );
     assert_eq!(
-        lighting(&image, &|style| style.light.lighting = Lighting::Lambert),
+        lighting(&image, &|style| style.light.lighting = Lighting::Lambert.into()),
         Lighting::Lambert
     );
     // What nobody says cameras took, and colours that say nothing.

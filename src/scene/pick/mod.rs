@@ -169,7 +169,7 @@ pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], rad
 
 /// The slot of a record of a packet that has all points of the frame but for those that are clipped.
 fn slot_of(packet: &ScenePacket, frame: &PreparedFrame, drawn: &Arc<Vec<PointRecord>>, record: usize) -> Option<usize> {
-    match packet.style.of_sequence.clip {
+    match packet.params.clip {
         Some(clip) if !Arc::ptr_eq(drawn, &frame.points) => {
             let kept = clip.kept(&frame.points);
             kept.get(record).map(|&slot| slot as usize)
@@ -185,7 +185,7 @@ fn nearest_drawn(
     place: DVec3,
     is_within: impl Fn(DVec3) -> bool + Sync,
 ) -> Option<usize> {
-    let Some(clip) = packet.style.of_sequence.clip else {
+    let Some(clip) = packet.params.clip else {
         return nearest(&frame.points, place, is_within);
     };
     let kept = clip.kept(&frame.points);

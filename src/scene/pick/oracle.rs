@@ -91,7 +91,7 @@ impl Oracle<'_> {
                     least_px.max(0.5 * f64::from(style.points.size_px))
                 }
                 PointSizing::Pixels => 0.5 * f64::from(style.points.size_px),
-                PointSizing::Projected => in_scene_px(f64::from(style.of_sequence.point_spacing) / 2f64.sqrt()),
+                PointSizing::Projected => in_scene_px(f64::from(self.packet.params.point_spacing) / 2f64.sqrt()),
                 PointSizing::Adaptive => in_scene_px(f64::from(shapes.unwrap()[slot].radius)),
             };
             let is_near = |reach_px: f64| aside.abs().max_element() <= reach_px;

@@ -112,7 +112,7 @@ proptest! {
             match primitive {
                 // Without faces.
                 Primitive::Point | Primitive::Mesh => prop_assert_eq!(found, oracle.point()),
-                Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite => {
+                Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite => {
                     prop_assert_eq!(found, oracle.surfel());
                 }
                 Primitive::Voxel => {

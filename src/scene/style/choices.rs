@@ -1,8 +1,32 @@
 //! Enums whose variants have words, which stand on the command line and in files.
 
 /// Writes an enum of unit variants once: its list, its words, titles and hints, and how a word is read back, also in
-/// files.
+/// files. With `auto`, a setting may leave the choice open, as a [`Choice`](super::Choice) of it: then comes the variant
+/// where nothing decides otherwise, with the title and the hint of the open choice.
 macro_rules! choices {
+    (
+        $(#[$doc:meta])* $name:ident, $what:literal, auto $usual:ident = $auto_title:literal, $auto_hint:literal {
+            $($(#[$variant_doc:meta])* $variant:ident = $word:literal, $title:literal, $hint:literal;)+
+        }
+    ) => {
+        $crate::scene::style::choices! {
+            $(#[$doc])* $name, $what {
+                $($(#[$variant_doc])* $variant = $word, $title, $hint;)+
+            }
+        }
+
+        impl $crate::scene::style::Automatic for $name {
+            const USUAL: Self = Self::$usual;
+
+            const OPEN_WORDS: &'static $crate::scene::describe::Words = &$crate::scene::describe::Words {
+                what: $what,
+                list: &[
+                    $crate::scene::describe::Word { word: "auto", title: $auto_title, hint: $auto_hint },
+                    $($crate::scene::describe::Word { word: $word, title: $title, hint: $hint }),+
+                ],
+            };
+        }
+    };
     (
         $(#[$doc:meta])* $name:ident, $what:literal {
             $($(#[$variant_doc:meta])* $variant:ident = $word:literal, $title:literal, $hint:literal;)+
@@ -29,6 +53,12 @@ macro_rules! choices {
         }
 
         impl $crate::scene::describe::Setting for $name {
+            type Decided = Self;
+
+            fn decided(&self) -> Self {
+                *self
+            }
+
             fn value(&self) -> $crate::scene::describe::Value {
                 $crate::scene::describe::Value::Word(*self as usize)
             }

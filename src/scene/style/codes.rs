@@ -1,7 +1,8 @@
 //! How surfels are drawn from byte codes of the octree.
 
+use super::Style;
 use super::choices::choices;
-use super::describe::{Label, Place, Section, Values, When, group};
+use super::describe::{Label, Place, Section, Values, group};
 
 choices! {
     /// What the software renderer draws surfels from, and as what. Effective in the splatting modes that begin with a
@@ -69,7 +70,7 @@ group! {
             title: "Footprint",
             hint: "What the CPU renderer draws surfels from; the GPU draws exact disks",
             section: Section::Footprints,
-            when: When::Surfels,
+            when: Style::draws_surfels,
             label: Label::Unusual(Place::What, "of {}"),
             values: Values::Words(Footprint::WORDS),
         }
@@ -81,7 +82,7 @@ group! {
             title: "Normals",
             hint: "Bits of a normal of the byte code; light is worked out once for each direction",
             section: Section::Footprints,
-            when: When::CodedSurfels,
+            when: Style::asks_for_codes,
             values: Values::Words(NormalBits::WORDS),
         }
         /// Precision of offsets along normals.
@@ -92,7 +93,7 @@ group! {
             title: "Offsets",
             hint: "Bits of the way from the middle of a cell to the surface, along the normal",
             section: Section::Footprints,
-            when: When::CodedSurfels,
+            when: Style::asks_for_codes,
             values: Values::Words(OffsetBits::WORDS),
         }
     }

@@ -1,13 +1,13 @@
 //! What points become, and who draws them.
 
 use super::choices::choices;
-use super::describe::{Label, Numbers, Place, Typed, Unit, Values, When, group};
+use super::describe::{Label, Numbers, Place, Typed, Unit, Values, group};
+use super::{Choice, Style};
 
 choices! {
     /// What a point becomes on the screen.
-    Primitive, "primitive" {
-        /// See [`FirstLook`](crate::scene::FirstLook). Surfels where nobody has looked.
-        Auto = "auto", "Auto", "Surfels where the points sample a surface, else points";
+    /// Which it is where nobody chooses, [`FirstLook`](crate::scene::FirstLook) says.
+    Primitive, "primitive", auto Surfel = "Auto", "Surfels where the points sample a surface, else points" {
         /// Paper 000 §V.
         Surfel = "surfel", "Surfels", "Oriented disks with a Gaussian mask, blended where they overlap";
         /// Paper 002 §4.
@@ -24,20 +24,25 @@ choices! {
 
 choices! {
     /// Who draws.
-    RendererChoice, "renderer" {
-        Auto = "auto", "Automatic", "The GPU if there is a real one, else the processor";
+    RendererChoice, "renderer", auto Cpu = "Automatic", "The GPU if there is a real one, else the processor" {
         Gpu = "gpu", "GPU", "The adapter of the graphics library, be it a software one";
         Cpu = "cpu", "CPU", "The processor, without instancing: what Instancing says has no effect";
     }
 }
 
 impl RendererChoice {
+    /// The processor, or a graphics card.
+    pub fn of(is_processor: bool) -> Self {
+        if is_processor { Self::Cpu } else { Self::Gpu }
+    }
+}
+
+impl Choice<RendererChoice> {
     /// Whether the processor draws, if the adapter is a program that draws there too, or a GPU.
     pub fn is_processor(self, adapter_is_software: bool) -> bool {
         match self {
             Self::Auto => adapter_is_software,
-            Self::Gpu => false,
-            Self::Cpu => true,
+            Self::Is(chosen) => chosen == RendererChoice::Cpu,
         }
     }
 }
@@ -69,7 +74,7 @@ impl Antialiasing {
     pub const FXAA_SEARCH_STEPS: u32 = 16;
 
     /// Pixels that are drawn for one that is shown, along both edges of the picture.
-    pub fn samples_per_edge(self) -> u32 {
+    pub const fn samples_per_edge(self) -> u32 {
         match self {
             Self::None | Self::Fxaa => 1,
             Self::Supersample => 2,
@@ -97,16 +102,16 @@ impl Antialiasing {
 
 group! {
     /// Who draws, and how many pixels.
-    DrawingStyle {
+    DrawingSettings decided DrawingStyle {
         /// Who draws.
-        renderer: RendererChoice = RendererChoice::Auto, "renderer" RENDERER {
+        renderer: Choice<RendererChoice> = Choice::Auto, "renderer" RENDERER {
             flag: "renderer",
             value_name: "RENDERER",
             help: "Who draws (auto: a real GPU, else the processor)",
             title: "Renderer",
             hint: "Who draws. Both draw the same picture",
             label: Label::Always(Place::Who, "{title}"),
-            values: Values::Words(RendererChoice::WORDS),
+            values: Values::Words(Choice::<RendererChoice>::WORDS),
         }
         /// How instances reach the GPU.
         strategy: Strategy = Strategy::Storage, "strategy" STRATEGY {
@@ -116,7 +121,7 @@ group! {
             title: "Instancing",
             hint: "How instances reach the GPU's vertex stage. All strategies draw the same picture; their speed \
                    differs",
-            label: Label::If(When::Gpu, Place::Who, "{}"),
+            label: Label::If(Style::is_drawn_on_gpu, Place::Who, "{}"),
             values: Values::Words(Strategy::WORDS),
         }
         /// Edge of the picture that is drawn, as a share of the one that is shown: below 1 fewer pixels are drawn and

@@ -1,8 +1,9 @@
 //! Levels of detail: how deep the octree goes, and which of its cells are drawn.
 
+use super::Style;
 use super::choices::choices;
 use super::describe::{
-    Kind, KindNumber, Label, Numbers, Place, Section, Setting, Typed, Unit, Value, Values, When, Word, Words, group,
+    Kind, KindNumber, Label, Numbers, Place, Section, Setting, Typed, Unit, Value, Values, Word, Words, group,
 };
 use crate::levels::octree::StopCriterion;
 use crate::levels::{LevelsKind, Lod, LodMetric, SphereKind};
@@ -124,6 +125,12 @@ const STOPS: &[Kind] = &[
 ];
 
 impl Setting for StopCriterion {
+    type Decided = Self;
+
+    fn decided(&self) -> Self {
+        *self
+    }
+
     fn value(&self) -> Value {
         match *self {
             Self::Spacing => Value::Kind(0, 0.0),
@@ -224,6 +231,12 @@ const LODS: &[Kind] = &[
 ];
 
 impl Setting for Lod {
+    type Decided = Self;
+
+    fn decided(&self) -> Self {
+        *self
+    }
+
     fn value(&self) -> Value {
         match *self {
             Self::ThresholdPx(lod_px) => Value::Kind(0, f64::from(lod_px)),
@@ -262,6 +275,12 @@ const METRICS: &Words = &Words {
 };
 
 impl Setting for LodMetric {
+    type Decided = Self;
+
+    fn decided(&self) -> Self {
+        *self
+    }
+
     fn value(&self) -> Value {
         Value::Word(*self as usize)
     }
@@ -288,7 +307,7 @@ group! {
             hint: "One surfel for all points of an octree's cell that is small on the screen: fewer are drawn from \
                    afar",
             section: Section::Surfels,
-            when: When::SurfelRadii,
+            when: Style::has_surfel_radii,
             values: Values::Switch("Simplify far surfels"),
         }
         /// What surfels that stand for others are taken from.
@@ -301,7 +320,7 @@ group! {
             title: "Structure",
             hint: "What levels of detail are taken from",
             section: Section::Surfels,
-            when: When::SurfelLevels,
+            when: Style::has_surfel_levels,
             label: Label::Unusual(Place::HowFine, "of {}"),
             values: Values::Words(LevelStructure::WORDS),
         }
@@ -311,8 +330,8 @@ group! {
             title: "Divide",
             hint: "When cells of the octree are no longer divided (its stop criterion)",
             section: Section::Octree,
-            when: When::Cells,
-            label: Label::If(When::Voxels, Place::What, "{}"),
+            when: |style| style.draws_cells() || style.draws_codes(),
+            label: Label::If(Style::draws_voxels, Place::What, "{}"),
             values: Values::Kinds(STOPS),
         }
         /// Which of its cells are drawn.
@@ -321,7 +340,7 @@ group! {
             title: "Level of detail",
             hint: "Which cells of the octree are drawn",
             section: Section::LevelOfDetail,
-            when: When::Cells,
+            when: |style| style.draws_cells() || style.draws_codes(),
             label: Label::Always(Place::HowFine, "{}"),
             values: Values::Kinds(LODS),
         }
@@ -334,7 +353,7 @@ group! {
             title: "Metric",
             hint: "What of a cell or a sphere is held against the threshold in pixels",
             section: Section::LevelOfDetail,
-            when: When::Cells,
+            when: |style| style.draws_cells() || style.draws_codes(),
             values: Values::Words(METRICS),
         }
     }

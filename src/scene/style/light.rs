@@ -1,15 +1,17 @@
 //! Light that falls on surfaces, and light from depths.
 
 use super::choices::choices;
-use super::describe::{Label, Numbers, Place, Section, Typed, Unit, Values, When, group};
+use super::describe::{Label, Numbers, Place, Section, Typed, Unit, Values, group};
+use super::{Choice, Style};
 use crate::scene::environment::Environment;
 
 choices! {
     /// Where the head light is evaluated (paper 000 §V-B), or what deferred shading does with the finished surface
     /// (paper 003 §3.6).
-    Lighting, "lighting" {
-        /// Nobody has decided yet: at each pixel. Colours of cameras have their light in them, and are not lit again.
-        Auto = "auto", "Automatic", "Smooth; none where cameras took the colours, which have light in them";
+    /// Colours of cameras have their light in them, and are not lit again.
+    Lighting, "lighting", auto PerFragment = "Automatic",
+        "Smooth; none where cameras took the colours, which have light in them"
+    {
         Unlit = "none", "None", "Plain colours";
         PerSurfel = "surfel", "Per surfel or face", "Once for each surfel or voxel face";
         PerVertex = "vertex", "Per vertex", "At each corner, interpolated between";
@@ -30,8 +32,9 @@ impl Lighting {
 
 choices! {
     /// Which lights there are where shading is deferred; see [`Lights`](crate::scene::Lights).
-    LightRig, "rig of lights" {
-        Auto = "auto", "Automatic", "The head light, or the environment alone where there is one";
+    LightRig, "rig of lights", auto Head = "Automatic",
+        "The head light, or the environment alone where there is one"
+    {
         Head = "head", "Head light", "One from the eye";
         ThreePoint = "three-point", "Three-point", "A warm key light, a cool one that fills, and one from behind";
         /// Paper 002 §5.
@@ -50,9 +53,7 @@ impl LightRig {
 
 choices! {
     /// Whether depths shade the picture.
-    EyeDome, "choice of eye-dome lighting" {
-        /// Nobody has decided yet: none.
-        Auto = "auto", "Automatic", "Where points have no other light";
+    EyeDome, "choice of eye-dome lighting", auto Off = "Automatic", "Where points have no other light" {
         On = "on", "On", "Whatever is drawn";
         Off = "off", "Off", "Never";
     }
@@ -68,9 +69,9 @@ choices! {
 
 group! {
     /// Light that falls on surfaces, and light from depths.
-    LightStyle {
+    LightSettings decided LightStyle {
         /// How surfaces are lit.
-        lighting: Lighting = Lighting::Auto, "lighting" LIGHTING {
+        lighting: Choice<Lighting> = Choice::Auto, "lighting" LIGHTING {
             flag: "lighting",
             other_flag: "shading",
             value_name: "HOW",
@@ -78,21 +79,21 @@ group! {
             title: "Lighting",
             hint: "Where the head light is evaluated, or how the blended surface is lit",
             section: Section::Shading,
-            when: When::Lit,
+            when: Style::is_lit,
             label: Label::Unusual(Place::What, "{} light"),
-            values: Values::Words(Lighting::WORDS),
+            values: Values::Words(Choice::<Lighting>::WORDS),
         }
         /// Which lights there are where shading is deferred.
-        rig: LightRig = LightRig::Auto, "lights" RIG {
+        rig: Choice<LightRig> = Choice::Auto, "lights" RIG {
             flag: "lights",
             value_name: "RIG",
             help: "Lights of deferred lighting",
             title: "Lights",
             hint: "Which lights fall on the blended surface; they move with the camera",
             section: Section::Shading,
-            when: When::Deferred,
+            when: Style::is_lit_deferred,
             label: Label::Unusual(Place::What, "{} lights"),
-            values: Values::Words(LightRig::WORDS),
+            values: Values::Words(Choice::<LightRig>::WORDS),
         }
         /// How much of a metal a surface is.
         metallic: f32 = 0.0, "metallic" METALLIC {
@@ -102,8 +103,8 @@ group! {
             title: "Metallic",
             hint: "How much of a metal surfaces are: metals mirror in their colour, others scatter it",
             section: Section::Shading,
-            when: When::Physical,
-            label: Label::If(When::Physical, Place::What, "metallic {}"),
+            when: Style::is_lit_physically,
+            label: Label::If(Style::is_lit_physically, Place::What, "metallic {}"),
             values: Values::Number(Numbers {
                 typed: Typed::Kept("a number from 0 to 1"),
                 ..Numbers::USUAL
@@ -117,8 +118,8 @@ group! {
             title: "Roughness",
             hint: "How rough surfaces are: what they mirror is sharp at 0 and blurred at 1",
             section: Section::Shading,
-            when: When::Physical,
-            label: Label::If(When::Physical, Place::What, "roughness {}"),
+            when: Style::is_lit_physically,
+            label: Label::If(Style::is_lit_physically, Place::What, "roughness {}"),
             values: Values::Number(Numbers {
                 typed: Typed::Kept("a number from 0 to 1"),
                 ..Numbers::USUAL
@@ -132,8 +133,8 @@ group! {
             title: "Environment",
             hint: "What is around the scene, and lights it from all sides; it turns with the scene",
             section: Section::Shading,
-            when: When::Physical,
-            label: Label::If(When::Physical, Place::What, "in {}"),
+            when: Style::is_lit_physically,
+            label: Label::If(Style::is_lit_physically, Place::What, "in {}"),
             values: Values::Environment,
         }
         /// Whether the first lamp casts shadows.
@@ -144,8 +145,8 @@ group! {
             title: "Shadows",
             hint: "Whether the first of several lights that are far away casts shadows",
             section: Section::Shading,
-            when: When::KeyLight,
-            label: Label::If(When::Shadows, Place::What, "with shadows"),
+            when: Style::has_key_light,
+            label: Label::If(Style::has_shadows, Place::What, "with shadows"),
             values: Values::Words(OnOff::WORDS),
         }
         /// Whether what is near a place keeps light from it (ambient occlusion).
@@ -156,8 +157,8 @@ group! {
             title: "Ambient occlusion",
             hint: "Darkens creases and hollows of the blended surface: what is near a place keeps light from it",
             section: Section::Shading,
-            when: When::Shaded,
-            label: Label::If(When::Occluded, Place::What, "with ambient occlusion"),
+            when: Style::is_shaded_with_depths,
+            label: Label::If(Style::is_occluded, Place::What, "with ambient occlusion"),
             values: Values::Words(OnOff::WORDS),
         }
         /// How much of that light is lost; 1 is as much as is kept away.
@@ -168,7 +169,7 @@ group! {
             title: "Occlusion strength",
             hint: "How much ambient occlusion darkens; 1 is as much as light is kept away",
             section: Section::Shading,
-            when: When::Occluded,
+            when: Style::is_occluded,
             values: Values::Number(Numbers {
                 kept: [0.0, 4.0],
                 offered: [0.0, 2.0],
@@ -185,7 +186,7 @@ group! {
             title: "Occlusion radius",
             hint: "How far away what keeps light from a place may be; 1 is a fifth of the cloud's radius",
             section: Section::Shading,
-            when: When::Occluded,
+            when: Style::is_occluded,
             values: Values::Number(Numbers {
                 kept: [0.05, 4.0],
                 offered: [0.1, 4.0],
@@ -195,7 +196,7 @@ group! {
             }),
         }
         /// Whether depths shade the picture as well (eye-dome lighting).
-        eye_dome: EyeDome = EyeDome::Auto, "eye_dome" EYE_DOME {
+        eye_dome: Choice<EyeDome> = Choice::Auto, "eye_dome" EYE_DOME {
             flag: "eye-dome",
             other_flag: "edl",
             value_name: "WHETHER",
@@ -203,8 +204,8 @@ group! {
             title: "Eye-dome light",
             hint: "Darkens what stands behind its neighbours: depths show shapes without any normals",
             section: Section::Shading,
-            when: When::Depths,
-            values: Values::Words(EyeDome::WORDS),
+            when: Style::leaves_depths,
+            values: Values::Words(Choice::<EyeDome>::WORDS),
         }
         /// How much they do; 1 is usual.
         eye_dome_strength: f32 = 1.0, "eye_dome_strength" EYE_DOME_STRENGTH {
@@ -214,7 +215,7 @@ group! {
             title: "Strength",
             hint: "How much the eye-dome light darkens; 1 is usual",
             section: Section::Shading,
-            when: When::EyeDome,
+            when: |style| style.leaves_depths() && style.light.eye_dome == EyeDome::On,
             values: Values::Number(Numbers {
                 kept: [0.0, 4.0],
                 offered: [0.0, 4.0],
@@ -223,25 +224,39 @@ group! {
                 ..Numbers::USUAL
             }),
         }
+        /// How bright the finished picture is between black and white, which stay; 1 leaves it as it is.
+        gamma: f32 = 1.0, "gamma" GAMMA {
+            flag: "gamma",
+            value_name: "G",
+            help: "Brighten the picture above 1, darken it below; black and white stay (default: 1)",
+            title: "Gamma",
+            hint: "Brightens the finished picture above 1 and darkens it below; black and white stay",
+            section: Section::Shading,
+            values: Values::Number(Numbers {
+                kept: [0.1, 10.0],
+                offered: [0.25, 4.0],
+                is_logarithmic: true,
+                ..Numbers::USUAL
+            }),
+        }
     }
 }
 
 impl LightStyle {
-    /// How surfaces are lit, with what is usual in place of [`Lighting::Auto`].
-    pub fn drawn_lighting(&self) -> Lighting {
-        match self.lighting {
-            Lighting::Auto => Lighting::PerFragment,
-            chosen => chosen,
-        }
+    /// The power that channels of the picture from 0 to 1 are raised to; `None` where they stay as they are.
+    pub fn tone_exponent(&self) -> Option<f32> {
+        let changes = self.gamma > 0.0 && self.gamma.is_finite() && (self.gamma - 1.0).abs() > f32::EPSILON;
+        changes.then(|| 1.0 / self.gamma)
     }
+}
 
-    /// The rig, with what is usual in place of [`LightRig::Auto`].
-    pub fn drawn_rig(&self) -> LightRig {
+impl LightSettings {
+    /// These settings with a rig: where none is chosen, an environment lights alone.
+    pub(super) fn with_rig(mut self) -> Self {
         let has_environment = self.lighting == Lighting::Physical && self.environment != Environment::None;
-        match self.rig {
-            LightRig::Auto if has_environment => LightRig::None,
-            LightRig::Auto => LightRig::Head,
-            chosen => chosen,
+        if has_environment {
+            self.rig = self.rig.or(LightRig::None).into();
         }
+        self
     }
 }

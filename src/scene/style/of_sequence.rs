@@ -11,8 +11,6 @@ pub struct OfSequence {
     pub color_hints: ColorHints,
     /// What the ground is below, relative to the origin; all points of a frame if `None`.
     pub ground_box: Option<Aabb>,
-    /// How far apart neighbouring points of the frame typically are, scene units; 0 where nobody has measured it.
-    pub point_spacing: f32,
     /// Whether there are photographs of what the frames show.
     pub has_photographs: bool,
     /// What of the cloud is drawn; all if `None`.

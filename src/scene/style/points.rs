@@ -1,7 +1,8 @@
 //! How points are drawn that stay points.
 
+use super::Style;
 use super::choices::choices;
-use super::describe::{Label, Numbers, Place, Section, Unit, Values, When, group};
+use super::describe::{Label, Numbers, Place, Section, Unit, Values, group};
 
 choices! {
     /// What a point is on the screen, where it is larger than a pixel.
@@ -45,7 +46,7 @@ group! {
             title: "Size",
             hint: "What the size of points is measured in: pixels of the picture, or lengths in the scene",
             section: Section::Look,
-            when: When::Points,
+            when: Style::is_of_points,
             label: Label::Unusual(Place::What, "{}"),
             values: Values::Words(PointSizing::WORDS),
         }
@@ -57,8 +58,8 @@ group! {
             title: "Point size",
             hint: "Edge of the square drawn for a point, pixels (+ and -)",
             section: Section::Look,
-            when: When::PointsOfPixels,
-            label: Label::If(When::PointsOfPixels, Place::What, "{} px"),
+            when: Style::has_points_of_pixels,
+            label: Label::If(Style::has_points_of_pixels, Place::What, "{} px"),
             values: Values::Number(Numbers {
                 kept: [1.0, 32.0],
                 offered: [1.0, 32.0],
@@ -75,7 +76,7 @@ group! {
             title: "Point scale",
             hint: "Factor on the size of points in the scene; at 1 they just close a surface (+ and -)",
             section: Section::Look,
-            when: When::PointsOfScene,
+            when: |style| style.is_of_points() && style.points.sizing != PointSizing::Pixels,
             label: Label::Unusual(Place::What, "×{}"),
             values: Values::Number(Numbers {
                 kept: [0.1, 10.0],
@@ -93,7 +94,7 @@ group! {
             title: "Shape",
             hint: "What a point is on the screen: a square, or round",
             section: Section::Look,
-            when: When::DrawnPoints,
+            when: Style::draws_points,
             label: Label::Unusual(Place::What, "{}"),
             values: Values::Words(PointShape::WORDS),
         }
@@ -105,7 +106,7 @@ group! {
             title: "Light on",
             hint: "What the light of points falls on",
             section: Section::Shading,
-            when: When::Points,
+            when: Style::is_of_points,
             label: Label::Unusual(Place::What, "lit by {}"),
             values: Values::Words(PointLight::WORDS),
         }

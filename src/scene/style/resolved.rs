@@ -1,87 +1,72 @@
 //! A style with what was guessed, or with another way to draw.
 
-use super::{BackFaces, Background, EyeDome, LightStyle, Lighting, PhotoRelight, Primitive, Style, SurfelStyle};
+use super::{
+    BackFaces, Background, EyeDome, LightSettings, Lighting, PhotoRelight, Primitive, Settings, Style, SurfelSettings,
+};
 use crate::scene::FirstLook;
 use crate::sequence::ColorSource;
 
-impl Style {
+impl Settings {
     /// These settings, but drawn as `way` is: the colours, the background and the grid stay, what is clipped, and
     /// whether back faces are left out. Eye-dome lighting is that of `way` where that decides, which ways to draw that
     /// are measured do not.
     #[must_use]
     pub fn drawn_as(&self, way: &Self) -> Self {
-        let decides = way.light.eye_dome != EyeDome::Auto;
+        let decides = !way.light.eye_dome.is_open();
         let light = if decides { way } else { self };
         Self {
             colors: self.colors,
-            surfels: SurfelStyle {
+            surfels: SurfelSettings {
                 back_faces: self.surfels.back_faces,
                 ..way.surfels
             },
-            light: LightStyle {
+            light: LightSettings {
                 eye_dome: light.light.eye_dome,
                 eye_dome_strength: light.light.eye_dome_strength,
                 ..way.light
             },
             backdrop: self.backdrop,
-            of_sequence: self.of_sequence,
+            clip: self.clip,
             ..*way
         }
     }
 
-    /// These settings, with what was guessed in place of every choice that is left open.
-    #[must_use]
-    pub fn resolved(&self, look: &FirstLook) -> Self {
-        let primitive = match self.primitive {
-            Primitive::Auto => look.primitive,
-            Primitive::Mesh if !look.has_faces => look.primitive,
-            chosen => chosen,
+    /// How to draw what was looked at: what was guessed stands for every choice that is left open.
+    pub fn resolved(&self, look: &FirstLook) -> Style {
+        let primitive = match self.primitive.chosen() {
+            None => look.primitive,
+            Some(Primitive::Mesh) if !look.has_faces => look.primitive,
+            Some(chosen) => chosen,
         };
-        let back_faces = match self.surfels.back_faces {
-            BackFaces::Auto if look.is_closed => BackFaces::Culled,
-            BackFaces::Auto if look.knows_outside => BackFaces::Darker,
-            BackFaces::Auto => BackFaces::Drawn,
-            chosen => chosen,
-        };
-        // Of points that sample no surface, normals are noise.
-        let shows_shape = match primitive {
-            Primitive::Mesh => true,
-            Primitive::Point if !(Self { primitive, ..*self }).lights_points() => false,
-            _ => look.has_surface(),
-        };
-        let eye_dome = match self.light.eye_dome {
-            EyeDome::Auto if shows_shape => EyeDome::Off,
-            EyeDome::Auto => EyeDome::On,
-            chosen => chosen,
-        };
-        let lighting = match self.light.lighting {
-            Lighting::Auto if self.shows_light_of(look, primitive) => Lighting::Unlit,
-            Lighting::Auto => Lighting::PerFragment,
-            chosen => chosen,
-        };
-        // Whoever has chosen points has chosen their size.
-        let size_px = if self.primitive == Primitive::Auto {
-            self.points.size_px.max(look.point_size_px)
-        } else {
-            self.points.size_px
-        };
-        let is_lost = look.is_dark && self.backdrop.background == Background::default();
-        let background = if is_lost {
-            Background::BEHIND_DARK
-        } else {
-            self.backdrop.background
-        };
-        self.with(|style| {
-            style.primitive = primitive;
-            style.surfels.back_faces = back_faces;
-            style.points.size_px = size_px;
-            style.light.eye_dome = eye_dome;
-            style.light.lighting = lighting;
-            style.backdrop.background = background;
+        let settings = self.with(|settings| {
+            settings.primitive = primitive.into();
+            let back_faces = &mut settings.surfels.back_faces;
+            *back_faces = back_faces.or(usual_back_faces(look)).into();
+            let lighting = &mut settings.light.lighting;
+            *lighting = lighting.or(self.usual_lighting(look, primitive)).into();
+            // Whoever has chosen points has chosen their size.
+            if self.primitive.is_open() {
+                settings.points.size_px = settings.points.size_px.max(look.point_size_px);
+            }
+            let is_lost = look.is_dark && self.backdrop.background == Background::default();
+            if is_lost {
+                settings.backdrop.background = Background::BEHIND_DARK;
+            }
+        });
+        settings.decided().with(|style| {
+            style.light.eye_dome = self.light.eye_dome.or(usual_eye_dome(style, look));
             style.of_sequence.color_hints = look.color_hints();
             style.of_sequence.ground_box = Some(look.trimmed);
             style.of_sequence.has_photographs = look.has_photographs();
         })
+    }
+
+    fn usual_lighting(&self, look: &FirstLook, primitive: Primitive) -> Lighting {
+        if self.shows_light_of(look, primitive) {
+            Lighting::Unlit
+        } else {
+            Lighting::PerFragment
+        }
     }
 
     /// Whether surfaces have colours with light in them, drawn as `primitive` is. Voxels would have no edges without
@@ -92,4 +77,24 @@ impl Style {
         let shows_colors = matches!(self.colors.source, ColorSource::Auto | ColorSource::File);
         is_surface && look.colors_have_light && shows_colors && !is_lit_anew
     }
+}
+
+fn usual_back_faces(look: &FirstLook) -> BackFaces {
+    if look.is_closed {
+        BackFaces::Culled
+    } else if look.knows_outside {
+        BackFaces::Darker
+    } else {
+        BackFaces::Drawn
+    }
+}
+
+/// Where points have no other light. Of points that sample no surface, normals are noise.
+fn usual_eye_dome(style: &Style, look: &FirstLook) -> EyeDome {
+    let shows_shape = match style.primitive {
+        Primitive::Mesh => true,
+        Primitive::Point if !style.lights_points() => false,
+        _ => look.has_surface(),
+    };
+    if shows_shape { EyeDome::Off } else { EyeDome::On }
 }

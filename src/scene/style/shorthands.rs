@@ -1,9 +1,9 @@
 //! Styles and words that are short for several of their settings.
 
-use super::Style;
+use super::Settings;
 use super::describe::{Shorthand, Value};
 
-impl Style {
+impl Settings {
     /// Whether this style has all of the values that a word is short for.
     pub fn has_all_of(&self, shorthand: &Shorthand) -> bool {
         let settings = self.settings();

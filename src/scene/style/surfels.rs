@@ -1,8 +1,9 @@
 //! How surfels are drawn.
 
 use super::choices::choices;
-use super::describe::{Label, Numbers, Place, Section, Unit, Values, When, group};
+use super::describe::{Label, Numbers, Place, Section, Unit, Values, group};
 use super::light::OnOff;
+use super::{Choice, Style};
 
 choices! {
     /// The six ways of splatting of paper 000, Fig. 3, and hard disks.
@@ -111,11 +112,12 @@ choices! {
 }
 
 choices! {
-    /// Whether surfels are drawn whose normals point away from the eye.
-    BackFaces, "choice for back faces" {
-        /// Elsewhere they are drawn, and darker where the normals are known to point outwards; see
-        /// [`FirstLook`](crate::scene::FirstLook). Left out where nobody has looked.
-        Auto = "auto", "Auto", "Left out where the surface is closed, so that nothing is missed";
+    /// Whether surfels are drawn whose normals point away from the eye. Where nobody chooses and the surface is not
+    /// closed they are drawn, and darker where the normals are known to point outwards; see
+    /// [`FirstLook`](crate::scene::FirstLook).
+    BackFaces, "choice for back faces", auto Culled = "Auto",
+        "Left out where the surface is closed, so that nothing is missed"
+    {
         Drawn = "drawn", "Drawn", "From behind as from the front";
         /// If there is light.
         Darker = "darker", "Darker", "From behind a little darker than from the front";
@@ -147,29 +149,29 @@ choices! {
 #[derive(serde::Deserialize)]
 #[serde(untagged)]
 enum StoredBackFaces {
-    Are(BackFaces),
+    Are(Choice<BackFaces>),
     AreCulled(bool),
 }
 
 /// For serde.
-fn stored_back_faces<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<BackFaces, D::Error> {
+fn stored_back_faces<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Choice<BackFaces>, D::Error> {
     Ok(match serde::Deserialize::deserialize(deserializer)? {
         StoredBackFaces::Are(choice) => choice,
-        StoredBackFaces::AreCulled(true) => BackFaces::Auto,
-        StoredBackFaces::AreCulled(false) => BackFaces::Drawn,
+        StoredBackFaces::AreCulled(true) => Choice::Auto,
+        StoredBackFaces::AreCulled(false) => BackFaces::Drawn.into(),
     })
 }
 
 group! {
     /// How surfels are drawn.
-    SurfelStyle {
+    SurfelSettings decided SurfelStyle {
         /// How they become a surface.
         splatting: Splatting = Splatting::TwoPass, "splatting" SPLATTING {
             flag: "splatting",
             value_name: "MODE",
             title: "Splatting",
             hint: "How overlapping surfels become one surface (six modes of the paper's Fig. 3, and hard disks)",
-            when: When::Surfels,
+            when: Style::draws_surfels,
             label: Label::Always(Place::What, "{}"),
             values: Values::Words(Splatting::WORDS),
         }
@@ -181,7 +183,7 @@ group! {
             title: "Filter",
             hint: "Whether blended splats are filtered to the pixels that they are seen in",
             section: Section::Surfels,
-            when: When::BlendedSurfels,
+            when: Style::blends_surfels,
             label: Label::Unusual(Place::What, "{}"),
             values: Values::Words(SplatFilter::WORDS),
         }
@@ -194,7 +196,7 @@ group! {
             hint: "What the GPU draws a splat as. The picture is the same, its speed differs; the software renderer \
                    needs none",
             section: Section::Surfels,
-            when: When::GpuDisks,
+            when: Style::draws_disks_on_gpu,
             label: Label::Unusual(Place::What, "as {}"),
             values: Values::Words(SplatGeometry::WORDS),
         }
@@ -206,7 +208,7 @@ group! {
             title: "Kernel",
             hint: "How splats fall off from their middles to their rims; filtered ones are Gaussian",
             section: Section::Surfels,
-            when: When::MaskedSurfels,
+            when: Style::has_masks,
             label: Label::Unusual(Place::What, "{}"),
             values: Values::Words(Kernel::WORDS),
         }
@@ -220,7 +222,7 @@ group! {
             hint: "What lies behind the rims of splats shines through, and not the background, which would be a line \
                    around whatever stands before something",
             section: Section::Surfels,
-            when: When::BlendedSurfels,
+            when: Style::blends_surfels,
             label: Label::Unusual(Place::What, "rims {}"),
             values: Values::Words(OnOff::WORDS),
         }
@@ -233,7 +235,7 @@ group! {
             hint: "What normals and radii of surfels are told by. Those of the screen need no estimation before a \
                    frame is seen; hidden points have none",
             section: Section::Surfels,
-            when: When::WholeSurfels,
+            when: Style::draws_whole_surfels,
             label: Label::Unusual(Place::What, "{} normals"),
             values: Values::Words(NormalSource::WORDS),
         }
@@ -245,7 +247,7 @@ group! {
             title: "Show",
             hint: "What the colours of surfels show: those of the points, or errors of normals of the screen",
             section: Section::Surfels,
-            when: When::WholeSurfels,
+            when: Style::draws_whole_surfels,
             label: Label::Unusual(Place::What, "{}"),
             values: Values::Words(SurfelColors::WORDS),
         }
@@ -257,7 +259,7 @@ group! {
             title: "Splat scale",
             hint: "Factor on every splat's radius (+ and -)",
             section: Section::Look,
-            when: When::Surfels,
+            when: Style::draws_surfels,
             label: Label::Unusual(Place::What, "×{}"),
             values: Values::Number(Numbers {
                 kept: [0.1, 10.0],
@@ -275,7 +277,7 @@ group! {
             title: "Enlargement",
             hint: "Further factor on the radius in the enlarged passes; the paper uses 2",
             section: Section::Surfels,
-            when: When::EnlargedSurfels,
+            when: |style| style.draws_surfels() && style.surfels.splatting.enlarges(),
             values: Values::Number(Numbers {
                 kept: [0.01, 100.0],
                 offered: [1.0, 4.0],
@@ -285,15 +287,15 @@ group! {
         }
         /// Whether what faces away is drawn.
         #[serde(deserialize_with = "stored_back_faces")]
-        back_faces: BackFaces = BackFaces::Auto, "cull_back_faces" BACK_FACES {
+        back_faces: Choice<BackFaces> = Choice::Auto, "cull_back_faces" BACK_FACES {
             flag: "back-faces",
             value_name: "FACES",
             help: "Surfels that face away (auto: left out if closed)",
             title: "Back faces",
             hint: "Surfels that face away from the eye",
             section: Section::Surfels,
-            when: When::Surfels,
-            values: Values::Words(BackFaces::WORDS),
+            when: Style::draws_surfels,
+            values: Values::Words(Choice::<BackFaces>::WORDS),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Styles and their descriptions.
 
-use super::describe::Values;
+use super::describe::{Described, Value, Values};
 use super::*;
 use crate::analysis::ColorMap;
 use crate::levels::Lod;
@@ -17,7 +17,7 @@ fn every_choice_reads_back_from_its_name() {
     for &strategy in Strategy::ALL {
         assert_eq!(strategy.name().parse(), Ok(strategy));
     }
-    let error = "cone".parse::<Primitive>().unwrap_err();
+    let error = "cone".parse::<Choice<Primitive>>().unwrap_err();
     assert_eq!(
         error.to_string(),
         "`cone` is no primitive: expected auto, surfel, ellipse, sprite, mesh, voxel, point"
@@ -27,12 +27,12 @@ fn every_choice_reads_back_from_its_name() {
 #[test]
 fn ways_to_draw_take_over_eye_dome_lighting_that_they_decide() {
     let settings = |eye_dome, eye_dome_strength| {
-        Style::default().with(|style| {
+        Settings::default().with(|style| {
             style.light.eye_dome = eye_dome;
             style.light.eye_dome_strength = eye_dome_strength;
         })
     };
-    let (on, auto) = (settings(EyeDome::On, 2.0), settings(EyeDome::Auto, 0.5));
+    let (on, auto) = (settings(EyeDome::On.into(), 2.0), settings(Choice::Auto, 0.5));
     assert_eq!(on.drawn_as(&auto), on);
     assert_eq!(auto.drawn_as(&on), on);
     let grid = on.with(|style| style.backdrop.grid = true);
@@ -49,7 +49,7 @@ fn a_picture_is_drawn_in_whole_pixels() {
 
 #[test]
 fn every_setting_is_described_once() {
-    let style = Style::default();
+    let style = Settings::default();
     let settings = style.settings();
     let in_files: BTreeSet<String> = match serde_json::to_value(style).unwrap() {
         serde_json::Value::Object(fields) => fields.into_iter().map(|(name, _)| name).collect(),
@@ -83,7 +83,7 @@ fn every_setting_is_described_once() {
 
 #[test]
 fn an_edit_changes_what_it_names_and_nothing_else() {
-    let style = Style::default();
+    let style = Settings::default();
     for (changed, value) in style.settings() {
         let other = match value {
             Value::Word(place) => Value::Word(if place == 0 { 1 } else { place - 1 }),
@@ -110,15 +110,15 @@ fn an_edit_changes_what_it_names_and_nothing_else() {
         let stored = serde_json::to_value(edited).unwrap();
         let usual = serde_json::to_value(style).unwrap();
         assert_ne!(stored[changed.key], usual[changed.key]);
-        assert_eq!(serde_json::from_value::<Style>(stored).unwrap(), edited);
+        assert_eq!(serde_json::from_value::<Settings>(stored).unwrap(), edited);
     }
 }
 
 #[test]
 fn what_is_not_offered_becomes_the_nearest() {
-    assert_eq!(Style::default().nearest(), Style::default());
+    assert_eq!(Settings::default().nearest(), Settings::default());
     let nearest = |lod, stop| {
-        let mut style = Style::default();
+        let mut style = Settings::default();
         style.levels.lod = lod;
         style.levels.stop = stop;
         let levels = style.nearest().levels;

@@ -1,7 +1,8 @@
 //! How voxels are drawn.
 
+use super::Style;
 use super::choices::choices;
-use super::describe::{Label, Place, Section, Values, When, group};
+use super::describe::{Label, Place, Section, Values, group};
 
 choices! {
     /// What the light of voxels falls on.
@@ -24,7 +25,7 @@ group! {
             title: "Light on",
             hint: "What the light of voxels falls on",
             section: Section::Shading,
-            when: When::Voxels,
+            when: Style::draws_voxels,
             label: Label::Unusual(Place::What, "lit by {}"),
             values: Values::Words(VoxelLight::WORDS),
         }

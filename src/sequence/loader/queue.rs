@@ -10,7 +10,7 @@
 //! many; once they are all there, later ones are made in full, so that a loop gains detail from turn to turn; and then,
 //! if the sequence is too long for the memory, coarse copies of all its frames, for scrubbing.
 //!
-//! **Groups.** Frames that are made from one another ([`crate::source::Source::group`]) are made by one worker at a
+//! **Groups.** Frames that are made from one another ([`crate::source::Groups`]) are made by one worker at a
 //! time, in their order, while others make other groups. Backwards, a group that comes is begun at its first frame, so
 //! that each of its frames is decoded once.
 //!

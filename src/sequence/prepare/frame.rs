@@ -160,7 +160,7 @@ impl PreparedFrame {
     }
 
     /// The same, said to be painted as another frame: its points are among these.
-    pub(in crate::sequence) fn painted_as(mut self, other: &Self) -> Self {
+    pub(crate) fn painted_as(mut self, other: &Self) -> Self {
         self.frame.share_sample(Arc::clone(other.frame.value_sample()));
         self.paint = other.paint;
         self

@@ -9,7 +9,8 @@ use crate::cloud::{Positions, RawCloud};
 use crate::deadlines::ServerDeadlines;
 use crate::progress::Progress;
 use crate::source::{
-    self, FrameEntry, FrameList, LiveState, LiveStream, OpenOptions, SequenceError, Source, StreamRecording,
+    self, DepthImages as _, FrameEntry, FrameList, Groups as _, Growth as _, Live as _, LiveState, LiveStream,
+    OpenOptions, SequenceError, Source, StreamRecording,
 };
 use crate::wire::{
     ColorCoding, Content, DepthCoding, Frame, Got, ImageCoding, Kind, Message, StreamHead, read_message,
@@ -187,7 +188,7 @@ fn known_points_arrive_as_they_are() {
         last = time;
     }
     assert!(stream.is_live() && stream.may_grow() && stream.sensor(0).is_none());
-    assert_eq!(stream.fps(), Some(200.0));
+    assert_eq!(stream.about().fps, Some(200.0));
 }
 
 /// A folder as Open3D lays it out: two frames with colours, holes, a camera.
@@ -325,7 +326,7 @@ fn a_slow_reader_gets_the_newest_and_stops_nobody() {
     late.sort_unstable();
     assert!(late[4] <= 45, "frames late: {late:?}");
     quick.look_again().unwrap();
-    let status = quick.live().unwrap().status();
+    let status = quick.status();
     let share = status.lost_frames as f64 / (status.received_frames + status.lost_frames) as f64;
     assert!(share < 0.3 && status.received_frames > 60, "{status:?}");
     drop(slow);
@@ -340,10 +341,8 @@ fn a_reader_that_takes_nothing_stops_nobody() {
     // Buffers of the network fill up with its frames.
     let stuck = TcpStream::connect(server.address()).unwrap();
     let quick = opened(&server.url());
-    let before = quick.live().unwrap().status().received_frames;
-    wait_for("frames", || {
-        quick.live().unwrap().status().received_frames > before + 300
-    });
+    let before = quick.status().received_frames;
+    wait_for("frames", || quick.status().received_frames > before + 300);
     wait_for("drops", || server.server.report().dropped_frames > 10);
     drop(stuck);
 }
@@ -355,7 +354,7 @@ fn a_client_connects_again_after_the_server_has_died() {
     let stream = opened(&url);
     wait_for("frames", || stream.look_again().is_ok() && stream.frames().end >= 5);
     drop(first);
-    let state = || stream.live().unwrap().status().state;
+    let state = || stream.status().state;
     wait_for("the end", || matches!(state(), LiveState::Reconnecting(_)));
     stream.look_again().unwrap();
     let before = stream.frames().end;
@@ -364,7 +363,7 @@ fn a_client_connects_again_after_the_server_has_died() {
         stream.look_again().is_ok() && stream.frames().end >= before + 5
     });
     assert_eq!(state(), LiveState::Connected);
-    assert_eq!(stream.live().unwrap().status().reconnects, 1);
+    assert_eq!(stream.status().reconnects, 1);
     let last = stream.frames().end - 1;
     assert_eq!(decoded(&stream, last), cloud((number(&stream, last) % 7) as f32, 20));
     let times: Vec<_> = stream.frames().map(|index| stream.entry(index).time.unwrap()).collect();
@@ -415,21 +414,21 @@ fn the_newest_seconds_are_kept() {
     wait_for("frames", || stream.look_again().is_ok() && stream.frames().end >= 80);
     let frames = stream.frames();
     assert!(frames.start > 0 && frames.len() >= 2, "{frames:?}");
-    let status = stream.live().unwrap().status();
+    let status = stream.status();
     assert!(status.kept_s < 2.0, "{status:?}");
     // What is gone is an error.
     let entry = stream.entry(0);
     let gone = stream.decoder().decode(0, &entry, usize::MAX, &Progress::default());
     assert!(gone.unwrap_err().to_string().contains("gone for good"));
-    assert!(stream.live().unwrap().frames_behind(frames.end - 1).is_some());
-    assert_eq!(stream.live().unwrap().frames_behind(0), None);
+    assert!(stream.frames_behind(frames.end - 1).is_some());
+    assert_eq!(stream.frames_behind(0), None);
 }
 
 #[test]
 fn the_delay_is_known_as_exactly_as_a_ping_tells() {
     let server = Running::new(points(3, 10), 50.0, RAW);
     let stream = opened(&server.url());
-    let delay = || stream.live().unwrap().status().delay_s;
+    let delay = || stream.status().delay_s;
     wait_for("a ping", || delay().is_some());
     let (delay, wrong) = delay().unwrap();
     // One clock, one machine: not long, and the truth (above 0) is within the bound.
@@ -445,7 +444,7 @@ fn what_arrives_is_recorded_and_opened_again() {
     let path = folder.path().join("kept.pointreel-stream");
     let server = Running::new(points(5, 40), 100.0, RAW);
     let stream = opened(&server.url());
-    let live = stream.live().unwrap();
+    let live = &stream;
     assert_eq!(live.stop_recording(), Ok(None));
     assert!(
         live.start_recording(Path::new("/nowhere/at/all"))
@@ -525,9 +524,9 @@ fn memory_stays_flat_over_thousands_of_frames() {
         ..OpenOptions::default()
     };
     let stream = LiveStream::open(&server.url(), &options, &Progress::default()).unwrap();
-    let received = || stream.live().unwrap().status().received_frames as usize;
+    let received = || stream.status().received_frames as usize;
     wait_for("the first thousand", || received() > FRAMES / 6);
-    let (memory, kept) = (resident_bytes(), stream.live().unwrap().status().kept_bytes);
+    let (memory, kept) = (resident_bytes(), stream.status().kept_bytes);
     wait_for("all frames", || {
         // Whoever watches asks for the newest.
         if stream.look_again().unwrap() > 0 {
@@ -546,7 +545,7 @@ fn memory_stays_flat_over_thousands_of_frames() {
         grown < kept_by_server + (24 << 20),
         "{grown} bytes more, {kept_by_server} of them the server's"
     );
-    let kept_now = stream.live().unwrap().status().kept_bytes;
+    let kept_now = stream.status().kept_bytes;
     assert!(
         kept_now < kept.max(1 << 20) * 8,
         "{kept_now} bytes in the ring, {kept} before"

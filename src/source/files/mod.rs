@@ -22,7 +22,10 @@ pub(super) use numbers::number;
 pub use recording::Recording;
 pub(super) use recording::topics_of;
 
-use super::{DecodeFailure, Decoder, FrameBytes, FrameEntry, FrameSample, OpenOptions, SequenceError, Source};
+use super::{
+    About, Capabilities, DecodeFailure, Decoder, FrameBytes, FrameEntry, FrameSample, Growth, Meshes, OpenOptions,
+    Samples, SequenceError, Source,
+};
 use crate::assumption::Assumption;
 use crate::io::{self, Format, Part, ReadOptions, SharedFile};
 use crate::locks::{lock, read, write};
@@ -141,10 +144,34 @@ impl Source for Files {
         self.decoder_with(self.options.read)
     }
 
+    fn about(&self) -> About<'_> {
+        About {
+            inputs: &self.inputs,
+            recordings: &self.recordings,
+            assumptions: &self.assumptions,
+            notes: &self.notes,
+            damage: &self.damage,
+            ..About::default()
+        }
+    }
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            meshes: Some(self),
+            samples: Some(self),
+            growth: Some(self),
+            ..Capabilities::default()
+        }
+    }
+}
+
+impl Meshes for Files {
     fn mesh_decoder(&self) -> Box<dyn Decoder> {
         self.decoder_with(self.options.read.of_meshes())
     }
+}
 
+impl Samples for Files {
     fn sample(
         &self,
         index: usize,
@@ -166,10 +193,16 @@ impl Source for Files {
             _ => Ok(None),
         }
     }
+}
 
+impl Growth for Files {
     /// Whether a folder or a pattern is open, not only files.
     fn may_grow(&self) -> bool {
         self.inputs.iter().any(|input| !input.is_file())
+    }
+
+    fn is_live(&self) -> bool {
+        false
     }
 
     /// Looks at the inputs again. Files that came between others are skipped: frames keep their places. Files that are
@@ -216,26 +249,6 @@ impl Source for Files {
 
     fn changed_since(&self, since: usize) -> Vec<usize> {
         lock(&self.changes).get(since..).unwrap_or_default().to_vec()
-    }
-
-    fn inputs(&self) -> &[PathBuf] {
-        &self.inputs
-    }
-
-    fn recordings(&self) -> &[Recording] {
-        &self.recordings
-    }
-
-    fn notes(&self) -> &[String] {
-        &self.notes
-    }
-
-    fn damage(&self) -> &[String] {
-        &self.damage
-    }
-
-    fn assumptions(&self) -> &[Assumption] {
-        &self.assumptions
     }
 }
 

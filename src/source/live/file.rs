@@ -4,13 +4,17 @@
 //! that breaks off, as one does whose writer was ended, has the frames that are whole.
 
 use super::decoder::{FrameStore, StreamDecoder, group, has_images, raw_images, sensor};
+use super::recorder::is_recording;
 use super::timeline::Timeline;
 use crate::io::long_walk::LongWalk;
 use crate::locks::lock;
 use crate::regular_file;
 use crate::rgbd::{Filters, Sensor};
+use crate::source::opener::One;
 use crate::source::rgbd::ReceivedFrames;
-use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, SequenceError, Source};
+use crate::source::{
+    About, Capabilities, DecodeFailure, Decoder, DepthImages, FrameEntry, Groups, OpenOptions, SequenceError, Source,
+};
 use crate::wire::{
     FRAME_HEAD_BYTES, Frame, FrameHead, Kind, MESSAGE_HEADER_BYTES, MessageHeader, RawImages, StreamHead, WireError,
     read_message,
@@ -43,6 +47,14 @@ struct Recorded {
     offsets: Vec<u64>,
     most_bytes: u64,
 }
+
+/// A file that a stream was recorded to.
+pub(in crate::source) const RECORDING: One = One {
+    can_read: is_recording,
+    open: |input, asked| Ok(Arc::new(RecordedStream::open(input, asked.options)?)),
+    beside_others: None,
+    is_word: false,
+};
 
 impl RecordedStream {
     /// The frames of the file at `path`.
@@ -196,32 +208,38 @@ impl Source for RecordedStream {
         Arc::clone(&self.entries[index])
     }
 
-    fn group(&self, index: usize) -> Range<usize> {
-        group(&self.received, index, &self.frames())
-    }
-
     fn decoder(&self) -> Box<dyn Decoder> {
         let store = Arc::clone(&self.recorded);
         Box::new(StreamDecoder::new(store, Arc::clone(&self.received)))
     }
 
-    fn fps(&self) -> Option<f64> {
-        Some(self.fps)
+    fn about(&self) -> About<'_> {
+        About {
+            inputs: &self.inputs,
+            fps: Some(self.fps),
+            notes: &self.notes,
+            // It has no other notes.
+            damage: &self.notes,
+            ..About::default()
+        }
     }
 
-    fn inputs(&self) -> &[PathBuf] {
-        &self.inputs
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            groups: Some(self),
+            depth_images: Some(self),
+            ..Capabilities::default()
+        }
     }
+}
 
-    fn notes(&self) -> &[String] {
-        &self.notes
+impl Groups for RecordedStream {
+    fn group(&self, index: usize) -> Range<usize> {
+        group(&self.received, index, &self.frames())
     }
+}
 
-    /// It has no other notes.
-    fn damage(&self) -> &[String] {
-        &self.notes
-    }
-
+impl DepthImages for RecordedStream {
     fn sensor(&self, index: usize) -> Option<Sensor> {
         sensor(&self.recorded.frame(index).ok()?)
     }

@@ -20,9 +20,10 @@ mod stream;
 mod timeline;
 mod watch;
 
+pub(in crate::source) use file::RECORDING;
 pub use file::RecordedStream;
 pub use recorder::StreamRecording;
-pub(in crate::source) use recorder::is_recording;
 pub use status::{Live, LiveState, LiveStatus};
+pub(in crate::source) use stream::ADDRESS;
 pub use stream::LiveStream;
 pub use watch::{ConnectionChange, ConnectionWatch};

@@ -17,7 +17,7 @@ use std::io::{self, BufWriter, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Whether the file at `path` begins as a recording does.
-pub(in crate::source) fn is_recording(path: &Path) -> bool {
+pub(super) fn is_recording(path: &Path) -> bool {
     let mut begin = [0; MAGIC.len()];
     let read = regular_file::open(path).and_then(|mut file| file.read_exact(&mut begin));
     read.is_ok() && begin == MAGIC

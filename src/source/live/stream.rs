@@ -11,8 +11,12 @@ use crate::locks::lock;
 use crate::printable;
 use crate::progress::Progress;
 use crate::rgbd::{Filters, Sensor};
+use crate::source::opener::One;
 use crate::source::rgbd::ReceivedFrames;
-use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, SequenceError, Source};
+use crate::source::{
+    About, Capabilities, DecodeFailure, Decoder, DepthImages, FrameEntry, Groups, Growth, OpenOptions, SequenceError,
+    Source,
+};
 use crate::waiting::Waiting;
 use crate::wire::{RawImages, View};
 use std::ops::Range;
@@ -48,12 +52,21 @@ struct Wanted {
     shared: Arc<Shared>,
 }
 
-impl LiveStream {
-    /// Whether `input` is the address of one.
-    pub(in crate::source) fn is_one(input: &Path) -> bool {
-        address::is_one(input)
-    }
+/// The address of a stream.
+pub(in crate::source) const ADDRESS: One = One {
+    can_read: address::is_one,
+    open: |input, asked| {
+        let stream = LiveStream::open(input, asked.options, asked.progress)?;
+        Ok(Arc::new(stream))
+    },
+    beside_others: Some(|input| SequenceError::Stream {
+        input: input.display().to_string(),
+        problem: "a live stream is a sequence of its own: open it without other inputs".to_owned(),
+    }),
+    is_word: false,
+};
 
+impl LiveStream {
     /// Connects to `input`, such as `tcp://127.0.0.1:9000`, and waits for the first frame. `progress` may be cancelled.
     ///
     /// # Errors
@@ -149,19 +162,37 @@ impl Source for LiveStream {
         })
     }
 
-    fn group(&self, index: usize) -> Range<usize> {
-        group(&self.received, index, &self.frames())
-    }
-
     fn decoder(&self) -> Box<dyn Decoder> {
         let store = Arc::clone(&self.shared);
         Box::new(StreamDecoder::new(store, Arc::clone(&self.received)))
     }
 
-    fn fps(&self) -> Option<f64> {
-        lock(&self.shared.link).head.map(|head| head.fps)
+    fn about(&self) -> About<'_> {
+        About {
+            inputs: std::slice::from_ref(&self.input),
+            fps: lock(&self.shared.link).head.map(|head| head.fps),
+            ..About::default()
+        }
     }
 
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            groups: Some(self),
+            growth: Some(self),
+            live: Some(self),
+            depth_images: Some(self),
+            ..Capabilities::default()
+        }
+    }
+}
+
+impl Groups for LiveStream {
+    fn group(&self, index: usize) -> Range<usize> {
+        group(&self.received, index, &self.frames())
+    }
+}
+
+impl Growth for LiveStream {
     fn is_live(&self) -> bool {
         true
     }
@@ -183,11 +214,9 @@ impl Source for LiveStream {
         self.shared.ring.wait(told, at_most);
         self.look_again()
     }
+}
 
-    fn inputs(&self) -> &[PathBuf] {
-        std::slice::from_ref(&self.input)
-    }
-
+impl DepthImages for LiveStream {
     fn sensor(&self, index: usize) -> Option<Sensor> {
         sensor(&self.shared.ring.frame(index)?.frame)
     }
@@ -212,10 +241,6 @@ impl Source for LiveStream {
             is_of_surfels: self.is_of_surfels,
             told: Mutex::new(*lock(&self.told)),
         }))
-    }
-
-    fn live(&self) -> Option<&dyn Live> {
-        Some(self)
     }
 }
 

@@ -11,7 +11,10 @@ mod clock;
 mod layout;
 
 use super::photos::cloud_of_set;
-use super::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, OpenOptions, SequenceError, Source};
+use super::{
+    About, Capabilities, DecodeFailure, DecodedFrame, Decoder, FrameEntry, Growth, OpenOptions, Photographed,
+    SequenceError, Source,
+};
 use crate::cloud::RawCloud;
 use crate::io::{self, Format, Part};
 use crate::locks::{lock, read, write};
@@ -154,8 +157,30 @@ impl Source for PhotoVideo {
         })
     }
 
+    fn about(&self) -> About<'_> {
+        About {
+            inputs: &self.inputs,
+            notes: &self.notes,
+            ..About::default()
+        }
+    }
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            growth: Some(self),
+            photographs: Some(self),
+            ..Capabilities::default()
+        }
+    }
+}
+
+impl Growth for PhotoVideo {
     fn may_grow(&self) -> bool {
         !matches!(*self.known, Known::Times(..))
+    }
+
+    fn is_live(&self) -> bool {
+        false
     }
 
     /// Looks at the folders again. What came between or before others is left out: frames keep their places.
@@ -181,17 +206,11 @@ impl Source for PhotoVideo {
         write(&self.moments).extend(came);
         Ok(count)
     }
+}
 
-    fn inputs(&self) -> &[PathBuf] {
-        &self.inputs
-    }
-
+impl Photographed for PhotoVideo {
     fn photographs(&self, index: usize) -> Option<Arc<ViewSet>> {
         self.moment(index).set(index, &self.known).ok()
-    }
-
-    fn notes(&self) -> &[String] {
-        &self.notes
     }
 }
 

@@ -393,7 +393,7 @@ fn a_camera_without_a_folder_is_named() {
     filmed_by_cameras(folder.path());
     fs::remove_dir_all(folder.path().join("cam2")).unwrap();
     let video = open(folder.path()).unwrap();
-    assert_eq!(video.notes(), ["no folder with images was found for cam2"]);
+    assert_eq!(video.about().notes, ["no folder with images was found for cam2"]);
     assert!(share_on_ball(&decoded(&video, 1), 1) > 0.9);
 }
 

@@ -3,13 +3,16 @@
 use super::error::RgbdError;
 use super::joined::Merged;
 use super::recording::RgbdRecording;
-use crate::assumption::Assumption;
 use crate::cloud::{Positions, RawCloud};
 use crate::messages::{frames_with_indices, missing_frames};
 use crate::photos::{DepthCamera, DepthFile, Photo, ViewSet};
 use crate::progress::Progress;
-use crate::rgbd::{Camera, Filters, put_on_planes};
-use crate::source::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, Source};
+use crate::rgbd::{Camera, Filters, Sensor, put_on_planes};
+use crate::source::{
+    About, Capabilities, DecodeFailure, DecodedFrame, Decoder, DepthImages, FrameEntry, ImageFiles, Photographed,
+    Source,
+};
+use crate::wire::RawImages;
 use glam::Vec3;
 use std::ops::{Range, RangeInclusive};
 use std::path::PathBuf;
@@ -98,28 +101,38 @@ impl Source for MergedFrames {
         })
     }
 
-    fn inputs(&self) -> &[PathBuf] {
-        self.recording.inputs()
+    fn about(&self) -> About<'_> {
+        About {
+            notes: &self.notes,
+            // It is one frame.
+            fps: None,
+            ..self.recording.about()
+        }
     }
 
-    fn assumptions(&self) -> &[Assumption] {
-        self.recording.assumptions()
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            // The one frame is made whole, and stands still.
+            groups: None,
+            meshes: None,
+            samples: None,
+            growth: None,
+            live: None,
+            depth_images: Some(self),
+            photographs: Some(self),
+            image_files: Some(self),
+        }
+    }
+}
+
+impl DepthImages for MergedFrames {
+    /// Many cameras took it, each from another place.
+    fn sensor(&self, _index: usize) -> Option<Sensor> {
+        None
     }
 
-    fn images(&self) -> Vec<PathBuf> {
-        self.recording.images()
-    }
-
-    fn photographs(&self, _index: usize) -> Option<Arc<ViewSet>> {
-        self.photographs.clone()
-    }
-
-    fn notes(&self) -> &[String] {
-        &self.notes
-    }
-
-    fn damage(&self) -> &[String] {
-        self.recording.damage()
+    fn raw_images(&self, _index: usize) -> Option<Result<RawImages, DecodeFailure>> {
+        None
     }
 
     fn filters(&self) -> Option<Filters> {
@@ -134,6 +147,18 @@ impl Source for MergedFrames {
             notes: Vec::new(),
             photographs: self.photographs.clone(),
         }))
+    }
+}
+
+impl Photographed for MergedFrames {
+    fn photographs(&self, _index: usize) -> Option<Arc<ViewSet>> {
+        self.photographs.clone()
+    }
+}
+
+impl ImageFiles for MergedFrames {
+    fn image_files(&self) -> Vec<PathBuf> {
+        self.recording.image_files()
     }
 }
 

@@ -20,7 +20,10 @@ use crate::io::{Entry, Part};
 use crate::messages::frame_by_index;
 use crate::rgbd::{Filters, Sensor};
 use crate::source::files::number;
-use crate::source::{DecodeFailure, Decoder, FrameEntry, NO_POSES, OpenOptions, Source};
+use crate::source::{
+    About, Capabilities, DecodeFailure, Decoder, DepthImages, FrameEntry, Groups, ImageFiles, NO_POSES, OpenOptions,
+    Source,
+};
 use crate::wire::RawImages;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -316,6 +319,32 @@ impl Source for RgbdRecording {
         Arc::clone(&self.entries[index])
     }
 
+    fn decoder(&self) -> Box<dyn Decoder> {
+        Box::new(ImageDecoder::new(Arc::clone(&self.recorded)))
+    }
+
+    fn about(&self) -> About<'_> {
+        About {
+            inputs: &self.inputs,
+            fps: Some(USUAL_FPS),
+            assumptions: &self.assumptions,
+            notes: &self.notes,
+            damage: &self.damage,
+            ..About::default()
+        }
+    }
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            groups: Some(self),
+            depth_images: Some(self),
+            image_files: Some(self),
+            ..Capabilities::default()
+        }
+    }
+}
+
+impl Groups for RgbdRecording {
     fn group(&self, index: usize) -> Range<usize> {
         if self.recorded.filters.temporal.is_none() {
             return index..index + 1;
@@ -323,35 +352,9 @@ impl Source for RgbdRecording {
         let first = index / GROUP_FRAMES * GROUP_FRAMES;
         first..(first + GROUP_FRAMES).min(self.entries.len())
     }
+}
 
-    fn decoder(&self) -> Box<dyn Decoder> {
-        Box::new(ImageDecoder::new(Arc::clone(&self.recorded)))
-    }
-
-    fn fps(&self) -> Option<f64> {
-        Some(USUAL_FPS)
-    }
-
-    fn inputs(&self) -> &[PathBuf] {
-        &self.inputs
-    }
-
-    fn assumptions(&self) -> &[Assumption] {
-        &self.assumptions
-    }
-
-    fn notes(&self) -> &[String] {
-        &self.notes
-    }
-
-    fn damage(&self) -> &[String] {
-        &self.damage
-    }
-
-    fn images(&self) -> Vec<PathBuf> {
-        self.recorded.files()
-    }
-
+impl DepthImages for RgbdRecording {
     fn sensor(&self, index: usize) -> Option<Sensor> {
         self.recorded.sensor(index)
     }
@@ -366,5 +369,11 @@ impl Source for RgbdRecording {
 
     fn filtered(&self, filters: Filters) -> Option<Arc<dyn Source>> {
         Some(Arc::new(self.with_filters(filters)))
+    }
+}
+
+impl ImageFiles for RgbdRecording {
+    fn image_files(&self) -> Vec<PathBuf> {
+        self.recorded.files()
     }
 }

@@ -6,7 +6,7 @@ use super::velodyne::{MODELS, Scan};
 use pointreel::deadlines::ClientDeadlines;
 use pointreel::io::ReadOptions;
 use pointreel::progress::Progress;
-use pointreel::source::{self, LiveScanner, OpenOptions, Source};
+use pointreel::source::{self, Growth as _, LiveScanner, OpenOptions, Source};
 use std::net::UdpSocket;
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -4,7 +4,7 @@ use super::scene::Scene;
 use super::{assert_shows, error_of, folder_with, read};
 use glam::{DVec2, DVec3};
 use image::{Rgb, RgbImage, Rgba, RgbaImage};
-use pointreel::photos::{self, Format, PhotoImage, ViewSet};
+use pointreel::photos::{self, PhotoImage, ViewSet};
 use pointreel::progress::Progress;
 use pointreel::source::{self, OpenOptions};
 use std::fmt::Write as _;
@@ -199,7 +199,7 @@ fn cameras_of_mvsnet_count_from_the_corner_and_tell_their_depths() {
     fs::write(folder.path().join("pair.txt"), "2\n0\n1 1 0.5\n1\n1 0 0.5\n").unwrap();
     for opened in [folder.path().to_owned(), cams.clone(), cams.join("00000001_cam.txt")] {
         let found = photos::find(&opened).unwrap().unwrap();
-        assert_eq!(found.format, Format::Mvsnet);
+        assert_eq!(found.format(), "MVSNet (cams)");
         let set = found.read().unwrap();
         assert_eq!(set.photos.len(), 2);
         let pixel = set.photos[0].project(DVec3::new(0.1, 1.8, 1.0)).unwrap();

@@ -370,6 +370,46 @@ impl Scene {
         fs::write(folder.join("transforms.json"), file.to_string()).unwrap();
     }
 
+    /// In the folder `below` the one of the images; lengths are parts of the longer side, counted from the middle.
+    pub(crate) fn write_opensfm(&self, folder: &Path, below: &str) {
+        self.write_photos(&folder.join("images"));
+        let longer = f64::from(self.size_px[0].max(self.size_px[1]));
+        let middle = 0.5 * DVec2::new(f64::from(self.size_px[0]), f64::from(self.size_px[1]));
+        let parts = |pixel: DVec2| ((pixel + 0.5 - middle) / longer).to_array();
+        let [c_x, c_y] = parts(self.principal_px);
+        let camera = serde_json::json!({
+            "projection_type": "brown", "width": self.size_px[0], "height": self.size_px[1],
+            "focal_x": self.focal_px.x / longer, "focal_y": self.focal_px.y / longer, "c_x": c_x, "c_y": c_y,
+            "k1": self.k[0], "k2": self.k[1], "k3": 0.0, "p1": 0.0, "p2": 0.0,
+        });
+        let mut shots = serde_json::Map::new();
+        let mut tracks = "OPENSFM_TRACKS_VERSION_v2\n".to_owned();
+        for (photo, (turn, shift)) in self.poses.iter().enumerate() {
+            let rotation = glam::DQuat::from_mat3(turn).to_scaled_axis();
+            let shot = serde_json::json!({
+                "camera": "v2 c", "rotation": rotation.to_array(), "translation": shift.to_array(), "orientation": 1,
+            });
+            shots.insert(Self::name(photo), shot);
+            for (index, &point) in self.points.iter().enumerate() {
+                let ([x, y], [r, g, b]) = (parts(self.pixel(photo, point)), Self::color(index));
+                let (name, id) = (Self::name(photo), index + 1000);
+                writeln!(tracks, "{name}\t{id}\t{index}\t{x}\t{y}\t0.01\t{r}\t{g}\t{b}\t-1\t-1").unwrap();
+            }
+        }
+        let points: serde_json::Map<String, serde_json::Value> = (self.points.iter().enumerate())
+            .map(|(index, point)| {
+                let color = Self::color(index).map(f64::from);
+                let point = serde_json::json!({"coordinates": point.to_array(), "color": color});
+                ((index + 1000).to_string(), point)
+            })
+            .collect();
+        let file = serde_json::json!([{"cameras": {"v2 c": camera}, "shots": shots, "points": points}]);
+        let folder = folder.join(below);
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(folder.join("reconstruction.json"), file.to_string()).unwrap();
+        fs::write(folder.join("tracks.csv"), tracks).unwrap();
+    }
+
     /// Rows in the order of names; the axes of cameras are down, right, backward. The header is padded as numpy does.
     pub(crate) fn write_llff(&self, folder: &Path) {
         self.write_photos(&folder.join("images"));

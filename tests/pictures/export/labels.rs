@@ -4,12 +4,13 @@ use super::headless_of;
 use glam::{DVec2, DVec3};
 use image::{Rgba, RgbaImage};
 use pointreel::cloud::{Positions, RawCloud};
-use pointreel::export::{PictureSize, Poses, draw_picture};
+use pointreel::composition::{ComposeOptions, OnionSkin};
+use pointreel::export::{PictureSize, draw_picture};
 use pointreel::headless::Headless;
 use pointreel::math::Aabb;
 use pointreel::render::AnyRenderer;
 use pointreel::scene::{Background, Camera, FollowedPoint, Label, Primitive, Style, UpAxis};
-use pointreel::sequence::{FrameEntry, OnionSkin, Sequence};
+use pointreel::sequence::{FrameEntry, Sequence};
 use pointreel::timeline::PlayRange;
 use std::sync::Arc;
 
@@ -61,10 +62,10 @@ fn label(index_in_file: u32, text: &str) -> Label {
     }
 }
 
-fn drawn(headless: &mut Headless, index: usize, poses: &Poses, part_edge_px: Option<u32>) -> RgbaImage {
+fn drawn(headless: &mut Headless, index: usize, options: &ComposeOptions, part_edge_px: Option<u32>) -> RgbaImage {
     let style = style();
     let frame = headless.frame(index, &style).unwrap();
-    let frame = poses.dress(&frame, headless, &style).unwrap().frame;
+    let frame = headless.compose(&frame, options, &style).unwrap().0.frame;
     let size = PictureSize {
         part_edge_px,
         ..PictureSize::opaque(SIZE_PX)
@@ -93,13 +94,13 @@ fn a_label_is_at_the_projection_of_its_point_in_every_frame() {
     let mut headless = headless_of(moving(), AnyRenderer::cpu());
     headless.set_labels(Arc::new(vec![label(70, "")]));
     // Other poses bring more points, in which nobody's index is what it was.
-    let onion = Poses {
+    let onion = ComposeOptions {
         onion: Some(OnionSkin::default()),
-        ..Poses::default()
+        ..ComposeOptions::default()
     };
     for frame in 0..5 {
-        for poses in [&Poses::default(), &onion] {
-            let picture = drawn(&mut headless, frame, poses, None);
+        for options in [&ComposeOptions::default(), &onion] {
+            let picture = drawn(&mut headless, frame, options, None);
             let expected = camera().to_px(place(70, frame), SIZE_PX).unwrap();
             let found = dot(&picture).expect("the dot is drawn");
             assert!((found - expected).length() < 0.75, "frame {frame}: {found} {expected}");
@@ -110,14 +111,14 @@ fn a_label_is_at_the_projection_of_its_point_in_every_frame() {
 #[test]
 fn pictures_in_parts_have_the_same_labels_and_others_none() {
     let mut headless = headless_of(moving(), AnyRenderer::cpu());
-    let without = drawn(&mut headless, 2, &Poses::default(), None);
+    let without = drawn(&mut headless, 2, &ComposeOptions::default(), None);
     assert_eq!(dot(&without), None);
     let mut later = label(40, "later");
     later.frames = PlayRange::default().beginning_at(3);
     headless.set_labels(Arc::new(vec![later.clone()]));
-    assert_eq!(drawn(&mut headless, 2, &Poses::default(), None), without);
+    assert_eq!(drawn(&mut headless, 2, &ComposeOptions::default(), None), without);
     headless.set_labels(Arc::new(vec![later, label(60, "the sixtieth")]));
-    let whole = drawn(&mut headless, 3, &Poses::default(), None);
-    assert_eq!(drawn(&mut headless, 3, &Poses::default(), Some(77)), whole);
+    let whole = drawn(&mut headless, 3, &ComposeOptions::default(), None);
+    assert_eq!(drawn(&mut headless, 3, &ComposeOptions::default(), Some(77)), whole);
     assert_ne!(whole, without);
 }

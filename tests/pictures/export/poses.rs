@@ -4,14 +4,16 @@ use super::headless_of;
 use image::RgbaImage;
 use pointreel::analysis::ColorMap;
 use pointreel::cloud::{Positions, RawCloud};
-use pointreel::export::{ChangeColors, PictureSize, Poses, TrailLook, Video, draw_picture, export_video};
+use pointreel::composition::{ChangeColors, ComposeOptions, OnionSkin, TrailLook, TrailRequest, Trails};
+use pointreel::export::{PictureSize, Video, draw_picture, export_video};
 use pointreel::headless::Headless;
 use pointreel::math::Aabb;
 use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
 use pointreel::scene::{Background, Camera, CameraPath, Lighting, Primitive, Style, UpAxis};
-use pointreel::sequence::{ColorSource, Coloring, FrameEntry, OnionSkin, Sequence, TrailRequest, Trails};
+use pointreel::sequence::{ColorSource, Coloring, FrameEntry, Sequence};
 use std::collections::HashSet;
+use std::sync::Arc;
 
 const FRAMES: usize = 4;
 
@@ -54,14 +56,14 @@ fn path() -> CameraPath {
     CameraPath::turntable(camera, 0.0, [FRAMES as f64, 10.0], [0.0, 1.0]).unwrap()
 }
 
-/// The pictures of a video with `poses`, each of which is compared with the single picture of its frame; and what was
+/// The pictures of a video with `options`, each of which is compared with the single picture of its frame; and what was
 /// said.
-fn pictures(poses: &Poses) -> (Vec<RgbaImage>, Vec<String>) {
+fn pictures(options: &ComposeOptions) -> (Vec<RgbaImage>, Vec<String>) {
     let (path, style) = (path(), style());
     let video = Video {
         path: &path,
         style: &style,
-        poses,
+        options,
         size: size(),
         per_second: 10.0,
         speed: 1.0,
@@ -78,9 +80,9 @@ fn pictures(poses: &Poses) -> (Vec<RgbaImage>, Vec<String>) {
         let file = pointreel::export::numbered(&output, frame, FRAMES);
         let picture = image::open(file).unwrap().to_rgba8();
         let pose = headless.frame(frame, &style).unwrap();
-        let dressed = poses.dress(&pose, &headless, &style).unwrap().frame;
+        let composed = headless.compose(&pose, options, &style).unwrap().0.frame;
         let (camera, _) = path.at(frame as f64 / 10.0);
-        let single = draw_picture(&mut headless, &dressed, &camera, &style, size()).unwrap();
+        let single = draw_picture(&mut headless, &composed, &camera, &style, size()).unwrap();
         assert!(picture == single, "frame {frame}");
         picture
     });
@@ -97,7 +99,7 @@ fn colors(picture: &RgbaImage, columns: std::ops::Range<u32>) -> HashSet<[u8; 3]
 
 /// Where the column of `frame` is in a picture.
 fn columns(frame: usize) -> std::ops::Range<u32> {
-    let (plain, _) = pictures(&Poses::default());
+    let (plain, _) = pictures(&ComposeOptions::default());
     let pixels = plain[frame].enumerate_pixels();
     let white = pixels.filter(|(_, _, pixel)| pixel.0 == [255; 4]);
     let xs: Vec<u32> = white.map(|(x, _, _)| x).collect();
@@ -113,11 +115,11 @@ fn ghosts_of_the_poses_around_are_in_every_picture() {
         strength: 1.0,
         ..OnionSkin::default()
     };
-    let poses = Poses {
+    let options = ComposeOptions {
         onion: Some(onion),
-        ..Poses::default()
+        ..ComposeOptions::default()
     };
-    let (pictures, said) = pictures(&poses);
+    let (pictures, said) = pictures(&options);
     let places: Vec<_> = (0..FRAMES).map(columns).collect();
     for (frame, picture) in pictures.iter().enumerate() {
         for (other, place) in places.iter().enumerate() {
@@ -136,9 +138,9 @@ fn ghosts_of_the_poses_around_are_in_every_picture() {
 
 #[test]
 fn points_have_the_colour_of_their_distance_to_the_other_pose() {
-    let change = |step, range| Poses {
+    let change = |step, range| ComposeOptions {
         change: Some(ChangeColors { step, range }),
-        ..Poses::default()
+        ..ComposeOptions::default()
     };
     // Every point is two units from the nearest one a frame later, four from that of two frames later.
     for (step, range, share) in [(1, Some(4.0), 0.5), (2, Some(16.0), 0.25), (-1, None, 1.0)] {
@@ -165,11 +167,12 @@ fn trails_lead_from_pose_to_pose() {
         points_in_file: 40,
         frames: 0..FRAMES,
     };
-    let found = Trails::trace(&request, headless.sequence(), |_| None, &Progress::default()).unwrap();
+    let found = Trails::trace(&request, headless.sequence(), |_| None, &Progress::default());
+    let found = Arc::new(found.unwrap());
     assert!(found.breaks().is_empty());
-    let with = |look| Poses {
-        trails: Some((found.clone(), vec![look])),
-        ..Poses::default()
+    let with = |look| ComposeOptions {
+        trails: Some((Arc::clone(&found), vec![look])),
+        ..ComposeOptions::default()
     };
     let between = |from: usize| columns(from).end..columns(from + 1).start;
     let (bright, dim) = ([255, 190, 60], [127, 95, 30]);

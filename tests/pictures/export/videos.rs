@@ -4,7 +4,8 @@ use super::{headless, headless_of, near_by};
 use image::codecs::gif::GifDecoder;
 use image::codecs::webp::WebPDecoder;
 use image::{AnimationDecoder as _, Frame, RgbaImage};
-use pointreel::export::{ExportError, PictureSize, Poses, Video, draw_picture, export_video, open_sink};
+use pointreel::composition::ComposeOptions;
+use pointreel::export::{ExportError, PictureSize, Video, draw_picture, export_video, open_sink};
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
@@ -17,12 +18,7 @@ use std::process::Command;
 
 const SIZE_PX: [u32; 2] = [96, 64];
 
-static NO_POSES: Poses = Poses {
-    change: None,
-    onion: None,
-    trails: None,
-    left_out_photos: Vec::new(),
-};
+static NO_OPTIONS: ComposeOptions = ComposeOptions::NONE;
 
 /// Seven pictures around the demo, 30 a second, a frame of it each.
 fn turntable(style: &Style) -> CameraPath {
@@ -35,7 +31,7 @@ fn video<'a>(path: &'a CameraPath, style: &'a Style) -> Video<'a> {
     Video {
         path,
         style,
-        poses: &NO_POSES,
+        options: &NO_OPTIONS,
         size: PictureSize::opaque(SIZE_PX),
         per_second: 30.0,
         speed: 1.0,

@@ -16,7 +16,7 @@ use pointreel::app::{
     BenchmarkJob, BenchmarkTable, Command, PanelId, Preferences, Quantity, State, StateOptions, apply_theme,
 };
 use pointreel::bench::Table;
-use pointreel::scene::{Primitive, Style};
+use pointreel::scene::{Primitive, Settings};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
@@ -225,8 +225,8 @@ fn a_benchmark() {
 #[test]
 fn values_of_a_point_and_a_tooltip() {
     let mut shown = window();
-    shown.state().style = Style::default().with(|style| {
-        style.primitive = Primitive::Point;
+    shown.state().style = Settings::default().with(|style| {
+        style.primitive = Primitive::Point.into();
         style.points.size_px = 9.0;
     });
     load_all(shown.state());

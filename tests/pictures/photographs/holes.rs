@@ -3,7 +3,7 @@
 use super::*;
 use crate::common::{draw_with, renderer};
 use pointreel::cloud::Frame;
-use pointreel::scene::{Lighting, PhotoRelight};
+use pointreel::scene::{LightRig, Lighting, PhotoRelight};
 use pointreel::sequence::{PrepareCounters, prepare};
 
 /// The scene in blue points, with photographs of its front in which all is red.
@@ -97,6 +97,9 @@ fn both_renderers_fill_the_same_holes() {
             let style = holes(kind).with(|style| {
                 style.photos.relight = relight;
                 style.light.lighting = lighting;
+                if lighting == Lighting::Physical {
+                    style.light.rig = LightRig::None;
+                }
             });
             Scene::default().packet(&frame, DVec3::ZERO, &camera, &style, size_px)
         };

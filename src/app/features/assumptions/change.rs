@@ -3,7 +3,7 @@
 use crate::cloud::{ColorDepth, NoData};
 use crate::io::ColumnMap;
 use crate::rgbd::Filters;
-use crate::scene::{Primitive, UpAxis};
+use crate::scene::{Choice, Primitive, UpAxis};
 use crate::sequence::{ColorSource, OpenOptions};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ pub(in crate::app) enum Change {
     /// Another up axis.
     Up(Option<UpAxis>),
     /// Another primitive; `Auto` is the automatic choice.
-    Primitive(Primitive),
+    Primitive(Choice<Primitive>),
     /// Other colours; `Auto` is the automatic choice.
     Colors(ColorSource),
     /// Other options of reading: the inputs are opened again.

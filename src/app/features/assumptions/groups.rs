@@ -3,7 +3,7 @@
 use super::change::{Change, Field};
 use super::read_rows::{FileKind, ReadRow};
 use crate::assumption::{Assumption, Evidence, Subject};
-use crate::scene::{Primitive, UpAxis};
+use crate::scene::{Choice, Primitive, UpAxis};
 use crate::sequence::{ColorSource, OpenOptions};
 use std::cmp::Reverse;
 
@@ -16,7 +16,7 @@ pub(in crate::app) struct Given<'a> {
     /// The up axis that the user has chosen.
     pub(in crate::app) chosen_up: Option<UpAxis>,
     /// The primitive of the settings; `Auto` where it is guessed.
-    pub(in crate::app) primitive: Primitive,
+    pub(in crate::app) primitive: Choice<Primitive>,
     /// The guessed primitive.
     pub(in crate::app) guessed_primitive: Option<Primitive>,
     /// Primitives that the files do not have, with the reason.
@@ -158,16 +158,16 @@ fn with_up(mut group: Group, given: &Given<'_>) -> Group {
 }
 
 fn with_primitives(mut group: Group, given: &Given<'_>) -> Group {
-    if given.primitive != Primitive::Auto {
+    if !given.primitive.is_open() {
         group.lines = by_user(given.primitive.to_string());
-        group.reset = Some(Change::Primitive(Primitive::Auto));
+        group.reset = Some(Change::Primitive(Choice::Auto));
     }
     let guessed = given.guessed_primitive.map(|primitive| format!("{primitive}s"));
-    let words = Primitive::ALL.iter().zip(Primitive::WORDS.list);
-    let alternatives = words.map(|(&primitive, word)| Alternative {
+    let words = Choice::all().zip(Choice::<Primitive>::WORDS.list);
+    let alternatives = words.map(|(primitive, word)| Alternative {
         label: word.title.to_owned(),
         hint: match (&guessed, primitive) {
-            (Some(guessed), Primitive::Auto) => format!("{} ({guessed})", word.hint),
+            (Some(guessed), Choice::Auto) => format!("{} ({guessed})", word.hint),
             _ => word.hint.to_owned(),
         },
         change: Change::Primitive(primitive),
@@ -175,7 +175,7 @@ fn with_primitives(mut group: Group, given: &Given<'_>) -> Group {
         lack: given
             .lacks
             .iter()
-            .find_map(|(lacking, lack)| (*lacking == primitive).then(|| lack.clone())),
+            .find_map(|(lacking, lack)| (primitive == *lacking).then(|| lack.clone())),
     });
     group.alternatives = alternatives.collect();
     group
@@ -252,7 +252,7 @@ mod tests {
             assumptions,
             guessed_up: Some((UpAxis::Z, "the ground is a plane")),
             chosen_up: None,
-            primitive: Primitive::Auto,
+            primitive: Choice::Auto,
             guessed_primitive: Some(Primitive::Point),
             lacks: vec![(Primitive::Mesh, "there are no triangles".to_owned())],
             colors: ColorSource::Auto,

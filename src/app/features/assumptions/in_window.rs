@@ -1,6 +1,6 @@
 //! Alternatives to assumptions take effect, and are remembered for the open sequence.
 //!
-//! **How it works.** Up axis and primitive are kept with the markers (`state/first_look.rs`). Options of reading are
+//! **How it works.** Up axis and primitive are of the document (`state/document.rs`). Options of reading are
 //! kept by inputs ([`crate::app::ReadingChoices`]), as they have to be known before anything is opened. The inputs are
 //! opened again on a thread; if no frame can be decoded with the new options, what is open stays, and nothing is
 //! remembered.
@@ -16,11 +16,11 @@ use crate::app::side::Side;
 use crate::app::state::State;
 use crate::app::state::{FoundSequence, NotFound};
 use crate::app::work::works::WorkKind;
+use crate::document::{ReadSession, Reading};
 use crate::playback::Player;
 use crate::rgbd::Filters;
 use crate::scene::{FirstLook, Primitive};
 use crate::sequence::{OpenOptions, Sequence};
-use crate::session::{ReadSession, Reading};
 use egui::Ui;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -84,6 +84,7 @@ impl State {
                 Change::Read(change) => read.push(change),
             }
         }
+        self.keep_document();
         match &read[..] {
             [] => {}
             // A source with other filters takes them as chosen: only what is opened again has automatic ones.
@@ -185,11 +186,11 @@ impl State {
         let (file, is_damaged) = (self.opening.opened.file.take(), self.opening.opened.is_damaged);
         let read = ReadSession {
             file: file.clone().unwrap_or_default(),
-            session,
+            document: session,
             warnings: Vec::new(),
         };
         let turns = self.motion.turntable.is_on;
-        self.open_session(sequence, read);
+        self.with_document_kept(|state| state.open_session(sequence, read));
         (self.opening.opened.file, self.opening.opened.is_damaged) = (file, is_damaged);
         // A choice in the window goes before what the command line says.
         self.opening.opened.options = Some(open);

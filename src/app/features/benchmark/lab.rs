@@ -18,12 +18,7 @@ const KINDS: [(&str, Color32, &[Primitive]); 3] = [
     (
         "Surfels",
         ACCENT,
-        &[
-            Primitive::Auto,
-            Primitive::Surfel,
-            Primitive::Ellipse,
-            Primitive::Sprite,
-        ],
+        &[Primitive::Surfel, Primitive::Ellipse, Primitive::Sprite],
     ),
     ("Voxels, meshes", GOOD, &[Primitive::Voxel, Primitive::Mesh]),
     ("Points", ODD, &[Primitive::Point]),
@@ -121,7 +116,8 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<
             for (who, renderer, shape) in RENDERERS {
                 let is_of_it = |point: &&Arc<LabPoint>| {
                     let style = &point.style;
-                    primitives.contains(&style.primitive) && style.drawing.renderer == renderer
+                    let is_of_kind = primitives.iter().any(|&primitive| style.primitive == primitive);
+                    is_of_kind && style.drawing.renderer == renderer
                 };
                 let places: Vec<[f64; 2]> = points.iter().filter(is_of_it).map(|point| place(point)).collect();
                 // What is not there is not in the legend.

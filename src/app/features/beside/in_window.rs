@@ -4,7 +4,6 @@ use super::FrameDistances;
 use super::panel::{BesideRequest, beside_ui};
 use crate::app::command::{Chord, Command};
 use crate::app::commands::common::{Row, group, needs_sequence};
-use crate::app::drawing::DrawnFrame;
 use crate::app::features::beside::{Beside, Layout};
 use crate::app::features::feature::Feature;
 use crate::app::panel_row::{Dock, PanelRow};
@@ -15,6 +14,7 @@ use crate::app::state::State;
 use crate::app::widgets::numbers::significant;
 use crate::app::work::outcome::Outcome;
 use crate::app::work::tasks::close;
+use crate::composition::{Composed, PictureView};
 use crate::math::Aabb;
 use crate::playback::{Companion, PlayerChange};
 use crate::scene::ScenePacket;
@@ -57,25 +57,6 @@ impl State {
         }
         self.features.beside = Some(beside);
         self.share_budget();
-    }
-
-    /// Shows what is beside the open sequence, which is another one now, beside that. Nothing that was read of it is
-    /// kept: where its points are held may have changed with the origin.
-    pub(in crate::app) fn compare_again(&mut self) {
-        let Some(before) = &self.features.beside else { return };
-        let before = &before.companion;
-        let sequence = Arc::new(before.sequence().anew());
-        let offset_frames = before.offset_frames();
-        // Where there was no choice, the person made none.
-        let has_choice = before.times().is_some() || before.numbers().is_some();
-        let by = has_choice.then(|| before.paired_by());
-        self.compare_with(sequence);
-        if let Some(beside) = &mut self.features.beside {
-            beside.companion.set_offset_frames(offset_frames);
-            if let Some(by) = by {
-                beside.companion.pair_by(by);
-            }
-        }
     }
 
     /// Finds the frames of `inputs` on a thread and shows them beside the open sequence.
@@ -224,16 +205,13 @@ impl State {
         if self.viewport.other_size_px.contains(&0) {
             return None;
         }
-        let drawn = DrawnFrame {
-            frame: Arc::clone(frame),
-            pose: Arc::clone(frame),
+        let view = PictureView {
+            camera: &self.camera,
             origin: beside.companion.sequence().origin(),
-            depths: None,
+            size_px: self.viewport.other_size_px,
         };
-        let size_px = self.viewport.other_size_px;
-        let packet = beside
-            .drawing
-            .next_packet(drawn, &self.camera, &style, size_px, self.shared.now)?;
+        let composed = Composed::of(Arc::clone(frame));
+        let packet = beside.drawing.next_packet(composed, &view, &style, self.shared.now)?;
         beside.note_change(self.shared.now);
         Some(packet)
     }

@@ -244,7 +244,7 @@ impl Feature<State> for PathEditor {
     }
 
     fn loss(state: &State) -> Option<&'static str> {
-        let is_unsaved = state.features.path.is_unsaved();
+        let is_unsaved = state.features.path.is_unsaved() && !state.is_kept();
         is_unsaved.then_some("The camera path is not saved.")
     }
 

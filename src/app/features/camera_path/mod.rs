@@ -1,7 +1,6 @@
 //! The camera path that is being made: its keyframes ([`Draft`]), the time at which the next one is set, and its file.
 //!
-//! A path belongs to no sequence and stays when another one is opened. What is not in a file is never lost without a
-//! question.
+//! A path is of the document. What is neither kept nor in a file is never lost without a question.
 
 mod in_window;
 mod keyframes;
@@ -9,11 +8,10 @@ pub(in crate::app) mod marks;
 pub(in crate::app) mod panel;
 pub(in crate::app) mod request;
 
-mod draft;
 mod file;
 mod preview;
 
-pub use draft::Draft;
+pub use crate::document::Draft;
 pub use file::PathFile;
 pub(in crate::app) use file::{read_path, save_path};
 

@@ -36,11 +36,11 @@ impl State {
 
     /// Has a box around all frames take in those that were read since.
     pub(in crate::app) fn follow_clip(&mut self) {
-        let clip = self.style.of_sequence.clip;
+        let clip = self.style.clip;
         if clip.is_some_and(|clip| clip.is_on && self.features.clipping.is_around_all(&clip))
             && let Some(frames) = self.clipped_frames()
         {
-            self.features.clipping.grow(&mut self.style.of_sequence.clip, &frames);
+            self.features.clipping.grow(&mut self.style.clip, &frames);
         }
     }
 }
@@ -52,7 +52,7 @@ impl Feature<State> for Clipping {
 
     fn forget_sequence(state: &mut State) {
         // Its numbers are those of the sequence before.
-        state.style.of_sequence.clip = None;
+        state.style.clip = None;
         state.features.clipping.forget_frames();
     }
 
@@ -71,7 +71,7 @@ fn clip_handles(ui: &Ui, state: &mut State) {
     let rect = state.viewport.rect;
     let painter = ui.painter_at(rect);
     let canvas = PictureOverlay::new(&painter, rect, state.viewport.size_px, &state.camera);
-    if let Some(clip) = state.style.of_sequence.clip.as_mut().filter(|clip| clip.is_on) {
+    if let Some(clip) = state.style.clip.as_mut().filter(|clip| clip.is_on) {
         handles_ui(ui, &canvas, (&mut state.features.clipping, clip), &frames, unit);
     }
 }

@@ -12,16 +12,16 @@ pub(in crate::app) mod panel;
 pub use pair::{PictureDifference, PicturePair};
 
 use crate::app::side::Side;
-use crate::scene::{Camera, Scene, ScenePacket, Style};
+use crate::composition::{Drawn, PictureView, packet};
+use crate::scene::{Scene, ScenePacket, Settings, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
-use glam::DVec3;
 use std::sync::Arc;
 
 /// Another way to draw beside that of the window.
 #[derive(Debug)]
 pub struct Comparison {
     /// How the side draws that is not edited.
-    pub other: Style,
+    pub other: Settings,
     /// The side that the settings of the window are of.
     pub edited: Side,
     /// Both pictures.
@@ -34,7 +34,7 @@ pub struct Comparison {
 
 impl Comparison {
     /// The same settings on both sides; the right one is edited.
-    pub(in crate::app) fn new(style: Style) -> Self {
+    pub(in crate::app) fn new(style: Settings) -> Self {
         Self {
             other: style,
             edited: Side::B,
@@ -49,10 +49,8 @@ impl Comparison {
     pub(in crate::app) fn next_packet(
         &mut self,
         frame: &PreparedFrame,
-        origin: DVec3,
-        camera: &Camera,
+        view: &PictureView<'_>,
         style: &Style,
-        viewport_px: [u32; 2],
     ) -> Option<ScenePacket> {
         let photographs = |frame: &PreparedFrame| frame.photographs.as_ref().map(Arc::as_ptr);
         let is_known =
@@ -60,7 +58,7 @@ impl Comparison {
         let known = self.frame.take().filter(is_known);
         let needs = Scene::needs(style);
         let frame = complete(known.as_ref().unwrap_or(frame), &needs, &PrepareCounters::default());
-        let packet = self.scene.packet(&frame, origin, camera, style, viewport_px);
+        let packet = packet(&mut self.scene, Drawn::from(&frame), view, style);
         self.frame = Some(frame);
         if self.packet.as_ref() == Some(&packet) {
             return None;

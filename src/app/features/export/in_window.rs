@@ -14,8 +14,9 @@ use crate::app::state::State;
 use crate::app::work::files::picture_folder;
 use crate::app::work::outcome::Outcome;
 use crate::app::work::works::WorkKind;
+use crate::composition::ComposeOptions;
 use crate::convert::SourceFiles;
-use crate::export::{ChangeColors, ExportError, PictureSize, Poses, VideoFormat};
+use crate::export::{ExportError, PictureSize, VideoFormat};
 use crate::playback::Player;
 use crate::scene::CameraPath;
 use crate::sequence::LoaderOptions;
@@ -112,7 +113,8 @@ impl State {
         Some(ExportJob {
             sequence: Arc::clone(player.sequence()),
             style: self.style_of_export(),
-            poses: self.poses_of_export(),
+            renderer: self.main.renderer(self.style.drawing.renderer),
+            options: self.compose_options(),
             labels: self.features.labels.shown(),
             shows: self.shown_by_export(player)?,
             per_second: export.per_second,
@@ -151,20 +153,12 @@ impl State {
     }
 
     /// What other poses add to the picture on the screen. Trails that are still being found are not there yet.
-    fn poses_of_export(&self) -> Poses {
-        let change = Some(self.features.temporal.change).filter(|change| change.is_on);
-        Poses {
-            change: change.map(|change| ChangeColors {
-                step: change.step,
-                range: change.range,
-            }),
-            onion: Some(self.features.temporal.onion).filter(|onion| onion.is_on),
-            trails: self
-                .features
-                .trails
-                .found()
-                .map(|trails| (trails.clone(), self.features.trails.looks())),
+    fn compose_options(&self) -> ComposeOptions {
+        let trails = self.features.trails.found();
+        ComposeOptions {
+            trails: trails.map(|trails| (Arc::new(trails.clone()), self.features.trails.looks())),
             left_out_photos: self.features.photos.left_out(),
+            ..self.features.temporal.options()
         }
     }
 

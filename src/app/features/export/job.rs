@@ -3,10 +3,11 @@
 use super::plan;
 use crate::app::work::outcome::Message;
 use crate::app::work::works::Progress;
-use crate::export::{ExportError, PictureSize, Poses, Video, export_video, write_picture_observed};
+use crate::composition::ComposeOptions;
+use crate::export::{ExportError, PictureSize, Video, export_video, write_picture_observed};
 use crate::headless::{Headless, HeadlessError};
 use crate::render::AnyRenderer;
-use crate::scene::{Camera, CameraPath, Label, Style};
+use crate::scene::{Camera, CameraPath, Choice, Label, RendererChoice, Style};
 use crate::sequence::{Loader, LoaderOptions, Sequence};
 use crate::timeline::Clock;
 use std::path::PathBuf;
@@ -36,8 +37,10 @@ pub(in crate::app) enum Shows {
 pub(in crate::app) struct ExportJob {
     pub(in crate::app) sequence: Arc<Sequence>,
     pub(in crate::app) style: Style,
-    /// What other poses add to each picture.
-    pub(in crate::app) poses: Poses,
+    /// Who is to draw.
+    pub(in crate::app) renderer: Choice<RendererChoice>,
+    /// Additions to each pose.
+    pub(in crate::app) options: ComposeOptions,
     /// Texts at points.
     pub(in crate::app) labels: Arc<Vec<Label>>,
     pub(in crate::app) shows: Shows,
@@ -72,7 +75,8 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
     let ExportJob {
         sequence,
         style,
-        poses,
+        renderer,
+        options,
         labels,
         shows,
         per_second,
@@ -82,21 +86,22 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
         budget_bytes,
     } = job;
     let defaults = LoaderOptions::default();
-    let options = LoaderOptions {
+    let loader_options = LoaderOptions {
         // The other half is the window's.
         workers: defaults.workers.div_ceil(2),
         budget_bytes,
         ..defaults
     };
-    let loader = Loader::new(Arc::clone(&sequence), options)?;
-    let renderer = AnyRenderer::open(style.drawing.renderer)?;
+    let loader = Loader::new(Arc::clone(&sequence), loader_options)?;
+    let renderer = AnyRenderer::open(renderer)?;
     let mut headless = Headless::new(sequence, loader, renderer);
     headless.set_labels(labels);
     let path = match shows {
         Shows::Picture { camera, frame } => {
             let pose = headless.frame(frame, &style);
-            let dressed = pose.and_then(|pose| poses.dress(&pose, &headless, &style));
-            let shown = dressed.map_err(HeadlessError::from)?.frame;
+            let composed = pose.and_then(|pose| headless.compose(&pose, &options, &style));
+            let (composed, _) = composed.map_err(HeadlessError::from)?;
+            let shown = composed.frame;
             let file = (output.as_path(), progress);
             write_picture_observed(&mut headless, &shown, &camera, &style, size, file)?;
             return Ok(Exported {
@@ -117,7 +122,7 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
     let video = Video {
         path: &path,
         style: &style,
-        poses: &poses,
+        options: &options,
         size,
         per_second,
         speed: 1.0,

@@ -5,8 +5,8 @@ use crate::app::side::Side;
 use crate::app::widgets::numbers::{grouped, significant, with_unit};
 use crate::app::widgets::tool_window::tool_window;
 use crate::cloud::LengthUnit;
+use crate::composition::TrailMeasure;
 use crate::scene::{Camera, Pick, PickedNormal, Projection};
-use crate::sequence::TrailMeasure;
 use egui::{Button, Grid, Pos2, RichText, ScrollArea, Ui, vec2};
 use glam::DVec3;
 

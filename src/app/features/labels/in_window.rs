@@ -117,7 +117,6 @@ impl Feature<State> for Labels {
 
     fn forget_sequence(state: &mut State) {
         state.features.labels.forget();
-        state.history.forget_labels(&state.features.labels.list);
     }
 
     /// Of two sequences they are those of the first.

@@ -5,7 +5,7 @@ use super::panel::{PANEL, notes_ui};
 use crate::app::features::feature::Feature;
 use crate::app::panel_row::PanelRow;
 use crate::app::state::State;
-use crate::session::Session;
+use crate::document::Document;
 use egui::Ui;
 
 impl Feature<State> for Notes {
@@ -13,12 +13,12 @@ impl Feature<State> for Notes {
         state.features.notes = Self::default();
     }
 
-    fn save(state: &State, session: &mut Session) {
-        session.notes.clone_from(&state.features.notes.text);
+    fn save(state: &State, document: &mut Document) {
+        document.notes.clone_from(&state.features.notes.text);
     }
 
-    fn load(state: &mut State, session: &Session) {
-        state.features.notes.text.clone_from(&session.notes);
+    fn load(state: &mut State, document: &Document) {
+        state.features.notes.text.clone_from(&document.notes);
     }
 
     fn panels() -> &'static [PanelRow<State>] {

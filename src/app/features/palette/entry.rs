@@ -5,7 +5,7 @@ use crate::app::presets::built_in;
 use crate::bench::Suite;
 use crate::bench::suites;
 use crate::scene::describe::{Described, Shorthand, Value, Values};
-use crate::scene::{Background, Style};
+use crate::scene::{Background, Settings};
 use std::borrow::Cow;
 
 /// What is in the panel of settings and is no setting of drawing: its name, what it does, and the title of its row.
@@ -92,7 +92,7 @@ impl Entry {
 
 /// All that there is to find but commands: values of settings, presets and benchmarks.
 pub(super) fn entries(presets: &[String]) -> Vec<Entry> {
-    let settings = Style::default().settings();
+    let settings = Settings::default().settings();
     let settings = settings.into_iter().flat_map(|(described, _)| values_of(described));
     let built_in = built_in().into_iter().enumerate();
     let built_in =

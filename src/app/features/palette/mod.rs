@@ -108,7 +108,7 @@ fn is_subsequence(word: &str, text: &str) -> bool {
 mod tests {
     use super::*;
     use crate::app::{State, StateOptions};
-    use crate::scene::Style;
+    use crate::scene::Settings;
     use crate::scene::describe::Values;
 
     fn texts(query: &str) -> Vec<String> {
@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn every_value_of_every_setting_is_found_by_its_name() {
-        for (described, _) in Style::default().settings() {
+        for (described, _) in Settings::default().settings() {
             let names: Vec<&str> = match &described.values {
                 Values::Words(words) => words.list.iter().map(|word| word.title).collect(),
                 Values::Kinds(kinds) => kinds.iter().map(|kind| kind.title).collect(),

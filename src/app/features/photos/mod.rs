@@ -16,14 +16,13 @@ pub(in crate::app) use photographed::PhotographedFrame;
 use crate::app::work::outcome::Message;
 use crate::app::work::pool::PoolBehindDrawing;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
-use crate::headless::PHOTOGRAPH_BYTES;
+use crate::composition::{PHOTOGRAPH_BYTES, on_surface};
 use crate::photos::{LoadedPhotographs, Photographs, ReprojectionError, ViewSet};
 use crate::playback::Player;
 use crate::progress::Progress;
 use crate::scene::{Scene, Style};
 use crate::sequence::{PreparedFrame, Slot};
 use crate::source::Source;
-use crate::stereo::photo_surface;
 use crate::timeline::Direction;
 use glam::{DVec3, Vec3};
 use photographed::{Parts, PhotographedFrames};
@@ -186,15 +185,11 @@ impl Photos {
         };
         let progress = Progress::default();
         self.running = Some((Arc::clone(&set), progress.clone()));
-        // Of what was filmed, each frame has a cloud of its own.
         let sequence = Arc::clone(player.sequence());
         tasks.start_in(pool, move || {
             let mut loaded = LoadedPhotographs::of(&set, budget_bytes, &progress);
-            if sequence.len() == 1 {
-                // Which may have to read the frame first: not on the thread that draws.
-                let surface = photo_surface(&set, &loaded.photographs, sequence.origin(), &progress);
-                loaded.photographs = Arc::new(loaded.photographs.with_surface(surface));
-            }
+            // The origin may have to be read from the frame first: not on the thread that draws.
+            loaded.photographs = on_surface(loaded.photographs, &set, &sequence, &progress);
             let errors = set.reprojection_errors();
             let used = Arc::clone(&loaded.photographs);
             let loaded = LoadedSet {

@@ -7,9 +7,10 @@
 
 use crate::app::work::outcome::Message;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
+use crate::composition::{Composed, DepthsAhead, PhotographsStep};
 use crate::photos::Photographs;
-use crate::render::cpu::depths_of_photographs;
-use crate::scene::{Camera, PhotoDepths, PhotoMode, Scene, Style, SurfelStyle, UpAxis};
+use crate::render::depths_of_photographs;
+use crate::scene::{Style, SurfelStyle};
 use crate::sequence::PreparedFrame;
 use glam::DVec3;
 use rayon::ThreadPool;
@@ -44,19 +45,36 @@ impl Message for PhotographedFrame {}
 #[derive(Debug, Clone)]
 pub(in crate::app) struct PhotographedFrame {
     of: Parts,
-    pub(in crate::app) frame: Arc<PreparedFrame>,
-    pub(in crate::app) depths: Arc<PhotoDepths>,
+    /// As if the frame were the pose.
+    composed: Composed,
 }
 
 impl PhotographedFrame {
-    fn new(of: Parts, mut style: Style, origin: DVec3) -> Self {
-        let frame = Arc::new(of.frame.with_photographs(Arc::clone(&of.photographs)));
-        // What photographs see depends neither on where the eye is nor on how many are blended.
-        style.photos.mode = PhotoMode::Vdts;
-        let camera = Camera::framing(&frame.frame.bounds(), origin, UpAxis::Y);
-        let packet = Scene::default().packet(&frame, origin, &camera, &style, [1; 2]);
-        let depths = Arc::new(depths_of_photographs(&packet));
-        Self { of, frame, depths }
+    fn new(of: Parts, style: Style, origin: DVec3) -> Self {
+        let step = PhotographsStep {
+            photographs: Arc::clone(&of.photographs),
+            ahead: Some(DepthsAhead {
+                style,
+                origin,
+                draw: depths_of_photographs,
+            }),
+        };
+        let mut composed = Composed::of(Arc::clone(&of.frame));
+        step.put_on(&mut composed);
+        Self { of, composed }
+    }
+
+    /// The frame with the photographs.
+    pub(in crate::app) fn frame(&self) -> &Arc<PreparedFrame> {
+        &self.composed.frame
+    }
+
+    /// The same on `pose`, which the frame was made from.
+    pub(in crate::app) fn composed(&self, pose: &Arc<PreparedFrame>) -> Composed {
+        Composed {
+            pose: Arc::clone(pose),
+            ..self.composed.clone()
+        }
     }
 
     /// What the photographs were put on.
@@ -65,7 +83,8 @@ impl PhotographedFrame {
     }
 
     fn byte_size(&self) -> usize {
-        self.frame.byte_size() + self.depths.byte_size()
+        let depths = self.composed.depths.as_ref();
+        self.composed.frame.byte_size() + depths.map_or(0, |depths| depths.byte_size())
     }
 }
 

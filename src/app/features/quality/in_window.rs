@@ -1,16 +1,16 @@
-//! A way to draw that was chosen by its measured time and error, or with a session. It is of the open sequence, so it
-//! is used for this one alone: the settings that it has changed come back with the next.
+//! A way to draw that was chosen by its measured time and error, or with a session. Who draws and how many pixels is no
+//! part of a document; that of such a way is used for the open sequence alone, and comes back with the next.
 
 use super::MeasuredQuality;
 use crate::app::features::feature::Feature;
 use crate::app::features::quality::MeasuredWay;
 use crate::app::side::Side;
 use crate::app::state::State;
-use crate::scene::Style;
+use crate::scene::Settings;
 
 impl State {
     /// Draws the open sequence as `way`, which was measured with it.
-    pub fn draw_as_measured(&mut self, way: &Style) {
+    pub fn draw_as_measured(&mut self, way: &Settings) {
         let before = self.usual_style(self.style);
         self.draw_as(way);
         let chosen = self.style;
@@ -18,26 +18,15 @@ impl State {
     }
 
     /// Settings as they are for other sequences.
-    fn usual_style(&self, style: Style) -> Style {
+    pub(in crate::app) fn usual_style(&self, style: Settings) -> Settings {
         self.opening.measured_way.map_or(style, |way| way.undone(style))
     }
 
     /// The settings, those of A where two ways to draw are compared.
-    pub(in crate::app) fn style_of_a(&self) -> Style {
+    pub(in crate::app) fn style_of_a(&self) -> Settings {
         let comparison = self.features.comparison.as_ref();
         let of_a = comparison.filter(|comparison| comparison.edited == Side::B);
         of_a.map_or(self.style, |comparison| comparison.other)
-    }
-
-    /// What is kept of the settings.
-    pub(in crate::app) fn style_to_keep(&self) -> Style {
-        self.usual_style(self.style_of_a())
-    }
-
-    /// The open sequence is left: others are drawn as before it was measured.
-    pub(in crate::app) fn forget_measured_way(&mut self) {
-        self.style = self.usual_style(self.style);
-        self.opening.measured_way = None;
     }
 }
 
@@ -51,7 +40,7 @@ impl Feature<State> for MeasuredQuality {
     }
 
     fn forget_sequence(state: &mut State) {
-        state.forget_measured_way();
+        state.opening.measured_way = None;
         state.features.quality.forget();
     }
 }

@@ -1,18 +1,18 @@
 //! A way to draw that was chosen by its measured time and error, and the settings before it.
 
-use crate::scene::Style;
+use crate::scene::Settings;
 use crate::scene::describe::{Described, Value};
 
 /// The settings before a measured way was chosen, and with it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::app) struct MeasuredWay {
-    pub(in crate::app) before: Style,
-    pub(in crate::app) chosen: Style,
+    pub(in crate::app) before: Settings,
+    pub(in crate::app) chosen: Settings,
 }
 
 impl MeasuredWay {
     /// `now` with the settings from before the way was chosen, but for those that were changed by hand since.
-    pub(in crate::app) fn undone(&self, mut now: Style) -> Style {
+    pub(in crate::app) fn undone(&self, mut now: Settings) -> Settings {
         let before = self.before.settings();
         let chosen = self.chosen.settings();
         now.edit(&mut |described, value| {

@@ -1,31 +1,28 @@
 //! What other poses say of the shown one: how far it is from one of them in colours, and ghosts of its neighbours.
 //!
-//! How it works. Both make another frame from the one that the player shows, on a thread: the same points in other
-//! colours ([`PreparedFrame::in_colors`]), then with others around them ([`compose`]). Until it is there the pose
-//! is shown as it is, but for a moment the frame that was made of the pose before stays, so that the picture does not
-//! flicker while playing. What is under way for a pose that the playhead has left is cancelled. Distances are kept, as
-//! they take longest; colours follow from them.
+//! How it works. Both are stages of composition ([`Lane::Poses`]) that make another frame from the one that the player
+//! shows, on a thread. Until it is there the pose is shown as it is, but for a moment the frame that was made of the
+//! pose before stays, so that the picture does not flicker while playing. What is under way for a pose that the
+//! playhead has left is cancelled. Distances are kept, as they take longest; colours follow from them.
 
+mod in_memory;
 mod in_window;
+mod known;
 pub(in crate::app) mod panel;
-mod task;
 
-pub use task::ComposedFrame;
-
+use crate::app::work::outcome::Message;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::app::work::works::Progress;
+pub use crate::composition::OnionSkin;
+use crate::composition::{ChangeColors, ComposeOptions, Composed, Inputs, Lane, Measured, Problem, Request, StandIns};
 use crate::measure::Change;
 use crate::playback::Player;
-use crate::scene::{Scene, Style};
-pub use crate::sequence::OnionSkin;
-use crate::sequence::{Ghost, Needs, PreparedFrame, Slot};
-use std::collections::VecDeque;
+use crate::scene::Style;
+use crate::sequence::PreparedFrame;
+use in_memory::FramesInMemory;
+use known::Known;
 use std::sync::Arc;
 use std::time::Duration;
-use task::{ChangeRequest, PoseRequest, compose};
-
-/// Bytes of distances that are kept.
-const MAX_KEPT_BYTES: usize = 256 << 20;
 
 /// So long the picture of a pose that the playhead has left stays in place of one that is being made.
 const HOLD: Duration = Duration::from_millis(120);
@@ -43,8 +40,44 @@ pub struct ChangeMap {
     pub threshold: f64,
 }
 
-/// The distances of one pose to another: the frames, and how many points of the first there are.
-type ChangeKey = (usize, usize, usize);
+/// A frame that was made from a pose and others.
+#[derive(Debug)]
+pub struct ComposedFrame {
+    request: Request,
+    composed: Composed,
+    /// Why something of it is missing.
+    problem: Option<String>,
+}
+
+impl Message for Option<Box<ComposedFrame>> {}
+
+impl ComposedFrame {
+    /// Makes the frame; `None` once nobody waits for it.
+    fn of(request: Request, progress: &Progress) -> Option<Self> {
+        let (composed, failure) = request.run(progress)?;
+        let failure = failure.map(|reason| format!("There are too many ghosts: {reason}"));
+        let problem = failure.or_else(|| composed.problems.iter().rev().find_map(in_panel));
+        Some(Self {
+            request,
+            composed,
+            problem,
+        })
+    }
+
+    /// The pose, and the frame that was made of it.
+    pub(in crate::app) fn composed(&self) -> &Composed {
+        &self.composed
+    }
+}
+
+/// A problem next to the choices that it is about; none where the panel says it by itself.
+fn in_panel(problem: &Problem) -> Option<String> {
+    match problem {
+        Problem::OtherUnread { reason, .. } => Some(reason.to_string()),
+        Problem::OtherEmpty { other, .. } => Some(format!("Frame {} has no points", other + 1)),
+        Problem::NoOtherFrame { .. } | Problem::NoGhost { .. } | Problem::Note(_) => None,
+    }
+}
 
 /// Makes frames of what is chosen.
 #[derive(Debug)]
@@ -53,9 +86,8 @@ pub struct Temporal {
     pub change: ChangeMap,
     /// Ghosts.
     pub onion: OnionSkin,
-    /// Oldest first.
-    known: VecDeque<(ChangeKey, Arc<Change>)>,
-    running: Option<(PoseRequest, Progress)>,
+    known: Known,
+    running: Option<(Request, Progress)>,
     made: Option<ComposedFrame>,
     /// Since when the pose of `made` is not that of the playhead.
     left_at: Option<Duration>,
@@ -71,10 +103,19 @@ impl Default for Temporal {
                 threshold: 0.0,
             },
             onion: OnionSkin::default(),
-            known: VecDeque::new(),
+            known: Known::default(),
             running: None,
             made: None,
             left_at: None,
+        }
+    }
+}
+
+impl ChangeMap {
+    fn colors(&self) -> ChangeColors {
+        ChangeColors {
+            step: self.step,
+            range: self.range,
         }
     }
 }
@@ -85,19 +126,26 @@ impl Temporal {
         self.made.as_ref()
     }
 
+    /// Colours and ghosts that are chosen.
+    pub(in crate::app) fn options(&self) -> ComposeOptions {
+        ComposeOptions {
+            change: self.change.is_on.then(|| self.change.colors()),
+            onion: Some(self.onion).filter(|onion| onion.is_on),
+            ..ComposeOptions::NONE
+        }
+    }
+
     /// The frame that the shown one is compared with; `None` where the sequence has no such frame.
     pub fn other_frame(&self, index: usize, frame_count: usize) -> Option<usize> {
-        let other = i64::try_from(index).ok()?.checked_add(self.change.step)?;
-        usize::try_from(other).ok().filter(|&other| other < frame_count)
+        self.change.colors().other_frame(index, frame_count)
     }
 
     /// The change of the shown pose, once it is known, and the distance in its last colour, scene units.
     pub fn measured(&self, pose: &Arc<PreparedFrame>) -> Option<(&Change, f64)> {
         let made = self.made.as_ref()?;
-        let change = made.change.as_ref()?;
-        let asked = made.request.change?;
-        (Arc::ptr_eq(&made.request.pose, pose) && asked.to as i64 - pose.index as i64 == self.change.step)
-            .then(|| (change.as_ref(), asked.range.unwrap_or(change.usual_range())))
+        let Measured { change, to, range } = made.composed.change.as_ref()?;
+        (Arc::ptr_eq(&made.request.pose, pose) && *to as i64 - pose.index as i64 == self.change.step)
+            .then_some((change, *range))
     }
 
     /// Why the change cannot be shown, if it cannot.
@@ -136,7 +184,7 @@ impl Temporal {
             self.cancel();
         } else if self.running.as_ref().is_none_or(|(running, _)| *running != request) {
             self.cancel();
-            self.start(request, player, tasks);
+            self.start(request, tasks);
         }
         let is_gone = self.left_at.is_some_and(|left| now >= left + HOLD);
         if is_gone {
@@ -146,37 +194,17 @@ impl Temporal {
         is_gone
     }
 
-    fn start<T: TaskOutcome + From<Option<Box<ComposedFrame>>>>(
-        &mut self,
-        request: PoseRequest,
-        player: &Player,
-        tasks: &Tasks<T>,
-    ) {
+    fn start<T: TaskOutcome + From<Option<Box<ComposedFrame>>>>(&mut self, request: Request, tasks: &Tasks<T>) {
         let progress = Progress::default();
         self.running = Some((request.clone(), progress.clone()));
-        let known = self.known_change(&request);
-        let sequence = Arc::clone(player.sequence());
-        // The pose to compare with may be in memory; if not, the task reads it.
-        let other = request
-            .change
-            .and_then(|change| match player.loader().get(change.to, &Needs::default()) {
-                Slot::Ready(frame) | Slot::Partial(frame) | Slot::Stale(frame) if !frame.is_sample() => Some(frame),
-                _ => None,
-            });
-        tasks.start("poses", move || {
-            compose(request, known, other.as_deref(), &sequence, &progress).map(Box::new)
-        });
+        tasks.start("poses", move || ComposedFrame::of(request, &progress).map(Box::new));
     }
 
     /// Takes what a task has made, unless something else is wanted by now.
     pub(in crate::app) fn take_in(&mut self, made: ComposedFrame) {
-        if let (Some(change), Some(key)) = (&made.change, key(&made.request))
-            && self.known_change(&made.request).is_none()
-        {
-            self.known.push_back((key, Arc::clone(change)));
-            while self.known.len() > 1 && self.kept_bytes() > MAX_KEPT_BYTES {
-                self.known.pop_front();
-            }
+        if let Some(Measured { change, to, .. }) = &made.composed.change {
+            let pose = &made.request.pose;
+            self.known.keep((pose.index, *to, pose.frame.len()), change);
         }
         if self.running.take_if(|(request, _)| *request == made.request).is_some() {
             self.made = Some(made);
@@ -189,74 +217,25 @@ impl Temporal {
         self.left_at.map(|left| left + HOLD)
     }
 
-    fn kept_bytes(&self) -> usize {
-        let changes = self.known.iter().map(|(_, change)| change.byte_size());
-        changes.sum()
-    }
-
-    fn known_change(&self, request: &PoseRequest) -> Option<Arc<Change>> {
-        let key = key(request)?;
-        let known = self.known.iter().find(|(known, _)| *known == key);
-        known.map(|(_, change)| Arc::clone(change))
-    }
-
     fn cancel(&mut self) {
         if let Some((_, progress)) = self.running.take() {
             progress.cancel();
         }
     }
 
-    /// What is to be made of the shown pose; `None` if it is shown as it is.
-    fn request(&self, player: &Player, style: &Style) -> Option<PoseRequest> {
+    /// Steps for the shown pose; `None` if it is shown as it is.
+    fn request(&self, player: &Player, style: &Style) -> Option<Request> {
         let pose = player.shown()?;
-        let needs = Scene::needs(style);
-        let frame_count = player.sequence().len();
-        let change = self.other_frame(pose.index, frame_count);
-        let change = change.filter(|_| self.change.is_on);
-        let ghost = |(index, share, tint)| match player.loader().get(index, &needs) {
-            Slot::Ready(frame) | Slot::Coarse(frame) | Slot::Partial(frame) | Slot::Stale(frame) => {
-                Some(Ghost { frame, share, tint })
-            }
-            Slot::Pending | Slot::Failed(_) => None,
-        };
-        let ghosts = Some(self.onion).filter(|onion| onion.is_on);
-        let ghosts = ghosts.map_or_else(Vec::new, |onion| onion.around(pose.index, frame_count));
-        let request = PoseRequest {
-            pose: Arc::clone(pose),
-            change: change.map(|to| ChangeRequest {
-                to,
-                range: self.change.range,
-                map: style.colors.map,
-            }),
-            ghosts: ghosts.into_iter().filter_map(ghost).collect(),
-            needs,
-        };
-        (request.change.is_some() || !request.ghosts.is_empty()).then_some(request)
-    }
-}
-
-fn key(request: &PoseRequest) -> Option<ChangeKey> {
-    let pose = &request.pose;
-    Some((pose.index, request.change?.to, pose.frame.len()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_other_frame_is_one_of_the_sequence() {
-        let with = |step| Temporal {
-            change: ChangeMap {
-                step,
-                ..Temporal::default().change
+        let inputs = Inputs {
+            pose,
+            options: &self.options(),
+            style,
+            frames: &FramesInMemory {
+                player,
+                known: &self.known,
             },
-            ..Temporal::default()
+            stand_ins: StandIns::default(),
         };
-        assert_eq!(with(1).other_frame(3, 5), Some(4));
-        assert_eq!(with(2).other_frame(3, 5), None);
-        assert_eq!(with(-3).other_frame(3, 5), Some(0));
-        assert_eq!(with(-4).other_frame(3, 5), None);
-        assert_eq!(with(i64::MAX).other_frame(3, 5), None);
+        Request::gather(Lane::Poses, pose, &inputs)
     }
 }

@@ -2,11 +2,12 @@
 
 use super::store::PICTURE_PX;
 use crate::cloud::{PointRecord, even_places};
+use crate::composition::{Drawn, PictureView, packet};
 use crate::kept;
 use crate::progress::Progress;
 use crate::render::cpu::CpuRenderer;
 use crate::render::{RenderError, Renderer as _};
-use crate::scene::{Background, Camera, Content, Primitive, ScenePacket, Style};
+use crate::scene::{Background, Camera, Content, Primitive, Scene, Style};
 use crate::sequence::{
     ColorHints, Coloring, Detail, FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, prepare,
 };
@@ -116,19 +117,19 @@ impl ThumbnailJob {
 
 fn draw(frame: &PreparedFrame, camera: &Camera, origin: DVec3) -> Result<ColorImage, RenderError> {
     let points = some_points(&frame.points);
-    let packet = ScenePacket {
-        viewport_px: PICTURE_PX,
-        view: camera.transform(origin, PICTURE_PX),
-        style: Style::default().with(|style| {
-            style.primitive = Primitive::Point;
-            style.points.size_px = point_size_px(points.len());
-            style.backdrop.background = BACKGROUND;
-        }),
-        content: Content::Points(points),
-        ground: None,
-        photographs: None,
-        bounds: frame.frame.bounds(),
+    let style = Style::default().with(|style| {
+        style.primitive = Primitive::Point;
+        style.points.size_px = point_size_px(points.len());
+        style.backdrop.background = BACKGROUND;
+        style.backdrop.grid = false;
+    });
+    let view = PictureView {
+        camera,
+        origin,
+        size_px: PICTURE_PX,
     };
+    let mut packet = packet(&mut Scene::default(), Drawn::from(frame), &view, &style);
+    packet.content = Content::Points(points);
     let mut renderer = CpuRenderer::new();
     renderer.prepare(&packet)?;
     renderer.render()?;

@@ -12,30 +12,8 @@ use crate::scene::Scene;
 use crate::timeline::PlayRange;
 use egui::Key;
 use egui::Ui;
-use std::path::PathBuf;
 
 impl State {
-    /// Takes what was kept of the sequence that was just opened.
-    pub(in crate::app) fn read_timeline(&mut self, folder: Option<&PathBuf>) {
-        let Some(player) = &mut self.player else {
-            return;
-        };
-        let (range, chosen, problem) = self.features.timeline.read(folder, player.sequence());
-        if let Some(problem) = problem {
-            self.notices.warn(problem);
-        }
-        player.set_range(range, self.shared.now);
-        self.take_chosen(chosen);
-    }
-
-    pub(in crate::app) fn keep_timeline(&mut self) {
-        if let Some(player) = &self.player
-            && let Err(problem) = self.features.timeline.keep(player.clock().range())
-        {
-            self.notices.warn(problem);
-        }
-    }
-
     /// The frame at the playhead, or waited for, of the open sequence.
     fn frame_at_playhead(&self) -> Option<usize> {
         let player = self.player.as_ref()?;
@@ -49,7 +27,7 @@ impl State {
             self.play_with(|player, now| {
                 player.set_range(change(player.clock().range(), frame), now);
             });
-            self.keep_timeline();
+            self.keep_document();
         }
     }
 
@@ -57,7 +35,7 @@ impl State {
     pub(in crate::app) fn toggle_marker(&mut self) {
         if let Some(frame) = self.frame_at_playhead() {
             self.features.timeline.toggle_marker(frame);
-            self.keep_timeline();
+            self.keep_document();
         }
     }
 
@@ -151,7 +129,7 @@ fn timeline(ui: &mut Ui, state: &mut State) {
     for request in timeline_ui(ui, &mut context) {
         match request {
             TimelineRequest::Run(command) => state.run(command),
-            TimelineRequest::Keep => state.keep_timeline(),
+            TimelineRequest::Keep => state.keep_document(),
         }
     }
 }

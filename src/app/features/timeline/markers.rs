@@ -1,6 +1,6 @@
 //! Named places on the timeline.
 
-use crate::session::Marker;
+use crate::document::Marker;
 
 /// More than anybody sets by hand.
 const MAX_MARKERS: usize = 1000;

@@ -1,11 +1,9 @@
-//! What a person puts on the timeline: in and out point, markers, a curve. The playhead and the range are the player's;
-//! here is what is kept of them.
+//! What a user puts on the timeline: markers, a curve. The playhead and the range are the player's.
 
 mod in_window;
 pub(in crate::app) mod panel;
 
 mod curve;
-mod file;
 mod markers;
 mod visible;
 
@@ -14,12 +12,10 @@ pub use curve::Quantity;
 pub use markers::Markers;
 pub(in crate::app) use visible::VisibleFrames;
 
-use crate::app::first_look::Chosen;
+use crate::document::Marker;
 use crate::playback::Player;
+use crate::scene::UpAxis;
 use crate::sequence::{NumberGap, Sequence, number_gaps};
-use crate::session::Marker;
-use crate::timeline::PlayRange;
-use std::path::PathBuf;
 use std::time::Duration;
 
 /// The marks of the open sequence.
@@ -38,12 +34,10 @@ pub struct Timeline {
     gaps: (usize, Vec<NumberGap>),
     /// Where the bar is in the window, points.
     pub(in crate::app) bar_rect: egui::Rect,
-    /// What was chosen for the sequence in place of what is guessed.
-    pub(in crate::app) chosen: Chosen,
+    /// The axis that was chosen to be up in place of the guessed one.
+    pub(in crate::app) chosen_up: Option<UpAxis>,
     /// The playhead is in the hand, and playing goes on when it is let go.
     resumes: bool,
-    /// Where they are kept, if they may be.
-    file: Option<PathBuf>,
 }
 
 impl Default for Timeline {
@@ -56,40 +50,29 @@ impl Default for Timeline {
             visible: VisibleFrames::default(),
             gaps: (0, Vec::new()),
             bar_rect: egui::Rect::ZERO,
-            chosen: Chosen::default(),
+            chosen_up: None,
             resumes: false,
-            file: None,
         }
     }
 }
 
 impl Timeline {
-    /// Takes what was kept of `sequence`, which was just opened: its range and what was chosen for it. What could not
-    /// be read is said.
-    pub(in crate::app) fn read(
-        &mut self,
-        folder: Option<&PathBuf>,
-        sequence: &Sequence,
-    ) -> (PlayRange, Chosen, Option<String>) {
+    /// Another sequence was opened: nothing of the one before is left.
+    pub(in crate::app) fn begin(&mut self) {
+        self.markers = Markers::default();
+        self.chosen_up = None;
         self.renaming = None;
         self.curve.forget();
         self.visible = VisibleFrames::default();
         self.gaps = (0, Vec::new());
-        let file = folder.and_then(|folder| file::file_of(folder, sequence));
-        let kept = file.map(|file| file::read(&file));
-        let (file, problem, (range, markers, chosen)) =
-            kept.map_or_else(Default::default, |kept| (kept.file, kept.problem, kept.value));
-        self.file = file;
-        self.markers = markers;
-        (range, chosen, problem)
     }
 
-    /// Takes the markers of a session in place of those that were kept. What is left out of them is said.
+    /// Takes the markers of a document in place of those that there are. What is left out of them is said.
     pub(in crate::app) fn take_markers(&mut self, list: Vec<Marker>) -> Option<String> {
         let mut left_out = Vec::new();
         self.renaming = None;
         self.markers = Markers::of(list, &mut left_out);
-        (!left_out.is_empty()).then(|| format!("Not all markers of the session are there: {}", left_out.join(", ")))
+        (!left_out.is_empty()).then(|| format!("Not all markers are there: {}", left_out.join(", ")))
     }
 
     /// The numbers that are missing between the names of the frames of `sequence`, which may have grown.
@@ -98,14 +81,6 @@ impl Timeline {
             self.gaps = (sequence.len(), number_gaps(&sequence.entries()));
         }
         &self.gaps.1
-    }
-
-    /// Keeps the marks and `range`, if they may be kept.
-    pub(in crate::app) fn keep(&self, range: PlayRange) -> Result<(), String> {
-        match &self.file {
-            Some(file) => file::write(file, range, &self.markers, self.chosen),
-            None => Ok(()),
-        }
     }
 
     /// Puts a marker at a frame, or takes it away.

@@ -1,7 +1,7 @@
 //! Trails: the ways that picked points, or points spread over the frame, take through time.
 //!
 //! How it works. All of them are found together by one task, which looks at every frame from in to out point
-//! ([`crate::sequence::Trails`]) and can be cancelled between two. Another task begins only when the one before has
+//! ([`crate::composition::Trails`]) and can be cancelled between two. Another task begins only when the one before has
 //! ended, so that no more than one frame is being read for it.
 
 mod in_window;
@@ -11,10 +11,10 @@ use super::inspection::{Anchor, Inspection};
 use crate::analysis::ColorMap;
 use crate::app::work::outcome::Message;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
-use crate::export::TrailLook;
+use crate::composition::{self, TrailLook, TrailMeasure, TrailRequest};
 use crate::playback::Player;
 use crate::progress::Progress;
-use crate::sequence::{self, Needs, PreparedFrame, Slot, TrailMeasure, TrailRequest};
+use crate::sequence::{Needs, PreparedFrame, Slot};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -58,7 +58,7 @@ impl Message for Traced {}
 
 /// What a task has found; `None` if it was cancelled.
 #[derive(Debug)]
-pub struct Traced(Option<sequence::Trails>);
+pub struct Traced(Option<composition::Trails>);
 
 /// Which trails are shown, and what is known of them.
 #[derive(Debug)]
@@ -72,7 +72,7 @@ pub struct Trails {
     /// The frame whose points [`Trails::field`] is of, and how many its file has.
     field_of: Option<(usize, usize)>,
     running: Option<Running>,
-    found: Option<(Wish, sequence::Trails)>,
+    found: Option<(Wish, composition::Trails)>,
 }
 
 impl Default for Trails {
@@ -94,7 +94,7 @@ impl Default for Trails {
 
 impl Trails {
     /// What was found, if that is known for what is asked now.
-    pub fn found(&self) -> Option<&sequence::Trails> {
+    pub fn found(&self) -> Option<&composition::Trails> {
         self.found.as_ref().map(|(_, trails)| trails)
     }
 
@@ -252,7 +252,7 @@ impl Trails {
         });
         tasks.start("trails", move || {
             let resident = |index: usize| resident.get(&index).and_then(Weak::upgrade);
-            let trails = sequence::Trails::trace(&request, &sequence, resident, &progress);
+            let trails = composition::Trails::trace(&request, &sequence, resident, &progress);
             Traced(trails)
         });
     }
@@ -301,7 +301,7 @@ fn resident(player: &Player, request: &TrailRequest) -> BTreeMap<usize, Weak<Pre
 
 /// A trail in the coordinates of the file, piece by piece as it is connected, of some frames.
 pub(in crate::app) fn pieces(
-    trails: &sequence::Trails,
+    trails: &composition::Trails,
     trail: usize,
     frames: Range<usize>,
     origin: DVec3,

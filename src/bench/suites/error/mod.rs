@@ -27,8 +27,7 @@ use crate::levels::octree::StopCriterion;
 use crate::measure::{SurfaceError, psnr_db};
 use crate::render::cpu::CpuRenderer;
 use crate::render::{AnyRenderer, Renderer};
-use crate::scene::describe::When;
-use crate::scene::{Background, Primitive, RendererChoice, Scene, ScenePacket, Style};
+use crate::scene::{Background, Primitive, RendererChoice, Scene, ScenePacket, Settings, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use crate::stopwatch::milliseconds_since;
 use image::RgbaImage;
@@ -125,7 +124,7 @@ struct Runners {
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     let all = ways::ways(!run.runner.is_processor());
     let modes = &run.options.modes;
-    let ways: Vec<Style> = all.into_iter().filter(|way| modes.admit(way)).collect();
+    let ways: Vec<Settings> = all.into_iter().filter(|way| modes.admit(&way.decided())).collect();
     if ways.is_empty() {
         return Err(BenchError::Nothing(
             "no way to draw is among the modes that were asked for, on this machine".to_owned(),
@@ -148,7 +147,7 @@ fn measure_sequence(
     run: &mut Run<'_>,
     runners: &mut Runners,
     subject: &Subject<'_>,
-    ways: &[Style],
+    ways: &[Settings],
     steps_per_frame: usize,
 ) -> Result<(), BenchError> {
     // Surfels are the truth, and what viewpoints are placed by.
@@ -184,7 +183,7 @@ fn measure_sequence(
         for (way, samples) in ways.iter().zip(&mut samples) {
             let label = ways::label(way);
             run.begin_step(format!("{}: {label}", subject.named(index)))?;
-            measure_way(run, runners, subject, &frame, &views, way, samples)?;
+            measure_way(run, runners, subject, &frame, &views, &way.decided(), samples)?;
             run.say_measured(samples.point(subject.name, way));
         }
     }
@@ -306,7 +305,7 @@ impl ErrorSamples {
         self.surface += error.surface;
     }
 
-    fn point(&self, sequence: &str, way: &Style) -> LabPoint {
+    fn point(&self, sequence: &str, way: &Settings) -> LabPoint {
         let [picture, error_map] = self.thumbnails.clone().unwrap_or_default();
         LabPoint {
             sequence: sequence.to_owned(),
@@ -321,7 +320,7 @@ impl ErrorSamples {
     }
 
     fn row(&self, point: &LabPoint) -> Row {
-        let way = &point.style;
+        let way = point.style.decided();
         let draw = Quantiles::of(&self.draw_ms);
         let psnr = psnr_db(mean(&self.squared));
         let is_surfel = way.draws_surfels();
@@ -334,7 +333,7 @@ impl ErrorSamples {
             }
         };
         let number_if = |is_there: bool, number: f32| Cell::maybe(is_there.then_some(f64::from(number)));
-        let has_depth = shows_known_surface(way);
+        let has_depth = shows_known_surface(&way);
         let threshold = match way.levels.lod {
             Lod::ThresholdPx(threshold) if way.draws_cells() || way.draws_codes() => Some(f64::from(threshold)),
             _ => None,
@@ -351,11 +350,11 @@ impl ErrorSamples {
             Cell::Text(way.primitive.to_string()),
             text_if(is_surfel, way.surfels.splatting.name()),
             text_if(is_gpu, way.drawing.strategy.name()),
-            text_if(way.is(When::Lit), way.light.lighting.name()),
+            text_if(way.is_lit(), point.style.light.lighting.name()),
             Cell::maybe(threshold),
             Cell::maybe(delta),
             number_if(is_surfel, way.surfels.splat_scale),
-            number_if(way.is(When::PointsOfPixels), way.points.size_px),
+            number_if(way.has_points_of_pixels(), way.points.size_px),
             Cell::Number(f64::from(self.drawn_px[0])),
             Cell::Number(f64::from(self.drawn_px[1])),
             Cell::maybe(draw.map(|q| q.median)),

@@ -5,7 +5,7 @@ use crate::levels::octree::StopCriterion;
 use crate::scene::describe::{Described, Label, Place, Value, Values};
 use crate::scene::{
     Antialiasing, Background, Footprint, LevelStructure, Lighting, PointLight, PointShape, PointSizing, Primitive,
-    RendererChoice, SplatFilter, Splatting, Strategy, Style, VoxelLight,
+    RendererChoice, Settings, SplatFilter, Splatting, Strategy, VoxelLight,
 };
 
 /// Behind the object: a grey of medium lightness, so that it is no colour of most objects.
@@ -21,15 +21,15 @@ const THRESHOLDS_PX: [f32; 3] = [2.0, 4.0, 8.0];
 const DELTAS: [f32; 4] = [0.02, 0.05, 0.2, 0.5];
 
 /// All ways, first those of the processor, then those of the adapter if there is one.
-pub(super) fn ways(has_adapter: bool) -> Vec<Style> {
-    let base = Style::default().with(|style| {
-        style.primitive = Primitive::Surfel;
+pub(super) fn ways(has_adapter: bool) -> Vec<Settings> {
+    let base = Settings::default().with(|style| {
+        style.primitive = Primitive::Surfel.into();
         style.backdrop.background = Background::solid(BACKGROUND);
-        style.drawing.renderer = RendererChoice::Cpu;
+        style.drawing.renderer = RendererChoice::Cpu.into();
     });
     let mut ways = of_renderer(&base);
     if has_adapter {
-        let base = base.with(|style| style.drawing.renderer = RendererChoice::Gpu);
+        let base = base.with(|style| style.drawing.renderer = RendererChoice::Gpu.into());
         ways.extend(of_renderer(&base));
         for primitive in [Primitive::Surfel, Primitive::Voxel, Primitive::Point] {
             let others = Strategy::ALL
@@ -37,7 +37,7 @@ pub(super) fn ways(has_adapter: bool) -> Vec<Style> {
                 .filter(|&&strategy| strategy != base.drawing.strategy);
             ways.extend(others.map(|&strategy| {
                 base.with(|style| {
-                    style.primitive = primitive;
+                    style.primitive = primitive.into();
                     style.drawing.strategy = strategy;
                 })
             }));
@@ -46,9 +46,9 @@ pub(super) fn ways(has_adapter: bool) -> Vec<Style> {
     ways
 }
 
-fn of_renderer(base: &Style) -> Vec<Style> {
-    let point = base.with(|style| style.primitive = Primitive::Point);
-    let voxel = base.with(|style| style.primitive = Primitive::Voxel);
+fn of_renderer(base: &Settings) -> Vec<Settings> {
+    let point = base.with(|style| style.primitive = Primitive::Point.into());
+    let voxel = base.with(|style| style.primitive = Primitive::Voxel.into());
     let detail = base.with(|style| style.levels.surfel_lod = true);
     let mut ways = of_points(&point);
     ways.extend(of_splats(base));
@@ -71,7 +71,7 @@ fn of_renderer(base: &Style) -> Vec<Style> {
 }
 
 /// Points by their size, shape and light.
-fn of_points(point: &Style) -> Vec<Style> {
+fn of_points(point: &Settings) -> Vec<Settings> {
     let of_scene = |sizing, shape| {
         point.with(|style| {
             style.points.sizing = sizing;
@@ -90,18 +90,19 @@ fn of_points(point: &Style) -> Vec<Style> {
 }
 
 /// Surfels, ellipses and sprites by mode, size, light and filter.
-fn of_splats(base: &Style) -> Vec<Style> {
+fn of_splats(base: &Settings) -> Vec<Settings> {
     // A picture of depths is none of colours.
     let modes = Splatting::ALL.iter().filter(|&&mode| mode != Splatting::Visibility);
-    let mut ways: Vec<Style> = modes
+    let mut ways: Vec<Settings> = modes
         .map(|&splatting| base.with(|style| style.surfels.splatting = splatting))
         .collect();
     ways.extend([0.7, 1.4].map(|splat_scale| base.with(|style| style.surfels.splat_scale = splat_scale)));
     ways.extend(
-        [Lighting::PerSurfel, Lighting::PerVertex].map(|lighting| base.with(|style| style.light.lighting = lighting)),
+        [Lighting::PerSurfel, Lighting::PerVertex]
+            .map(|lighting| base.with(|style| style.light.lighting = lighting.into())),
     );
-    let ellipse = base.with(|style| style.primitive = Primitive::Ellipse);
-    let sprite = base.with(|style| style.primitive = Primitive::Sprite);
+    let ellipse = base.with(|style| style.primitive = Primitive::Ellipse.into());
+    let sprite = base.with(|style| style.primitive = Primitive::Sprite.into());
     ways.extend([ellipse, sprite]);
     ways.push(ellipse.with(|style| style.surfels.splatting = Splatting::TwoPassEnlarged));
     ways.extend([ellipse, sprite].map(|splats| splats.with(|style| style.surfels.splatting = Splatting::Opaque)));
@@ -112,7 +113,7 @@ fn of_splats(base: &Style) -> Vec<Style> {
 }
 
 /// Structures of levels of detail by what they leave out.
-fn of_structures(base: &Style, voxel: &Style) -> Vec<Style> {
+fn of_structures(base: &Settings, voxel: &Settings) -> Vec<Settings> {
     let detail = base.with(|style| style.levels.surfel_lod = true);
     let mut ways = Vec::new();
     // Of the octree: below.
@@ -128,7 +129,7 @@ fn of_structures(base: &Style, voxel: &Style) -> Vec<Style> {
         };
         ways.extend(lods.map(|lod| coarse.with(|style| style.levels.lod = lod)));
     }
-    let ellipse = detail.with(|style| style.primitive = Primitive::Ellipse);
+    let ellipse = detail.with(|style| style.primitive = Primitive::Ellipse.into());
     for coarse in [detail, ellipse, *voxel] {
         ways.push(coarse);
         ways.extend(THRESHOLDS_PX.map(|threshold| coarse.with(|style| style.levels.lod = Lod::ThresholdPx(threshold))));
@@ -140,9 +141,9 @@ fn of_structures(base: &Style, voxel: &Style) -> Vec<Style> {
 }
 
 /// From the octree's byte code; the GPU draws exact disks whatever it says.
-fn of_codes(base: &Style) -> Vec<Style> {
+fn of_codes(base: &Settings) -> Vec<Settings> {
     let whole = base.with(|style| style.levels.lod = Lod::ThresholdPx(0.0));
-    let mut ways: Vec<Style> = [Footprint::Masks, Footprint::Pixels]
+    let mut ways: Vec<Settings> = [Footprint::Masks, Footprint::Pixels]
         .map(|footprint| whole.with(|style| style.codes.footprint = footprint))
         .into();
     ways.push(base.with(|style| style.codes.footprint = Footprint::Masks));
@@ -150,18 +151,18 @@ fn of_codes(base: &Style) -> Vec<Style> {
 }
 
 /// A way in a few words: what it draws, how finely, and who draws it, as the descriptions of settings tell it.
-pub(super) fn label(way: &Style) -> String {
-    let usual = Style::default().settings();
+pub(super) fn label(way: &Settings) -> String {
+    let (drawn, usual) = (way.decided(), Settings::default().settings());
     let mut told: Vec<(Place, String)> = way
         .settings()
         .into_iter()
         .zip(usual)
-        .filter(|((described, _), _)| way.is(described.when))
+        .filter(|((described, _), _)| (described.when)(&drawn))
         .filter_map(|((described, value), (_, usual))| {
             let (place, pattern) = match described.label {
                 Label::Always(place, pattern) => Some((place, pattern)),
                 Label::Unusual(place, pattern) => (value != usual).then_some((place, pattern)),
-                Label::If(when, place, pattern) => way.is(when).then_some((place, pattern)),
+                Label::If(when, place, pattern) => when(&drawn).then_some((place, pattern)),
                 Label::Untold => None,
             }?;
             Some((place, told(described, value, pattern)?))

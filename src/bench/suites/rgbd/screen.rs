@@ -132,7 +132,7 @@ fn measure(run: &mut Run<'_>, seen: &ViewedCloud<'_>) -> Result<Row, BenchError>
     let packet = new_packet();
     let view = screen_view(&packet.view, packet.viewport_px);
     let cloud = ScreenCloud {
-        spacing: packet.style.of_sequence.point_spacing,
+        spacing: packet.params.point_spacing,
         closing: 1.0,
         sensor: seen.frame.frame.sensor(),
     };

@@ -15,7 +15,7 @@ use crate::cloud::{Attributes, Frame, Positions, RawCloud};
 use crate::measure::psnr_db;
 use crate::photos::{PhotoImage, Photograph, Photographs, Texture};
 use crate::rgbd::{self, Distortion};
-use crate::scene::{Camera, FirstLook, PhotoClipping, PhotoMode, Scene, Style, UpAxis};
+use crate::scene::{Camera, FirstLook, PhotoClipping, PhotoMode, Scene, Settings, UpAxis};
 use crate::sequence::{PrepareCounters, prepare};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::sync::Arc;
@@ -113,10 +113,10 @@ fn plane() -> RawCloud {
 }
 
 /// Pictures of the checker beside the truth.
-pub(super) fn measure(run: &mut Run<'_>, runner: &mut Runner, style: &Style) -> Result<Vec<Row>, BenchError> {
+pub(super) fn measure(run: &mut Run<'_>, runner: &mut Runner, settings: &Settings) -> Result<Vec<Row>, BenchError> {
     let frame = Arc::new(Frame::from_raw(plane(), DVec3::ZERO)?);
     let look = FirstLook::of(&[&frame], DVec3::ZERO);
-    let style = style
+    let style = settings
         .resolved(&look)
         .with(|style| style.photos.clipping = PhotoClipping::Off);
     let frame = prepare(0, frame, 0.0, &Scene::needs(&style), &PrepareCounters::default());

@@ -25,11 +25,13 @@ use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, OptionGroup, Suite};
 use crate::bench::truth_cache::TruthCache;
 use crate::bench::{BenchError, Quantiles};
-use crate::headless::PHOTOGRAPH_BYTES;
+use crate::composition::PHOTOGRAPH_BYTES;
 use crate::measure::{SizeMismatch, flip, mean_squared_error, psnr_db};
 use crate::photos::{LoadedPhotographs, Photograph, Photographs};
 use crate::render::AnyRenderer;
-use crate::scene::{Background, Camera, EyeDome, FirstLook, Lighting, PhotoMode, Primitive, Scene, ScenePacket, Style};
+use crate::scene::{
+    Background, Camera, EyeDome, FirstLook, Lighting, PhotoMode, Primitive, Scene, ScenePacket, Settings, Style,
+};
 use crate::sequence::PreparedFrame;
 use crate::stereo::photo_surface;
 use backgrounds::is_covered;
@@ -102,7 +104,7 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
             chosen: vec![0],
         };
         measure_sequence(run, &mut runner, &tree, POINTS_OF_TREE)?;
-        let rows = checker::measure(run, &mut runner, &style())?;
+        let rows = checker::measure(run, &mut runner, &settings())?;
         run.add_rows(rows);
     }
     Ok(())
@@ -116,13 +118,16 @@ fn measure_sequence(
     few_points: usize,
 ) -> Result<bool, BenchError> {
     let index = subject.chosen.first().copied().unwrap_or(0);
-    let style = style();
+    let settings = settings();
+    let style = settings
+        .decided()
+        .with(|style| style.of_sequence.has_photographs = true);
     let Ok(frame) = run.load(subject, index, 1, &Scene::needs(&style))? else {
         return Ok(false);
     };
     let origin = subject.sequence.origin();
     let look = FirstLook::of_sequence(&frame.frame, subject.sequence);
-    let style = style.resolved(&look).with(|style| {
+    let style = settings.resolved(&look).with(|style| {
         style.primitive = Primitive::Surfel;
         style.of_sequence.has_photographs = true;
     });
@@ -226,12 +231,11 @@ fn tables_of_paper(
 }
 
 /// Photographs have their light in them.
-fn style() -> Style {
-    Style::default().with(|style| {
-        style.primitive = Primitive::Surfel;
-        style.light.lighting = Lighting::Unlit;
-        style.light.eye_dome = EyeDome::Off;
-        style.of_sequence.has_photographs = true;
+fn settings() -> Settings {
+    Settings::default().with(|settings| {
+        settings.primitive = Primitive::Surfel.into();
+        settings.light.lighting = Lighting::Unlit.into();
+        settings.light.eye_dome = EyeDome::Off.into();
     })
 }
 

@@ -7,9 +7,9 @@
 //! Specks are looked for in what came of it.
 
 use super::{PhotoAnswer, Place, Projected, Scores};
-use crate::render::cpu::finish::Gradient;
 use crate::render::cpu::rims::{Drawn, fill_rows, over};
 use crate::render::cpu::view::PixelView;
+use crate::render::effects::background::cpu::Gradient;
 use crate::scene::{GAP_ONE_SURFACE, GAP_SOLID, GAPS_PER_SLIT, PIXEL_LINES, speck_px};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;

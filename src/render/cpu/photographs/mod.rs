@@ -11,14 +11,11 @@
 
 mod agreement;
 mod candidates;
-mod depths;
 mod gaps;
 mod normals;
 mod push_pull;
 mod sampling;
 
-pub(in crate::render) use depths::KnownDepths;
-pub use depths::depths_of_photographs;
 pub(super) use push_pull::fill_holes;
 
 use super::tile::{Tile, WIDTH};

@@ -185,7 +185,7 @@ impl SeenMesh<'_> {
     }
 
     fn shading(&self, view: &PixelView, record: &TriangleRecord, corners: [&SeenVertex; 3]) -> TriangleShading<'_> {
-        let lighting = self.mesh.style.light.drawn_lighting();
+        let lighting = self.mesh.style.light.lighting;
         let face = view.rotate(oct_decode(record.normal));
         let normals = corners.map(|corner| {
             if corner.normal == Vec3::ZERO {

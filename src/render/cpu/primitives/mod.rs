@@ -59,7 +59,7 @@ impl<'a> Drawable<'a> {
                 Self::Points(Points::new(packet, &surfels.points, Some(&surfels.shapes)))
             }
             Content::Surfels(surfels) => Self::Surfels(Surfels::new(style, surfels, slack_radii)),
-            Content::Voxels(voxels) => Self::Cubes(Cubes::new(voxels, style.light.drawn_lighting(), slack_of_cells)),
+            Content::Voxels(voxels) => Self::Cubes(Cubes::new(voxels, style.light.lighting, slack_of_cells)),
             Content::Mesh(records) => Self::Mesh(Mesh { records, style }),
             Content::Coded(cells) => Self::Coded(Coded::new(cells, style)),
         }

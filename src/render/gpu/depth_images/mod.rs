@@ -24,7 +24,7 @@ mod scratch;
 #[cfg(test)]
 mod tests;
 
-pub(super) use passes::source;
+pub(super) use passes::SHADER;
 
 use super::context::Context;
 use super::gpu_data::DepthImaging;

@@ -3,25 +3,91 @@
 pub(super) use crate::render::gpu::compute::UNIFORM;
 
 use super::network::middle_of_window;
-use crate::render::gpu::compute::{ComputePrograms, ComputeShader, EntryRow};
-use crate::render::gpu::constants::{self, DEPTH_GROUP, DEPTH_TILE_PX};
+use crate::render::gpu::compute::{Access, BufferRow, ComputePrograms, ComputeShader, EntryRow};
+use crate::render::gpu::constants::{self, DEPTH_TILE_PX};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::DepthImaging;
+use crate::render::gpu::layout::Shared;
 use crate::render::gpu::recording::Recording;
+use crate::render::gpu::wgsl::shader_file;
 
 /// Bindings of `depth_images/image.wgsl`.
+/// What the camera has measured.
 pub(super) const SAMPLES: u32 = 1;
+/// Metres of each number.
 pub(super) const TABLE: u32 = 2;
+/// Depths.
 pub(super) const BEFORE: u32 = 3;
+/// The same after a pass.
 pub(super) const AFTER: u32 = 4;
+/// Of the frames so far.
 pub(super) const MEAN: u32 = 5;
+/// For how many frames each pixel was a hole.
 pub(super) const AGES: u32 = 6;
+/// x and y at a depth of 1; `NO_RAY` where the lens shows nothing.
 pub(super) const RAYS: u32 = 7;
+/// Bytes of red, green and blue, one pixel after the other.
 pub(super) const COLORS: u32 = 8;
+/// One for each pixel.
 pub(super) const MADE_POINTS: u32 = 9;
 
-/// Those that are only read.
-const READ_ONLY: [u32; 5] = [SAMPLES, TABLE, BEFORE, RAYS, COLORS];
+/// What passes bind, by these names in WGSL.
+const BUFFERS: [BufferRow; 9] = [
+    BufferRow {
+        binding: SAMPLES,
+        name: "samples",
+        holds: "array<u32>",
+        access: Access::Read,
+    },
+    BufferRow {
+        binding: TABLE,
+        name: "table",
+        holds: "array<f32>",
+        access: Access::Read,
+    },
+    BufferRow {
+        binding: BEFORE,
+        name: "before",
+        holds: "array<f32>",
+        access: Access::Read,
+    },
+    BufferRow {
+        binding: AFTER,
+        name: "after",
+        holds: "array<f32>",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: MEAN,
+        name: "mean",
+        holds: "array<f32>",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: AGES,
+        name: "ages",
+        holds: "array<u32>",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: RAYS,
+        name: "rays",
+        holds: "array<vec2f>",
+        access: Access::Read,
+    },
+    BufferRow {
+        binding: COLORS,
+        name: "colors",
+        holds: "array<u32>",
+        access: Access::Read,
+    },
+    BufferRow {
+        binding: MADE_POINTS,
+        name: "made_points",
+        holds: "array<PointRecord>",
+        access: Access::ReadWrite,
+    },
+];
 
 /// An entry point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,51 +105,52 @@ pub(super) enum Pass {
 const ROWS: [EntryRow; 7] = [
     EntryRow {
         entry: "near",
+        file: shader_file!("depth_images/near.wgsl"),
         buffers: &[SAMPLES, TABLE, AFTER],
     },
     EntryRow {
         entry: "median",
+        file: shader_file!("depth_images/median.wgsl"),
         buffers: &[BEFORE, AFTER],
     },
     EntryRow {
         entry: "bilateral",
+        file: shader_file!("depth_images/bilateral.wgsl"),
         buffers: &[BEFORE, AFTER],
     },
     EntryRow {
         entry: "flying",
+        file: shader_file!("depth_images/flying.wgsl"),
         buffers: &[BEFORE, AFTER],
     },
     EntryRow {
         entry: "erode",
+        file: shader_file!("depth_images/flying.wgsl"),
         buffers: &[BEFORE, AFTER],
     },
     EntryRow {
         entry: "mean_over_time",
+        file: shader_file!("depth_images/temporal.wgsl"),
         buffers: &[BEFORE, MEAN, AGES],
     },
     EntryRow {
         entry: "reproject",
+        file: shader_file!("depth_images/reproject.wgsl"),
         buffers: &[BEFORE, RAYS, COLORS, MADE_POINTS],
     },
 ];
 
-/// The WGSL of all of them.
-pub(in crate::render::gpu) fn source() -> String {
-    [
-        constants::shared().as_str(),
-        &constants::of_depth_images(),
-        include_str!("../../../../shaders/common/records.wgsl"),
-        include_str!("../../../../shaders/depth_images/image.wgsl"),
-        include_str!("../../../../shaders/depth_images/near.wgsl"),
-        include_str!("../../../../shaders/depth_images/median.wgsl"),
-        &middle_of_window(),
-        include_str!("../../../../shaders/depth_images/bilateral.wgsl"),
-        include_str!("../../../../shaders/depth_images/flying.wgsl"),
-        include_str!("../../../../shaders/depth_images/temporal.wgsl"),
-        include_str!("../../../../shaders/depth_images/reproject.wgsl"),
-    ]
-    .join("\n")
-}
+/// All of them.
+pub(in crate::render::gpu) const SHADER: ComputeShader = ComputeShader {
+    label: "depth images",
+    rows: &ROWS,
+    given: &[
+        ("generated/depth_images", constants::of_depth_images),
+        ("generated/middle_of_window", middle_of_window),
+    ],
+    uniform: ("imaging", &DepthImaging::LAYOUT),
+    buffers: &BUFFERS,
+};
 
 /// All programs.
 #[derive(Debug)]
@@ -91,17 +158,7 @@ pub(super) struct Programs(ComputePrograms);
 
 impl Programs {
     pub(super) fn new(context: &Context) -> Self {
-        Self(ComputePrograms::new(
-            context,
-            ComputeShader {
-                label: "depth images",
-                source,
-                rows: &ROWS,
-                read_only: &READ_ONLY,
-                uniform_bytes: size_of::<DepthImaging>() as u64,
-                group: DEPTH_GROUP,
-            },
-        ))
+        Self(ComputePrograms::new(context, SHADER))
     }
 
     /// Records a pass over all pixels; `buffer` knows what is bound to each binding. Precondition: the adapter has as

@@ -15,24 +15,23 @@ use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::SplatVertex;
 use crate::render::gpu::primitives::Amplification;
 use crate::render::gpu::recording::Recording;
-use crate::render::gpu::wgsl;
+use crate::render::gpu::wgsl::{ShaderFile, assembled, shader_file, source_or_nothing};
 use std::collections::HashMap;
 
 /// Bytes of `DrawIndexedIndirect`, of which the first four words are also those of a draw without indices.
 const INDIRECT_BYTES: u64 = 20;
 
 pub(super) const ROW: StrategyRow = StrategyRow {
-    fetch_corner: Some(include_str!("../../../../shaders/fetch/compute.wgsl")),
+    fetch_corner: Some(shader_file!("fetch/compute.wgsl")),
     open: |context, view_layout| Box::new(Compute::new(context, view_layout)),
     ..storage::ROW
 };
 
-/// The WGSL of the pass that writes corners.
-pub(in crate::render::gpu) fn compute_source(amplification: &Amplification) -> String {
-    let mut files = ROW.amplifying_wgsl(amplification);
-    files.push(include_str!("../../../../shaders/common/scan.wgsl"));
-    files.push(include_str!("../../../../shaders/passes/amplify.wgsl"));
-    wgsl::of_records(amplification, &files)
+/// The files of the pass that writes corners.
+pub(in crate::render::gpu) fn amplifying_files(amplification: &Amplification) -> Vec<ShaderFile> {
+    let mut files = ROW.amplifying_files(amplification);
+    files.push(shader_file!("passes/amplify.wgsl"));
+    files
 }
 
 #[derive(Debug)]
@@ -91,9 +90,10 @@ impl Compute {
 
     fn build_pipelines(&self, context: &Context, amplification: &'static Amplification) -> Pipelines {
         let label = amplification.name;
+        let source = assembled(&[amplification.given()], &amplifying_files(amplification));
         let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(label),
-            source: wgpu::ShaderSource::Wgsl(compute_source(amplification).into()),
+            source: wgpu::ShaderSource::Wgsl(source_or_nothing(source).into()),
         });
         let stream = self.storage.stream_layout();
         let shapes = stream.filter(|_| amplification.reads_shapes);

@@ -14,11 +14,12 @@ use super::stream::{Chunk, RECORD_BYTES, Stream};
 use crate::cloud::{MeshRecords, TriangleRecord, VertexRecord};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
+use crate::render::gpu::wgsl::{ShaderFile, shader_file};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
 /// The file by which the vertex stage gets a triangle.
-pub(super) const FETCH: &str = include_str!("../../../../shaders/fetch/indexed.wgsl");
+pub(super) const FETCH: ShaderFile = shader_file!("fetch/indexed.wgsl");
 
 /// Records that a vertex takes the room of.
 const RECORDS_PER_VERTEX: usize = size_of::<VertexRecord>() / RECORD_BYTES;

@@ -18,21 +18,22 @@ mod texture;
 mod uniform;
 mod vertex;
 
-pub(super) use compute::compute_source;
+pub(super) use compute::amplifying_files;
 pub(super) use indexed::Indexed;
 pub(super) use room::Room;
 pub(super) use strategy::{Instancing, RecordInstancing, StrategyRow, upload};
 pub(super) use stream::{Chunk, Draw, RECORD_BYTES, Stream, ViewBinding};
 
 use super::primitives::Amplification;
+use super::wgsl::ShaderFile;
 use crate::scene::Strategy;
 
 /// The files by which the vertex stage gets its corners.
-pub(super) fn vertex_wgsl(strategy: Strategy, amplification: &Amplification) -> Vec<&'static str> {
+pub(super) fn vertex_files(strategy: Strategy, amplification: &Amplification) -> Vec<ShaderFile> {
     if amplification.is_indexed {
-        return [&[indexed::FETCH], amplification.wgsl].concat();
+        return [&[indexed::FETCH], amplification.files].concat();
     }
-    row(strategy).vertex_wgsl(amplification)
+    row(strategy).vertex_files(amplification)
 }
 
 /// The table of strategies.

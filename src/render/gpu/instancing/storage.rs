@@ -10,9 +10,10 @@ use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, RECORD_BYTES};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
+use crate::render::gpu::wgsl::shader_file;
 
 pub(super) const ROW: StrategyRow = StrategyRow {
-    fetch: [include_str!("../../../../shaders/fetch/storage.wgsl"); 2],
+    fetch: [shader_file!("fetch/storage.wgsl"); 2],
     fetch_corner: None,
     open: |context, _| Box::new(Storage::new(context)),
 };

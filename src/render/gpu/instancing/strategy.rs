@@ -5,31 +5,32 @@ use super::stream::{Chunk, Draw, RECORD_BYTES, Stream, ViewBinding};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
 use crate::render::gpu::recording::Recording;
+use crate::render::gpu::wgsl::ShaderFile;
 use std::{fmt, iter};
 
 /// A row of the [table of strategies](super::row).
 #[derive(Debug)]
 pub(in crate::render::gpu) struct StrategyRow {
     /// Files of `shaders/fetch/` by which the vertex stage gets a record: where it reads no shapes, and where it does.
-    pub(super) fetch: [&'static str; 2],
+    pub(super) fetch: [ShaderFile; 2],
     /// The file by which it gets a corner that a compute pass has written, of strategies with such a pass.
-    pub(super) fetch_corner: Option<&'static str>,
+    pub(super) fetch_corner: Option<ShaderFile>,
     /// Makes it; the layout is that of the view's bind group.
     pub(in crate::render::gpu) open: fn(&Context, &wgpu::BindGroupLayout) -> Box<dyn RecordInstancing>,
 }
 
 impl StrategyRow {
     /// The files that make corners of records.
-    pub(super) fn amplifying_wgsl(&self, amplification: &Amplification) -> Vec<&'static str> {
+    pub(super) fn amplifying_files(&self, amplification: &Amplification) -> Vec<ShaderFile> {
         let fetch = self.fetch[usize::from(amplification.reads_shapes)];
-        iter::once(fetch).chain(amplification.wgsl.iter().copied()).collect()
+        iter::once(fetch).chain(amplification.files.iter().copied()).collect()
     }
 
     /// The files by which the vertex stage gets its corners.
-    pub(super) fn vertex_wgsl(&self, amplification: &Amplification) -> Vec<&'static str> {
+    pub(super) fn vertex_files(&self, amplification: &Amplification) -> Vec<ShaderFile> {
         match self.fetch_corner {
             Some(fetch_corner) if amplification.compute_amplifies => vec![fetch_corner],
-            _ => self.amplifying_wgsl(amplification),
+            _ => self.amplifying_files(amplification),
         }
     }
 }

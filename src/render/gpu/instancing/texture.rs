@@ -9,12 +9,13 @@ use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, RECORD_BYTES};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
+use crate::render::gpu::wgsl::shader_file;
 
 /// Texels a row: a power of two that every adapter allows and that wastes little of the last row.
 const ROW_RECORDS: usize = 2048;
 
 pub(super) const ROW: StrategyRow = StrategyRow {
-    fetch: [include_str!("../../../../shaders/fetch/texture.wgsl"); 2],
+    fetch: [shader_file!("fetch/texture.wgsl"); 2],
     fetch_corner: None,
     open: |context, _| Box::new(Texture::new(context)),
 };

@@ -11,12 +11,13 @@ use super::stream::{Chunk, Draw, RECORD_BYTES};
 use crate::render::gpu::constants::BATCH_RECORDS;
 use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
+use crate::render::gpu::wgsl::shader_file;
 
 /// Bytes a draw.
 const BATCH_BYTES: usize = BATCH_RECORDS as usize * RECORD_BYTES;
 
 pub(super) const ROW: StrategyRow = StrategyRow {
-    fetch: [include_str!("../../../../shaders/fetch/uniform.wgsl"); 2],
+    fetch: [shader_file!("fetch/uniform.wgsl"); 2],
     fetch_corner: None,
     open: |context, _| Box::new(Uniform::new(context)),
 };

@@ -9,6 +9,7 @@ use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, Draw, RECORD_BYTES};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
+use crate::render::gpu::wgsl::shader_file;
 
 const POINT_ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32];
 
@@ -17,8 +18,8 @@ const SHAPE_ATTRIBUTES: [wgpu::VertexAttribute; 4] =
 
 pub(super) const ROW: StrategyRow = StrategyRow {
     fetch: [
-        include_str!("../../../../shaders/fetch/vertex_points.wgsl"),
-        include_str!("../../../../shaders/fetch/vertex.wgsl"),
+        shader_file!("fetch/vertex_points.wgsl"),
+        shader_file!("fetch/vertex.wgsl"),
     ],
     fetch_corner: None,
     open: |_, _| Box::new(Vertex),

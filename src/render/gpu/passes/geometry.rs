@@ -2,11 +2,12 @@
 
 use super::state::{ADDED, ColorUse, DepthUse, GeometryPass, OVER, PREMULTIPLIED};
 use crate::render::gpu::targets::Target;
+use crate::render::gpu::wgsl::shader_file;
 
 /// Depths of the disks and nothing else (paper 000 §V-B, first pass).
 pub(in crate::render::gpu) const VISIBILITY: GeometryPass = GeometryPass {
     name: "visibility",
-    wgsl: include_str!("../../../../shaders/passes/visibility.wgsl"),
+    file: shader_file!("passes/visibility.wgsl"),
     color: None,
     depth: Some(DepthUse::TestAndWrite),
 };
@@ -14,7 +15,7 @@ pub(in crate::render::gpu) const VISIBILITY: GeometryPass = GeometryPass {
 /// Depths of faces and nothing else: what cells leave in a shadow map.
 pub(in crate::render::gpu) const DEPTH: GeometryPass = GeometryPass {
     name: "depth",
-    wgsl: include_str!("../../../../shaders/passes/depth.wgsl"),
+    file: shader_file!("passes/depth.wgsl"),
     ..VISIBILITY
 };
 
@@ -22,7 +23,7 @@ pub(in crate::render::gpu) const DEPTH: GeometryPass = GeometryPass {
 /// normalised sums instead of ordered blending, as in paper 002, so that no order is needed).
 pub(in crate::render::gpu) const ATTRIBUTE: GeometryPass = GeometryPass {
     name: "attribute",
-    wgsl: include_str!("../../../../shaders/passes/attribute.wgsl"),
+    file: shader_file!("passes/attribute.wgsl"),
     color: Some(ColorUse {
         target: Target::Sums,
         blend: Some(ADDED),
@@ -33,7 +34,7 @@ pub(in crate::render::gpu) const ATTRIBUTE: GeometryPass = GeometryPass {
 /// One-pass splatting: blended in the order of the cloud, with depth (Fig. 3a).
 pub(in crate::render::gpu) const REGULAR: GeometryPass = GeometryPass {
     name: "splat",
-    wgsl: include_str!("../../../../shaders/passes/splat.wgsl"),
+    file: shader_file!("passes/splat.wgsl"),
     color: Some(ColorUse {
         target: Target::Picture,
         blend: Some(OVER),
@@ -51,14 +52,14 @@ pub(in crate::render::gpu) const NO_DEPTH: GeometryPass = GeometryPass {
 /// Hard disks: the nearest is seen (paper 002, Fig. 5).
 pub(in crate::render::gpu) const OPAQUE: GeometryPass = GeometryPass {
     name: "opaque",
-    wgsl: include_str!("../../../../shaders/passes/opaque.wgsl"),
+    file: shader_file!("passes/opaque.wgsl"),
     ..SOLID
 };
 
 /// Opaque faces in their light (paper 000 §VI-B), and triangles.
 pub(in crate::render::gpu) const SOLID: GeometryPass = GeometryPass {
     name: "solid",
-    wgsl: include_str!("../../../../shaders/passes/solid.wgsl"),
+    file: shader_file!("passes/solid.wgsl"),
     color: Some(ColorUse {
         target: Target::Picture,
         blend: None,
@@ -69,28 +70,28 @@ pub(in crate::render::gpu) const SOLID: GeometryPass = GeometryPass {
 /// The same with round points.
 pub(in crate::render::gpu) const ROUND_SOLID: GeometryPass = GeometryPass {
     name: "round solid",
-    wgsl: include_str!("../../../../shaders/passes/round_solid.wgsl"),
+    file: shader_file!("passes/round_solid.wgsl"),
     ..SOLID
 };
 
 /// Plain points without light: the cheapest picture of a cloud.
 pub(in crate::render::gpu) const POINT: GeometryPass = GeometryPass {
     name: "point",
-    wgsl: include_str!("../../../../shaders/passes/point.wgsl"),
+    file: shader_file!("passes/point.wgsl"),
     ..SOLID
 };
 
 /// The same, round: the disks in the squares.
 pub(in crate::render::gpu) const ROUND_POINT: GeometryPass = GeometryPass {
     name: "round point",
-    wgsl: include_str!("../../../../shaders/passes/round_point.wgsl"),
+    file: shader_file!("passes/round_point.wgsl"),
     ..POINT
 };
 
 /// What the attribute pass sums up, with normals, for deferred shading.
 pub(in crate::render::gpu) const SURFACE_ATTRIBUTE: GeometryPass = GeometryPass {
     name: "surface attribute",
-    wgsl: include_str!("../../../../shaders/passes/surface_splat.wgsl"),
+    file: shader_file!("passes/surface_splat.wgsl"),
     color: Some(ColorUse {
         target: Target::Surfaces,
         blend: Some(ADDED),
@@ -119,7 +120,7 @@ pub(in crate::render::gpu) const SURFACE_NO_DEPTH: GeometryPass = GeometryPass {
 /// Opaque faces and triangles for deferred shading.
 pub(in crate::render::gpu) const SURFACE_SOLID: GeometryPass = GeometryPass {
     name: "surface solid",
-    wgsl: include_str!("../../../../shaders/passes/surface_solid.wgsl"),
+    file: shader_file!("passes/surface_solid.wgsl"),
     color: Some(ColorUse {
         target: Target::Surfaces,
         blend: None,
@@ -130,13 +131,13 @@ pub(in crate::render::gpu) const SURFACE_SOLID: GeometryPass = GeometryPass {
 /// The same with round points.
 pub(in crate::render::gpu) const SURFACE_ROUND_SOLID: GeometryPass = GeometryPass {
     name: "surface round solid",
-    wgsl: include_str!("../../../../shaders/passes/surface_round_solid.wgsl"),
+    file: shader_file!("passes/surface_round_solid.wgsl"),
     ..SURFACE_SOLID
 };
 
 /// Hard disks for deferred shading.
 pub(in crate::render::gpu) const SURFACE_OPAQUE: GeometryPass = GeometryPass {
     name: "surface opaque",
-    wgsl: include_str!("../../../../shaders/passes/surface_opaque.wgsl"),
+    file: shader_file!("passes/surface_opaque.wgsl"),
     ..SURFACE_SOLID
 };

@@ -1,12 +1,12 @@
-//! The passes: a row each says what it draws into and under which depth and blend state (`geometry.rs`, `screen.rs`);
-//! `pipelines.rs` makes the pipelines from that, once each.
+//! The passes: a row each says what it draws into and under which depth and blend state (`geometry.rs`, `screen.rs`,
+//! `shade.rs`, and `render/effects`); `pipelines.rs` makes the pipelines from that, once each.
 
 pub(super) mod geometry;
 mod pipelines;
 pub(super) mod screen;
+pub(super) mod shade;
 mod state;
 
 pub(super) use pipelines::{GeometryKey, Pipelines};
-pub use screen::SCREEN_PASSES;
-pub(super) use state::DepthUse;
+pub(in crate::render) use state::{ColorUse, DepthUse, MULTIPLIED, OVER};
 pub use state::{GeometryPass, ScreenPass};

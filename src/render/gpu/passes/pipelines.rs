@@ -4,8 +4,10 @@ use super::state::{DepthUse, GeometryPass, ScreenPass};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::instancing::Instancing;
 use crate::render::gpu::primitives::Amplification;
+use crate::render::gpu::shader_reload::Watch;
 use crate::render::gpu::shaders::Permutation;
-use crate::render::gpu::targets::{Precision, Source};
+use crate::render::gpu::targets::Precision;
+use crate::render::gpu::wgsl::source_or_nothing;
 use crate::scene::Strategy;
 use std::collections::HashMap;
 
@@ -43,82 +45,46 @@ impl GeometryKey {
 pub(crate) struct Pipelines {
     geometry: HashMap<GeometryName, wgpu::RenderPipeline>,
     screen: HashMap<ScreenName, wgpu::RenderPipeline>,
+    /// Those of shaders before they changed, which stay if the new ones are wrong.
+    before: (
+        HashMap<GeometryName, wgpu::RenderPipeline>,
+        HashMap<ScreenName, wgpu::RenderPipeline>,
+    ),
+    watch: Option<Watch>,
     pub(crate) view_layout: wgpu::BindGroupLayout,
-    color_source_layout: wgpu::BindGroupLayout,
-    sum_source_layout: wgpu::BindGroupLayout,
-    depth_source_layout: wgpu::BindGroupLayout,
-    surface_source_layout: wgpu::BindGroupLayout,
-    photographed_source_layout: wgpu::BindGroupLayout,
-    photo_answer_source_layout: wgpu::BindGroupLayout,
+    /// By the names of passes over the screen: of what these bind beside the view.
+    source_layouts: HashMap<&'static str, wgpu::BindGroupLayout>,
 }
 
 impl Pipelines {
     pub(crate) fn new(context: &Context, view_uniform_bytes: u64) -> Self {
-        let layout = |label, visibility, types: &[wgpu::BindingType]| {
-            let entry = |(binding, &ty): (u32, &wgpu::BindingType)| wgpu::BindGroupLayoutEntry {
-                binding,
-                visibility,
-                ty,
-                count: None,
-            };
-            let entries: Vec<_> = (0..).zip(types).map(entry).collect();
-            context
-                .device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                    label: Some(label),
-                    entries: &entries,
-                })
+        let view = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: true,
+            min_binding_size: wgpu::BufferSize::new(view_uniform_bytes),
         };
-        let texture = |sample_type, view_dimension| wgpu::BindingType::Texture {
-            sample_type,
-            view_dimension,
-            multisampled: false,
-        };
-        let [single, layers] = [wgpu::TextureViewDimension::D2, wgpu::TextureViewDimension::D2Array];
-        let color = texture(wgpu::TextureSampleType::Float { filterable: false }, single);
-        let colors = texture(wgpu::TextureSampleType::Float { filterable: false }, layers);
-        let depth = texture(wgpu::TextureSampleType::Depth, single);
-        let surface = [color, color, color, depth, depth, color];
-        let of_fragments = wgpu::ShaderStages::FRAGMENT;
+        let of_all = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
         Self {
             geometry: HashMap::new(),
             screen: HashMap::new(),
-            view_layout: layout(
-                "view",
-                wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
-                &[wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Uniform,
-                    has_dynamic_offset: true,
-                    min_binding_size: wgpu::BufferSize::new(view_uniform_bytes),
-                }],
-            ),
-            color_source_layout: layout("color source", of_fragments, &[color]),
-            sum_source_layout: layout("sum source", of_fragments, &[color, depth]),
-            depth_source_layout: layout("depth source", of_fragments, &[depth]),
-            surface_source_layout: layout("surface source", of_fragments, &surface),
-            photographed_source_layout: layout(
-                "photographed source",
-                of_fragments,
-                &[&surface[..], &[color, colors, colors]].concat(),
-            ),
-            photo_answer_source_layout: layout(
-                "photo answer source",
-                of_fragments,
-                &[&surface[..], &[color; 3]].concat(),
-            ),
+            before: (HashMap::new(), HashMap::new()),
+            watch: Watch::begin(),
+            view_layout: layout(context, "view", of_all, [view]),
+            source_layouts: HashMap::new(),
         }
     }
 
-    /// Layout of the textures that a screen pass reads.
-    pub(crate) fn source_layout(&self, source: Source) -> &wgpu::BindGroupLayout {
-        match source {
-            Source::Sums => &self.sum_source_layout,
-            Source::Picture | Source::FinerLevel | Source::CoarserLevel => &self.color_source_layout,
-            Source::Depths => &self.depth_source_layout,
-            Source::Surfaces => &self.surface_source_layout,
-            Source::Photographed | Source::PhotographedSums => &self.photographed_source_layout,
-            Source::PhotoAnswers => &self.photo_answer_source_layout,
+    /// Makes pipelines anew when a shader has changed, in builds for development.
+    pub(crate) fn notice_changes(&mut self) {
+        if self.watch.as_mut().is_some_and(Watch::has_news) {
+            self.before.0.extend(self.geometry.drain());
+            self.before.1.extend(self.screen.drain());
         }
+    }
+
+    /// Layout of what a screen pass binds beside the view. Precondition: [`Pipelines::ensure_screen`].
+    pub(crate) fn source_layout(&self, pass: &ScreenPass) -> Option<&wgpu::BindGroupLayout> {
+        self.source_layouts.get(pass.name)
     }
 
     /// The pipeline of a geometry pass. Precondition: [`Pipelines::ensure_geometry`].
@@ -143,23 +109,27 @@ impl Pipelines {
         } else {
             wgpu::PrimitiveTopology::TriangleList
         };
-        let pipeline = build(
-            context,
-            Permutation::Geometry(key.strategy, key.amplification, key.pass),
-            (
-                key.pass.color.map(|color| color.target_states(key.precision)),
-                key.pass.depth,
-            ),
-            &layouts,
-            &instancing.vertex_buffers(key.amplification),
-            wgpu::PrimitiveState {
-                topology,
-                front_face: wgpu::FrontFace::Ccw,
-                cull_mode: key.cull_back_faces.then_some(wgpu::Face::Back),
-                ..Default::default()
-            },
-        );
-        self.geometry.insert(key.name(), pipeline);
+        let pipeline = checked(context, self.watch.as_ref(), || {
+            build(
+                context,
+                Permutation::Geometry(key.strategy, key.amplification, key.pass),
+                (
+                    key.pass.color.map(|color| color.target_states(key.precision)),
+                    key.pass.depth,
+                ),
+                &layouts,
+                &instancing.vertex_buffers(key.amplification),
+                wgpu::PrimitiveState {
+                    topology,
+                    front_face: wgpu::FrontFace::Ccw,
+                    cull_mode: key.cull_back_faces.then_some(wgpu::Face::Back),
+                    ..Default::default()
+                },
+            )
+        });
+        let before = self.before.0.remove(&key.name());
+        self.geometry
+            .extend(pipeline.or(before).map(|pipeline| (key.name(), pipeline)));
     }
 
     /// Makes the pipeline unless it is there.
@@ -167,19 +137,79 @@ impl Pipelines {
         if self.screen.contains_key(&(pass.name, precision)) {
             return;
         }
-        let mut layouts = vec![Some(&self.view_layout)];
-        let source = pass.source.map(|source| self.source_layout(source));
-        layouts.extend(source.map(Some));
-        let pipeline = build(
-            context,
-            Permutation::Screen(pass),
-            (Some(pass.color.target_states(precision)), pass.depth),
-            &layouts,
-            &[],
-            wgpu::PrimitiveState::default(),
-        );
-        self.screen.insert((pass.name, precision), pipeline);
+        let source_layout = self
+            .source_layouts
+            .entry(pass.name)
+            .or_insert_with(|| source_layout(context, pass));
+        let layouts = [Some(&self.view_layout), Some(&*source_layout)];
+        let pipeline = checked(context, self.watch.as_ref(), || {
+            build(
+                context,
+                Permutation::Screen(pass),
+                (Some(pass.color.target_states(precision)), pass.depth),
+                &layouts,
+                &[],
+                wgpu::PrimitiveState::default(),
+            )
+        });
+        let name = (pass.name, precision);
+        let before = self.before.1.remove(&name);
+        self.screen.extend(pipeline.or(before).map(|pipeline| (name, pipeline)));
     }
+}
+
+/// A pipeline; where shaders may change, `None` if the adapter refuses it, which is logged.
+fn checked(
+    context: &Context,
+    watch: Option<&Watch>,
+    build: impl FnOnce() -> wgpu::RenderPipeline,
+) -> Option<wgpu::RenderPipeline> {
+    if watch.is_none() {
+        return Some(build());
+    }
+    let scope = context.device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let pipeline = build();
+    let error = pollster::block_on(scope.pop());
+    if let Some(error) = &error {
+        log::error!("shaders: {error}");
+    }
+    error.is_none().then_some(pipeline)
+}
+
+fn source_layout(context: &Context, pass: &ScreenPass) -> wgpu::BindGroupLayout {
+    let textures = pass.textures().into_iter().map(|(_, kind)| kind.binding_type());
+    let uniform = wgpu::BufferSize::new(pass.uniform_bytes()).map(|bytes| wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Uniform,
+        has_dynamic_offset: false,
+        min_binding_size: Some(bytes),
+    });
+    layout(
+        context,
+        pass.name,
+        wgpu::ShaderStages::FRAGMENT,
+        textures.chain(uniform),
+    )
+}
+
+fn layout(
+    context: &Context,
+    label: &str,
+    visibility: wgpu::ShaderStages,
+    types: impl IntoIterator<Item = wgpu::BindingType>,
+) -> wgpu::BindGroupLayout {
+    let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility,
+        ty,
+        count: None,
+    };
+    let entries: Vec<_> = (0..).zip(types).map(entry).collect();
+    context
+        .device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(label),
+            entries: &entries,
+        })
 }
 
 fn build(
@@ -192,9 +222,10 @@ fn build(
 ) -> wgpu::RenderPipeline {
     let label = permutation.label();
     let targets = targets.unwrap_or_default();
+    let source = permutation.source(context.tests_depths_early);
     let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(&label),
-        source: wgpu::ShaderSource::Wgsl(permutation.source(context.tests_depths_early).into()),
+        source: wgpu::ShaderSource::Wgsl(source_or_nothing(source).into()),
     });
     let layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(&label),

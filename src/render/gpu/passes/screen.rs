@@ -1,25 +1,18 @@
 //! Passes over the whole target.
 
-use super::state::{COMPLETED, ColorUse, DepthUse, MULTIPLIED, OVER, ScreenPass};
+use super::shade::{SHADE, SHADE_PHOTO_ANSWERS, SHADE_PHOTO_ANSWERS_PHYSICAL, SHADE_PHOTOGRAPHS};
+use super::shade::{SHADE_PHOTOGRAPHS_PHYSICAL, SHADE_PHYSICAL};
+use super::state::{COMPLETED, ColorUse, OVER, ScreenPass};
+use crate::render::constants::{FARTHEST_GREY, NEAREST_GREY, opaque_weight};
+use crate::render::gpu::constants::declared;
+use crate::render::gpu::layout::{Shared, shared_struct};
+use crate::render::gpu::part::{Part, Uniform, no_constants};
 use crate::render::gpu::targets::{Source, Target};
+use crate::render::gpu::wgsl::shader_file;
+use crate::scene::rim_px;
 
-/// The WGSL of a pass that lets light fall, with these files of `shaders/common/`: what light is, and what it falls on.
-macro_rules! shade {
-    ($($file:literal),+) => {
-        concat!(
-            include_str!("../../../../shaders/common/linear.wgsl"),
-            include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
-            include_str!("../../../../shaders/common/shadow.wgsl"),
-            $(include_str!(concat!("../../../../shaders/common/", $file)),)+
-            include_str!("../../../../shaders/common/blended_surface.wgsl"),
-            include_str!("../../../../shaders/passes/shade.wgsl")
-        )
-    };
-}
-
-/// All of them.
-pub const SCREEN_PASSES: [&ScreenPass; 18] = [
-    &BACKGROUND,
+/// All of them, beside those of effects.
+pub(in crate::render::gpu) const SCREEN_PASSES: [&ScreenPass; 12] = [
     &SHADE,
     &SHADE_PHYSICAL,
     &SHADE_PHOTOGRAPHS,
@@ -32,79 +25,13 @@ pub const SCREEN_PASSES: [&ScreenPass; 18] = [
     &RESOLVE,
     &RESOLVE_PHOTOGRAPHS,
     &DEPTH_VIEW,
-    &EYE_DOME,
-    &EYE_DOME_OF_SUMS,
-    &GRID,
-    &FXAA,
-    &SUPERSAMPLE,
 ];
-
-/// The gradient behind the cloud.
-pub(in crate::render::gpu) const BACKGROUND: ScreenPass = ScreenPass {
-    name: "background",
-    wgsl: include_str!("../../../../shaders/passes/background.wgsl"),
-    source: None,
-    color: ColorUse {
-        target: Target::Picture,
-        blend: None,
-    },
-    depth: None,
-};
-
-/// Light falls on the blended surface; what is left are sums, as the attribute pass leaves them without it (paper 003
-/// §3.6).
-pub(in crate::render::gpu) const SHADE: ScreenPass = ScreenPass {
-    name: "shade",
-    wgsl: shade!("blinn_phong.wgsl", "own_colors.wgsl"),
-    source: Some(Source::Surfaces),
-    color: ColorUse {
-        target: Target::Sums,
-        blend: None,
-    },
-    depth: None,
-};
-
-/// The same on surfaces with a material, in an environment.
-pub(in crate::render::gpu) const SHADE_PHYSICAL: ScreenPass = ScreenPass {
-    name: "shade physically",
-    wgsl: shade!("physical.wgsl", "own_colors.wgsl"),
-    ..SHADE
-};
-
-/// The same on surfaces that have their colours from photographs (paper 004 §3).
-pub(in crate::render::gpu) const SHADE_PHOTOGRAPHS: ScreenPass = ScreenPass {
-    name: "shade photographs",
-    wgsl: shade!(
-        "blinn_phong.wgsl",
-        "photo_table.wgsl",
-        "photographs.wgsl",
-        "photographed.wgsl"
-    ),
-    source: Some(Source::Photographed),
-    ..SHADE
-};
-
-/// The same with a material, in an environment.
-pub(in crate::render::gpu) const SHADE_PHOTOGRAPHS_PHYSICAL: ScreenPass = ScreenPass {
-    name: "shade photographs physically",
-    wgsl: shade!(
-        "physical.wgsl",
-        "photo_table.wgsl",
-        "photographs.wgsl",
-        "photographed.wgsl"
-    ),
-    ..SHADE_PHOTOGRAPHS
-};
 
 /// What photographs say of each pixel, where what they do not show is filled from around.
 pub(in crate::render::gpu) const PHOTO_ANSWERS: ScreenPass = ScreenPass {
     name: "photo answers",
-    wgsl: concat!(
-        include_str!("../../../../shaders/common/photo_table.wgsl"),
-        include_str!("../../../../shaders/common/photographs.wgsl"),
-        include_str!("../../../../shaders/common/blended_surface.wgsl"),
-        include_str!("../../../../shaders/passes/photo_answers.wgsl")
-    ),
+    files: &[shader_file!("passes/photo_answers.wgsl")],
+    parts: &[],
     source: Some(Source::Photographed),
     color: ColorUse {
         target: Target::PhotoAnswers,
@@ -116,7 +43,8 @@ pub(in crate::render::gpu) const PHOTO_ANSWERS: ScreenPass = ScreenPass {
 /// A coarser level of these.
 pub(in crate::render::gpu) const PULL: ScreenPass = ScreenPass {
     name: "pull",
-    wgsl: include_str!("../../../../shaders/passes/pull.wgsl"),
+    files: &[shader_file!("passes/pull.wgsl")],
+    parts: &[],
     source: Some(Source::FinerLevel),
     color: ColorUse {
         target: Target::PhotoLevel,
@@ -128,7 +56,8 @@ pub(in crate::render::gpu) const PULL: ScreenPass = ScreenPass {
 /// What a level lacks is taken from the next coarser one.
 pub(in crate::render::gpu) const PUSH: ScreenPass = ScreenPass {
     name: "push",
-    wgsl: include_str!("../../../../shaders/passes/push.wgsl"),
+    files: &[shader_file!("passes/push.wgsl")],
+    parts: &[],
     source: Some(Source::CoarserLevel),
     color: ColorUse {
         target: Target::PhotoLevel,
@@ -137,38 +66,11 @@ pub(in crate::render::gpu) const PUSH: ScreenPass = ScreenPass {
     depth: None,
 };
 
-/// Light falls on what photographs said.
-pub(in crate::render::gpu) const SHADE_PHOTO_ANSWERS: ScreenPass = ScreenPass {
-    name: "shade photo answers",
-    wgsl: shade!(
-        "blinn_phong.wgsl",
-        "photo_table.wgsl",
-        "photo_answers.wgsl",
-        "photographed.wgsl"
-    ),
-    source: Some(Source::PhotoAnswers),
-    ..SHADE
-};
-
-/// The same with a material, in an environment.
-pub(in crate::render::gpu) const SHADE_PHOTO_ANSWERS_PHYSICAL: ScreenPass = ScreenPass {
-    name: "shade photo answers physically",
-    wgsl: shade!(
-        "physical.wgsl",
-        "photo_table.wgsl",
-        "photo_answers.wgsl",
-        "photographed.wgsl"
-    ),
-    ..SHADE_PHOTO_ANSWERS
-};
-
 /// Normalises what the attribute pass summed up, and lays it over the background.
 pub(in crate::render::gpu) const RESOLVE: ScreenPass = ScreenPass {
     name: "resolve",
-    wgsl: concat!(
-        include_str!("../../../../shaders/common/rims.wgsl"),
-        include_str!("../../../../shaders/passes/resolve.wgsl")
-    ),
+    files: &[shader_file!("passes/resolve.wgsl")],
+    parts: &[&RESOLVING],
     source: Some(Source::Sums),
     color: ColorUse {
         target: Target::Picture,
@@ -180,13 +82,7 @@ pub(in crate::render::gpu) const RESOLVE: ScreenPass = ScreenPass {
 /// The same of surfaces that have their colours from photographs, whose gaps are closed.
 pub(in crate::render::gpu) const RESOLVE_PHOTOGRAPHS: ScreenPass = ScreenPass {
     name: "resolve photographs",
-    wgsl: concat!(
-        include_str!("../../../../shaders/common/photo_table.wgsl"),
-        include_str!("../../../../shaders/common/photographs.wgsl"),
-        include_str!("../../../../shaders/common/blended_surface.wgsl"),
-        include_str!("../../../../shaders/common/rims.wgsl"),
-        include_str!("../../../../shaders/passes/resolve_photographs.wgsl")
-    ),
+    files: &[shader_file!("passes/resolve_photographs.wgsl")],
     source: Some(Source::PhotographedSums),
     ..RESOLVE
 };
@@ -194,61 +90,61 @@ pub(in crate::render::gpu) const RESOLVE_PHOTOGRAPHS: ScreenPass = ScreenPass {
 /// The visibility pass as grey (Fig. 3c).
 pub(in crate::render::gpu) const DEPTH_VIEW: ScreenPass = ScreenPass {
     name: "depth view",
-    wgsl: include_str!("../../../../shaders/passes/depth_view.wgsl"),
+    files: &[shader_file!("passes/depth_view.wgsl")],
+    parts: &[&GREY],
     source: Some(Source::Depths),
     ..RESOLVE
 };
 
-/// Eye-dome lighting: what is drawn so far is multiplied with the shade of each pixel (Boucheny 2009).
-pub(in crate::render::gpu) const EYE_DOME: ScreenPass = ScreenPass {
-    name: "eye-dome lighting",
-    wgsl: include_str!("../../../../shaders/passes/eye_dome.wgsl"),
-    source: Some(Source::Depths),
-    color: ColorUse {
-        target: Target::Picture,
-        blend: Some(MULTIPLIED),
-    },
-    depth: None,
+const RESOLVING: Part = Part {
+    constants: no_constants,
+    uniform: Some(Uniform {
+        name: "resolving",
+        layout: &ResolvingUniform::LAYOUT,
+        bytes: |packet| {
+            let uniform = ResolvingUniform {
+                opaque_weight: opaque_weight(&packet.style),
+                rim_px: rim_px(packet) as f32,
+                unused: [0.0; 2],
+            };
+            bytemuck::bytes_of(&uniform).to_vec()
+        },
+    }),
 };
 
-/// The same of what the attribute pass left, before it is resolved: so the background that shines through at the rims
-/// of splats keeps its colour, as all of the background does.
-pub(in crate::render::gpu) const EYE_DOME_OF_SUMS: ScreenPass = ScreenPass {
-    name: "eye-dome lighting of sums",
-    color: ColorUse {
-        target: Target::Sums,
-        blend: Some(MULTIPLIED),
-    },
-    ..EYE_DOME
+shared_struct! {
+    /// How sums become colours.
+    ResolvingUniform as "Resolving" {
+        /// Summed weight from which a pixel hides the background.
+        opaque_weight: f32,
+        /// How wide rims are at most through which others shine; 0: none.
+        rim_px: f32,
+        /// Padding.
+        unused: [f32; 2],
+    }
+}
+
+const GREY: Part = Part {
+    constants: || declared![FARTHEST_GREY, NEAREST_GREY],
+    uniform: Some(Uniform {
+        name: "depth_view",
+        layout: &DepthViewUniform::LAYOUT,
+        bytes: |packet| {
+            let uniform = DepthViewUniform {
+                range: packet.depth_range(),
+                unused: [0.0; 2],
+            };
+            bytemuck::bytes_of(&uniform).to_vec()
+        },
+    }),
 };
 
-/// Lines on the ground, laid over the picture where nothing is before them.
-pub(in crate::render::gpu) const GRID: ScreenPass = ScreenPass {
-    name: "grid",
-    wgsl: include_str!("../../../../shaders/passes/grid.wgsl"),
-    source: None,
-    color: ColorUse {
-        target: Target::Picture,
-        blend: Some(OVER),
-    },
-    depth: Some(DepthUse::TestOnly),
-};
-
-/// The picture that is shown, with smooth edges (Lottes 2009).
-pub(in crate::render::gpu) const FXAA: ScreenPass = ScreenPass {
-    name: "FXAA",
-    wgsl: include_str!("../../../../shaders/passes/fxaa.wgsl"),
-    source: Some(Source::Picture),
-    color: ColorUse {
-        target: Target::Shown,
-        blend: None,
-    },
-    depth: None,
-};
-
-/// The picture that is shown, of several pixels for each.
-pub(in crate::render::gpu) const SUPERSAMPLE: ScreenPass = ScreenPass {
-    name: "supersample",
-    wgsl: include_str!("../../../../shaders/passes/supersample.wgsl"),
-    ..FXAA
-};
+shared_struct! {
+    /// How depths are shown.
+    DepthViewUniform as "DepthView" {
+        /// View distances drawn white and black.
+        range: [f32; 2],
+        /// Padding.
+        unused: [f32; 2],
+    }
+}

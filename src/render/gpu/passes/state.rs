@@ -1,14 +1,17 @@
 //! What a pass is: a row that says what it draws into, and how depths and colours get there.
 
-use crate::render::gpu::targets::{DEPTH_FORMAT, Precision, Source, Target};
+use crate::render::gpu::part::{Part, Uniform};
+use crate::render::gpu::targets::{DEPTH_FORMAT, Precision, Source, Target, TextureKind};
+use crate::render::gpu::wgsl::{ShaderFile, shader_file};
+use std::fmt::Write;
 
 /// A pass over records.
 #[derive(Debug)]
 pub struct GeometryPass {
     /// No other pass has the same.
     pub name: &'static str,
-    /// A file of `shaders/passes/`: what fragments leave.
-    pub(in crate::render::gpu) wgsl: &'static str,
+    /// Of `shaders/passes/`: what fragments leave.
+    pub(in crate::render::gpu) file: ShaderFile,
     /// `None` where only depths are drawn.
     pub(in crate::render::gpu) color: Option<ColorUse>,
     pub(in crate::render::gpu) depth: Option<DepthUse>,
@@ -19,25 +22,27 @@ pub struct GeometryPass {
 pub struct ScreenPass {
     /// No other pass has the same.
     pub name: &'static str,
-    /// A file of `shaders/passes/`.
-    pub(in crate::render::gpu) wgsl: &'static str,
-    /// The texture that it reads.
-    pub(in crate::render::gpu) source: Option<Source>,
-    pub(in crate::render::gpu) color: ColorUse,
-    pub(in crate::render::gpu) depth: Option<DepthUse>,
+    /// Its WGSL, beside what that imports.
+    pub(in crate::render) files: &'static [ShaderFile],
+    /// What these have from Rust.
+    pub(in crate::render) parts: &'static [&'static Part],
+    /// The textures that it reads.
+    pub(in crate::render) source: Option<Source>,
+    pub(in crate::render) color: ColorUse,
+    pub(in crate::render) depth: Option<DepthUse>,
 }
 
 /// What colours are drawn into, and how.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::render::gpu) struct ColorUse {
-    pub(in crate::render::gpu) target: Target,
+pub(in crate::render) struct ColorUse {
+    pub(in crate::render) target: Target,
     /// `None` where they replace what is there.
-    pub(super) blend: Option<wgpu::BlendState>,
+    pub(in crate::render) blend: Option<wgpu::BlendState>,
 }
 
 /// What a pass does with the depth buffer. Reverse-Z: nearer is greater.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::render::gpu) enum DepthUse {
+pub(in crate::render) enum DepthUse {
     /// A pass over records clears it first.
     TestAndWrite,
     TestOnly,
@@ -50,15 +55,62 @@ impl GeometryPass {
     }
 
     /// The file of `shaders/entries/` by which that gets into the targets; where fragments write depths, with these.
-    pub(in crate::render::gpu) fn entry(&self, writes_depths: bool) -> &'static str {
+    pub(in crate::render::gpu) fn entry(&self, writes_depths: bool) -> ShaderFile {
         match (self.color.map(|color| color.target), writes_depths) {
-            (None, false) => include_str!("../../../../shaders/entries/nothing.wgsl"),
-            (None, true) => include_str!("../../../../shaders/entries/depths.wgsl"),
-            (Some(Target::Surfaces), false) => include_str!("../../../../shaders/entries/surfaces.wgsl"),
-            (Some(Target::Surfaces), true) => include_str!("../../../../shaders/entries/surfaces_and_depths.wgsl"),
-            (Some(_), false) => include_str!("../../../../shaders/entries/colors.wgsl"),
-            (Some(_), true) => include_str!("../../../../shaders/entries/colors_and_depths.wgsl"),
+            (None, false) => shader_file!("entries/nothing.wgsl"),
+            (None, true) => shader_file!("entries/depths.wgsl"),
+            (Some(Target::Surfaces), false) => shader_file!("entries/surfaces.wgsl"),
+            (Some(Target::Surfaces), true) => shader_file!("entries/surfaces_and_depths.wgsl"),
+            (Some(_), false) => shader_file!("entries/colors.wgsl"),
+            (Some(_), true) => shader_file!("entries/colors_and_depths.wgsl"),
         }
+    }
+}
+
+impl ScreenPass {
+    /// The textures that it reads, by the names that its WGSL has for them, in the order of their bindings. Behind them
+    /// is the uniform that has those of all parts: lavapipe crashes where a group has several.
+    pub(in crate::render::gpu) fn textures(&self) -> Vec<(&'static str, TextureKind)> {
+        self.source.map(Source::textures).unwrap_or_default()
+    }
+
+    /// The uniforms of its parts, in the order in which they are members of the one that is bound.
+    pub(in crate::render::gpu) fn uniforms(&self) -> impl Iterator<Item = &'static Uniform> + use<> {
+        self.parts.iter().filter_map(|part| part.uniform.as_ref())
+    }
+
+    /// Bytes of the uniform that is bound; 0 if there is none.
+    pub(in crate::render::gpu) fn uniform_bytes(&self) -> u64 {
+        self.uniforms().map(|uniform| uniform.layout.size as u64).sum()
+    }
+
+    /// The WGSL of what its files have from Rust.
+    pub(in crate::render::gpu) fn declarations(&self) -> String {
+        let mut text = "#import generated/constants\n".to_owned();
+        for part in self.parts {
+            text += &(part.constants)();
+            text.push('\n');
+        }
+        let textures = self.textures().into_iter();
+        let textures = textures.map(|(name, kind)| format!("var {name}: {}", kind.wgsl()));
+        for (binding, variable) in textures.enumerate() {
+            // A string takes everything.
+            let _ = writeln!(text, "@group(SOURCE_GROUP) @binding({binding}) {variable};");
+        }
+        if self.uniforms().next().is_none() {
+            return text;
+        }
+        let mut members = String::new();
+        for uniform in self.uniforms() {
+            text += &uniform.layout.declaration();
+            let _ = writeln!(members, "    @align(16) {}: {},", uniform.name, uniform.layout.name);
+        }
+        let binding = self.textures().len();
+        let _ = writeln!(
+            text,
+            "struct Parts {{\n{members}}}\n@group(SOURCE_GROUP) @binding({binding}) var<uniform> parts: Parts;"
+        );
+        text
     }
 }
 
@@ -99,7 +151,7 @@ pub(super) const ADDED: wgpu::BlendState = {
 };
 
 /// Adds as much as is missing to make the fourth channel 1.
-pub(super) const COMPLETED: wgpu::BlendState = {
+pub(in crate::render) const COMPLETED: wgpu::BlendState = {
     let complete = wgpu::BlendComponent {
         src_factor: wgpu::BlendFactor::OneMinusDstAlpha,
         dst_factor: wgpu::BlendFactor::One,
@@ -119,7 +171,7 @@ const KEPT: wgpu::BlendComponent = wgpu::BlendComponent {
 };
 
 /// Colours over what is there.
-pub(super) const OVER: wgpu::BlendState = wgpu::BlendState {
+pub(in crate::render) const OVER: wgpu::BlendState = wgpu::BlendState {
     color: wgpu::BlendState::ALPHA_BLENDING.color,
     alpha: KEPT,
 };
@@ -128,7 +180,7 @@ pub(super) const OVER: wgpu::BlendState = wgpu::BlendState {
 pub(super) const PREMULTIPLIED: wgpu::BlendState = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
 
 /// Multiplies what is there.
-pub(super) const MULTIPLIED: wgpu::BlendState = wgpu::BlendState {
+pub(in crate::render) const MULTIPLIED: wgpu::BlendState = wgpu::BlendState {
     color: wgpu::BlendComponent {
         src_factor: wgpu::BlendFactor::Dst,
         dst_factor: wgpu::BlendFactor::Zero,

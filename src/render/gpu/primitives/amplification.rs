@@ -1,7 +1,8 @@
 //! What a row of the table of amplifications is.
 
-use crate::render::gpu::constants::{INDICES_PER_QUAD, VERTICES_PER_QUAD};
+use crate::render::gpu::constants::{self, INDICES_PER_QUAD, VERTICES_PER_QUAD};
 use crate::render::gpu::passes::GeometryPass;
+use crate::render::gpu::wgsl::{ShaderFile, shader_file};
 use crate::scene::Strategy;
 
 /// What one record becomes.
@@ -13,10 +14,10 @@ use crate::scene::Strategy;
 pub struct Amplification {
     /// No other has the same.
     pub name: &'static str,
-    /// Files of `shaders/primitives/`.
-    pub(in crate::render::gpu) wgsl: &'static [&'static str],
+    /// Of `shaders/primitives/`: what a record becomes, beside what these import.
+    pub(in crate::render::gpu) files: &'static [ShaderFile],
     /// The file that hands vertices on to fragments.
-    pub(in crate::render::gpu) varyings: &'static str,
+    pub(in crate::render::gpu) varyings: ShaderFile,
     /// Vertices that the vertex stage runs for a record: 1, 3 of a triangle, or 4 for each quad.
     pub vertices_per_record: u32,
     /// Whether [`ShapeRecord`](crate::cloud::ShapeRecord)s are read beside the records.
@@ -34,12 +35,18 @@ pub struct Amplification {
 }
 
 /// What vertices of quads of one colour hand on.
-pub(super) const QUAD_VARYINGS: &str = include_str!("../../../../shaders/common/varyings.wgsl");
+pub(super) const QUAD_VARYINGS: ShaderFile = shader_file!("common/varyings.wgsl");
 
 impl Amplification {
     /// Whether records are vertices of a list of points, not of triangles.
     pub(in crate::render::gpu) fn is_point_list(&self) -> bool {
         self.vertices_per_record == 1
+    }
+
+    /// What shaders of it have from Rust, by the name that they import it by.
+    pub(in crate::render::gpu) fn given(&self) -> (&'static str, String) {
+        let constants = constants::of_amplification(self.vertices_per_record, self.drawn_per_record());
+        ("generated/amplification", constants)
     }
 
     /// The strategy by which it is drawn where this one is chosen: see [`Amplification::is_indexed`].

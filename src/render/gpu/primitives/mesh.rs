@@ -7,14 +7,15 @@ use crate::render::gpu::passes::ScreenPass;
 use crate::render::gpu::passes::geometry::{DEPTH, ROUND_SOLID, SOLID, SURFACE_ROUND_SOLID, SURFACE_SOLID};
 use crate::render::gpu::passes::screen::RESOLVE;
 use crate::render::gpu::residency::RecordSource;
+use crate::render::gpu::wgsl::shader_file;
 use crate::scene::{PointShape, Style};
 use std::sync::Arc;
 
 /// Half a quad, or the square of a point.
 pub(super) const TRIANGLE: Amplification = Amplification {
     name: "triangle",
-    wgsl: &[include_str!("../../../../shaders/common/linear.wgsl")],
-    varyings: include_str!("../../../../shaders/primitives/mesh.wgsl"),
+    files: &[],
+    varyings: shader_file!("primitives/mesh.wgsl"),
     vertices_per_record: 4,
     reads_shapes: false,
     is_indexed: true,

@@ -10,6 +10,7 @@ use crate::render::gpu::passes::geometry::{
 };
 use crate::render::gpu::passes::screen::RESOLVE;
 use crate::render::gpu::residency::RecordSource;
+use crate::render::gpu::wgsl::shader_file;
 use crate::scene::{Lighting, PointShape, PointSize, ScenePacket};
 
 /// One vertex of a point list.
@@ -23,9 +24,9 @@ pub(super) const PIXEL: Amplification = Amplification {
 /// One quad that faces the screen.
 pub(super) const SQUARE: Amplification = Amplification {
     name: "square",
-    wgsl: &[
-        include_str!("../../../../shaders/primitives/points_alike.wgsl"),
-        include_str!("../../../../shaders/primitives/points.wgsl"),
+    files: &[
+        shader_file!("primitives/points_alike.wgsl"),
+        shader_file!("primitives/points.wgsl"),
     ],
     varyings: QUAD_VARYINGS,
     vertices_per_record: 4,
@@ -39,9 +40,9 @@ pub(super) const SQUARE: Amplification = Amplification {
 /// The same with a radius and a normal.
 pub(super) const SQUARE_WITH_SHAPE: Amplification = Amplification {
     name: "square with shape",
-    wgsl: &[
-        include_str!("../../../../shaders/primitives/points_with_shapes.wgsl"),
-        include_str!("../../../../shaders/primitives/points.wgsl"),
+    files: &[
+        shader_file!("primitives/points_with_shapes.wgsl"),
+        shader_file!("primitives/points.wgsl"),
     ],
     reads_shapes: true,
     passes: &[

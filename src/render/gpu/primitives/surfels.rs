@@ -10,16 +10,15 @@ use crate::render::gpu::passes::geometry::{
 };
 use crate::render::gpu::passes::screen::{DEPTH_VIEW, RESOLVE};
 use crate::render::gpu::residency::RecordSource;
+use crate::render::gpu::wgsl::shader_file;
 use crate::scene::{Primitive, ScenePacket, SplatGeometry, Splatting};
 
 /// One quad in the plane of the surfel, with a disk.
 pub(super) const DISK: Amplification = Amplification {
     name: "surfel",
-    wgsl: &[
-        include_str!("../../../../shaders/primitives/disk_axes.wgsl"),
-        include_str!("../../../../shaders/primitives/filtered_by_ewa.wgsl"),
-        include_str!("../../../../shaders/primitives/splats.wgsl"),
-        include_str!("../../../../shaders/primitives/surfels.wgsl"),
+    files: &[
+        shader_file!("primitives/disk_axes.wgsl"),
+        shader_file!("primitives/surfels.wgsl"),
     ],
     varyings: QUAD_VARYINGS,
     vertices_per_record: 4,
@@ -43,11 +42,9 @@ pub(super) const DISK: Amplification = Amplification {
 /// The same with an ellipse.
 pub(super) const ELLIPSE: Amplification = Amplification {
     name: "ellipse",
-    wgsl: &[
-        include_str!("../../../../shaders/primitives/ellipse_axes.wgsl"),
-        include_str!("../../../../shaders/primitives/filtered_by_ewa.wgsl"),
-        include_str!("../../../../shaders/primitives/splats.wgsl"),
-        include_str!("../../../../shaders/primitives/surfels.wgsl"),
+    files: &[
+        shader_file!("primitives/ellipse_axes.wgsl"),
+        shader_file!("primitives/surfels.wgsl"),
     ],
     ..DISK
 };
@@ -72,20 +69,15 @@ pub(super) const DISK_IN_TRIANGLE: Amplification = Amplification {
 /// The same with an ellipse.
 pub(super) const ELLIPSE_IN_TRIANGLE: Amplification = Amplification {
     name: "ellipse in triangle",
-    wgsl: ELLIPSE.wgsl,
+    files: ELLIPSE.files,
     ..DISK_IN_TRIANGLE
 };
 
 /// One quad that faces the screen, around the disk.
 pub(super) const SPRITE: Amplification = Amplification {
     name: "sprite",
-    wgsl: &[
-        include_str!("../../../../shaders/primitives/disk_axes.wgsl"),
-        include_str!("../../../../shaders/primitives/filtered_by_ewa.wgsl"),
-        include_str!("../../../../shaders/primitives/splats.wgsl"),
-        include_str!("../../../../shaders/common/facet.wgsl"),
-    ],
-    varyings: include_str!("../../../../shaders/primitives/sprites.wgsl"),
+    files: &[shader_file!("primitives/disk_axes.wgsl")],
+    varyings: shader_file!("primitives/sprites.wgsl"),
     writes_depths: true,
     // A corner has three times as many numbers as one on a surface.
     compute_amplifies: false,
@@ -95,12 +87,7 @@ pub(super) const SPRITE: Amplification = Amplification {
 /// The same around an ellipse.
 pub(super) const ELLIPSE_SPRITE: Amplification = Amplification {
     name: "ellipse sprite",
-    wgsl: &[
-        include_str!("../../../../shaders/primitives/ellipse_axes.wgsl"),
-        include_str!("../../../../shaders/primitives/filtered_by_ewa.wgsl"),
-        include_str!("../../../../shaders/primitives/splats.wgsl"),
-        include_str!("../../../../shaders/common/facet.wgsl"),
-    ],
+    files: &[shader_file!("primitives/ellipse_axes.wgsl")],
     ..SPRITE
 };
 

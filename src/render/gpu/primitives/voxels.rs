@@ -6,15 +6,13 @@ use crate::render::gpu::passes::ScreenPass;
 use crate::render::gpu::passes::geometry::{DEPTH, SOLID, SURFACE_SOLID};
 use crate::render::gpu::passes::screen::RESOLVE;
 use crate::render::gpu::residency::RecordSource;
+use crate::render::gpu::wgsl::shader_file;
 use crate::scene::{Style, Voxels};
 
 /// Light falls on the faces.
 pub(super) const LIT_BY_FACES: Amplification = Amplification {
     name: "voxel",
-    wgsl: &[
-        include_str!("../../../../shaders/primitives/voxels.wgsl"),
-        include_str!("../../../../shaders/primitives/voxels_lit_by_faces.wgsl"),
-    ],
+    files: &[shader_file!("primitives/voxels_lit_by_faces.wgsl")],
     varyings: QUAD_VARYINGS,
     vertices_per_record: 12,
     reads_shapes: false,
@@ -27,10 +25,7 @@ pub(super) const LIT_BY_FACES: Amplification = Amplification {
 /// Light falls on the surface in a cell.
 pub(super) const LIT_BY_NORMALS: Amplification = Amplification {
     name: "voxel with normal",
-    wgsl: &[
-        include_str!("../../../../shaders/primitives/voxels.wgsl"),
-        include_str!("../../../../shaders/primitives/voxels_lit_by_normals.wgsl"),
-    ],
+    files: &[shader_file!("primitives/voxels_lit_by_normals.wgsl")],
     reads_shapes: true,
     ..LIT_BY_FACES
 };

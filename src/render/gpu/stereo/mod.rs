@@ -25,7 +25,7 @@ mod scratch;
 #[cfg(test)]
 mod tests;
 
-pub(super) use passes::source;
+pub(super) use passes::SHADER;
 
 use super::constants::{NO_LABEL, STEREO_MOST_LABELS};
 use super::context::Context;

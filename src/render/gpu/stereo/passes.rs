@@ -2,23 +2,83 @@
 
 pub(super) use crate::render::gpu::compute::UNIFORM;
 
-use crate::render::gpu::compute::{ComputePrograms, ComputeShader, EntryRow};
-use crate::render::gpu::constants::{self, STEREO_GROUP, STEREO_LANES, STEREO_STRIP_PX, STEREO_TILE_PX};
+use crate::render::gpu::compute::{Access, BufferRow, ComputePrograms, ComputeShader, EntryRow};
+use crate::render::gpu::constants::{self, STEREO_LANES, STEREO_STRIP_PX, STEREO_TILE_PX};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::StereoMatching;
+use crate::render::gpu::layout::Shared;
+use crate::render::gpu::wgsl::shader_file;
 
 /// Bindings of `stereo/pair.wgsl`.
+/// Brightnesses of the left image and behind it those of the right one, four in a word.
 pub(super) const PIXELS: u32 = 1;
+/// The bits of each of these pixels.
 pub(super) const CENSUS: u32 = 2;
+/// The same, while they are made.
 pub(super) const MADE_CENSUS: u32 = 3;
+/// Of each pixel and label 16 bits: line by line, pixel by pixel, label by label.
 pub(super) const COLUMNS: u32 = 4;
+/// The same of all paths, or of squares.
 pub(super) const SUMS: u32 = 5;
+/// The label of each pixel of the left image, with `IS_UNIQUE` where no other is as good, and behind them those of the
+/// right one.
 pub(super) const WINNERS: u32 = 6;
+/// Labels, `NO_LABEL` where there is none.
 pub(super) const BEFORE: u32 = 7;
+/// The same after a pass.
 pub(super) const AFTER: u32 = 8;
 
-/// Those that are only read.
-const READ_ONLY: [u32; 3] = [PIXELS, CENSUS, BEFORE];
+/// What passes bind, by these names in WGSL.
+const BUFFERS: [BufferRow; 8] = [
+    BufferRow {
+        binding: PIXELS,
+        name: "pixels",
+        holds: "array<u32>",
+        access: Access::Read,
+    },
+    BufferRow {
+        binding: CENSUS,
+        name: "census_bits",
+        holds: "array<vec2u>",
+        access: Access::Read,
+    },
+    BufferRow {
+        binding: MADE_CENSUS,
+        name: "made_census",
+        holds: "array<vec2u>",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: COLUMNS,
+        name: "columns",
+        holds: "array<u32>",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: SUMS,
+        name: "sums",
+        holds: "array<u32>",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: WINNERS,
+        name: "winners",
+        holds: "array<u32>",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: BEFORE,
+        name: "before",
+        holds: "array<f32>",
+        access: Access::Read,
+    },
+    BufferRow {
+        binding: AFTER,
+        name: "after",
+        holds: "array<f32>",
+        access: Access::ReadWrite,
+    },
+];
 
 /// An entry point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,38 +98,47 @@ pub(super) enum Pass {
 const ROWS: [EntryRow; 9] = [
     EntryRow {
         entry: "census",
+        file: shader_file!("stereo/census.wgsl"),
         buffers: &[PIXELS, MADE_CENSUS],
     },
     EntryRow {
         entry: "along_path",
+        file: shader_file!("stereo/paths.wgsl"),
         buffers: &[PIXELS, CENSUS, SUMS],
     },
     EntryRow {
         entry: "sum_columns",
+        file: shader_file!("stereo/squares.wgsl"),
         buffers: &[CENSUS, COLUMNS],
     },
     EntryRow {
         entry: "sum_squares",
+        file: shader_file!("stereo/squares.wgsl"),
         buffers: &[COLUMNS, SUMS],
     },
     EntryRow {
         entry: "find_winners",
+        file: shader_file!("stereo/winners.wgsl"),
         buffers: &[SUMS, WINNERS],
     },
     EntryRow {
         entry: "choose",
+        file: shader_file!("stereo/choose.wgsl"),
         buffers: &[PIXELS, SUMS, WINNERS, AFTER],
     },
     EntryRow {
         entry: "meet",
+        file: shader_file!("stereo/refine.wgsl"),
         buffers: &[CENSUS, BEFORE, AFTER],
     },
     EntryRow {
         entry: "lay_on_planes",
+        file: shader_file!("stereo/refine.wgsl"),
         buffers: &[BEFORE, AFTER],
     },
     EntryRow {
         entry: "median",
+        file: shader_file!("stereo/median.wgsl"),
         buffers: &[BEFORE, AFTER],
     },
 ];
@@ -87,22 +156,14 @@ const OF_ALL: [Pass; 6] = [
 /// From pixel to pixel of the eight paths.
 pub(super) const PATH_STEPS: [[i32; 2]; 8] = [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, -1], [1, -1], [-1, 1]];
 
-/// The WGSL of all of them.
-pub(in crate::render::gpu) fn source() -> String {
-    [
-        constants::of_stereo().as_str(),
-        include_str!("../../../../shaders/stereo/pair.wgsl"),
-        include_str!("../../../../shaders/stereo/census.wgsl"),
-        include_str!("../../../../shaders/stereo/paths.wgsl"),
-        include_str!("../../../../shaders/stereo/squares.wgsl"),
-        include_str!("../../../../shaders/stereo/winners.wgsl"),
-        include_str!("../../../../shaders/stereo/exact_share.wgsl"),
-        include_str!("../../../../shaders/stereo/choose.wgsl"),
-        include_str!("../../../../shaders/stereo/refine.wgsl"),
-        include_str!("../../../../shaders/stereo/median.wgsl"),
-    ]
-    .join("\n")
-}
+/// All of them.
+pub(in crate::render::gpu) const SHADER: ComputeShader = ComputeShader {
+    label: "stereo",
+    rows: &ROWS,
+    given: &[("generated/stereo", constants::of_stereo)],
+    uniform: ("matching", &StereoMatching::LAYOUT),
+    buffers: &BUFFERS,
+};
 
 /// All programs.
 #[derive(Debug)]
@@ -110,17 +171,7 @@ pub(super) struct Programs(ComputePrograms);
 
 impl Programs {
     pub(super) fn new(context: &Context) -> Self {
-        Self(ComputePrograms::new(
-            context,
-            ComputeShader {
-                label: "stereo",
-                source,
-                rows: &ROWS,
-                read_only: &READ_ONLY,
-                uniform_bytes: size_of::<StereoMatching>() as u64,
-                group: STEREO_GROUP,
-            },
-        ))
+        Self(ComputePrograms::new(context, SHADER))
     }
 
     /// What a pass reads and writes; `buffer` knows what is bound to each binding.

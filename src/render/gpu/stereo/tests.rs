@@ -4,7 +4,7 @@ use super::passes::SUMS;
 use super::*;
 use crate::render::gpu::context::ContextOptions;
 use crate::stereo::Penalties;
-use crate::stereo::constants::{CENSUS_HALF_HEIGHT, CENSUS_HALF_WIDTH};
+use crate::stereo::matching::constants::{CENSUS_HALF_HEIGHT, CENSUS_HALF_WIDTH};
 use std::sync::LazyLock;
 use wgpu::BufferUsages as Usages;
 

@@ -24,7 +24,7 @@ mod scratch;
 mod tests;
 
 pub(super) use count::VisibleCount;
-pub(super) use passes::source;
+pub(super) use passes::SHADER;
 pub(super) use record::{CULL_PASS, NORMALS_PASS};
 
 use super::context::Context;

@@ -1,27 +1,123 @@
 //! The programs that make surfels of the screen: entry points of one shader, each with what it binds.
 
-use crate::render::gpu::compute::{ComputePrograms, ComputeShader, EntryRow};
-use crate::render::gpu::constants::{self, GROUP_RECORDS, SCREENING_GROUP};
+use crate::render::gpu::compute::{Access, BufferRow, ComputePrograms, ComputeShader, EntryRow};
+use crate::render::gpu::constants::{self, GROUP_RECORDS};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::Screening;
+use crate::render::gpu::layout::Shared;
+use crate::render::gpu::wgsl::shader_file;
 
 /// Bindings of `screen_normals/view.wgsl`.
+/// Of the cloud.
 pub(super) const POINTS: u32 = 1;
+/// What is known of all of them.
 pub(super) const FOUND: u32 = 2;
+/// Inverted bits of the depth of the nearest point of each pixel; zero where there is none.
 pub(super) const NEAREST: u32 = 3;
+/// The same once all are drawn.
 pub(super) const NEAREST_DRAWN: u32 = 4;
+/// The same as depths, with a border of `BORDER_PX` pixels.
 pub(super) const DEPTHS: u32 = 5;
+/// Of each point the bits of its depth, then its place among those of its workgroup that are visible, then its cell.
+/// Behind these the visible points, and behind these the sums of workgroups.
 pub(super) const PLACES: u32 = 6;
+/// Visible points: from the eye, in the axes of the cloud, and depths.
 pub(super) const SEEN_POINTS: u32 = 7;
+/// Of each cell the inverted bits of the nearest depth, the inverted place of the first such point among the visible
+/// ones, and how many points it has.
 pub(super) const CELL_KEYS: u32 = 8;
+/// The same once all are in.
 pub(super) const CELL_KEYS_FOUND: u32 = 9;
+/// Where the nearest point of each cell is, from the eye, and how many points there are.
 pub(super) const CELLS: u32 = 10;
+/// What is drawn.
 pub(super) const DRAWN_POINTS: u32 = 11;
+/// What is drawn.
 pub(super) const DRAWN_SHAPES: u32 = 12;
+/// Of visible points, or `NO_NORMAL` where there is no plane around.
 pub(super) const NORMALS: u32 = 13;
 
-/// Those that are only read.
-const READ_ONLY: [u32; 2] = [POINTS, NEAREST_DRAWN];
+/// What passes bind, by these names in WGSL.
+const BUFFERS: [BufferRow; 13] = [
+    BufferRow {
+        binding: POINTS,
+        name: "points",
+        holds: "array<PointRecord>",
+        access: Access::Read,
+    },
+    BufferRow {
+        binding: FOUND,
+        name: "found",
+        holds: "Found",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: NEAREST,
+        name: "nearest",
+        holds: "array<atomic<u32>>",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: NEAREST_DRAWN,
+        name: "nearest_drawn",
+        holds: "array<u32>",
+        access: Access::Read,
+    },
+    BufferRow {
+        binding: DEPTHS,
+        name: "depths",
+        holds: "array<f32>",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: PLACES,
+        name: "places",
+        holds: "array<u32>",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: SEEN_POINTS,
+        name: "seen_points",
+        holds: "array<vec4f>",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: CELL_KEYS,
+        name: "cell_keys",
+        holds: "array<atomic<u32>>",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: CELL_KEYS_FOUND,
+        name: "cell_keys_found",
+        holds: "array<u32>",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: CELLS,
+        name: "cells",
+        holds: "array<vec4f>",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: DRAWN_POINTS,
+        name: "drawn_points",
+        holds: "array<PointRecord>",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: DRAWN_SHAPES,
+        name: "drawn_shapes",
+        holds: "array<ShapeRecord>",
+        access: Access::ReadWrite,
+    },
+    BufferRow {
+        binding: NORMALS,
+        name: "normals",
+        holds: "array<u32>",
+        access: Access::ReadWrite,
+    },
+];
 
 /// An entry point.
 #[derive(Debug, Clone, Copy)]
@@ -41,34 +137,42 @@ pub(super) enum Pass {
 const ROWS: [EntryRow; 9] = [
     EntryRow {
         entry: "draw",
+        file: shader_file!("screen_normals/cull.wgsl"),
         buffers: &[POINTS, FOUND, NEAREST, PLACES],
     },
     EntryRow {
         entry: "frame",
+        file: shader_file!("screen_normals/cull.wgsl"),
         buffers: &[NEAREST_DRAWN, DEPTHS],
     },
     EntryRow {
         entry: "cull",
+        file: shader_file!("screen_normals/cull.wgsl"),
         buffers: &[POINTS, FOUND, DEPTHS, PLACES],
     },
     EntryRow {
         entry: "scan",
+        file: shader_file!("screen_normals/cull.wgsl"),
         buffers: &[FOUND, PLACES],
     },
     EntryRow {
         entry: "compact",
+        file: shader_file!("screen_normals/cull.wgsl"),
         buffers: &[POINTS, FOUND, PLACES, SEEN_POINTS, CELL_KEYS],
     },
     EntryRow {
         entry: "choose",
+        file: shader_file!("screen_normals/cells.wgsl"),
         buffers: &[FOUND, PLACES, SEEN_POINTS, CELL_KEYS],
     },
     EntryRow {
         entry: "coarsen",
+        file: shader_file!("screen_normals/cells.wgsl"),
         buffers: &[FOUND, SEEN_POINTS, CELL_KEYS_FOUND, CELLS],
     },
     EntryRow {
         entry: "surface",
+        file: shader_file!("screen_normals/planes.wgsl"),
         buffers: &[
             POINTS,
             FOUND,
@@ -82,27 +186,19 @@ const ROWS: [EntryRow; 9] = [
     },
     EntryRow {
         entry: "lend",
+        file: shader_file!("screen_normals/planes.wgsl"),
         buffers: &[FOUND, SEEN_POINTS, CELL_KEYS_FOUND, CELLS, DRAWN_SHAPES, NORMALS],
     },
 ];
 
-/// The WGSL of all of them.
-pub(in crate::render::gpu) fn source() -> String {
-    [
-        constants::shared().as_str(),
-        &constants::of_screen_normals(),
-        include_str!("../../../../shaders/common/records.wgsl"),
-        include_str!("../../../../shaders/common/oct_encode.wgsl"),
-        include_str!("../../../../shaders/common/scan.wgsl"),
-        include_str!("../../../../shaders/common/smallest_eigenvector.wgsl"),
-        include_str!("../../../../shaders/screen_normals/view.wgsl"),
-        include_str!("../../../../shaders/screen_normals/cells.wgsl"),
-        include_str!("../../../../shaders/screen_normals/ramp.wgsl"),
-        include_str!("../../../../shaders/screen_normals/cull.wgsl"),
-        include_str!("../../../../shaders/screen_normals/planes.wgsl"),
-    ]
-    .join("\n")
-}
+/// All of them.
+pub(in crate::render::gpu) const SHADER: ComputeShader = ComputeShader {
+    label: "screen normals",
+    rows: &ROWS,
+    given: &[("generated/screen_normals", constants::of_screen_normals)],
+    uniform: ("screening", &Screening::LAYOUT),
+    buffers: &BUFFERS,
+};
 
 /// All programs, in the order of [`Pass`].
 #[derive(Debug)]
@@ -119,15 +215,7 @@ pub(super) struct Work {
 
 impl Programs {
     pub(super) fn new(context: &Context) -> Self {
-        let shader = ComputeShader {
-            label: "screen normals",
-            source,
-            rows: &ROWS,
-            read_only: &READ_ONLY,
-            uniform_bytes: size_of::<Screening>() as u64,
-            group: SCREENING_GROUP,
-        };
-        Self(ComputePrograms::new(context, shader))
+        Self(ComputePrograms::new(context, SHADER))
     }
 
     /// What a pass reads and writes; `buffer` knows what is bound to each binding.

@@ -3,6 +3,7 @@
 use super::shorthand::{Given, Shorthand};
 use super::values::{Value, Values};
 use crate::scene::environment::Environment;
+use crate::scene::style::Style;
 
 /// One setting in words.
 #[derive(Debug)]
@@ -50,7 +51,7 @@ impl Described {
         title: "",
         hint: "",
         section: Section::Picture,
-        when: When::Always,
+        when: |_| true,
         label: Label::Untold,
         values: Values::Switch(""),
         shorthands: &[],
@@ -150,72 +151,12 @@ pub enum Section {
     Own,
 }
 
-/// When a setting has an effect.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum When {
-    /// Whatever is drawn.
-    Always,
-    /// Surfels are drawn.
-    Surfels,
-    /// Surfels are drawn, and blended at the surface.
-    BlendedSurfels,
-    /// Surfels are drawn, and fall off towards their rims as a setting says.
-    MaskedSurfels,
-    /// Surfels are drawn, enlarged.
-    EnlargedSurfels,
-    /// Surfels are drawn, round and one for each point, without photographs.
-    WholeSurfels,
-    /// The GPU draws surfels on their planes, and what is beside their disks is not seen.
-    GpuDisks,
-    /// What is drawn has the radii of surfels: these, or adaptive points.
-    SurfelRadii,
-    /// The same, and one of them stands for others.
-    SurfelLevels,
-    /// Surfels are drawn, from byte codes if the processor draws.
-    CodedSurfels,
-    /// Points are drawn that stay points: all of them, or those that belong to no triangle.
-    DrawnPoints,
-    /// Points are drawn.
-    Points,
-    /// Points are drawn whose size is one in pixels.
-    PointsOfPixels,
-    /// Points are drawn whose size is a length in the scene.
-    PointsOfScene,
-    /// Voxels are drawn.
-    Voxels,
-    /// Cells of the octree are drawn.
-    Cells,
-    /// Surfels or voxels are drawn, or points with normals.
-    Lit,
-    /// Light falls on the blended surface.
-    Deferred,
-    /// It falls on a material, and from an environment.
-    Physical,
-    /// What is drawn leaves depths.
-    Depths,
-    /// Depths shade what is drawn.
-    EyeDome,
-    /// The first of the lights that fall on the blended surface is far away.
-    KeyLight,
-    /// That light casts shadows.
-    Shadows,
-    /// Light falls on the blended surface, and there are depths that say where it is.
-    Shaded,
-    /// What is near a place of that surface keeps light from it.
-    Occluded,
-    /// There are photographs of what the frames show.
-    HasPhotographs,
-    /// Surfaces have their colours from them.
-    DrawsPhotographs,
-    /// Several of them are blended.
-    BlendsPhotographs,
-    /// The GPU draws.
-    Gpu,
-}
+/// When something about a setting is so: a question to what is drawn.
+pub type When = fn(&Style) -> bool;
 
 /// How the label of a way to draw tells a setting: `{}` stands for the value as files have it, `{title}` for that of
 /// the window.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub enum Label {
     /// It does not.
     Untold,

@@ -1,7 +1,46 @@
 //! How a group of settings is written.
 
-/// Writes a group of settings once: each field with its name in files, its default and its description.
+/// Writes a group of settings once: each field with its name in files, its default and its description. `decided` names
+/// the type of the same group with no choice left open; where none can be left open, the group is its own.
 macro_rules! group {
+    (
+        $(#[$doc:meta])* $group:ident decided $decided:ident {
+            $(
+                $(#[doc = $field_doc:literal])* $(#[serde($($serde:tt)*)])?
+                $field:ident: $type:ty = $default:expr, $key:literal $described:ident { $($text:tt)* }
+            )+
+        }
+    ) => {
+        $crate::scene::style::describe::group! {
+            $(#[$doc])* ///
+            /// Some may be left open.
+            $group {
+                $(
+                    $(#[doc = $field_doc])* $(#[serde($($serde)*)])?
+                    $field: $type = $default, $key $described { $($text)* }
+                )+
+            }
+        }
+
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub struct $decided {
+            $($(#[doc = $field_doc])* pub $field: <$type as $crate::scene::describe::Setting>::Decided,)+
+        }
+
+        impl $group {
+            /// The same with what is usual in place of every choice that is left open.
+            pub(super) fn decided(&self) -> $decided {
+                $decided { $($field: $crate::scene::describe::Setting::decided(&self.$field),)+ }
+            }
+        }
+
+        impl Default for $decided {
+            fn default() -> Self {
+                $group::default().decided()
+            }
+        }
+    };
     (
         $(#[$doc:meta])* $group:ident {
             $(

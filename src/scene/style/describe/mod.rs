@@ -2,7 +2,7 @@
 //! command line, the files, undo and the labels of benchmarks read.
 //!
 //! **How it works.** A group of settings is a struct whose fields stand beside their [`Described`] (`group!`). Readers
-//! know no field: [`Style::edit`](super::Style::edit) shows them each description with the setting's [`Value`].
+//! know no field: [`Settings::edit`](super::Settings::edit) shows them each description with the setting's [`Value`].
 
 mod described;
 mod group;

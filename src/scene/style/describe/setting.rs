@@ -8,6 +8,12 @@ use crate::sequence::Coloring;
 
 /// What can be a setting.
 pub trait Setting: Sized {
+    /// The same where it cannot be left open.
+    type Decided;
+
+    /// This, or what is usual where it is left open.
+    fn decided(&self) -> Self::Decided;
+
     /// As any setting.
     fn value(&self) -> Value;
 
@@ -27,6 +33,12 @@ pub trait Setting: Sized {
 }
 
 impl Setting for f32 {
+    type Decided = Self;
+
+    fn decided(&self) -> Self {
+        *self
+    }
+
     fn value(&self) -> Value {
         Value::Number(f64::from(*self))
     }
@@ -40,6 +52,12 @@ impl Setting for f32 {
 }
 
 impl Setting for bool {
+    type Decided = Self;
+
+    fn decided(&self) -> Self {
+        *self
+    }
+
     fn value(&self) -> Value {
         Value::Switch(*self)
     }
@@ -53,6 +71,12 @@ impl Setting for bool {
 }
 
 impl Setting for Background {
+    type Decided = Self;
+
+    fn decided(&self) -> Self {
+        *self
+    }
+
     fn value(&self) -> Value {
         Value::Background(*self)
     }
@@ -66,6 +90,12 @@ impl Setting for Background {
 }
 
 impl Setting for Environment {
+    type Decided = Self;
+
+    fn decided(&self) -> Self {
+        *self
+    }
+
     fn value(&self) -> Value {
         Value::Environment(*self)
     }
@@ -79,6 +109,12 @@ impl Setting for Environment {
 }
 
 impl Setting for Coloring {
+    type Decided = Self;
+
+    fn decided(&self) -> Self {
+        *self
+    }
+
     fn value(&self) -> Value {
         Value::Colors(*self)
     }

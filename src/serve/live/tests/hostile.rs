@@ -119,18 +119,16 @@ fn clients_that_talk_nonsense_are_left() {
         let _ = client.shutdown(std::net::Shutdown::Write);
     }
     wait_for("their end", || server.left().len() == nonsense.len());
-    let before = quick.live().unwrap().status().received_frames;
-    wait_for("frames", || {
-        quick.live().unwrap().status().received_frames > before + 10
-    });
+    let before = quick.status().received_frames;
+    wait_for("frames", || quick.status().received_frames > before + 10);
 }
 
 /// Connects as a good client does, and gets frames without being sent away.
 fn assert_served_at_once(server: &Running) {
     let good = LiveStream::open(&server.url(), &OpenOptions::default(), &Progress::default()).unwrap();
-    let before = good.live().unwrap().status().received_frames;
-    wait_for("frames", || good.live().unwrap().status().received_frames > before + 2);
-    assert_eq!(good.live().unwrap().status().reconnects, 0);
+    let before = good.status().received_frames;
+    wait_for("frames", || good.status().received_frames > before + 2);
+    assert_eq!(good.status().reconnects, 0);
 }
 
 fn crowd(server: &Running) -> Vec<TcpStream> {
@@ -295,8 +293,6 @@ fn failing() -> FrameList {
 fn a_frame_that_the_program_fails_on_ends_no_stream() {
     let server = Running::new(failing(), 100.0, RAW);
     let client = opened(&server.url());
-    wait_for("frames of several rounds", || {
-        client.live().unwrap().status().received_frames > 10
-    });
+    wait_for("frames of several rounds", || client.status().received_frames > 10);
     assert!(server.server.report().missed_frames > 0);
 }

@@ -53,8 +53,8 @@ fn a_client_is_sent_what_it_sees_and_others_all() {
         let (seeing, all) = (surfels(&server.url()), opened(&server.url()));
         let whole = newest(&seeing);
         assert_eq!(whole.positions.len(), 7200, "before it has said what it looks at");
-        let before = seeing.live().unwrap().status();
-        seeing.live().unwrap().look_from(view(at));
+        let before = seeing.status();
+        seeing.look_from(view(at));
         wait_for("what is seen", || newest(&seeing).positions.len() < 7200);
         let seen = newest(&seeing);
         // The wall before the other one, and all of that.
@@ -82,13 +82,13 @@ fn a_client_is_sent_what_it_sees_and_others_all() {
             rotation: Mat3::from_rotation_y(std::f32::consts::PI),
             ..view(at - 3.0 * DVec3::Z)
         };
-        seeing.live().unwrap().look_from(turned);
+        seeing.look_from(turned);
         wait_for("what is seen from behind", || {
             let colors = newest(&seeing).attributes.colors.unwrap();
             colors.len() == 3600 && colors.iter().all(|color| color[0] == 0)
         });
         assert_eq!(newest(&all).positions.len(), 7200);
-        assert!(seeing.live().unwrap().status().received_frames > before.received_frames);
+        assert!(seeing.status().received_frames > before.received_frames);
         drop(seeing);
         wait_for("it to leave", || !server.left().is_empty());
         // Half of the points, which have twice as many bytes each: normals and radii.
@@ -107,15 +107,15 @@ fn a_server_that_begins_again_is_told_what_is_looked_at() {
     let first = Running::at(&source, 50.0, RAW, "127.0.0.1:0".parse().unwrap());
     let (url, address) = (first.url(), first.address());
     let seeing = surfels(&url);
-    seeing.live().unwrap().look_from(view(DVec3::ZERO));
+    seeing.look_from(view(DVec3::ZERO));
     wait_for("what is seen", || newest(&seeing).positions.len() == 3600);
     drop(first);
     let _second = Running::at(&source, 50.0, RAW, address);
-    let reconnects = || seeing.live().unwrap().status().reconnects;
+    let reconnects = || seeing.status().reconnects;
     wait_for("the second server", || reconnects() == 1);
-    let came = seeing.live().unwrap().status().received_frames;
+    let came = seeing.status().received_frames;
     wait_for("what is seen there", || {
-        let is_new = seeing.live().unwrap().status().received_frames > came + 2;
+        let is_new = seeing.status().received_frames > came + 2;
         is_new && newest(&seeing).positions.len() == 3600
     });
 }
@@ -124,11 +124,9 @@ fn a_server_that_begins_again_is_told_what_is_looked_at() {
 fn a_stream_of_frames_does_not_care_what_is_looked_at() {
     let server = Running::new(walls(DVec3::ZERO), 50.0, RAW);
     let stream = opened(&server.url());
-    stream.live().unwrap().look_from(view(DVec3::ZERO));
-    let before = stream.live().unwrap().status().received_frames;
-    wait_for("frames", || {
-        stream.live().unwrap().status().received_frames > before + 5
-    });
+    stream.look_from(view(DVec3::ZERO));
+    let before = stream.status().received_frames;
+    wait_for("frames", || stream.status().received_frames > before + 5);
     assert_eq!(newest(&stream).positions.len(), 7200);
 }
 

@@ -60,7 +60,7 @@ pub(super) fn draw(coded: &Coded<'_>, packet: &ScenePacket, bands: Vec<TileRow<'
     let lists = traversal.by_tile(&blocks, painter.tiles);
     let content = CodedTiles {
         is_depth_only: packet.style.surfels.splatting == Splatting::Visibility,
-        lighting: packet.style.light.drawn_lighting(),
+        lighting: packet.style.light.lighting,
         normals: normals::seen(packet, view, coded.normal_bits),
         directions: quantised_normals(coded.normal_bits),
         footprints: Footprints::new(view),

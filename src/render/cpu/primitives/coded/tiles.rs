@@ -220,7 +220,7 @@ impl CodedTiles<'_> {
             Lighting::PerVertex | Lighting::Lambert | Lighting::BlinnPhong | Lighting::Physical => {
                 Light::Same(self.light_at(node))
             }
-            Lighting::Auto | Lighting::PerFragment => Light::OfPixels,
+            Lighting::PerFragment => Light::OfPixels,
         };
         let facet = |scale: f32| {
             let (u, v) = (u * (scale * node.radius), v * (scale * node.radius));

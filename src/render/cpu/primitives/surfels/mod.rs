@@ -165,7 +165,7 @@ impl<'a> Surfels<'a> {
             shapes: &records.shapes,
             style,
             filter: style.splat_filter(),
-            lighting: match style.light.drawn_lighting() {
+            lighting: match style.light.lighting {
                 // Sprites have no vertices on their disks but the middles.
                 Lighting::PerVertex if style.draws_sprites() => Lighting::PerSurfel,
                 lighting => lighting,

@@ -1,0 +1,41 @@
+//! The surface of a cloud as its file has it: in the order of the file, with holes.
+
+use crate::analysis::Surface;
+use crate::analysis::estimate_surface;
+use crate::cloud::{CloudError, Frame, RawCloud};
+
+/// The surface around each point, in the order of the file; zeros where a point is none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FileSurface {
+    /// Unit normals.
+    pub normals: Vec<[f32; 3]>,
+    /// Splat radii, scene units.
+    pub radii: Vec<f32>,
+}
+
+impl FileSurface {
+    /// What [`estimate_surface`] finds around the points of `cloud`; `None` of one without points.
+    ///
+    /// # Errors
+    /// Points that cannot become a frame.
+    pub fn of(cloud: &RawCloud) -> Result<Option<Self>, CloudError> {
+        let (_, Some((min, max))) = cloud.positions.finite_bounds() else {
+            return Ok(None);
+        };
+        let positions = RawCloud {
+            sensor: cloud.sensor,
+            ..RawCloud::from_positions(cloud.positions.clone())
+        };
+        let frame = Frame::from_raw(positions, min * 0.5 + max * 0.5)?;
+        let Surface { normals, radii, .. } = estimate_surface(frame.positions(), frame.sensor());
+        let mut surface = Self {
+            normals: vec![[0.0; 3]; cloud.positions.len()],
+            radii: vec![0.0; cloud.positions.len()],
+        };
+        for (place, &index) in frame.file_index().iter().enumerate() {
+            surface.normals[index as usize] = normals[place].to_array();
+            surface.radii[index as usize] = radii[place];
+        }
+        Ok(Some(surface))
+    }
+}

@@ -1,0 +1,19 @@
+//! The surface around each point, from the neighbours that `search` finds: normals, their orientation, radii, ellipses. Knows no colours.
+
+pub(super) mod bent_disks;
+#[cfg(test)]
+pub(super) mod block_tests;
+pub(super) mod blocks;
+pub(super) mod directions;
+pub(super) mod ellipses;
+pub(super) mod file_surface;
+pub(super) mod four_matrices;
+pub(super) mod normals;
+pub(super) mod openings;
+pub(super) mod orientation;
+#[cfg(test)]
+pub(super) mod plane_tests;
+pub(super) mod radii;
+pub(super) mod robust_planes;
+pub(super) mod steps;
+pub(super) mod stray;

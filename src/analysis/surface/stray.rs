@@ -1,0 +1,146 @@
+//! Points that are alone beside a surface.
+//!
+//! How it works: a point is *stray* if it is far from its neighbours, measured by how far apart these are among
+//! themselves, and off the plane that fits them best. Either alone tells nothing. A point of a sparse wall beside a
+//! dense one is as far from others, and on their plane; a point of an edge is off the plane, and as near as others are.
+//!
+//! When it wins: over a bound on distances alone (statistical outlier removal), which takes sparse parts of a cloud for
+//! outliers where others are dense. Points that reconstruction from photographs makes are like that: crowded where a
+//! texture is rich, few on a wall, and those of wrong matches in the air.
+
+use crate::analysis::DEFAULT_NEIGHBOURS;
+use crate::analysis::search::neighbours::{Neighbours, nearest_neighbours};
+use crate::math::SymmetricMat3;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// Neighbours whose mean distance tells how far apart points are.
+const NEAREST: usize = 6;
+
+/// How many times as far apart as its neighbours a stray point is from them.
+const FAR: f32 = 1.5;
+
+/// How far off the plane of its neighbours a stray point is, as a share of how far it is from them: 17°.
+const OFF_PLANE: f32 = 0.3;
+
+/// How often they are looked for: without the first ones, those beside them are seen to be alone as well.
+const ROUNDS: usize = 2;
+
+/// Which of `positions` (finite) are stray, in their order. None are where there are fewer than 13.
+pub fn stray_points(positions: &[Vec3]) -> Vec<bool> {
+    let mut is_stray = vec![false; positions.len()];
+    for _ in 0..ROUNDS {
+        let kept: Vec<usize> = (0..positions.len()).filter(|&at| !is_stray[at]).collect();
+        let places: Vec<Vec3> = kept.iter().map(|&at| positions[at]).collect();
+        for (at, found) in kept.into_iter().zip(stray_of(&places)) {
+            is_stray[at] = found;
+        }
+    }
+    is_stray
+}
+
+/// Those of one round.
+fn stray_of(positions: &[Vec3]) -> Vec<bool> {
+    let neighbours = nearest_neighbours(positions, DEFAULT_NEIGHBOURS);
+    if neighbours.per_point() < DEFAULT_NEIGHBOURS {
+        return vec![false; positions.len()];
+    }
+    let spacing = |at: usize| {
+        let nearest = neighbours.of(at)[..NEAREST].iter();
+        let sum: f32 = nearest
+            .map(|&other| positions[other as usize].distance(positions[at]))
+            .sum();
+        sum / NEAREST as f32
+    };
+    let spacings: Vec<f32> = (0..positions.len()).into_par_iter().map(spacing).collect();
+    let is_stray = |at: usize| {
+        spacings[at] > FAR * usual_spacing(&spacings, neighbours.of(at))
+            && height_above(positions, &neighbours, at) > OFF_PLANE * spacings[at]
+    };
+    (0..positions.len()).into_par_iter().map(is_stray).collect()
+}
+
+/// The median of the spacings of some points.
+fn usual_spacing(spacings: &[f32], points: &[u32]) -> f32 {
+    let mut of_points: Vec<f32> = points.iter().map(|&point| spacings[point as usize]).collect();
+    let middle = of_points.len() / 2;
+    *of_points.select_nth_unstable_by(middle, f32::total_cmp).1
+}
+
+/// How far a point is off the plane of its neighbours.
+fn height_above(positions: &[Vec3], neighbours: &Neighbours, at: usize) -> f32 {
+    let around = neighbours.of(at);
+    let offset = |&other: &u32| (positions[other as usize] - positions[at]).as_dvec3();
+    let mean = around.iter().map(offset).sum::<DVec3>() / around.len() as f64;
+    let spread = around.iter().map(offset).fold(SymmetricMat3::default(), |sum, offset| {
+        let d = offset - mean;
+        SymmetricMat3 {
+            xx: sum.xx + d.x * d.x,
+            xy: sum.xy + d.x * d.y,
+            xz: sum.xz + d.x * d.z,
+            yy: sum.yy + d.y * d.y,
+            yz: sum.yz + d.y * d.z,
+            zz: sum.zz + d.z * d.z,
+        }
+    });
+    spread.smallest_eigenvector().dot(mean).abs() as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square of `edge`² points in the plane z = 0, `step` apart, from `from` on.
+    fn square(from: Vec3, edge: usize, step: f32) -> Vec<Vec3> {
+        let at = |at: usize| from + step * Vec3::new((at % edge) as f32, (at / edge) as f32, 0.0);
+        (0..edge * edge).map(at).collect()
+    }
+
+    fn found(positions: &[Vec3]) -> Vec<usize> {
+        let is_stray = stray_points(positions);
+        assert_eq!(is_stray.len(), positions.len());
+        (0..positions.len()).filter(|&at| is_stray[at]).collect()
+    }
+
+    #[test]
+    fn points_in_the_air_are_stray_and_no_others() {
+        let mut positions = square(Vec3::ZERO, 20, 1.0);
+        positions.extend([
+            Vec3::new(7.3, 8.1, 4.0),
+            Vec3::new(15.0, 3.0, -9.0),
+            Vec3::new(3.0, 30.0, 20.0),
+        ]);
+        assert_eq!(found(&positions), [400, 401, 402]);
+        // Anywhere, of any size.
+        let moved: Vec<Vec3> = positions
+            .iter()
+            .map(|&place| 1e-3 * place + Vec3::new(5.0, -2.0, 1.0))
+            .collect();
+        assert_eq!(found(&moved), [400, 401, 402]);
+    }
+
+    #[test]
+    fn sparse_parts_of_a_surface_beside_dense_ones_are_none() {
+        let mut positions = square(Vec3::ZERO, 20, 0.1);
+        // A wall on which few points were found, the nearest of them ten times as far away as those are apart.
+        positions.extend(square(Vec3::new(3.0, 0.0, 0.0), 6, 1.5));
+        assert_eq!(found(&positions), Vec::<usize>::new());
+    }
+
+    #[test]
+    fn edges_and_corners_are_none() {
+        // Three faces of a cube.
+        let face = square(Vec3::new(0.5, 0.5, 0.0), 12, 1.0);
+        let mut positions = face.clone();
+        positions.extend(face.iter().map(|place| Vec3::new(place.z, place.x, place.y)));
+        positions.extend(face.iter().map(|place| Vec3::new(place.y, place.z, place.x)));
+        assert_eq!(found(&positions), Vec::<usize>::new());
+    }
+
+    #[test]
+    fn few_points_and_points_in_one_place_are_none() {
+        assert_eq!(found(&[]), Vec::<usize>::new());
+        assert_eq!(found(&square(Vec3::ZERO, 3, 1.0)), Vec::<usize>::new());
+        assert_eq!(found(&[Vec3::ONE; 40]), Vec::<usize>::new());
+    }
+}

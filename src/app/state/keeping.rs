@@ -1,0 +1,297 @@
+//! The document is kept without being asked: while it is worked on, when it is left, and at the end of the program.
+//!
+//! **How it works.** Each sequence has a file ([`DocumentFolder`](crate::document::DocumentFolder)). Once a pass the
+//! document is compared with what it began with; what differs is written a moment after the last change, so that a
+//! program that is killed has lost little. Looking at frames is no change, and a file that was only opened leaves
+//! nothing behind. A session has a file of its own: it is written when the user saves it.
+
+use super::State;
+use super::keeper::Keeper;
+use crate::app::features::quality::MeasuredWay;
+use crate::app::side::Side;
+use crate::document::Document;
+use crate::scene::{DrawingSettings, Settings};
+use crate::sequence::Sequence;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A slider that is being dragged is not written at each of its steps.
+const WRITE_DELAY: Duration = Duration::from_secs(1);
+
+/// A document that is to be opened.
+pub(super) struct Found {
+    /// As it is to be shown.
+    pub(super) document: Document,
+    keeper: Keeper,
+    /// What of it was kept, for a notice.
+    kept: Vec<String>,
+    problem: Option<String>,
+}
+
+impl State {
+    /// What was kept of `sequence`, or a new document.
+    pub(in crate::app) fn find_document(&mut self, sequence: &Sequence) -> Found {
+        let new = self.new_document();
+        let folder = self.shared.options.documents.as_ref();
+        let file = folder.and_then(|folder| folder.file_of(sequence));
+        let mut read = folder
+            .zip(file.as_ref())
+            .map(|(folder, file)| folder.read(file, &new))
+            .unwrap_or_default();
+        let written = read.document.clone().unwrap_or_else(|| new.clone());
+        if std::mem::take(&mut self.shared.options.is_fresh) {
+            read.document = None;
+        }
+        let kept = read
+            .document
+            .as_ref()
+            .map(|document| document.summary(&undrawn(new.clone())));
+        let mut document = read.document.unwrap_or_else(|| new.clone());
+        document.settings.drawing = new.settings.drawing;
+        let before = document.style();
+        let mut chosen = self.shared.options.given.over(before);
+        if self.player.is_some() {
+            // A clip of the command line is that of its first sequence.
+            chosen.clip = before.clip;
+        }
+        document.clip = chosen.clip;
+        document.settings = chosen.with(|style| style.clip = None);
+        let end = document.range.of(sequence.len()).end;
+        if !self.shared.options.paused && document.frame + 1 >= end {
+            // What plays would end at once.
+            document.frame = document.range.of(sequence.len()).start;
+        }
+        Found {
+            document,
+            keeper: Keeper {
+                file: file.filter(|_| read.is_writable),
+                written,
+                new: undrawn(new),
+                given: (chosen != before).then_some(MeasuredWay { before, chosen }),
+                ..Keeper::default()
+            },
+            kept: kept.unwrap_or_default(),
+            problem: read.problem,
+        }
+    }
+
+    /// Shows the document that was found for the sequence that was just opened.
+    pub(in crate::app) fn open_document(&mut self, found: Found) {
+        self.apply_document(found.document);
+        self.opening.keeper = found.keeper;
+        self.note_begun();
+        if let Some(problem) = found.problem {
+            self.notices.warn(problem);
+        }
+        if !found.kept.is_empty() {
+            let kept = found.kept.join(", ");
+            self.notices.info(format!(
+                "As you left it: {kept}. Edit, Begin again from defaults opens it as new"
+            ));
+        }
+    }
+
+    /// The document as it is kept: without what the command line has changed, and without who draws.
+    pub(in crate::app) fn kept_document(&self) -> Document {
+        let mut document = self.document();
+        if let Some(way) = self.opening.keeper.given {
+            document.settings = way.undone(document.settings);
+            if document.clip == way.chosen.clip {
+                document.clip = way.before.clip;
+            }
+        }
+        if document.inputs.is_empty()
+            && let Some(player) = self.player.as_ref().filter(|player| !player.sequence().is_empty())
+        {
+            document.inputs = vec![player.sequence().entry(0).path.clone()];
+        }
+        undrawn(document)
+    }
+
+    /// Takes notice that the document is as it begins.
+    pub(in crate::app) fn note_begun(&mut self) {
+        let now = self.kept_document();
+        self.opening.keeper.begun = now.clone();
+        self.note_saved(now);
+    }
+
+    /// Takes notice that `document` was saved.
+    pub(in crate::app) fn note_saved(&mut self, document: Document) {
+        self.opening.keeper.saved = document;
+        self.note_document();
+    }
+
+    /// Looks whether the document has changed. Call once a pass.
+    pub(in crate::app) fn note_document(&mut self) {
+        if self.player.is_none() {
+            self.opening.keeper = Keeper::default();
+            return;
+        }
+        let now = self.kept_document();
+        let keeper = &mut self.opening.keeper;
+        keeper.is_unsaved = !now.is_same_work(&keeper.saved);
+        if now.is_kept_same(&keeper.begun) {
+            keeper.changed = None;
+        } else if !keeper
+            .changed
+            .as_ref()
+            .is_some_and(|(before, _)| before.is_kept_same(&now))
+        {
+            keeper.changed = Some((now, self.shared.now));
+        }
+    }
+
+    /// True if the document differs from what was last saved, or from what was opened.
+    pub fn is_unsaved(&self) -> bool {
+        self.opening.keeper.is_unsaved
+    }
+
+    /// Whether what the user makes is kept without being asked.
+    pub(in crate::app) fn is_kept(&self) -> bool {
+        self.opening.keeper.file.is_some()
+    }
+
+    /// When [`State::keep_if_due`] has something to do.
+    pub(in crate::app) fn keeping_deadline(&self) -> Option<Duration> {
+        self.opening.keeper.file.as_ref()?;
+        let (_, since) = self.opening.keeper.changed.as_ref()?;
+        Some(*since + WRITE_DELAY)
+    }
+
+    /// Keeps what was changed long enough before `now`.
+    pub(in crate::app) fn keep_if_due(&mut self, now: Duration) {
+        if self.keeping_deadline().is_some_and(|due| due <= now) {
+            self.keep_document();
+        }
+    }
+
+    /// Keeps the document, if it was changed and may be kept.
+    pub(in crate::app) fn keep_document(&mut self) {
+        let (Some(folder), Some(file)) = (&self.shared.options.documents, &self.opening.keeper.file) else {
+            return;
+        };
+        let now = self.kept_document();
+        if self.player.is_none() || now.is_kept_same(&self.opening.keeper.begun) {
+            return;
+        }
+        let kept = if now.summary(&self.opening.keeper.new).is_empty() {
+            folder.forget(file);
+            Ok(())
+        } else {
+            folder.write(file, &self.opening.keeper.written, &now)
+        };
+        if let Err(problem) = kept {
+            self.notices.warn(problem);
+        }
+        // Also after a failure: it would be the same each second.
+        self.opening.keeper.written = now.clone();
+        self.opening.keeper.begun = now;
+        self.opening.keeper.changed = None;
+    }
+
+    /// The open document is empty again, as if its sequence was opened for the first time.
+    pub(in crate::app) fn begin_again(&mut self) {
+        if self.player.is_none() {
+            return;
+        }
+        self.close_beside();
+        self.end_comparison(Side::A);
+        let now = self.document();
+        self.shared.options.view = None;
+        self.opening.measured_way = None;
+        self.opening.keeper.given = None;
+        self.stop_preview();
+        self.features.path.take(Arc::default(), None);
+        let (file, options) = (self.opening.opened.file.take(), self.opening.opened.options.take());
+        self.apply_document(Document {
+            inputs: now.inputs,
+            reading: now.reading,
+            frame: now.frame,
+            unknown: now.unknown,
+            ..self.new_document()
+        });
+        (self.opening.opened.file, self.opening.opened.options) = (file, options);
+        self.guess_up();
+        self.reset_view();
+        self.keep_document();
+        self.notices
+            .info("Begun again from defaults: Undo brings settings, labels, markers and camera path back");
+    }
+
+    /// New documents begin with the look of the open one.
+    pub(in crate::app) fn use_as_defaults(&mut self) {
+        let style = self.style_of_a();
+        let kept = self.opening.keeper.given.map_or(style, |way| way.undone(style));
+        self.shared.options.preferences.settings = Settings { clip: None, ..kept };
+        self.opening.keeper.new = undrawn(self.new_document());
+        self.notices
+            .info("New files begin with this look; those that were opened before keep theirs");
+    }
+
+    /// Opens the sequence of the document anew by `open`, which goes on with the document and what can be undone.
+    pub(in crate::app) fn with_document_kept(&mut self, open: impl FnOnce(&mut Self)) {
+        let keeper = std::mem::take(&mut self.opening.keeper);
+        let history = std::mem::take(&mut self.history);
+        open(self);
+        self.opening.keeper = keeper;
+        self.history = history;
+        if let (Some(_), Some(folder), Some(player)) =
+            (&self.opening.keeper.file, &self.shared.options.documents, &self.player)
+        {
+            // Its first frame may have another name.
+            self.opening.keeper.file = folder.file_of(player.sequence());
+        }
+    }
+}
+
+/// A document without who draws, which is no part of it.
+fn undrawn(mut document: Document) -> Document {
+    document.settings.drawing = DrawingSettings::default();
+    document
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::StateOptions;
+    use crate::cloud::{Positions, RawCloud};
+    use crate::document::DocumentFolder;
+    use crate::sequence::FrameEntry;
+
+    #[test]
+    fn a_change_is_kept_once_it_has_stayed_for_a_moment() {
+        let folder = tempfile::tempdir().unwrap();
+        let documents = folder.path().join("documents");
+        let mut state = State::new(StateOptions {
+            documents: Some(DocumentFolder::at(documents.clone(), folder.path().join("timelines"))),
+            ..StateOptions::default()
+        });
+        let decode = |_: &FrameEntry| Ok(RawCloud::from_positions(Positions::F32(vec![[0.0; 3], [1.0; 3]])));
+        let sequence = Sequence::with_decoder(vec![FrameEntry::file("/scans/a.ply")], decode);
+        state.open(Arc::new(sequence));
+        state.note_document();
+        assert_eq!((state.keeping_deadline(), state.is_unsaved()), (None, false));
+        state.notes.push('a');
+        state.note_document();
+        state.shared.now += WRITE_DELAY / 2;
+        state.notes.push('b');
+        state.note_document();
+        let due = state.shared.now + WRITE_DELAY;
+        assert_eq!((state.keeping_deadline(), state.is_unsaved()), (Some(due), true));
+        state.keep_if_due(due.saturating_sub(Duration::from_millis(1)));
+        assert!(!documents.exists());
+        state.keep_if_due(due);
+        assert_eq!(documents.read_dir().unwrap().count(), 1);
+        assert_eq!(
+            (state.keeping_deadline(), state.is_unsaved()),
+            (None, true),
+            "no session has it"
+        );
+        // As it was before: there is nothing to keep any more.
+        state.notes.clear();
+        state.note_document();
+        state.keep_if_due(due + 2 * WRITE_DELAY);
+        assert_eq!(documents.read_dir().unwrap().count(), 0);
+        assert!(!state.is_unsaved());
+    }
+}

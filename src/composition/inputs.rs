@@ -1,0 +1,107 @@
+//! All that stages take.
+
+use super::composed::Coarse;
+use super::options::ComposeOptions;
+use crate::measure::Change;
+use crate::photos::LoadedPhotographs;
+use crate::scene::Style;
+use crate::sequence::{FrameError, Needs, PreparedFrame, Sequence};
+use std::fmt;
+use std::sync::Arc;
+
+/// Other frames and photographs: without a window they are waited for, with one they are those in memory.
+pub trait Frames: fmt::Debug {
+    /// Number of frames of the sequence.
+    fn frame_count(&self) -> usize;
+
+    /// Frame `index` with all its points, for measuring.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    fn whole(&self, index: usize, needs: &Needs) -> Result<WholeFrame, FrameError>;
+
+    /// Frame `index` for drawing; `None` if it is not there and nobody waits for it.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    fn drawable(&self, index: usize, needs: &Needs) -> Result<Option<Arc<PreparedFrame>>, FrameError>;
+
+    /// The photographs of frame `index` but for these numbers, on their surface if they are of one scene, and notes on
+    /// those that could not be loaded.
+    fn photographs(&self, index: usize, left_out: &[usize]) -> Option<LoadedPhotographs>;
+
+    /// The distances of `pose` to frame `to`, if they were kept.
+    fn known_change(&self, _pose: &PreparedFrame, _to: usize) -> Option<Arc<Change>> {
+        None
+    }
+}
+
+/// A frame with all its points.
+#[derive(Debug, Clone)]
+pub enum WholeFrame {
+    /// In memory.
+    InMemory(Arc<PreparedFrame>),
+    /// To be read by whoever runs the step.
+    InFile(Arc<Sequence>),
+}
+
+/// Frames that stand for the composed one in the window.
+#[derive(Debug, Clone, Default)]
+pub struct StandIns {
+    /// Surfels of the visible points, for a frame whose own are not there.
+    pub in_view: Option<Arc<PreparedFrame>>,
+    /// Levels of detail while the camera moves.
+    pub coarse: Option<Coarse>,
+}
+
+/// All that the steps for one frame are made from.
+#[derive(Debug)]
+pub struct Inputs<'a> {
+    /// The frame of the sequence.
+    pub pose: &'a PreparedFrame,
+    /// The choices of a person.
+    pub options: &'a ComposeOptions,
+    /// The settings, resolved.
+    pub style: &'a Style,
+    /// Other frames.
+    pub frames: &'a dyn Frames,
+    /// None without a window.
+    pub stand_ins: StandIns,
+}
+
+static NO_OPTIONS: ComposeOptions = ComposeOptions::NONE;
+
+/// No other frames.
+#[derive(Debug)]
+struct NoFrames;
+
+impl Frames for NoFrames {
+    fn frame_count(&self) -> usize {
+        0
+    }
+
+    fn whole(&self, index: usize, _needs: &Needs) -> Result<WholeFrame, FrameError> {
+        Err(FrameError::NoSuchFrame { index, count: 0 })
+    }
+
+    fn drawable(&self, _index: usize, _needs: &Needs) -> Result<Option<Arc<PreparedFrame>>, FrameError> {
+        Ok(None)
+    }
+
+    fn photographs(&self, _index: usize, _left_out: &[usize]) -> Option<LoadedPhotographs> {
+        None
+    }
+}
+
+impl<'a> Inputs<'a> {
+    /// Those of [`Lane::View`](super::Lane::View), for a pose that is composed but for that.
+    pub fn of_view(pose: &'a PreparedFrame, style: &'a Style, stand_ins: StandIns) -> Self {
+        Self {
+            pose,
+            options: &NO_OPTIONS,
+            style,
+            frames: &NoFrames,
+            stand_ins,
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! From the frame of a sequence to the packet of a picture: one ordered list of stages ([`STAGES`]), for all that draw.
+//!
+//! | stage | takes | applies | gives |
+//! |---|---|---|---|
+//! | frame | a pose of the sequence | always | the pose as it is ([`Composed::of`]) |
+//! | change map | another frame | [`ComposeOptions::change`] | the same points in other colours |
+//! | onion skin | neighbouring frames | [`ComposeOptions::onion`] | the pose among ghosts |
+//! | trails | paths of points | [`ComposeOptions::trails`] | the pose among tubes |
+//! | photographs | photographs of the frame | [`photographs_apply`] | bent disks, stray points, depths |
+//! | in view | surfels of the visible points | [`StandIns::in_view`] | these in place of all points |
+//! | levels | the frame with levels of detail | [`StandIns::coarse`] | fewer records while the camera moves |
+//! | packet | the camera | always | the packet ([`packet`]) |
+//!
+//! **How it works.** A stage looks at the [`Inputs`] and gives a [`Step`] where it applies: all that it takes for one
+//! frame, held by identity. Whoever waits ([`compose`]: headless pictures, exports, thumbnails) runs stage after stage.
+//! The window gathers the steps of one [`Lane`] into a [`Request`], starts it on a task if it differs from the last
+//! one, and shows the plain pose meanwhile.
+//!
+//! A stage that is new is a file with its [`Step`], a row in `stages.rs`, and what it takes in [`ComposeOptions`].
+
+mod change;
+mod composed;
+mod composer;
+mod drawable;
+mod ghosts;
+mod in_view;
+mod inputs;
+mod levels;
+mod onion;
+mod onion_skin;
+mod options;
+mod packet;
+mod photographs;
+mod points_in_view;
+mod stages;
+mod step;
+mod trails;
+
+pub use composed::{Coarse, Composed, Measured, Problem};
+pub use composer::{Request, compose, with_stand_ins};
+pub use drawable::can_draw;
+pub use ghosts::{Ghost, with_ghosts};
+pub use in_view::ViewOfFrame;
+pub use inputs::{Frames, Inputs, StandIns, WholeFrame};
+pub use levels::{has_moving_levels, in_cells};
+pub use onion_skin::OnionSkin;
+pub use options::{ChangeColors, ComposeOptions, TrailLook};
+pub use packet::{Drawn, PictureView, packet};
+pub use photographs::{DepthsAhead, PHOTOGRAPH_BYTES, PhotographsStep, on_surface, photographs_apply};
+pub use points_in_view::points_in_view;
+pub use stages::STAGES;
+pub use step::{Lane, Stage, Step};
+pub use trails::{BreakReason, TrailBreak, TrailMeasure, TrailRequest, Trails};

@@ -1,0 +1,79 @@
+//! Onion skin: neighbouring poses around one, and how faint.
+
+/// Past poses are warm, those to come are cool.
+const PAST_TINT: [u8; 3] = [255, 150, 60];
+const FUTURE_TINT: [u8; 3] = [70, 160, 255];
+
+/// Neighbouring poses in the same picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OnionSkin {
+    /// Whether they are shown.
+    pub is_on: bool,
+    /// How many earlier ones.
+    pub before: usize,
+    /// How many later ones.
+    pub after: usize,
+    /// Frames from one to the next.
+    pub step: usize,
+    /// The share of their points that is drawn of the nearest ones; it falls to the farthest.
+    pub strength: f32,
+}
+
+impl OnionSkin {
+    /// Most ghosts on either side.
+    pub const MAX_GHOSTS: usize = 8;
+
+    /// The poses of `frame_count` that are drawn around `index`: which, and as what share of their points in what
+    /// colour.
+    pub fn around(&self, index: usize, frame_count: usize) -> Vec<(usize, f32, [u8; 3])> {
+        let side = |count: usize, tint, is_past: bool| {
+            (1..=count).filter_map(move |place| {
+                let away = place * self.step.max(1);
+                let other = if is_past {
+                    index.checked_sub(away)?
+                } else {
+                    index.checked_add(away)?
+                };
+                let share = self.strength * (count + 1 - place) as f32 / count as f32;
+                (other < frame_count).then_some((other, share, tint))
+            })
+        };
+        let past = side(self.before, PAST_TINT, true);
+        past.chain(side(self.after, FUTURE_TINT, false)).collect()
+    }
+}
+
+impl Default for OnionSkin {
+    fn default() -> Self {
+        Self {
+            is_on: false,
+            before: 2,
+            after: 2,
+            step: 1,
+            strength: 0.5,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ghosts_fall_off_on_both_sides_and_end_with_the_sequence() {
+        let onion = OnionSkin {
+            before: 3,
+            after: 2,
+            step: 2,
+            strength: 0.6,
+            ..OnionSkin::default()
+        };
+        let found = onion.around(5, 8);
+        let shares: Vec<(usize, f32)> = found.iter().map(|&(index, share, _)| (index, share)).collect();
+        // The fourth, 11, and 9 are beyond the end.
+        assert_eq!(shares, [(3, 0.6), (1, 0.6 * 2.0 / 3.0), (7, 0.6)]);
+        assert_eq!(found[0].2, PAST_TINT);
+        assert_eq!(found[2].2, FUTURE_TINT);
+        assert_eq!(onion.around(0, 1), []);
+    }
+}

@@ -1,0 +1,113 @@
+//! Photographs on the surface of a frame: its disks are bent, stray points hide nothing of them, and their depths are
+//! drawn ahead where pictures are not to wait for that.
+
+use super::composed::{Composed, Problem};
+use super::inputs::Inputs;
+use super::options::ComposeOptions;
+use super::step::{Lane, Stage, Step, same_stage};
+use crate::cloud::CloudError;
+use crate::photos::{Photographs, ViewSet};
+use crate::progress::Progress;
+use crate::scene::{Camera, PhotoDepths, PhotoMode, Scene, ScenePacket, Style, UpAxis};
+use crate::sequence::Sequence;
+use crate::stereo::photo_surface;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Texels of all photographs together, with their mip levels.
+pub const PHOTOGRAPH_BYTES: u64 = 1 << 30;
+
+/// The row of the list.
+pub(super) const STAGE: Stage = Stage {
+    name: "photographs",
+    lane: Lane::Photographs,
+    step,
+};
+
+/// Whether photographs are put on frames: not over the colours of a change map.
+pub fn photographs_apply(options: &ComposeOptions, style: &Style) -> bool {
+    options.change.is_none() && style.draws_photographs()
+}
+
+/// `photographs` on the surface that is made of them where they are of one scene: of what was filmed, each frame has a
+/// cloud of its own.
+#[must_use]
+pub fn on_surface(
+    photographs: Arc<Photographs>,
+    set: &ViewSet,
+    sequence: &Sequence,
+    progress: &Progress,
+) -> Arc<Photographs> {
+    if sequence.len() > 1 {
+        return photographs;
+    }
+    let surface = photo_surface(set, &photographs, sequence.origin(), progress);
+    Arc::new(photographs.with_surface(surface))
+}
+
+/// Photographs for a frame.
+#[derive(Debug)]
+pub struct PhotographsStep {
+    /// The photographs.
+    pub photographs: Arc<Photographs>,
+    /// How their depths are drawn ahead; else whoever draws the packet does that first.
+    pub ahead: Option<DepthsAhead>,
+}
+
+/// How the depths that photographs see of a frame are drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct DepthsAhead {
+    /// Disks are as large as this says.
+    pub style: Style,
+    /// Of the positions of the frame.
+    pub origin: DVec3,
+    /// A renderer.
+    pub draw: fn(&ScenePacket) -> PhotoDepths,
+}
+
+fn step(inputs: &Inputs<'_>, problems: &mut Vec<Problem>) -> Option<Arc<dyn Step>> {
+    if !photographs_apply(inputs.options, inputs.style) {
+        return None;
+    }
+    let left_out = &inputs.options.left_out_photos;
+    let loaded = inputs.frames.photographs(inputs.pose.index, left_out)?;
+    problems.extend(loaded.notes.into_iter().map(Problem::Note));
+    let photographs = Some(loaded.photographs).filter(|photographs| !photographs.all().is_empty())?;
+    Some(Arc::new(PhotographsStep {
+        photographs,
+        ahead: None,
+    }))
+}
+
+impl PhotographsStep {
+    /// Puts the photographs on the frame.
+    pub fn put_on(&self, composed: &mut Composed) {
+        let photographs = Arc::clone(&self.photographs);
+        composed.frame = Arc::new(composed.frame.with_photographs(photographs));
+        composed.depths = self.ahead.map(|ahead| Arc::new(ahead.drawn(composed)));
+    }
+}
+
+impl DepthsAhead {
+    fn drawn(mut self, composed: &Composed) -> PhotoDepths {
+        // They depend neither on where the eye is nor on how many photographs are blended.
+        self.style.photos.mode = PhotoMode::Vdts;
+        let camera = Camera::framing(&composed.frame.frame.bounds(), self.origin, UpAxis::Y);
+        let packet = Scene::default().packet(&composed.frame, self.origin, &camera, &self.style, [1; 2]);
+        (self.draw)(&packet)
+    }
+}
+
+impl Step for PhotographsStep {
+    fn is_same(&self, other: &dyn Step) -> bool {
+        let surfels = |step: &Self| step.ahead.map(|ahead| ahead.style.surfels);
+        same_stage(other).is_some_and(|other: &Self| {
+            Arc::ptr_eq(&self.photographs, &other.photographs) && surfels(self) == surfels(other)
+        })
+    }
+
+    fn run(&self, composed: &mut Composed, _progress: &Progress) -> Result<(), CloudError> {
+        self.put_on(composed);
+        Ok(())
+    }
+}

@@ -1,0 +1,137 @@
+//! Which points of a large cloud a picture shows, and how many of them it can tell apart.
+//!
+//! **How it works.** Points stand in Morton order, so a run of them is a small piece of the cloud. The nearest point of
+//! each pixel says which pieces are seen. Each of these keeps as many points as the picture can tell apart, evenly
+//! along the Morton curve, so that they are equally dense in all directions along the surface. The nearest points
+//! themselves would not be: of a floor seen at a grazing angle they stand in rows, which define no plane, and of what
+//! is half hidden there would be too few.
+//!
+//! **When it wins.** It costs one read of the positions, and what is estimated afterwards depends on the picture alone:
+//! surfels of a view take the same time for any number of points.
+
+use crate::cloud::even_places;
+use crate::scene::{Clip, ViewTransform};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Consecutive points that are kept or thinned out together: few enough that most are seen when one is.
+const POINTS_PER_PIECE: usize = 256;
+
+/// Most points that are kept, about: their surface is estimated in a fifth of a second on two threads.
+const MOST_POINTS: f64 = (1 << 19) as f64;
+
+/// Most pixels that are told apart: larger pictures are looked at in coarser steps.
+const MOST_PIXELS: usize = 1 << 20;
+
+/// No point is seen there.
+const EMPTY: u64 = u64::MAX;
+
+/// The slots, ascending, of points that make a picture of `viewport_px` from `view`: of each piece of the cloud that is
+/// seen as many as the picture can tell apart, about 2¹⁹ in all at most. `clip`, relative to the origin of the
+/// positions, hides points from sight.
+///
+/// Precondition: `positions` are in Morton order; in another one more points than necessary are kept, of larger pieces.
+pub fn points_in_view(
+    positions: &[Vec3],
+    view: &ViewTransform,
+    viewport_px: [u32; 2],
+    clip: Option<&Clip>,
+) -> Vec<u32> {
+    let grid = PixelGrid::new(view, viewport_px);
+    let seen_at = |position: Vec3| {
+        let is_drawn = clip.is_none_or(|clip| clip.keeps(position.as_dvec3()));
+        grid.pixel_of(position).filter(|_| is_drawn)
+    };
+    let nearest: Vec<AtomicU64> = (0..grid.len()).map(|_| AtomicU64::new(EMPTY)).collect();
+    let pieces = positions.par_chunks(POINTS_PER_PIECE).enumerate();
+    pieces.clone().for_each(|(piece, points)| {
+        for (pixel, depth) in points.iter().filter_map(|&position| seen_at(position)) {
+            // Positive f32 are ordered as their bits are.
+            let seen = u64::from(depth.to_bits()) << 32 | piece as u64;
+            nearest[pixel].fetch_min(seen, Ordering::Relaxed);
+        }
+    });
+    let mut is_seen = vec![false; positions.len().div_ceil(POINTS_PER_PIECE)];
+    for seen in nearest.into_iter().map(AtomicU64::into_inner) {
+        if seen != EMPTY {
+            is_seen[seen as u32 as usize] = true;
+        }
+    }
+    let seen = pieces.filter(|&(piece, _)| is_seen[piece]);
+    let seen = seen.map(|(piece, points)| {
+        let slots = (piece * POINTS_PER_PIECE) as u32..;
+        let in_view = slots
+            .zip(points)
+            .filter_map(|(slot, &position)| seen_at(position).map(|(pixel, _)| (pixel, slot)));
+        let (pixels, slots): (Vec<usize>, Vec<u32>) = in_view.unzip();
+        let most = grid.detail_of(pixels).min(slots.len() as f64);
+        (slots, most)
+    });
+    let seen: Vec<(Vec<u32>, f64)> = seen.collect();
+    let in_detail: f64 = seen.iter().map(|(_, most)| most).sum();
+    let share = (MOST_POINTS / in_detail).min(1.0);
+    let kept = seen.iter().flat_map(|(slots, most)| {
+        let places = even_places(slots.len(), (share * most).ceil() as usize);
+        places.into_iter().map(move |place| slots[place])
+    });
+    kept.collect()
+}
+
+/// The pixels of a picture, or larger squares where it has too many.
+struct PixelGrid<'a> {
+    view: &'a ViewTransform,
+    size: [usize; 2],
+}
+
+impl<'a> PixelGrid<'a> {
+    fn new(view: &'a ViewTransform, viewport_px: [u32; 2]) -> Self {
+        let [width, height] = viewport_px.map(f64::from);
+        let scale = (MOST_PIXELS as f64 / (width * height)).sqrt().min(1.0);
+        let size = [width, height].map(|edge| (edge * scale).max(1.0) as usize);
+        Self { view, size }
+    }
+
+    fn len(&self) -> usize {
+        self.size[0] * self.size[1]
+    }
+
+    /// How many points, spread evenly over a piece of surface in `pixels`, are as close in its longer direction as
+    /// pixels are.
+    fn detail_of(&self, mut pixels: Vec<usize>) -> f64 {
+        let width = self.size[0];
+        let steps = |place_of: fn(usize, usize) -> usize| {
+            let places = || pixels.iter().map(|&pixel| place_of(pixel, width));
+            let ends = places().min().zip(places().max());
+            ends.map_or(0, |(first, last)| last - first)
+        };
+        let longest = steps(|pixel, width| pixel % width).max(steps(|pixel, width| pixel / width));
+        pixels.sort_unstable();
+        pixels.dedup();
+        // A square meets one row and one column of pixels more than it is long.
+        let mean_steps = (pixels.len() as f64).sqrt() - 1.0;
+        (longest as f64 * mean_steps).max(1.0)
+    }
+
+    /// The pixel that a point is seen in, and its distance along the axis of the view; `None` where it is not seen.
+    fn pixel_of(&self, position: Vec3) -> Option<(usize, f32)> {
+        let in_view = self.view.to_view(position);
+        let depth = -in_view.z;
+        if depth < self.view.near {
+            return None;
+        }
+        let ndc = [0, 1].map(|axis| in_view[axis] * self.view.focal[axis] / depth + self.view.center_ndc[axis]);
+        let [column, row] = [ndc[0], -ndc[1]].map(|share| 0.5 * (share + 1.0));
+        let is_inside = (0.0..1.0).contains(&column) && (0.0..1.0).contains(&row);
+        is_inside.then(|| {
+            let [width, height] = self.size;
+            let column = ((column * width as f32) as usize).min(width - 1);
+            let row = ((row * height as f32) as usize).min(height - 1);
+            (row * width + column, depth)
+        })
+    }
+}
+
+#[cfg(test)]
+#[path = "points_in_view_tests.rs"]
+mod tests;

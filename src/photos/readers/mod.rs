@@ -1,0 +1,138 @@
+//! Readers of image sets, a row each: what a folder or a file holds, by the names that programs give to their files.
+//!
+//! How it works: every folder that somebody opens is asked, so the usual names are looked up one by one, and the folder
+//! is listed once for names that vary. Of a folder the first row counts that finds its files: formats with points come
+//! first, as many folders hold a copy of the same cameras without. Of a file the row counts that is most certain of it,
+//! and the first of equals.
+//!
+//! To add a reader: its file with a `READER`, `mod` and a row here.
+
+mod bundler;
+pub(super) mod colmap;
+mod llff;
+pub(super) mod meshroom;
+mod middlebury;
+mod middlebury_stereo;
+mod mvsnet;
+mod nvm;
+mod opensfm;
+mod probe;
+mod reader;
+mod transforms;
+
+use super::calibration::Calibration;
+use super::error::PhotosError;
+use super::view_set::ViewSet;
+use probe::{File, Folder};
+use reader::{Claim, Confidence, Reader};
+use std::path::{Path, PathBuf};
+
+/// The readers, those with points first.
+const READERS: &[&Reader] = &[
+    &colmap::READER,
+    &bundler::READER,
+    &nvm::READER,
+    &meshroom::READER,
+    &transforms::READER,
+    &llff::READER,
+    &middlebury::READER,
+    &mvsnet::READER,
+    &middlebury_stereo::READER,
+    // Folders that had another set before this was read still show that.
+    &opensfm::READER,
+];
+
+/// A reconstruction that was found.
+#[derive(Debug, Clone)]
+pub struct FoundSet {
+    reader: &'static Reader,
+    /// Its file; of COLMAP and `MVSNet` the folder of its files.
+    pub path: PathBuf,
+}
+
+impl FoundSet {
+    /// The name of its format for people.
+    pub fn format(&self) -> &'static str {
+        self.reader.name
+    }
+
+    /// Its photographs.
+    ///
+    /// # Errors
+    /// Where the files break the rules of their format, and where none of the photographs can be shown. What is wrong
+    /// with some of them alone is a note of the set.
+    pub fn read(&self) -> Result<ViewSet, PhotosError> {
+        self.calibration()?.photographs()
+    }
+
+    /// What it lists, before any photograph is looked for.
+    ///
+    /// # Errors
+    /// Where the files break the rules of their format.
+    pub fn calibration(&self) -> Result<Calibration, PhotosError> {
+        Ok(Calibration::new((self.reader.read)(&self.path)?))
+    }
+}
+
+/// The reconstruction in a folder, or the one that a file is of; `None` where there is none.
+///
+/// # Errors
+/// Where a file that has the name of one cannot be read.
+pub fn find(path: &Path) -> Result<Option<FoundSet>, PhotosError> {
+    if path.is_dir() {
+        Ok(in_folder(path))
+    } else if path.is_file() {
+        of_file(path)
+    } else {
+        Ok(None)
+    }
+}
+
+fn in_folder(path: &Path) -> Option<FoundSet> {
+    let folder = Folder::new(path);
+    READERS.iter().find_map(|reader| {
+        let path = (reader.in_folder)(&folder)?;
+        Some(FoundSet { reader, path })
+    })
+}
+
+fn of_file(path: &Path) -> Result<Option<FoundSet>, PhotosError> {
+    let file = File::new(path);
+    let mut best: Option<(Confidence, FoundSet)> = None;
+    for reader in READERS {
+        let Some(Claim { confidence, path }) = (reader.of_file)(&file)? else {
+            continue;
+        };
+        if best.as_ref().is_none_or(|(most, _)| confidence > *most) {
+            best = Some((confidence, FoundSet { reader, path }));
+        }
+    }
+    Ok(best.map(|(_, found)| found))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+    use std::fs;
+
+    #[test]
+    fn readers_have_names_of_their_own() {
+        let names: HashSet<&str> = READERS.iter().map(|reader| reader.name).collect();
+        assert_eq!(names.len(), READERS.len());
+    }
+
+    #[test]
+    fn the_reader_that_is_most_certain_of_a_file_reads_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let of = |text: &str| {
+            let path = folder.path().join("scene.json");
+            fs::write(&path, text).unwrap();
+            find(&path).unwrap().map(|found| found.format())
+        };
+        assert_eq!(of(r#"{"version": [], "views": []}"#), Some("Meshroom"));
+        let both = r#"{"version": [], "views": [], "frames": [{"transform_matrix": []}]}"#;
+        assert_eq!(of(both), Some("transforms.json"));
+        assert_eq!(of("{}"), None);
+    }
+}

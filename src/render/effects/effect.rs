@@ -1,0 +1,63 @@
+//! What an effect is: a row that says when a packet has it, where it stands among the steps of a picture, and who draws
+//! it on both sides.
+
+#[cfg(feature = "gpu")]
+use crate::render::gpu::passes::ScreenPass;
+use crate::scene::ScenePacket;
+use fearless_simd::Level;
+use image::RgbaImage;
+use std::fmt;
+
+/// A row of [`EFFECTS`](super::EFFECTS).
+#[derive(Debug)]
+pub(in crate::render) struct Effect {
+    pub(in crate::render) stage: Stage,
+    /// Whether a packet has it, as it is drawn ([`ScenePacket::as_drawn`]).
+    pub(in crate::render) is_on: fn(&ScenePacket) -> bool,
+    #[cfg(feature = "gpu")]
+    /// On graphics cards: one pass, or one for each target that it may be drawn into.
+    pub(in crate::render) passes: &'static [&'static ScreenPass],
+    pub(in crate::render) on_cpu: OnCpu,
+}
+
+/// Where an effect stands among the steps of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::render) enum Stage {
+    /// Before all that is drawn.
+    Behind,
+    /// On what was drawn, before the background shines through it: of sums where these are drawn, else of the picture.
+    Drawn,
+    /// On the picture with all that is in it.
+    Picture,
+    /// From the picture that was drawn to the one that is shown.
+    Shown,
+}
+
+/// What the software renderer does.
+#[derive(Debug)]
+pub(in crate::render) enum OnCpu {
+    /// Nothing beside what it does with each tile.
+    InTiles,
+    /// It changes rows when all tiles are drawn.
+    Rows(fn(&ScenePacket) -> Option<Box<dyn RowStep>>),
+    /// It makes the picture that is shown of the one that was drawn.
+    Shown(fn(&RgbaImage, &mut RgbaImage)),
+}
+
+/// A step from row to row of a picture that is drawn.
+pub(in crate::render) trait RowStep: fmt::Debug + Send + Sync {
+    /// Changes a row.
+    fn draw(&self, row: &mut PictureRow<'_>);
+}
+
+/// A row of a picture, with the depths of all of it.
+pub(in crate::render) struct PictureRow<'a> {
+    pub(in crate::render) level: Level,
+    pub(in crate::render) y: usize,
+    pub(in crate::render) size_px: [usize; 2],
+    /// The fourth byte is how much of the background a pixel hides until [`Stage::Drawn`] is done, and nobody's
+    /// afterwards.
+    pub(in crate::render) pixels: &'a mut [[u8; 4]],
+    /// Reversed depths of the picture; 0 where nothing is.
+    pub(in crate::render) depths: &'a [f32],
+}

@@ -1,0 +1,17 @@
+//! Eye-dome lighting (Boucheny 2009): what stands behind its neighbours gets darker. The formula: `scene/eye_dome.rs`.
+
+mod cpu;
+#[cfg(feature = "gpu")]
+mod gpu;
+
+use super::effect::{Effect, OnCpu, Stage};
+use crate::scene::EyeDomeLight;
+
+/// Shades what is drawn by its depths.
+pub(super) const EFFECT: Effect = Effect {
+    stage: Stage::Drawn,
+    is_on: |packet| EyeDomeLight::of(packet).is_some(),
+    #[cfg(feature = "gpu")]
+    passes: &[&gpu::PASS, &gpu::OF_SUMS],
+    on_cpu: OnCpu::Rows(cpu::step),
+};

@@ -1,0 +1,45 @@
+//! Its pass.
+
+use crate::render::constants::{
+    FXAA_BLUE, FXAA_DETAIL, FXAA_END_OF_EDGE, FXAA_GREEN, FXAA_LEAST_CONTRAST, FXAA_LEAST_SHARE, FXAA_MOST_BLENDED,
+    FXAA_RED,
+};
+use crate::render::gpu::constants::declared;
+use crate::render::gpu::part::Part;
+use crate::render::gpu::passes::{ColorUse, ScreenPass};
+use crate::render::gpu::targets::{Source, Target};
+use crate::render::gpu::wgsl::shader_file;
+use crate::scene::Antialiasing;
+
+/// The picture that is shown, with smooth edges.
+pub(super) const PASS: ScreenPass = ScreenPass {
+    name: "FXAA",
+    files: &[shader_file!("effects/fxaa.wgsl")],
+    parts: &[&PART],
+    source: Some(Source::Picture),
+    color: ColorUse {
+        target: Target::Shown,
+        blend: None,
+    },
+    depth: None,
+};
+
+/// How far along an edge its end is looked for.
+const FXAA_SEARCH_STEPS: i32 = Antialiasing::FXAA_SEARCH_STEPS as i32;
+
+const PART: Part = Part {
+    constants: || {
+        declared![
+            FXAA_BLUE,
+            FXAA_DETAIL,
+            FXAA_END_OF_EDGE,
+            FXAA_GREEN,
+            FXAA_LEAST_CONTRAST,
+            FXAA_LEAST_SHARE,
+            FXAA_MOST_BLENDED,
+            FXAA_RED,
+            FXAA_SEARCH_STEPS,
+        ]
+    },
+    uniform: None,
+};

@@ -1,0 +1,16 @@
+//! The grid on the ground, hidden by what is before it. The plane and its lines: `scene/ground.rs`.
+
+mod cpu;
+#[cfg(feature = "gpu")]
+mod gpu;
+
+use super::effect::{Effect, OnCpu, Stage};
+
+/// Lines on the ground.
+pub(super) const EFFECT: Effect = Effect {
+    stage: Stage::Picture,
+    is_on: |packet| packet.ground.is_some(),
+    #[cfg(feature = "gpu")]
+    passes: &[&gpu::PASS],
+    on_cpu: OnCpu::Rows(cpu::step),
+};

@@ -1,0 +1,167 @@
+//! What a person chooses, which may be left open and is kept between runs.
+
+use super::describe::{Described, Label, Place, Section, Setting as _, Shorthand, Value, Values, Word};
+use super::{
+    Backdrop, Choice, CodeStyle, DrawingSettings, LevelStyle, LightSettings, OfSequence, PhotoStyle, PointStyle,
+    Primitive, RendererChoice, SplatFilter, Style, SurfelSettings, VoxelStyle, coloring,
+};
+use crate::scene::Clip;
+use crate::sequence::Coloring;
+
+/// All choices about a picture but where the camera stands.
+///
+/// They are kept in files of people, which outlive versions: what a file does not have is as by default, and what is
+/// not known here is passed over. Files know no groups.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// What points become.
+    pub primitive: Choice<Primitive>,
+    /// Where colours come from, and how numbers become colours.
+    pub colors: Coloring,
+    /// Who draws, and how many pixels.
+    #[serde(flatten)]
+    pub drawing: DrawingSettings,
+    /// How surfels are drawn.
+    #[serde(flatten)]
+    pub surfels: SurfelSettings,
+    /// How points are drawn that stay points.
+    #[serde(flatten)]
+    pub points: PointStyle,
+    /// How voxels are drawn.
+    #[serde(flatten)]
+    pub voxels: VoxelStyle,
+    /// How deep the octree goes, and which of its cells are drawn.
+    #[serde(flatten)]
+    pub levels: LevelStyle,
+    /// How surfels are drawn from byte codes of the octree.
+    #[serde(flatten)]
+    pub codes: CodeStyle,
+    /// Light that falls on surfaces, and light from depths.
+    #[serde(flatten)]
+    pub light: LightSettings,
+    /// How photographs are put on surfaces.
+    #[serde(flatten)]
+    pub photos: PhotoStyle,
+    /// What is shown beside the cloud.
+    #[serde(flatten)]
+    pub backdrop: Backdrop,
+    /// What of the cloud is drawn; all if `None`. It belongs to one sequence, and is kept with that.
+    #[serde(skip)]
+    pub clip: Option<Clip>,
+}
+
+impl Settings {
+    /// The description of `primitive`.
+    pub const PRIMITIVE: Described = Described {
+        key: "primitive",
+        flag: "primitive",
+        value_name: "PRIMITIVE",
+        help: "What points become",
+        title: "Primitive",
+        hint: "What points become",
+        section: Section::Own,
+        label: Label::Always(Place::What, "{}"),
+        values: Values::Words(Choice::<Primitive>::WORDS),
+        shorthands: &[Shorthand {
+            word: Word {
+                word: "ewa",
+                title: "EWA",
+                hint: "Surfels that are filtered to the pixels: far surfaces are smooth and still",
+            },
+            given: &[
+                ("primitive", Value::Word(Primitive::Surfel as usize + 1)),
+                (SurfelSettings::FILTER.key, Value::Word(SplatFilter::Ewa as usize)),
+            ],
+        }],
+        ..Described::USUAL
+    };
+
+    /// These settings with a change.
+    #[must_use]
+    pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
+        change(&mut self);
+        self
+    }
+
+    /// Shows each setting with its description to `edit`, and takes what that makes of it. The order is that of options
+    /// in a help, and of rows in a section of the panel.
+    pub fn edit(&mut self, edit: &mut dyn FnMut(&'static Described, Value) -> Value) {
+        self.primitive.edit(&Self::PRIMITIVE, edit);
+        self.surfels.edit(edit);
+        self.codes.edit(edit);
+        self.photos.edit(edit);
+        self.light.edit(edit);
+        self.levels.edit(edit);
+        self.voxels.edit(edit);
+        self.points.edit(edit);
+        self.drawing.edit(edit);
+        self.backdrop.edit(edit);
+        self.colors.edit(&coloring::COLORS, edit);
+    }
+
+    /// Each setting with its description, as [`Settings::edit`] shows them.
+    pub fn settings(&self) -> Vec<(&'static Described, Value)> {
+        let mut settings = Vec::new();
+        let mut unchanged = *self;
+        unchanged.edit(&mut |described, value| {
+            settings.push((described, value));
+            value
+        });
+        settings
+    }
+
+    /// The nearest settings that files may hold.
+    #[must_use]
+    pub fn nearest(mut self) -> Self {
+        self.edit(&mut |described, value| described.nearest(value));
+        self
+    }
+
+    /// How is drawn where nothing is known of what is looked at: what is usual stands for every choice that is left
+    /// open.
+    pub fn decided(&self) -> Style {
+        Style {
+            primitive: self.primitive.decided(),
+            colors: self.colors,
+            drawing: self.drawing.decided(),
+            surfels: self.surfels.decided(),
+            points: self.points,
+            voxels: self.voxels,
+            levels: self.levels,
+            codes: self.codes,
+            light: self.light.with_rig().decided(),
+            photos: self.photos,
+            backdrop: self.backdrop,
+            of_sequence: OfSequence {
+                clip: self.clip,
+                ..OfSequence::default()
+            },
+        }
+    }
+
+    /// These settings where the processor draws, or a graphics card.
+    #[must_use]
+    pub fn drawn_by(&self, is_processor: bool) -> Self {
+        self.with(|settings| settings.drawing.renderer = RendererChoice::of(is_processor).into())
+    }
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            primitive: Choice::Auto,
+            colors: Coloring::default(),
+            drawing: DrawingSettings::default(),
+            surfels: SurfelSettings::default(),
+            points: PointStyle::default(),
+            voxels: VoxelStyle::default(),
+            levels: LevelStyle::default(),
+            codes: CodeStyle::default(),
+            light: LightSettings::default(),
+            photos: PhotoStyle::default(),
+            backdrop: Backdrop::default(),
+            clip: None,
+        }
+    }
+}

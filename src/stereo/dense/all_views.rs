@@ -1,0 +1,340 @@
+//! Dense points of calibrated photographs: depths of each from its neighbours, kept where views agree.
+//!
+//! *How it works.* Photographs are made small enough; planes are swept before each, between the depths of its sparse
+//! points or, without any, between those that its format tells, or else around the place that all cameras
+//! look at; depths that views do not agree on are dropped, and what is left becomes points. Two photographs alone are a
+//! pair (`pair.rs`): they may look as parallel as they like, and nobody has to know how far away things are.
+
+use super::cloud::cloud;
+use crate::cloud::RawCloud;
+use crate::photos::{Extent, Photo, PhotosError, PreparedPhoto, ViewSet};
+use crate::progress::Progress;
+use crate::rgbd::{ColorImage, DepthImage};
+use crate::stereo::Consistency;
+use crate::stereo::Matching;
+use crate::stereo::PairMatcher;
+use crate::stereo::PlaneSweep;
+use crate::stereo::SharedMatcher;
+use crate::stereo::StereoError;
+use crate::stereo::View;
+use crate::stereo::consistent;
+use crate::stereo::depths_of_pair;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// How dense points are made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dense {
+    /// Photographs are halved until no side is longer.
+    pub most_side_px: u32,
+    /// Other photographs that each is compared with.
+    pub neighbours: usize,
+    /// Which depths are kept.
+    pub consistency: Consistency,
+    /// Who matches two photographs that are alone.
+    pub matcher: SharedMatcher,
+}
+
+impl Default for Dense {
+    fn default() -> Self {
+        Self {
+            most_side_px: 640,
+            neighbours: 4,
+            consistency: Consistency::default(),
+            matcher: SharedMatcher::default(),
+        }
+    }
+}
+
+/// Why photographs have no dense points.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DenseError {
+    /// Too few of them can be read.
+    #[error("depth needs two photographs that see the same, and {count} could be read: {reason}")]
+    TooFew {
+        /// How many could be read.
+        count: usize,
+        /// Why others could not.
+        reason: String,
+    },
+    /// They show nothing that two of them agree on.
+    #[error(
+        "no depth was found in {photos} photographs: they show too little in common, or their cameras do not fit them"
+    )]
+    Nothing {
+        /// How many there are.
+        photos: usize,
+    },
+    /// Views that do not fit together.
+    #[error(transparent)]
+    Stereo(#[from] StereoError),
+}
+
+/// Pixels of all depths together: of more photographs every second, third … is swept, each with its nearest neighbours
+/// among all. Time and points grow with them, and what hundreds of photographs show is seen by dozens.
+const MOST_PIXELS: u64 = 12 << 20;
+
+/// Angles between neighbours whose depths tell most: smaller ones tell none, larger ones show other sides.
+pub(super) const ANGLES_DEG: std::ops::RangeInclusive<f64> = 1.5..=40.0;
+
+/// How much nearer and farther than its sparse points the surface may be.
+const BEYOND_POINTS: f64 = 1.3;
+
+/// How much nearer and farther than the depths that a format tells the surface may be: those of LLFF leave out a
+/// thousandth of the points at each end.
+const BEYOND_TOLD: f64 = 1.1;
+
+/// Depths that are tried around the place that all cameras look at, in depths of that place.
+pub(super) const AROUND_MIDDLE: [f64; 2] = [0.5, 1.7];
+
+/// A photograph that was read.
+pub(super) struct Small {
+    pub(in crate::stereo) number: usize,
+    photo: PreparedPhoto,
+    pub(in crate::stereo) image: ColorImage,
+}
+
+impl Dense {
+    /// The dense points of a set, in its coordinates, with colours. Says in `progress` how much is done, and stops soon
+    /// after that was cancelled.
+    ///
+    /// # Errors
+    /// [`DenseError`].
+    pub fn cloud(&self, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DenseError> {
+        let (small, mut reasons) = read_small(set, self.most_side_px)?;
+        let views: Vec<View<'_>> = small.iter().map(Small::view).collect();
+        if let Some(mut pair) = of_pair(&small, &views, (&*self.matcher.0, &Matching::default()))? {
+            progress.set(2, 2);
+            pair.warnings = reasons;
+            return Ok(pair);
+        }
+        let middles = set.middles();
+        let every = every(small.iter().map(|of_one| of_one.image.pixels().len() as u64));
+        let swept: Vec<View<'_>> = views.iter().copied().step_by(every).collect();
+        if swept.len() < small.len() {
+            reasons.push(format!(
+                "depths were made of {} of {} photographs, evenly chosen: all would take long, and show the same",
+                swept.len(),
+                small.len()
+            ));
+        }
+        let mut maps = Vec::with_capacity(swept.len());
+        progress.set(0, PlaneSweep::STEPS * swept.len());
+        for (of_one, view) in small.iter().step_by(every).zip(&swept) {
+            if progress.is_cancelled() {
+                return Err(StereoError::Cancelled.into());
+            }
+            let middle = middles[of_one.number];
+            let others = self.others(set, (of_one, middle), &small, &views);
+            let nothing = || vec![0.0; of_one.image.pixels().len()];
+            let depths = match depth_range(set, of_one.number, Some(middle), AROUND_MIDDLE) {
+                Some([near, far]) if !others.is_empty() => {
+                    let found = PlaneSweep::between(near, far).depths_observed(view, &others, progress)?;
+                    of_one.masked(&found)
+                }
+                _ => {
+                    progress.advance(PlaneSweep::STEPS);
+                    nothing()
+                }
+            };
+            maps.extend(DepthImage::new(of_one.image.size_px(), depths));
+        }
+        let kept = consistent(&maps, &swept, self.consistency)?;
+        let mut cloud = cloud(&kept, &swept)?;
+        if cloud.positions.is_empty() {
+            return Err(DenseError::Nothing { photos: small.len() });
+        }
+        cloud.warnings = reasons;
+        Ok(cloud)
+    }
+
+    /// The views beside one, nearest first.
+    fn others<'a>(
+        &self,
+        set: &ViewSet,
+        (one, middle): (&Small, DVec3),
+        small: &[Small],
+        views: &[View<'a>],
+    ) -> Vec<View<'a>> {
+        let place = |number: usize| small.iter().position(|other| other.number == number);
+        telling(set, middle, one.number)
+            .filter_map(|other| Some(views[place(other)?]))
+            .take(self.neighbours)
+            .collect()
+    }
+}
+
+/// The photographs of a set that can be read, halved until no side is longer, and why others cannot.
+///
+/// # Errors
+/// [`DenseError::TooFew`] of less than two.
+pub(super) fn read_small(set: &ViewSet, most_side_px: u32) -> Result<(Vec<Small>, Vec<String>), DenseError> {
+    let longest = |photo: &Photo| photo.camera.size_px().into_iter().max().unwrap_or(1);
+    let longest = set.photos.iter().map(longest).max().unwrap_or(1);
+    let halvings = (0..32)
+        .find(|&halvings| longest >> halvings <= most_side_px)
+        .unwrap_or(0);
+    let read = |(number, photo): (usize, &Photo)| -> Result<Small, PhotosError> {
+        let photo = PreparedPhoto::read(photo, Extent::Same, halvings)?;
+        let pixels = photo
+            .image
+            .pixels()
+            .iter()
+            .map(|&[red, green, blue, _]| [red, green, blue]);
+        let image = ColorImage::new(photo.image.size_px(), pixels.collect());
+        let image = image.unwrap_or_else(|| unreachable!("as many pixels as the photograph has"));
+        Ok(Small { number, photo, image })
+    };
+    let there = set.photos.par_iter().enumerate().filter(|(_, photo)| photo.has_file());
+    let read: Vec<Result<Small, PhotosError>> = there.map(read).collect();
+    let (mut small, mut reasons) = (Vec::new(), Vec::new());
+    for read in read {
+        match read {
+            Ok(read) => small.push(read),
+            Err(error) => reasons.push(error.to_string()),
+        }
+    }
+    if small.len() < 2 {
+        return Err(DenseError::TooFew {
+            count: small.len(),
+            reason: reasons.join("; "),
+        });
+    }
+    Ok((small, reasons))
+}
+
+impl Small {
+    pub(in crate::stereo) fn view(&self) -> View<'_> {
+        View {
+            image: &self.image,
+            camera: &self.photo.camera,
+            camera_from_world: self.photo.camera_from_world,
+        }
+    }
+
+    /// Depths of the object alone.
+    pub(super) fn masked(&self, depths: &DepthImage) -> Vec<f32> {
+        let pixels = depths.metres().iter().zip(self.photo.image.pixels());
+        pixels
+            .map(|(&depth, pixel)| if pixel[3] == u8::MAX { depth } else { 0.0 })
+            .collect()
+    }
+}
+
+/// The photographs beside one whose angles at `middle` tell depths, nearest first.
+pub(super) fn telling(set: &ViewSet, middle: DVec3, number: usize) -> impl Iterator<Item = usize> {
+    let around = set.neighbours_around(middle, number, set.photos.len());
+    let told = around
+        .into_iter()
+        .filter(|other| ANGLES_DEG.contains(&other.angle.to_degrees()));
+    told.map(|other| other.photo)
+}
+
+/// Of how many photographs with so many pixels one is swept.
+fn every(pixels: impl Iterator<Item = u64>) -> usize {
+    let all: u64 = pixels.sum();
+    all.div_ceil(MOST_PIXELS).max(1) as usize
+}
+
+/// The points of two photographs, as the first of them has them; `None` of other counts, and of two that cannot be
+/// rectified or show nothing of one another.
+pub(super) fn of_pair(
+    small: &[Small],
+    views: &[View<'_>],
+    matching: (&dyn PairMatcher, &Matching),
+) -> Result<Option<RawCloud>, StereoError> {
+    let ([first, _], &[view, other]) = (small, views) else {
+        return Ok(None);
+    };
+    let Ok(found) = depths_of_pair([view, other], matching, None) else {
+        return Ok(None);
+    };
+    let Some(map) = DepthImage::new(first.image.size_px(), first.masked(&found)) else {
+        return Ok(None);
+    };
+    let pair = cloud(&[map], &[view])?;
+    Ok((!pair.positions.is_empty()).then_some(pair))
+}
+
+/// Between which depths the surface before a photograph is: if nothing tells more, from one part of the depth of
+/// `middle` to the other.
+pub(super) fn depth_range(set: &ViewSet, number: usize, middle: Option<DVec3>, parts: [f64; 2]) -> Option<[f64; 2]> {
+    told_range(set, number).or_else(|| {
+        let depth = set.photos.get(number)?.depth_of(middle?);
+        (depth > 0.0).then(|| parts.map(|part| part * depth))
+    })
+}
+
+/// The same by sparse points, or as the format says.
+fn told_range(set: &ViewSet, number: usize) -> Option<[f64; 2]> {
+    let photo = set.photos.get(number)?;
+    let points = set.points.positions().iter().enumerate();
+    let is_seen = |point: usize, position| {
+        let track = set.points.track(point);
+        if track.is_empty() {
+            photo.pixel(position).is_some()
+        } else {
+            track.iter().any(|seen| seen.photo as usize == number)
+        }
+    };
+    let mut depths: Vec<f64> = points
+        .filter(|&(point, &position)| is_seen(point, position))
+        .map(|(_, &position)| photo.depth_of(position))
+        .filter(|&depth| depth > 0.0 && depth.is_finite())
+        .collect();
+    depths.sort_by(f64::total_cmp);
+    if depths.len() >= 8 {
+        let aside = depths.len() / 50;
+        return Some([
+            depths[aside] / BEYOND_POINTS,
+            depths[depths.len() - 1 - aside] * BEYOND_POINTS,
+        ]);
+    }
+    let [near, far] = photo.depth_range?;
+    Some([near / BEYOND_TOLD, far * BEYOND_TOLD])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photos::SparsePoints;
+    use crate::rgbd::{Camera, Distortion};
+    use glam::{DAffine3, DVec2};
+
+    #[test]
+    fn of_hundreds_of_photographs_some_are_swept() {
+        assert_eq!(every(std::iter::repeat_n(640 * 480, 40)), 1);
+        assert_eq!(every(std::iter::repeat_n(400 * 400, 100)), 2);
+        assert_eq!(every(std::iter::repeat_n(640 * 480, 400)), 10);
+        assert_eq!(every(std::iter::empty()), 1);
+    }
+
+    #[test]
+    fn planes_are_between_sparse_points_or_else_between_the_depths_that_a_format_tells() {
+        let camera = Camera::new([64, 48], DVec2::splat(50.0), DVec2::new(31.5, 23.5), Distortion::None);
+        let photo = Photo {
+            name: String::new(),
+            path: "a.png".into(),
+            camera: camera.unwrap(),
+            camera_from_world: DAffine3::IDENTITY,
+            mask: None,
+            depth: None,
+            depth_range: None,
+        };
+        let mut set = ViewSet {
+            photos: vec![photo],
+            ..ViewSet::default()
+        };
+        let range = |set: &ViewSet| depth_range(set, 0, Some(DVec3::new(0.0, 0.0, 10.0)), AROUND_MIDDLE).unwrap();
+        assert_eq!(range(&set), AROUND_MIDDLE.map(|share| 10.0 * share));
+        set.photos[0].depth_range = Some([2.0, 40.0]);
+        assert_eq!(range(&set), [2.0 / BEYOND_TOLD, 40.0 * BEYOND_TOLD]);
+        let mut points = SparsePoints::default();
+        for depth in 4..14 {
+            points.push(DVec3::new(0.0, 0.0, f64::from(depth)), [0; 3], []);
+        }
+        set.points = points;
+        assert_eq!(range(&set), [4.0 / BEYOND_POINTS, 13.0 * BEYOND_POINTS]);
+    }
+}

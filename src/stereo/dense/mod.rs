@@ -1,0 +1,8 @@
+//! Points of many photographs: depths of each view, kept where views agree, as one cloud or surface. Knows `matching` and `views`.
+
+pub(super) mod all_views;
+pub(super) mod cloud;
+pub(super) mod consistency;
+pub(super) mod pairwise;
+pub(super) mod plane_sweep;
+pub(super) mod surface;

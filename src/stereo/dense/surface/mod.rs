@@ -1,0 +1,223 @@
+//! The surface that photographs are put on, made of the photographs themselves.
+//!
+//! Points of a reconstruction are where photographs have corners: thousands on one poster, none on a wall. Their disks
+//! are as large as their gaps, reach across outlines, and leave the rest of the picture empty. So where a set has
+//! photographs with cameras and no depths, planes are swept before small copies of them ([`PlaneSweep`]). What three
+//! views agree on is kept, unless [others look through it](forget_doubted). What two agree on, what sparse points say
+//! and what [other views have measured](carry_over) comes to that; the rest is [filled in](Map::complete) from there,
+//! and all of it becomes [disks](fuse) of the size of a pixel.
+//!
+//! It wins on what fills photographs: rooms, streets. A ball of thousands of even points has a better surface in these.
+
+mod complete;
+mod fuse;
+mod map;
+mod others;
+#[cfg(test)]
+mod tests;
+
+use super::all_views::{AROUND_MIDDLE, depth_range, telling};
+use crate::photos::{Observation, PhotoSurface, Photograph, Photographs, ViewSet, resized};
+use crate::progress::Progress;
+use crate::rgbd::{Camera, ColorImage, DepthImage};
+use crate::stereo::Consistency;
+use crate::stereo::PlaneSweep;
+use crate::stereo::StereoError;
+use crate::stereo::View;
+use crate::stereo::consistent;
+use fuse::fuse;
+use glam::{DAffine3, DVec3};
+use map::Map;
+use others::{add_pairs, carry_over, forget_doubted, is_looked_through};
+use rayon::prelude::*;
+
+/// Photographs are halved until no side is longer: a set of 25 takes some 20 s of one core.
+const MOST_SIDE_PX: u32 = 400;
+
+/// Photographs whose depths are worked out: of more, even ones.
+const MOST_MAPS: usize = 64;
+
+/// Sets of more points have a surface.
+const MOST_POINTS: usize = 1 << 17;
+
+/// Other photographs that each is compared with.
+const NEIGHBOURS: usize = 4;
+
+/// Pixels that a sound point is beside where a photograph sees it.
+const MOST_OFF_PX: f64 = 3.0;
+
+/// Angle between two photographs that tells how far away a point is, radians.
+const LEAST_ANGLE: f64 = 0.03;
+
+/// What is seen by two views alone.
+const OF_TWO: Consistency = Consistency {
+    least_views: 2,
+    tolerance: 0.01,
+};
+
+/// A small copy of a photograph.
+struct Small {
+    number: usize,
+    camera: Camera,
+    camera_from_world: DAffine3,
+    image: ColorImage,
+    /// Whether a pixel is of the scene.
+    is_scene: Vec<bool>,
+}
+
+/// The surface that `photographs` of `set` show, relative to `origin`; `None` where they have depths or a cloud
+/// already, and where they do not tell any depth. Says in `progress` how much is done; what it returns after that was
+/// cancelled is of no use.
+pub fn photo_surface(
+    set: &ViewSet,
+    photographs: &Photographs,
+    origin: DVec3,
+    progress: &Progress,
+) -> Option<PhotoSurface> {
+    let has_depths = photographs.all().iter().any(|photograph| photograph.depth.is_some());
+    let has_cloud = set.points.len() > MOST_POINTS || set.points.is_empty() && set.points_file.is_some();
+    if has_depths || has_cloud || photographs.all().len() < Consistency::default().least_views {
+        return None;
+    }
+    let all = photographs.all().iter();
+    let small: Vec<Small> = all.filter_map(|photograph| Small::of(photograph)).collect();
+    let views: Vec<View<'_>> = small.iter().map(Small::view).collect();
+    let middles = set.middles();
+    let looked_at: Vec<usize> = (0..small.len())
+        .step_by(small.len().div_ceil(MOST_MAPS).max(1))
+        .collect();
+    progress.set(0, PlaneSweep::STEPS * looked_at.len());
+    let measured: Result<Vec<DepthImage>, StereoError> = looked_at
+        .iter()
+        .map(|&index| measured(set, &middles, &small, &views, index, progress))
+        .collect();
+    let looking: Vec<View<'_>> = looked_at.iter().map(|&index| views[index]).collect();
+    let measured = measured.ok()?;
+    let kept = consistent(&measured, &looking, Consistency::default()).ok()?;
+    let of_two = consistent(&measured, &looking, OF_TWO).ok()?;
+    let maps = kept.into_iter().zip(looking).zip(&looked_at);
+    let mut maps: Vec<Map<'_>> = maps
+        .map(|((kept, view), &index)| Map {
+            view,
+            number: small[index].number,
+            is_measured: kept.metres().iter().map(|&depth| depth > 0.0).collect(),
+            depths: kept.metres().to_vec(),
+        })
+        .collect();
+    forget_doubted(&mut maps);
+    add_pairs(&mut maps, &of_two);
+    add_points(set, &mut maps);
+    carry_over(&mut maps);
+    maps.par_iter_mut()
+        .zip(&looked_at)
+        .for_each(|(map, &index)| map.complete(&small[index].is_scene));
+    let surface = fuse(&maps, origin);
+    (!surface.points.is_empty()).then_some(surface)
+}
+
+/// What the sweep says of a view.
+fn measured(
+    set: &ViewSet,
+    middles: &[DVec3],
+    small: &[Small],
+    views: &[View<'_>],
+    index: usize,
+    progress: &Progress,
+) -> Result<DepthImage, StereoError> {
+    let of_one = &small[index];
+    let nothing = || vec![0.0; of_one.image.pixels().len()];
+    let middle = middles.get(of_one.number);
+    let others = middle
+        .into_iter()
+        .flat_map(|&middle| telling(set, middle, of_one.number));
+    let others: Vec<View<'_>> = others
+        .filter_map(|other| Some(views[small.iter().position(|small| small.number == other)?]))
+        .take(NEIGHBOURS)
+        .collect();
+    let range = depth_range(set, of_one.number, middle.copied(), AROUND_MIDDLE);
+    let depths = match range {
+        Some([near, far]) if !others.is_empty() => {
+            let found = PlaneSweep::between(near, far).depths_observed(&views[index], &others, progress)?;
+            let pixels = found.metres().iter().zip(&of_one.is_scene);
+            pixels
+                .map(|(&depth, &is_scene)| if is_scene { depth } else { 0.0 })
+                .collect()
+        }
+        _ => {
+            progress.advance(PlaneSweep::STEPS);
+            nothing()
+        }
+    };
+    DepthImage::new(of_one.image.size_px(), depths).ok_or(StereoError::Cancelled)
+}
+
+/// Depths of sparse points where there are none. Points are wrong at times: those count that three photographs see
+/// where they say, from not too much the same side, and that nobody looks through.
+fn add_points(set: &ViewSet, maps: &mut [Map<'_>]) {
+    let mut added = Vec::new();
+    for (point, &position) in set.points.positions().iter().enumerate() {
+        let track = set.points.track(point);
+        if !is_sound(set, position, track) || is_looked_through(maps, position) {
+            continue;
+        }
+        for seen in track {
+            let Ok(index) = maps.binary_search_by_key(&(seen.photo as usize), |map| map.number) else {
+                continue;
+            };
+            let there = maps[index].at_place(position);
+            if let Some((at, distance)) = there.filter(|&(at, _)| !maps[index].is_measured[at]) {
+                added.push((index, at, distance));
+            }
+        }
+    }
+    for (index, at, distance) in added {
+        maps[index].depths[at] = distance as f32;
+    }
+}
+
+/// Whether enough photographs see a point where it is, from directions that tell how far away it is.
+fn is_sound(set: &ViewSet, position: DVec3, track: &[Observation]) -> bool {
+    let mut ways: Vec<DVec3> = Vec::new();
+    for seen in track {
+        let Some(photo) = set.photos.get(seen.photo as usize) else {
+            continue;
+        };
+        let found = photo.project(position);
+        if found.is_none_or(|found| found.distance(seen.pixel.as_dvec2()) > MOST_OFF_PX) {
+            return false;
+        }
+        ways.push((position - photo.center()).normalize_or_zero());
+    }
+    let [Some(first), Some(_), Some(_)] = [ways.first(), ways.get(1), ways.get(2)] else {
+        return false;
+    };
+    ways.iter().any(|way| way.dot(*first) < LEAST_ANGLE.cos())
+}
+
+impl Small {
+    fn of(photograph: &Photograph) -> Option<Self> {
+        let levels = photograph.texture.levels();
+        let is_small = |size: [u32; 2]| size[0].max(size[1]) <= MOST_SIDE_PX;
+        let level = levels
+            .iter()
+            .find(|level| is_small(level.size_px()))
+            .or(levels.last())?;
+        let pixels = level.pixels();
+        let colors = pixels.iter().map(|&[red, green, blue, _]| [red, green, blue]).collect();
+        Some(Self {
+            number: photograph.number,
+            camera: resized(&photograph.pinhole, level.size_px()).ok()?,
+            camera_from_world: photograph.camera_from_world,
+            image: ColorImage::new(level.size_px(), colors)?,
+            is_scene: pixels.iter().map(|pixel| pixel[3] == u8::MAX).collect(),
+        })
+    }
+
+    fn view(&self) -> View<'_> {
+        View {
+            image: &self.image,
+            camera: &self.camera,
+            camera_from_world: self.camera_from_world,
+        }
+    }
+}

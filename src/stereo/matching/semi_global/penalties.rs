@@ -1,0 +1,78 @@
+//! What a change of disparity costs on a path: less where brightness changes, as borders of things are seen there.
+
+use crate::stereo::StereoError;
+use crate::stereo::matching::costs::MAX_COST;
+
+/// Penalties of semi-global matching, in bits of the census (0 to 62 a pixel).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Penalties {
+    /// For a step of one disparity from pixel to pixel.
+    pub p1: u8,
+    /// For a larger step between pixels of the same brightness.
+    pub p2: u8,
+    /// For a larger step where brightness changes most.
+    pub p2_least: u8,
+    /// The change of brightness from pixel to pixel at which P2 is half way down.
+    pub half_change: u8,
+}
+
+impl Default for Penalties {
+    fn default() -> Self {
+        Self {
+            p1: 24,
+            p2: 120,
+            p2_least: 44,
+            half_change: 16,
+        }
+    }
+}
+
+/// A path's cost is at most that of a pixel and P2; with P1 added it has to stay a byte.
+const MOST: u8 = u8::MAX - MAX_COST;
+
+/// P2 of each change of brightness.
+#[derive(Debug, Clone)]
+pub(super) struct Table {
+    pub(super) p1: u8,
+    p2: [u8; 256],
+}
+
+impl Penalties {
+    /// Whether bytes can hold costs of paths with them.
+    pub(crate) fn are_valid(self) -> bool {
+        self.table().is_ok()
+    }
+
+    /// # Errors
+    /// [`StereoError::NoPenalties`].
+    pub(super) fn table(self) -> Result<Table, StereoError> {
+        let Self {
+            p1,
+            p2,
+            p2_least,
+            half_change,
+        } = self;
+        if p1 >= p2_least || p2_least > p2 || p1.checked_add(p2).is_none_or(|sum| sum > MOST) {
+            return Err(StereoError::NoPenalties {
+                p1,
+                p2_least,
+                p2,
+                most: MOST,
+            });
+        }
+        let half = u16::from(half_change.max(1));
+        Ok(Table {
+            p1,
+            p2: std::array::from_fn(|change| {
+                let above = u16::from(p2 - p2_least) * half / (half + change as u16);
+                p2_least + above as u8
+            }),
+        })
+    }
+}
+
+impl Table {
+    pub(super) fn p2(&self, from: u8, to: u8) -> u8 {
+        self.p2[usize::from(from.abs_diff(to))]
+    }
+}

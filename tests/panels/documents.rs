@@ -1,0 +1,367 @@
+//! Documents: what was made around a sequence comes back with it, and nothing of it is in another.
+
+use super::walk::options;
+use egui_kittest::Harness;
+use glam::DVec3;
+use pointreel::app::{Command, GivenStyle, State, StateOptions};
+use pointreel::document::{DocumentFolder, MeasuredPoint, ReadSession, ShownTrails, SpreadTrails};
+use pointreel::scene::{Clip, ClipShape, FollowedPoint, Gauge, Label, Primitive, UpAxis};
+use pointreel::timeline::PlayRange;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Options of a window that keeps documents in `folder`.
+fn kept_in(folder: &Path) -> StateOptions {
+    StateOptions {
+        documents: Some(DocumentFolder::at(folder.join("documents"), folder.join("timelines"))),
+        ..options()
+    }
+}
+
+fn until(harness: &mut Harness<'_, State>, what: &str, is_so: impl Fn(&State) -> bool) {
+    let begin = Instant::now();
+    while !is_so(harness.state()) {
+        assert!(begin.elapsed() < Duration::from_secs(30), "{what}");
+        let now = harness.state().now();
+        harness.state_mut().update(now);
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    harness.run();
+}
+
+/// A folder with three frames of a cube that grows.
+fn scans(folder: &Path, name: &str) -> PathBuf {
+    let folder = folder.join(name);
+    fs::create_dir_all(&folder).unwrap();
+    for size in 1..=3 {
+        let corners = (0..8).map(|corner| {
+            let [x, y, z] = [0, 1, 2].map(|axis| size * (corner >> axis & 1));
+            format!("{x} {y} {z}\n")
+        });
+        fs::write(folder.join(format!("f{size}.xyz")), corners.collect::<String>()).unwrap();
+    }
+    folder
+}
+
+fn open(harness: &mut Harness<'_, State>, path: &Path) {
+    let of = |state: &State| {
+        let player = state.player.as_ref();
+        player.map(|player| Arc::as_ptr(player.sequence()))
+    };
+    let before = of(harness.state());
+    harness.state_mut().open_paths(vec![path.to_owned()]);
+    until(harness, "it is not opened", |state| {
+        let is_shown = state.player.as_ref().is_some_and(|player| player.shown().is_some());
+        of(state) != before && is_shown && state.has_looked()
+    });
+}
+
+/// A window on nothing but `path`.
+fn window_of(options: StateOptions, path: &Path) -> Harness<'static, State> {
+    let mut harness = Harness::builder()
+        .with_size([1280.0, 800.0])
+        .with_max_steps(20)
+        .with_context_setup(pointreel::app::apply_theme)
+        .build_ui_state(
+            |ui, state: &mut State| pointreel::app::panels::window_ui(ui, state),
+            State::new(options),
+        );
+    open(&mut harness, path);
+    harness
+}
+
+fn close(harness: &mut Harness<'_, State>) {
+    harness.run();
+    harness.state_mut().run(Command::CLOSE_SEQUENCE);
+    harness.run();
+}
+
+fn label(text: &str) -> Label {
+    Label {
+        text: text.to_owned(),
+        frame: 1,
+        point: Some(followed(7)),
+        place: Some(DVec3::splat(2.0)),
+        frames: PlayRange::default(),
+    }
+}
+
+fn followed(index_in_file: u32) -> FollowedPoint {
+    FollowedPoint {
+        index_in_file,
+        points_in_file: Some(8),
+    }
+}
+
+/// Something of everything that a document holds.
+fn work_on(harness: &mut Harness<'_, State>) {
+    let state = harness.state_mut();
+    for command in [
+        Command::ADD_KEYFRAME,
+        Command::Step(1),
+        Command::TOGGLE_MARKER,
+        Command::SET_IN,
+    ] {
+        state.run(command);
+    }
+    let mut document = state.document();
+    document.settings.primitive = Primitive::Point.into();
+    document.settings.points.size_px = 5.0;
+    document.clip = Some(Clip::to(ClipShape::Box {
+        min: DVec3::ZERO,
+        max: DVec3::splat(2.5),
+    }));
+    document.labels = vec![label("corner")];
+    let point = |index| MeasuredPoint {
+        frame: 1,
+        point: followed(index),
+        place: DVec3::splat(2.0),
+    };
+    document.measurements = vec![pointreel::document::Measured {
+        gauge: Gauge::Distance,
+        points: vec![point(0), point(7)],
+    }];
+    document.trails = ShownTrails {
+        of_picked: true,
+        kept: vec![point(3)],
+        spread: Some(SpreadTrails { points: 4, frames: 2 }),
+    };
+    document.notes.push_str("from the north");
+    state.apply_document(document);
+    state.choose_up(UpAxis::Z);
+    state.camera.azimuth_deg = 33.0;
+    harness.run();
+}
+
+/// The texts of all notices.
+fn told(state: &State) -> String {
+    let notices = state.notices.list().iter();
+    notices
+        .map(|notice| notice.text.as_str())
+        .collect::<Vec<_>>()
+        .join("; ")
+}
+
+#[test]
+fn each_sequence_has_its_own_document() {
+    let folder = tempfile::tempdir().unwrap();
+    let [a, b] = ["a", "b"].map(|name| scans(folder.path(), name));
+    let mut harness = window_of(kept_in(folder.path()), &a);
+    let new = harness.state().document();
+    assert!(!harness.state().is_unsaved(), "nothing was made");
+    work_on(&mut harness);
+    assert!(harness.state().is_unsaved());
+    let made = harness.state().document();
+
+    open(&mut harness, &b);
+    let mut of_b = harness.state().document();
+    of_b.inputs.clone_from(&new.inputs);
+    assert_eq!(of_b, new, "nothing of A is in it");
+    assert!(!harness.state().is_unsaved());
+    harness.state_mut().style.backdrop.grid = true;
+    harness.run();
+
+    open(&mut harness, &a);
+    assert!(
+        told(harness.state()).contains("view, look, up axis, clip"),
+        "{}",
+        told(harness.state())
+    );
+    let again = harness.state().document();
+    assert!(again.is_kept_same(&made), "{again:#?} is not {made:#?}");
+    assert_eq!(again.frame, made.frame);
+    assert!(!harness.state().style.backdrop.grid, "that was B's");
+    assert_eq!(harness.state().camera.azimuth_deg, 33.0);
+    open(&mut harness, &b);
+    let style = harness.state().style;
+    assert!(style.backdrop.grid && style.primitive == Primitive::Surfel);
+    close(&mut harness);
+
+    // The next window has it all as well; what was only opened leaves nothing behind.
+    let c = scans(folder.path(), "c");
+    let mut next = window_of(kept_in(folder.path()), &c);
+    close(&mut next);
+    open(&mut next, &a);
+    assert!(next.state().document().is_kept_same(&made));
+    let files = fs::read_dir(folder.path().join("documents")).unwrap().count();
+    assert_eq!(files, 2);
+}
+
+#[test]
+fn what_is_kept_is_a_session() {
+    let folder = tempfile::tempdir().unwrap();
+    let a = scans(folder.path(), "a");
+    let mut harness = window_of(kept_in(folder.path()), &a);
+    work_on(&mut harness);
+    close(&mut harness);
+    let mut files = fs::read_dir(folder.path().join("documents")).unwrap();
+    let file = files.next().unwrap().unwrap().path();
+    let read = ReadSession::read(&file).unwrap();
+    assert_eq!(read.warnings, [""; 0]);
+    assert_eq!(read.document.notes, "from the north");
+    // As a session it opens the same.
+    let copy = folder.path().join("copy.pointreel");
+    fs::copy(&file, &copy).unwrap();
+    let mut harness = window_of(options(), &copy);
+    harness.run();
+    assert_eq!(harness.state().features.labels.list[0].text, "corner");
+    assert_eq!(harness.state().camera.azimuth_deg, 33.0);
+}
+
+#[test]
+fn two_windows_on_one_sequence_lose_nothing_of_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let a = scans(folder.path(), "a");
+    let [mut one, mut other] = [0, 1].map(|_| window_of(kept_in(folder.path()), &a));
+    one.state_mut().features.labels.list = Arc::new(vec![label("one")]);
+    other.state_mut().style.backdrop.grid = true;
+    close(&mut one);
+    close(&mut other);
+    let third = window_of(kept_in(folder.path()), &a);
+    assert_eq!(third.state().features.labels.list.len(), 1);
+    assert!(third.state().style.backdrop.grid);
+}
+
+#[test]
+fn unsaved_is_what_is_in_no_session() {
+    let folder = tempfile::tempdir().unwrap();
+    let a = scans(folder.path(), "a");
+    let mut harness = window_of(kept_in(folder.path()), &a);
+    harness.state_mut().camera.azimuth_deg += 10.0;
+    harness.state_mut().step_frames(1);
+    harness.run();
+    assert!(!harness.state().is_unsaved(), "looking around is no work");
+    harness.state_mut().run(Command::TOGGLE_MARKER);
+    harness.run();
+    assert!(harness.state().is_unsaved());
+    let file = folder.path().join("a.pointreel");
+    harness.state_mut().save_session_to(file);
+    until(&mut harness, "it is not saved", |state| state.session_file().is_some());
+    assert!(!harness.state().is_unsaved());
+    harness.state_mut().features.notes.text.push_str("later");
+    harness.run();
+    assert!(harness.state().is_unsaved());
+    harness.state_mut().run(Command::UNDO);
+    harness.run();
+    assert!(!harness.state().is_unsaved() && harness.state().features.notes.text.is_empty());
+}
+
+#[test]
+fn a_document_is_begun_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let a = scans(folder.path(), "a");
+    let mut harness = window_of(kept_in(folder.path()), &a);
+    let new = harness.state().document();
+    let first_view = harness.state().camera;
+    work_on(&mut harness);
+    harness.state_mut().run(Command::BeginAgain);
+    harness.run();
+    let begun = harness.state().document();
+    assert!(begun.is_kept_same(&new), "{begun:#?} is not {new:#?}");
+    assert_eq!(harness.state().camera, first_view);
+    // What can be undone comes back, with its own name.
+    harness.state_mut().run(Command::UNDO);
+    assert_eq!(harness.state().features.labels.list.len(), 1);
+    assert_eq!(harness.state().features.notes.text, "from the north");
+    harness.state_mut().run(Command::REDO);
+    close(&mut harness);
+    let again = window_of(kept_in(folder.path()), &a);
+    assert!(again.state().document().is_kept_same(&new));
+    assert_eq!(told(again.state()), "");
+}
+
+#[test]
+fn a_fresh_window_begins_from_defaults_and_takes_nothing_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let [a, b] = ["a", "b"].map(|name| scans(folder.path(), name));
+    let mut harness = window_of(kept_in(folder.path()), &a);
+    work_on(&mut harness);
+    close(&mut harness);
+    let fresh = || StateOptions {
+        is_fresh: true,
+        ..kept_in(folder.path())
+    };
+    let mut harness = window_of(fresh(), &a);
+    assert!(harness.state().features.labels.list.is_empty());
+    close(&mut harness);
+    let mut harness = window_of(kept_in(folder.path()), &a);
+    assert_eq!(harness.state().features.labels.list.len(), 1, "it is kept still");
+    close(&mut harness);
+    // What is made in it goes before what was.
+    let mut harness = window_of(fresh(), &a);
+    harness.state_mut().features.notes.text.push_str("anew");
+    open(&mut harness, &b);
+    open(&mut harness, &a);
+    assert!(harness.state().features.labels.list.is_empty());
+    assert_eq!(harness.state().features.notes.text, "anew");
+}
+
+#[test]
+fn what_the_command_line_says_goes_before_what_is_kept_and_is_not_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let a = scans(folder.path(), "a");
+    let mut harness = window_of(kept_in(folder.path()), &a);
+    work_on(&mut harness);
+    close(&mut harness);
+    let given = StateOptions {
+        given: GivenStyle::new(|style| style.with(|style| style.points.size_px = 9.0)),
+        ..kept_in(folder.path())
+    };
+    let mut harness = window_of(given, &a);
+    let points = harness.state().style.points.size_px;
+    assert_eq!(
+        (points, harness.state().style.primitive),
+        (9.0, Primitive::Point.into())
+    );
+    harness.state_mut().style.backdrop.grid = true;
+    close(&mut harness);
+    let harness = window_of(kept_in(folder.path()), &a);
+    let style = harness.state().style;
+    assert_eq!((style.points.size_px, style.backdrop.grid), (5.0, true));
+}
+
+#[test]
+fn marks_and_choices_from_before_documents_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let a = scans(folder.path(), "a");
+    let mut harness = window_of(kept_in(folder.path()), &a);
+    harness.state_mut().run(Command::TOGGLE_MARKER);
+    close(&mut harness);
+    let documents = folder.path().join("documents");
+    let file = fs::read_dir(&documents).unwrap().next().unwrap().unwrap().path();
+    fs::remove_file(&file).unwrap();
+    let timelines = folder.path().join("timelines");
+    fs::create_dir_all(&timelines).unwrap();
+    let text = r#"{"version": 1, "range": {"first": 1, "last": 2}, "markers": [{"frame": 2, "name": "turn"}],
+        "up": "-x", "primitive": "voxel"}"#;
+    let old = timelines.join(file.with_extension("json").file_name().unwrap());
+    fs::write(old, text).unwrap();
+    let harness = window_of(kept_in(folder.path()), &a);
+    let state = harness.state();
+    assert_eq!(state.features.timeline.markers.list()[0].name, "turn");
+    assert_eq!(
+        (state.style.primitive, state.camera.up),
+        (Primitive::Voxel.into(), UpAxis::NegX)
+    );
+    let range = state.player.as_ref().unwrap().clock().range();
+    assert_eq!((range.first(), range.last()), (Some(1), Some(2)));
+}
+
+#[test]
+fn a_look_is_made_that_of_new_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let [a, b] = ["a", "b"].map(|name| scans(folder.path(), name));
+    let mut harness = window_of(kept_in(folder.path()), &a);
+    harness.state_mut().style.backdrop.grid = true;
+    harness.run();
+    assert!(
+        !harness.state().preferences().settings.backdrop.grid,
+        "it is the document's"
+    );
+    harness.state_mut().run(Command::UseAsDefaults);
+    assert!(harness.state().preferences().settings.backdrop.grid);
+    open(&mut harness, &b);
+    assert!(harness.state().style.backdrop.grid);
+}
