@@ -49,5 +49,5 @@ pub use packet::{Drawn, PictureView, packet};
 pub use photographs::{DepthsAhead, PHOTOGRAPH_BYTES, PhotographsStep, on_surface, photographs_apply};
 pub use points_in_view::points_in_view;
 pub use stages::STAGES;
-pub use step::{Lane, Stage, Step};
+pub use step::{Lane, MakeStep, Stage, Step};
 pub use trails::{BreakReason, TrailBreak, TrailMeasure, TrailRequest, Trails};

@@ -19,6 +19,9 @@ pub enum Lane {
     View,
 }
 
+/// The step of a stage, and problems with its inputs.
+pub type MakeStep = fn(&Inputs<'_>, &mut Vec<Problem>) -> Option<Arc<dyn Step>>;
+
 /// A row of [`STAGES`](super::STAGES).
 pub struct Stage {
     /// Its name in the table of the module.
@@ -26,7 +29,7 @@ pub struct Stage {
     /// With which stages the window runs it.
     pub lane: Lane,
     /// Its step for a frame; `None` if it does not apply. It tells of inputs that are not there.
-    pub step: fn(&Inputs<'_>, &mut Vec<Problem>) -> Option<Arc<dyn Step>>,
+    pub step: MakeStep,
 }
 
 impl fmt::Debug for Stage {
