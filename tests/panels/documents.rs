@@ -100,7 +100,7 @@ fn work_on(harness: &mut Harness<'_, State>) {
     let state = harness.state_mut();
     for command in [
         Command::ADD_KEYFRAME,
-        Command::Step(1),
+        Command::NEXT_FRAME,
         Command::TOGGLE_MARKER,
         Command::SET_IN,
     ] {
@@ -256,7 +256,7 @@ fn a_document_is_begun_again() {
     let new = harness.state().document();
     let first_view = harness.state().camera;
     work_on(&mut harness);
-    harness.state_mut().run(Command::BeginAgain);
+    harness.state_mut().run(Command::BEGIN_AGAIN);
     harness.run();
     let begun = harness.state().document();
     assert!(begun.is_kept_same(&new), "{begun:#?} is not {new:#?}");
@@ -360,7 +360,7 @@ fn a_look_is_made_that_of_new_files() {
         !harness.state().preferences().settings.backdrop.grid,
         "it is the document's"
     );
-    harness.state_mut().run(Command::UseAsDefaults);
+    harness.state_mut().run(Command::USE_AS_DEFAULTS);
     assert!(harness.state().preferences().settings.backdrop.grid);
     open(&mut harness, &b);
     assert!(harness.state().style.backdrop.grid);

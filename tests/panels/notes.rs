@@ -35,7 +35,7 @@ fn notes_are_kept_with_their_sequence_and_left_with_it() {
     assert_eq!(session.notes, "of the scan");
     let file = folder.path().join("scan.pointreel");
     session.write(&file).unwrap();
-    let read = pointreel::session::session_of(&[file]).unwrap().unwrap();
+    let read = pointreel::document::session_of(&[file]).unwrap().unwrap();
     state.open(Arc::new(Sequence::demo()));
     state.open_session(open(), read);
     assert_eq!(state.features.notes.text, "of the scan");

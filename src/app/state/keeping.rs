@@ -19,7 +19,7 @@ use std::time::Duration;
 const WRITE_DELAY: Duration = Duration::from_secs(1);
 
 /// A document that is to be opened.
-pub(super) struct Found {
+pub(in crate::app) struct Found {
     /// As it is to be shown.
     pub(super) document: Document,
     keeper: Keeper,
@@ -271,10 +271,10 @@ mod tests {
         state.open(Arc::new(sequence));
         state.note_document();
         assert_eq!((state.keeping_deadline(), state.is_unsaved()), (None, false));
-        state.notes.push('a');
+        state.features.notes.text.push('a');
         state.note_document();
         state.shared.now += WRITE_DELAY / 2;
-        state.notes.push('b');
+        state.features.notes.text.push('b');
         state.note_document();
         let due = state.shared.now + WRITE_DELAY;
         assert_eq!((state.keeping_deadline(), state.is_unsaved()), (Some(due), true));
@@ -288,7 +288,7 @@ mod tests {
             "no session has it"
         );
         // As it was before: there is nothing to keep any more.
-        state.notes.clear();
+        state.features.notes.text.clear();
         state.note_document();
         state.keep_if_due(due + 2 * WRITE_DELAY);
         assert_eq!(documents.read_dir().unwrap().count(), 0);

@@ -53,7 +53,7 @@ use crate::cloud::LengthUnit;
 use crate::document::History;
 use crate::math::Aabb;
 use crate::playback::{Player, PlayerChange};
-use crate::scene::{Camera, SceneStats, ScreenStats, Settings, Style};
+use crate::scene::{Camera, SceneStats, ScreenStats, Settings};
 use crate::timeline::Clock;
 use glam::DVec3;
 use std::sync::Arc;

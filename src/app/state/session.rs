@@ -4,7 +4,6 @@ use super::State;
 use super::dialogs::DialogKind;
 use super::document::{inputs_of, measured};
 use super::opened::{Opened, SavedSession};
-use crate::app::features::Features;
 use crate::app::features::beside::Layout;
 use crate::app::features::inspection::measuring::Measurement;
 use crate::app::features::quality::MeasuredWay;
