@@ -57,9 +57,9 @@ impl FromStr for Modes {
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let mut modes = Self::default();
         for word in text.split(',').map(str::trim) {
-            if let Ok(renderer) = word.parse() {
+            if let Ok(renderer) = word.parse::<RendererChoice>() {
                 modes.renderers.push(renderer);
-            } else if let Ok(primitive) = word.parse() {
+            } else if let Ok(primitive) = word.parse::<Primitive>() {
                 modes.primitives.push(primitive);
             } else if let Ok(splatting) = word.parse::<Splatting>() {
                 modes.splattings.push(splatting);
