@@ -1,4 +1,5 @@
-//! The points around a point: a k-d tree of buckets, k nearest neighbours, the nearest point of a place. Knows positions alone.
+//! The points around a point: a k-d tree of buckets, k nearest neighbours, the nearest point of a place. Knows
+//! positions alone.
 
 pub(super) mod bucket_search;
 pub(super) mod lanes;

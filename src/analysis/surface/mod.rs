@@ -1,4 +1,5 @@
-//! The surface around each point, from the neighbours that `search` finds: normals, their orientation, radii, ellipses. Knows no colours.
+//! The surface around each point, from the neighbours that `search` finds: normals, their orientation, radii, ellipses.
+//! Knows no colours.
 
 pub(super) mod bent_disks;
 #[cfg(test)]

@@ -14,7 +14,8 @@ pub trait Automatic: Setting<Decided = Self> + Copy + PartialEq + 'static {
     const OPEN_WORDS: &'static Words;
 }
 
-/// A choice that a person may leave to the program. What is drawn has none: see [`Settings::resolved`](super::Settings).
+/// A choice that a person may leave to the program. What is drawn has none: see
+/// [`Settings::resolved`](super::Settings).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Choice<T> {
     /// Left open.

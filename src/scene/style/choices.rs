@@ -1,8 +1,8 @@
 //! Enums whose variants have words, which stand on the command line and in files.
 
 /// Writes an enum of unit variants once: its list, its words, titles and hints, and how a word is read back, also in
-/// files. With `auto`, a setting may leave the choice open, as a [`Choice`](super::Choice) of it: then comes the variant
-/// where nothing decides otherwise, with the title and the hint of the open choice.
+/// files. With `auto`, a setting may leave the choice open, as a [`Choice`](super::Choice) of it: then comes the
+/// variant where nothing decides otherwise, with the title and the hint of the open choice.
 macro_rules! choices {
     (
         $(#[$doc:meta])* $name:ident, $what:literal, auto $usual:ident = $auto_title:literal, $auto_hint:literal {

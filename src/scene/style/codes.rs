@@ -1,6 +1,5 @@
 //! How surfels are drawn from byte codes of the octree.
 
-use super::Style;
 use super::choices::choices;
 use super::describe::{Label, Place, Section, Values, group};
 
@@ -70,7 +69,7 @@ group! {
             title: "Footprint",
             hint: "What the CPU renderer draws surfels from; the GPU draws exact disks",
             section: Section::Footprints,
-            when: Style::draws_surfels,
+            when: |drawn| drawn.draws_surfels(),
             label: Label::Unusual(Place::What, "of {}"),
             values: Values::Words(Footprint::WORDS),
         }
@@ -82,7 +81,7 @@ group! {
             title: "Normals",
             hint: "Bits of a normal of the byte code; light is worked out once for each direction",
             section: Section::Footprints,
-            when: Style::asks_for_codes,
+            when: |drawn| drawn.asks_for_codes(),
             values: Values::Words(NormalBits::WORDS),
         }
         /// Precision of offsets along normals.
@@ -93,7 +92,7 @@ group! {
             title: "Offsets",
             hint: "Bits of the way from the middle of a cell to the surface, along the normal",
             section: Section::Footprints,
-            when: Style::asks_for_codes,
+            when: |drawn| drawn.asks_for_codes(),
             values: Values::Words(OffsetBits::WORDS),
         }
     }

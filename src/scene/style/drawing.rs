@@ -1,8 +1,8 @@
 //! What points become, and who draws them.
 
+use super::Choice;
 use super::choices::choices;
 use super::describe::{Label, Numbers, Place, Typed, Unit, Values, group};
-use super::{Choice, Style};
 
 choices! {
     /// What a point becomes on the screen.
@@ -121,7 +121,7 @@ group! {
             title: "Instancing",
             hint: "How instances reach the GPU's vertex stage. All strategies draw the same picture; their speed \
                    differs",
-            label: Label::If(Style::is_drawn_on_gpu, Place::Who, "{}"),
+            label: Label::If(|drawn| drawn.is_drawn_on_gpu(), Place::Who, "{}"),
             values: Values::Words(Strategy::WORDS),
         }
         /// Edge of the picture that is drawn, as a share of the one that is shown: below 1 fewer pixels are drawn and

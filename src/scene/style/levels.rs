@@ -1,6 +1,5 @@
 //! Levels of detail: how deep the octree goes, and which of its cells are drawn.
 
-use super::Style;
 use super::choices::choices;
 use super::describe::{
     Kind, KindNumber, Label, Numbers, Place, Section, Setting, Typed, Unit, Value, Values, Word, Words, group,
@@ -307,7 +306,7 @@ group! {
             hint: "One surfel for all points of an octree's cell that is small on the screen: fewer are drawn from \
                    afar",
             section: Section::Surfels,
-            when: Style::has_surfel_radii,
+            when: |drawn| drawn.has_surfel_radii(),
             values: Values::Switch("Simplify far surfels"),
         }
         /// What surfels that stand for others are taken from.
@@ -320,7 +319,7 @@ group! {
             title: "Structure",
             hint: "What levels of detail are taken from",
             section: Section::Surfels,
-            when: Style::has_surfel_levels,
+            when: |drawn| drawn.has_surfel_levels(),
             label: Label::Unusual(Place::HowFine, "of {}"),
             values: Values::Words(LevelStructure::WORDS),
         }
@@ -331,7 +330,7 @@ group! {
             hint: "When cells of the octree are no longer divided (its stop criterion)",
             section: Section::Octree,
             when: |style| style.draws_cells() || style.draws_codes(),
-            label: Label::If(Style::draws_voxels, Place::What, "{}"),
+            label: Label::If(|drawn| drawn.draws_voxels(), Place::What, "{}"),
             values: Values::Kinds(STOPS),
         }
         /// Which of its cells are drawn.

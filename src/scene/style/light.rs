@@ -1,8 +1,8 @@
 //! Light that falls on surfaces, and light from depths.
 
+use super::Choice;
 use super::choices::choices;
 use super::describe::{Label, Numbers, Place, Section, Typed, Unit, Values, group};
-use super::{Choice, Style};
 use crate::scene::environment::Environment;
 
 choices! {
@@ -79,7 +79,7 @@ group! {
             title: "Lighting",
             hint: "Where the head light is evaluated, or how the blended surface is lit",
             section: Section::Shading,
-            when: Style::is_lit,
+            when: |drawn| drawn.is_lit(),
             label: Label::Unusual(Place::What, "{} light"),
             values: Values::Words(Choice::<Lighting>::WORDS),
         }
@@ -91,7 +91,7 @@ group! {
             title: "Lights",
             hint: "Which lights fall on the blended surface; they move with the camera",
             section: Section::Shading,
-            when: Style::is_lit_deferred,
+            when: |drawn| drawn.is_lit_deferred(),
             label: Label::Unusual(Place::What, "{} lights"),
             values: Values::Words(Choice::<LightRig>::WORDS),
         }
@@ -103,8 +103,8 @@ group! {
             title: "Metallic",
             hint: "How much of a metal surfaces are: metals mirror in their colour, others scatter it",
             section: Section::Shading,
-            when: Style::is_lit_physically,
-            label: Label::If(Style::is_lit_physically, Place::What, "metallic {}"),
+            when: |drawn| drawn.is_lit_physically(),
+            label: Label::If(|drawn| drawn.is_lit_physically(), Place::What, "metallic {}"),
             values: Values::Number(Numbers {
                 typed: Typed::Kept("a number from 0 to 1"),
                 ..Numbers::USUAL
@@ -118,8 +118,8 @@ group! {
             title: "Roughness",
             hint: "How rough surfaces are: what they mirror is sharp at 0 and blurred at 1",
             section: Section::Shading,
-            when: Style::is_lit_physically,
-            label: Label::If(Style::is_lit_physically, Place::What, "roughness {}"),
+            when: |drawn| drawn.is_lit_physically(),
+            label: Label::If(|drawn| drawn.is_lit_physically(), Place::What, "roughness {}"),
             values: Values::Number(Numbers {
                 typed: Typed::Kept("a number from 0 to 1"),
                 ..Numbers::USUAL
@@ -133,8 +133,8 @@ group! {
             title: "Environment",
             hint: "What is around the scene, and lights it from all sides; it turns with the scene",
             section: Section::Shading,
-            when: Style::is_lit_physically,
-            label: Label::If(Style::is_lit_physically, Place::What, "in {}"),
+            when: |drawn| drawn.is_lit_physically(),
+            label: Label::If(|drawn| drawn.is_lit_physically(), Place::What, "in {}"),
             values: Values::Environment,
         }
         /// Whether the first lamp casts shadows.
@@ -145,8 +145,8 @@ group! {
             title: "Shadows",
             hint: "Whether the first of several lights that are far away casts shadows",
             section: Section::Shading,
-            when: Style::has_key_light,
-            label: Label::If(Style::has_shadows, Place::What, "with shadows"),
+            when: |drawn| drawn.has_key_light(),
+            label: Label::If(|drawn| drawn.has_shadows(), Place::What, "with shadows"),
             values: Values::Words(OnOff::WORDS),
         }
         /// Whether what is near a place keeps light from it (ambient occlusion).
@@ -157,8 +157,8 @@ group! {
             title: "Ambient occlusion",
             hint: "Darkens creases and hollows of the blended surface: what is near a place keeps light from it",
             section: Section::Shading,
-            when: Style::is_shaded_with_depths,
-            label: Label::If(Style::is_occluded, Place::What, "with ambient occlusion"),
+            when: |drawn| drawn.is_shaded_with_depths(),
+            label: Label::If(|drawn| drawn.is_occluded(), Place::What, "with ambient occlusion"),
             values: Values::Words(OnOff::WORDS),
         }
         /// How much of that light is lost; 1 is as much as is kept away.
@@ -169,7 +169,7 @@ group! {
             title: "Occlusion strength",
             hint: "How much ambient occlusion darkens; 1 is as much as light is kept away",
             section: Section::Shading,
-            when: Style::is_occluded,
+            when: |drawn| drawn.is_occluded(),
             values: Values::Number(Numbers {
                 kept: [0.0, 4.0],
                 offered: [0.0, 2.0],
@@ -186,7 +186,7 @@ group! {
             title: "Occlusion radius",
             hint: "How far away what keeps light from a place may be; 1 is a fifth of the cloud's radius",
             section: Section::Shading,
-            when: Style::is_occluded,
+            when: |drawn| drawn.is_occluded(),
             values: Values::Number(Numbers {
                 kept: [0.05, 4.0],
                 offered: [0.1, 4.0],
@@ -204,7 +204,7 @@ group! {
             title: "Eye-dome light",
             hint: "Darkens what stands behind its neighbours: depths show shapes without any normals",
             section: Section::Shading,
-            when: Style::leaves_depths,
+            when: |drawn| drawn.leaves_depths(),
             values: Values::Words(Choice::<EyeDome>::WORDS),
         }
         /// How much they do; 1 is usual.
@@ -215,7 +215,7 @@ group! {
             title: "Strength",
             hint: "How much the eye-dome light darkens; 1 is usual",
             section: Section::Shading,
-            when: |style| style.leaves_depths() && style.light.eye_dome == EyeDome::On,
+            when: |drawn| drawn.has_eye_dome(),
             values: Values::Number(Numbers {
                 kept: [0.0, 4.0],
                 offered: [0.0, 4.0],

@@ -1,8 +1,8 @@
 //! Every choice a person has about a picture, in groups, and how it is drawn with nothing left open.
 //!
-//! [`Settings`] are what a person chooses: they are kept, and may be left open. [`Settings::resolved`] makes a [`Style`]
-//! of them, which leaves nothing open: packets and renderers know no other. What is derived for one picture alone is in
-//! [`PacketParams`](crate::scene::PacketParams).
+//! [`Settings`] are what a person chooses: they are kept, and may be left open. [`Settings::resolved`] makes a
+//! [`Style`] of them, which leaves nothing open: packets and renderers know no other. What is derived for one picture
+//! alone is in [`PacketParams`](crate::scene::PacketParams).
 //!
 //!  Each is described beside its field (`describe.rs`).
 //!
@@ -318,8 +318,9 @@ impl Style {
         self.has_footprints() && self.codes.footprint != Footprint::Disks
     }
 
-    /// Whether [`CodeStyle::footprint`] has an effect: the processor alone draws byte codes. Where shading is deferred there are none, as a code is lit by a table
-    /// of normals, nor of ellipses, sprites, filtered splats or other kernels.
+    /// Whether [`CodeStyle::footprint`] has an effect: the processor alone draws byte codes. Where shading is deferred
+    /// there are none, as a code is lit by a table of normals, nor of ellipses, sprites, filtered splats or other
+    /// kernels.
     pub fn has_footprints(&self) -> bool {
         self.draws_surfels()
             && !self.filters_splats()
@@ -329,11 +330,5 @@ impl Style {
             && self.surfels.splatting.has_visibility_pass()
             && !self.light.lighting.is_deferred()
             && !self.draws_photographs()
-    }
-}
-
-impl Default for Style {
-    fn default() -> Self {
-        Settings::default().decided()
     }
 }

@@ -1,6 +1,5 @@
 //! How photographs are put on surfaces (paper 004 §3).
 
-use super::Style;
 use super::choices::choices;
 use super::describe::{Label, Numbers, Place, Section, Typed, Unit, Values, group};
 
@@ -63,7 +62,7 @@ group! {
             title: "Colours from",
             hint: "What surfaces have their colours from where there are photographs of them",
             section: Section::Photographs,
-            when: |style| style.of_sequence.has_photographs,
+            when: |drawn| drawn.has_photographs(),
             label: Label::Unusual(Place::What, "{} photographs"),
             values: Values::Words(PhotoMode::WORDS),
         }
@@ -75,7 +74,7 @@ group! {
             title: "Blended",
             hint: "How many photographs are blended at a place",
             section: Section::Photographs,
-            when: |style| style.draws_photographs() && style.photos.mode == PhotoMode::Vdts,
+            when: |drawn| drawn.draws_view_dependent_textures(),
             values: Values::Number(Numbers {
                 kept: [1.0, PhotoStyle::MOST_VIEWS as f32],
                 offered: [1.0, PhotoStyle::MOST_VIEWS as f32],
@@ -93,7 +92,7 @@ group! {
             hint: "How fast the weight of a photograph falls with its angle to you: σ, as a factor on the angle \
                    between neighbouring photographs",
             section: Section::Photographs,
-            when: |style| style.draws_photographs() && style.photos.mode == PhotoMode::Vdts,
+            when: |drawn| drawn.draws_view_dependent_textures(),
             values: Values::Number(Numbers {
                 kept: [0.05, 10.0],
                 offered: [0.1, 5.0],
@@ -110,7 +109,7 @@ group! {
             title: "Silhouettes",
             hint: "What becomes of places where photographs show something that is nearer or farther",
             section: Section::Photographs,
-            when: Style::draws_photographs,
+            when: |drawn| drawn.draws_photographs(),
             values: Values::Words(PhotoClipping::WORDS),
         }
         /// What places look like that no photograph sees.
@@ -121,7 +120,7 @@ group! {
             title: "Holes",
             hint: "What places look like that no photograph sees",
             section: Section::Photographs,
-            when: Style::draws_photographs,
+            when: |drawn| drawn.draws_photographs(),
             values: Values::Words(PhotoHoles::WORDS),
         }
         /// How wide gaps in a surface are that are closed, in percent of the height of a picture.
@@ -133,7 +132,7 @@ group! {
             hint: "How wide gaps in a surface are that are closed where photographs show something there, in percent \
                    of the height of the picture; 0: they stay open",
             section: Section::Photographs,
-            when: Style::draws_photographs,
+            when: |drawn| drawn.draws_photographs(),
             values: Values::Number(Numbers {
                 kept: [0.0, 20.0],
                 offered: [0.0, 10.0],
@@ -151,7 +150,7 @@ group! {
             title: "Relighting",
             hint: "Whether light falls on what photographs show, by normals of their depths",
             section: Section::Photographs,
-            when: Style::draws_photographs,
+            when: |drawn| drawn.draws_photographs(),
             label: Label::Unusual(Place::What, "relit: {}"),
             values: Values::Words(PhotoRelight::WORDS),
         }
@@ -163,7 +162,7 @@ group! {
             title: "Gains",
             hint: "Whether photographs are made as bright as each other, by what shared points look like in them",
             section: Section::Photographs,
-            when: Style::draws_photographs,
+            when: |drawn| drawn.draws_photographs(),
             values: Values::Words(PhotoGains::WORDS),
         }
     }

@@ -1,6 +1,5 @@
 //! How points are drawn that stay points.
 
-use super::Style;
 use super::choices::choices;
 use super::describe::{Label, Numbers, Place, Section, Unit, Values, group};
 
@@ -46,7 +45,7 @@ group! {
             title: "Size",
             hint: "What the size of points is measured in: pixels of the picture, or lengths in the scene",
             section: Section::Look,
-            when: Style::is_of_points,
+            when: |drawn| drawn.is_of_points(),
             label: Label::Unusual(Place::What, "{}"),
             values: Values::Words(PointSizing::WORDS),
         }
@@ -58,8 +57,8 @@ group! {
             title: "Point size",
             hint: "Edge of the square drawn for a point, pixels (+ and -)",
             section: Section::Look,
-            when: Style::has_points_of_pixels,
-            label: Label::If(Style::has_points_of_pixels, Place::What, "{} px"),
+            when: |drawn| drawn.has_points_of_pixels(),
+            label: Label::If(|drawn| drawn.has_points_of_pixels(), Place::What, "{} px"),
             values: Values::Number(Numbers {
                 kept: [1.0, 32.0],
                 offered: [1.0, 32.0],
@@ -76,7 +75,7 @@ group! {
             title: "Point scale",
             hint: "Factor on the size of points in the scene; at 1 they just close a surface (+ and -)",
             section: Section::Look,
-            when: |style| style.is_of_points() && style.points.sizing != PointSizing::Pixels,
+            when: |drawn| drawn.has_points_of_lengths(),
             label: Label::Unusual(Place::What, "×{}"),
             values: Values::Number(Numbers {
                 kept: [0.1, 10.0],
@@ -94,7 +93,7 @@ group! {
             title: "Shape",
             hint: "What a point is on the screen: a square, or round",
             section: Section::Look,
-            when: Style::draws_points,
+            when: |drawn| drawn.draws_points(),
             label: Label::Unusual(Place::What, "{}"),
             values: Values::Words(PointShape::WORDS),
         }
@@ -106,7 +105,7 @@ group! {
             title: "Light on",
             hint: "What the light of points falls on",
             section: Section::Shading,
-            when: Style::is_of_points,
+            when: |drawn| drawn.is_of_points(),
             label: Label::Unusual(Place::What, "lit by {}"),
             values: Values::Words(PointLight::WORDS),
         }

@@ -165,3 +165,9 @@ impl Default for Settings {
         }
     }
 }
+
+impl Default for Style {
+    fn default() -> Self {
+        Settings::default().decided()
+    }
+}

@@ -1,9 +1,9 @@
 //! How surfels are drawn.
 
+use super::Choice;
 use super::choices::choices;
 use super::describe::{Label, Numbers, Place, Section, Unit, Values, group};
 use super::light::OnOff;
-use super::{Choice, Style};
 
 choices! {
     /// The six ways of splatting of paper 000, Fig. 3, and hard disks.
@@ -171,7 +171,7 @@ group! {
             value_name: "MODE",
             title: "Splatting",
             hint: "How overlapping surfels become one surface (six modes of the paper's Fig. 3, and hard disks)",
-            when: Style::draws_surfels,
+            when: |drawn| drawn.draws_surfels(),
             label: Label::Always(Place::What, "{}"),
             values: Values::Words(Splatting::WORDS),
         }
@@ -183,7 +183,7 @@ group! {
             title: "Filter",
             hint: "Whether blended splats are filtered to the pixels that they are seen in",
             section: Section::Surfels,
-            when: Style::blends_surfels,
+            when: |drawn| drawn.blends_surfels(),
             label: Label::Unusual(Place::What, "{}"),
             values: Values::Words(SplatFilter::WORDS),
         }
@@ -196,7 +196,7 @@ group! {
             hint: "What the GPU draws a splat as. The picture is the same, its speed differs; the software renderer \
                    needs none",
             section: Section::Surfels,
-            when: Style::draws_disks_on_gpu,
+            when: |drawn| drawn.draws_disks_on_gpu(),
             label: Label::Unusual(Place::What, "as {}"),
             values: Values::Words(SplatGeometry::WORDS),
         }
@@ -208,7 +208,7 @@ group! {
             title: "Kernel",
             hint: "How splats fall off from their middles to their rims; filtered ones are Gaussian",
             section: Section::Surfels,
-            when: Style::has_masks,
+            when: |drawn| drawn.has_masks(),
             label: Label::Unusual(Place::What, "{}"),
             values: Values::Words(Kernel::WORDS),
         }
@@ -222,7 +222,7 @@ group! {
             hint: "What lies behind the rims of splats shines through, and not the background, which would be a line \
                    around whatever stands before something",
             section: Section::Surfels,
-            when: Style::blends_surfels,
+            when: |drawn| drawn.blends_surfels(),
             label: Label::Unusual(Place::What, "rims {}"),
             values: Values::Words(OnOff::WORDS),
         }
@@ -235,7 +235,7 @@ group! {
             hint: "What normals and radii of surfels are told by. Those of the screen need no estimation before a \
                    frame is seen; hidden points have none",
             section: Section::Surfels,
-            when: Style::draws_whole_surfels,
+            when: |drawn| drawn.draws_whole_surfels(),
             label: Label::Unusual(Place::What, "{} normals"),
             values: Values::Words(NormalSource::WORDS),
         }
@@ -247,7 +247,7 @@ group! {
             title: "Show",
             hint: "What the colours of surfels show: those of the points, or errors of normals of the screen",
             section: Section::Surfels,
-            when: Style::draws_whole_surfels,
+            when: |drawn| drawn.draws_whole_surfels(),
             label: Label::Unusual(Place::What, "{}"),
             values: Values::Words(SurfelColors::WORDS),
         }
@@ -259,7 +259,7 @@ group! {
             title: "Splat scale",
             hint: "Factor on every splat's radius (+ and -)",
             section: Section::Look,
-            when: Style::draws_surfels,
+            when: |drawn| drawn.draws_surfels(),
             label: Label::Unusual(Place::What, "×{}"),
             values: Values::Number(Numbers {
                 kept: [0.1, 10.0],
@@ -277,7 +277,7 @@ group! {
             title: "Enlargement",
             hint: "Further factor on the radius in the enlarged passes; the paper uses 2",
             section: Section::Surfels,
-            when: |style| style.draws_surfels() && style.surfels.splatting.enlarges(),
+            when: |drawn| drawn.enlarges_surfels(),
             values: Values::Number(Numbers {
                 kept: [0.01, 100.0],
                 offered: [1.0, 4.0],
@@ -294,7 +294,7 @@ group! {
             title: "Back faces",
             hint: "Surfels that face away from the eye",
             section: Section::Surfels,
-            when: Style::draws_surfels,
+            when: |drawn| drawn.draws_surfels(),
             values: Values::Words(Choice::<BackFaces>::WORDS),
         }
     }

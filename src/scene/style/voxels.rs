@@ -1,6 +1,5 @@
 //! How voxels are drawn.
 
-use super::Style;
 use super::choices::choices;
 use super::describe::{Label, Place, Section, Values, group};
 
@@ -25,7 +24,7 @@ group! {
             title: "Light on",
             hint: "What the light of voxels falls on",
             section: Section::Shading,
-            when: Style::draws_voxels,
+            when: |drawn| drawn.draws_voxels(),
             label: Label::Unusual(Place::What, "lit by {}"),
             values: Values::Words(VoxelLight::WORDS),
         }

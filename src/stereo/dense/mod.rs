@@ -1,4 +1,5 @@
-//! Points of many photographs: depths of each view, kept where views agree, as one cloud or surface. Knows `matching` and `views`.
+//! Points of many photographs: depths of each view, kept where views agree, as one cloud or surface. Knows `matching`
+//! and `views`.
 
 pub(super) mod all_views;
 pub(super) mod cloud;

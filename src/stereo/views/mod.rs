@@ -1,4 +1,5 @@
-//! Photographs with their cameras: grey images, rectification, places in the world. Knows nothing of matching but its result.
+//! Photographs with their cameras: grey images, rectification, places in the world. Knows nothing of matching but its
+//! result.
 
 pub(super) mod image;
 pub(super) mod pair;

@@ -1,9 +1,9 @@
 //! One setting in words.
 
+use super::conditions::Conditions;
 use super::shorthand::{Given, Shorthand};
 use super::values::{Value, Values};
 use crate::scene::environment::Environment;
-use crate::scene::style::Style;
 
 /// One setting in words.
 #[derive(Debug)]
@@ -152,7 +152,7 @@ pub enum Section {
 }
 
 /// When something about a setting is so: a question to what is drawn.
-pub type When = fn(&Style) -> bool;
+pub type When = fn(&dyn Conditions) -> bool;
 
 /// How the label of a way to draw tells a setting: `{}` stands for the value as files have it, `{title}` for that of
 /// the window.

@@ -4,6 +4,7 @@
 //! **How it works.** A group of settings is a struct whose fields stand beside their [`Described`] (`group!`). Readers
 //! know no field: [`Settings::edit`](super::Settings::edit) shows them each description with the setting's [`Value`].
 
+mod conditions;
 mod described;
 mod group;
 mod numbers;
@@ -11,6 +12,7 @@ mod setting;
 mod shorthand;
 mod values;
 
+pub use conditions::Conditions;
 pub use described::{Described, Label, Place, Section, When};
 pub(super) use group::group;
 pub use numbers::{Numbers, Typed, Unit};
