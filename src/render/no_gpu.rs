@@ -17,7 +17,9 @@ use std::sync::Arc;
 
 /// Nothing can be chosen.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct ContextOptions;
+pub struct ContextOptions {
+    _private: (),
+}
 
 /// An open device: there is none.
 #[derive(Debug)]

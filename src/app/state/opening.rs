@@ -150,7 +150,7 @@ impl State {
         });
     }
 
-    /// Opens the session of [`State::session_question`], which may open all that it names now.
+    /// Opens the session of [`super::OpeningFacts::session_question`], which may open all that it names now.
     pub fn trust_session(&mut self) {
         if let Some(question) = self.opening.session_question.take() {
             let open = OpenOptions {

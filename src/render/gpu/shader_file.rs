@@ -1,6 +1,6 @@
 //! Files of `shaders/`, compiled in.
 
-/// A file of `shaders/`: see [`shader_file`].
+/// A file of `shaders/`: see `shader_file`.
 #[derive(Debug, Clone, Copy)]
 pub struct ShaderFile {
     /// Its path in that folder.
