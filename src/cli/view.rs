@@ -82,7 +82,7 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "N", default_value_t = 1, requires = "screenshot")]
     after_frames: u64,
 
-    /// Run the commands of this file, one per line by its title or word; `wait SECONDS`, `wait shown`, `wait done`
+    /// Run the commands of this file, one per line, by title or word; `wait SECONDS|shown|done`
     #[arg(long, value_name = "FILE")]
     script: Option<PathBuf>,
 
