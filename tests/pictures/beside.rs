@@ -41,13 +41,14 @@ fn window(a: &Arc<Sequence>, b: &Arc<Sequence>, primitive: Primitive, frame: usi
         paused: true,
         ..StateOptions::default()
     });
+    state.open(Arc::clone(a));
+    // Of the document that is open now.
     state.style = Settings::default().with(|style| {
         style.primitive = primitive.into();
         // Ranges of heights are of each sequence.
         style.colors = ColorSource::Uniform.into();
         style.backdrop.background = Background::solid([0; 3]);
     });
-    state.open(Arc::clone(a));
     state.compare_with(Arc::clone(b));
     state.update(Duration::ZERO);
     state.player.as_mut().unwrap().seek(frame, Duration::ZERO);

@@ -102,6 +102,10 @@ fn ellipses_and_sprites_in_every_mode_and_light() {
                     style.primitive = primitive;
                     style.surfels.splatting = splatting;
                     style.light.lighting = lighting;
+                    if lighting == Lighting::Physical {
+                        // The environment lights alone, as where no rig is chosen.
+                        style.light.rig = LightRig::None;
+                    }
                 });
                 let (least_psnr_db, most_differing) = agreement(splatting);
                 for distance in [1.9, 0.4] {
