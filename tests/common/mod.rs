@@ -11,7 +11,7 @@ use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
 use pointreel::render::{RenderStats, Renderer};
 use pointreel::scene::{
     Background, Camera, Content, Lighting, PacketParams, PicturePlane, Primitive, Projection, Scene, ScenePacket,
-    Splatting, Style, Surfels, UpAxis, Voxels,
+    Settings, Splatting, Style, Surfels, UpAxis, Voxels,
 };
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard};
@@ -254,4 +254,11 @@ pub(crate) fn to_display(light: f64) -> f64 {
     } else {
         1.055 * light.powf(1.0 / 2.4) - 0.055
     }
+}
+
+/// Lights `style` as `lighting`, by the rig of settings where none is chosen: an environment lights alone.
+pub(crate) fn set_lighting(style: &mut Style, lighting: Lighting) {
+    let settings = Settings::default().with(|settings| settings.light.lighting = lighting.into());
+    style.light.lighting = lighting;
+    style.light.rig = settings.decided().light.rig;
 }

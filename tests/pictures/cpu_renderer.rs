@@ -78,7 +78,7 @@ fn surfels_in_every_mode_and_light_from_far_and_near() {
         for &lighting in Lighting::ALL {
             let style = Style::default().with(|style| {
                 style.surfels.splatting = splatting;
-                style.light.lighting = lighting;
+                crate::common::set_lighting(style, lighting);
             });
             let (least_psnr_db, most_differing) = agreement(splatting);
             assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);
@@ -101,11 +101,7 @@ fn ellipses_and_sprites_in_every_mode_and_light() {
                 let style = Style::default().with(|style| {
                     style.primitive = primitive;
                     style.surfels.splatting = splatting;
-                    style.light.lighting = lighting;
-                    if lighting == Lighting::Physical {
-                        // The environment lights alone, as where no rig is chosen.
-                        style.light.rig = LightRig::None;
-                    }
+                    crate::common::set_lighting(style, lighting);
                 });
                 let (least_psnr_db, most_differing) = agreement(splatting);
                 for distance in [1.9, 0.4] {
@@ -278,7 +274,7 @@ fn points_of_every_shape_in_every_light() {
                     style.points.size_px = 5.0;
                     style.points.shape = shape;
                     style.points.light = PointLight::Normals;
-                    style.light.lighting = lighting;
+                    crate::common::set_lighting(style, lighting);
                 });
                 // What is blended has no edges that rounding moves.
                 let bounds = match shape {
@@ -394,7 +390,7 @@ fn voxels_in_every_light_from_outside_and_from_within() {
             let mut packet = surfel_scene(
                 Style::default().with(|style| {
                     style.primitive = Primitive::Voxel;
-                    style.light.lighting = lighting;
+                    crate::common::set_lighting(style, lighting);
                 }),
                 distance,
             );

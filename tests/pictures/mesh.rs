@@ -138,7 +138,7 @@ fn both_renderers_draw_the_same_in_every_light_from_far_and_near() {
         for &lighting in Lighting::ALL {
             // From 0.99 on the near plane cuts triangles, and from 0.5 the eye is within.
             for distance in [3.0, 1.3, 1.01, 0.5] {
-                let style = Style::default().with(|style| style.light.lighting = lighting);
+                let style = Style::default().with(|style| crate::common::set_lighting(style, lighting));
                 let mesh = ball(9, is_smooth, many_colors);
                 let what = format!("{lighting} from {distance}, smooth: {is_smooth}");
                 assert_same_picture(&packet(mesh, &camera(distance), style), 50.0, &what);
@@ -407,7 +407,7 @@ fn extreme_vertices_are_survived() {
     let faces: Vec<[u32; 3]> = (0..298).map(|index| [index, index + 1, index + 2]).collect();
     for distance in [1e-30, 1.5, 1e20] {
         for &lighting in Lighting::ALL {
-            let style = Style::default().with(|style| style.light.lighting = lighting);
+            let style = Style::default().with(|style| crate::common::set_lighting(style, lighting));
             let packet = packet(records(vertices.clone(), &faces), &camera_at(distance), style);
             assert_eq!(draw_on_cpu(&packet).dimensions(), (SIZE[0], SIZE[1]));
         }

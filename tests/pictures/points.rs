@@ -186,7 +186,7 @@ fn adaptive_points_are_surfels_that_face_the_screen() {
                 style.points.light = PointLight::Normals;
                 style.surfels.splatting = splatting;
                 style.surfels.rims = OnOff::Off;
-                style.light.lighting = lighting;
+                crate::common::set_lighting(style, lighting);
             });
             let as_surfels = as_points.with(|style| style.primitive = Primitive::Surfel);
             // The background shines through the rims of surfels alone.

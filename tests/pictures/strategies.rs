@@ -78,7 +78,7 @@ fn surfels_in_all_modes_and_lights() {
                 let style = plain().with(|style| {
                     style.primitive = primitive;
                     style.surfels.splatting = splatting;
-                    style.light.lighting = lighting;
+                    crate::common::set_lighting(style, lighting);
                     style.backdrop.background = gradient();
                 });
                 let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
@@ -233,7 +233,7 @@ fn voxels_in_all_lights() {
     for &lighting in Lighting::ALL {
         let style = plain().with(|style| {
             style.primitive = Primitive::Voxel;
-            style.light.lighting = lighting;
+            crate::common::set_lighting(style, lighting);
             style.backdrop.background = gradient();
         });
         let mut packet = voxels(shell_voxels(), 2.0, &close_camera(), style, [120, 90]);
@@ -301,7 +301,7 @@ fn points_of_every_shape_in_every_light() {
                 style.points.size_px = 5.0;
                 style.points.shape = shape;
                 style.points.light = PointLight::Normals;
-                style.light.lighting = lighting;
+                crate::common::set_lighting(style, lighting);
                 style.backdrop.background = gradient();
             });
             let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
