@@ -19,6 +19,9 @@ use std::time::Duration;
 /// How often is looked whether a helper has ended.
 const LOOK_INTERVAL: Duration = Duration::from_millis(5);
 
+/// How often a process without memory asks for the list that another thread holds, each [`LOOK_INTERVAL`].
+const LOCK_TRIES: u32 = 20;
+
 static LISTED: Mutex<List> = Mutex::new(List {
     next: 0,
     entries: BTreeMap::new(),
@@ -99,12 +102,21 @@ pub(crate) fn remove_all() {
     std::mem::forget(list);
 }
 
-/// [`remove_all`] where memory has run out: nothing is allocated, and the list is not waited for, since this thread
-/// itself may be at it.
+/// [`remove_all`] where memory has run out: nothing is allocated, and the list is waited for only briefly, since this
+/// thread itself may hold it.
 pub(crate) fn remove_all_without_memory() {
-    if let Ok(mut list) = LISTED.try_lock() {
-        list.remove_all();
-        std::mem::forget(list);
+    for _ in 0..LOCK_TRIES {
+        if let Ok(mut list) = LISTED.try_lock() {
+            for entry in list.entries.values().rev() {
+                entry.remove();
+            }
+            // Another thread may have listed a file and be about to make it.
+            thread::sleep(LOOK_INTERVAL);
+            list.remove_all();
+            std::mem::forget(list);
+            return;
+        }
+        thread::sleep(LOOK_INTERVAL);
     }
 }
 
