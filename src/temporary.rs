@@ -72,11 +72,16 @@ impl List {
         Listed(number)
     }
 
-    /// Removes everything, the latest first; allocates nothing.
-    fn remove_all(&mut self) {
+    /// Removes everything from the disk, the latest first; allocates nothing.
+    fn remove_from_disk(&self) {
         for entry in self.entries.values().rev() {
             entry.remove();
         }
+    }
+
+    /// Removes everything, also from the list; allocates nothing.
+    fn remove_all(&mut self) {
+        self.remove_from_disk();
         self.entries.clear();
     }
 }
@@ -107,9 +112,7 @@ pub(crate) fn remove_all() {
 pub(crate) fn remove_all_without_memory() {
     for _ in 0..LOCK_TRIES {
         if let Ok(mut list) = LISTED.try_lock() {
-            for entry in list.entries.values().rev() {
-                entry.remove();
-            }
+            list.remove_from_disk();
             // Another thread may have listed a file and be about to make it.
             thread::sleep(LOOK_INTERVAL);
             list.remove_all();

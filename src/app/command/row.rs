@@ -113,19 +113,11 @@ impl<S: 'static> CommandRow<S> {
         self
     }
 
-    /// The same with keys that repeat it while they are held.
-    pub(in crate::app) const fn repeating_keys(
-        mut self,
-        group: &'static str,
-        text: &'static str,
-        chords: &'static [Chord],
-    ) -> Self {
-        self.keys = Some(Keys {
-            group,
-            text,
-            chords,
-            repeats: true,
-        });
+    /// The same with keys that repeat it while they are held; after [`CommandRow::keys`].
+    pub(in crate::app) const fn repeating(mut self) -> Self {
+        if let Some(keys) = &mut self.keys {
+            keys.repeats = true;
+        }
         self
     }
 

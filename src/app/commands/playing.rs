@@ -18,20 +18,24 @@ pub(super) const ROWS: &[Row] = &[
         })
         .applies(needs_sequence),
     Row::new(Command::NEXT_FRAME, "Next frame", |state| state.step_frames(1))
-        .repeating_keys(group::PLAYING, "Right", &[Chord::plain(Key::ArrowRight)])
+        .keys(group::PLAYING, "Right", &[Chord::plain(Key::ArrowRight)])
+        .repeating()
         .applies(needs_sequence),
     Row::new(Command::PREVIOUS_FRAME, "Previous frame", |state| state.step_frames(-1))
-        .repeating_keys(group::PLAYING, "Left", &[Chord::plain(Key::ArrowLeft)])
+        .keys(group::PLAYING, "Left", &[Chord::plain(Key::ArrowLeft)])
+        .repeating()
         .applies(needs_sequence),
     Row::new(Command::new("ten frames on"), "Ten frames on", |state| {
         state.step_frames(10);
     })
-    .repeating_keys(group::PLAYING, "Shift+Right", &[Chord::shift(Key::ArrowRight)])
+    .keys(group::PLAYING, "Shift+Right", &[Chord::shift(Key::ArrowRight)])
+    .repeating()
     .applies(needs_sequence),
     Row::new(Command::new("ten frames back"), "Ten frames back", |state| {
         state.step_frames(-10);
     })
-    .repeating_keys(group::PLAYING, "Shift+Left", &[Chord::shift(Key::ArrowLeft)])
+    .keys(group::PLAYING, "Shift+Left", &[Chord::shift(Key::ArrowLeft)])
+    .repeating()
     .applies(needs_sequence),
     Row::new(Command::FIRST, "First frame", |state| {
         state.play_with(|player, now| player.seek(0, now));
@@ -69,7 +73,8 @@ pub(super) const ROWS: &[Row] = &[
         });
     })
     .also(&["speed"])
-    .repeating_keys(group::PLAYING, "[", &[Chord::any_shift(Key::OpenBracket)])
+    .keys(group::PLAYING, "[", &[Chord::any_shift(Key::OpenBracket)])
+    .repeating()
     .applies(needs_sequence),
     Row::new(Command::FASTER, "Faster", |state| {
         state.play_with(|player, now| {
@@ -78,7 +83,8 @@ pub(super) const ROWS: &[Row] = &[
         });
     })
     .also(&["speed"])
-    .repeating_keys(group::PLAYING, "]", &[Chord::any_shift(Key::CloseBracket)])
+    .keys(group::PLAYING, "]", &[Chord::any_shift(Key::CloseBracket)])
+    .repeating()
     .applies(needs_sequence),
     Row::new(Command::REVERSE, "Reverse", |state| {
         state.play_with(|player, now| player.set_speed(-player.clock().speed(), now));

@@ -99,15 +99,17 @@ pub(super) const ROWS: &[Row] = &[
     Row::new(Command::new("larger"), "Larger splats or points", |state| {
         state.scale_size(SIZE_STEP);
     })
-    .repeating_keys(
+    .keys(
         group::VIEW,
         "+",
         &[Chord::any_shift(Key::Plus), Chord::any_shift(Key::Equals)],
-    ),
+    )
+    .repeating(),
     Row::new(Command::new("smaller"), "Smaller splats or points", |state| {
         state.scale_size(1.0 / SIZE_STEP);
     })
-    .repeating_keys(group::VIEW, "-", &[Chord::any_shift(Key::Minus)]),
+    .keys(group::VIEW, "-", &[Chord::any_shift(Key::Minus)])
+    .repeating(),
     Row::new(Command::panel(PanelId::SETTINGS), "Settings", |state| {
         state.panels.toggle(PanelId::SETTINGS);
     })

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 /// What is known of how the open document is kept.
 #[derive(Debug, Default)]
-pub(in crate::app) struct Keeper {
+pub(super) struct Keeper {
     /// Its file; `None` if it is not kept.
     pub(super) file: Option<PathBuf>,
     /// What this window has read from the file or written to it last.

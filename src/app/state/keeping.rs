@@ -19,7 +19,7 @@ use std::time::Duration;
 const WRITE_DELAY: Duration = Duration::from_secs(1);
 
 /// A document that is to be opened.
-pub(in crate::app) struct Found {
+pub(super) struct Found {
     /// As it is to be shown.
     pub(super) document: Document,
     keeper: Keeper,
@@ -30,7 +30,7 @@ pub(in crate::app) struct Found {
 
 impl State {
     /// What was kept of `sequence`, or a new document.
-    pub(in crate::app) fn find_document(&mut self, sequence: &Sequence) -> Found {
+    pub(super) fn find_document(&mut self, sequence: &Sequence) -> Found {
         let new = self.new_document();
         let folder = self.shared.options.documents.as_ref();
         let file = folder.and_then(|folder| folder.file_of(sequence));
@@ -76,7 +76,7 @@ impl State {
     }
 
     /// Shows the document that was found for the sequence that was just opened.
-    pub(in crate::app) fn open_document(&mut self, found: Found) {
+    pub(super) fn open_document(&mut self, found: Found) {
         self.apply_document(found.document);
         self.opening.keeper = found.keeper;
         self.note_begun();
@@ -92,7 +92,7 @@ impl State {
     }
 
     /// The document as it is kept: without what the command line has changed, and without who draws.
-    pub(in crate::app) fn kept_document(&self) -> Document {
+    pub(super) fn kept_document(&self) -> Document {
         let mut document = self.document();
         if let Some(way) = self.opening.keeper.given {
             document.settings = way.undone(document.settings);
@@ -109,7 +109,7 @@ impl State {
     }
 
     /// Takes notice that the document is as it begins.
-    pub(in crate::app) fn note_begun(&mut self) {
+    pub(super) fn note_begun(&mut self) {
         let now = self.kept_document();
         self.opening.keeper.begun = now.clone();
         self.note_saved(now);
@@ -122,7 +122,7 @@ impl State {
     }
 
     /// Looks whether the document has changed. Call once a pass.
-    pub(in crate::app) fn note_document(&mut self) {
+    pub(super) fn note_document(&mut self) {
         if self.player.is_none() {
             self.opening.keeper = Keeper::default();
             return;

@@ -4,7 +4,7 @@
 mod actions;
 mod connection;
 mod dialogs;
-mod document;
+pub(in crate::app) mod document;
 mod failed_opening;
 mod files;
 mod first_look;

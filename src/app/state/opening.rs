@@ -2,9 +2,7 @@
 
 use super::State;
 use super::connection::Connection;
-use super::keeper::Keeper;
 use super::outcome::{FoundSequence, NotFound};
-use crate::app::first_look::SequenceLook;
 use crate::app::reading_choices::open_as_chosen;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
@@ -63,8 +61,6 @@ impl State {
             self.leave(before);
         }
         self.style = style;
-        self.opening.keeper = Keeper::default();
-        self.opening.looked = SequenceLook::default();
         self.features.timeline.begin();
         self.opening.failed = None;
         self.opening.connection = Connection::default();

@@ -19,7 +19,7 @@ pub struct OpeningFacts {
     /// How the open sequence was opened.
     pub(in crate::app) opened: Opened,
     /// How its document is kept.
-    pub(in crate::app) keeper: Keeper,
+    pub(super) keeper: Keeper,
     /// See [`super::State::prove`].
     pub(in crate::app) unproven: Unproven,
     /// The way to draw that was measured and is used for the open sequence.

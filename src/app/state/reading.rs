@@ -11,7 +11,6 @@ use crate::app::work::works::WorkKind;
 use crate::document::History;
 use crate::playback::Player;
 use crate::sequence::{Loader, Reading, ReadingStage, Sequence};
-use std::sync::Arc;
 use std::time::Duration;
 
 /// How often is looked at how far the reading of a frame is.
@@ -141,12 +140,6 @@ impl State {
         self.end_comparison(Side::A);
         self.style = self.new_style();
         self.shared.options.view = None;
-        // What is in no file is not lost without a question.
-        if self.is_kept() || !self.features.path.is_unsaved() {
-            self.stop_preview();
-            self.features.path.take(Arc::default(), None);
-        }
-        self.opening.keeper = Keeper::default();
         // Its threads end what they are on; nobody waits for that here.
         close(before);
         self.opening.looked = SequenceLook::default();
@@ -155,8 +148,7 @@ impl State {
         for feature in Features::rows::<Self>() {
             (feature.forget_sequence)(self);
         }
-        self.features.trails.is_on = false;
-        self.features.trails.field.is_on = false;
+        self.opening.keeper = Keeper::default();
         self.history = History::default();
         self.note_unnamed();
     }

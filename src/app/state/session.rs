@@ -2,7 +2,7 @@
 
 use super::State;
 use super::dialogs::DialogKind;
-use super::document::{inputs_of, measured};
+use super::document::inputs_of;
 use super::opened::{Opened, SavedSession};
 use crate::app::features::beside::Layout;
 use crate::app::features::inspection::measuring::Measurement;
@@ -117,7 +117,7 @@ impl State {
             Ok(session) => session,
             Err(reason) => return self.notices.error(reason),
         };
-        let of_b = |measurement: &&Measurement| measured(measurement).is_none();
+        let of_b = |measurement: &&Measurement| measurement.measured().is_none();
         if let left_out @ 1.. = self.features.inspection.measurements.iter().filter(of_b).count() {
             let text = format!("Not in the session: {left_out} measured with the sequence beside the open one");
             self.notices.warn(text);

@@ -35,6 +35,26 @@ pub(super) struct BufferRow {
     pub(super) access: Access,
 }
 
+impl BufferRow {
+    /// A buffer that passes read.
+    pub(super) const fn read(binding: u32, name: &'static str, holds: &'static str) -> Self {
+        Self {
+            binding,
+            name,
+            holds,
+            access: Access::Read,
+        }
+    }
+
+    /// A buffer that passes read and write.
+    pub(super) const fn read_write(binding: u32, name: &'static str, holds: &'static str) -> Self {
+        Self {
+            access: Access::ReadWrite,
+            ..Self::read(binding, name, holds)
+        }
+    }
+}
+
 /// What passes do with a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Access {

@@ -1,9 +1,9 @@
 //! What no photograph sees, filled from what is around it.
 
 use super::*;
-use crate::common::{draw_with, renderer};
+use crate::common::{draw_with, renderer, set_lighting};
 use pointreel::cloud::Frame;
-use pointreel::scene::{LightRig, Lighting, PhotoRelight};
+use pointreel::scene::{Lighting, PhotoRelight};
 use pointreel::sequence::{PrepareCounters, prepare};
 
 /// The scene in blue points, with photographs of its front in which all is red.
@@ -96,10 +96,7 @@ fn both_renderers_fill_the_same_holes() {
         let of_kind = |kind| {
             let style = holes(kind).with(|style| {
                 style.photos.relight = relight;
-                style.light.lighting = lighting;
-                if lighting == Lighting::Physical {
-                    style.light.rig = LightRig::None;
-                }
+                set_lighting(style, lighting);
             });
             Scene::default().packet(&frame, DVec3::ZERO, &camera, &style, size_px)
         };

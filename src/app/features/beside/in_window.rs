@@ -11,12 +11,14 @@ use crate::app::sequence_name::name_of;
 use crate::app::side::Side;
 use crate::app::state::DialogKind;
 use crate::app::state::State;
+use crate::app::state::document::{chosen_topic, inputs_of};
 use crate::app::widgets::numbers::significant;
 use crate::app::work::outcome::Outcome;
 use crate::app::work::tasks::close;
 use crate::composition::{Composed, PictureView};
+use crate::document::{Compared, ComparedBy, ComparedLayout, Document};
 use crate::math::Aabb;
-use crate::playback::{Companion, PlayerChange};
+use crate::playback::{Companion, PairBy, PlayerChange};
 use crate::scene::ScenePacket;
 use crate::sequence::{LoaderOptions, OpenOptions, Sequence, watch};
 use egui::Key;
@@ -27,6 +29,29 @@ use std::sync::Arc;
 use std::time::Duration;
 
 impl State {
+    /// The second sequence as a document has it; `None` if there is none that could be opened again.
+    fn compared(&self) -> Option<Compared> {
+        let beside = self.features.beside.as_ref()?;
+        let companion = &beside.companion;
+        // Where there was no choice, the user made none.
+        let has_choice = companion.times().is_some() || companion.numbers().is_some();
+        Some(Compared {
+            inputs: inputs_of(companion.sequence())?,
+            topic: chosen_topic(companion.sequence()),
+            by: has_choice.then(|| match companion.paired_by() {
+                PairBy::Index => ComparedBy::Index,
+                PairBy::Number => ComparedBy::Number,
+                PairBy::Time => ComparedBy::Time,
+            }),
+            offset_frames: companion.offset_frames(),
+            layout: match beside.layout {
+                Layout::SideBySide => ComparedLayout::SideBySide,
+                Layout::Wipe => ComparedLayout::Line,
+            },
+            line: (1e4 * f64::from(beside.pictures.split)).round() / 1e4,
+        })
+    }
+
     /// Shows `sequence` beside the open one, in place of what that was compared with before, laid out like that. The
     /// camera stays.
     pub fn compare_with(&mut self, sequence: Arc<Sequence>) {
@@ -287,6 +312,12 @@ const COMMANDS: &[Row] = &[
 ];
 
 impl Feature<State> for Option<Beside> {
+    fn save(state: &State, document: &mut Document) {
+        if let Some(compared) = state.compared() {
+            document.compare = Some(compared);
+        }
+    }
+
     fn next_deadline(state: &State) -> Option<Duration> {
         let beside = state.features.beside.as_ref();
         beside.and_then(|beside| beside.drawing.next_deadline())

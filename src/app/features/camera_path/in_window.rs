@@ -15,6 +15,7 @@ use crate::app::state::DialogKind;
 use crate::app::state::{State, WindowRequest};
 use crate::app::widgets::overlay::PictureOverlay;
 use crate::app::work::outcome::Outcome;
+use crate::document::Document;
 use crate::playback::Player;
 use crate::scene::Camera;
 use crate::timeline::DEFAULT_FPS;
@@ -237,6 +238,25 @@ fn needs_path(state: &State) -> Result<(), &'static str> {
 impl Feature<State> for PathEditor {
     fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
         outcome.give(|path: PathFile| state.take_path_file(path))
+    }
+
+    /// What is in no file is not lost without a question.
+    fn forget_sequence(state: &mut State) {
+        if state.is_kept() || !state.features.path.is_unsaved() {
+            state.stop_preview();
+            state.features.path.take(Arc::default(), None);
+        }
+    }
+
+    fn save(state: &State, document: &mut Document) {
+        document.path = state.features.path.draft.path().cloned();
+    }
+
+    fn load(state: &mut State, document: &Document) {
+        if let Some(path) = document.path.clone() {
+            state.stop_preview();
+            state.features.path.take(Arc::new(Draft::of(path)), None);
+        }
     }
 
     fn escape(state: &mut State) -> bool {

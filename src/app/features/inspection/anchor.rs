@@ -1,6 +1,7 @@
 //! A point as it moves through the frames.
 
 use crate::app::side::Side;
+use crate::document::MeasuredPoint;
 use crate::scene::{FollowedPoint, Pick};
 use crate::sequence::PreparedFrame;
 use glam::DVec3;
@@ -32,6 +33,28 @@ impl Anchor {
             clicked_in: pick.frame,
             points_in_file: frame.frame.points_in_file(),
         }
+    }
+
+    /// The anchor of a point of the open sequence that a document has.
+    pub(in crate::app) fn of(point: &MeasuredPoint) -> Self {
+        Self {
+            side: Side::A,
+            index_in_file: point.point.index_in_file,
+            frame: point.frame,
+            place: point.place,
+            clicked_in: point.frame,
+            // No file has so many: such a point stays where it is.
+            points_in_file: point.point.points_in_file.unwrap_or(usize::MAX),
+        }
+    }
+
+    /// The point as a document has it; `None` if it is not of the open sequence.
+    pub(in crate::app) fn measured(&self) -> Option<MeasuredPoint> {
+        (self.side == Side::A).then(|| MeasuredPoint {
+            frame: self.frame,
+            point: self.point(),
+            place: self.place,
+        })
     }
 
     /// The point that it follows.

@@ -1,6 +1,7 @@
 //! Points that were clicked on, and measurements, in the window.
 
 use super::marks::paint_inspection;
+use super::measuring::Measurement;
 use super::measuring_panel::measuring_ui;
 use super::point_panel::{PointContext, point_ui};
 use super::{Inspection, Tool};
@@ -12,6 +13,7 @@ use crate::app::panel_row::PanelRow;
 use crate::app::side::Side;
 use crate::app::state::State;
 use crate::app::widgets::overlay::PictureOverlay;
+use crate::document::Document;
 use crate::playback::Player;
 use crate::scene::Pick;
 use crate::sequence::PreparedFrame;
@@ -55,6 +57,15 @@ impl Feature<State> for Inspection {
 
     fn forget_sequence(state: &mut State) {
         state.features.inspection.forget_points();
+    }
+
+    fn save(state: &State, document: &mut Document) {
+        let measurements = state.features.inspection.measurements.iter();
+        document.measurements = measurements.filter_map(Measurement::measured).collect();
+    }
+
+    fn load(state: &mut State, document: &Document) {
+        state.features.inspection.measurements = document.measurements.iter().map(Measurement::of).collect();
     }
 
     fn paint(state: &State, canvas: &PictureOverlay<'_>, _is_first: bool) {

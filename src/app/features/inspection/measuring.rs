@@ -4,6 +4,7 @@ use super::anchor::Anchor;
 use crate::app::side::Side;
 use crate::app::widgets::numbers::with_unit;
 use crate::cloud::LengthUnit;
+use crate::document::Measured;
 use crate::scene::Gauge;
 use glam::DVec3;
 use std::fmt::Write as _;
@@ -27,6 +28,22 @@ pub struct Measurement {
 }
 
 impl Measurement {
+    /// The measurement of the open sequence that a document has.
+    pub(in crate::app) fn of(measured: &Measured) -> Self {
+        Self {
+            gauge: measured.gauge,
+            points: measured.points.iter().map(Anchor::of).collect(),
+        }
+    }
+
+    /// The measurement as a document has it; `None` if it is not of the open sequence alone.
+    pub(in crate::app) fn measured(&self) -> Option<Measured> {
+        Some(Measured {
+            gauge: self.gauge,
+            points: self.points.iter().map(Anchor::measured).collect::<Option<_>>()?,
+        })
+    }
+
     /// What it says now.
     pub fn value(&self, up: DVec3) -> Option<f64> {
         let places: Vec<DVec3> = self.points.iter().map(|point| point.place).collect();

@@ -11,6 +11,7 @@ use crate::app::panel_row::PanelRow;
 use crate::app::side::Side;
 use crate::app::state::State;
 use crate::app::widgets::overlay::PictureOverlay;
+use crate::document::Document;
 use crate::export::draw_labels;
 use crate::playback::Player;
 use crate::scene::{Camera, FollowedPoint, Label, LabelOnPicture, Pick};
@@ -19,6 +20,7 @@ use crate::timeline::PlayRange;
 use egui::Key;
 use egui::Ui;
 use image::RgbaImage;
+use std::sync::Arc;
 
 impl State {
     /// Puts a label at a point of `frame`, which is of the sequence `side`.
@@ -117,6 +119,14 @@ impl Feature<State> for Labels {
 
     fn forget_sequence(state: &mut State) {
         state.features.labels.forget();
+    }
+
+    fn save(state: &State, document: &mut Document) {
+        document.labels = state.features.labels.list.to_vec();
+    }
+
+    fn load(state: &mut State, document: &Document) {
+        state.features.labels.take(Arc::new(document.labels.clone()));
     }
 
     /// Of two sequences they are those of the first.

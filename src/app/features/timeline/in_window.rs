@@ -7,6 +7,7 @@ use crate::app::commands::common::{Row, group, needs_sequence};
 use crate::app::features::feature::Feature;
 use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::state::State;
+use crate::document::Document;
 use crate::playback::Player;
 use crate::scene::Scene;
 use crate::timeline::PlayRange;
@@ -97,6 +98,18 @@ const COMMANDS: &[Row] = &[
 impl Feature<State> for Timeline {
     fn forget_sequence(state: &mut State) {
         state.features.timeline.forget_playhead();
+    }
+
+    fn save(state: &State, document: &mut Document) {
+        document.up = state.features.timeline.chosen_up;
+        document.markers = state.features.timeline.markers.list().to_vec();
+    }
+
+    fn load(state: &mut State, document: &Document) {
+        state.features.timeline.chosen_up = document.up;
+        if let Some(problem) = state.features.timeline.take_markers(document.markers.clone()) {
+            state.notices.warn(problem);
+        }
     }
 
     fn escape(state: &mut State) -> bool {

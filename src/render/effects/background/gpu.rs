@@ -14,10 +14,7 @@ pub(super) const PASS: ScreenPass = ScreenPass {
     files: &[shader_file!("effects/background.wgsl")],
     parts: &[&PART],
     source: None,
-    color: ColorUse {
-        target: Target::Picture,
-        blend: None,
-    },
+    color: ColorUse::replacing(Target::Picture),
     depth: None,
 };
 

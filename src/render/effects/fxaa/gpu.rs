@@ -17,10 +17,7 @@ pub(super) const PASS: ScreenPass = ScreenPass {
     files: &[shader_file!("effects/fxaa.wgsl")],
     parts: &[&PART],
     source: Some(Source::Picture),
-    color: ColorUse {
-        target: Target::Shown,
-        blend: None,
-    },
+    color: ColorUse::replacing(Target::Shown),
     depth: None,
 };
 

@@ -13,10 +13,7 @@ pub(super) const PASS: ScreenPass = ScreenPass {
     files: &[shader_file!("effects/supersample.wgsl")],
     parts: &[&PART],
     source: Some(Source::Picture),
-    color: ColorUse {
-        target: Target::Shown,
-        blend: None,
-    },
+    color: ColorUse::replacing(Target::Shown),
     depth: None,
 };
 

@@ -12,10 +12,7 @@ pub(super) const PASS: ScreenPass = ScreenPass {
     files: &[shader_file!("effects/tone.wgsl")],
     parts: &[&PART],
     source: Some(Source::PictureCopy),
-    color: ColorUse {
-        target: Target::Picture,
-        blend: None,
-    },
+    color: ColorUse::replacing(Target::Picture),
     depth: None,
 };
 

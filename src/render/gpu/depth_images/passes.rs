@@ -3,7 +3,7 @@
 pub(super) use crate::render::gpu::compute::UNIFORM;
 
 use super::network::middle_of_window;
-use crate::render::gpu::compute::{Access, BufferRow, ComputePrograms, ComputeShader, EntryRow};
+use crate::render::gpu::compute::{BufferRow, ComputePrograms, ComputeShader, EntryRow};
 use crate::render::gpu::constants::{self, DEPTH_TILE_PX};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::DepthImaging;
@@ -33,60 +33,15 @@ pub(super) const MADE_POINTS: u32 = 9;
 
 /// What passes bind, by these names in WGSL.
 const BUFFERS: [BufferRow; 9] = [
-    BufferRow {
-        binding: SAMPLES,
-        name: "samples",
-        holds: "array<u32>",
-        access: Access::Read,
-    },
-    BufferRow {
-        binding: TABLE,
-        name: "table",
-        holds: "array<f32>",
-        access: Access::Read,
-    },
-    BufferRow {
-        binding: BEFORE,
-        name: "before",
-        holds: "array<f32>",
-        access: Access::Read,
-    },
-    BufferRow {
-        binding: AFTER,
-        name: "after",
-        holds: "array<f32>",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: MEAN,
-        name: "mean",
-        holds: "array<f32>",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: AGES,
-        name: "ages",
-        holds: "array<u32>",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: RAYS,
-        name: "rays",
-        holds: "array<vec2f>",
-        access: Access::Read,
-    },
-    BufferRow {
-        binding: COLORS,
-        name: "colors",
-        holds: "array<u32>",
-        access: Access::Read,
-    },
-    BufferRow {
-        binding: MADE_POINTS,
-        name: "made_points",
-        holds: "array<PointRecord>",
-        access: Access::ReadWrite,
-    },
+    BufferRow::read(SAMPLES, "samples", "array<u32>"),
+    BufferRow::read(TABLE, "table", "array<f32>"),
+    BufferRow::read(BEFORE, "before", "array<f32>"),
+    BufferRow::read_write(AFTER, "after", "array<f32>"),
+    BufferRow::read_write(MEAN, "mean", "array<f32>"),
+    BufferRow::read_write(AGES, "ages", "array<u32>"),
+    BufferRow::read(RAYS, "rays", "array<vec2f>"),
+    BufferRow::read(COLORS, "colors", "array<u32>"),
+    BufferRow::read_write(MADE_POINTS, "made_points", "array<PointRecord>"),
 ];
 
 /// An entry point.

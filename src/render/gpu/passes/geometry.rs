@@ -60,10 +60,7 @@ pub(in crate::render::gpu) const OPAQUE: GeometryPass = GeometryPass {
 pub(in crate::render::gpu) const SOLID: GeometryPass = GeometryPass {
     name: "solid",
     file: shader_file!("passes/solid.wgsl"),
-    color: Some(ColorUse {
-        target: Target::Picture,
-        blend: None,
-    }),
+    color: Some(ColorUse::replacing(Target::Picture)),
     depth: Some(DepthUse::TestAndWrite),
 };
 
@@ -121,10 +118,7 @@ pub(in crate::render::gpu) const SURFACE_NO_DEPTH: GeometryPass = GeometryPass {
 pub(in crate::render::gpu) const SURFACE_SOLID: GeometryPass = GeometryPass {
     name: "surface solid",
     file: shader_file!("passes/surface_solid.wgsl"),
-    color: Some(ColorUse {
-        target: Target::Surfaces,
-        blend: None,
-    }),
+    color: Some(ColorUse::replacing(Target::Surfaces)),
     depth: Some(DepthUse::TestAndWrite),
 };
 

@@ -33,10 +33,7 @@ pub(in crate::render::gpu) const PHOTO_ANSWERS: ScreenPass = ScreenPass {
     files: &[shader_file!("passes/photo_answers.wgsl")],
     parts: &[],
     source: Some(Source::Photographed),
-    color: ColorUse {
-        target: Target::PhotoAnswers,
-        blend: None,
-    },
+    color: ColorUse::replacing(Target::PhotoAnswers),
     depth: None,
 };
 
@@ -46,10 +43,7 @@ pub(in crate::render::gpu) const PULL: ScreenPass = ScreenPass {
     files: &[shader_file!("passes/pull.wgsl")],
     parts: &[],
     source: Some(Source::FinerLevel),
-    color: ColorUse {
-        target: Target::PhotoLevel,
-        blend: None,
-    },
+    color: ColorUse::replacing(Target::PhotoLevel),
     depth: None,
 };
 

@@ -26,10 +26,7 @@ pub(in crate::render::gpu) const SHADE: ScreenPass = ScreenPass {
     files: &[BLINN_PHONG, OWN_COLORS, SHADE_FILE],
     parts: &[&LIGHTS, &ambient_occlusion::gpu::PART, &shadow::gpu::PART],
     source: Some(Source::Surfaces),
-    color: ColorUse {
-        target: Target::Sums,
-        blend: None,
-    },
+    color: ColorUse::replacing(Target::Sums),
     depth: None,
 };
 

@@ -40,6 +40,13 @@ pub(in crate::render) struct ColorUse {
     pub(in crate::render) blend: Option<wgpu::BlendState>,
 }
 
+impl ColorUse {
+    /// Colours replace what is in `target`.
+    pub(in crate::render) const fn replacing(target: Target) -> Self {
+        Self { target, blend: None }
+    }
+}
+
 /// What a pass does with the depth buffer. Reverse-Z: nearer is greater.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::render) enum DepthUse {

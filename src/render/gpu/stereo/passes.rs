@@ -2,7 +2,7 @@
 
 pub(super) use crate::render::gpu::compute::UNIFORM;
 
-use crate::render::gpu::compute::{Access, BufferRow, ComputePrograms, ComputeShader, EntryRow};
+use crate::render::gpu::compute::{BufferRow, ComputePrograms, ComputeShader, EntryRow};
 use crate::render::gpu::constants::{self, STEREO_LANES, STEREO_STRIP_PX, STEREO_TILE_PX};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::StereoMatching;
@@ -30,54 +30,14 @@ pub(super) const AFTER: u32 = 8;
 
 /// What passes bind, by these names in WGSL.
 const BUFFERS: [BufferRow; 8] = [
-    BufferRow {
-        binding: PIXELS,
-        name: "pixels",
-        holds: "array<u32>",
-        access: Access::Read,
-    },
-    BufferRow {
-        binding: CENSUS,
-        name: "census_bits",
-        holds: "array<vec2u>",
-        access: Access::Read,
-    },
-    BufferRow {
-        binding: MADE_CENSUS,
-        name: "made_census",
-        holds: "array<vec2u>",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: COLUMNS,
-        name: "columns",
-        holds: "array<u32>",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: SUMS,
-        name: "sums",
-        holds: "array<u32>",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: WINNERS,
-        name: "winners",
-        holds: "array<u32>",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: BEFORE,
-        name: "before",
-        holds: "array<f32>",
-        access: Access::Read,
-    },
-    BufferRow {
-        binding: AFTER,
-        name: "after",
-        holds: "array<f32>",
-        access: Access::ReadWrite,
-    },
+    BufferRow::read(PIXELS, "pixels", "array<u32>"),
+    BufferRow::read(CENSUS, "census_bits", "array<vec2u>"),
+    BufferRow::read_write(MADE_CENSUS, "made_census", "array<vec2u>"),
+    BufferRow::read_write(COLUMNS, "columns", "array<u32>"),
+    BufferRow::read_write(SUMS, "sums", "array<u32>"),
+    BufferRow::read_write(WINNERS, "winners", "array<u32>"),
+    BufferRow::read(BEFORE, "before", "array<f32>"),
+    BufferRow::read_write(AFTER, "after", "array<f32>"),
 ];
 
 /// An entry point.

@@ -1,6 +1,6 @@
 //! The programs that make surfels of the screen: entry points of one shader, each with what it binds.
 
-use crate::render::gpu::compute::{Access, BufferRow, ComputePrograms, ComputeShader, EntryRow};
+use crate::render::gpu::compute::{BufferRow, ComputePrograms, ComputeShader, EntryRow};
 use crate::render::gpu::constants::{self, GROUP_RECORDS};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::Screening;
@@ -39,84 +39,19 @@ pub(super) const NORMALS: u32 = 13;
 
 /// What passes bind, by these names in WGSL.
 const BUFFERS: [BufferRow; 13] = [
-    BufferRow {
-        binding: POINTS,
-        name: "points",
-        holds: "array<PointRecord>",
-        access: Access::Read,
-    },
-    BufferRow {
-        binding: FOUND,
-        name: "found",
-        holds: "Found",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: NEAREST,
-        name: "nearest",
-        holds: "array<atomic<u32>>",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: NEAREST_DRAWN,
-        name: "nearest_drawn",
-        holds: "array<u32>",
-        access: Access::Read,
-    },
-    BufferRow {
-        binding: DEPTHS,
-        name: "depths",
-        holds: "array<f32>",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: PLACES,
-        name: "places",
-        holds: "array<u32>",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: SEEN_POINTS,
-        name: "seen_points",
-        holds: "array<vec4f>",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: CELL_KEYS,
-        name: "cell_keys",
-        holds: "array<atomic<u32>>",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: CELL_KEYS_FOUND,
-        name: "cell_keys_found",
-        holds: "array<u32>",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: CELLS,
-        name: "cells",
-        holds: "array<vec4f>",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: DRAWN_POINTS,
-        name: "drawn_points",
-        holds: "array<PointRecord>",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: DRAWN_SHAPES,
-        name: "drawn_shapes",
-        holds: "array<ShapeRecord>",
-        access: Access::ReadWrite,
-    },
-    BufferRow {
-        binding: NORMALS,
-        name: "normals",
-        holds: "array<u32>",
-        access: Access::ReadWrite,
-    },
+    BufferRow::read(POINTS, "points", "array<PointRecord>"),
+    BufferRow::read_write(FOUND, "found", "Found"),
+    BufferRow::read_write(NEAREST, "nearest", "array<atomic<u32>>"),
+    BufferRow::read(NEAREST_DRAWN, "nearest_drawn", "array<u32>"),
+    BufferRow::read_write(DEPTHS, "depths", "array<f32>"),
+    BufferRow::read_write(PLACES, "places", "array<u32>"),
+    BufferRow::read_write(SEEN_POINTS, "seen_points", "array<vec4f>"),
+    BufferRow::read_write(CELL_KEYS, "cell_keys", "array<atomic<u32>>"),
+    BufferRow::read_write(CELL_KEYS_FOUND, "cell_keys_found", "array<u32>"),
+    BufferRow::read_write(CELLS, "cells", "array<vec4f>"),
+    BufferRow::read_write(DRAWN_POINTS, "drawn_points", "array<PointRecord>"),
+    BufferRow::read_write(DRAWN_SHAPES, "drawn_shapes", "array<ShapeRecord>"),
+    BufferRow::read_write(NORMALS, "normals", "array<u32>"),
 ];
 
 /// An entry point.
