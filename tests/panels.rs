@@ -88,6 +88,7 @@ use pointreel::levels::octree::StopCriterion;
 use pointreel::sequence::Sequence;
 use pointreel::timeline::LoopMode;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// A window of 1280×800 on `sequence`, all frames loaded, at time zero.
 fn window_on(sequence: Arc<Sequence>, options: StateOptions) -> Harness<'static, State> {
@@ -118,6 +119,18 @@ fn press(harness: &mut Harness<'_, State>, modifiers: Modifiers, key: Key) {
 
 fn click(harness: &mut Harness<'_, State>, label: &str) {
     harness.get_by_role_and_label(Role::Button, label).click();
+    harness.run();
+}
+
+/// Waits for what another thread does, with the time of the window at rest.
+fn until(harness: &mut Harness<'_, State>, what: &str, is_so: impl Fn(&State) -> bool) {
+    let begin = Instant::now();
+    while !is_so(harness.state()) {
+        assert!(begin.elapsed() < Duration::from_secs(20), "{what}");
+        let now = harness.state().now();
+        harness.state_mut().update(now);
+        std::thread::sleep(Duration::from_millis(2));
+    }
     harness.run();
 }
 

@@ -19,6 +19,7 @@
 
 use super::camera::TELEPHOTO_FOCAL;
 use super::style::Primitive;
+use super::style::describe::Conditions as _;
 use super::{Lights, ScenePacket, ViewTransform};
 use glam::{DVec3, Mat3, Vec4};
 

@@ -1,5 +1,6 @@
 //! Assumptions: the chip, the list, its alternatives, and what is remembered.
 
+use super::until;
 use super::walk::{options, sequence};
 use super::window_on;
 use egui::accesskit::Role;
@@ -14,18 +15,6 @@ use pointreel::sequence::{FrameEntry, Sequence};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
-
-fn until(harness: &mut Harness<'_, State>, what: &str, is_so: impl Fn(&State) -> bool) {
-    let begin = Instant::now();
-    while !is_so(harness.state()) {
-        assert!(begin.elapsed() < Duration::from_secs(30), "{what}");
-        let now = harness.state().now();
-        harness.state_mut().update(now);
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    harness.run();
-}
 
 /// Options of a window whose files are in `folder`.
 fn kept_in(folder: &Path) -> StateOptions {

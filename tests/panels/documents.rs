@@ -1,5 +1,6 @@
 //! Documents: what was made around a sequence comes back with it, and nothing of it is in another.
 
+use super::until;
 use super::walk::options;
 use egui_kittest::Harness;
 use glam::DVec3;
@@ -10,7 +11,6 @@ use pointreel::timeline::PlayRange;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 /// Options of a window that keeps documents in `folder`.
 fn kept_in(folder: &Path) -> StateOptions {
@@ -18,17 +18,6 @@ fn kept_in(folder: &Path) -> StateOptions {
         documents: Some(DocumentFolder::at(folder.join("documents"), folder.join("timelines"))),
         ..options()
     }
-}
-
-fn until(harness: &mut Harness<'_, State>, what: &str, is_so: impl Fn(&State) -> bool) {
-    let begin = Instant::now();
-    while !is_so(harness.state()) {
-        assert!(begin.elapsed() < Duration::from_secs(30), "{what}");
-        let now = harness.state().now();
-        harness.state_mut().update(now);
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    harness.run();
 }
 
 /// A folder with three frames of a cube that grows.

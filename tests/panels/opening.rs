@@ -2,7 +2,7 @@
 
 use super::menu::choose_item;
 use super::walk::{FRAMES, load_all, options, sequence};
-use super::{click, window, window_on};
+use super::{click, until, window, window_on};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use pointreel::app::{State, StateOptions};
@@ -11,17 +11,6 @@ use pointreel::source::Example;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-
-fn until(harness: &mut Harness<'_, State>, what: &str, is_so: impl Fn(&State) -> bool) {
-    let begin = Instant::now();
-    while !is_so(harness.state()) {
-        assert!(begin.elapsed() < Duration::from_secs(20), "{what}");
-        let now = harness.state().now();
-        harness.state_mut().update(now);
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    harness.run();
-}
 
 #[test]
 fn a_single_broken_file_leaves_the_welcome_view_with_its_error() {

@@ -1,6 +1,6 @@
 //! Sessions in the window: saved, opened again by another one, listed, and refused.
 
-use super::{options, press, window, window_on};
+use super::{options, press, until, window, window_on};
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
@@ -13,18 +13,6 @@ use pointreel::timeline::PlayRange;
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
-
-fn until(harness: &mut Harness<'_, State>, what: &str, is_so: impl Fn(&State) -> bool) {
-    let begin = Instant::now();
-    while !is_so(harness.state()) {
-        assert!(begin.elapsed() < Duration::from_secs(20), "{what}");
-        let now = harness.state().now();
-        harness.state_mut().update(now);
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    harness.run();
-}
 
 fn shown(state: &State) -> Option<usize> {
     Some(state.player.as_ref()?.shown()?.index)

@@ -5,6 +5,7 @@ use crate::app::meter::GpuWork;
 use crate::render::gpu::{Context, GpuRenderer};
 use crate::render::{RenderError, RenderStats, Renderer, scaled_to};
 use crate::scene::ScenePacket;
+use crate::scene::describe::Conditions as _;
 use egui::TextureId;
 use image::RgbaImage;
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! The compute programs that gather records: one binding a buffer, and a group of bindings for each chunk.
 
-use super::compute::{Access, BufferRow, ComputePrograms, ComputeShader, EntryRow, UNIFORM};
+use super::compute::{BufferRow, ComputePrograms, ComputeShader, EntryRow, UNIFORM};
 use super::constants::GROUP_RECORDS;
 use super::context::Context;
 use super::gpu_data::{Filtering, Gathering};
@@ -17,7 +17,7 @@ pub(super) const GATHER: ComputeShader = ComputeShader {
     }],
     given: &[],
     uniform: ("gathering", &Gathering::LAYOUT),
-    buffers: &[buffer(1, "indices", "array<u32>"), NODES, GATHERED],
+    buffers: &[BufferRow::read(1, "indices", "array<u32>"), NODES, GATHERED],
 };
 
 /// The pass that tests nodes.
@@ -32,29 +32,16 @@ pub(super) const FILTER: ComputeShader = ComputeShader {
     uniform: ("filtering", &Filtering::LAYOUT),
     buffers: &[
         // Names of the parents of leaves.
-        buffer(1, "parents", "array<u32>"),
+        BufferRow::read(1, "parents", "array<u32>"),
         NODES,
         GATHERED,
-        buffer(4, "bounds", "array<NodeBounds>"),
+        BufferRow::read(4, "bounds", "array<NodeBounds>"),
     ],
 };
 
-const NODES: BufferRow = buffer(2, "nodes", "array<vec4u>");
+const NODES: BufferRow = BufferRow::read(2, "nodes", "array<vec4u>");
 
-const GATHERED: BufferRow = BufferRow {
-    access: Access::ReadWrite,
-    ..buffer(3, "gathered", "array<vec4u>")
-};
-
-/// What is only read.
-const fn buffer(binding: u32, name: &'static str, holds: &'static str) -> BufferRow {
-    BufferRow {
-        binding,
-        name,
-        holds,
-        access: Access::Read,
-    }
-}
+const GATHERED: BufferRow = BufferRow::read_write(3, "gathered", "array<vec4u>");
 
 /// One of them, made when it is first needed.
 #[derive(Debug)]

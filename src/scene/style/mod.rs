@@ -54,6 +54,7 @@ pub use voxels::{VoxelLight, VoxelStyle};
 use crate::levels::LevelsKind;
 use crate::levels::octree::StopCriterion;
 use crate::sequence::Coloring;
+use describe::Conditions as _;
 
 /// How a picture is drawn: the [`Settings`] with nothing left open. Renderers know no other.
 #[derive(Debug, Clone, Copy, PartialEq)]

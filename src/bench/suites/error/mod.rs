@@ -27,6 +27,7 @@ use crate::levels::octree::StopCriterion;
 use crate::measure::{SurfaceError, psnr_db};
 use crate::render::cpu::CpuRenderer;
 use crate::render::{AnyRenderer, Renderer};
+use crate::scene::describe::Conditions as _;
 use crate::scene::{Background, Primitive, RendererChoice, Scene, ScenePacket, Settings, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use crate::stopwatch::milliseconds_since;

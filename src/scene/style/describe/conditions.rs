@@ -3,11 +3,11 @@
 /// Answers of a style to the rows of its own settings. A trait, as rows are parts of the style: naming its type there
 /// would be a circle of imports.
 pub trait Conditions {
-    /// See `Style::asks_for_codes`.
+    /// True if surfels are drawn, from byte codes if the processor draws.
     fn asks_for_codes(&self) -> bool;
     /// See `Style::blends_surfels`.
     fn blends_surfels(&self) -> bool;
-    /// See `Style::draws_disks_on_gpu`.
+    /// True if the GPU draws surfels on their planes, and what is beside their disks is not seen.
     fn draws_disks_on_gpu(&self) -> bool;
     /// See `Style::draws_photographs`.
     fn draws_photographs(&self) -> bool;
@@ -15,33 +15,33 @@ pub trait Conditions {
     fn draws_points(&self) -> bool;
     /// See `Style::draws_surfels`.
     fn draws_surfels(&self) -> bool;
-    /// See `Style::draws_voxels`.
+    /// True if voxels are drawn.
     fn draws_voxels(&self) -> bool;
     /// See `Style::draws_whole_surfels`.
     fn draws_whole_surfels(&self) -> bool;
-    /// See `Style::has_key_light`.
+    /// True if the first of the lights that fall on the blended surface is far away.
     fn has_key_light(&self) -> bool;
-    /// See `Style::has_masks`.
+    /// True if surfels are drawn, and fall off towards their rims as a setting says.
     fn has_masks(&self) -> bool;
-    /// See `Style::has_points_of_pixels`.
+    /// True if points are drawn whose size is one in pixels.
     fn has_points_of_pixels(&self) -> bool;
-    /// See `Style::has_shadows`.
+    /// True if that light casts shadows.
     fn has_shadows(&self) -> bool;
-    /// See `Style::has_surfel_levels`.
+    /// True if it has, and one of them stands for others.
     fn has_surfel_levels(&self) -> bool;
-    /// See `Style::has_surfel_radii`.
+    /// True if what is drawn has the radii of surfels: these, or adaptive points.
     fn has_surfel_radii(&self) -> bool;
-    /// See `Style::is_drawn_on_gpu`.
+    /// True if a graphics card draws.
     fn is_drawn_on_gpu(&self) -> bool;
-    /// See `Style::is_lit`.
+    /// True if light may fall on what is drawn: surfels, voxels, triangles, or points with normals.
     fn is_lit(&self) -> bool;
-    /// See `Style::is_lit_deferred`.
+    /// True if light falls on the blended surface.
     fn is_lit_deferred(&self) -> bool;
-    /// See `Style::is_lit_physically`.
+    /// True if it falls on a material, and from an environment.
     fn is_lit_physically(&self) -> bool;
-    /// See `Style::is_occluded`.
+    /// True if what is near a place of the blended surface keeps light from it.
     fn is_occluded(&self) -> bool;
-    /// See `Style::is_of_points`.
+    /// True if all points are drawn as points.
     fn is_of_points(&self) -> bool;
     /// See `Style::is_shaded_with_depths`.
     fn is_shaded_with_depths(&self) -> bool;
