@@ -36,7 +36,6 @@ pub(crate) const FEATURES_NAMED_ELSEWHERE: &[(&str, &[&str])] = &[
     ),
     ("app/panels/viewport.rs", &["inspection"]),
     ("app/state/dialogs.rs", &["benchmark"]),
-    ("app/state/document.rs", &["beside", "inspection", "trails"]),
     ("app/state/first_look.rs", &["photos"]),
     ("app/state/keeper.rs", &["quality"]),
     ("app/state/keeping.rs", &["quality"]),

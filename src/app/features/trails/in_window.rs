@@ -1,15 +1,14 @@
 //! Trails in the window.
 
 use super::panel::paint_trails;
-use super::{Traced, TrailField, Trails};
+use super::{Traced, Trails};
 use crate::app::command::{Chord, Command};
 use crate::app::commands::common::{Row, group};
 use crate::app::features::feature::Feature;
-use crate::app::features::inspection::Anchor;
 use crate::app::state::State;
 use crate::app::widgets::overlay::PictureOverlay;
 use crate::app::work::outcome::Outcome;
-use crate::document::{Document, ShownTrails, SpreadTrails};
+use crate::document::Document;
 use egui::Key;
 
 const COMMANDS: &[Row] = &[Row::new(
@@ -54,26 +53,11 @@ impl Feature<State> for Trails {
     }
 
     fn save(state: &State, document: &mut Document) {
-        let Self { is_on, kept, field, .. } = &state.features.trails;
-        document.trails = ShownTrails {
-            of_picked: *is_on,
-            kept: kept.iter().filter_map(Anchor::measured).collect(),
-            spread: field.is_on.then_some(SpreadTrails {
-                points: field.points,
-                frames: field.length,
-            }),
-        };
+        document.trails = state.features.trails.shown();
     }
 
     fn load(state: &mut State, document: &Document) {
-        let (trails, shown) = (&mut state.features.trails, &document.trails);
-        trails.is_on = shown.of_picked;
-        trails.kept = shown.kept.iter().map(Anchor::of).collect();
-        trails.field.is_on = shown.spread.is_some();
-        if let Some(SpreadTrails { points, frames }) = shown.spread {
-            trails.field.points = points.clamp(1, TrailField::MAX_POINTS);
-            trails.field.length = frames.clamp(1, TrailField::MAX_LENGTH);
-        }
+        state.features.trails.show(&document.trails);
     }
 
     fn paint(state: &State, canvas: &PictureOverlay<'_>, _is_first: bool) {

@@ -12,6 +12,7 @@ use crate::analysis::ColorMap;
 use crate::app::work::outcome::Message;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::composition::{self, TrailLook, TrailMeasure, TrailRequest};
+use crate::document::{ShownTrails, SpreadTrails};
 use crate::playback::Player;
 use crate::progress::Progress;
 use crate::sequence::{Needs, PreparedFrame, Slot};
@@ -163,6 +164,29 @@ impl Trails {
     fn stop(&mut self) {
         if let Some(running) = &self.running {
             running.progress.cancel();
+        }
+    }
+
+    /// The trails that are asked for, as a document has them.
+    pub(in crate::app) fn shown(&self) -> ShownTrails {
+        ShownTrails {
+            of_picked: self.is_on,
+            kept: self.kept.iter().filter_map(Anchor::measured).collect(),
+            spread: self.field.is_on.then_some(SpreadTrails {
+                points: self.field.points,
+                frames: self.field.length,
+            }),
+        }
+    }
+
+    /// Asks for the trails of a document.
+    pub(in crate::app) fn show(&mut self, shown: &ShownTrails) {
+        self.is_on = shown.of_picked;
+        self.kept = shown.kept.iter().map(Anchor::of).collect();
+        self.field.is_on = shown.spread.is_some();
+        if let Some(SpreadTrails { points, frames }) = shown.spread {
+            self.field.points = points.clamp(1, TrailField::MAX_POINTS);
+            self.field.length = frames.clamp(1, TrailField::MAX_LENGTH);
         }
     }
 
