@@ -8,8 +8,7 @@ mod options;
 mod session;
 mod terminal;
 
-use crate::signals;
-use crate::temporary;
+use crate::{signals, temporary};
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::Write as _;

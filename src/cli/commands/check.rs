@@ -3,10 +3,9 @@
 use crate::assumption::Subject;
 use crate::check::{CheckReport, Severity, check};
 use crate::cli::options::arguments::{ReadArgs, open_sequence_and_tell};
-use crate::cli::terminal::assumptions;
 use crate::cli::terminal::output::{answer, say};
 use crate::cli::terminal::progress::Bar;
-use crate::cli::terminal::warnings;
+use crate::cli::terminal::{assumptions, warnings};
 use crate::messages::by_kind;
 use anyhow::Context as _;
 use clap::Args;

@@ -3,12 +3,11 @@
 use crate::cli::options::arguments::{ReadArgs, frame_rate, open_sequence_and_tell};
 use crate::cli::terminal::output::{answer, check_answers, say};
 use crate::reel::MAGIC;
-use crate::regular_file;
 use crate::sequence::{OpenOptions, Sequence};
 use crate::serve::live::{ClientReport, LiveEvent, LiveOptions, LiveServer, Schedule};
 use crate::serve::{CorsOrigin, FileServer, FileServerOptions};
-use crate::signals;
 use crate::wire::{ColorCoding, DepthCoding, ImageCoding};
+use crate::{regular_file, signals};
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 use std::io::Read as _;

@@ -1,9 +1,8 @@
 //! Outputs are not written over the files that they are made of, nor over files of another kind.
 
 use crate::convert::SourceFiles;
-use crate::kept;
-use crate::regular_file;
 use crate::sequence::Sequence;
+use crate::{kept, regular_file};
 use anyhow::{Context as _, bail};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};

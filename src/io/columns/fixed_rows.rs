@@ -247,9 +247,7 @@ mod tests {
     use super::super::growing;
     use super::*;
     use crate::cloud::Frame;
-    use crate::io::ReadOptions;
-    use crate::io::read;
-    use crate::io::read_bytes;
+    use crate::io::{ReadOptions, read, read_bytes};
 
     const COUNT: usize = 1000;
 

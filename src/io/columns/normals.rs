@@ -7,8 +7,7 @@
 use super::attributes;
 use crate::cloud::RawCloud;
 use crate::io::contents::Part;
-use crate::io::error::Fault;
-use crate::io::error::IoError;
+use crate::io::error::{Fault, IoError};
 use crate::io::files::options::ReadOptions;
 use crate::io::files::watched;
 use crate::io::format::Format;

@@ -20,9 +20,9 @@ mod probe;
 mod reader;
 mod transforms;
 
-use super::calibration::Calibration;
 use super::error::PhotosError;
-use super::view_set::ViewSet;
+use crate::photos::sets::calibration::Calibration;
+use crate::photos::sets::view_set::ViewSet;
 use probe::{File, Folder};
 use reader::{Claim, Confidence, Reader};
 use std::path::{Path, PathBuf};

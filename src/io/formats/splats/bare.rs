@@ -1,9 +1,7 @@
 //! `.splat`: bare records of 32 bytes without a header, as viewers in browsers read them (Kwok 2023): position and half
 //! axes as single precision, colour and opacity as bytes, and the rotation, real part first, as bytes around 128.
 
-use super::SPLAT_BYTES;
-use super::SplatShape;
-use super::put_shapes;
+use super::{SPLAT_BYTES, SplatShape, put_shapes};
 use crate::cloud::{Positions, RawCloud};
 use crate::io::error::{Fault, Place};
 use crate::io::files::options::ReadOptions;

@@ -13,8 +13,7 @@ pub use member::Member;
 
 use super::containers;
 use crate::io::contents::{Contents, Entry, Part};
-use crate::io::error::IoError;
-use crate::io::error::{Fault, Place};
+use crate::io::error::{Fault, IoError, Place};
 use crate::io::files::options::ReadOptions;
 use crate::io::files::timestamps;
 use crate::io::files::unpack::{Packing, reader, unpack, unpack_gzip};

@@ -1,0 +1,126 @@
+//! Files of the depths of a photograph, which another camera beside it may have taken.
+
+use super::picture_file::decode;
+use crate::photos::error::{PhotosError, read_file};
+use crate::photos::parts::npy_table::NpyTable;
+use crate::photos::readers::colmap::colmap_depth;
+use crate::rgbd::{Camera, DepthImage, is_measured};
+use glam::DAffine3;
+use image::DynamicImage;
+use std::path::{Path, PathBuf};
+
+/// A file of the depths of a photograph. Its image may be smaller than the photograph.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DepthFile {
+    /// The file.
+    pub path: PathBuf,
+    /// What its numbers mean.
+    pub kind: DepthKind,
+    /// The camera of its image; `None` where that is the photograph's.
+    pub taken_by: Option<DepthCamera>,
+}
+
+/// A camera of depths beside that of a photograph.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DepthCamera {
+    /// Its image.
+    pub camera: Camera,
+    /// From its frame to that of the photograph's camera.
+    pub photo_from_depth: DAffine3,
+}
+
+/// How a file holds depths.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum DepthKind {
+    /// An image of COLMAP's dense stage: `W&H&C&`, then floats in the unit of the world. See [`colmap_depth`].
+    Colmap,
+    /// A grey picture, or a table of numpy (`.npy`) of rows of pixels, whose values are depths along the axis in the
+    /// unit of the world, once multiplied by this. 0 is no depth, and of pictures of 16 bits neither is 65535.
+    Scaled(f64),
+}
+
+impl DepthFile {
+    /// Depths along the axis of the camera that took them, in the unit of the world whatever `metres` says; 0 where
+    /// there is none.
+    ///
+    /// # Errors
+    /// Where the file cannot be read, or is of another shape.
+    pub fn read(&self) -> Result<DepthImage, PhotosError> {
+        match self.kind {
+            DepthKind::Colmap => colmap_depth(&self.path),
+            DepthKind::Scaled(scale) => scaled(&self.path, scale),
+        }
+    }
+}
+
+fn scaled(path: &Path, scale: f64) -> Result<DepthImage, PhotosError> {
+    if path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("npy"))
+    {
+        return scaled_table(path, scale);
+    }
+    let picture = decode(path)?;
+    let size_px = [picture.width(), picture.height()];
+    let depth = |value: u16| (f64::from(value) * scale) as f32;
+    let measured = |value: u16| if is_measured(value) { depth(value) } else { 0.0 };
+    let depths: Vec<f32> = match picture {
+        DynamicImage::ImageLuma16(image) => image.into_raw().into_iter().map(measured).collect(),
+        DynamicImage::ImageLuma8(image) => image.into_raw().into_iter().map(|value| depth(value.into())).collect(),
+        other => {
+            let problem = format!("expected grey values of 16 or 8 bits, found {:?}", other.color());
+            return Err(PhotosError::invalid(path, "the picture", problem));
+        }
+    };
+    DepthImage::new(size_px, depths).ok_or_else(|| PhotosError::invalid(path, "the picture", "it has no pixels"))
+}
+
+fn scaled_table(path: &Path, scale: f64) -> Result<DepthImage, PhotosError> {
+    let table = NpyTable::parse(path, &read_file(path)?)?;
+    let rows = table.numbers.len() / table.columns.max(1);
+    let depths = table.numbers.iter().map(|&number| (number * scale) as f32);
+    let size_px = Option::zip(u32::try_from(table.columns).ok(), u32::try_from(rows).ok());
+    size_px
+        .and_then(|(width, height)| DepthImage::new([width, height], depths.collect()))
+        .ok_or_else(|| PhotosError::invalid(path, "the table", "it has no pixels"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::{GrayImage, ImageBuffer, Luma, RgbImage};
+
+    #[test]
+    fn grey_values_are_scaled() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("depth.png");
+        let file = DepthFile {
+            path: path.clone(),
+            kind: DepthKind::Scaled(1e-3),
+            taken_by: None,
+        };
+        let wide: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_raw(3, 1, vec![1500_u16, 0, 65535]).unwrap();
+        wide.save(&path).unwrap();
+        assert_eq!(file.read().unwrap().metres(), [1.5, 0.0, 0.0]);
+        GrayImage::from_raw(1, 1, vec![200]).unwrap().save(&path).unwrap();
+        assert_eq!(file.read().unwrap().metres(), [0.2]);
+        let table = DepthFile {
+            path: folder.path().join("depth.npy"),
+            ..file.clone()
+        };
+        let header = b"{'descr': '<f4', 'fortran_order': False, 'shape': (1, 3)}";
+        let numbers = [1500.0_f32, 0.0, f32::NAN].map(f32::to_le_bytes).concat();
+        let all = [b"\x93NUMPY\x01\x00", &[header.len() as u8, 0][..], header, &numbers].concat();
+        std::fs::write(&table.path, all).unwrap();
+        let read = table.read().unwrap();
+        assert_eq!((read.size_px(), read.metres()), ([3, 1], &[1.5, 0.0, 0.0][..]));
+        RgbImage::new(1, 1).save(&path).unwrap();
+        assert!(
+            file.read()
+                .unwrap_err()
+                .to_string()
+                .contains("expected grey values of 16 or 8 bits, found Rgb8")
+        );
+    }
+}

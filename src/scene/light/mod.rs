@@ -1,0 +1,7 @@
+//! Light on surfaces: lamps, shadows, environments, physical materials.
+
+pub(super) mod albedo_curve;
+pub(super) mod environment;
+pub(super) mod lights;
+pub(super) mod physical_light;
+pub(super) mod shadow;
