@@ -3,7 +3,7 @@
 use super::contents::{Contents, Entry};
 use super::error::IoError;
 use super::format::{Format, Holding};
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use crate::io::recordings::recording::camera::CameraTopics;
 use crate::io::recordings::{archive, packets, recording};
 use crate::regular_file;

@@ -14,6 +14,7 @@
 //! [`halvings_within`] a budget of memory says. [`gains`] makes photographs of different exposures agree.
 //! [`LoadedPhotographs`] are all of a set, with the levels of their [`Texture`]s.
 
+mod depth_file;
 mod error;
 mod found;
 mod images;
@@ -21,10 +22,11 @@ mod parts;
 mod readers;
 mod sets;
 
+pub use depth_file::{DepthCamera, DepthFile, DepthKind};
 pub use error::PhotosError;
-pub use found::depth_file::{DepthCamera, DepthFile, DepthKind};
+pub use found::calibration::Calibration;
 pub use found::files::is_picture;
-pub use found::unread::{is_beside_photographs, unread};
+pub use found::rig::Rig;
 pub use images::budget::{halvings_within, texture_bytes};
 pub use images::gains::gains;
 pub use images::loading::LoadedPhotographs;
@@ -35,9 +37,8 @@ pub use images::prepared::PreparedPhoto;
 pub use images::texture::Texture;
 pub use images::undistort::{Extent, pinhole_of, undistort};
 pub use readers::colmap::colmap_depth;
+pub use readers::unread::{is_beside_photographs, unread};
 pub use readers::{FoundSet, find};
-pub use sets::calibration::Calibration;
 pub use sets::photo::{Photo, center_of, resized};
 pub use sets::points::{Observation, SparsePoints};
-pub use sets::rig::Rig;
 pub use sets::view_set::{Neighbour, ReprojectionError, ViewSet};

@@ -4,7 +4,7 @@ use super::Clip;
 use crate::cloud::{MeshRecords, PointRecord, ShapeRecord, VoxelRecord};
 use crate::levels::octree::CodedCloud;
 use crate::levels::{NodeRecords, RecordBuffers, Records, Selection};
-use crate::scene::visible::clip::at;
+use crate::scene::clip::at;
 use crate::scene::visible::visible_points::VisiblePoints;
 use std::sync::Arc;
 

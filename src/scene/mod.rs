@@ -2,9 +2,11 @@
 //! [`ScenePacket`] that holds everything one picture needs. Nothing here knows a graphics API.
 
 mod annotations;
+mod clip;
 mod compose;
 mod content;
 mod effects;
+mod environment;
 mod first_look;
 mod light;
 mod packet;
@@ -18,6 +20,7 @@ pub use annotations::gauge::Gauge;
 pub use annotations::labels::{Label, LabelOnPicture, MAX_LABEL_CHARS, labels_on_picture};
 pub use annotations::legend::{Legend, LegendBody, field_title};
 pub use annotations::scale_bar::ScaleBar;
+pub use clip::{Clip, ClipShape};
 pub use compose::{Scene, SceneStats};
 pub use content::{CodedCells, Content, Selected, Surfels, Voxels};
 pub use effects::ambient_occlusion::AmbientOcclusion;
@@ -27,13 +30,11 @@ pub(crate) use effects::gaps::{GAP_ONE_SURFACE, GAP_SOLID, GAPS_PER_SLIT, GAPS_P
 pub use effects::halo::halo_px;
 pub use effects::rims::rim_px;
 pub(crate) use effects::rims::{RIM_OPAQUE, RIM_OPEN};
+pub use environment::{Environment, EnvironmentError, EnvironmentFile, EnvironmentMap, EnvironmentWord, Harmonics};
 pub use first_look::{CaptureKind, ColorGuess, FirstLook, Standpoint};
 pub(crate) use first_look::{PointSpacing, typical_spacing};
 pub use light::albedo_curve::AlbedoCurve;
 pub(crate) use light::albedo_curve::DIELECTRIC;
-pub use light::environment::{
-    Environment, EnvironmentError, EnvironmentFile, EnvironmentMap, EnvironmentWord, Harmonics,
-};
 pub use light::lights::{Lamp, Lights};
 pub use light::physical_light::{PhysicalLight, PhysicalTables};
 pub use light::shadow::Shadow;
@@ -57,7 +58,6 @@ pub use view::path::{CameraPath, Keyframe, PathError, PathFileError};
 pub use view::picture_plane::PicturePlane;
 pub use view::pinhole_view::sensor_target_distance;
 pub use view::view_text::ParseViewError;
-pub use visible::clip::{Clip, ClipShape};
 pub use visible::pick::{Pick, PickedNormal, hidden, pick};
 pub use visible::point_size::PointSize;
 pub use visible::screen_surfels::screen_view;

@@ -7,9 +7,9 @@
 //! being held by one of them, so that pieces stay in order and a step is taken while others take theirs. Neither the
 //! file nor a second copy of a column is in memory beside the cloud.
 //!
-//! A decoder whose header tells of such rows says so ([`crate::io::formats::ply`], [`crate::io::formats::pcd`]). Whatever is unusual is left to
-//! the reading of whole files, which also has the words for what is wrong: headers that claim more than there is,
-//! attributes of which a row alone does not tell what it means.
+//! A decoder whose header tells of such rows says so ([`crate::io::formats::ply`], [`crate::io::formats::pcd`]).
+//! Whatever is unusual is left to the reading of whole files, which also has the words for what is wrong: headers that
+//! claim more than there is, attributes of which a row alone does not tell what it means.
 
 use super::attributes::Roles;
 use super::column::{Column, Scalar, Values};

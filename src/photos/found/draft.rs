@@ -3,10 +3,10 @@
 //! What is wrong with one photograph costs that photograph: it is left out, the tracks with it, and a note says so. A
 //! set of which nothing is left is an error that says why.
 
-use super::depth_file::DepthFile;
 use super::files::Files;
 use super::picture_file::size_px;
 use crate::natural::natural_order;
+use crate::photos::depth_file::DepthFile;
 use crate::photos::error::PhotosError;
 use crate::photos::sets::lens::Lens;
 use crate::photos::sets::photo::Photo;

@@ -1,7 +1,8 @@
-//! What a reader found, made into a set: which images can be shown, of which size. Knows no format of reconstructions.
+//! From what a reader found (a draft) to sets and rigs: images that can be shown, and their sizes. Knows no format of
+//! reconstructions.
 
-pub(super) mod depth_file;
+pub(super) mod calibration;
 pub(super) mod draft;
 pub(super) mod files;
 pub(super) mod picture_file;
-pub(super) mod unread;
+pub(super) mod rig;

@@ -1,7 +1,7 @@
 //! A table of numbers as numpy writes it: what `poses_bounds.npy` and depths in `.npy` are.
 //!
 //! Rows and columns of numbers of any type, in the order of C or of Fortran. (The header: `binary`. Clouds in NPY
-//! files: `io/npy`, which comes after this module.)
+//! files: `io/formats/npy`, which comes after this module.)
 
 use crate::binary::{Header, Layout};
 use crate::photos::error::PhotosError;

@@ -19,9 +19,10 @@ mod opensfm;
 mod probe;
 mod reader;
 mod transforms;
+pub(super) mod unread;
 
 use super::error::PhotosError;
-use crate::photos::sets::calibration::Calibration;
+use crate::photos::found::calibration::Calibration;
 use crate::photos::sets::view_set::ViewSet;
 use probe::{File, Folder};
 use reader::{Claim, Confidence, Reader};

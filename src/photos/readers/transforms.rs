@@ -8,8 +8,8 @@
 //! points, but nerfstudio may name a file of them (`ply_file_path`).
 
 use super::reader::{Claim, Reader};
+use crate::photos::depth_file::{DepthFile, DepthKind};
 use crate::photos::error::PhotosError;
-use crate::photos::found::depth_file::{DepthFile, DepthKind};
 use crate::photos::found::draft::{Draft, Drafts};
 use crate::photos::parts::json::{array_at, number, number_at, read as read_json, side};
 use crate::photos::sets::lens::{Focal, Lens, Origin};

@@ -3,7 +3,7 @@
 //! Coordinates of a camera are x to the right, y down, z forward; centres of pixels are at integers. Readers turn the
 //! conventions of their formats into these, so that nothing behind them has to know any other.
 
-use crate::photos::found::depth_file::DepthFile;
+use crate::photos::depth_file::DepthFile;
 use crate::rgbd::{Camera, CameraError};
 use glam::{DAffine3, DVec2, DVec3};
 use std::path::PathBuf;

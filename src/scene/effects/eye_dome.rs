@@ -58,8 +58,8 @@ impl EyeDomeLight {
     /// Share of neighbours without depth from which a pixel belongs to no surface: that of a corner.
     pub const LONE: f32 = 5.0 / 8.0;
 
-    /// That of a packet; `None` where there is none: [`Splatting::NoDepth`](crate::scene::Splatting::NoDepth) leaves no depths
-    /// to shade by.
+    /// That of a packet; `None` where there is none: [`Splatting::NoDepth`](crate::scene::Splatting::NoDepth) leaves no
+    /// depths to shade by.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
         let style = &packet.style;
         let strength = style.light.eye_dome_strength;

@@ -11,7 +11,7 @@
 //! What lies in the gap is taken to be flat: along the shortest of the four lines through the pixel, the reversed
 //! depth of a plane goes from one end to the other in even steps. Where the ends are of two things, one behind the
 //! other, it is that of the farther: between them one looks past the nearer one. Photographs are asked about that
-//! place, as they are about others (`scene/photographs.rs`). What they see through, and what none of them sees,
+//! place, as they are about others (`scene/photographs/mod.rs`). What they see through, and what none of them sees,
 //! stays open: a handle is a handle still. But along outlines, where photographs and points are a pixel apart,
 //! specks are left. Each pixel of one has the mean colour of what is closed around it along the four lines, if the
 //! ends of none are farther apart than a tenth of the width of gaps.

@@ -11,7 +11,7 @@
 //! Outlines before the background stay as they are, and so do edges of holes that are wider than rims: there the
 //! surface fades until a pixel is open. No open pixel is ever filled.
 //!
-//! Photographs know better where they are asked what lies in gaps (`scene/gaps.rs`): rims are what is left.
+//! Photographs know better where they are asked what lies in gaps (`scene/effects/gaps.rs`): rims are what is left.
 //!
 //! Done over the whole picture, after light has fallen: `render/cpu/rims.rs`, `shaders/passes/resolve.wgsl`.
 

@@ -13,9 +13,9 @@
 //! Light is in the unit of lamps: a matt white surface across a lamp of 1 is white. So formulas lack a π of the books.
 
 use super::albedo_curve::AlbedoCurve;
-use super::environment::{Environment, EnvironmentMap, Harmonics};
 use super::lights::AMBIENT;
 use crate::scene::ScenePacket;
+use crate::scene::environment::{Environment, EnvironmentMap, Harmonics};
 use crate::scene::style::{LightRig, Lighting};
 use glam::Mat3;
 use std::sync::{Arc, Mutex, PoisonError};

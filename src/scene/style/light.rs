@@ -3,7 +3,7 @@
 use super::Choice;
 use super::choices::choices;
 use super::describe::{Label, Numbers, Place, Section, Typed, Unit, Values, group};
-use crate::scene::light::environment::Environment;
+use crate::scene::environment::Environment;
 
 choices! {
     /// Where the head light is evaluated (paper 000 §V-B), or what deferred shading does with the finished surface

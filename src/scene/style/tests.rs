@@ -5,7 +5,7 @@ use super::*;
 use crate::analysis::ColorMap;
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
-use crate::scene::light::environment::Environment;
+use crate::scene::environment::Environment;
 use crate::sequence::ColorSource;
 use std::collections::BTreeSet;
 

@@ -1,6 +1,5 @@
 //! Points that a picture shows, surfels made of them, the point under a pixel.
 
-pub(super) mod clip;
 pub(super) mod pick;
 pub(super) mod point_size;
 pub(super) mod screen_surfels;

@@ -11,9 +11,9 @@ use crate::cloud::{AxisConvention, LengthUnit, Positions, RawCloud, ScalarField}
 use crate::io::columns::attributes;
 use crate::io::contents::{Entry, Part};
 use crate::io::error::{Fault, IoError};
-use crate::io::files::options::ReadOptions;
 use crate::io::files::watched::Watched;
 use crate::io::format::{Format, Holding, Magic, Traits};
+use crate::io::options::ReadOptions;
 use crate::progress::Progress;
 use ::e57::{E57Reader, PointCloud};
 use glam::DVec3;

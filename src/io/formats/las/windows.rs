@@ -6,7 +6,7 @@ use super::laz::{Compression, LazChunk};
 use super::{COMPRESSION_ID, COMPRESSION_USER, FORMAT, coarse, copc, extra, geographic, points, unit, warn_of_levels};
 use crate::cloud::RawCloud;
 use crate::io::error::{Fault, IoError};
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use crate::progress::Progress;
 use std::borrow::Cow;
 use std::fs::File;

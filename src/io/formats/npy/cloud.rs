@@ -14,7 +14,7 @@ use crate::io::columns::column_map::{ColumnMap, ColumnName, FRAME_ROLE};
 use crate::io::columns::{attributes, growing};
 use crate::io::contents::Part;
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use std::io::{Cursor, Read as _};
 
 /// Names of arrays with coordinates.

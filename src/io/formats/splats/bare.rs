@@ -4,8 +4,8 @@
 use super::{SPLAT_BYTES, SplatShape, put_shapes};
 use crate::cloud::{Positions, RawCloud};
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
 use crate::io::format::{Format, Traits};
+use crate::io::options::ReadOptions;
 use glam::Quat;
 
 /// Records without a header, known by the extension alone.

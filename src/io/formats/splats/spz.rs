@@ -12,9 +12,9 @@ use super::{LARGEST_OF_OTHERS, SPLAT_BYTES, SplatShape, channel_of_harmonic, put
 use crate::binary::half;
 use crate::cloud::{AxisConvention, Positions, RawCloud};
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
 use crate::io::files::unpack::{Packing, unpack, unpack_gzip};
 use crate::io::format::{Format, Magic, Traits};
+use crate::io::options::ReadOptions;
 use glam::Quat;
 use std::io::Cursor;
 

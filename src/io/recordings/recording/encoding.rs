@@ -4,7 +4,7 @@ use super::serialisation::Serialisation;
 use super::{foxglove, livox, pointcloud2};
 use crate::cloud::RawCloud;
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use std::time::Duration;
 
 /// What a message with a point cloud is, and how its fields are written.

@@ -16,8 +16,8 @@ mod text;
 pub use depth::colmap_depth;
 
 use super::reader::{Claim, Reader};
+use crate::photos::depth_file::{DepthFile, DepthKind};
 use crate::photos::error::PhotosError;
-use crate::photos::found::depth_file::{DepthFile, DepthKind};
 use crate::photos::found::draft::{Draft, Drafts};
 use glam::{DMat3, DQuat};
 use records::{Cameras, Features, Image};

@@ -3,7 +3,7 @@
 use super::conditions::Conditions;
 use super::shorthand::{Given, Shorthand};
 use super::values::{Value, Values};
-use crate::scene::light::environment::Environment;
+use crate::scene::environment::Environment;
 
 /// One setting in words.
 #[derive(Debug)]

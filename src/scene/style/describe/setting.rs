@@ -2,7 +2,7 @@
 
 use super::described::Described;
 use super::values::Value;
-use crate::scene::light::environment::Environment;
+use crate::scene::environment::Environment;
 use crate::scene::style::background::Background;
 use crate::sequence::Coloring;
 

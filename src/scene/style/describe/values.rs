@@ -2,7 +2,7 @@
 
 use super::numbers::Numbers;
 use crate::scene::ParseChoiceError;
-use crate::scene::light::environment::Environment;
+use crate::scene::environment::Environment;
 use crate::scene::style::background::Background;
 use crate::sequence::Coloring;
 use std::iter;

@@ -16,8 +16,8 @@ mod hidden;
 mod ray;
 mod records;
 
-use super::clip::at;
 use crate::cloud::{PointRecord, oct_decode};
+use crate::scene::clip::at;
 use crate::scene::{Content, Primitive, ScenePacket};
 use crate::sequence::PreparedFrame;
 use codes::surfels_near;

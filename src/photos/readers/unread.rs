@@ -3,9 +3,9 @@
 //! A folder of photographs without points looks to a reader of clouds like an empty one, or, where a list lies beside,
 //! like a damaged cloud. Neither says what is missing.
 
-use super::files::is_picture;
+use super::meshroom;
 use crate::photos::error::PhotosError;
-use crate::photos::readers::meshroom;
+use crate::photos::found::files::is_picture;
 use std::collections::HashSet;
 use std::fs;
 use std::path::Path;

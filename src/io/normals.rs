@@ -4,16 +4,16 @@
 //! in the other. What a file holds is read off its header alone, so that a folder of such files costs a small read a
 //! file.
 
-use super::attributes;
 use crate::cloud::RawCloud;
+use crate::io::columns::attributes;
 use crate::io::contents::Part;
 use crate::io::error::{Fault, IoError};
-use crate::io::files::options::ReadOptions;
 use crate::io::files::watched;
 use crate::io::format::Format;
 use crate::io::formats::xyz;
 use crate::io::list::first_bytes;
 use crate::io::meshes::mesh;
+use crate::io::options::ReadOptions;
 use crate::io::read::read_part_observed;
 use crate::progress::Progress;
 use std::io::Read as _;

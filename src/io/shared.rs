@@ -1,10 +1,10 @@
 //! What the frames of one file share is read once, and fails once.
 
 use super::options::ReadOptions;
-use super::watched;
 use crate::cloud::RawCloud;
 use crate::io::contents::Part;
 use crate::io::error::IoError;
+use crate::io::files::watched;
 use crate::io::format::Format;
 use crate::io::formats::gltf::{self, Scene};
 use crate::io::formats::npy::{self, Arrays};

@@ -7,14 +7,14 @@
 //! Points of the calibration are of the moment that was calibrated. They say how far away things are, so some of them
 //! are in each set; their tracks, by which cameras are judged, are in the first alone.
 
-use super::lens::Lens;
-use super::photo::Photo;
-use super::points::{Observation, SparsePoints};
-use super::view_set::ViewSet;
 use crate::photos::error::PhotosError;
 use crate::photos::found::draft::{Draft, Drafts, notes_of_wrong, reason_of_nothing};
 use crate::photos::found::files::Files;
 use crate::photos::found::picture_file::size_px;
+use crate::photos::sets::lens::Lens;
+use crate::photos::sets::photo::Photo;
+use crate::photos::sets::points::{Observation, SparsePoints};
+use crate::photos::sets::view_set::ViewSet;
 use glam::DAffine3;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};

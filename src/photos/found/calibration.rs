@@ -4,9 +4,9 @@
 //! moment has photographs of its own ([`Rig`]). Who knows the names in it, and the folders around it, can tell.
 
 use super::rig::Rig;
-use super::view_set::ViewSet;
 use crate::photos::error::PhotosError;
 use crate::photos::found::draft::Drafts;
+use crate::photos::sets::view_set::ViewSet;
 use std::path::{Path, PathBuf};
 
 /// Cameras and poses by the names of photographs.
