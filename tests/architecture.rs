@@ -95,7 +95,7 @@ const PARTS: &[(&str, &[&[&str]])] = &[
             &["environment"],
             &["style"],
             &["view"],
-            &["light", "effects", "first_look", "visible"],
+            &["light", "effects", "visible"],
             &["annotations", "photographs"],
         ],
     ),
