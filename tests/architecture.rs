@@ -10,6 +10,7 @@
 //!   and fields) do not count.
 //! - A feature of the window is imported by files of its folder and by the table of features; other files that do are
 //!   listed.
+//! - Words that `docs/glossary.md` replaces are counted; their numbers may only shrink.
 //! - Files have at most 600 lines of at most 120 columns.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -24,6 +25,8 @@ mod known;
 mod reader;
 #[path = "architecture/sources.rs"]
 mod sources;
+#[path = "architecture/words.rs"]
+mod words;
 
 use known::{FEATURES_NAMED_ELSEWHERE, KNOTS};
 use sources::Sources;
@@ -346,6 +349,59 @@ fn a_feature_is_named_in_its_folder_and_in_the_table() {
         )
         .collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Rust files that are not tests.
+fn spoken_files() -> BTreeMap<String, String> {
+    let sources = sources();
+    let (mut tests, mut others) = (BTreeSet::new(), BTreeSet::new());
+    for module in sources.modules.values() {
+        let files = if module.is_test { &mut tests } else { &mut others };
+        files.insert(module.file.clone());
+    }
+    let mut files = rust_files();
+    files.retain(|file, _| others.contains(file) || !tests.contains(file));
+    files
+}
+
+/// Counts of the words that `docs/glossary.md` replaces, as `words.tsv` has them. They may shrink, never grow: with
+/// `POINTREEL_UPDATE_WORDS` set, smaller ones are written.
+#[test]
+fn words_that_the_glossary_replaces_only_shrink() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let stored = root.join("tests/architecture/words.tsv");
+    let glossary = words::Glossary::read(&fs::read_to_string(root.join("docs/glossary.md")).unwrap());
+    assert!(glossary.number_of_rows() > 40, "the glossary is read wrongly");
+    let mut found = glossary.empty_tally();
+    for text in spoken_files().into_values() {
+        glossary.count_rust(text.parse().unwrap(), &mut found);
+    }
+    for page in files_with(&["md"]) {
+        let is_history = ["glossary.md", "CHANGELOG.md"].iter().any(|name| page.ends_with(name));
+        if !is_history {
+            glossary.count_page(&fs::read_to_string(page).unwrap(), &mut found);
+        }
+    }
+    let known = words::read_tally(&fs::read_to_string(&stored).unwrap_or_default());
+    let grown: Vec<String> = found
+        .iter()
+        .filter(|(key, counts)| known.get(*key).is_none_or(|known| !counts.is_within(known)))
+        .map(|(key, counts)| format!("{key}: {counts:?}, before {:?}", known.get(key)))
+        .collect();
+    let updates = std::env::var_os("POINTREEL_UPDATE_WORDS").is_some();
+    if updates && (grown.is_empty() || known.is_empty()) {
+        fs::write(&stored, words::written(&found)).unwrap();
+        return;
+    }
+    assert!(
+        grown.is_empty(),
+        "write the words of docs/glossary.md:\n{}",
+        grown.join("\n")
+    );
+    assert!(
+        known == found,
+        "words have gone: run this test with POINTREEL_UPDATE_WORDS=1 and commit tests/architecture/words.tsv"
+    );
 }
 
 #[test]
