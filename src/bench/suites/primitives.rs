@@ -230,7 +230,7 @@ fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject
     let rows = KINDS.into_iter().zip(&samples).flat_map(|((primitive, _), samples)| {
         let views = VIEWS.into_iter().zip(samples);
         let views = views.filter(|(_, samples)| !samples.records.is_empty());
-        views.map(move |((view, _), samples)| samples.row((subject.name, points), primitive, view))
+        views.map(move |((view, _), samples)| samples.row(subject.name, points, primitive, view))
     });
     run.finish(subject, &point_counts, &[], rows);
     let pass_rows = KINDS.into_iter().zip(&samples).flat_map(|((primitive, _), samples)| {
@@ -274,12 +274,11 @@ fn packets(
     style: &Style,
     distance: f64,
 ) -> Vec<ScenePacket> {
-    let origin = subject.sequence.origin();
     let viewport_px = run.options.viewport_px;
     let mut scene = Scene::default();
     cameras(subject, frame, distance, run.options.viewpoints)
         .iter()
-        .map(|camera| scene.packet(frame, origin, camera, style, viewport_px))
+        .map(|camera| subject.packet(&mut scene, frame, camera, style, viewport_px))
         .collect()
 }
 
@@ -317,10 +316,10 @@ impl Samples {
 
     fn pass_rows(&self, sequence: &str, primitive: &str, view: &str) -> impl Iterator<Item = Row> {
         let medians_ms = self.passes.medians_ms();
-        medians_ms.map(move |pass| pass_row(sequence, primitive, view, pass))
+        medians_ms.map(move |(pass, gpu_ms)| pass_row(sequence, primitive, view, pass, gpu_ms))
     }
 
-    fn row(&self, (sequence, points): (&str, f64), primitive: &str, view: &str) -> Row {
+    fn row(&self, sequence: &str, points: f64, primitive: &str, view: &str) -> Row {
         let mean_of = |times_ms: &[f64]| (!times_ms.is_empty()).then(|| mean(times_ms));
         let records: f64 = self.records.iter().sum();
         let rate = |times_ms: &[f64]| {
@@ -346,7 +345,7 @@ impl Samples {
     }
 }
 
-fn pass_row(sequence: &str, primitive: &str, view: &str, (pass, gpu_ms): (&str, f64)) -> Row {
+fn pass_row(sequence: &str, primitive: &str, view: &str, pass: &str, gpu_ms: f64) -> Row {
     Row::of_table(
         COLUMNS,
         PASSES,

@@ -118,6 +118,24 @@ impl ComputeShader {
     }
 }
 
+/// Everything that a pass binds.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bound<'a> {
+    pub(super) group: &'a wgpu::BindGroup,
+    /// Bytes.
+    pub(super) uniform_offset: u32,
+}
+
+impl<'a> Bound<'a> {
+    /// With the uniform at the start of its buffer.
+    pub(super) fn whole(group: &'a wgpu::BindGroup) -> Self {
+        Self {
+            group,
+            uniform_offset: 0,
+        }
+    }
+}
+
 /// The programs of a shader, in the order of its rows.
 #[derive(Debug)]
 pub(super) struct ComputePrograms {
@@ -177,11 +195,11 @@ impl ComputePrograms {
         &self,
         pass: &mut wgpu::ComputePass<'_>,
         row: usize,
-        (group, uniform_offset): (&wgpu::BindGroup, u32),
+        bound: Bound<'_>,
         [across, down]: [u32; 2],
     ) {
         pass.set_pipeline(&self.programs[row].pipeline);
-        pass.set_bind_group(COMPUTE_GROUP, group, &[uniform_offset]);
+        pass.set_bind_group(COMPUTE_GROUP, bound.group, &[bound.uniform_offset]);
         pass.dispatch_workgroups(across, down, 1);
     }
 }

@@ -265,7 +265,7 @@ impl GpuRenderer {
             let mut recording = Recording::new(&self.context, &mut encoder, self.timer.as_mut());
             self.stats.passes += self.visible.record(&mut recording, &self.residency);
         }
-        let streams = streams_of(&plan, &self.residency, (&self.gatherer, &self.visible));
+        let streams = streams_of(&plan, &self.residency, &self.gatherer, &self.visible);
         let draw = Draw {
             streams: &streams,
             amplification: plan.drawable.amplification,
@@ -348,7 +348,7 @@ impl GpuRenderer {
         if let (Some(views), Some(shown), Some(targets)) = (&plan.photographs, &packet.photographs, &mut self.targets) {
             let known = targets.photographs.take();
             targets.photographs = Some(self.context.catching_out_of_memory("the photographs", || {
-                PhotoTextures::of(&self.context, known, (shown, views), packet)
+                PhotoTextures::of(&self.context, known, shown, views, packet)
             })?);
         }
         Ok(())
@@ -437,7 +437,7 @@ impl GpuRenderer {
     fn ensure_quad_indices(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
         let amplification = plan.drawable.amplification;
         let instancing = instancing_of(plan, self.instancing.as_mut(), &mut self.indexed);
-        let quads = streams_of(plan, &self.residency, (&self.gatherer, &self.visible))
+        let quads = streams_of(plan, &self.residency, &self.gatherer, &self.visible)
             .into_iter()
             .flat_map(|stream| &stream.chunks)
             .map(|chunk| instancing.quads_per_draw(chunk.record_count, amplification))
@@ -550,7 +550,8 @@ fn instancing_of<'a>(
 fn streams_of<'a>(
     plan: &Plan<'_>,
     residency: &'a Residency,
-    (gatherer, visible): (&'a Gatherer, &'a VisibleMaker),
+    gatherer: &'a Gatherer,
+    visible: &'a VisibleMaker,
 ) -> Vec<&'a Stream> {
     if plan.drawable.selection.is_some() {
         return gatherer.streams();

@@ -140,7 +140,8 @@ impl PhotographedFrames {
         parts: Parts,
         style: Style,
         origin: DVec3,
-        (tasks, pool): (&Tasks<T>, &ThreadPool),
+        tasks: &Tasks<T>,
+        pool: &ThreadPool,
     ) {
         self.drawn_without = None;
         self.running = Some(parts.clone());

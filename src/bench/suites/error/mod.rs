@@ -231,12 +231,11 @@ fn measure_way(
     // A renderer takes a copy for another cloud, so that its upload is counted.
     frame.points = Arc::new(frame.points.to_vec());
     frame.shapes = frame.shapes.map(|shapes| Arc::new(shapes.to_vec()));
-    let origin = subject.sequence.origin();
     let viewport_px = run.options.viewport_px;
     let packet = |view: &View, style: &Style| {
         // As when the camera has moved: cells are chosen anew.
         let mut scene = Scene::default();
-        let packet = scene.packet(&frame, origin, &view.camera, style, viewport_px);
+        let packet = subject.packet(&mut scene, &frame, &view.camera, style, viewport_px);
         (packet, scene.stats().visited_nodes)
     };
     let (options, progress) = (run.options, run.progress);

@@ -89,6 +89,7 @@ impl DrawnRecords for Surfels<'_> {
         }
     }
 
+    #[inline(always)]
     fn extent(&self) -> Extent {
         Extent {
             scale: self.largest_scale(),
@@ -210,15 +211,7 @@ impl<'a> Surfels<'a> {
         pyramid: &Pyramid,
         numbers: Range<usize>,
     ) -> Option<EightMiddles<S>> {
-        let records = (self.points, self.shapes);
-        EightMiddles::of(
-            simd,
-            view,
-            pyramid,
-            records,
-            numbers,
-            (self.largest_scale(), self.margin_px()),
-        )
+        EightMiddles::of(simd, view, pyramid, self.points, self.shapes, numbers, self.extent())
     }
 
     /// How they are turned, if any of them is seen.
