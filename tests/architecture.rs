@@ -9,6 +9,7 @@
 //!   and fields) do not count.
 //! - A feature of the window is imported by files of its folder and by the table of features; other files that do are
 //!   listed.
+//! - No function takes several arguments as a tuple, but for those of a list.
 //! - Files have at most 600 lines of at most 120 columns.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -19,12 +20,14 @@ mod features;
 mod knots;
 #[path = "architecture/known.rs"]
 mod known;
+#[path = "architecture/parameters.rs"]
+mod parameters;
 #[path = "architecture/reader.rs"]
 mod reader;
 #[path = "architecture/sources.rs"]
 mod sources;
 
-use known::{FEATURES_NAMED_ELSEWHERE, KNOTS};
+use known::{FEATURES_NAMED_ELSEWHERE, KNOTS, TUPLES_IN_PARAMETERS};
 use sources::Sources;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -282,6 +285,33 @@ fn a_feature_is_named_in_its_folder_and_in_the_table() {
                 .filter(|file| !foreign.contains_key(*file))
                 .map(|file| format!("{file} names no feature of others any more: take it off the list")),
         )
+        .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn arguments_have_names() {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for (file, text) in rust_files() {
+        for (name, _) in parameters::tuples(&text) {
+            *counts.entry(format!("{file}: {name}")).or_default() += 1;
+        }
+    }
+    let known: BTreeMap<String, usize> = TUPLES_IN_PARAMETERS
+        .iter()
+        .map(|(function, count)| ((*function).to_owned(), *count))
+        .collect();
+    let functions: BTreeSet<&String> = counts.keys().chain(known.keys()).collect();
+    let wrong: Vec<String> = functions
+        .into_iter()
+        .filter(|function| counts.get(*function) != known.get(*function))
+        .map(|function| {
+            format!(
+                "{function} has {:?} parameters that are tuples: give their parts names. The list has {:?}",
+                counts.get(function),
+                known.get(function)
+            )
+        })
         .collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

@@ -46,7 +46,7 @@ pub use levels::{has_moving_levels, in_cells};
 pub use onion_skin::OnionSkin;
 pub use options::{ChangeColors, ComposeOptions, TrailLook};
 pub use packet::{Drawn, PictureView, packet};
-pub use photographs::{DepthsAhead, PHOTOGRAPH_BYTES, PhotographsStep, on_surface, photographs_apply};
+pub use photographs::{DepthsAhead, PHOTOGRAPH_BYTES, on_surface, photographs_apply};
 pub use points_in_view::points_in_view;
 pub use stages::STAGES;
 pub use step::{Lane, MakeStep, Stage, Step};

@@ -47,11 +47,9 @@ pub fn on_surface(
 
 /// Photographs for a frame.
 #[derive(Debug)]
-pub struct PhotographsStep {
-    /// The photographs.
-    pub photographs: Arc<Photographs>,
-    /// How their depths are drawn ahead; else whoever draws the packet does that first.
-    pub ahead: Option<DepthsAhead>,
+struct PhotographsStep {
+    photographs: Arc<Photographs>,
+    ahead: Option<DepthsAhead>,
 }
 
 /// How the depths that photographs see of a frame are drawn.
@@ -75,17 +73,8 @@ fn step(inputs: &Inputs<'_>, problems: &mut Vec<Problem>) -> Option<Arc<dyn Step
     let photographs = Some(loaded.photographs).filter(|photographs| !photographs.all().is_empty())?;
     Some(Arc::new(PhotographsStep {
         photographs,
-        ahead: None,
+        ahead: inputs.frames.depths_ahead(),
     }))
-}
-
-impl PhotographsStep {
-    /// Puts the photographs on the frame.
-    pub fn put_on(&self, composed: &mut Composed) {
-        let photographs = Arc::clone(&self.photographs);
-        composed.frame = Arc::new(composed.frame.with_photographs(photographs));
-        composed.depths = self.ahead.map(|ahead| Arc::new(ahead.drawn(composed)));
-    }
 }
 
 impl DepthsAhead {
@@ -107,7 +96,9 @@ impl Step for PhotographsStep {
     }
 
     fn run(&self, composed: &mut Composed, _progress: &Progress) -> Result<(), CloudError> {
-        self.put_on(composed);
+        let photographs = Arc::clone(&self.photographs);
+        composed.frame = Arc::new(composed.frame.with_photographs(photographs));
+        composed.depths = self.ahead.map(|ahead| Arc::new(ahead.drawn(composed)));
         Ok(())
     }
 }

@@ -75,12 +75,12 @@ pub use screen_surfels::screen_view;
 pub use shadow::Shadow;
 pub(crate) use style::choices;
 pub use style::{
-    Antialiasing, Automatic, BackFaces, Backdrop, Background, Choice, CodeStyle, DrawingSettings, DrawingStyle,
-    EyeDome, Footprint, Kernel, LevelStructure, LevelStyle, LightRig, LightSettings, LightStyle, Lighting, NormalBits,
-    NormalSource, OfSequence, OffsetBits, OnOff, ParseChoiceError, PhotoClipping, PhotoGains, PhotoHoles, PhotoMode,
-    PhotoRelight, PhotoStyle, PointLight, PointShape, PointSizing, PointStyle, Primitive, RendererChoice, Settings,
-    SplatFilter, SplatGeometry, Splatting, Strategy, Style, SurfelColors, SurfelSettings, SurfelStyle, VoxelLight,
-    VoxelStyle, coloring, describe,
+    Antialiasing, Automatic, BackFaces, Backdrop, Background, Choice, CodeStyle, DrawSettings, DrawingSettings,
+    DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure, LevelStyle, LightRig, LightSettings, LightStyle,
+    Lighting, NormalBits, NormalSource, OfSequence, OffsetBits, OnOff, Painted, ParseChoiceError, PhotoClipping,
+    PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle, PointLight, PointShape, PointSizing, PointStyle,
+    Primitive, RendererChoice, Settings, SplatFilter, SplatGeometry, Splatting, Strategy, Style, SurfelColors,
+    SurfelSettings, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
 };
 pub use view_text::ParseViewError;
 pub use visible_points::{PointImages, ScreenStats, VisiblePoints, VisibleSurfels};

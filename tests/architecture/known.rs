@@ -44,3 +44,7 @@ pub(crate) const FEATURES_NAMED_ELSEWHERE: &[(&str, &[&str])] = &[
     ("app/state/pictures.rs", &["photos"]),
     ("app/state/session.rs", &["beside", "inspection", "quality"]),
 ];
+
+/// Functions with parameters that are tuples, and how many: a pair that is made as one and handed on as one. This list
+/// may shrink, never grow.
+pub(crate) const TUPLES_IN_PARAMETERS: &[(&str, usize)] = &[];

@@ -252,7 +252,7 @@ fn measure_way(
         let uploaded_bytes = runner.stats().uploaded_bytes - uploaded_before;
         let on_white = way.with(|style| style.backdrop.background = Background::solid([255; 3]));
         let white_packet = ScenePacket {
-            style: on_white,
+            style: on_white.painted(),
             ..drawn_packet.clone()
         };
         let on_white = runner.image(&white_packet)?;
@@ -279,7 +279,7 @@ fn measure_way(
 }
 
 /// Whether depths of what a way shows can be drawn: not of splats without depth, nor of byte codes.
-fn shows_known_surface(way: &Style) -> bool {
+fn shows_known_surface<C: Copy>(way: &Style<C>) -> bool {
     way.leaves_depths() && !way.draws_codes()
 }
 

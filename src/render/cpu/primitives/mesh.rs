@@ -10,7 +10,7 @@ use crate::render::cpu::sprites::Sprite;
 use crate::render::cpu::tile::{Tile, WIDTH};
 use crate::render::cpu::triangle::{ShadedTriangle, TextureOnTriangle, Triangle, TriangleLight, TriangleShading, fill};
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::{PointStyle, ScenePacket, Style};
+use crate::scene::{DrawSettings, PointStyle, ScenePacket};
 use fearless_simd::Simd;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -23,7 +23,7 @@ const VERTICES_PER_TASK: usize = 1 << 12;
 #[derive(Debug, Clone, Copy)]
 pub(in crate::render::cpu) struct Mesh<'a> {
     pub(super) records: &'a MeshRecords,
-    pub(super) style: &'a Style,
+    pub(super) style: &'a DrawSettings,
 }
 
 impl Placed for Mesh<'_> {
