@@ -1,8 +1,8 @@
 //! Sessions on the command line: their files are inputs of every verb; `render` and `view` take the rest as well.
 
-use super::stream::tell_of_connection;
-use super::values::DEMO_INPUT;
-use super::warnings;
+use crate::cli::options::values::DEMO_INPUT;
+use crate::cli::terminal::stream::tell_of_connection;
+use crate::cli::terminal::warnings;
 use crate::document::{ReadSession, session_of};
 use crate::messages::frame_by_index;
 use crate::scene::Clip;

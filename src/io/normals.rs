@@ -4,15 +4,17 @@
 //! in the other. What a file holds is read off its header alone, so that a folder of such files costs a small read a
 //! file.
 
-use super::contents::Part;
-use super::error::Fault;
-use super::error::IoError;
-use super::format::Format;
-use super::list::first_bytes;
-use super::options::ReadOptions;
-use super::read::read_part_observed;
-use super::{attributes, mesh, watched, xyz};
 use crate::cloud::RawCloud;
+use crate::io::columns::attributes;
+use crate::io::contents::Part;
+use crate::io::error::{Fault, IoError};
+use crate::io::files::watched;
+use crate::io::format::Format;
+use crate::io::formats::xyz;
+use crate::io::list::first_bytes;
+use crate::io::meshes::mesh;
+use crate::io::options::ReadOptions;
+use crate::io::read::read_part_observed;
 use crate::progress::Progress;
 use std::io::Read as _;
 use std::path::Path;
@@ -72,7 +74,7 @@ fn rows_of_text(head: &[u8]) -> Option<RowContents> {
     (counts.len() > 1 && counts.iter().all(|&count| count < 3)).then_some(RowContents::Other)
 }
 
-/// [`super::read_part_observed`] of a whole file whose normals are in the file at `normals`. Normals of its own go
+/// [`crate::io::read_part_observed`] of a whole file whose normals are in the file at `normals`. Normals of its own go
 /// first. Those that cannot be read, or are not as many as the points, are left out with a warning.
 pub(crate) fn read_with_normals(
     path: &Path,

@@ -1,7 +1,7 @@
 //! Memory that reading may take, and what it makes of meshes.
 
-use super::column_map::ColumnMap;
-use super::format::Format;
+use crate::io::columns::column_map::ColumnMap;
+use crate::io::format::Format;
 use std::num::NonZeroUsize;
 
 /// How files are read.
@@ -21,7 +21,7 @@ pub struct ReadOptions {
     /// Meaning of the columns of text and of files without a header (`.bin`); their names and values decide if `None`.
     pub columns: Option<ColumnMap>,
     /// Bytes of them that are in memory while the rest is read, such as the file itself.
-    pub(super) held_bytes: u64,
+    pub(in crate::io) held_bytes: u64,
 }
 
 impl ReadOptions {
@@ -29,7 +29,7 @@ impl ReadOptions {
     const FALLBACK_BYTES: u64 = 4 << 30;
 
     /// What holds for a file of `format`.
-    pub(super) fn of_format(self, format: Format) -> Self {
+    pub(in crate::io) fn of_format(self, format: Format) -> Self {
         let of_meshes = self.mesh_sample_count.filter(|_| format.is_for_meshes());
         self.with_sample_count(self.sample_count.or(of_meshes))
     }

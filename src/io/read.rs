@@ -3,12 +3,15 @@
 use super::codec::Encoded;
 use super::contents::Part;
 use super::error::{Fault, IoError};
-use super::fixed_rows::FixedRows;
 use super::format::Format;
 use super::list::{first_bytes, list_format};
-use super::options::ReadOptions;
-use super::{archive, las, mesh, packets, recording, watched};
 use crate::cloud::{RawCloud, even_places};
+use crate::io::columns::fixed_rows::FixedRows;
+use crate::io::files::watched;
+use crate::io::formats::las;
+use crate::io::meshes::mesh;
+use crate::io::options::ReadOptions;
+use crate::io::recordings::{archive, packets, recording};
 use crate::progress::Progress;
 use std::path::Path;
 use std::time::Duration;

@@ -1,15 +1,15 @@
 //! What the frames of one file share is read once, and fails once.
 
-use super::contents::Part;
-use super::error::IoError;
-use super::format::Format;
-use super::gltf::{self, Scene};
-use super::npy::{self, Arrays};
 use super::options::ReadOptions;
-use super::read::{finished, read_part_observed};
-use super::watched;
-use super::xyz::{self, Table};
 use crate::cloud::RawCloud;
+use crate::io::contents::Part;
+use crate::io::error::IoError;
+use crate::io::files::watched;
+use crate::io::format::Format;
+use crate::io::formats::gltf::{self, Scene};
+use crate::io::formats::npy::{self, Arrays};
+use crate::io::formats::xyz::{self, Table};
+use crate::io::read::{finished, read_part_observed};
 use crate::locks::lock;
 use crate::progress::Progress;
 use std::path::{Path, PathBuf};

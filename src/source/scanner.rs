@@ -6,7 +6,7 @@
 //! [`RING_BYTES`] of packets: what is older is gone for good.
 //!
 //! A sensor that sends nothing for [`ClientDeadlines::sensor_silence`] loses its place to the next one that sends;
-//! packets that stray have none (`io/packets/streams.rs`).
+//! packets that stray have none (`io/recordings/packets/streams.rs`).
 //!
 //! What follows the address behind a `?` is the file that packets of some sensors cannot be read without: metadata of
 //! Ouster, or the calibration of an HDL-64E.
@@ -15,7 +15,7 @@ use super::opener::One;
 use super::{About, Capabilities, DecodeFailure, DecodedFrame, Decoder, FrameEntry, Growth, SequenceError, Source};
 use crate::deadlines::ClientDeadlines;
 use crate::io::ReadOptions;
-use crate::io::packets::{Companion, LiveTurn, LiveTurns};
+use crate::io::recordings::packets::{Companion, LiveTurn, LiveTurns};
 use crate::locks::lock;
 use crate::progress::Progress;
 use crate::waiting::Waiting;

@@ -5,7 +5,7 @@ use super::cameras::{CameraFields, checked_size, read_transform, write_camera, w
 use super::error::WireError;
 use super::packed_image::{PackedImage, Packing};
 use crate::io::raster::{Raster, Samples};
-use crate::io::recording::camera::rvl;
+use crate::io::recordings::recording::camera::rvl;
 use crate::rgbd::{ColorCamera, Rig};
 use glam::DAffine3;
 use image::ExtendedColorType;

@@ -2,7 +2,7 @@
 
 use super::error::WireError;
 use crate::io::raster::{self, Raster, Samples};
-use crate::io::recording::camera::rvl;
+use crate::io::recordings::recording::camera::rvl;
 use std::ops::Range;
 use std::sync::Arc;
 

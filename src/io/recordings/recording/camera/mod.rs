@@ -1,0 +1,50 @@
+//! What cameras publish: images, the numbers of their lenses, and where one frame of reference is from another.
+//!
+//! The messages are those of ROS (`sensor_msgs`, `tf2_msgs`), of both versions, and what `librealsense` writes beside
+//! them into its own bags. Which topics belong together is the matter of those who read a recording.
+
+mod bayer;
+mod compressed;
+mod messages;
+mod pixels;
+pub(crate) mod rvl;
+mod topics;
+mod yuv;
+
+pub(crate) use messages::{CameraInfo, ImageHead, Link, Window, camera_info, extrinsics, head, links, number};
+pub(crate) use topics::{CameraMessage, CameraTopic, CameraTopics};
+
+use super::message::Message;
+use crate::io::raster::Raster;
+
+/// The image of a message; the error is the end of a sentence.
+pub(super) fn image(bytes: &[u8], message: &Message, kind: CameraMessage, most_bytes: u64) -> Result<Raster, String> {
+    const CUT: &str = "the message ends before its last field: it is truncated or damaged";
+    if kind == CameraMessage::CompressedImage {
+        let image = messages::compressed(bytes, message).ok_or(CUT)?;
+        return compressed::raster(&image, most_bytes);
+    }
+    pixels::raster(&messages::raw(bytes, message).ok_or(CUT)?, most_bytes)
+}
+
+/// The image of bytes that no message is around: pixels as `sensor_msgs/Image` calls them, in rows without gaps; the
+/// error is the end of a sentence.
+pub(crate) fn bare_image(
+    encoding: &str,
+    size_px: [u32; 2],
+    big_endian: bool,
+    data: &[u8],
+    most_bytes: u64,
+) -> Result<Raster, String> {
+    let image = messages::RawImage {
+        head: ImageHead {
+            frame_id: String::new(),
+            encoding: encoding.to_owned(),
+        },
+        size_px,
+        big_endian,
+        step: pixels::row_bytes(encoding, size_px[0])?,
+        data,
+    };
+    pixels::raster(&image, most_bytes)
+}
