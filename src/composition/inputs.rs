@@ -1,8 +1,8 @@
 //! All that stages take.
 
 use super::composed::Coarse;
+use super::depths_ahead::DepthsAhead;
 use super::options::ComposeOptions;
-use super::photographs::DepthsAhead;
 use crate::measure::Change;
 use crate::photos::LoadedPhotographs;
 use crate::scene::Style;

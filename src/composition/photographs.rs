@@ -2,16 +2,16 @@
 //! drawn ahead where pictures are not to wait for that.
 
 use super::composed::{Composed, Problem};
+use super::depths_ahead::DepthsAhead;
 use super::inputs::Inputs;
 use super::options::ComposeOptions;
 use super::step::{Lane, Stage, Step, same_stage};
 use crate::cloud::CloudError;
 use crate::photos::{Photographs, ViewSet};
 use crate::progress::Progress;
-use crate::scene::{Camera, PhotoDepths, PhotoMode, Scene, ScenePacket, Style, UpAxis};
+use crate::scene::Style;
 use crate::sequence::Sequence;
 use crate::stereo::photo_surface;
-use glam::DVec3;
 use std::sync::Arc;
 
 /// Texels of all photographs together, with their mip levels.
@@ -52,17 +52,6 @@ struct PhotographsStep {
     ahead: Option<DepthsAhead>,
 }
 
-/// How the depths that photographs see of a frame are drawn.
-#[derive(Debug, Clone, Copy)]
-pub struct DepthsAhead {
-    /// Disks are as large as this says.
-    pub style: Style,
-    /// Of the positions of the frame.
-    pub origin: DVec3,
-    /// A renderer.
-    pub draw: fn(&ScenePacket) -> PhotoDepths,
-}
-
 fn step(inputs: &Inputs<'_>, problems: &mut Vec<Problem>) -> Option<Arc<dyn Step>> {
     if !photographs_apply(inputs.options, inputs.style) {
         return None;
@@ -75,16 +64,6 @@ fn step(inputs: &Inputs<'_>, problems: &mut Vec<Problem>) -> Option<Arc<dyn Step
         photographs,
         ahead: inputs.frames.depths_ahead(),
     }))
-}
-
-impl DepthsAhead {
-    fn drawn(mut self, composed: &Composed) -> PhotoDepths {
-        // They depend neither on where the eye is nor on how many photographs are blended.
-        self.style.photos.mode = PhotoMode::Vdts;
-        let camera = Camera::framing(&composed.frame.frame.bounds(), self.origin, UpAxis::Y);
-        let packet = Scene::default().packet(&composed.frame, self.origin, &camera, &self.style, [1; 2]);
-        (self.draw)(&packet)
-    }
 }
 
 impl Step for PhotographsStep {

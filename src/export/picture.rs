@@ -231,7 +231,7 @@ fn for_each_strip(
         .has_scale_bar
         .then(|| PaintedBar::of(camera, size_px, unit))
         .flatten();
-    let labels = headless.labels_on((frame.index, &style), camera, (&packet, size_px));
+    let labels = headless.labels_on(frame.index, &style, camera, &packet, size_px);
     let labels = PaintedLabels::of(&labels, size_px);
     let mut take = |mut strip: RgbaImage, top: u32| {
         let mut canvas = OverlayCanvas {

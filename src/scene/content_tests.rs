@@ -145,7 +145,8 @@ fn contents_are_equal_if_all_of_their_parts_are() {
             assert_eq!(content == other, are_nothing, "{content:?} {other:?}");
         }
         for (part, other) in changed(&content).iter().enumerate() {
-            assert!(content != *other && *other != content, "part {part} of {content:?}");
+            assert_ne!(content, *other, "part {part}");
+            assert_ne!(*other, content, "part {part}");
         }
     }
     assert_eq!(all().count(), 8);

@@ -148,7 +148,7 @@ fn points_of_scene(style: &mut Style, shape: PointShape) {
 }
 
 /// Light for each vertex, as in the paper.
-fn style((_, change): Kind) -> Style {
+fn style(change: fn(&mut Style)) -> Style {
     let usual = Style::default().with(|style| {
         style.primitive = Primitive::Surfel;
         style.light.lighting = Lighting::PerVertex;
@@ -210,14 +210,13 @@ fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject
         point_counts.push(frame.points.len() as f64);
         let frame = with_mesh(subject, index, frame);
         complexities.clear();
-        for (kind, samples) in KINDS.into_iter().zip(&mut samples) {
-            let (primitive, _) = kind;
+        for ((primitive, change), samples) in KINDS.into_iter().zip(&mut samples) {
             run.begin_step(format!("{}: {primitive}", subject.named(index)))?;
-            if style(kind).primitive == Primitive::Mesh && frame.triangles().is_none() {
+            if style(change).primitive == Primitive::Mesh && frame.triangles().is_none() {
                 continue;
             }
             for ((_, distance), samples) in VIEWS.into_iter().zip(samples) {
-                let packets = packets(run, subject, &frame, &style(kind), distance);
+                let packets = packets(run, subject, &frame, &style(change), distance);
                 samples.measure(run, processor, &packets)?;
                 if complexities.last().is_none_or(|&(known, _)| known != primitive) {
                     complexities.push((primitive, packets.first().map(passes_of).unwrap_or_default()));
@@ -257,7 +256,7 @@ fn with_mesh(subject: &Subject<'_>, index: usize, mut frame: PreparedFrame) -> P
 
 /// What all primitives are made from.
 fn needs() -> Needs {
-    let all = KINDS.map(|kind| Scene::needs(&style(kind)));
+    let all = KINDS.map(|(_, change)| Scene::needs(&style(change)));
     Needs {
         shapes: all.iter().any(|needs| needs.shapes),
         ellipses: all.iter().any(|needs| needs.ellipses),

@@ -296,7 +296,7 @@ impl GpuRenderer {
         if self.targets.as_ref().is_some_and(is_made) {
             return Ok(());
         }
-        let ([width, height], _) = sizes_px;
+        let [width, height] = sizes_px.drawn;
         let max = self.context.max_edge_px();
         if width > max || height > max {
             return Err(RenderError::TooLarge { width, height, max });
@@ -468,7 +468,10 @@ impl Renderer for GpuRenderer {
         let drawn = self.as_drawn(packet);
         let plan = Plan::new(&drawn, self.context.blends_single_floats);
         let is_smoothed = plan.makes_another();
-        let sizes_px = (drawn.viewport_px, is_smoothed.then_some(packet.viewport_px));
+        let sizes_px = SizesPx {
+            drawn: drawn.viewport_px,
+            shown: is_smoothed.then_some(packet.viewport_px),
+        };
         self.ensure_targets(sizes_px, plan.precision)?;
         let strategy = packet.style.drawing.strategy;
         if self.strategy != strategy {

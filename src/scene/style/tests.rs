@@ -166,7 +166,7 @@ fn sources_and_maps_of_colours_have_their_words() {
 #[test]
 fn a_choice_is_open_or_made_and_reads_back_from_its_name_and_value() {
     fn check<T: Automatic + std::fmt::Debug>(other: T) {
-        let (open, all) = (Choice::<T>::Auto, Vec::from_iter(Choice::<T>::all()));
+        let (open, all) = (Choice::<T>::Auto, Choice::<T>::all().collect::<Vec<_>>());
         assert_eq!(all[0], open);
         assert_eq!(all.len(), Choice::<T>::WORDS.list.len());
         assert!(open.is_open() && open.chosen().is_none() && open != other);

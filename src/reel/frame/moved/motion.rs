@@ -51,7 +51,7 @@ pub(super) fn code_motion<C: BitCoder>(
             code_level(
                 coder,
                 &mut models,
-                Foreseen {
+                &Foreseen {
                     plan: &followed.plans[level],
                     parents,
                     differences: &differences,
@@ -76,7 +76,7 @@ struct Foreseen<'a> {
 fn code_level<C: BitCoder>(
     coder: &mut C,
     models: &mut MotionModels,
-    foreseen: Foreseen<'_>,
+    foreseen: &Foreseen<'_>,
     steps: &mut [[i32; 3]],
     unit: i32,
 ) {
@@ -84,7 +84,7 @@ fn code_level<C: BitCoder>(
         plan,
         parents,
         differences,
-    } = foreseen;
+    } = *foreseen;
     let mut last_parent = NONE;
     // What the sisters moved otherwise than was foreseen, and what the node before was off by.
     let mut others = [0i32; 3];
