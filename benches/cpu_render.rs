@@ -107,7 +107,8 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
         style: Style {
             primitive,
             ..Style::default()
-        },
+        }
+        .painted(),
         content,
         ground: None,
         photographs: None,

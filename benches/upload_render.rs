@@ -63,10 +63,12 @@ fn sphere(count: usize, primitive: Primitive, strategy: Strategy) -> ScenePacket
     ScenePacket {
         viewport_px: SIZE_PX,
         view: camera.transform(DVec3::ZERO, SIZE_PX),
-        style: Style::default().with(|style| {
-            style.primitive = primitive;
-            style.drawing.strategy = strategy;
-        }),
+        style: Style::default()
+            .with(|style| {
+                style.primitive = primitive;
+                style.drawing.strategy = strategy;
+            })
+            .painted(),
         content: {
             let points = Arc::new(points.collect());
             if primitive == Primitive::Surfel {

@@ -196,9 +196,11 @@ impl Headless {
     /// shown; ghosts in the packet are of others.
     pub fn labels_on(
         &self,
-        (index, style): (usize, &Style),
+        index: usize,
+        style: &Style,
         camera: &Camera,
-        packet: (&ScenePacket, [u32; 2]),
+        packet: &ScenePacket,
+        size_px: [u32; 2],
     ) -> Vec<(LabelOnPicture, String)> {
         if self.labels.is_empty() {
             return Vec::new();
@@ -208,7 +210,7 @@ impl Headless {
             return Vec::new();
         };
         let origin = self.sequence.origin();
-        let placed = labels_on_picture(&self.labels, (&pose, origin), camera, packet);
+        let placed = labels_on_picture(&self.labels, &pose, origin, camera, packet, size_px);
         let text = |label: &LabelOnPicture| self.labels[label.label].text.clone();
         placed.into_iter().map(|label| (label.clone(), text(&label))).collect()
     }

@@ -11,6 +11,7 @@
 //! - A feature of the window is imported by files of its folder and by the table of features; other files that do are
 //!   listed.
 //! - Words that `docs/glossary.md` replaces are counted; their numbers may only shrink.
+//! - No function takes several arguments as a tuple, but for those of a list.
 //! - Files have at most 600 lines of at most 120 columns.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -21,6 +22,8 @@ mod features;
 mod knots;
 #[path = "architecture/known.rs"]
 mod known;
+#[path = "architecture/parameters.rs"]
+mod parameters;
 #[path = "architecture/reader.rs"]
 mod reader;
 #[path = "architecture/sources.rs"]
@@ -28,7 +31,7 @@ mod sources;
 #[path = "architecture/words.rs"]
 mod words;
 
-use known::{FEATURES_NAMED_ELSEWHERE, KNOTS};
+use known::{FEATURES_NAMED_ELSEWHERE, KNOTS, TUPLES_IN_PARAMETERS};
 use sources::Sources;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -402,6 +405,33 @@ fn words_that_the_glossary_replaces_only_shrink() {
         known == found,
         "words have gone: run this test with POINTREEL_UPDATE_WORDS=1 and commit tests/architecture/words.tsv"
     );
+}
+
+#[test]
+fn arguments_have_names() {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for (file, text) in rust_files() {
+        for (name, _) in parameters::tuples(&text) {
+            *counts.entry(format!("{file}: {name}")).or_default() += 1;
+        }
+    }
+    let known: BTreeMap<String, usize> = TUPLES_IN_PARAMETERS
+        .iter()
+        .map(|(function, count)| ((*function).to_owned(), *count))
+        .collect();
+    let functions: BTreeSet<&String> = counts.keys().chain(known.keys()).collect();
+    let wrong: Vec<String> = functions
+        .into_iter()
+        .filter(|function| counts.get(*function) != known.get(*function))
+        .map(|function| {
+            format!(
+                "{function} has {:?} parameters that are tuples: give their parts names. The list has {:?}",
+                counts.get(function),
+                known.get(function)
+            )
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]

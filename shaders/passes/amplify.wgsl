@@ -7,19 +7,7 @@
 #import common/scan.wgsl
 #import generated/amplification
 #import generated/constants
-
-// The first four words are also those of a draw of vertices without indices.
-struct DrawIndexedIndirect {
-    index_count: u32,
-    instance_count: u32,
-    first_index: u32,
-    base_vertex: i32,
-    first_instance: u32,
-}
-
-@group(OUTPUT_GROUP) @binding(0) var<storage, read_write> vertices: array<SplatVertex>;
-@group(OUTPUT_GROUP) @binding(1) var<storage, read_write> group_offsets: array<u32>;
-@group(OUTPUT_GROUP) @binding(2) var<storage, read_write> draw: DrawIndexedIndirect;
+#import generated/outputs
 
 fn keeps(record: u32) -> u32 {
     if (record >= arrayLength(&points)) {

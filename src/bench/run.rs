@@ -206,11 +206,10 @@ impl<'a> Run<'a> {
         style: &Style,
     ) -> Result<Cover, BenchError> {
         self.check_cancelled()?;
-        let origin = subject.sequence.origin();
         let mut scene = Scene::default();
         let mut on_background = |background| {
             let style = style.with(|style| style.backdrop.background = Background::solid(background));
-            let packet = scene.packet(frame, origin, camera, &style, self.options.viewport_px);
+            let packet = subject.packet(&mut scene, frame, camera, &style, self.options.viewport_px);
             self.runner.image(&packet)
         };
         let [first, second] = COVERAGE_BACKGROUNDS;

@@ -1,8 +1,9 @@
 //! One sequence of a run, and where it is looked at from.
 
 use super::scenario;
+use crate::composition::{PictureView, packet};
 use crate::messages::frame_place;
-use crate::scene::{Camera, FirstLook};
+use crate::scene::{Camera, FirstLook, Scene, ScenePacket, Style};
 use crate::sequence::{PreparedFrame, Sequence, Shape};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -20,6 +21,23 @@ impl Subject<'_> {
     /// A frame of it, for people.
     pub(super) fn named(&self, index: usize) -> String {
         format!("{} {}", self.name, frame_place(index, self.sequence.len()))
+    }
+
+    /// The packet of a picture of `frame` from `camera`; `scene` remembers the last one.
+    pub(super) fn packet(
+        &self,
+        scene: &mut Scene,
+        frame: &PreparedFrame,
+        camera: &Camera,
+        style: &Style,
+        size_px: [u32; 2],
+    ) -> ScenePacket {
+        let view = PictureView {
+            camera,
+            origin: self.sequence.origin(),
+            size_px,
+        };
+        packet(scene, frame, &view, style)
     }
 
     /// The whole of `frame`, upright.

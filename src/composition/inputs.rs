@@ -1,6 +1,7 @@
 //! All that stages take.
 
 use super::composed::Coarse;
+use super::depths_ahead::DepthsAhead;
 use super::options::ComposeOptions;
 use crate::measure::Change;
 use crate::photos::LoadedPhotographs;
@@ -9,26 +10,41 @@ use crate::sequence::{FrameError, Needs, PreparedFrame, Sequence};
 use std::fmt;
 use std::sync::Arc;
 
-/// Other frames and photographs: without a window they are waited for, with one they are those in memory.
+/// Other frames and photographs: without a window they are waited for, with one they are those in memory. There are none
+/// but for what is said.
 pub trait Frames: fmt::Debug {
     /// Number of frames of the sequence.
-    fn frame_count(&self) -> usize;
+    fn frame_count(&self) -> usize {
+        0
+    }
 
     /// Frame `index` with all its points, for measuring.
     ///
     /// # Errors
     /// If it cannot be read.
-    fn whole(&self, index: usize, needs: &Needs) -> Result<WholeFrame, FrameError>;
+    fn whole(&self, index: usize, _needs: &Needs) -> Result<WholeFrame, FrameError> {
+        let count = self.frame_count();
+        Err(FrameError::NoSuchFrame { index, count })
+    }
 
     /// Frame `index` for drawing; `None` if it is not there and nobody waits for it.
     ///
     /// # Errors
     /// If it cannot be read.
-    fn drawable(&self, index: usize, needs: &Needs) -> Result<Option<Arc<PreparedFrame>>, FrameError>;
+    fn drawable(&self, _index: usize, _needs: &Needs) -> Result<Option<Arc<PreparedFrame>>, FrameError> {
+        Ok(None)
+    }
 
     /// The photographs of frame `index` but for these numbers, on their surface if they are of one scene, and notes on
     /// those that could not be loaded.
-    fn photographs(&self, index: usize, left_out: &[usize]) -> Option<LoadedPhotographs>;
+    fn photographs(&self, _index: usize, _left_out: &[usize]) -> Option<LoadedPhotographs> {
+        None
+    }
+
+    /// How depths that photographs see are drawn ahead; else whoever draws the packet does that first.
+    fn depths_ahead(&self) -> Option<DepthsAhead> {
+        None
+    }
 
     /// The distances of `pose` to frame `to`, if they were kept.
     fn known_change(&self, _pose: &PreparedFrame, _to: usize) -> Option<Arc<Change>> {
@@ -75,25 +91,20 @@ static NO_OPTIONS: ComposeOptions = ComposeOptions::NONE;
 #[derive(Debug)]
 struct NoFrames;
 
-impl Frames for NoFrames {
-    fn frame_count(&self) -> usize {
-        0
-    }
-
-    fn whole(&self, index: usize, _needs: &Needs) -> Result<WholeFrame, FrameError> {
-        Err(FrameError::NoSuchFrame { index, count: 0 })
-    }
-
-    fn drawable(&self, _index: usize, _needs: &Needs) -> Result<Option<Arc<PreparedFrame>>, FrameError> {
-        Ok(None)
-    }
-
-    fn photographs(&self, _index: usize, _left_out: &[usize]) -> Option<LoadedPhotographs> {
-        None
-    }
-}
+impl Frames for NoFrames {}
 
 impl<'a> Inputs<'a> {
+    /// Those of [`Lane::Photographs`](super::Lane::Photographs), for a frame whose photographs are there.
+    pub fn of_photographs(pose: &'a PreparedFrame, style: &'a Style, frames: &'a dyn Frames) -> Self {
+        Self {
+            pose,
+            options: &NO_OPTIONS,
+            style,
+            frames,
+            stand_ins: StandIns::default(),
+        }
+    }
+
     /// Those of [`Lane::View`](super::Lane::View), for a pose that is composed but for that.
     pub fn of_view(pose: &'a PreparedFrame, style: &'a Style, stand_ins: StandIns) -> Self {
         Self {

@@ -21,6 +21,7 @@
 mod change;
 mod composed;
 mod composer;
+mod depths_ahead;
 mod drawable;
 mod ghosts;
 mod in_view;
@@ -38,6 +39,7 @@ mod trails;
 
 pub use composed::{Coarse, Composed, Measured, Problem};
 pub use composer::{Request, compose, with_stand_ins};
+pub use depths_ahead::DepthsAhead;
 pub use drawable::can_draw;
 pub use ghosts::{Ghost, with_ghosts};
 pub use in_view::ViewOfFrame;
@@ -46,7 +48,7 @@ pub use levels::{has_moving_levels, in_cells};
 pub use onion_skin::OnionSkin;
 pub use options::{ChangeColors, ComposeOptions, TrailLook};
 pub use packet::{Drawn, PictureView, packet};
-pub use photographs::{DepthsAhead, PHOTOGRAPH_BYTES, PhotographsStep, on_surface, photographs_apply};
+pub use photographs::{PHOTOGRAPH_BYTES, on_surface, photographs_apply};
 pub use points_in_view::points_in_view;
 pub use stages::STAGES;
 pub use step::{Lane, MakeStep, Stage, Step};

@@ -2,16 +2,16 @@
 //! drawn ahead where pictures are not to wait for that.
 
 use super::composed::{Composed, Problem};
+use super::depths_ahead::DepthsAhead;
 use super::inputs::Inputs;
 use super::options::ComposeOptions;
 use super::step::{Lane, Stage, Step, same_stage};
 use crate::cloud::CloudError;
 use crate::photos::{Photographs, ViewSet};
 use crate::progress::Progress;
-use crate::scene::{Camera, PhotoDepths, PhotoMode, Scene, ScenePacket, Style, UpAxis};
+use crate::scene::Style;
 use crate::sequence::Sequence;
 use crate::stereo::photo_surface;
-use glam::DVec3;
 use std::sync::Arc;
 
 /// Texels of all photographs together, with their mip levels.
@@ -47,22 +47,9 @@ pub fn on_surface(
 
 /// Photographs for a frame.
 #[derive(Debug)]
-pub struct PhotographsStep {
-    /// The photographs.
-    pub photographs: Arc<Photographs>,
-    /// How their depths are drawn ahead; else whoever draws the packet does that first.
-    pub ahead: Option<DepthsAhead>,
-}
-
-/// How the depths that photographs see of a frame are drawn.
-#[derive(Debug, Clone, Copy)]
-pub struct DepthsAhead {
-    /// Disks are as large as this says.
-    pub style: Style,
-    /// Of the positions of the frame.
-    pub origin: DVec3,
-    /// A renderer.
-    pub draw: fn(&ScenePacket) -> PhotoDepths,
+struct PhotographsStep {
+    photographs: Arc<Photographs>,
+    ahead: Option<DepthsAhead>,
 }
 
 fn step(inputs: &Inputs<'_>, problems: &mut Vec<Problem>) -> Option<Arc<dyn Step>> {
@@ -75,27 +62,8 @@ fn step(inputs: &Inputs<'_>, problems: &mut Vec<Problem>) -> Option<Arc<dyn Step
     let photographs = Some(loaded.photographs).filter(|photographs| !photographs.all().is_empty())?;
     Some(Arc::new(PhotographsStep {
         photographs,
-        ahead: None,
+        ahead: inputs.frames.depths_ahead(),
     }))
-}
-
-impl PhotographsStep {
-    /// Puts the photographs on the frame.
-    pub fn put_on(&self, composed: &mut Composed) {
-        let photographs = Arc::clone(&self.photographs);
-        composed.frame = Arc::new(composed.frame.with_photographs(photographs));
-        composed.depths = self.ahead.map(|ahead| Arc::new(ahead.drawn(composed)));
-    }
-}
-
-impl DepthsAhead {
-    fn drawn(mut self, composed: &Composed) -> PhotoDepths {
-        // They depend neither on where the eye is nor on how many photographs are blended.
-        self.style.photos.mode = PhotoMode::Vdts;
-        let camera = Camera::framing(&composed.frame.frame.bounds(), self.origin, UpAxis::Y);
-        let packet = Scene::default().packet(&composed.frame, self.origin, &camera, &self.style, [1; 2]);
-        (self.draw)(&packet)
-    }
 }
 
 impl Step for PhotographsStep {
@@ -107,7 +75,9 @@ impl Step for PhotographsStep {
     }
 
     fn run(&self, composed: &mut Composed, _progress: &Progress) -> Result<(), CloudError> {
-        self.put_on(composed);
+        let photographs = Arc::clone(&self.photographs);
+        composed.frame = Arc::new(composed.frame.with_photographs(photographs));
+        composed.depths = self.ahead.map(|ahead| Arc::new(ahead.drawn(composed)));
         Ok(())
     }
 }

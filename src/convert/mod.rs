@@ -86,7 +86,7 @@ fn convert_frames(
 ) -> Result<Converted, ConvertError> {
     let Shard { index, count } = conversion.shard;
     match &conversion.output {
-        Output::Reel(path, options) => reel::convert(sequence, conversion, (path, options), &frames, progress),
+        Output::Reel(path, options) => reel::convert(sequence, conversion, path, options, &frames, progress),
         Output::Folder(folder) => {
             let frames: Vec<usize> = frames.into_iter().filter(|frame| frame % count == index).collect();
             folder::convert(sequence, conversion, folder, &frames, progress)

@@ -112,11 +112,32 @@ fn write_error(path: &Path) -> impl Fn(std::io::Error) -> ConvertError + Copy {
     }
 }
 
-/// Converts `frames` of `sequence` into the sequence file `output`.
+/// What is converted, how, and into which sequence file.
+struct Work<'a> {
+    sequence: &'a Sequence,
+    conversion: &'a Conversion,
+    output: &'a Path,
+    options: &'a ReelOptions,
+    /// Those of this part.
+    frames: &'a [usize],
+    progress: &'a Progress,
+}
+
+/// A sequence file that is written.
+struct Open<'a> {
+    unfinished: &'a Unfinished,
+    writer: Writer,
+    ledger: Ledger,
+    /// Removed unless a group is written.
+    until_a_group: Vec<Temporary>,
+}
+
+/// Converts frames of `sequence` into the sequence file `output`.
 pub(super) fn convert(
     sequence: &Sequence,
     conversion: &Conversion,
-    (output, options): (&Path, &ReelOptions),
+    output: &Path,
+    options: &ReelOptions,
     all_frames: &[usize],
     progress: &Progress,
 ) -> Result<Converted, ConvertError> {
@@ -170,36 +191,45 @@ pub(super) fn convert(
         (Writer::create_part(&unfinished.file, options.clone(), part)?, ledger)
     };
     converted.left = writer.frame_count();
-    write_frames(
-        (sequence, conversion, options),
-        (frames, output),
-        (writer, ledger, &unfinished, until_a_group),
-        (&mut converted, progress),
-    )?;
+    let work = Work {
+        sequence,
+        conversion,
+        output,
+        options,
+        frames,
+        progress,
+    };
+    let open = Open {
+        unfinished: &unfinished,
+        writer,
+        ledger,
+        until_a_group,
+    };
+    write_frames(&work, open, &mut converted)?;
     Ok(converted)
 }
 
-/// Writes those of `frames` that are not in the unfinished file yet, and gives it its name.
-fn write_frames(
-    (sequence, conversion, options): (&Sequence, &Conversion, &ReelOptions),
-    (frames, output): (&[usize], &Path),
-    (mut writer, mut ledger, unfinished, mut until_a_group): (Writer, Ledger, &Unfinished, Vec<Temporary>),
-    (converted, progress): (&mut Converted, &Progress),
-) -> Result<(), ConvertError> {
+/// Writes those of the frames that are not in the unfinished file yet, and gives it its name.
+fn write_frames(work: &Work<'_>, open: Open<'_>, converted: &mut Converted) -> Result<(), ConvertError> {
+    let Work { frames, progress, .. } = *work;
+    let Open {
+        unfinished,
+        mut writer,
+        mut ledger,
+        mut until_a_group,
+    } = open;
     let readable = |frame: &usize| !ledger.left_out.contains(frame);
     let rest: Vec<usize> = frames.iter().copied().filter(readable).skip(converted.left).collect();
     progress.set(frames.len() - rest.len(), frames.len());
     let groups: Vec<&[usize]> = rest.chunks(ledger.group).collect();
     for together in groups.chunks(rayon::current_num_threads()) {
-        let encoded: Vec<Result<ConvertedGroup, ConvertError>> = together
-            .par_iter()
-            .map(|group| encoded(sequence, conversion, options, group, progress))
-            .collect();
+        let encoded: Vec<Result<ConvertedGroup, ConvertError>> =
+            together.par_iter().map(|group| encoded(work, group)).collect();
         for made in encoded {
             let made = made?;
             if made.is_cancelled {
                 converted.is_cancelled = true;
-                if conversion.overwrites || writer.frame_count() == 0 {
+                if work.conversion.overwrites || writer.frame_count() == 0 {
                     drop(writer);
                     unfinished.remove();
                 }
@@ -223,7 +253,7 @@ fn write_frames(
         unfinished.remove();
         return Ok(());
     }
-    finish(writer, output, unfinished)
+    finish(writer, work.output, unfinished)
 }
 
 /// A group as it came out.
@@ -263,13 +293,14 @@ pub(super) fn losses(cloud: &RawCloud, options: &ReelOptions) -> Losses {
     losses
 }
 
-fn encoded(
-    sequence: &Sequence,
-    conversion: &Conversion,
-    options: &ReelOptions,
-    frames: &[usize],
-    progress: &Progress,
-) -> Result<ConvertedGroup, ConvertError> {
+fn encoded(work: &Work<'_>, frames: &[usize]) -> Result<ConvertedGroup, ConvertError> {
+    let Work {
+        sequence,
+        conversion,
+        options,
+        progress,
+        ..
+    } = *work;
     let mut made = ConvertedGroup::default();
     let mut clouds: Vec<(RawCloud, Arc<FrameEntry>)> = Vec::new();
     for &frame in frames {

@@ -143,7 +143,7 @@ impl DocumentFolder {
         );
         written.map_err(|reason| failed(reason.to_string()))?;
         if is_new {
-            remove_oldest(&self.folder, file, (MAX_DOCUMENTS, MAX_TOTAL_BYTES));
+            remove_oldest(&self.folder, file, MAX_DOCUMENTS, MAX_TOTAL_BYTES);
         }
         Ok(())
     }
@@ -240,8 +240,8 @@ fn note_used(file: &Path) {
     }
 }
 
-/// Removes the oldest files of `folder` beyond `most` files and bytes; `kept` stays.
-fn remove_oldest(folder: &Path, kept: &Path, most: (usize, u64)) {
+/// Removes the oldest files of `folder` beyond so many files and bytes; `kept` stays.
+fn remove_oldest(folder: &Path, kept: &Path, most_files: usize, most_bytes: u64) {
     let Ok(entries) = folder.read_dir() else { return };
     let files = entries.flatten().filter_map(|entry| {
         let metadata = entry.metadata().ok().filter(fs::Metadata::is_file)?;
@@ -252,7 +252,7 @@ fn remove_oldest(folder: &Path, kept: &Path, most: (usize, u64)) {
     files.sort();
     let (mut count, mut bytes) = (files.len(), files.iter().map(|(_, _, bytes)| bytes).sum::<u64>());
     for (_, file, of_file) in files.iter().filter(|(_, file, _)| file != kept) {
-        if count <= most.0 && bytes <= most.1 {
+        if count <= most_files && bytes <= most_bytes {
             return;
         }
         match fs::remove_file(file) {
@@ -431,10 +431,10 @@ mod tests {
                 .set_modified(at)
                 .unwrap();
         }
-        remove_oldest(file.parent().unwrap(), &file, (3, u64::MAX));
+        remove_oldest(file.parent().unwrap(), &file, 3, u64::MAX);
         let left = |name: &str| file.with_file_name(name).exists();
         assert!(left("0.pointreel") && left("1.pointreel") && !left("2.pointreel"));
-        remove_oldest(file.parent().unwrap(), &file, (usize::MAX, 0));
+        remove_oldest(file.parent().unwrap(), &file, usize::MAX, 0);
         assert!(file.exists() && !left("0.pointreel"), "what is open stays");
         let mut large = document();
         large.notes = "x".repeat(MAX_DOCUMENT_BYTES);

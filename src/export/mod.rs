@@ -30,7 +30,7 @@ pub use limits::MAX_EDGE_PX;
 pub use mp4::has_ffmpeg;
 pub use open::open_sink;
 pub use overlay::draw_labels;
-pub use picture::{PictureSize, check_size, draw_picture, write_picture, write_picture_observed, write_png};
+pub use picture::{Picture, PictureSize, check_size, draw_picture, write_picture, write_picture_observed, write_png};
 pub use picture_format::{PictureFormat, encode_picture};
 pub use png_files::{FRAME_PLACEHOLDER, numbered, picture_names};
 pub use sink::{FrameSink, VideoStream};

@@ -70,23 +70,30 @@ impl PictureSize {
     }
 }
 
+/// What a picture shows, and how.
+#[derive(Debug, Clone, Copy)]
+pub struct Picture<'a> {
+    /// The frame, composed.
+    pub frame: &'a PreparedFrame,
+    /// From where it is seen.
+    pub camera: &'a Camera,
+    /// How it is drawn.
+    pub style: &'a Style,
+    /// How large, and on what.
+    pub size: PictureSize,
+}
+
 /// Draws a picture whole.
 ///
 /// # Errors
 /// Of sizes beyond [`MAX_EDGE_PX`], and what the renderer says.
-pub fn draw_picture(
-    headless: &mut Headless,
-    frame: &PreparedFrame,
-    camera: &Camera,
-    style: &Style,
-    size: PictureSize,
-) -> Result<RgbaImage, ExportError> {
-    draw_observed(headless, (frame, camera, style, size), &Progress::default())
+pub fn draw_picture(headless: &mut Headless, picture: &Picture<'_>) -> Result<RgbaImage, ExportError> {
+    draw_observed(headless, picture, &Progress::default())
 }
 
 fn draw_observed(
     headless: &mut Headless,
-    (frame, camera, style, size): Drawn<'_>,
+    picture: &Picture<'_>,
     progress: &Progress,
 ) -> Result<RgbaImage, ExportError> {
     let mut pixels = Vec::new();
@@ -94,8 +101,8 @@ fn draw_observed(
         pixels.extend_from_slice(&strip);
         Ok(())
     };
-    for_each_strip(headless, frame, camera, style, size, (take, progress))?;
-    let [width, height] = size.size_px;
+    for_each_strip(headless, picture, take, progress)?;
+    let [width, height] = picture.size.size_px;
     Ok(RgbaImage::from_raw(width, height, pixels).unwrap_or_default())
 }
 
@@ -103,16 +110,8 @@ fn draw_observed(
 ///
 /// # Errors
 /// As [`draw_picture`], of names and pictures that [`PictureFormat`] refuses, and if the file cannot be written.
-pub fn write_picture(
-    headless: &mut Headless,
-    frame: &PreparedFrame,
-    camera: &Camera,
-    style: &Style,
-    size: PictureSize,
-    output: &Path,
-) -> Result<(), ExportError> {
-    let output = (output, &Progress::default());
-    write_picture_observed(headless, frame, camera, style, size, output)
+pub fn write_picture(headless: &mut Headless, picture: &Picture<'_>, output: &Path) -> Result<(), ExportError> {
+    write_picture_observed(headless, picture, output, &Progress::default())
 }
 
 /// [`write_picture`], where `progress` counts the parts that are drawn, and may be cancelled.
@@ -121,12 +120,11 @@ pub fn write_picture(
 /// As [`write_picture`], and [`ExportError::Cancelled`]. Nothing is left of the file then.
 pub fn write_picture_observed(
     headless: &mut Headless,
-    frame: &PreparedFrame,
-    camera: &Camera,
-    style: &Style,
-    size: PictureSize,
-    (output, progress): (&Path, &Progress),
+    picture: &Picture<'_>,
+    output: &Path,
+    progress: &Progress,
 ) -> Result<(), ExportError> {
+    let size = picture.size;
     check_size(size.size_px)?;
     let failed = |reason: io::Error| ExportError::Write {
         path: output.to_owned(),
@@ -135,13 +133,12 @@ pub fn write_picture_observed(
     let format = PictureFormat::of_name(output)?;
     format.check(size.size_px, size.is_transparent)?;
     let (partial, file) = Partial::create(output).map_err(failed)?;
-    let drawn = (frame, camera, style, size);
     if format == PictureFormat::Png {
-        stream_png(headless, drawn, (file, output), progress)?;
+        stream_png(headless, picture, file, output, progress)?;
     } else {
-        let picture = draw_observed(headless, drawn, progress)?;
+        let image = draw_observed(headless, picture, progress)?;
         let mut file = BufWriter::new(file);
-        encode_picture(format, &picture, &mut file)
+        encode_picture(format, &image, &mut file)
             .and_then(|()| file.flush())
             .map_err(failed)?;
     }
@@ -154,29 +151,20 @@ pub fn write_picture_observed(
 /// As [`draw_picture`], and if it cannot be written.
 pub fn write_png(
     headless: &mut Headless,
-    frame: &PreparedFrame,
-    camera: &Camera,
-    style: &Style,
-    size: PictureSize,
-    (out, name): (impl Write, &Path),
+    picture: &Picture<'_>,
+    out: impl Write,
+    name: &Path,
 ) -> Result<(), ExportError> {
-    check_size(size.size_px)?;
-    stream_png(
-        headless,
-        (frame, camera, style, size),
-        (out, name),
-        &Progress::default(),
-    )
+    check_size(picture.size.size_px)?;
+    stream_png(headless, picture, out, name, &Progress::default())
 }
-
-/// What a picture shows, and how.
-type Drawn<'a> = (&'a PreparedFrame, &'a Camera, &'a Style, PictureSize);
 
 /// Writes strips as they are drawn.
 fn stream_png(
     headless: &mut Headless,
-    (frame, camera, style, size): Drawn<'_>,
-    (out, name): (impl Write, &Path),
+    picture: &Picture<'_>,
+    out: impl Write,
+    name: &Path,
     progress: &Progress,
 ) -> Result<(), ExportError> {
     let failed = |reason: io::Error| ExportError::Write {
@@ -184,10 +172,10 @@ fn stream_png(
         reason,
     };
     let mut out = BufWriter::new(out);
-    let mut encoder = start_png(&mut out, size.size_px).map_err(failed)?;
+    let mut encoder = start_png(&mut out, picture.size.size_px).map_err(failed)?;
     let mut png = encoder.stream_writer().map_err(io::Error::from).map_err(failed)?;
     let take = &mut |strip: RgbaImage| png.write_all(&strip).map_err(failed);
-    for_each_strip(headless, frame, camera, style, size, (take, progress))?;
+    for_each_strip(headless, picture, take, progress)?;
     png.finish().map_err(io::Error::from).map_err(failed)?;
     encoder.finish().map_err(io::Error::from).map_err(failed)?;
     // A writer that is dropped keeps to itself that its last bytes found no room.
@@ -214,12 +202,16 @@ type TakeStrip<'a> = &'a mut dyn FnMut(RgbaImage) -> Result<(), ExportError>;
 /// Draws strips of a picture from its upper edge to its lower one.
 fn for_each_strip(
     headless: &mut Headless,
-    frame: &PreparedFrame,
-    camera: &Camera,
-    style: &Style,
-    size: PictureSize,
-    (take, progress): (TakeStrip<'_>, &Progress),
+    picture: &Picture<'_>,
+    take: TakeStrip<'_>,
+    progress: &Progress,
 ) -> Result<(), ExportError> {
+    let Picture {
+        frame,
+        camera,
+        style,
+        size,
+    } = *picture;
     let size_px @ [width, height] = size.size_px;
     check_size(size_px)?;
     let mut style = *style;
@@ -239,7 +231,7 @@ fn for_each_strip(
         .has_scale_bar
         .then(|| PaintedBar::of(camera, size_px, unit))
         .flatten();
-    let labels = headless.labels_on((frame.index, &style), camera, (&packet, size_px));
+    let labels = headless.labels_on(frame.index, &style, camera, &packet, size_px);
     let labels = PaintedLabels::of(&labels, size_px);
     let mut take = |mut strip: RgbaImage, top: u32| {
         let mut canvas = OverlayCanvas {

@@ -1,7 +1,7 @@
 //! A camera path drawn picture by picture, and encoded beside.
 
 use super::limits::MAX_PICTURES;
-use super::picture::{self, PictureSize, draw_picture};
+use super::picture::{self, Picture, PictureSize, draw_picture};
 use super::{ExportError, FrameSink, VideoStream, open_sink};
 use crate::composition::{ComposeOptions, Composed};
 use crate::headless::{Headless, HeadlessError, PictureStats};
@@ -182,7 +182,13 @@ fn draw_pictures(
                 (&new.frame, problems)
             }
         };
-        let picture = draw_picture(headless, frame, &camera, video.style, video.size)?;
+        let picture = Picture {
+            frame,
+            camera: &camera,
+            style: video.style,
+            size: video.size,
+        };
+        let picture = draw_picture(headless, &picture)?;
         let stats = headless.stats(frame);
         if pictures.send(picture).is_err() {
             break;

@@ -97,7 +97,7 @@ impl Levels for PointList {
     fn write(&self, cut: &Cut, _: usize, buffers: RecordBuffers) -> Records {
         let (points, shapes) = self
             .selection(cut)
-            .gathered(&self.nodes(), (buffers.points, buffers.shapes));
+            .gathered(&self.nodes(), buffers.points, buffers.shapes);
         Records::Surfels { points, shapes }
     }
 

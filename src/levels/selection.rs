@@ -76,7 +76,8 @@ impl Selection {
     pub fn gathered(
         &self,
         nodes: &NodeRecords,
-        (mut points, mut shapes): (Vec<PointRecord>, Vec<ShapeRecord>),
+        mut points: Vec<PointRecord>,
+        mut shapes: Vec<ShapeRecord>,
     ) -> (Vec<PointRecord>, Vec<ShapeRecord>) {
         match *self {
             Self::At(ref places) => {
@@ -171,7 +172,7 @@ mod tests {
     fn records_are_gathered_in_the_order_of_their_places() {
         let nodes = nodes(10);
         let scalars = |selection: &Selection| -> Vec<(f32, f32, f32)> {
-            let (points, shapes) = selection.gathered(&nodes, Default::default());
+            let (points, shapes) = selection.gathered(&nodes, Vec::new(), Vec::new());
             assert_eq!((points.len(), shapes.len()), (selection.len(), selection.len()));
             let both = points.iter().zip(&shapes);
             both.map(|(point, shape)| (point.position[0], shape.scalar, shape.radius))

@@ -1,6 +1,6 @@
 //! Numbers that renderers on both sides know, and the truth. WGSL gets them from here (`gpu/constants.rs`, `effects`).
 
-use crate::scene::{Primitive, SplatFilter, Style};
+use crate::scene::{DrawSettings, Primitive, SplatFilter};
 
 /// How far the visibility pass is pushed back, in splat radii. One radius is as far as two splats of one surface that
 /// still overlap can lie apart in depth at 45 degrees.
@@ -18,7 +18,7 @@ pub(super) const OPAQUE_WEIGHT: f32 = 0.22;
 const OPAQUE_WEIGHT_OF_POINTS: f32 = 0.049;
 
 /// Weight from which a pixel hides the background. Where masks are not summed up, weights are opacities.
-pub(super) fn opaque_weight(style: &Style) -> f32 {
+pub(super) fn opaque_weight(style: &DrawSettings) -> f32 {
     if !style.blends_at_depths() {
         1.0
     } else if style.primitive == Primitive::Point {

@@ -132,7 +132,8 @@ impl DepthFrame {
     /// The images of a frame: its depths, with those of the frames before it that a temporal filter begins with, and
     /// the colour of each pixel. `None` where they are not of one size and code.
     pub fn new(
-        (before, depth): (Vec<Arc<DepthSamples>>, Arc<DepthSamples>),
+        before: Vec<Arc<DepthSamples>>,
+        depth: Arc<DepthSamples>,
         rays: Arc<RayTable>,
         colors: Option<Vec<[u8; 3]>>,
         filters: Filters,
@@ -245,7 +246,7 @@ mod tests {
         let image = |pixels: usize| Arc::new(DepthSamples::metres(vec![1.0; pixels]));
         let new = |before: usize, depth: usize, colors: usize| {
             let colors = Some(vec![[1, 2, 3]; colors]);
-            DepthFrame::new((vec![image(before)], image(depth)), rays([3, 2]), colors, Filters::NONE)
+            DepthFrame::new(vec![image(before)], image(depth), rays([3, 2]), colors, Filters::NONE)
         };
         assert!(new(6, 6, 6).is_some());
         assert!(new(5, 6, 6).is_none() && new(6, 7, 6).is_none() && new(6, 6, 0).is_none());
@@ -255,7 +256,7 @@ mod tests {
     fn images_before_count_with_a_temporal_filter() {
         let image = |depth: f32| Arc::new(DepthSamples::metres(vec![depth; 6]));
         let filters: Filters = "temporal".parse().unwrap();
-        let frame = DepthFrame::new((vec![image(1.0)], image(1.01)), rays([3, 2]), None, filters).unwrap();
+        let frame = DepthFrame::new(vec![image(1.0)], image(1.01), rays([3, 2]), None, filters).unwrap();
         let images: Vec<f32> = frame
             .images()
             .map(|image| image.image([3, 2]).unwrap().metres()[0])

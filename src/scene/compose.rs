@@ -7,7 +7,8 @@ use super::content::{CodedCells, Content, Surfels};
 use super::first_look::{PointSpacing, typical_spacing};
 use super::packet::{PacketParams, ScenePacket};
 use super::{
-    Camera, Clip, GroundPlane, PhotographsInFrame, PointSizing, Primitive, RendererChoice, Style, ViewTransform,
+    Camera, Clip, DrawSettings, GroundPlane, PhotographsInFrame, PointSizing, Primitive, RendererChoice, Style,
+    ViewTransform,
 };
 use crate::analysis::screen::ScreenCloud;
 use crate::cloud::Frame;
@@ -226,7 +227,7 @@ impl Scene {
                 style: &style,
                 params: &params,
             }),
-            style,
+            style: style.painted(),
             bounds,
             ground,
             photographs,
@@ -356,7 +357,7 @@ impl Scene {
     }
 
     /// Takes notice of how long the last picture took to draw, for [`Lod::FrameTimeMs`].
-    pub fn note_draw_ms(&mut self, style: &Style, draw_ms: f64) {
+    pub fn note_draw_ms(&mut self, style: &DrawSettings, draw_ms: f64) {
         if let Lod::FrameTimeMs(asked_ms) = style.levels.lod
             && style.levels_kind().is_some()
         {

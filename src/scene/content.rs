@@ -51,7 +51,7 @@ pub struct Selected {
 impl Selected {
     /// Those that are drawn, side by side.
     pub fn gathered(&self) -> Surfels {
-        let (points, shapes) = self.selection.gathered(&self.nodes, Default::default());
+        let (points, shapes) = self.selection.gathered(&self.nodes, Vec::new(), Vec::new());
         Surfels {
             points: Arc::new(points),
             shapes: Arc::new(shapes),
@@ -327,32 +327,5 @@ impl CodedCells {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn contents_are_equal_if_they_are_the_same_allocations() {
-        let surfels = || Surfels {
-            points: Arc::default(),
-            shapes: Arc::default(),
-        };
-        let voxels = || Voxels {
-            records: Arc::default(),
-            normals: Some(Arc::default()),
-            cube_edge: 1.0,
-        };
-        let all = || {
-            [
-                Content::Points(Arc::default()),
-                Content::Surfels(surfels()),
-                Content::Voxels(voxels()),
-            ]
-        };
-        assert_eq!(Content::Nothing, Content::Nothing);
-        for (content, other) in all().into_iter().zip(all()) {
-            assert_eq!(content, content.clone());
-            assert_ne!(content, other);
-            assert_ne!(content, Content::Nothing);
-        }
-    }
-}
+#[path = "content_tests.rs"]
+mod tests;

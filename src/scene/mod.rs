@@ -45,12 +45,12 @@ pub use photographs::photo_views::{PhotoView, PhotoViews, seen_by_photograph};
 pub use photographs::photographs_in_frame::PhotographsInFrame;
 pub(crate) use style::choices;
 pub use style::{
-    Antialiasing, Automatic, BackFaces, Backdrop, Background, Choice, CodeStyle, DrawingSettings, DrawingStyle,
-    EyeDome, Footprint, Kernel, LevelStructure, LevelStyle, LightRig, LightSettings, LightStyle, Lighting, NormalBits,
-    NormalSource, OfSequence, OffsetBits, OnOff, ParseChoiceError, PhotoClipping, PhotoGains, PhotoHoles, PhotoMode,
-    PhotoRelight, PhotoStyle, PointLight, PointShape, PointSizing, PointStyle, Primitive, RendererChoice, Settings,
-    SplatFilter, SplatGeometry, Splatting, Strategy, Style, SurfelColors, SurfelSettings, SurfelStyle, VoxelLight,
-    VoxelStyle, coloring, describe,
+    Antialiasing, Automatic, BackFaces, Backdrop, Background, Choice, CodeStyle, DrawSettings, DrawingSettings,
+    DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure, LevelStyle, LightRig, LightSettings, LightStyle,
+    Lighting, NormalBits, NormalSource, OfSequence, OffsetBits, OnOff, Painted, ParseChoiceError, PhotoClipping,
+    PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle, PointLight, PointShape, PointSizing, PointStyle,
+    Primitive, RendererChoice, Settings, SplatFilter, SplatGeometry, Splatting, Strategy, Style, SurfelColors,
+    SurfelSettings, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
 };
 pub use view::camera::{Camera, Projection, UpAxis, ViewPreset, ViewTransform};
 pub use view::ground::{GroundPlane, SeenGround};

@@ -2,7 +2,7 @@
 
 use super::content::Content;
 use super::style::{Antialiasing, BackFaces, Splatting};
-use super::{Clip, GroundPlane, Lighting, PhotographsInFrame, Primitive, Style, ViewTransform};
+use super::{Clip, DrawSettings, GroundPlane, Lighting, PhotographsInFrame, Primitive, ViewTransform};
 use crate::math::Aabb;
 
 /// Everything a renderer needs for one picture. Equal packets make equal pictures.
@@ -13,7 +13,7 @@ pub struct ScenePacket {
     /// The camera.
     pub view: ViewTransform,
     /// How to draw.
-    pub style: Style,
+    pub style: DrawSettings,
     /// What to draw; renderers tell records apart by their allocation.
     pub content: Content,
     /// The box around the cloud, for the grey of [`super::Splatting::Visibility`].

@@ -44,3 +44,14 @@ pub(crate) const FEATURES_NAMED_ELSEWHERE: &[(&str, &[&str])] = &[
     ("app/state/pictures.rs", &["photos"]),
     ("app/state/session.rs", &["beside", "inspection", "quality"]),
 ];
+
+/// Functions with parameters that are tuples, and how many: a pair that is made as one and handed on as one. This list
+/// may shrink, never grow.
+pub(crate) const TUPLES_IN_PARAMETERS: &[(&str, usize)] = &[
+    ("io/formats/las/tests/fields.rs: rows", 2),
+    ("io/recordings/packets/found.rs: entries", 1),
+    ("io/recordings/packets/found.rs: name", 1),
+    ("io/recordings/packets/traffic.rs: cut_of", 1),
+    ("levels/spheres/tests.rs: tree_of", 1),
+    ("reel/coder/symbols.rs: code", 1),
+];

@@ -119,7 +119,7 @@ pub(crate) fn surfels(surfels: &[Surfel], camera: &Camera, style: Style, viewpor
             let shapes = Arc::new(shapes.collect());
             Content::Surfels(Surfels { points, shapes })
         },
-        style,
+        style: style.painted(),
         ground: None,
         photographs: None,
         params: PacketParams::default(),
@@ -139,7 +139,7 @@ pub(crate) fn voxels(
     ScenePacket {
         viewport_px,
         view: camera.transform(DVec3::ZERO, viewport_px),
-        style,
+        style: style.painted(),
         content: Content::Voxels(Voxels {
             records: Arc::new(records),
             normals: None,

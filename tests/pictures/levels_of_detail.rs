@@ -61,6 +61,7 @@ fn what_faces_away_is_left_out_and_not_missed() {
     let share = front.content.points().unwrap().len() as f64 / f64::from(POINTS);
     assert!((0.25..0.45).contains(&share), "{share}");
     let drawn = draw(&front);
+    let style = style.painted();
     let culled_by_the_gpu = draw(&ScenePacket { style, ..both });
     // Sums of weights come in another order.
     let error = mean_squared_error(&culled_by_the_gpu, &drawn).unwrap();

@@ -100,7 +100,8 @@ fn packet(mesh: MeshRecords, camera: &Camera, style: Style) -> ScenePacket {
         style: Style {
             primitive: Primitive::Mesh,
             ..style
-        },
+        }
+        .painted(),
         ground: None,
         photographs: None,
         params: PacketParams::default(),

@@ -40,7 +40,7 @@ fn packet_of(points: Vec<PointRecord>, camera: &Camera, origin: DVec3) -> SceneP
     ScenePacket {
         viewport_px: SIZE,
         view: camera.transform(origin, SIZE),
-        style: style(Primitive::Point),
+        style: style(Primitive::Point).painted(),
         content: Content::Points(Arc::new(points)),
         ground: None,
         photographs: None,

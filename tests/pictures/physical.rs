@@ -5,8 +5,8 @@ use crate::common::{Surfel, camera_at, draw, draw_on_cpu, plain, surfels, to_dis
 use glam::{DVec3, Vec3};
 use pointreel::math::Aabb;
 use pointreel::scene::{
-    BackFaces, Camera, Environment, EnvironmentMap, LightRig, Lighting, Lights, OnOff, PhysicalLight, PhysicalTables,
-    ScenePacket, Style,
+    BackFaces, Camera, DrawSettings, Environment, EnvironmentMap, LightRig, Lighting, Lights, OnOff, PhysicalLight,
+    PhysicalTables, ScenePacket, Style,
 };
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -549,7 +549,7 @@ fn occlusion_and_shadows_dim_physical_light() {
     cloud.push(disk(Vec3::new(-0.3, 0.36, 0.39), 0.2));
     let mut packet = surfels(&cloud, &camera_at(DISTANCE), style, [EDGE_PX; 2]);
     packet.bounds = Aabb::from_points(&[Vec3::splat(-0.577), Vec3::splat(0.577)]);
-    let of = |change: fn(&mut Style)| {
+    let of = |change: fn(&mut DrawSettings)| {
         let mut packet = packet.clone();
         change(&mut packet.style);
         drawn(&packet)

@@ -275,7 +275,7 @@ fn points_without_normals_are_drawn_as_without_light() {
         });
         let expected = surfels(&cloud, &camera_at(2.0), unlit, SIZE);
         let packet = ScenePacket {
-            style: lit,
+            style: lit.painted(),
             ..expected.clone()
         };
         assert!(matches!(packet.content, Content::Points(_)));

@@ -67,7 +67,8 @@ fn points_do_not_upload_shapes_and_surfels_then_upload_shapes_alone() {
         style: Style {
             primitive: Primitive::Point,
             ..plain()
-        },
+        }
+        .painted(),
         content: Content::Points(Arc::clone(as_surfels.content.points().unwrap())),
         ..as_surfels.clone()
     };

@@ -152,7 +152,7 @@ fn of_images(filters: Filters) -> PreparedFrame {
     let colors: Vec<[u8; 3]> = (0..160 * 121).map(|at: u32| [200, at as u8, 90]).collect();
     let table = DepthTable::new(|number| f32::from(number) / 1000.0);
     let samples = Arc::new(DepthSamples::coded(millimetres, table));
-    let images = DepthFrame::new((Vec::new(), samples), rays, Some(colors.clone()), filters).unwrap();
+    let images = DepthFrame::new(Vec::new(), samples, rays, Some(colors.clone()), filters).unwrap();
     let opaque = colors
         .iter()
         .map(|&[red, green, blue]| [red, green, blue, 255])

@@ -53,6 +53,13 @@ pub(super) struct DepthPicture {
     covers_below: [[f32; LANES]; MOST_REACH_PX + 1],
 }
 
+/// The visible ones of the points of a task.
+#[derive(Default)]
+struct VisibleOfTask {
+    slots: Vec<u32>,
+    seen: Vec<ScreenPoint>,
+}
+
 impl DepthPicture {
     /// The view whose pixels [`ScreenPoint::place_px`] are of.
     pub(super) fn view(&self) -> Option<&ScreenView> {
@@ -136,17 +143,18 @@ impl DepthPicture {
             return Visible::default();
         };
         let level = Level::new();
-        let tasks: Vec<(Vec<u32>, Vec<ScreenPoint>)> = points
+        let tasks: Vec<VisibleOfTask> = points
             .par_chunks(POINTS_PER_TASK)
             .enumerate()
             .map(|(task, points)| {
                 let first = (task * POINTS_PER_TASK) as u32;
-                let mut visible = (Vec::new(), Vec::new());
+                let mut visible = VisibleOfTask::default();
                 dispatch!(level, simd => self.keep_visible(simd, view, first, points, &mut visible));
                 visible
             })
             .collect();
-        let (slots, seen): (Vec<_>, Vec<_>) = tasks.into_iter().unzip();
+        let lists = tasks.into_iter().map(|task| (task.slots, task.seen));
+        let (slots, seen): (Vec<_>, Vec<_>) = lists.unzip();
         Visible {
             slots: compact(&slots),
             seen: compact(&seen),
@@ -160,14 +168,14 @@ impl DepthPicture {
         view: &ScreenView,
         first: u32,
         points: &[PointRecord],
-        (slots, visible): &mut (Vec<u32>, Vec<ScreenPoint>),
+        visible: &mut VisibleOfTask,
     ) {
         for (slot, point) in (first..).zip(points) {
             if let Some((seen, place)) = in_picture(view, point)
                 && !self.is_hidden(simd, place, &seen)
             {
-                slots.push(slot);
-                visible.push(seen);
+                visible.slots.push(slot);
+                visible.seen.push(seen);
             }
         }
     }

@@ -97,15 +97,16 @@ impl Around<'_> {
             let lanes = (2 * reach + 1 - begin).min(LANES);
             let mut limits = [limit; LANES];
             limits[lanes..].fill(0.0);
-            let place = (first + begin, begin as f32 - reach as f32);
-            sums.add(&self.sums_of_lanes(simd, f32x8::from_slice(simd, &limits), reach, place));
+            let limits = f32x8::from_slice(simd, &limits);
+            let column = begin as f32 - reach as f32;
+            sums.add(&self.sums_of_lanes(simd, limits, reach, first + begin, column));
         }
         sums
     }
 
     /// The same of eight columns: where the first of them is in `depths`, and from the point.
     #[inline(always)]
-    fn sums_of_lanes<S: Simd>(&self, simd: S, limits: f32x8<S>, reach: usize, (first, column): (usize, f32)) -> Sums {
+    fn sums_of_lanes<S: Simd>(&self, simd: S, limits: f32x8<S>, reach: usize, first: usize, column: f32) -> Sums {
         let splat = |value: f32| f32x8::splat(simd, value);
         let (zero, one) = (splat(0.0), splat(1.0));
         let depth = splat(self.depth);

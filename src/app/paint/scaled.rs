@@ -9,7 +9,7 @@ use super::PixelRect;
 use super::blend::{OPAQUE, over, times};
 use super::canvas::Canvas;
 use super::pieces::TexturePlacement;
-use super::textures::{SampledTexture, Texels, swizzled};
+use super::textures::{BetweenTexels, SampledTexture, Texels, swizzled};
 
 /// Bits of a channel after its point.
 const FRACTION: u32 = 6;
@@ -90,7 +90,7 @@ pub(super) fn paint(
 
 fn between(source: &SampledTexture<'_>, place: &TexturePlacement, axis: usize, pixel: u32) -> Between {
     let at = place.texel_at(axis, pixel, source.size[axis]);
-    let (first, second, share) = source.between(axis, at);
+    let BetweenTexels { first, second, share } = source.between(axis, at);
     Between {
         first,
         second,

@@ -175,6 +175,15 @@ pub(super) struct SampledTexture<'a> {
     wrap: TextureWrapMode,
 }
 
+/// Two texels along an axis.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct BetweenTexels {
+    pub(super) first: usize,
+    pub(super) second: usize,
+    /// That of the second.
+    pub(super) share: f32,
+}
+
 /// A picture's pixel as the target wants it.
 #[inline(always)]
 pub(super) fn swizzled(pixel: [u8; 4]) -> u32 {
@@ -234,20 +243,20 @@ impl<'a> SampledTexture<'a> {
         self.wrapped(axis, at.floor() as i32)
     }
 
-    /// The two texels on either side of a coordinate, and the second's share.
+    /// The two texels on either side of a coordinate.
     #[inline(always)]
-    pub(super) fn between(&self, axis: usize, at: f32) -> (usize, usize, f32) {
+    pub(super) fn between(&self, axis: usize, at: f32) -> BetweenTexels {
         let at = at - 0.5;
         let below = at.floor();
         let first = below as i32;
         let second = first.saturating_add(1);
         let share = at - below;
-        (
-            self.wrapped(axis, first),
-            self.wrapped(axis, second),
+        BetweenTexels {
+            first: self.wrapped(axis, first),
+            second: self.wrapped(axis, second),
             // What is not finite has no share.
-            if share.is_finite() { share } else { 0.0 },
-        )
+            share: if share.is_finite() { share } else { 0.0 },
+        }
     }
 
     /// The colour at a coordinate in texels, channels of 0 to 255.
@@ -261,13 +270,15 @@ impl<'a> SampledTexture<'a> {
 
     /// The colour between four texels.
     #[inline(always)]
-    pub(super) fn mixed(
-        &self,
-        (left, right, share_x): (usize, usize, f32),
-        (top, bottom, share_y): (usize, usize, f32),
-    ) -> [f32; 4] {
-        let row = |y: usize| mix(channels(self.texel(left, y)), channels(self.texel(right, y)), share_x);
-        mix(row(top), row(bottom), share_y)
+    pub(super) fn mixed(&self, x: BetweenTexels, y: BetweenTexels) -> [f32; 4] {
+        let row = |y: usize| {
+            mix(
+                channels(self.texel(x.first, y)),
+                channels(self.texel(x.second, y)),
+                x.share,
+            )
+        };
+        mix(row(y.first), row(y.second), y.share)
     }
 }
 

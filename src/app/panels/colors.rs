@@ -43,7 +43,7 @@ pub(super) fn colors_ui(
     if let (Some(frame), Some(Paint::Scale { values, scale, .. })) = (shown, paint) {
         rows(ui, "colour map", |ui| map(ui, coloring));
         ramp_ui(ui, coloring.map);
-        range(ui, coloring, (&frame.frame, &values, &scale));
+        range(ui, coloring, &frame.frame, &values, &scale);
     }
     if shown.is_some_and(|frame| Legend::of(frame).is_some()) {
         rows(ui, "legend", |ui| {
@@ -62,8 +62,8 @@ fn source(ui: &mut Ui, coloring: &mut Coloring, shown: Option<&Arc<PreparedFrame
     let named = fields(frame);
     let sources = sources(coloring.source, &named);
     let lack_of = |source: &ColorSource| lack_of(*source, frame?);
-    let texts = (coloring::COLORS.title, coloring::COLORS.hint);
-    choice_among(ui, texts, &mut coloring.source, &sources, lack_of);
+    let (title, hint) = (coloring::COLORS.title, coloring::COLORS.hint);
+    choice_among(ui, title, hint, &mut coloring.source, &sources, lack_of);
     let Some(shown) = shown else { return };
     let found = found(shown.paint());
     if let Some(lack) = lack_of(&coloring.source) {
@@ -187,8 +187,8 @@ fn one_color(ui: &mut Ui, coloring: &mut Coloring) {
 }
 
 fn map(ui: &mut Ui, coloring: &mut Coloring) {
-    let texts = (coloring::MAP.title, coloring::MAP.hint);
-    word(ui, texts, &mut coloring.map, &ColorMap::ALL, coloring::MAPS);
+    let (title, hint) = (coloring::MAP.title, coloring::MAP.hint);
+    word(ui, title, hint, &mut coloring.map, &ColorMap::ALL, coloring::MAPS);
 }
 
 /// Whether a range is of percentiles or of numbers.
@@ -198,7 +198,7 @@ enum RangeKind {
     Fixed,
 }
 
-fn range(ui: &mut Ui, coloring: &mut Coloring, (frame, values, scale): (&Frame, &PaintValues, &ColorScale)) {
+fn range(ui: &mut Ui, coloring: &mut Coloring, frame: &Frame, values: &PaintValues, scale: &ColorScale) {
     let sample = frame.value_sample();
     let sorted = value_kind(values, sample).map(|(kind, offset)| (sample.sorted(kind), offset));
     if let Some((sorted, offset)) = &sorted

@@ -83,7 +83,7 @@ fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow<State>) {
     };
     let most_width = ui.available_width() - LEAST_VIEW_WIDTH;
     if most_width < *range.start() {
-        return floating_ui(ui, state, (row, id));
+        return floating_ui(ui, state, row, id);
     }
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(12, 8));
     panel
@@ -94,7 +94,7 @@ fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow<State>) {
 }
 
 /// The panel of a row in a window of its own, which can be closed to see the picture.
-fn floating_ui(ui: &mut Ui, state: &mut State, (row, id): (&PanelRow<State>, PanelId)) {
+fn floating_ui(ui: &mut Ui, state: &mut State, row: &PanelRow<State>, id: PanelId) {
     let room = room(ui.ctx());
     let mut is_open = true;
     tool_window(ui.ctx(), id.name(), row.menu.unwrap_or(id.name()))

@@ -141,10 +141,10 @@ fn look(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<SettingsReques
     let shown = context.player.and_then(Player::shown);
     colors_ui(ui, &mut style.colors, shown, context.has_legend);
     if drawn.of_sequence.has_photographs {
-        section_ui(ui, style, drawn, ("Photographs", Section::Photographs));
+        section_ui(ui, style, drawn, "Photographs", Section::Photographs);
     }
-    for section in [("Light", Section::Shading), ("Background", Section::Background)] {
-        section_ui(ui, style, drawn, section);
+    for (title, section) in [("Light", Section::Shading), ("Background", Section::Background)] {
+        section_ui(ui, style, drawn, title, section);
     }
     let mut up = None;
     rows(ui, "up axis", |ui| up = up_axis(ui, context.camera.up, context.up_why));
@@ -158,24 +158,21 @@ fn advanced_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<Setting
         request = quality_ui(ui, context.quality, context.style).map(SettingsRequest::Quality);
     }
     let SettingsContext { style, drawn, .. } = context;
-    section_ui(ui, style, drawn, ("Drawing", Section::Picture));
-    section_ui(ui, style, drawn, ("Surfels", Section::Surfels));
+    section_ui(ui, style, drawn, "Drawing", Section::Picture);
+    section_ui(ui, style, drawn, "Surfels", Section::Surfels);
     ui.add_enabled_ui(drawn.has_footprints(), |ui| {
         rows(ui, "footprints", |ui| {
             section_rows(ui, style, drawn, Section::Footprints);
         });
     });
-    for section in [("Octree", Section::Octree), ("Level of detail", Section::LevelOfDetail)] {
-        section_ui(ui, style, drawn, section);
+    for (title, section) in [("Octree", Section::Octree), ("Level of detail", Section::LevelOfDetail)] {
+        section_ui(ui, style, drawn, title, section);
     }
     heading(ui, "Window");
     rows(ui, "window", |ui| {
-        let texts = (
-            "Painted by",
-            "Who paints the panels and brings the window onto the screen",
-        );
+        let hint = "Who paints the panels and brings the window onto the screen";
         let (all, words) = (PresentChoice::ALL, PresentChoice::WORDS);
-        word(ui, texts, context.present, all, words);
+        word(ui, "Painted by", hint, context.present, all, words);
     });
     request
 }
@@ -248,9 +245,9 @@ fn up_axis(ui: &mut Ui, before: UpAxis, why: Option<&'static str>) -> Option<UpA
 /// The rows of the camera.
 fn camera(ui: &mut Ui, context: &mut SettingsContext<'_>) {
     let SettingsContext { camera, turntable, .. } = context;
-    let texts = ("Projection", "Whether what is farther away is smaller (O)");
+    let hint = "Whether what is farther away is smaller (O)";
     let (all, words) = (Projection::ALL, Projection::WORDS);
-    word(ui, texts, &mut camera.projection, all, words);
+    word(ui, "Projection", hint, &mut camera.projection, all, words);
     if camera.projection == Projection::Perspective {
         // The slider rounds what it shows: what comes from a path or a text is not its to change.
         let before = camera.fov_deg.round().clamp(5.0, 120.0);

@@ -7,7 +7,7 @@ use egui::{Checkbox, Slider, Ui};
 
 /// A section of the panel with its heading, if one of its settings has an effect on what is `drawn`: the style without
 /// what is left open.
-pub(super) fn section_ui(ui: &mut Ui, style: &mut Settings, drawn: &Style, (title, section): (&str, Section)) {
+pub(super) fn section_ui(ui: &mut Ui, style: &mut Settings, drawn: &Style, title: &str, section: Section) {
     let is_in_it = |described: &Described| described.section == section && (described.when)(drawn);
     if (style.settings().iter()).any(|(described, _)| is_in_it(described)) {
         heading(ui, title);
@@ -27,13 +27,7 @@ pub(super) fn section_rows(ui: &mut Ui, style: &mut Settings, drawn: &Style, sec
 }
 
 /// A list of words to choose from.
-pub(super) fn word<T: Copy + PartialEq>(
-    ui: &mut Ui,
-    (title, hint): (&str, &str),
-    value: &mut T,
-    all: &[T],
-    words: &Words,
-) {
+pub(super) fn word<T: Copy + PartialEq>(ui: &mut Ui, title: &str, hint: &str, value: &mut T, all: &[T], words: &Words) {
     let choices: Vec<_> = all
         .iter()
         .zip(words.list)
@@ -47,20 +41,18 @@ fn setting(ui: &mut Ui, described: &Described, value: Value) -> Value {
     match (&described.values, value) {
         (Values::Words(words), Value::Word(mut place)) => {
             let places: Vec<usize> = (0..words.list.len()).collect();
-            let texts = (described.title, described.hint);
-            word(ui, texts, &mut place, &places, words);
+            word(ui, described.title, described.hint, &mut place, &places, words);
             Value::Word(place)
         }
         (Values::Number(numbers), Value::Number(number)) => {
-            let texts = (described.title, described.hint);
-            Value::Number(number_row(ui, texts, numbers, number))
+            Value::Number(number_row(ui, described.title, described.hint, numbers, number))
         }
         (Values::Switch(text), Value::Switch(mut is_on)) => {
             let control = Checkbox::new(&mut is_on, *text);
             row(ui, described.title, described.hint, control);
             Value::Switch(is_on)
         }
-        (Values::Kinds(kinds), Value::Kind(place, number)) => kind_rows(ui, described, kinds, (place, number)),
+        (Values::Kinds(kinds), Value::Kind(place, number)) => kind_rows(ui, described, kinds, place, number),
         (Values::Background, Value::Background(mut background)) => {
             background_rows(ui, described, &mut background);
             Value::Background(background)
@@ -74,7 +66,7 @@ fn setting(ui: &mut Ui, described: &Described, value: Value) -> Value {
     }
 }
 
-fn number_row(ui: &mut Ui, (title, hint): (&str, &str), numbers: &Numbers, number: f64) -> f64 {
+fn number_row(ui: &mut Ui, title: &str, hint: &str, numbers: &Numbers, number: f64) -> f64 {
     let mut shown = match numbers.unit {
         Unit::Percent => f64::from(number as f32 * 100.0),
         Unit::Is(_) | Unit::Share => number,
@@ -109,7 +101,7 @@ fn slider<'a>(numbers: &Numbers, shown: &'a mut f64) -> Slider<'a> {
 }
 
 /// The list of kinds, and below it the number of the one that is chosen. That of a kind chosen anew is the usual one.
-fn kind_rows(ui: &mut Ui, described: &Described, kinds: &[Kind], (before, number): (usize, f64)) -> Value {
+fn kind_rows(ui: &mut Ui, described: &Described, kinds: &[Kind], before: usize, number: f64) -> Value {
     let choices: Vec<_> = kinds
         .iter()
         .enumerate()
@@ -121,7 +113,7 @@ fn kind_rows(ui: &mut Ui, described: &Described, kinds: &[Kind], (before, number
         return Value::Kind(place, 0.0);
     };
     let number = if place == before { number } else { told.usual };
-    let number = number_row(ui, (told.title, told.hint), &told.numbers, number);
+    let number = number_row(ui, told.title, told.hint, &told.numbers, number);
     Value::Kind(place, number)
 }
 

@@ -101,7 +101,7 @@ fn zoom(camera: &mut Camera, factor: f64, pointer: Option<Pos2>, halves: [Rect; 
         return camera.zoom(factor);
     };
     let aside = pointer - half.center();
-    camera.zoom_toward(factor, (aside.x.into(), aside.y.into()), half.height().into());
+    camera.zoom_toward(factor, aside.x.into(), aside.y.into(), half.height().into());
 }
 
 /// Clicks pick points for the chosen tool; double clicks focus, but where each click counts for a measurement.

@@ -60,7 +60,8 @@ pub(in crate::app) fn handles_ui(
     let response = response
         .on_hover_text("How many values there are (logarithm of the number); the ends of the colours can be dragged");
     response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Range of colours"));
-    paint_histogram(ui.painter(), area, (sorted, offset), &axis, (scale, map));
+    let counts = histogram(sorted, offset, &axis, BINS);
+    paint_histogram(ui.painter(), area, &counts, &axis, scale, map);
     let x_of = |value: f64| area.left() + area.width() * axis.share(value);
     let ends = scale.ends();
     let places = ends.map(x_of);
@@ -99,12 +100,12 @@ fn axis_of(sorted: &[f32], offset: f64, scale: &ColorScale) -> Option<ColorScale
 fn paint_histogram(
     painter: &Painter,
     area: Rect,
-    (sorted, offset): (&[f32], f64),
+    counts: &[u32],
     axis: &ColorScale,
-    (scale, map): (&ColorScale, ColorMap),
+    scale: &ColorScale,
+    map: ColorMap,
 ) {
     painter.rect_filled(area, 3.0, Color32::from_black_alpha(70));
-    let counts = histogram(sorted, offset, axis, BINS);
     let most = counts.iter().copied().max().unwrap_or(0).max(1);
     let height = |count: u32| f64::from(count).ln_1p() / f64::from(most).ln_1p();
     let mut mesh = Mesh::default();

@@ -42,13 +42,14 @@ pub(in crate::app) fn choice<T: Copy + PartialEq>(
     value: &mut T,
     choices: &[(&str, T, &str)],
 ) {
-    choice_among(ui, (name, tooltip), value, choices, |_| None);
+    choice_among(ui, name, tooltip, value, choices, |_| None);
 }
 
 /// The same, of which some cannot be chosen; `lack_of` tells why.
 pub(in crate::app) fn choice_among<T: Copy + PartialEq>(
     ui: &mut Ui,
-    (name, tooltip): (&str, &str),
+    name: &str,
+    tooltip: &str,
     value: &mut T,
     choices: &[(&str, T, &str)],
     lack_of: impl Fn(&T) -> Option<&'static str>,

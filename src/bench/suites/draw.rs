@@ -171,8 +171,7 @@ fn packet(
     camera: &crate::scene::Camera,
     style: &Style,
 ) -> ScenePacket {
-    let origin = subject.sequence.origin();
-    Scene::default().packet(frame, origin, camera, style, run.options.viewport_px)
+    subject.packet(&mut Scene::default(), frame, camera, style, run.options.viewport_px)
 }
 
 fn measure_way(

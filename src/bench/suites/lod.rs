@@ -211,7 +211,8 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
         for place in 0..VIEWS.len() {
             let points = mean(&point_counts);
             rows.push(of_structure.row(
-                (subject.name, points),
+                subject.name,
+                points,
                 structure,
                 place,
                 [&measured[NONE], &measured[OCTREE]],
@@ -291,7 +292,7 @@ impl Measured {
         })
     }
 
-    fn row(&self, (sequence, points): (&str, f64), structure: LevelStructure, place: usize, beside: [&Self; 2]) -> Row {
+    fn row(&self, sequence: &str, points: f64, structure: LevelStructure, place: usize, beside: [&Self; 2]) -> Row {
         let samples = &self.views[place];
         let median = |times_ms: &[f64]| Quantiles::of(times_ms).map(|quantiles| quantiles.median);
         let ratio = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a / b);
@@ -380,9 +381,8 @@ impl Subjected {
         camera: &Camera,
         samples: Option<&mut Samples>,
     ) -> Result<(), BenchError> {
-        let origin = subject.sequence.origin();
         let viewport_px = run.options.viewport_px;
-        let packet = self.scene.packet(&self.frame, origin, camera, &self.style, viewport_px);
+        let packet = subject.packet(&mut self.scene, &self.frame, camera, &self.style, viewport_px);
         let upload = run.runner.upload(&packet)?;
         let time = run.runner.draw(&packet)?;
         if let Some(samples) = samples {

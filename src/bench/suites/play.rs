@@ -251,11 +251,10 @@ impl<'a> PlayedPictures<'a> {
 
     /// Milliseconds from the frame to its finished picture.
     fn draw(&mut self, frame: &PreparedFrame) -> Result<f64, BenchError> {
-        let origin = self.subject.sequence.origin();
         let subject = self.subject;
         let camera = self.camera.get_or_insert_with(|| subject.framing(frame));
         let start = Instant::now();
-        let packet = self.scene.packet(frame, origin, camera, self.style, self.viewport_px);
+        let packet = subject.packet(&mut self.scene, frame, camera, self.style, self.viewport_px);
         self.renderer.prepare(&packet)?;
         self.renderer.render()?;
         self.renderer.wait()?;

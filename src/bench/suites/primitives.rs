@@ -148,7 +148,7 @@ fn points_of_scene(style: &mut Style, shape: PointShape) {
 }
 
 /// Light for each vertex, as in the paper.
-fn style((_, change): Kind) -> Style {
+fn style(change: fn(&mut Style)) -> Style {
     let usual = Style::default().with(|style| {
         style.primitive = Primitive::Surfel;
         style.light.lighting = Lighting::PerVertex;
@@ -210,14 +210,13 @@ fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject
         point_counts.push(frame.points.len() as f64);
         let frame = with_mesh(subject, index, frame);
         complexities.clear();
-        for (kind, samples) in KINDS.into_iter().zip(&mut samples) {
-            let (primitive, _) = kind;
+        for ((primitive, change), samples) in KINDS.into_iter().zip(&mut samples) {
             run.begin_step(format!("{}: {primitive}", subject.named(index)))?;
-            if style(kind).primitive == Primitive::Mesh && frame.triangles().is_none() {
+            if style(change).primitive == Primitive::Mesh && frame.triangles().is_none() {
                 continue;
             }
             for ((_, distance), samples) in VIEWS.into_iter().zip(samples) {
-                let packets = packets(run, subject, &frame, &style(kind), distance);
+                let packets = packets(run, subject, &frame, &style(change), distance);
                 samples.measure(run, processor, &packets)?;
                 if complexities.last().is_none_or(|&(known, _)| known != primitive) {
                     complexities.push((primitive, packets.first().map(passes_of).unwrap_or_default()));
@@ -230,7 +229,7 @@ fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject
     let rows = KINDS.into_iter().zip(&samples).flat_map(|((primitive, _), samples)| {
         let views = VIEWS.into_iter().zip(samples);
         let views = views.filter(|(_, samples)| !samples.records.is_empty());
-        views.map(move |((view, _), samples)| samples.row((subject.name, points), primitive, view))
+        views.map(move |((view, _), samples)| samples.row(subject.name, points, primitive, view))
     });
     run.finish(subject, &point_counts, &[], rows);
     let pass_rows = KINDS.into_iter().zip(&samples).flat_map(|((primitive, _), samples)| {
@@ -257,7 +256,7 @@ fn with_mesh(subject: &Subject<'_>, index: usize, mut frame: PreparedFrame) -> P
 
 /// What all primitives are made from.
 fn needs() -> Needs {
-    let all = KINDS.map(|kind| Scene::needs(&style(kind)));
+    let all = KINDS.map(|(_, change)| Scene::needs(&style(change)));
     Needs {
         shapes: all.iter().any(|needs| needs.shapes),
         ellipses: all.iter().any(|needs| needs.ellipses),
@@ -274,12 +273,11 @@ fn packets(
     style: &Style,
     distance: f64,
 ) -> Vec<ScenePacket> {
-    let origin = subject.sequence.origin();
     let viewport_px = run.options.viewport_px;
     let mut scene = Scene::default();
     cameras(subject, frame, distance, run.options.viewpoints)
         .iter()
-        .map(|camera| scene.packet(frame, origin, camera, style, viewport_px))
+        .map(|camera| subject.packet(&mut scene, frame, camera, style, viewport_px))
         .collect()
 }
 
@@ -317,10 +315,10 @@ impl Samples {
 
     fn pass_rows(&self, sequence: &str, primitive: &str, view: &str) -> impl Iterator<Item = Row> {
         let medians_ms = self.passes.medians_ms();
-        medians_ms.map(move |pass| pass_row(sequence, primitive, view, pass))
+        medians_ms.map(move |(pass, gpu_ms)| pass_row(sequence, primitive, view, pass, gpu_ms))
     }
 
-    fn row(&self, (sequence, points): (&str, f64), primitive: &str, view: &str) -> Row {
+    fn row(&self, sequence: &str, points: f64, primitive: &str, view: &str) -> Row {
         let mean_of = |times_ms: &[f64]| (!times_ms.is_empty()).then(|| mean(times_ms));
         let records: f64 = self.records.iter().sum();
         let rate = |times_ms: &[f64]| {
@@ -346,7 +344,7 @@ impl Samples {
     }
 }
 
-fn pass_row(sequence: &str, primitive: &str, view: &str, (pass, gpu_ms): (&str, f64)) -> Row {
+fn pass_row(sequence: &str, primitive: &str, view: &str, pass: &str, gpu_ms: f64) -> Row {
     Row::of_table(
         COLUMNS,
         PASSES,

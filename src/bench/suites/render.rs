@@ -138,7 +138,7 @@ fn packets(
             ..view
         };
         let viewport_px = run.options.viewport_px;
-        Scene::default().packet(frame, origin, &camera, &style(primitive), viewport_px)
+        subject.packet(&mut Scene::default(), frame, &camera, &style(primitive), viewport_px)
     };
     let views = subject.views(frame, run.options.viewpoints, distance);
     views.into_iter().map(packet).collect()

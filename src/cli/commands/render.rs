@@ -10,7 +10,7 @@ use crate::cli::session::{OpenedInputs, open_inputs_and_tell};
 use crate::cli::terminal::output::{BytesAnswer, note};
 use crate::cli::terminal::{assumptions, warnings};
 use crate::document::Document;
-use crate::export::{FRAME_PLACEHOLDER, PictureFormat, numbered, write_picture, write_png};
+use crate::export::{FRAME_PLACEHOLDER, Picture, PictureFormat, numbered, write_picture, write_png};
 use crate::headless::{Headless, PictureStats};
 use crate::messages::frame_with_index;
 use crate::render::AnyRenderer;
@@ -108,8 +108,7 @@ pub(in crate::cli) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         frames: Vec::new(),
     };
     let (failed, asked) = if let Some(output) = &arguments.output {
-        let output = (output.as_path(), range);
-        let failed = render_frames(arguments, output, &style, &mut headless, &mut stats)?;
+        let failed = render_frames(arguments, output, range, &style, &mut headless, &mut stats)?;
         (failed, range.last - range.first + 1)
     } else {
         let failed = render_video(arguments, &style, &mut headless, &mut stats.frames)?;
@@ -186,7 +185,8 @@ fn make_folder(output: &Path, frame_count: usize) -> anyhow::Result<Option<Tempo
 /// Renders every frame that can be; returns those that cannot, with the reason.
 fn render_frames(
     arguments: &RenderArgs,
-    (output, FrameRange { first, last }): (&Path, FrameRange),
+    output: &Path,
+    range: FrameRange,
     style: &Style,
     headless: &mut Headless,
     stats: &mut Stats,
@@ -195,7 +195,7 @@ fn render_frames(
     let count = sequence.len();
     let _new_folder = make_folder(output, count)?;
     let look = headless.first_look()?;
-    let range = FrameRange { first, last };
+    let FrameRange { first, last } = range;
     let options = arguments.poses.options(range, headless, style)?;
     let mut failed = Vec::new();
     // One camera for the whole range: poses stay comparable.
@@ -225,14 +225,18 @@ fn render_frames(
             warnings::warn_of_frame(&problem);
         }
         let path = numbered(output, index, count);
-        let size = arguments.picture_size();
+        let picture = Picture {
+            frame: &frame,
+            camera,
+            style,
+            size: arguments.picture_size(),
+        };
         if output.as_os_str() == STDOUT {
-            let stdout = (BytesAnswer, Path::new("stdout"));
-            write_png(headless, &frame, camera, style, size, stdout)?;
+            write_png(headless, &picture, BytesAnswer, Path::new("stdout"))?;
             // What the encoder has left in the buffer of stdout.
             note(std::io::stdout().lock().flush());
         } else {
-            write_picture(headless, &frame, camera, style, size, &path)?;
+            write_picture(headless, &picture, &path)?;
         }
         stats.frames.push(headless.stats(&frame));
     }

@@ -53,30 +53,36 @@ pub(super) struct SideBySide {
 }
 
 impl Selectable {
-    /// An array with these parts at least; `None` where a level of them is not kept.
+    /// An array with these parts at least, the leaves with these records; `None` where a level of them is not kept.
     pub(super) fn with_parts(
         &self,
         parts: Parts,
         kept: &KeptLevels<NodeSurfel>,
-        leaves: (&[PointRecord], &[ShapeRecord]),
+        points: &[PointRecord],
+        shapes: &[ShapeRecord],
     ) -> Option<SideBySide> {
         let mut known = lock(&self.0);
         if let Some(known) = known.as_ref().filter(|known| known.parts.hold(parts)) {
             return Some(known.clone());
         }
         let parts = known.as_ref().map_or(parts, |known| known.parts.with(parts));
-        let made = SideBySide::of(parts, kept, leaves)?;
+        let made = SideBySide::of(parts, kept, points, shapes)?;
         *known = Some(made.clone());
         Some(made)
     }
 }
 
 impl SideBySide {
-    fn of(parts: Parts, kept: &KeptLevels<NodeSurfel>, leaves: (&[PointRecord], &[ShapeRecord])) -> Option<Self> {
+    fn of(
+        parts: Parts,
+        kept: &KeptLevels<NodeSurfel>,
+        leaf_points: &[PointRecord],
+        leaf_shapes: &[ShapeRecord],
+    ) -> Option<Self> {
         let (mut points, mut shapes) = (Vec::new(), Vec::new());
         if parts.has_leaves {
-            points.extend_from_slice(leaves.0);
-            shapes.extend_from_slice(leaves.1);
+            points.extend_from_slice(leaf_points);
+            shapes.extend_from_slice(leaf_shapes);
         }
         let mut level_starts = [0; LEVEL_COUNT];
         for level in (0..LEVEL_COUNT).filter(|&level| parts.has_level(level)) {

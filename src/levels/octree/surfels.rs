@@ -159,7 +159,7 @@ impl LodSurfels {
         }
         let all = self
             .selectable
-            .with_parts(parts, &self.levels, (&self.points, &self.shapes))?;
+            .with_parts(parts, &self.levels, &self.points, &self.shapes)?;
         places.clear();
         for range in &cut.ranges {
             if self.octree.is_leaf_range(range) {

@@ -70,7 +70,8 @@ impl Moments {
 /// disks.
 pub(super) fn ellipses_of(
     division: &Division,
-    (points, shapes): (&[PointRecord], &[ShapeRecord]),
+    points: &[PointRecord],
+    shapes: &[ShapeRecord],
     normal: impl Fn(usize) -> [i16; 2] + Sync,
 ) -> Option<Vec<u32>> {
     if shapes.par_iter().all(|shape| shape.ellipse == 0) {

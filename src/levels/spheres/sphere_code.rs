@@ -22,11 +22,18 @@ const MOST_STEPS_ASIDE: i8 = 6;
 /// Where there is no code.
 const NONE: u16 = u16::MAX;
 
-/// Coordinates and radius, in steps.
-type Steps = ([i8; 3], u8);
+/// A sphere in steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Steps {
+    place: [i8; 3],
+    radius: u8,
+}
 
 /// The sphere of the parent.
-const SAME: Steps = ([0; 3], STEPS as u8);
+const SAME: Steps = Steps {
+    place: [0; 3],
+    radius: STEPS as u8,
+};
 
 struct Table {
     steps_of_code: Vec<Steps>,
@@ -37,7 +44,7 @@ static TABLE: LazyLock<Table> = LazyLock::new(|| {
     let aside = || -MOST_STEPS_ASIDE..=MOST_STEPS_ASIDE;
     let places = aside().flat_map(|x| aside().flat_map(move |y| aside().map(move |z| [x, y, z])));
     let mut steps_of_code: Vec<Steps> = places
-        .flat_map(|place| (1..=STEPS as u8).map(move |radius| (place, radius)))
+        .flat_map(|place| (1..=STEPS as u8).map(move |radius| Steps { place, radius }))
         .collect();
     steps_of_code.sort_by(|a, b| reach(*a).total_cmp(&reach(*b)));
     steps_of_code.truncate(1 << SPHERE_BITS);
@@ -52,17 +59,17 @@ static TABLE: LazyLock<Table> = LazyLock::new(|| {
 });
 
 /// How far from the middle of the parent a sphere reaches, in thirteenths of the parent's radius.
-fn reach((place, radius): Steps) -> f64 {
-    let squared: i32 = place.iter().map(|&aside| i32::from(aside).pow(2)).sum();
-    2.0 * f64::from(squared).sqrt() + f64::from(radius)
+fn reach(steps: Steps) -> f64 {
+    let squared: i32 = steps.place.iter().map(|&aside| i32::from(aside).pow(2)).sum();
+    2.0 * f64::from(squared).sqrt() + f64::from(steps.radius)
 }
 
 /// Its place in the table of codes.
-fn place_of((place, radius): Steps) -> usize {
-    let coordinates = place.map(|aside| (aside + MOST_STEPS_ASIDE) as usize);
+fn place_of(steps: Steps) -> usize {
+    let coordinates = steps.place.map(|aside| (aside + MOST_STEPS_ASIDE) as usize);
     coordinates
         .iter()
-        .fold(usize::from(radius) - 1, |all, &one| STEPS * all + one)
+        .fold(usize::from(steps.radius) - 1, |all, &one| STEPS * all + one)
 }
 
 /// The sphere that a code means.
@@ -72,12 +79,12 @@ pub(super) fn decoded(parent: &Sphere, code: u16) -> Sphere {
 }
 
 #[inline(always)]
-fn sphere_at(parent: &Sphere, (place, radius): Steps) -> Sphere {
+fn sphere_at(parent: &Sphere, steps: Steps) -> Sphere {
     let step = parent.radius / STEPS as f32;
     Sphere {
-        center: parent.center + Vec3::from_array(place.map(f32::from)) * (2.0 * step),
+        center: parent.center + Vec3::from_array(steps.place.map(f32::from)) * (2.0 * step),
         // 13 thirteenths are exactly one.
-        radius: parent.radius * (f32::from(radius) / STEPS as f32),
+        radius: parent.radius * (f32::from(steps.radius) / STEPS as f32),
     }
 }
 
@@ -93,10 +100,11 @@ pub(super) fn encoded(parent: &Sphere, child: &Sphere) -> u16 {
         .clamp(Vec3::splat(-most), Vec3::splat(most))
         .to_array()
         .map(|aside| aside as i8);
-    while place != SAME.0 {
-        let needed = child.reach_from(sphere_at(parent, (place, 1)).center);
-        let holding = (1..=STEPS as u8).find(|&radius| f64::from(sphere_at(parent, (place, radius)).radius) >= needed);
-        let code = holding.map_or(NONE, |radius| TABLE.code_of_steps[place_of((place, radius))]);
+    while place != SAME.place {
+        let needed = child.reach_from(sphere_at(parent, Steps { place, radius: 1 }).center);
+        let mut larger = (1..=STEPS as u8).map(|radius| Steps { place, radius });
+        let holding = larger.find(|&steps| f64::from(sphere_at(parent, steps).radius) >= needed);
+        let code = holding.map_or(NONE, |steps| TABLE.code_of_steps[place_of(steps)]);
         if code != NONE {
             return code;
         }
@@ -104,8 +112,9 @@ pub(super) fn encoded(parent: &Sphere, child: &Sphere) -> u16 {
         place[farthest] -= place[farthest].signum();
     }
     let needed = child.reach_from(parent.center);
-    let holding = (1..STEPS as u8).find(|&radius| f64::from(sphere_at(parent, (SAME.0, radius)).radius) >= needed);
-    TABLE.code_of_steps[place_of((SAME.0, holding.unwrap_or(SAME.1)))]
+    let mut larger = (1..STEPS as u8).map(|radius| Steps { radius, ..SAME });
+    let holding = larger.find(|&steps| f64::from(sphere_at(parent, steps).radius) >= needed);
+    TABLE.code_of_steps[place_of(holding.unwrap_or(SAME))]
 }
 
 #[cfg(test)]

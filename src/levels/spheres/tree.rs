@@ -70,7 +70,7 @@ impl SphereTree {
             Precision::Exact => (nested(&division, &summaries, Node::nested), Vec::new()),
             Precision::Coded => nested(&division, &summaries, Node::coded).into_iter().unzip(),
         };
-        if let Some(ellipses) = ellipses_of(&division, (points, shapes), |index| nodes[index].normal) {
+        if let Some(ellipses) = ellipses_of(&division, points, shapes, |index| nodes[index].normal) {
             for (node, ellipse) in nodes.iter_mut().zip(ellipses) {
                 node.ellipse = ellipse;
             }

@@ -65,7 +65,8 @@ pub(in crate::reel) fn code_channels<C: SymbolCoder, const N: usize>(
     above: Above<'_>,
     parents: &[[u16; N]],
     values: &mut [[u16; N]],
-    (step, most): (u16, u16),
+    step: u16,
+    most: u16,
 ) {
     let level = Level {
         faces: above.faces,

@@ -77,7 +77,8 @@ pub(in crate::reel) fn code_channels<C: BitCoder, T: Channel, const N: usize>(
     plan: &[Known],
     parents: &[[T; N]],
     values: &mut [[T; N]],
-    (step, range): (u16, RangeInclusive<i32>),
+    step: u16,
+    range: RangeInclusive<i32>,
 ) {
     let step = i32::from(step);
     let (least, most) = range.into_inner();

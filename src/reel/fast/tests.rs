@@ -91,7 +91,9 @@ struct Kind<V> {
 fn check<V: Copy + Default + PartialEq + std::fmt::Debug>(
     kind: &Kind<V>,
     tree: &Tree,
-    (seed, bits, parameter): (u64, u32, u8),
+    seed: u64,
+    bits: u32,
+    parameter: u8,
     changes: &[(prop::sample::Index, u8)],
 ) {
     let parents: Vec<V> = numbers(tree.parents(), seed).map(kind.make).collect();
@@ -157,7 +159,7 @@ proptest! {
             encode: |coder, upwards, parents, values, step| code_colors(coder, upwards, parents, values, step),
             is_near: |given, is, step| given.iter().zip(is).all(|(given, is)| given.abs_diff(is) <= step / 2),
         };
-        check(&kind, &tree, (seed, bits, 2 * error + 1), &changes);
+        check(&kind, &tree, seed, bits, 2 * error + 1, &changes);
     }
 
     #[test]
@@ -175,7 +177,7 @@ proptest! {
             encode: |coder, upwards, parents, values, bits| code_normals(coder, bits, upwards, parents, values),
             is_near: |given, is, _| given == is || given & is & NO_NORMAL != 0,
         };
-        check(&kind, &tree, (seed, bits, 13 + 2 * grid), &changes);
+        check(&kind, &tree, seed, bits, 13 + 2 * grid, &changes);
     }
 
     #[test]
@@ -189,7 +191,7 @@ proptest! {
             encode: |coder, upwards, parents, values, _| code_singles(coder, upwards, parents, values, u16::MAX),
             is_near: |given, is, _| given == is,
         };
-        check(&kind, &tree, (seed, bits, 0), &changes);
+        check(&kind, &tree, seed, bits, 0, &changes);
     }
 
     #[test]

@@ -10,7 +10,8 @@ use glam::Vec3;
 pub(super) fn schema(
     cloud: &RawCloud,
     group: &[&RawCloud],
-    (kept, lattice): (Kept, Option<Lattice>),
+    kept: Kept,
+    lattice: Option<Lattice>,
     options: &ReelOptions,
 ) -> Schema {
     let attributes = &cloud.attributes;

@@ -100,7 +100,7 @@ impl GroupPlan {
         };
         plan.schemas = clouds
             .iter()
-            .map(|cloud| schema(cloud, clouds, (kept, finest.lattice), options))
+            .map(|cloud| schema(cloud, clouds, kept, finest.lattice, options))
             .collect();
         plan
     }

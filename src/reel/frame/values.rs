@@ -120,13 +120,14 @@ pub(super) fn code_values<D: Direction>(
     let (channels, shapes) = rayon::join(
         || {
             let colors = (has_colors > 0).then(|| {
-                let step = (u16::from(schema.color_step), 255);
-                code_all_channels(Part::open(direction, first_part)?, &places, &[[128; 3]], colors, step)
+                let step = u16::from(schema.color_step);
+                let part = Part::open(direction, first_part)?;
+                code_all_channels(part, &places, &[[128; 3]], colors, step, 255)
             });
             let singles = singles.into_iter().enumerate().map(|(single, values)| {
                 let most = schema.most_code(single);
                 let part = Part::open(direction, of_singles + single)?;
-                code_all_channels(part, &places, &[[most / 2]], values, (1, most))
+                code_all_channels(part, &places, &[[most / 2]], values, 1, most)
             });
             let singles = singles.collect::<Result<Vec<_>, Fault>>()?;
             Ok((colors.transpose()?, singles))
@@ -149,13 +150,14 @@ fn code_all_channels<'a, D: Direction, const N: usize>(
     places: &[Place<'_>],
     root: &'a [[u16; N]],
     levels: Vec<&'a mut [[u16; N]]>,
-    step_and_most: (u16, u16),
+    step: u16,
+    most: u16,
 ) -> Result<Written, Fault> {
     let mut parents = root;
     for (place, values) in places.iter().zip(levels) {
         let coder = part.at(place.section)?;
         let above = place.above;
-        dispatch!(SimdLevel::new(), _simd => code_channels(coder, above, parents, values, step_and_most));
+        dispatch!(SimdLevel::new(), _simd => code_channels(coder, above, parents, values, step, most));
         parents = if values.is_empty() { parents } else { values };
     }
     part.close()

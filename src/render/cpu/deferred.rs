@@ -2,12 +2,11 @@
 //! when its surface is blended. The lights: `scene/light/lights.rs`.
 
 use super::eight::{Vectors, lane_numbers};
-use super::illumination::{Illumination, Lit};
+use super::illumination::{Illumination, Lit, ShadedLamp};
 use super::linear::{to_display, to_linear};
 use super::physical;
 use super::view::PixelView;
-use crate::render::effects::shadow::cpu::ShadowMap;
-use crate::scene::{Lamp, Lights};
+use crate::scene::Lights;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 use glam::Vec3;
 
@@ -99,8 +98,8 @@ fn light_on<S: Simd>(simd: S, illumination: &Illumination<'_>, lit: &Lit<S>, fac
         diffuse: [diffuse; 3],
         specular: [specular; 3],
     };
-    for lamp in illumination.lamps() {
-        light.add(simd, lit, lamp, lights.specular);
+    for shaded in illumination.lamps() {
+        light.add(simd, lit, shaded, lights.specular);
     }
     light
 }
@@ -108,14 +107,14 @@ fn light_on<S: Simd>(simd: S, illumination: &Illumination<'_>, lit: &Lit<S>, fac
 impl<S: Simd> Light<S> {
     /// Adds the light of a lamp.
     #[inline(always)]
-    fn add(&mut self, simd: S, lit: &Lit<S>, lamp: (&Lamp, Option<&ShadowMap<'_>>), white: f32) {
-        let toward = lit.toward(simd, lamp);
+    fn add(&mut self, simd: S, lit: &Lit<S>, shaded: ShadedLamp<'_>, white: f32) {
+        let toward = lit.toward(simd, shaded);
         let nothing = f32x8::splat(simd, 0.0);
         let half = toward.to_lamp.plus(lit.to_eye);
         let along = lit.normal.dot(half).max(nothing) * (1.0 / half.dot(half).max(f32::MIN_POSITIVE).sqrt());
         let highlight = simd.select_f32x8(toward.facing.simd_gt(nothing), highlight(along), nothing) * white;
         let (facing, highlight) = (toward.facing * toward.share, highlight * toward.share);
-        let Vec3 { x, y, z } = lamp.0.color;
+        let Vec3 { x, y, z } = shaded.lamp.color;
         for (channel, color) in [x, y, z].into_iter().enumerate() {
             self.diffuse[channel] = facing.mul_add(f32x8::splat(simd, color), self.diffuse[channel]);
             self.specular[channel] = highlight.mul_add(f32x8::splat(simd, color), self.specular[channel]);

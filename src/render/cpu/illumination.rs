@@ -22,13 +22,23 @@ pub(super) struct Illumination<'a> {
 impl Illumination<'_> {
     /// The lamps that shine, with the shadow of the first one, which is the key light.
     #[inline(always)]
-    pub(super) fn lamps(&self) -> impl Iterator<Item = (&Lamp, Option<&ShadowMap<'_>>)> {
+    pub(super) fn lamps(&self) -> impl Iterator<Item = ShadedLamp<'_>> {
         let mut shadow = self.shadow.as_ref();
         let lamps = self.lights.lamps.iter();
         lamps
-            .map(move |lamp| (lamp, shadow.take()))
-            .filter(|(lamp, _)| lamp.is_on())
+            .map(move |lamp| ShadedLamp {
+                lamp,
+                shadow: shadow.take(),
+            })
+            .filter(|shaded| shaded.lamp.is_on())
     }
+}
+
+/// A lamp that shines, with what keeps its light away.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ShadedLamp<'a> {
+    pub(super) lamp: &'a Lamp,
+    pub(super) shadow: Option<&'a ShadowMap<'a>>,
 }
 
 /// Eight pixels with what their light depends on, in view space; directions have unit length.
@@ -50,7 +60,8 @@ pub(super) struct Toward<S: Simd> {
 
 impl<S: Simd> Lit<S> {
     #[inline(always)]
-    pub(super) fn toward(&self, simd: S, (lamp, shadow): (&Lamp, Option<&ShadowMap<'_>>)) -> Toward<S> {
+    pub(super) fn toward(&self, simd: S, shaded: ShadedLamp<'_>) -> Toward<S> {
+        let ShadedLamp { lamp, shadow } = shaded;
         let place = Vectors::splat(simd, lamp.place.truncate());
         let way = place.minus(self.position.times(f32x8::splat(simd, lamp.place.w)));
         let to_lamp = way.times(1.0 / way.dot(way).max(f32::MIN_POSITIVE).sqrt());

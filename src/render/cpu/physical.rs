@@ -2,7 +2,7 @@
 //! formulas: `scene/light/physical_light.rs`.
 
 use super::eight::Vectors;
-use super::illumination::{Illumination, Lit};
+use super::illumination::{Illumination, Lit, ShadedLamp, Toward};
 use super::tile::LANES;
 use crate::scene::{AlbedoCurve, DIELECTRIC, EnvironmentMap, Lamp, PhysicalLight, PhysicalTables};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
@@ -19,6 +19,18 @@ struct Light<S: Simd> {
     /// What goes to further bounces, and what is let in.
     lost: [f32x8<S>; 3],
     let_in: [f32x8<S>; 3],
+}
+
+/// How eight pixels lie in the light from around.
+#[derive(Clone, Copy)]
+struct Exposure<S: Simd> {
+    /// The cosine between their normal and the eye.
+    facing: f32x8<S>,
+    /// What is mirrored of the environment: a factor on the reflectance, and what is added.
+    scale: f32x8<S>,
+    bias: f32x8<S>,
+    /// The share of that light that gets here.
+    open: f32x8<S>,
 }
 
 /// Linear light that comes from eight pixels with linear `albedo`; the share `open` of the light from around reaches
@@ -39,7 +51,13 @@ pub(super) fn lit<S: Simd>(
         loss * (1.0 / curve.mean_loss.max(LEAST_LOSS)),
         let_in * (1.0 / curve.mean_let_in),
     ];
-    let light = on_surface(simd, illumination, physical, lit, (facing, [scale, bias], open));
+    let exposure = Exposure {
+        facing,
+        scale,
+        bias,
+        open,
+    };
+    let light = on_surface(simd, illumination, physical, lit, exposure);
     // No closures that are called twice: see `raster.rs`.
     [
         light.color(physical, 0, albedo[0], [loss, let_in]),
@@ -48,16 +66,21 @@ pub(super) fn lit<S: Simd>(
     ]
 }
 
-/// All light; `facing` is the cosine between normal and eye, beside it are what is mirrored of the environment, and how
-/// much of that gets here.
+/// All light.
 #[inline(always)]
 fn on_surface<S: Simd>(
     simd: S,
     illumination: &Illumination<'_>,
     physical: &PhysicalLight,
     lit: &Lit<S>,
-    (facing, [scale, bias], open): (f32x8<S>, [f32x8<S>; 2], f32x8<S>),
+    exposure: Exposure<S>,
 ) -> Light<S> {
+    let Exposure {
+        facing,
+        scale,
+        bias,
+        open,
+    } = exposure;
     let curve = &physical.tables.curve;
     let to_mirrored = lit.normal.times(facing * 2.0).minus(lit.to_eye);
     let mirrored = environment_at(simd, physical, in_environment(simd, physical, to_mirrored));
@@ -87,11 +110,13 @@ fn on_surface<S: Simd>(
         place: Vec4::W,
         color: Vec3::splat(illumination.lights.head),
     };
-    let head = Some((&head, None)).filter(|_| head.is_on());
-    for lamp in head.into_iter().chain(illumination.lamps()) {
-        let toward = lit.toward(simd, lamp);
-        let from = (toward.to_lamp, toward.facing, toward.share, lamp.0.color);
-        light.add(simd, physical, lit, (facing, open), from);
+    let head = head.is_on().then_some(ShadedLamp {
+        lamp: &head,
+        shadow: None,
+    });
+    for shaded in head.into_iter().chain(illumination.lamps()) {
+        let toward = lit.toward(simd, shaded);
+        light.add(simd, physical, lit, exposure, &toward, shaded.lamp.color);
     }
     light
 }
@@ -119,20 +144,20 @@ impl<S: Simd> Light<S> {
         (albedo * let_in * (1.0 - metallic)).mul_add(self.let_in[channel], bounced)
     }
 
-    /// Adds that of a lamp: the way to it, its cosine with the normal, the share of its light that gets here, and its
-    /// colour.
+    /// Adds that of a lamp of this colour.
     #[inline(always)]
     fn add(
         &mut self,
         simd: S,
         physical: &PhysicalLight,
         lit: &Lit<S>,
-        (facing, open): (f32x8<S>, f32x8<S>),
-        (to_lamp, lamp_facing, share, color): (Vectors<S>, f32x8<S>, f32x8<S>, Vec3),
+        exposure: Exposure<S>,
+        toward: &Toward<S>,
+        color: Vec3,
     ) {
         let one = f32x8::splat(simd, 1.0);
         let alpha2 = physical.alpha * physical.alpha;
-        let half = lit.to_eye.plus(to_lamp);
+        let half = lit.to_eye.plus(toward.to_lamp);
         let half = half.times(1.0 / half.dot(half).max(f32::MIN_POSITIVE).sqrt());
         // 1 - cos², from the way between two directions: cosines near 1 have too few digits.
         let between = half.minus(lit.normal);
@@ -140,15 +165,16 @@ impl<S: Simd> Light<S> {
         let sine2 = short * (2.0 - short);
         let spread = (one - sine2).mul_add(f32x8::splat(simd, alpha2), sine2);
         let visibility = 0.5
-            / (smith(simd, facing, lamp_facing, alpha2) + smith(simd, lamp_facing, facing, alpha2))
-                .max(f32::MIN_POSITIVE);
-        let light = lamp_facing * share;
+            / (smith(simd, exposure.facing, toward.facing, alpha2)
+                + smith(simd, toward.facing, exposure.facing, alpha2))
+            .max(f32::MIN_POSITIVE);
+        let light = toward.facing * toward.share;
         let highlight = light * visibility * (alpha2 / (spread * spread));
         let grazing = 1.0 - half.dot(lit.to_eye).max(f32x8::splat(simd, 0.0)).min(one);
         let squared = grazing * grazing;
         let fresnel = squared * squared * grazing;
-        let [_, _, loss, let_in] = entry_at(simd, &physical.tables.curve, lamp_facing);
-        let soft = light * open;
+        let [_, _, loss, let_in] = entry_at(simd, &physical.tables.curve, toward.facing);
+        let soft = light * exposure.open;
         let (lost, let_in) = (soft * loss, soft * let_in);
         let (mirrored, grazing) = (highlight * (one - fresnel), highlight * fresnel);
         for (channel, color) in color.to_array().into_iter().enumerate() {

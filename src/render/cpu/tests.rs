@@ -20,7 +20,7 @@ pub(super) fn packet_of(size_px: [u32; 2]) -> ScenePacket {
     ScenePacket {
         viewport_px: size_px,
         view: camera.transform(DVec3::ZERO, size_px),
-        style: Style::default(),
+        style: Style::default().painted(),
         content: Content::Nothing,
         ground: None,
         photographs: None,

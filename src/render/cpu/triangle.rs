@@ -73,6 +73,13 @@ impl Triangle {
     }
 }
 
+/// A triangle on the screen, and how it is shaded.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ShadedTriangle<'a> {
+    pub(super) triangle: Triangle,
+    pub(super) shading: TriangleShading<'a>,
+}
+
 /// The colour of a triangle and its light.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TriangleShading<'a> {
@@ -120,10 +127,14 @@ impl TriangleLight {
     }
 }
 
-/// Where eight pixels are on a triangle.
+/// Where eight pixels are.
 struct Places<S: Simd> {
+    /// On the triangle.
     p: f32x8<S>,
     q: f32x8<S>,
+    /// The first of them in the picture, and in its tile.
+    pixel: [i32; 2],
+    at: usize,
 }
 
 impl<S: Simd> Places<S> {
@@ -150,11 +161,12 @@ pub(super) fn fill<S: Simd>(
     simd: S,
     view: &PixelView,
     tile: &mut Tile,
-    (triangle, shading): (&Triangle, &TriangleShading<'_>),
+    shaded: &ShadedTriangle<'_>,
     y: i32,
     columns: Range<i32>,
 ) {
     let splat = |value: f32| f32x8::splat(simd, value);
+    let ShadedTriangle { triangle, shading } = shaded;
     let [left, top] = tile.origin;
     let row = (y - top) as usize * WIDTH;
     let first = columns.start - (columns.start - left) % LANES as i32;
@@ -177,8 +189,9 @@ pub(super) fn fill<S: Simd>(
         let per_w = 1.0 / w;
         let p = share(simd, value(&triangle.p) * per_w, splat(1.0));
         let q = share(simd, value(&triangle.q) * per_w, 1.0 - p);
-        let places = Places { p, q };
-        let colors = shading.colors(simd, view, &tile.per_ray_length, (at, [x, y]), &places);
+        let pixel = [x, y];
+        let places = Places { p, q, pixel, at };
+        let colors = shading.colors(simd, view, &tile.per_ray_length, &places);
         for (channel, below) in tile.colors.iter_mut().enumerate() {
             keep(simd, drawn, colors[channel], below, at);
         }
@@ -236,16 +249,9 @@ fn filtered<S: Simd>(simd: S, channel: f32x8<S>, by: f32x8<S>) -> f32x8<S> {
 }
 
 impl TriangleShading<'_> {
-    /// The lit colours of eight pixels from `pixel` on, which are at this place in their tile.
+    /// The lit colours of eight pixels.
     #[inline(always)]
-    fn colors<S: Simd>(
-        &self,
-        simd: S,
-        view: &PixelView,
-        per_ray_length: &[f32],
-        (at, pixel): (usize, [i32; 2]),
-        places: &Places<S>,
-    ) -> [f32x8<S>; 3] {
+    fn colors<S: Simd>(&self, simd: S, view: &PixelView, per_ray_length: &[f32], places: &Places<S>) -> [f32x8<S>; 3] {
         let splat = |value: f32| f32x8::splat(simd, value);
         // No `map` over arrays of registers: see `raster.rs`.
         let [factor, white] = match self.light {
@@ -255,8 +261,9 @@ impl TriangleShading<'_> {
             ],
             TriangleLight::OfPixels(normals) => {
                 let normal = places.vectors_between(simd, normals);
-                let per_length = load(simd, per_ray_length, at) / normal.dot(normal).max(f32::MIN_POSITIVE).sqrt();
-                let facing = normal.dot(rays(simd, view, pixel)).abs() * per_length;
+                let per_length =
+                    load(simd, per_ray_length, places.at) / normal.dot(normal).max(f32::MIN_POSITIVE).sqrt();
+                let facing = normal.dot(rays(simd, view, places.pixel)).abs() * per_length;
                 head_light_of(simd, facing)
             }
         };

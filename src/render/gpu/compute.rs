@@ -1,5 +1,6 @@
 //! Compute passes: entry points of one shader, each with the storage buffers that it binds beside one uniform. A pass
-//! is a row, and the WGSL of its bindings is made of the rows.
+//! is a row, and the WGSL of its bindings is made of the rows. Passes that bind more than that, as the strategy
+//! `compute` does, have their buffers ([`BufferGroup`]) and pipelines from here.
 
 use super::constants::declared;
 use super::context::Context;
@@ -93,28 +94,156 @@ impl ComputeShader {
             "@group(COMPUTE_GROUP) @binding({UNIFORM}) var<uniform> {name}: {};",
             layout.name
         );
-        for BufferRow {
-            binding,
-            name,
-            holds,
-            access,
-        } in self.buffers
-        {
-            let access = match access {
-                Access::Read => "read",
-                Access::ReadWrite => "read_write",
-            };
-            let _ = writeln!(
-                text,
-                "@group(COMPUTE_GROUP) @binding({binding}) var<storage, {access}> {name}: {holds};"
-            );
-        }
-        text
+        text + &declarations_of("COMPUTE_GROUP", self.buffers)
     }
 
-    fn is_only_read(&self, binding: u32) -> bool {
-        let mut buffers = self.buffers.iter();
-        buffers.any(|buffer| buffer.binding == binding && buffer.access == Access::Read)
+    fn buffer(&self, binding: u32) -> Option<&BufferRow> {
+        self.buffers.iter().find(|buffer| buffer.binding == binding)
+    }
+}
+
+/// The WGSL of buffers in a group that WGSL knows by this name.
+pub(super) fn declarations_of(group: &str, buffers: &[BufferRow]) -> String {
+    let mut text = String::new();
+    for row in buffers {
+        let BufferRow {
+            binding, name, holds, ..
+        } = row;
+        let access = match row.access {
+            Access::Read => "read",
+            Access::ReadWrite => "read_write",
+        };
+        // A string takes everything.
+        let _ = writeln!(
+            text,
+            "@group({group}) @binding({binding}) var<storage, {access}> {name}: {holds};"
+        );
+    }
+    text
+}
+
+/// Buffers that are bound together, in a group of their own.
+#[derive(Debug)]
+pub(super) struct BufferGroup {
+    label: &'static str,
+    rows: &'static [BufferRow],
+    pub(super) layout: wgpu::BindGroupLayout,
+}
+
+impl BufferGroup {
+    pub(super) fn new(context: &Context, label: &'static str, rows: &'static [BufferRow]) -> Self {
+        let entries = rows.iter().map(|row| layout_entry(row.binding, Some(row)));
+        Self {
+            label,
+            rows,
+            layout: group_layout(context, label, entries),
+        }
+    }
+
+    /// `buffer` knows what is bound to each binding.
+    pub(super) fn bound<'a>(&self, context: &Context, buffer: impl Fn(u32) -> &'a wgpu::Buffer) -> wgpu::BindGroup {
+        let entries: Vec<_> = self
+            .rows
+            .iter()
+            .map(|row| whole(row.binding, buffer(row.binding)))
+            .collect();
+        context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(self.label),
+            layout: &self.layout,
+            entries: &entries,
+        })
+    }
+}
+
+/// The entry of a buffer in a bind group.
+fn whole(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
+    wgpu::BindGroupEntry {
+        binding,
+        resource: buffer.as_entire_binding(),
+    }
+}
+
+/// The entry of a buffer in a layout; without a row, that of a uniform at a dynamic offset.
+fn layout_entry(binding: u32, row: Option<&BufferRow>) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty: match row {
+                None => wgpu::BufferBindingType::Uniform,
+                Some(row) => wgpu::BufferBindingType::Storage {
+                    read_only: row.access == Access::Read,
+                },
+            },
+            has_dynamic_offset: row.is_none(),
+            min_binding_size: None,
+        },
+        count: None,
+    }
+}
+
+fn group_layout(
+    context: &Context,
+    label: &str,
+    entries: impl Iterator<Item = wgpu::BindGroupLayoutEntry>,
+) -> wgpu::BindGroupLayout {
+    let entries: Vec<_> = entries.collect();
+    context
+        .device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(label),
+            entries: &entries,
+        })
+}
+
+/// The module of an assembled shader.
+pub(super) fn shader_module(context: &Context, label: &str, source: Result<String, ImportError>) -> wgpu::ShaderModule {
+    context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(label),
+        source: wgpu::ShaderSource::Wgsl(source_or_nothing(source).into()),
+    })
+}
+
+/// The pipeline of an entry point that binds groups of these layouts.
+pub(super) fn pipeline(
+    context: &Context,
+    label: &str,
+    module: &wgpu::ShaderModule,
+    entry: &str,
+    groups: &[Option<&wgpu::BindGroupLayout>],
+) -> wgpu::ComputePipeline {
+    let layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(label),
+        bind_group_layouts: groups,
+        immediate_size: 0,
+    });
+    context
+        .device
+        .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(label),
+            layout: Some(&layout),
+            module,
+            entry_point: Some(entry),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        })
+}
+
+/// Everything that a pass binds.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bound<'a> {
+    pub(super) group: &'a wgpu::BindGroup,
+    /// Bytes.
+    pub(super) uniform_offset: u32,
+}
+
+impl<'a> Bound<'a> {
+    /// With the uniform at the start of its buffer.
+    pub(super) fn whole(group: &'a wgpu::BindGroup) -> Self {
+        Self {
+            group,
+            uniform_offset: 0,
+        }
     }
 }
 
@@ -133,10 +262,7 @@ struct Program {
 
 impl ComputePrograms {
     pub(super) fn new(context: &Context, shader: ComputeShader) -> Self {
-        let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(shader.label),
-            source: wgpu::ShaderSource::Wgsl(source_or_nothing(shader.source()).into()),
-        });
+        let module = shader_module(context, shader.label, shader.source());
         let program = |row| Program::new(context, &module, row, shader);
         Self {
             shader,
@@ -160,10 +286,7 @@ impl ComputePrograms {
                 size: wgpu::BufferSize::new(self.shader.uniform.1.size as u64),
             }),
         };
-        let others = buffers.iter().map(|&binding| wgpu::BindGroupEntry {
-            binding,
-            resource: buffer(binding).as_entire_binding(),
-        });
+        let others = buffers.iter().map(|&binding| whole(binding, buffer(binding)));
         let entries: Vec<_> = std::iter::once(uniform).chain(others).collect();
         context.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(entry),
@@ -177,56 +300,21 @@ impl ComputePrograms {
         &self,
         pass: &mut wgpu::ComputePass<'_>,
         row: usize,
-        (group, uniform_offset): (&wgpu::BindGroup, u32),
+        bound: Bound<'_>,
         [across, down]: [u32; 2],
     ) {
         pass.set_pipeline(&self.programs[row].pipeline);
-        pass.set_bind_group(COMPUTE_GROUP, group, &[uniform_offset]);
+        pass.set_bind_group(COMPUTE_GROUP, bound.group, &[bound.uniform_offset]);
         pass.dispatch_workgroups(across, down, 1);
     }
 }
 
 impl Program {
     fn new(context: &Context, module: &wgpu::ShaderModule, row: &EntryRow, shader: ComputeShader) -> Self {
-        let entry = |binding| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty: match binding {
-                    UNIFORM => wgpu::BufferBindingType::Uniform,
-                    _ => wgpu::BufferBindingType::Storage {
-                        read_only: shader.is_only_read(binding),
-                    },
-                },
-                has_dynamic_offset: binding == UNIFORM,
-                min_binding_size: None,
-            },
-            count: None,
-        };
         let bindings = std::iter::once(UNIFORM).chain(row.buffers.iter().copied());
-        let entries: Vec<_> = bindings.map(entry).collect();
-        let label = Some(row.entry);
-        let layout = context
-            .device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label,
-                entries: &entries,
-            });
-        let pipeline_layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label,
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        });
-        let pipeline = context
-            .device
-            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label,
-                layout: Some(&pipeline_layout),
-                module,
-                entry_point: Some(row.entry),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            });
+        let entries = bindings.map(|binding| layout_entry(binding, shader.buffer(binding)));
+        let layout = group_layout(context, row.entry, entries);
+        let pipeline = pipeline(context, row.entry, module, row.entry, &[Some(&layout)]);
         Self { layout, pipeline }
     }
 }

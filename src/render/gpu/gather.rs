@@ -109,8 +109,13 @@ impl Gatherer {
         let mut rooms = self.gathered.take().map_or_else(Vec::new, |gathered| gathered.rooms);
         rooms.resize_with(RECORD_STREAMS.min(nodes.len()), Vec::new);
         for rooms in &mut rooms {
-            let size = (selection.len(), selected.chunked_for);
-            streams.push(stream_in(context, instancing, size, rooms));
+            streams.push(stream_in(
+                context,
+                instancing,
+                selection.len(),
+                selected.chunked_for,
+                rooms,
+            ));
         }
         self.gathered = Some(Gathered {
             selection: Arc::clone(selection),

@@ -1,6 +1,6 @@
 //! The compute programs that gather records: one binding a buffer, and a group of bindings for each chunk.
 
-use super::compute::{BufferRow, ComputePrograms, ComputeShader, EntryRow, UNIFORM};
+use super::compute::{Bound, BufferRow, ComputePrograms, ComputeShader, EntryRow, UNIFORM};
 use super::constants::GROUP_RECORDS;
 use super::context::Context;
 use super::gpu_data::{Filtering, Gathering};
@@ -85,5 +85,5 @@ pub(super) fn dispatch(
 ) {
     let most = context.limits.max_compute_workgroups_per_dimension;
     let groups = [record_count.div_ceil(GROUP_RECORDS).min(most), 1];
-    programs.dispatch(pass, 0, (group, 0), groups);
+    programs.dispatch(pass, 0, Bound::whole(group), groups);
 }

@@ -26,7 +26,8 @@ fn context() -> Arc<Context> {
 /// Runs a compute shader for so many invocations in groups of 256 and reads the buffer at one of its bindings.
 fn run(
     context: &Context,
-    (source, entry_point): (&str, &str),
+    source: &str,
+    entry_point: &str,
     invocations: usize,
     buffers: &[(Usages, &[u8])],
     result: usize,
@@ -136,7 +137,8 @@ fn double_floats_in_integers_are_those_of_the_processor() {
     let given: Vec<[u32; 2]> = pairs.iter().flatten().map(|&number| words(number)).collect();
     let results = run(
         &context(),
-        (&source.concat(), "calculate"),
+        &source.concat(),
+        "calculate",
         pairs.len(),
         &[
             (Usages::STORAGE, bytemuck::cast_slice(&given)),
@@ -184,7 +186,8 @@ fn single_floats_become_the_same_doubles() {
     singles.extend((0..5000).map(|i| f32::from_bits(0x9e37_79b9_u32.wrapping_mul(i) & 0xbf7f_ffff)));
     let results = run(
         &context(),
-        (&source.concat(), "widen"),
+        &source.concat(),
+        "widen",
         singles.len(),
         &[
             (Usages::STORAGE, bytemuck::cast_slice(&singles)),
@@ -254,7 +257,8 @@ fn filtered(context: &Context, filter: &SequenceFilter, shapes: &[ShapeRecord]) 
     let filtering = Filtering::of(filter, 0..filter.len() as u32, true);
     let results = run(
         context,
-        (&FILTER.source().unwrap(), "gather"),
+        &FILTER.source().unwrap(),
+        "gather",
         filter.len(),
         &[
             (Usages::UNIFORM, bytemuck::bytes_of(&filtering)),
@@ -312,7 +316,7 @@ fn the_pass_draws_the_nodes_that_the_processor_draws() {
                             drawn_in_all += usize::from(is_drawn);
                         }
                         let cut = levels.cut(&view, hints);
-                        let (points, _) = selection.gathered(&nodes, Default::default());
+                        let (points, _) = selection.gathered(&nodes, Vec::new(), Vec::new());
                         assert_eq!(points.len(), cut.node_count());
                     }
                 }

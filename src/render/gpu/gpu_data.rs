@@ -18,7 +18,7 @@ use std::f32::consts::LOG2_E;
 use std::ops::Range;
 
 /// Those that are declared here; those of effects are with these.
-pub const LAYOUTS: [&Layout; 7] = [
+pub const LAYOUTS: [&Layout; 8] = [
     &Gathering::LAYOUT,
     &Filtering::LAYOUT,
     &Screening::LAYOUT,
@@ -26,6 +26,7 @@ pub const LAYOUTS: [&Layout; 7] = [
     &StereoMatching::LAYOUT,
     &ViewUniform::LAYOUT,
     &SplatVertex::LAYOUT,
+    &DrawIndexedIndirect::LAYOUT,
 ];
 
 /// [`ViewUniform::lighting`] of surfaces that are lit; WGSL gets these numbers from here (`constants.rs`).
@@ -382,6 +383,22 @@ shared_struct! {
         kernel: u32,
         /// How far away the middle of the cloud is: the unit of distances that half floats hold.
         usual_distance: f32,
+    }
+}
+
+shared_struct! {
+    /// A draw call that a pass writes. The first four words are also those of a draw of vertices without indices.
+    pub DrawIndexedIndirect as "DrawIndexedIndirect" {
+        /// How many indices are drawn.
+        index_count: u32,
+        /// How often.
+        instance_count: u32,
+        /// The first of them.
+        first_index: u32,
+        /// Is added to each.
+        base_vertex: i32,
+        /// The number of the first instance.
+        first_instance: u32,
     }
 }
 

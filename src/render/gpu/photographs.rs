@@ -5,7 +5,7 @@
 //! A small table says where the photographs are in this picture.
 
 use super::context::Context;
-use crate::photos::Photographs;
+use crate::photos::{Photograph, Photographs};
 use crate::render::known_depths::KnownDepths;
 use crate::scene::{
     DepthMap, PhotoClipping, PhotoDepths, PhotoHoles, PhotoRelight, PhotoView, PhotoViews, PhotographsInFrame,
@@ -44,7 +44,8 @@ impl PhotoTextures {
     pub(super) fn of(
         context: &Context,
         known: Option<Self>,
-        (shown, views): (&PhotographsInFrame, &PhotoViews),
+        shown: &PhotographsInFrame,
+        views: &PhotoViews,
         packet: &ScenePacket,
     ) -> Self {
         let photographs = &shown.photographs;
@@ -95,7 +96,11 @@ fn texels(context: &Context, photographs: &Photographs) -> wgpu::TextureView {
     let texture = layered(
         context,
         "photographs",
-        (size, count, levels),
+        LayersSize {
+            size_px: size,
+            layers: count,
+            levels,
+        },
         wgpu::TextureFormat::Rgba8Unorm,
     );
     for (layer, photograph) in (0..).zip(&all[..count.min(all.len())]) {
@@ -103,7 +108,8 @@ fn texels(context: &Context, photographs: &Photographs) -> wgpu::TextureView {
             write(
                 context,
                 &texture,
-                (layer, level),
+                layer,
+                level,
                 of_level.size_px(),
                 bytemuck::cast_slice(of_level.pixels()),
             );
@@ -118,14 +124,19 @@ fn depths(context: &Context, maps: &[DepthMap]) -> wgpu::TextureView {
     let texture = layered(
         context,
         "depths of photographs",
-        (size, count, 1),
+        LayersSize {
+            size_px: size,
+            layers: count,
+            levels: 1,
+        },
         wgpu::TextureFormat::R32Float,
     );
     for (layer, map) in (0..).zip(&maps[..count.min(maps.len())]) {
         write(
             context,
             &texture,
-            (layer, 0),
+            layer,
+            0,
             map.size,
             bytemuck::cast_slice(&map.distances),
         );
@@ -154,21 +165,25 @@ fn table(context: &Context, views: &PhotoViews, shown: &PhotographsInFrame, maps
     rows[0] = [count as f32, views.blended as f32, views.per_sigma2, flags as f32];
     rows[1][0] = views.gap_px as f32;
     for ((view, photograph), map) in views.views.iter().zip(shown.photographs.all()).zip(maps).take(count) {
-        let levels = photograph.texture.levels().len();
-        rows.extend(row(view, (levels, photograph.is_masked), map));
+        rows.extend(row(view, photograph, map));
     }
     let size = [COLUMNS as u32, (rows.len() / COLUMNS) as u32];
     let texture = layered(
         context,
         "table of photographs",
-        (size, 1, 1),
+        LayersSize {
+            size_px: size,
+            layers: 1,
+            levels: 1,
+        },
         wgpu::TextureFormat::Rgba32Float,
     );
-    write(context, &texture, (0, 0), size, bytemuck::cast_slice(&rows));
+    write(context, &texture, 0, 0, size, bytemuck::cast_slice(&rows));
     view(&texture, wgpu::TextureViewDimension::D2)
 }
 
-fn row(view: &PhotoView, (levels, is_masked): (usize, bool), map: &DepthMap) -> [[f32; 4]; COLUMNS] {
+fn row(view: &PhotoView, photograph: &Photograph, map: &DepthMap) -> [[f32; 4]; COLUMNS] {
+    let levels = photograph.texture.levels().len();
     let [x, y, z] = view.camera_from_view.map(|row| row.to_array());
     let one_if = |condition: bool| if condition { 1.0 } else { 0.0 };
     let [width, height] = map.size.map(|edge| edge as f32);
@@ -178,26 +193,29 @@ fn row(view: &PhotoView, (levels, is_masked): (usize, bool), map: &DepthMap) -> 
         z,
         view.center.extend(0.0).to_array(),
         [view.focal[0], view.focal[1], view.principal[0], view.principal[1]],
-        [view.size[0], view.size[1], levels as f32, one_if(is_masked)],
+        [view.size[0], view.size[1], levels as f32, one_if(photograph.is_masked)],
         view.gain.extend(0.0).to_array(),
         [width, height, map.tolerance, one_if(map.is_measured)],
     ]
 }
 
-fn layered(
-    context: &Context,
-    label: &str,
-    ([width, height], layers, mip_level_count): ([u32; 2], usize, u32),
-    format: wgpu::TextureFormat,
-) -> wgpu::Texture {
+/// How large a texture of layers is.
+#[derive(Debug, Clone, Copy)]
+struct LayersSize {
+    size_px: [u32; 2],
+    layers: usize,
+    levels: u32,
+}
+
+fn layered(context: &Context, label: &str, extent: LayersSize, format: wgpu::TextureFormat) -> wgpu::Texture {
     context.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size: wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: layers as u32,
+            width: extent.size_px[0],
+            height: extent.size_px[1],
+            depth_or_array_layers: extent.layers as u32,
         },
-        mip_level_count,
+        mip_level_count: extent.levels,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
@@ -207,7 +225,7 @@ fn layered(
 }
 
 /// Writes the upper left corner of a level of a layer.
-fn write(context: &Context, texture: &wgpu::Texture, (layer, level): (u32, u32), size: [u32; 2], texels: &[u8]) {
+fn write(context: &Context, texture: &wgpu::Texture, layer: u32, level: u32, size: [u32; 2], texels: &[u8]) {
     let [width, height] = size;
     let to = wgpu::TexelCopyTextureInfo {
         texture,

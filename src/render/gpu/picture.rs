@@ -31,11 +31,27 @@ pub(super) struct Recorder<'a> {
     pub(super) stats: &'a mut RenderStats,
 }
 
-/// All textures are loaded or cleared in the same way.
-type ColorTargets<'a> = (Vec<&'a wgpu::TextureView>, wgpu::LoadOp<wgpu::Color>);
+/// Textures that colours are drawn to.
+struct ColorTargets<'a> {
+    views: Vec<&'a wgpu::TextureView>,
+    /// All are loaded or cleared in the same way.
+    load: wgpu::LoadOp<wgpu::Color>,
+}
 
-/// A depth buffer without load operation is only read.
-type DepthTarget<'a> = Option<(&'a wgpu::TextureView, Option<wgpu::LoadOp<f32>>)>;
+impl ColorTargets<'_> {
+    /// Where only depths are drawn.
+    const NONE: Self = Self {
+        views: Vec::new(),
+        load: wgpu::LoadOp::Load,
+    };
+}
+
+/// A depth buffer.
+struct DepthTarget<'a> {
+    view: &'a wgpu::TextureView,
+    /// Without it, depths are only read.
+    load: Option<wgpu::LoadOp<f32>>,
+}
 
 impl<'a> Recorder<'a> {
     /// Records all passes of a plan.
@@ -87,7 +103,10 @@ impl<'a> Recorder<'a> {
             .iter()
             .filter_map(|pass| self.bound(pass, plan, 0))
             .collect();
-        let onto = (self.targets.views(Target::Picture, 0), clear);
+        let onto = ColorTargets {
+            views: self.targets.views(Target::Picture, 0),
+            load: clear,
+        };
         let mut pass = begin(self.encoder, self.timer.as_deref_mut(), "background", onto, None);
         self.stats.passes += 1;
         for bound in &behind {
@@ -107,15 +126,18 @@ impl<'a> Recorder<'a> {
                 ..*draw
             };
             self.amplify(view, instancing, draw);
-            let depth = Some((&map, Some(wgpu::LoadOp::Clear(FAR))));
+            let depth = DepthTarget {
+                view: &map,
+                load: Some(wgpu::LoadOp::Clear(FAR)),
+            };
             let pass = begin(
                 self.encoder,
                 self.timer.as_deref_mut(),
                 "shadow map",
-                (Vec::new(), wgpu::LoadOp::Load),
-                depth,
+                ColorTargets::NONE,
+                Some(depth),
             );
-            draw_records(self.pipelines, self.stats, pass, (key, view), instancing, draw);
+            draw_records(self.stats, pass, self.pipelines.geometry(key), view, instancing, draw);
         }
     }
 
@@ -141,17 +163,19 @@ impl<'a> Recorder<'a> {
             Target::Sums | Target::Surfaces => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
             Target::Picture | Target::PhotoAnswers | Target::PhotoLevel | Target::Shown => wgpu::LoadOp::Load,
         };
-        let onto = key
-            .pass
-            .color
-            .map(|color| (targets.views(color.target, 0), load(color.target)));
-        let color = onto.unwrap_or_else(|| (Vec::new(), wgpu::LoadOp::Load));
-        let depth = key.pass.depth.map(|depth| match depth {
-            DepthUse::TestAndWrite => (&targets.depth_view, Some(wgpu::LoadOp::Clear(FAR))),
-            DepthUse::TestOnly => (&targets.depth_view, None),
+        let color = key.pass.color.map_or(ColorTargets::NONE, |color| ColorTargets {
+            views: targets.views(color.target, 0),
+            load: load(color.target),
+        });
+        let depth = key.pass.depth.map(|depth| DepthTarget {
+            view: &targets.depth_view,
+            load: match depth {
+                DepthUse::TestAndWrite => Some(wgpu::LoadOp::Clear(FAR)),
+                DepthUse::TestOnly => None,
+            },
         });
         let pass = begin(self.encoder, self.timer.as_deref_mut(), key.pass.name, color, depth);
-        draw_records(self.pipelines, self.stats, pass, (key, view), instancing, draw);
+        draw_records(self.stats, pass, self.pipelines.geometry(key), view, instancing, draw);
     }
 
     /// A pass over the screen, or over a level of a pyramid.
@@ -165,8 +189,14 @@ impl<'a> Recorder<'a> {
         let targets = &*self.targets;
         // What is drawn without depth hides nothing.
         let cleared = (!plan.leaves_depths()).then_some(wgpu::LoadOp::Clear(FAR));
-        let depth = screen.depth.map(|_| (&targets.depth_view, cleared));
-        let color = (targets.views(screen.color.target, level), wgpu::LoadOp::Load);
+        let depth = screen.depth.map(|_| DepthTarget {
+            view: &targets.depth_view,
+            load: cleared,
+        });
+        let color = ColorTargets {
+            views: targets.views(screen.color.target, level),
+            load: wgpu::LoadOp::Load,
+        };
         let mut pass = begin(self.encoder, self.timer.as_deref_mut(), screen.name, color, depth);
         self.stats.passes += 1;
         bound.draw(&mut pass, self.view_group);
@@ -209,16 +239,16 @@ impl BoundPass<'_> {
 
 /// Draws all records in a pass that has begun.
 fn draw_records(
-    pipelines: &Pipelines,
     stats: &mut RenderStats,
     mut pass: wgpu::RenderPass<'_>,
-    (key, view): (GeometryKey, ViewBinding<'_>),
+    pipeline: Option<&wgpu::RenderPipeline>,
+    view: ViewBinding<'_>,
     instancing: &dyn Instancing,
     draw: &Draw<'_>,
 ) {
     stats.passes += 1;
     if !draw.streams.is_empty()
-        && let Some(pipeline) = pipelines.geometry(key)
+        && let Some(pipeline) = pipeline
     {
         pass.set_pipeline(pipeline);
         pass.set_bind_group(VIEW_GROUP, view.bind_group, &[view.offset]);
@@ -233,8 +263,8 @@ fn begin<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     timer: Option<&mut Timer>,
     label: &'static str,
-    (views, load): ColorTargets<'_>,
-    depth: DepthTarget<'_>,
+    color: ColorTargets<'_>,
+    depth: Option<DepthTarget<'_>>,
 ) -> wgpu::RenderPass<'e> {
     let attachment = |view| {
         Some(wgpu::RenderPassColorAttachment {
@@ -242,19 +272,19 @@ fn begin<'e>(
             depth_slice: None,
             resolve_target: None,
             ops: wgpu::Operations {
-                load,
+                load: color.load,
                 store: wgpu::StoreOp::Store,
             },
         })
     };
-    let attachments: Vec<_> = views.into_iter().map(attachment).collect();
+    let attachments: Vec<_> = color.views.into_iter().map(attachment).collect();
     let stamps = timer.and_then(|timer| timer.stamps(label));
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some(label),
         color_attachments: &attachments,
-        depth_stencil_attachment: depth.map(|(view, load)| wgpu::RenderPassDepthStencilAttachment {
-            view,
-            depth_ops: load.map(|load| wgpu::Operations {
+        depth_stencil_attachment: depth.map(|depth| wgpu::RenderPassDepthStencilAttachment {
+            view: depth.view,
+            depth_ops: depth.load.map(|load| wgpu::Operations {
                 load,
                 store: wgpu::StoreOp::Store,
             }),

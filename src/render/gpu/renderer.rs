@@ -265,7 +265,7 @@ impl GpuRenderer {
             let mut recording = Recording::new(&self.context, &mut encoder, self.timer.as_mut());
             self.stats.passes += self.visible.record(&mut recording, &self.residency);
         }
-        let streams = streams_of(&plan, &self.residency, (&self.gatherer, &self.visible));
+        let streams = streams_of(&plan, &self.residency, &self.gatherer, &self.visible);
         let draw = Draw {
             streams: &streams,
             amplification: plan.drawable.amplification,
@@ -296,7 +296,7 @@ impl GpuRenderer {
         if self.targets.as_ref().is_some_and(is_made) {
             return Ok(());
         }
-        let ([width, height], _) = sizes_px;
+        let [width, height] = sizes_px.drawn;
         let max = self.context.max_edge_px();
         if width > max || height > max {
             return Err(RenderError::TooLarge { width, height, max });
@@ -348,7 +348,7 @@ impl GpuRenderer {
         if let (Some(views), Some(shown), Some(targets)) = (&plan.photographs, &packet.photographs, &mut self.targets) {
             let known = targets.photographs.take();
             targets.photographs = Some(self.context.catching_out_of_memory("the photographs", || {
-                PhotoTextures::of(&self.context, known, (shown, views), packet)
+                PhotoTextures::of(&self.context, known, shown, views, packet)
             })?);
         }
         Ok(())
@@ -437,7 +437,7 @@ impl GpuRenderer {
     fn ensure_quad_indices(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
         let amplification = plan.drawable.amplification;
         let instancing = instancing_of(plan, self.instancing.as_mut(), &mut self.indexed);
-        let quads = streams_of(plan, &self.residency, (&self.gatherer, &self.visible))
+        let quads = streams_of(plan, &self.residency, &self.gatherer, &self.visible)
             .into_iter()
             .flat_map(|stream| &stream.chunks)
             .map(|chunk| instancing.quads_per_draw(chunk.record_count, amplification))
@@ -468,7 +468,10 @@ impl Renderer for GpuRenderer {
         let drawn = self.as_drawn(packet);
         let plan = Plan::new(&drawn, self.context.blends_single_floats);
         let is_smoothed = plan.makes_another();
-        let sizes_px = (drawn.viewport_px, is_smoothed.then_some(packet.viewport_px));
+        let sizes_px = SizesPx {
+            drawn: drawn.viewport_px,
+            shown: is_smoothed.then_some(packet.viewport_px),
+        };
         self.ensure_targets(sizes_px, plan.precision)?;
         let strategy = packet.style.drawing.strategy;
         if self.strategy != strategy {
@@ -550,7 +553,8 @@ fn instancing_of<'a>(
 fn streams_of<'a>(
     plan: &Plan<'_>,
     residency: &'a Residency,
-    (gatherer, visible): (&'a Gatherer, &'a VisibleMaker),
+    gatherer: &'a Gatherer,
+    visible: &'a VisibleMaker,
 ) -> Vec<&'a Stream> {
     if plan.drawable.selection.is_some() {
         return gatherer.streams();

@@ -11,7 +11,8 @@ pub(super) const MOST_ROOM: usize = 4;
 pub(super) fn stream_in(
     context: &Context,
     instancing: &dyn RecordInstancing,
-    (count, chunked_for): (usize, &'static Amplification),
+    count: usize,
+    chunked_for: &'static Amplification,
     rooms: &mut Vec<Room>,
 ) -> Stream {
     let most = instancing.most_records(context, chunked_for);

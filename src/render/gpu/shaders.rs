@@ -105,10 +105,7 @@ impl Permutation {
                     source
                 })
             }
-            Self::Amplify(amplification) => {
-                let files = instancing::amplifying_files(amplification);
-                assembled(&[amplification.given()], &files)
-            }
+            Self::Amplify(amplification) => instancing::amplifying_source(amplification),
             Self::Gather => GATHER.source(),
             Self::Filter => FILTER.source(),
             Self::Visible => visible::SHADER.source(),

@@ -149,8 +149,13 @@ impl Source {
 /// The place of the environment among the textures of surfaces.
 const ENVIRONMENT: usize = 5;
 
-/// Of the picture that is drawn, and of the one that is shown where that is another.
-pub(super) type SizesPx = ([u32; 2], Option<[u32; 2]>);
+/// Widths and heights of pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct SizesPx {
+    pub(super) drawn: [u32; 2],
+    /// Where another one is shown.
+    pub(super) shown: Option<[u32; 2]>,
+}
 
 impl Target {
     /// One for each texture.
@@ -200,7 +205,11 @@ pub(super) struct Targets {
 
 impl Targets {
     /// Precondition: all edges at least 1 and at most [`Context::max_edge_px`].
-    pub(super) fn new(context: &Context, (size_px, shown_px): SizesPx, precision: Precision) -> Self {
+    pub(super) fn new(context: &Context, sizes_px: SizesPx, precision: Precision) -> Self {
+        let SizesPx {
+            drawn: size_px,
+            shown: shown_px,
+        } = sizes_px;
         let texture = |label, format, usage| texture(context, size_px, label, format, usage);
         let none = wgpu::TextureUsages::empty();
         let color = texture("color", COLOR_FORMAT, wgpu::TextureUsages::COPY_SRC);
@@ -306,7 +315,10 @@ impl Targets {
 
     /// What they were made for.
     pub(super) fn sizes_px(&self) -> SizesPx {
-        (self.size_px, self.shown_px)
+        SizesPx {
+            drawn: self.size_px,
+            shown: self.shown_px,
+        }
     }
 
     /// The picture that is shown.

@@ -69,9 +69,11 @@ pub struct LabelOnPicture {
 /// `origin`.
 pub fn labels_on_picture(
     labels: &[Label],
-    (pose, origin): (&PreparedFrame, DVec3),
+    pose: &PreparedFrame,
+    origin: DVec3,
     camera: &Camera,
-    (packet, size_px): (&ScenePacket, [u32; 2]),
+    packet: &ScenePacket,
+    size_px: [u32; 2],
 ) -> Vec<LabelOnPicture> {
     let placed = |(index, label): (usize, &Label)| {
         let place = label.place_in(pose, origin)?;

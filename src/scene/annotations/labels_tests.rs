@@ -123,7 +123,7 @@ fn what_is_behind_a_wall_is_hidden_and_what_is_on_it_or_beside_it_is_not() {
         let packet = Scene::default().packet(&frame, FAR, &camera, &style, size);
         // The middle of the wall is behind the last point; one at its rim is not.
         let labels = [wall, wall + 1, wall + 2, 0].map(|index| label(Some((index, None)), None));
-        let on_picture = labels_on_picture(&labels, (&frame, FAR), &camera, (&packet, size));
+        let on_picture = labels_on_picture(&labels, &frame, FAR, &camera, &packet, size);
         let hidden: Vec<bool> = on_picture.iter().map(|label| label.is_hidden).collect();
         assert_eq!(hidden, [true, false, false, false], "{projection:?}");
         for (label, on_picture) in labels.iter().zip(&on_picture) {
@@ -132,7 +132,7 @@ fn what_is_behind_a_wall_is_hidden_and_what_is_on_it_or_beside_it_is_not() {
         }
         // A picture that is drawn smaller has the same labels.
         let small = Scene::default().packet(&frame, FAR, &camera, &style, [320, 240]);
-        let of_small = labels_on_picture(&labels, (&frame, FAR), &camera, (&small, size));
+        let of_small = labels_on_picture(&labels, &frame, FAR, &camera, &small, size);
         assert_eq!(
             of_small.iter().map(|label| label.px).collect::<Vec<_>>(),
             on_picture.iter().map(|label| label.px).collect::<Vec<_>>()

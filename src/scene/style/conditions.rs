@@ -7,7 +7,7 @@ use super::{
 };
 
 /// For the rows of settings.
-impl Conditions for Style {
+impl<C: Copy> Conditions for Style<C> {
     fn has_eye_dome(&self) -> bool {
         self.leaves_depths() && self.light.eye_dome == EyeDome::On
     }

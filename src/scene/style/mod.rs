@@ -56,13 +56,14 @@ use crate::levels::octree::StopCriterion;
 use crate::sequence::Coloring;
 use describe::Conditions as _;
 
-/// How a picture is drawn: the [`Settings`] with nothing left open. Renderers know no other.
+/// How a picture is drawn: the [`Settings`] with nothing left open. Frames are asked for [`Coloring`], which says what
+/// to do where they lack colours; packets have [`DrawSettings`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Style {
+pub struct Style<C = Coloring> {
     /// What points become.
     pub primitive: Primitive,
     /// Which colours are asked of frames; which they have, [`Paint`](crate::sequence::Paint) says of each.
-    pub colors: Coloring,
+    pub colors: C,
     /// Who draws, and how many pixels.
     pub drawing: DrawingStyle,
     /// How surfels are drawn.
@@ -85,7 +86,48 @@ pub struct Style {
     pub of_sequence: OfSequence,
 }
 
+/// The style of a packet, whose records have their colours. Renderers know no other.
+pub type DrawSettings = Style<Painted>;
+
+/// Colours that are in the records of a packet, so that nothing is asked of frames any more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Painted;
+
 impl Style {
+    /// This style for records that have their colours.
+    pub fn painted(&self) -> DrawSettings {
+        let Self {
+            primitive,
+            colors: _,
+            drawing,
+            surfels,
+            points,
+            voxels,
+            levels,
+            codes,
+            light,
+            photos,
+            backdrop,
+            of_sequence,
+        } = *self;
+        Style {
+            primitive,
+            colors: Painted,
+            drawing,
+            surfels,
+            points,
+            voxels,
+            levels,
+            codes,
+            light,
+            photos,
+            backdrop,
+            of_sequence,
+        }
+    }
+}
+
+impl<C: Copy> Style<C> {
     /// This style with a change.
     #[must_use]
     pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {

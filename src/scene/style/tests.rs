@@ -1,6 +1,6 @@
 //! Styles and their descriptions.
 
-use super::describe::{Described, Value, Values};
+use super::describe::{Described, Setting as _, Value, Values};
 use super::*;
 use crate::analysis::ColorMap;
 use crate::levels::Lod;
@@ -161,4 +161,59 @@ fn sources_and_maps_of_colours_have_their_words() {
     assert!(coloring::SOURCES.list.iter().map(|source| source.word).eq(names));
     let names = ColorMap::ALL.map(ColorMap::name);
     assert!(coloring::MAPS.list.iter().map(|map| map.word).eq(names));
+}
+
+#[test]
+fn a_choice_is_open_or_made_and_reads_back_from_its_name_and_value() {
+    fn check<T: Automatic + std::fmt::Debug>(other: T) {
+        let (open, all) = (Choice::<T>::Auto, Choice::<T>::all().collect::<Vec<_>>());
+        assert_eq!(all[0], open);
+        assert_eq!(all.len(), Choice::<T>::WORDS.list.len());
+        assert!(open.is_open() && open.chosen().is_none() && open != other);
+        assert_eq!((open.name(), Choice::default()), ("auto", open));
+        assert_eq!((open.or(other), open.decided()), (other, T::USUAL));
+        for choice in all {
+            assert_eq!(choice.name().parse::<Choice<T>>().ok(), Some(choice));
+            assert_eq!(Choice::from_value(choice.value()), Some(choice));
+            assert_eq!(serde_json::to_value(choice).unwrap(), choice.name());
+            assert_eq!(
+                serde_json::from_value::<Choice<T>>(choice.name().into()).unwrap(),
+                choice
+            );
+            let Some(made) = choice.chosen() else { continue };
+            assert!(choice == made && choice == Choice::from(made) && choice != open);
+            assert_eq!((choice.or(other), choice.decided()), (made, made));
+        }
+        assert_eq!(
+            Choice::<T>::from_value(Value::Word(Choice::<T>::WORDS.list.len())),
+            None
+        );
+        assert_eq!(Choice::<T>::from_value(Value::Switch(true)), None);
+    }
+    check(Primitive::Voxel);
+    check(Lighting::Physical);
+    check(LightRig::ThreePoint);
+    check(EyeDome::On);
+    check(BackFaces::Culled);
+    check(RendererChoice::Cpu);
+    assert_ne!(Primitive::USUAL, Primitive::Voxel, "else nothing is shown by it");
+}
+
+#[test]
+fn an_environment_stands_for_a_rig_that_is_left_open() {
+    let environment = Environment::Studio;
+    let rig = |lighting: Lighting, environment, rig| {
+        let settings = Settings::default().with(|settings| {
+            settings.light.lighting = lighting.into();
+            settings.light.environment = environment;
+            settings.light.rig = rig;
+        });
+        settings.decided().light.rig
+    };
+    let usual = LightRig::USUAL;
+    assert_ne!(usual, LightRig::None);
+    assert_eq!(rig(Lighting::Physical, environment, Choice::Auto), LightRig::None);
+    assert_eq!(rig(Lighting::Physical, environment, usual.into()), usual);
+    assert_eq!(rig(Lighting::Physical, Environment::None, Choice::Auto), usual);
+    assert_eq!(rig(Lighting::Lambert, environment, Choice::Auto), usual);
 }

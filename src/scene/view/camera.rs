@@ -307,7 +307,7 @@ impl Camera {
 
     /// [`Camera::zoom`] toward what is seen so many pixels right of and below the middle of a picture `height_px` high:
     /// at the depth of the target it stays there.
-    pub fn zoom_toward(&mut self, factor: f64, (right_px, down_px): (f64, f64), height_px: f64) {
+    pub fn zoom_toward(&mut self, factor: f64, right_px: f64, down_px: f64, height_px: f64) {
         let before = self.distance;
         self.zoom(factor);
         // What the distance really shrank by, at its limits too.

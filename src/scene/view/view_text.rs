@@ -105,7 +105,7 @@ impl FromStr for Camera {
         let parts = text.trim().strip_prefix(HEAD);
         let mut words = TextTokens(parts.ok_or(ParseViewError::NoView)?.split_whitespace());
         words.expect("target")?;
-        let finite = |what| (what, "a finite number");
+        let finite = |what| Asked::new(what, "a finite number");
         let is_finite = |value: &f64| value.is_finite();
         let mut camera = Self {
             target_in_world: DVec3::new(
@@ -113,12 +113,16 @@ impl FromStr for Camera {
                 words.number(finite("target"), is_finite)?,
                 words.number(finite("target"), is_finite)?,
             ),
-            distance: words.named(("distance", "a number above 0"), |value| DISTANCE_RANGE.contains(value))?,
+            distance: words.named(Asked::new("distance", "a number above 0"), |value| {
+                DISTANCE_RANGE.contains(value)
+            })?,
             azimuth_deg: words.named(finite("azimuth"), is_finite)?,
-            elevation_deg: words.named(("elevation", "degrees from -90 to 90"), |value| {
+            elevation_deg: words.named(Asked::new("elevation", "degrees from -90 to 90"), |value| {
                 (-90.0..=90.0).contains(value)
             })?,
-            fov_deg: words.named(("fov", "degrees from 1 to 170"), |value| FOV_RANGE_DEG.contains(value))?,
+            fov_deg: words.named(Asked::new("fov", "degrees from 1 to 170"), |value| {
+                FOV_RANGE_DEG.contains(value)
+            })?,
             up: {
                 words.expect("up")?;
                 clipped(words.next("up axis")?).parse::<UpAxis>()?
@@ -131,11 +135,11 @@ impl FromStr for Camera {
             camera.plane = PicturePlane {
                 roll_deg: words.named(finite("roll"), is_finite)?,
                 shift: {
-                    let within = ("shift", "a number of heights from -10 to 10");
+                    let within = Asked::new("shift", "a number of heights from -10 to 10");
                     let is_within = |value: &f64| (-10.0..=10.0).contains(value);
                     DVec2::new(words.named(within, is_within)?, words.number(within, is_within)?)
                 },
-                pixel_aspect: words.named(("aspect", "a number from 0.01 to 100"), |value| {
+                pixel_aspect: words.named(Asked::new("aspect", "a number from 0.01 to 100"), |value| {
                     (0.01..=100.0).contains(value)
                 })?,
             };
@@ -146,6 +150,19 @@ impl FromStr for Camera {
                 found: found.to_owned(),
             }),
         }
+    }
+}
+
+/// A number of a text, and what it has to be.
+#[derive(Clone, Copy)]
+struct Asked {
+    what: &'static str,
+    expected: &'static str,
+}
+
+impl Asked {
+    const fn new(what: &'static str, expected: &'static str) -> Self {
+        Self { what, expected }
     }
 }
 
@@ -169,11 +186,8 @@ impl<'a> TextTokens<'a> {
     }
 
     /// The next number, which is what `is_valid` says.
-    fn number(
-        &mut self,
-        (what, expected): (&'static str, &'static str),
-        is_valid: impl Fn(&f64) -> bool,
-    ) -> Result<f64, ParseViewError> {
+    fn number(&mut self, asked: Asked, is_valid: impl Fn(&f64) -> bool) -> Result<f64, ParseViewError> {
+        let Asked { what, expected } = asked;
         let found = self.next(what)?;
         let number = found.parse().ok().filter(is_valid);
         number.ok_or_else(|| ParseViewError::Number {
@@ -184,13 +198,9 @@ impl<'a> TextTokens<'a> {
     }
 
     /// A number after its name.
-    fn named(
-        &mut self,
-        (what, expected): (&'static str, &'static str),
-        is_valid: impl Fn(&f64) -> bool,
-    ) -> Result<f64, ParseViewError> {
-        self.expect(what)?;
-        self.number((what, expected), is_valid)
+    fn named(&mut self, asked: Asked, is_valid: impl Fn(&f64) -> bool) -> Result<f64, ParseViewError> {
+        self.expect(asked.what)?;
+        self.number(asked, is_valid)
     }
 }
 

@@ -215,7 +215,7 @@ impl LiveServer {
             self.wait_until(begun, schedule.due(due));
             match body {
                 Some(Some(body)) if !self.shared.is_over() => {
-                    self.serve((due, schedule.index(due)), schedule.due(due), body, whole);
+                    self.serve(due, schedule.index(due), schedule.due(due), body, whole);
                 }
                 Some(None) => {
                     self.shared.missed.fetch_add(1, Ordering::Relaxed);
@@ -247,7 +247,7 @@ impl LiveServer {
             if let Some(body) = feed.body(index) {
                 let time = time.unwrap_or_else(|| self.shared.begun.elapsed());
                 let whole = self.whole(feed, index, Some(&body));
-                self.serve((index as u64, index), time, body, whole);
+                self.serve(index as u64, index, time, body, whole);
             }
         }
         "the server was stopped"
@@ -259,7 +259,7 @@ impl LiveServer {
         feed.whole(index)
     }
 
-    fn serve(&self, (number, index): (u64, usize), time: Duration, body: Body, whole: Option<Arc<WholeFrame>>) {
+    fn serve(&self, number: u64, index: usize, time: Duration, body: Body, whole: Option<Arc<WholeFrame>>) {
         let head = FrameHead {
             index: u32::try_from(index).unwrap_or(u32::MAX),
             number,

@@ -244,7 +244,8 @@ impl Discovered {
         let poses = poses::place(
             &mut self.entries,
             &folders,
-            (options.rgbd.poses.as_deref(), options.rgbd.invert_poses),
+            options.rgbd.poses.as_deref(),
+            options.rgbd.invert_poses,
         )?;
         if let Some((stamps, list)) = &poses.times {
             for (entry, time) in self.entries.iter_mut().zip(stamps) {

@@ -72,7 +72,8 @@ type Poses = Vec<Option<DAffine3>>;
 pub(super) fn place(
     entries: &mut [FrameEntry],
     folders: &[PathBuf],
-    (given, inverted): (Option<&Path>, bool),
+    given: Option<&Path>,
+    inverted: bool,
 ) -> Result<FoundPoses, SequenceError> {
     let mut found = FoundPoses::default();
     if given == Some(Path::new(NO_POSES)) || entries.is_empty() {

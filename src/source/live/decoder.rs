@@ -41,8 +41,7 @@ impl<S: FrameStore> StreamDecoder<S> {
                     Content::Images(images) => Some(*images),
                     Content::Points(_) => None,
                 };
-                let images = (index, &**images);
-                Ok(self.received.cloud(images, &mut self.before, before, progress)?)
+                Ok(self.received.cloud(index, images, &mut self.before, before, progress)?)
             }
         }
     }

@@ -99,7 +99,8 @@ impl Recorded {
     /// What decodes images that are in no recording: see [`Recorded::frame_cloud`].
     pub(super) fn of_no_frames(
         code: DepthCode,
-        (filters, filters_are_automatic): (Filters, bool),
+        filters: Filters,
+        filters_are_automatic: bool,
         read: ReadOptions,
     ) -> Self {
         Self {
@@ -333,7 +334,8 @@ impl Recorded {
         &self,
         frame: &FrameImages,
         path: &Path,
-        (depth, rays): (&DepthImage, &RayTable),
+        depth: &DepthImage,
+        rays: &RayTable,
         image: &ColorImage,
     ) -> Result<Vec<[u8; 4]>, RgbdError> {
         let size = image.size_px();
@@ -378,7 +380,7 @@ impl Recorded {
     fn cloud(&self, frame: &FrameImages, depth: DepthInTime, rays: &Arc<RayTable>, color: Color<'_>) -> RawCloud {
         let mut warnings = Vec::new();
         let colors = color.and_then(|(path, image)| {
-            let colors = image.and_then(|image| self.colors(frame, path, (&depth.image, rays), &image));
+            let colors = image.and_then(|image| self.colors(frame, path, &depth.image, rays, &image));
             colors
                 .map_err(|error| warnings.push(format!("{error}; the points of this frame have no colours")))
                 .ok()
@@ -391,8 +393,8 @@ impl Recorded {
         if self.filters_are_automatic {
             said_by_filters(&depth.report, &mut warnings, &mut cloud.assumptions);
         }
-        let images = (depth.before, depth.samples);
-        let made_from = DepthFrame::new(images, Arc::clone(rays), of_pixels, depth.report.applied);
+        let rays = Arc::clone(rays);
+        let made_from = DepthFrame::new(depth.before, depth.samples, rays, of_pixels, depth.report.applied);
         cloud.made_from = made_from.map(DepthFrame::into_made_from);
         cloud.warnings = warnings;
         cloud
@@ -500,7 +502,7 @@ impl Decoder for ImageDecoder {
         let with_frames_before = |depth| {
             let before = |index: usize| Some(recorded.depth(&recorded.frames[index]).ok()?.0);
             let temporal = recorded.filters.temporal;
-            self.before.filtered(temporal, (index, depth), before, progress)
+            self.before.filtered(temporal, index, depth, before, progress)
         };
         Ok(recorded
             .frame_cloud(&recorded.frames[index], with_frames_before)?

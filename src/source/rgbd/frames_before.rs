@@ -46,7 +46,8 @@ impl FramesBefore {
     pub(super) fn filtered(
         &mut self,
         temporal: Option<Temporal>,
-        (index, depth): (usize, FilteredDepth),
+        index: usize,
+        depth: FilteredDepth,
         before: impl Fn(usize) -> Option<FilteredDepth>,
         progress: &Progress,
     ) -> DepthInTime {

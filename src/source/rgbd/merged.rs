@@ -34,7 +34,7 @@ impl MergedFrames {
     ///
     /// # Errors
     /// [`RgbdError::NotMerged`] if there is no such frame, and if none has a pose.
-    pub fn of(recording: RgbdRecording, (first, last): (usize, usize)) -> Result<Self, RgbdError> {
+    pub fn of(recording: RgbdRecording, first: usize, last: usize) -> Result<Self, RgbdError> {
         let count = recording.entries.len();
         let wrong = |reason: String| RgbdError::NotMerged { first, last, reason };
         if let Some(missing) = missing_frames("--merge-frames", first, last.max(first), count) {

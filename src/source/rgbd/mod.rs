@@ -82,8 +82,9 @@ pub(super) fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<A
     };
     match options.rgbd.merge {
         None => Ok(Some(Arc::new(recording))),
-        Some(range) => {
-            let merged = MergedFrames::of(recording, range).map_err(|error| SequenceError::Rgbd(Box::new(error)))?;
+        Some((first, last)) => {
+            let merged =
+                MergedFrames::of(recording, first, last).map_err(|error| SequenceError::Rgbd(Box::new(error)))?;
             Ok(Some(Arc::new(merged)))
         }
     }

@@ -26,7 +26,7 @@ impl Trajectory {
         if has_extension(name_of(path), &["npy"]) {
             let (shape, numbers) = array(path)?;
             let is_of_places = shape.len() == 2 && shape[1] == 7;
-            return Ok((of_array(path, (shape, numbers))?, is_of_places));
+            return Ok((of_array(path, &shape, &numbers)?, is_of_places));
         }
         if has_extension(name_of(path), &["npz"]) {
             return Ok((of_arrays(path)?, false));
@@ -88,16 +88,17 @@ fn of_arrays(path: &Path) -> Result<Trajectory, RgbdError> {
             reason: format!("none of its arrays ({}) is named after poses", names.join(", ")),
         });
     };
-    let poses = of_array(path, found.clone())?;
+    let (shape, numbers) = found;
+    let poses = of_array(path, shape, numbers)?;
     let name = name.to_lowercase();
     let is_inverse = ["w2c", "world2cam", "extrinsic"].iter().any(|key| name.contains(key));
     Ok(if is_inverse { poses.inverse() } else { poses })
 }
 
 /// An array of numpy: a pose per entry of its first dimension, as a matrix or as `x y z qx qy qz qw`.
-fn of_array(path: &Path, (shape, numbers): (Vec<usize>, Vec<f64>)) -> Result<Trajectory, RgbdError> {
+fn of_array(path: &Path, shape: &[usize], numbers: &[f64]) -> Result<Trajectory, RgbdError> {
     // One matrix alone is one pose.
-    let is_one = matches!(*shape.as_slice(), [3 | 4, 4]);
+    let is_one = matches!(*shape, [3 | 4, 4]);
     let width = if is_one {
         numbers.len()
     } else {

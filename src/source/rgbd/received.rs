@@ -55,7 +55,8 @@ impl ReceivedFrames {
     /// they are still there; it is asked only if there is a temporal filter.
     pub(in crate::source) fn cloud(
         &self,
-        (index, images): (usize, &ReceivedImages),
+        index: usize,
+        images: &ReceivedImages,
         filter: &mut FramesBefore,
         before: impl Fn(usize) -> Option<ReceivedImages>,
         progress: &Progress,
@@ -63,7 +64,7 @@ impl ReceivedFrames {
         let recorded = self.recorded(images.units_per_metre);
         let with_frames_before = |depth| {
             let before = |index: usize| self.depth(&before(index)?);
-            filter.filtered(self.filters.temporal, (index, depth), before, progress)
+            filter.filtered(self.filters.temporal, index, depth, before, progress)
         };
         recorded.frame_cloud(&self.frame(images), with_frames_before)
     }
@@ -98,8 +99,8 @@ impl ReceivedFrames {
         if let Some(known) = decoders.iter().find(|known| known.code == code) {
             return Arc::clone(known);
         }
-        let filters = (self.filters, self.filters_are_automatic);
-        let made = Arc::new(Recorded::of_no_frames(code, filters, self.read));
+        let made = Recorded::of_no_frames(code, self.filters, self.filters_are_automatic, self.read);
+        let made = Arc::new(made);
         decoders.truncate(MOST_KEPT - 1);
         decoders.insert(0, Arc::clone(&made));
         made

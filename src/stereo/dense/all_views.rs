@@ -104,7 +104,7 @@ impl Dense {
     pub fn cloud(&self, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DenseError> {
         let (small, mut reasons) = read_small(set, self.most_side_px)?;
         let views: Vec<View<'_>> = small.iter().map(Small::view).collect();
-        if let Some(mut pair) = of_pair(&small, &views, (&*self.matcher.0, &Matching::default()))? {
+        if let Some(mut pair) = of_pair(&small, &views, &*self.matcher.0, &Matching::default())? {
             progress.set(2, 2);
             pair.warnings = reasons;
             return Ok(pair);
@@ -126,7 +126,7 @@ impl Dense {
                 return Err(StereoError::Cancelled.into());
             }
             let middle = middles[of_one.number];
-            let others = self.others(set, (of_one, middle), &small, &views);
+            let others = self.others(set, of_one, middle, &small, &views);
             let nothing = || vec![0.0; of_one.image.pixels().len()];
             let depths = match depth_range(set, of_one.number, Some(middle), AROUND_MIDDLE) {
                 Some([near, far]) if !others.is_empty() => {
@@ -153,7 +153,8 @@ impl Dense {
     fn others<'a>(
         &self,
         set: &ViewSet,
-        (one, middle): (&Small, DVec3),
+        one: &Small,
+        middle: DVec3,
         small: &[Small],
         views: &[View<'a>],
     ) -> Vec<View<'a>> {
@@ -242,12 +243,13 @@ fn every(pixels: impl Iterator<Item = u64>) -> usize {
 pub(super) fn of_pair(
     small: &[Small],
     views: &[View<'_>],
-    matching: (&dyn PairMatcher, &Matching),
+    matcher: &dyn PairMatcher,
+    matching: &Matching,
 ) -> Result<Option<RawCloud>, StereoError> {
     let ([first, _], &[view, other]) = (small, views) else {
         return Ok(None);
     };
-    let Ok(found) = depths_of_pair([view, other], matching, None) else {
+    let Ok(found) = depths_of_pair([view, other], matcher, matching, None) else {
         return Ok(None);
     };
     let Some(map) = DepthImage::new(first.image.size_px(), first.masked(&found)) else {

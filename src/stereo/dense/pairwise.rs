@@ -71,7 +71,7 @@ impl Pairwise {
     pub fn cloud(&self, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DenseError> {
         let (small, reasons) = read_small(set, self.most_side_px)?;
         let views: Vec<View<'_>> = small.iter().map(Small::view).collect();
-        if let Some(mut pair) = of_pair(&small, &views, (&*self.matcher.0, &self.matching))? {
+        if let Some(mut pair) = of_pair(&small, &views, &*self.matcher.0, &self.matching)? {
             progress.set(2, 2);
             pair.warnings = reasons;
             return Ok(pair);
@@ -91,11 +91,7 @@ impl Pairwise {
             let of_one = &small[first];
             let between = depth_range(set, of_one.number, crossing, AROUND_CROSSING);
             // Of two that cannot be rectified or matched there are none.
-            let found = depths_of_pair(
-                [views[first], views[second]],
-                (&*self.matcher.0, &self.matching),
-                between,
-            );
+            let found = depths_of_pair([views[first], views[second]], &*self.matcher.0, &self.matching, between);
             progress.advance(1);
             Ok(found
                 .ok()

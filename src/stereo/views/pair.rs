@@ -18,7 +18,8 @@ use glam::DVec2;
 /// [`StereoError`].
 pub fn depths_of_pair(
     views: [View<'_>; 2],
-    (matcher, matching): (&dyn PairMatcher, &Matching),
+    matcher: &dyn PairMatcher,
+    matching: &Matching,
     between: Option<[f64; 2]>,
 ) -> Result<DepthImage, StereoError> {
     for (index, view) in views.iter().enumerate() {

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use image::{Rgba, RgbaImage};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::composition::{ComposeOptions, OnionSkin};
-use pointreel::export::{PictureSize, draw_picture};
+use pointreel::export::{Picture, PictureSize, draw_picture};
 use pointreel::headless::Headless;
 use pointreel::math::Aabb;
 use pointreel::render::AnyRenderer;
@@ -70,7 +70,16 @@ fn drawn(headless: &mut Headless, index: usize, options: &ComposeOptions, part_e
         part_edge_px,
         ..PictureSize::opaque(SIZE_PX)
     };
-    draw_picture(headless, &frame, &camera(), &style, size).unwrap()
+    draw_picture(
+        headless,
+        &Picture {
+            frame: &frame,
+            camera: &camera(),
+            style: &style,
+            size,
+        },
+    )
+    .unwrap()
 }
 
 /// The middle of what has the colour of dots.

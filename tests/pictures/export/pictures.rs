@@ -3,7 +3,9 @@
 use super::{headless, near_by, style};
 use crate::common;
 use image::RgbaImage;
-use pointreel::export::{ExportError, MAX_EDGE_PX, PictureSize, draw_picture, write_picture, write_picture_observed};
+use pointreel::export::{
+    ExportError, MAX_EDGE_PX, Picture, PictureSize, draw_picture, write_picture, write_picture_observed,
+};
 use pointreel::levels::Lod;
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::progress::Progress;
@@ -25,7 +27,16 @@ fn parts_beside_whole(renderer: AnyRenderer, style: &Style) -> (f64, usize) {
             part_edge_px,
             ..PictureSize::opaque(SIZE_PX)
         };
-        draw_picture(&mut headless, &frame, &camera, style, size).unwrap()
+        draw_picture(
+            &mut headless,
+            &Picture {
+                frame: &frame,
+                camera: &camera,
+                style,
+                size,
+            },
+        )
+        .unwrap()
     };
     // Neither divides the edges, nor the tiles of the software renderer.
     let (whole, parts) = (draw(None), draw(Some(77)));
@@ -158,7 +169,16 @@ fn laid_over_a_colour_a_transparent_picture_is_the_opaque_one() {
                 ..PictureSize::opaque(SIZE_PX)
             };
             let style = style.with(|style| style.drawing.antialiasing = antialiasing);
-            draw_picture(&mut headless, &frame, &camera, &style, size).unwrap()
+            draw_picture(
+                &mut headless,
+                &Picture {
+                    frame: &frame,
+                    camera: &camera,
+                    style: &style,
+                    size,
+                },
+            )
+            .unwrap()
         };
         // FXAA would find other edges on another background.
         let opaque = draw(false, antialiasing.without_background());
@@ -183,7 +203,16 @@ fn a_scale_bar_is_painted_over_the_same_picture() {
             part_edge_px,
             ..PictureSize::opaque([320, 240])
         };
-        draw_picture(&mut headless, &frame, &camera, &style, size).unwrap()
+        draw_picture(
+            &mut headless,
+            &Picture {
+                frame: &frame,
+                camera: &camera,
+                style: &style,
+                size,
+            },
+        )
+        .unwrap()
     };
     let (plain, with_bar) = (draw(false, None), draw(true, None));
     for (x, y, pixel) in with_bar.enumerate_pixels() {
@@ -207,8 +236,27 @@ fn a_file_holds_what_was_drawn_in_parts() {
         part_edge_px: Some(100),
         ..PictureSize::opaque(SIZE_PX)
     };
-    write_picture(&mut headless, &frame, &camera, &style, size, &file).unwrap();
-    let drawn = draw_picture(&mut headless, &frame, &camera, &style, size).unwrap();
+    write_picture(
+        &mut headless,
+        &Picture {
+            frame: &frame,
+            camera: &camera,
+            style: &style,
+            size,
+        },
+        &file,
+    )
+    .unwrap();
+    let drawn = draw_picture(
+        &mut headless,
+        &Picture {
+            frame: &frame,
+            camera: &camera,
+            style: &style,
+            size,
+        },
+    )
+    .unwrap();
     assert_eq!(image::open(&file).unwrap().to_rgba8(), drawn);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
@@ -233,8 +281,17 @@ fn a_picture_that_is_cancelled_between_its_parts_leaves_nothing() {
                 progress.cancel();
             }
         });
-        let output = (file.as_path(), &progress);
-        let written = write_picture_observed(&mut headless, &frame, &camera, &style, size, output);
+        let written = write_picture_observed(
+            &mut headless,
+            &Picture {
+                frame: &frame,
+                camera: &camera,
+                style: &style,
+                size,
+            },
+            &file,
+            &progress,
+        );
         assert_eq!(progress.of(), Some(6));
         let told = told.lock().unwrap().clone();
         (written, told)
@@ -255,7 +312,19 @@ fn what_cannot_be_drawn_is_refused_and_leaves_nothing() {
     let mut headless = headless(AnyRenderer::cpu());
     let style = style().with(|style| style.drawing.resolution = 0.5);
     let (frame, camera) = near_by(&headless, &style);
-    let mut write = |size: PictureSize| write_picture(&mut headless, &frame, &camera, &style, size, &file).unwrap_err();
+    let mut write = |size: PictureSize| {
+        write_picture(
+            &mut headless,
+            &Picture {
+                frame: &frame,
+                camera: &camera,
+                style: &style,
+                size,
+            },
+            &file,
+        )
+        .unwrap_err()
+    };
     let huge = write(PictureSize::opaque([MAX_EDGE_PX + 1, 4]));
     assert!(matches!(huge, ExportError::PictureSize { .. }), "{huge}");
     let scaled = write(PictureSize {

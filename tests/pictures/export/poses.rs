@@ -5,7 +5,7 @@ use image::RgbaImage;
 use pointreel::analysis::ColorMap;
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::composition::{ChangeColors, ComposeOptions, OnionSkin, TrailLook, TrailRequest, Trails};
-use pointreel::export::{PictureSize, Video, draw_picture, export_video};
+use pointreel::export::{Picture, PictureSize, Video, draw_picture, export_video};
 use pointreel::headless::Headless;
 use pointreel::math::Aabb;
 use pointreel::progress::Progress;
@@ -82,7 +82,16 @@ fn pictures(options: &ComposeOptions) -> (Vec<RgbaImage>, Vec<String>) {
         let pose = headless.frame(frame, &style).unwrap();
         let composed = headless.compose(&pose, options, &style).unwrap().0.frame;
         let (camera, _) = path.at(frame as f64 / 10.0);
-        let single = draw_picture(&mut headless, &composed, &camera, &style, size()).unwrap();
+        let single = draw_picture(
+            &mut headless,
+            &Picture {
+                frame: &composed,
+                camera: &camera,
+                style: &style,
+                size: size(),
+            },
+        )
+        .unwrap();
         assert!(picture == single, "frame {frame}");
         picture
     });

@@ -5,7 +5,7 @@ use image::codecs::gif::GifDecoder;
 use image::codecs::webp::WebPDecoder;
 use image::{AnimationDecoder as _, Frame, RgbaImage};
 use pointreel::composition::ComposeOptions;
-use pointreel::export::{ExportError, PictureSize, Video, draw_picture, export_video, open_sink};
+use pointreel::export::{ExportError, Picture, PictureSize, Video, draw_picture, export_video, open_sink};
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
@@ -58,7 +58,16 @@ fn expected(video: &Video<'_>) -> Vec<RgbaImage> {
         .map(|picture| {
             let (camera, frame) = video.path.at(picture as f64 * video.speed / video.per_second);
             let frame = headless.frame(frame % 24, video.style).unwrap();
-            draw_picture(&mut headless, &frame, &camera, video.style, video.size).unwrap()
+            draw_picture(
+                &mut headless,
+                &Picture {
+                    frame: &frame,
+                    camera: &camera,
+                    style: video.style,
+                    size: video.size,
+                },
+            )
+            .unwrap()
         })
         .collect()
 }

@@ -36,8 +36,8 @@ impl State {
     /// Shows the benchmark window and runs `job` in it.
     pub fn start_benchmark_job(&mut self, suite: &str, job: BenchmarkJob) {
         self.panels.set(PanelId::BENCHMARK, true);
-        let at = (self.wake(), self.shared.now);
-        self.features.benchmark.start(suite, job, &self.shared.tasks, at);
+        let (wake, now) = (self.wake(), self.shared.now);
+        self.features.benchmark.start(suite, job, &self.shared.tasks, wake, now);
     }
 
     /// Takes over what a benchmark has found of the open sequence, and keeps it.

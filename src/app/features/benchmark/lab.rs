@@ -103,7 +103,7 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<
         .include_y(0.0)
         .x_axis_label("milliseconds a picture")
         .y_axis_label("Visible error 0–1 (FLIP)")
-        .x_grid_spacer(|input| decades(input.bounds))
+        .x_grid_spacer(|input| decades(input.bounds.0, input.bounds.1))
         .x_axis_formatter(|mark, _| milliseconds(mark.value))
         .label_formatter(|_| None);
     let response = plot.show(ui, |plot| {
@@ -141,8 +141,8 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<
 }
 
 /// Grid lines at 1, 2 and 5 of each power of ten.
-fn decades(bounds: (f64, f64)) -> Vec<GridMark> {
-    let powers = bounds.0.floor() as i32..=bounds.1.ceil() as i32;
+fn decades(least: f64, most: f64) -> Vec<GridMark> {
+    let powers = least.floor() as i32..=most.ceil() as i32;
     let marks = powers.flat_map(|power| {
         [(1.0, 1.0), (2.0, 0.3), (5.0, 0.3)].map(|(step, step_size): (f64, f64)| GridMark {
             value: f64::from(power) + step.log10(),
@@ -167,7 +167,7 @@ mod tests {
     fn the_axis_is_labelled_in_milliseconds() {
         let labels = [-2.0, -0.3, 0.0, 1.7, 3.0].map(milliseconds);
         assert_eq!(labels, ["0.01", "0.5", "1", "50", "1000"]);
-        let marks: Vec<f64> = decades((0.2, 0.9))
+        let marks: Vec<f64> = decades(0.2, 0.9)
             .into_iter()
             .map(|mark| 10f64.powf(mark.value).round())
             .collect();

@@ -170,7 +170,8 @@ impl Benchmark {
         suite: &str,
         job: BenchmarkJob,
         tasks: &Tasks<T>,
-        (wake, now): (Wake, Duration),
+        wake: Wake,
+        now: Duration,
     ) {
         if matches!(self, Self::Running(_)) {
             return;

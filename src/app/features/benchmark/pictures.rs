@@ -27,7 +27,7 @@ pub(super) fn pictures_ui(ui: &mut Ui, label: &str, number: u64, [picture, error
                 "Its FLIP error: black where there is none, pale where it is largest",
             ),
         ] {
-            let texture = texture(ui, (label, number, what), image);
+            let texture = texture(ui, label, number, what, image);
             let size = texture.size_vec2();
             ui.add(egui::Image::new((texture.id(), size)).alt_text(what))
                 .on_hover_text(tooltip);
@@ -36,14 +36,14 @@ pub(super) fn pictures_ui(ui: &mut Ui, label: &str, number: u64, [picture, error
 }
 
 /// The texture of a picture, made when it is first shown.
-fn texture(ui: &Ui, key: (&str, u64, &'static str), image: &RgbaImage) -> TextureHandle {
-    let id = egui::Id::unique(key);
+fn texture(ui: &Ui, label: &str, number: u64, what: &'static str, image: &RgbaImage) -> TextureHandle {
+    let id = egui::Id::unique((label, number, what));
     if let Some(texture) = ui.data(|data| data.get_temp::<TextureHandle>(id)) {
         return texture;
     }
     let size = [image.width() as usize, image.height() as usize];
     let pixels = ColorImage::from_rgba_unmultiplied(size, image);
-    let texture = ui.ctx().load_texture(key.2, pixels, TextureOptions::LINEAR);
+    let texture = ui.ctx().load_texture(what, pixels, TextureOptions::LINEAR);
     ui.data_mut(|data| data.insert_temp(id, texture.clone()));
     texture
 }

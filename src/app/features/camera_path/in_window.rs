@@ -76,7 +76,7 @@ impl State {
             return;
         }
         let resumes = self.player.as_ref().is_some_and(Player::is_playing);
-        if !self.features.path.play((self.camera, self.shared.now), resumes) {
+        if !self.features.path.play(self.camera, self.shared.now, resumes) {
             return self
                 .notices
                 .warn("The camera path has no keyframes yet: K sets one of what is shown");

@@ -67,7 +67,7 @@ pub(in crate::app) fn keyframes_ui(ui: &mut Ui, path: &mut PathEditor, fps: f64)
         .show_rows(ui, row_height, count, |ui, rows| {
             for index in rows {
                 let is_present = present == Some(index);
-                if let Some(what) = row(ui, &draft, (index, is_present), fps) {
+                if let Some(what) = row(ui, &draft, index, is_present, fps) {
                     asked = Some((index, what));
                 }
             }
@@ -76,7 +76,7 @@ pub(in crate::app) fn keyframes_ui(ui: &mut Ui, path: &mut PathEditor, fps: f64)
     change(path, index, what)
 }
 
-fn row(ui: &mut Ui, draft: &Draft, (index, is_present): (usize, bool), fps: f64) -> Option<Asked> {
+fn row(ui: &mut Ui, draft: &Draft, index: usize, is_present: bool, fps: f64) -> Option<Asked> {
     let key = &draft.keyframes()[index];
     let number = index + 1;
     let mut asked = None;
@@ -113,7 +113,7 @@ fn row(ui: &mut Ui, draft: &Draft, (index, is_present): (usize, bool), fps: f64)
 
         match draft.rate_after(index) {
             Some(rate) => {
-                let chosen = pace_choice(ui, (number, then.x), rate / fps);
+                let chosen = pace_choice(ui, number, then.x, rate / fps);
                 asked = chosen.map(|pace| Asked::Rate(pace * fps)).or(asked.take());
             }
             None => {
@@ -139,7 +139,7 @@ fn row(ui: &mut Ui, draft: &Draft, (index, is_present): (usize, bool), fps: f64)
 }
 
 /// What the sequence does after a keyframe, as a share of its frame rate.
-fn pace_choice(ui: &mut Ui, (number, width): (usize, f32), pace: f64) -> Option<f64> {
+fn pace_choice(ui: &mut Ui, number: usize, width: f32, pace: f64) -> Option<f64> {
     let is_pace = |other: f64| (pace - other).abs() < 5e-4;
     let known = PACES.iter().find(|(_, other, _)| is_pace(*other));
     let text = known.map_or_else(|| pace_text(pace), |(text, _, _)| (*text).to_owned());

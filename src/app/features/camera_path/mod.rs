@@ -126,9 +126,9 @@ impl PathEditor {
     }
 
     /// Plays it from its time on. `resumes`: the sequence was playing before. False without keyframes.
-    pub(in crate::app) fn play(&mut self, at: (Camera, Duration), resumes: bool) -> bool {
+    pub(in crate::app) fn play(&mut self, camera: Camera, now: Duration, resumes: bool) -> bool {
         let preview = self.draft.path().cloned();
-        self.preview = preview.map(|path| Preview::new(path, self.time_s, at, resumes));
+        self.preview = preview.map(|path| Preview::new(path, self.time_s, camera, now, resumes));
         self.is_playing()
     }
 

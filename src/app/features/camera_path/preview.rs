@@ -29,7 +29,7 @@ pub(in crate::app) struct Moment {
 
 impl Preview {
     /// `path` from `time_s` on; from its first keyframe if there is nothing left of it then.
-    pub(in crate::app) fn new(path: CameraPath, time_s: f64, (camera, now): (Camera, Duration), resumes: bool) -> Self {
+    pub(in crate::app) fn new(path: CameraPath, time_s: f64, camera: Camera, now: Duration, resumes: bool) -> Self {
         let from_s = time_s - first_s(&path);
         let is_within = (0.0..path.duration_s()).contains(&from_s);
         Self {
@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn it_plays_at_its_speed_to_the_end() {
-        let mut preview = Preview::new(path(), 6.0, (camera(), at(400)), false);
+        let mut preview = Preview::new(path(), 6.0, camera(), at(400), false);
         let moment = preview.step(&camera(), at(900)).unwrap();
         let expected = Moment {
             time_s: 6.5,
@@ -107,14 +107,14 @@ mod tests {
     #[test]
     fn where_nothing_is_left_it_begins_anew() {
         for time_s in [0.0, 7.0, 80.0] {
-            let mut preview = Preview::new(path(), time_s, (camera(), at(0)), false);
+            let mut preview = Preview::new(path(), time_s, camera(), at(0), false);
             assert_eq!(preview.step(&camera(), at(0)).unwrap().time_s, 5.0);
         }
     }
 
     #[test]
     fn whoever_takes_the_camera_has_it() {
-        let mut preview = Preview::new(path(), 5.0, (camera(), at(0)), false);
+        let mut preview = Preview::new(path(), 5.0, camera(), at(0), false);
         let mut taken = preview.step(&camera(), at(100)).unwrap().camera;
         taken.orbit(3.0, 0.0);
         assert_eq!(preview.step(&taken, at(200)), None);

@@ -38,7 +38,8 @@ struct Handle {
 pub(in crate::app) fn handles_ui(
     ui: &Ui,
     canvas: &PictureOverlay<'_>,
-    (clipping, clip): (&mut Clipping, &mut Clip),
+    clipping: &mut Clipping,
+    clip: &mut Clip,
     frames: &ClippedFrames,
     unit: Option<LengthUnit>,
 ) {

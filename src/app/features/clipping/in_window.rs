@@ -72,6 +72,6 @@ fn clip_handles(ui: &Ui, state: &mut State) {
     let painter = ui.painter_at(rect);
     let canvas = PictureOverlay::new(&painter, rect, state.viewport.size_px, &state.camera);
     if let Some(clip) = state.style.clip.as_mut().filter(|clip| clip.is_on) {
-        handles_ui(ui, &canvas, (&mut state.features.clipping, clip), &frames, unit);
+        handles_ui(ui, &canvas, &mut state.features.clipping, clip, &frames, unit);
     }
 }

@@ -4,7 +4,7 @@ use super::plan;
 use crate::app::work::outcome::Message;
 use crate::app::work::works::Progress;
 use crate::composition::ComposeOptions;
-use crate::export::{ExportError, PictureSize, Video, export_video, write_picture_observed};
+use crate::export::{ExportError, Picture, PictureSize, Video, export_video, write_picture_observed};
 use crate::headless::{Headless, HeadlessError};
 use crate::render::AnyRenderer;
 use crate::scene::{Camera, CameraPath, Choice, Label, RendererChoice, Style};
@@ -102,8 +102,13 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
             let composed = pose.and_then(|pose| headless.compose(&pose, &options, &style));
             let (composed, _) = composed.map_err(HeadlessError::from)?;
             let shown = composed.frame;
-            let file = (output.as_path(), progress);
-            write_picture_observed(&mut headless, &shown, &camera, &style, size, file)?;
+            let picture = Picture {
+                frame: &shown,
+                camera: &camera,
+                style: &style,
+                size,
+            };
+            write_picture_observed(&mut headless, &picture, &output, progress)?;
             return Ok(Exported {
                 output,
                 pictures: 1,
@@ -116,7 +121,7 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
             turns,
             pictures,
             clock,
-        } => plan::turntable(camera, (turns, pictures), &clock, now, per_second)?,
+        } => plan::turntable(camera, turns, pictures, &clock, now, per_second)?,
         Shows::Sequence { camera, clock } => plan::sequence(camera, &clock, now, per_second)?,
     };
     let video = Video {

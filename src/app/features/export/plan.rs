@@ -62,7 +62,8 @@ pub(super) fn sequence(camera: Camera, clock: &Clock, now: Duration, per_second:
 /// If there are more pictures than a path has keyframes.
 pub(super) fn turntable(
     camera: Camera,
-    (turns, count): (f64, usize),
+    turns: f64,
+    count: usize,
     clock: &Clock,
     now: Duration,
     per_second: f64,
@@ -147,7 +148,7 @@ mod tests {
         let mut clock = Clock::new(10);
         clock.set_range(PlayRange::default().beginning_at(2).ending_at(4), NOW);
         clock.seek(3, NOW);
-        let path = turntable(camera(), (-1.0, 8), &clock, NOW, 24.0).unwrap();
+        let path = turntable(camera(), -1.0, 8, &clock, NOW, 24.0).unwrap();
         assert_eq!(path.picture_count(24.0), 8);
         let begin = camera().azimuth_deg;
         for (picture, frame) in [3, 4, 2, 3, 4, 2, 3, 4].into_iter().enumerate() {

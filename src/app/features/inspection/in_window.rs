@@ -121,7 +121,7 @@ fn measuring(ui: &mut Ui, state: &mut State) {
     let up = state.camera.up.direction();
     let corner = state.viewport.rect.left_bottom();
     let unit = state.length_unit();
-    measuring_ui(ui, &mut state.features.inspection, (up, unit), corner);
+    measuring_ui(ui, &mut state.features.inspection, up, unit, corner);
 }
 
 impl State {

@@ -12,7 +12,8 @@ use glam::DVec3;
 pub(in crate::app) fn measuring_ui(
     ui: &mut Ui,
     inspection: &mut Inspection,
-    (up, unit): (DVec3, Option<LengthUnit>),
+    up: DVec3,
+    unit: Option<LengthUnit>,
     corner: Pos2,
 ) {
     if inspection.tool != Tool::Measure {
@@ -27,7 +28,7 @@ pub(in crate::app) fn measuring_ui(
         .show(ui, |ui| {
             gauges(ui, inspection);
             if !inspection.measurements.is_empty() {
-                list(ui, &mut inspection.measurements, (up, unit));
+                list(ui, &mut inspection.measurements, up, unit);
             }
         });
     if !open {
@@ -49,7 +50,7 @@ fn gauges(ui: &mut Ui, inspection: &mut Inspection) {
     ui.weak(format!("Click on point {} of {count}. Esc ends.", begun + 1));
 }
 
-fn list(ui: &mut Ui, measurements: &mut Vec<Measurement>, (up, unit): (DVec3, Option<LengthUnit>)) {
+fn list(ui: &mut Ui, measurements: &mut Vec<Measurement>, up: DVec3, unit: Option<LengthUnit>) {
     let mut deleted = None;
     let height = 0.4 * ui.ctx().content_rect().height();
     ScrollArea::vertical().max_height(height).show(ui, |ui| {

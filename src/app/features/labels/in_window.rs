@@ -154,13 +154,7 @@ fn labels(ui: &mut Ui, state: &mut State) {
     let is_placing = state.features.inspection.tool == Tool::Label;
     let corner = state.viewport.rect.right_top();
     let mut is_open = true;
-    let request = labels_ui(
-        ui,
-        &mut is_open,
-        &mut state.features.labels,
-        (count, is_placing),
-        corner,
-    );
+    let request = labels_ui(ui, &mut is_open, &mut state.features.labels, count, is_placing, corner);
     state.panels.set(PANEL, is_open);
     match request {
         Some(LabelsRequest::ToggleTool) => state.run(Command::PUT_LABELS),

@@ -39,7 +39,8 @@ pub(in crate::app) fn labels_ui(
     ui: &mut Ui,
     is_open: &mut bool,
     labels: &mut Labels,
-    (frame_count, is_placing): (usize, bool),
+    frame_count: usize,
+    is_placing: bool,
     corner: Pos2,
 ) -> Option<LabelsRequest> {
     let mut request = None;
@@ -85,7 +86,7 @@ fn list_ui(ui: &mut Ui, labels: &mut Labels, frame_count: usize) -> Option<Label
             ui.end_row();
             for (index, label) in labels.list.iter().enumerate() {
                 let is_written = written == Some(index);
-                if let Some(what) = row_ui(ui, (index + 1, label), frame_count, is_written) {
+                if let Some(what) = row_ui(ui, index + 1, label, frame_count, is_written) {
                     asked = Some((index, what));
                 }
                 ui.end_row();
@@ -102,7 +103,7 @@ fn list_ui(ui: &mut Ui, labels: &mut Labels, frame_count: usize) -> Option<Label
     None
 }
 
-fn row_ui(ui: &mut Ui, (number, label): (usize, &Label), frame_count: usize, is_written: bool) -> Option<Asked> {
+fn row_ui(ui: &mut Ui, number: usize, label: &Label, frame_count: usize, is_written: bool) -> Option<Asked> {
     let mut asked = None;
     let go = ui.button(number.to_string()).on_hover_text("Shows this label");
     named(&go, format!("Go to label {number}"));

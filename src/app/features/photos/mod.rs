@@ -224,7 +224,7 @@ impl Photos {
         if let Some(pool) = self.pool.get("photographs", 0) {
             // The frame is there, so that nobody has to read it for this.
             let origin = player.sequence().origin();
-            self.frames.start(parts, *style, origin, (tasks, pool));
+            self.frames.start(parts, *style, origin, tasks, pool);
         }
     }
 

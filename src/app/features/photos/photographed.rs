@@ -7,10 +7,11 @@
 
 use crate::app::work::outcome::Message;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
-use crate::composition::{Composed, DepthsAhead, PhotographsStep};
-use crate::photos::Photographs;
+use crate::composition::{Composed, DepthsAhead, Frames, Inputs, Lane, Request};
+use crate::photos::{LoadedPhotographs, Photographs};
+use crate::progress::Progress;
 use crate::render::depths_of_photographs;
-use crate::scene::{Style, SurfelStyle};
+use crate::scene::{PhotoMode, Style, SurfelStyle};
 use crate::sequence::PreparedFrame;
 use glam::DVec3;
 use rayon::ThreadPool;
@@ -39,6 +40,26 @@ impl PartialEq for Parts {
     }
 }
 
+/// Photographs that are put on one frame.
+#[derive(Debug)]
+struct Loaded<'a> {
+    photographs: &'a Arc<Photographs>,
+    ahead: DepthsAhead,
+}
+
+impl Frames for Loaded<'_> {
+    fn photographs(&self, _index: usize, _left_out: &[usize]) -> Option<LoadedPhotographs> {
+        Some(LoadedPhotographs {
+            photographs: Arc::clone(self.photographs),
+            notes: Vec::new(),
+        })
+    }
+
+    fn depths_ahead(&self) -> Option<DepthsAhead> {
+        Some(self.ahead)
+    }
+}
+
 impl Message for PhotographedFrame {}
 
 /// A frame with photographs on it.
@@ -51,16 +72,23 @@ pub(in crate::app) struct PhotographedFrame {
 
 impl PhotographedFrame {
     fn new(of: Parts, style: Style, origin: DVec3) -> Self {
-        let step = PhotographsStep {
-            photographs: Arc::clone(&of.photographs),
-            ahead: Some(DepthsAhead {
+        // The other side of a comparison may draw them where this one does not.
+        let style = style.with(|style| {
+            style.of_sequence.has_photographs = true;
+            style.photos.mode = PhotoMode::Vdts;
+        });
+        let loaded = Loaded {
+            photographs: &of.photographs,
+            ahead: DepthsAhead {
                 style,
                 origin,
                 draw: depths_of_photographs,
-            }),
+            },
         };
-        let mut composed = Composed::of(Arc::clone(&of.frame));
-        step.put_on(&mut composed);
+        let inputs = Inputs::of_photographs(&of.frame, &style, &loaded);
+        let request = Request::gather(Lane::Photographs, &of.frame, &inputs);
+        let composed = request.and_then(|request| request.run(&Progress::default()));
+        let composed = composed.map_or_else(|| Composed::of(Arc::clone(&of.frame)), |(composed, _)| composed);
         Self { of, composed }
     }
 
@@ -140,7 +168,8 @@ impl PhotographedFrames {
         parts: Parts,
         style: Style,
         origin: DVec3,
-        (tasks, pool): (&Tasks<T>, &ThreadPool),
+        tasks: &Tasks<T>,
+        pool: &ThreadPool,
     ) {
         self.drawn_without = None;
         self.running = Some(parts.clone());

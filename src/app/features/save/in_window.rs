@@ -240,7 +240,8 @@ fn save(ui: &mut Ui, state: &mut State) {
     let request = save_ui(
         ui,
         &mut is_open,
-        (&mut state.features.save, &state.features.estimates),
+        &mut state.features.save,
+        &state.features.estimates,
         &of,
         top,
     );

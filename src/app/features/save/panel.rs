@@ -40,7 +40,8 @@ pub(in crate::app) enum SaveRequest {
 pub(in crate::app) fn save_ui(
     ui: &mut Ui,
     is_open: &mut bool,
-    (save, estimates): (&mut Save, &Estimates),
+    save: &mut Save,
+    estimates: &Estimates,
     of: &Savable,
     top: Pos2,
 ) -> Option<SaveRequest> {

@@ -3,12 +3,11 @@
 use super::Known;
 use crate::composition::{Frames, WholeFrame};
 use crate::measure::Change;
-use crate::photos::LoadedPhotographs;
 use crate::playback::Player;
 use crate::sequence::{FrameError, Needs, PreparedFrame, Slot};
 use std::sync::Arc;
 
-/// Those of the open sequence.
+/// Those of the open sequence; photographs are loaded by their feature (`features/photos`), which runs their lane.
 #[derive(Debug)]
 pub(super) struct FramesInMemory<'a> {
     pub(super) player: &'a Player,
@@ -35,11 +34,6 @@ impl Frames for FramesInMemory<'_> {
             Slot::Ready(frame) | Slot::Coarse(frame) | Slot::Partial(frame) | Slot::Stale(frame) => Some(frame),
             Slot::Pending | Slot::Failed(_) => None,
         })
-    }
-
-    /// Their feature loads them (`features/photos`) and runs the stage.
-    fn photographs(&self, _index: usize, _left_out: &[usize]) -> Option<LoadedPhotographs> {
-        None
     }
 
     fn known_change(&self, pose: &PreparedFrame, to: usize) -> Option<Arc<Change>> {

@@ -91,13 +91,13 @@ pub(in crate::app) fn change_ui(
         .pivot(Align2::RIGHT_TOP)
         .default_pos(corner + vec2(-12.0, 12.0))
         .show(ui, |ui| match shown {
-            Some(shown) => content(ui, temporal, shown, colors),
+            Some((pose, frame_count)) => content(ui, temporal, pose, frame_count, colors),
             None => _ = ui.weak("Nothing is shown yet"),
         });
     temporal.change.is_on &= open;
 }
 
-fn content(ui: &mut Ui, temporal: &mut Temporal, (pose, frame_count): (&Arc<PreparedFrame>, usize), colors: ColorMap) {
+fn content(ui: &mut Ui, temporal: &mut Temporal, pose: &Arc<PreparedFrame>, frame_count: usize, colors: ColorMap) {
     let mut map = temporal.change;
     let measured = temporal.measured(pose);
     let range = measured.map_or(0.0, |(_, range)| range);

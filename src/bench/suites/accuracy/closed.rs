@@ -67,7 +67,7 @@ impl ClosedSamples {
                 samples.outside.push(outside);
                 samples.flip.push(picture.compare(&surfels)?.flip_object_mean);
                 let viewport_px = run.options.viewport_px;
-                let packet = Scene::default().packet(frame, subject.sequence.origin(), &camera, style, viewport_px);
+                let packet = subject.packet(&mut Scene::default(), frame, &camera, style, viewport_px);
                 samples.drawn.push(packet.content.record_count() as f64);
             }
         }

@@ -64,8 +64,7 @@ pub(super) fn draw(
     let mut scene = Scene::default();
     let mut on_background = |background| -> Result<RgbaImage, RenderError> {
         let style = style.with(|style| style.backdrop.background = Background::solid(background));
-        let origin = subject.sequence.origin();
-        let packet = scene.packet(frame, origin, camera, &style, run.options.viewport_px);
+        let packet = subject.packet(&mut scene, frame, camera, &style, run.options.viewport_px);
         run.runner.image(&packet)
     };
     let [first, second] = BACKGROUNDS;

@@ -231,12 +231,11 @@ fn measure_way(
     // A renderer takes a copy for another cloud, so that its upload is counted.
     frame.points = Arc::new(frame.points.to_vec());
     frame.shapes = frame.shapes.map(|shapes| Arc::new(shapes.to_vec()));
-    let origin = subject.sequence.origin();
     let viewport_px = run.options.viewport_px;
     let packet = |view: &View, style: &Style| {
         // As when the camera has moved: cells are chosen anew.
         let mut scene = Scene::default();
-        let packet = scene.packet(&frame, origin, &view.camera, style, viewport_px);
+        let packet = subject.packet(&mut scene, &frame, &view.camera, style, viewport_px);
         (packet, scene.stats().visited_nodes)
     };
     let (options, progress) = (run.options, run.progress);
@@ -253,7 +252,7 @@ fn measure_way(
         let uploaded_bytes = runner.stats().uploaded_bytes - uploaded_before;
         let on_white = way.with(|style| style.backdrop.background = Background::solid([255; 3]));
         let white_packet = ScenePacket {
-            style: on_white,
+            style: on_white.painted(),
             ..drawn_packet.clone()
         };
         let on_white = runner.image(&white_packet)?;
@@ -280,7 +279,7 @@ fn measure_way(
 }
 
 /// Whether depths of what a way shows can be drawn: not of splats without depth, nor of byte codes.
-fn shows_known_surface(way: &Style) -> bool {
+fn shows_known_surface<C: Copy>(way: &Style<C>) -> bool {
     way.leaves_depths() && !way.draws_codes()
 }
 

@@ -8,6 +8,7 @@ use crate::bench::runner::Runner;
 use crate::bench::subject::Subject;
 use crate::bench::{BenchError, BenchOptions};
 use crate::cloud::{Frame, RawCloud};
+use crate::composition::{PictureView, packet};
 use crate::measure::{CloudError, ErrorMap, PIXELS_PER_DEGREE, Perceived, ReferenceCloud};
 use crate::render::AnyRenderer;
 use crate::scene::{Background, Camera, Primitive, RendererChoice, Scene, Style};
@@ -107,8 +108,13 @@ impl Judge {
     /// The picture, and which pixels show something of the cloud.
     fn drawn(&mut self, frame: &PreparedFrame, camera: &Camera) -> Result<(RgbaImage, Vec<bool>), BenchError> {
         let mut scene = Scene::default();
+        let view = PictureView {
+            camera,
+            origin: self.origin,
+            size_px: self.size_px,
+        };
         let mut on = |background: [u8; 3]| {
-            let packet = scene.packet(frame, self.origin, camera, &style(background), self.size_px);
+            let packet = packet(&mut scene, frame, &view, &style(background));
             self.runner.image(&packet)
         };
         let [image, on_white] = [on(BACKGROUNDS[0])?, on(BACKGROUNDS[1])?];

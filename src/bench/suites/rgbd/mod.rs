@@ -137,7 +137,7 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
             };
             let rays = Arc::new(rays);
             let on_card = on_card(run, &image, &rays)?;
-            filter(run, (image, rays), &label, &one_thread, &mut stages)?;
+            filter(run, image, &rays, &label, &one_thread, &mut stages)?;
             for stage in &mut stages {
                 stage
                     .card_ms
@@ -183,7 +183,8 @@ fn decode(
 /// Each filter after those before it, then all of them together, and points.
 fn filter(
     run: &mut Run<'_>,
-    (mut image, rays): (DepthImage, Arc<RayTable>),
+    mut image: DepthImage,
+    rays: &RayTable,
     label: &dyn Fn(&str) -> String,
     one_thread: &ThreadPool,
     stages: &mut Vec<Stage>,
@@ -215,7 +216,7 @@ fn filter(
     run.begin_step(label(POINTS_STAGE))?;
     let stage = stage_of(stages, POINTS_STAGE, &image);
     stage.valid_after += image.valid_count();
-    time(run, stage, one_thread, || drop(black_box(cloud(&image, &rays, None))))
+    time(run, stage, one_thread, || drop(black_box(cloud(&image, rays, None))))
 }
 
 /// What a card took for its passes over one image.
@@ -247,8 +248,7 @@ fn on_card(run: &mut Run<'_>, image: &DepthImage, rays: &Arc<RayTable>) -> Resul
         run.check_cancelled()?;
         let samples = || Arc::new(DepthSamples::metres(image.metres().to_vec()));
         // The second of two images, as the processor's.
-        let images = (vec![samples()], samples());
-        let Some(frame) = DepthFrame::new(images, Arc::clone(rays), None, filters) else {
+        let Some(frame) = DepthFrame::new(vec![samples()], samples(), Arc::clone(rays), None, filters) else {
             break;
         };
         let Some(times) = run.runner.depth_image_times(&Arc::new(frame))? else {

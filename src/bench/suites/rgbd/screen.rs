@@ -13,6 +13,7 @@ use crate::bench::run::Run;
 use crate::bench::subject::Subject;
 use crate::bench::{BenchError, Quantiles};
 use crate::cloud::Frame;
+use crate::composition::{PictureView, packet};
 use crate::render::PassTimes;
 use crate::scene::{Camera, FirstLook, NormalSource, Primitive, Scene, Style, UpAxis, screen_view};
 use crate::sequence::{PrepareCounters, PreparedFrame, prepare};
@@ -128,7 +129,12 @@ fn style() -> Style {
 fn measure(run: &mut Run<'_>, seen: &ViewedCloud<'_>) -> Result<Row, BenchError> {
     let viewport_px = run.options.viewport_px;
     let style = style().drawn_by(run.runner.is_processor());
-    let new_packet = || Scene::default().packet(seen.frame, seen.origin, &seen.camera, &style, viewport_px);
+    let picture_view = PictureView {
+        camera: &seen.camera,
+        origin: seen.origin,
+        size_px: viewport_px,
+    };
+    let new_packet = || packet(&mut Scene::default(), seen.frame, &picture_view, &style);
     let packet = new_packet();
     let view = screen_view(&packet.view, packet.viewport_px);
     let cloud = ScreenCloud {
@@ -174,11 +180,11 @@ fn measure(run: &mut Run<'_>, seen: &ViewedCloud<'_>) -> Result<Row, BenchError>
     }
     let has_card = !samples.card_cull_ms.is_empty();
     let card = has_card.then(|| run.runner.summary());
-    Ok(row(seen, (visible_count, card), &samples))
+    Ok(row(seen, visible_count, card, &samples))
 }
 
 /// In the order of the suite's columns: what is of filters alone is missing.
-fn row(seen: &ViewedCloud<'_>, (visible, card): (usize, Option<String>), samples: &Samples) -> Row {
+fn row(seen: &ViewedCloud<'_>, visible: usize, card: Option<String>, samples: &Samples) -> Row {
     let median = |times: &[f64]| Quantiles::of(times).map(|times| times.median);
     let stages = [&samples.cull_ms, &samples.normals_ms, &samples.draw_ms].map(|times| median(times));
     let total = stages.iter().copied().sum::<Option<f64>>();

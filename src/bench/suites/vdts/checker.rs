@@ -6,7 +6,7 @@
 //! covers.
 
 use super::columns::{FILTERED, row};
-use super::filmed::Filmed;
+use super::filmed::{Filmed, StyledFrame};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
@@ -167,7 +167,7 @@ pub(super) fn measure(run: &mut Run<'_>, runner: &mut Runner, settings: &Setting
         for (mode, filter, frame) in &kinds {
             run.begin_step(format!("checker {view}: {mode}, {filter}"))?;
             let style = filmed.style.with(|style| style.photos.mode = *mode);
-            let packet = filmed.packet(frame, &camera, &style, ([0; 3], [PICTURE_PX; 2]));
+            let packet = filmed.packet(StyledFrame { frame, style: &style }, &camera, [0; 3], [PICTURE_PX; 2]);
             let picture = runner.image(&packet)?;
             let compared = picture.pixels().zip(&truth);
             let squares = compared.filter_map(|(pixel, truth)| Some((f64::from(pixel[1]) - 255.0 * (*truth)?).powi(2)));

@@ -4,7 +4,7 @@
 //! large as points are apart reach beyond the outline, where depths say that they are not there.
 
 use super::columns::CLIPPED;
-use super::filmed::{Errors, Filmed, TrueView};
+use super::filmed::{Errors, Filmed, StyledFrame, TrueView};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
@@ -35,7 +35,11 @@ pub(super) fn measure(
         for &clipping in PhotoClipping::ALL {
             run.begin_step(format!("{}: {points} points, clipping {clipping}", filmed.name))?;
             let style = filmed.style.with(|style| style.photos.clipping = clipping);
-            let errors = Errors::of(run, runner, filmed, (&frame, &style), views)?;
+            let drawn = StyledFrame {
+                frame: &frame,
+                style: &style,
+            };
+            let errors = Errors::of(run, runner, filmed, drawn, views)?;
             let cells = vec![
                 ("sequence", Cell::Text(filmed.name.to_owned())),
                 ("mode", Cell::Text(style.photos.mode.name().to_owned())),

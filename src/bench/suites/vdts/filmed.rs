@@ -9,6 +9,7 @@ use crate::bench::statistics::mean;
 use crate::bench::truth_cache::TruthCache;
 use crate::bench::{BenchError, Quantiles};
 use crate::cloud::CloudError;
+use crate::composition::{PictureView, packet};
 use crate::measure::{flip, mean_squared_error, psnr_db};
 use crate::render::truth::{Disks, Truth, TruthKey, TruthView};
 use crate::scene::{Background, Camera, FirstLook, Lighting, Scene, ScenePacket, Style};
@@ -25,6 +26,13 @@ pub(super) struct Filmed<'a> {
     pub(super) origin: DVec3,
     pub(super) look: &'a FirstLook,
     pub(super) style: Style,
+}
+
+/// A frame of a cloud, and how it is drawn.
+#[derive(Clone, Copy)]
+pub(super) struct StyledFrame<'a> {
+    pub(super) frame: &'a PreparedFrame,
+    pub(super) style: &'a Style,
 }
 
 impl Filmed<'_> {
@@ -44,13 +52,19 @@ impl Filmed<'_> {
     /// What is drawn of a frame of it.
     pub(super) fn packet(
         &self,
-        frame: &PreparedFrame,
+        drawn: StyledFrame<'_>,
         camera: &Camera,
-        style: &Style,
-        (background, size_px): ([u8; 3], [u32; 2]),
+        background: [u8; 3],
+        size_px: [u32; 2],
     ) -> ScenePacket {
+        let StyledFrame { frame, style } = drawn;
         let style = style.with(|style| style.backdrop.background = Background::solid(background));
-        Scene::default().packet(frame, self.origin, camera, &style, size_px)
+        let view = PictureView {
+            camera,
+            origin: self.origin,
+            size_px,
+        };
+        packet(&mut Scene::default(), frame, &view, &style)
     }
 }
 
@@ -97,19 +111,19 @@ impl TrueView {
 }
 
 impl Errors {
-    /// Of pictures of `frame` in these views.
+    /// Of pictures of a frame in these views.
     pub(super) fn of(
         run: &Run<'_>,
         runner: &mut Runner,
         filmed: &Filmed<'_>,
-        (frame, style): (&PreparedFrame, &Style),
+        drawn: StyledFrame<'_>,
         views: &[TrueView],
     ) -> Result<Self, BenchError> {
         let mut errors = Self::default();
         for view in views {
             run.check_cancelled()?;
-            let [dark, bright] = COVERAGE_BACKGROUNDS
-                .map(|background| filmed.packet(frame, &view.camera, style, (background, view.size_px())));
+            let [dark, bright] =
+                COVERAGE_BACKGROUNDS.map(|background| filmed.packet(drawn, &view.camera, background, view.size_px()));
             let (dark, bright) = (runner.image(&dark)?, runner.image(&bright)?);
             errors.add(view, &dark, &bright)?;
         }
@@ -158,18 +172,18 @@ impl Errors {
     }
 }
 
-/// What pictures of `frame` take in these views, in the size that was asked for.
+/// What pictures of a frame take in these views, in the size that was asked for.
 pub(super) fn times_ms(
     run: &Run<'_>,
     runner: &mut Runner,
     filmed: &Filmed<'_>,
-    (frame, style): (&PreparedFrame, &Style),
+    drawn: StyledFrame<'_>,
     views: &[TrueView],
 ) -> Result<Vec<f64>, BenchError> {
     let size_px = run.options.viewport_px;
     let packets: Vec<ScenePacket> = views
         .iter()
-        .map(|view| filmed.packet(frame, &view.camera, style, (COVERAGE_BACKGROUNDS[0], size_px)))
+        .map(|view| filmed.packet(drawn, &view.camera, COVERAGE_BACKGROUNDS[0], size_px))
         .collect();
     let mut times_ms = Vec::new();
     for round in 0..run.options.warmup + run.options.repeat {

@@ -4,7 +4,7 @@
 //! cloud.
 
 use super::backgrounds::is_covered;
-use super::filmed::Filmed;
+use super::filmed::{Filmed, StyledFrame};
 use crate::bench::BenchError;
 use crate::bench::run::{COVERAGE_BACKGROUNDS, Run};
 use crate::bench::runner::Runner;
@@ -44,8 +44,11 @@ pub(super) fn make(
         run.check_cancelled()?;
         let camera_from_world = pose(look, middle, distance, [azimuth_deg, elevation_deg]);
         let camera = Camera::of_pinhole(&pinhole, camera_from_world.inverse(), distance, look.up);
-        let packets = COVERAGE_BACKGROUNDS
-            .map(|background| filmed.packet(filmed.frame, &camera, &filmed.style, (background, [EDGE_PX; 2])));
+        let drawn = StyledFrame {
+            frame: filmed.frame,
+            style: &filmed.style,
+        };
+        let packets = COVERAGE_BACKGROUNDS.map(|background| filmed.packet(drawn, &camera, background, [EDGE_PX; 2]));
         let pictures = [runner.image(&packets[0])?, runner.image(&packets[1])?];
         depths.prepare(&packets[0])?;
         let depth = depths.draw_depths()?;

@@ -25,19 +25,16 @@ use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, OptionGroup, Suite};
 use crate::bench::truth_cache::TruthCache;
 use crate::bench::{BenchError, Quantiles};
-use crate::composition::PHOTOGRAPH_BYTES;
+use crate::composition::{PHOTOGRAPH_BYTES, PictureView, packet};
 use crate::measure::{SizeMismatch, flip, mean_squared_error, psnr_db};
 use crate::photos::{LoadedPhotographs, Photograph, Photographs};
 use crate::render::AnyRenderer;
-use crate::scene::{
-    Background, Camera, EyeDome, FirstLook, Lighting, PhotoMode, Primitive, Scene, ScenePacket, Settings, Style,
-};
+use crate::scene::{Background, EyeDome, FirstLook, Lighting, PhotoMode, Primitive, Scene, ScenePacket, Settings};
 use crate::sequence::PreparedFrame;
 use crate::stereo::photo_surface;
 use backgrounds::is_covered;
 use columns::{COLUMNS, LEFT_OUT};
 use filmed::{Filmed, TrueView};
-use glam::DVec3;
 use image::{Rgba, RgbaImage};
 use std::sync::Arc;
 
@@ -141,8 +138,14 @@ fn measure_sequence(
         let used = all.without(&left_out(run, all));
         // What is left out is not to tell where the surface is.
         let used = used.with_surface(photo_surface(&set, &used, origin, run.progress()));
-        let seen = (&frame, &look, &style);
-        let rows = leave_out(run, runner, (subject, origin), seen, (all, &Arc::new(used)))?;
+        let shown = Filmed {
+            name: subject.name,
+            frame: &frame,
+            origin,
+            look: &look,
+            style,
+        };
+        let rows = leave_out(run, runner, &shown, all, &Arc::new(used))?;
         run.finish(subject, &[frame.frame.len() as f64], &[], rows);
         return Ok(false);
     }
@@ -159,8 +162,8 @@ fn measure_sequence(
     let few = filmed.few(few_points)?;
     let photographs = made::without_depths(&with_depths);
     let used = Arc::new(photographs.without(&left_out(run, &photographs)));
-    let seen = (&few, &look, &style);
-    let mut rows = leave_out(run, runner, (subject, origin), seen, (&photographs, &used))?;
+    let shown = Filmed { frame: &few, ..filmed };
+    let mut rows = leave_out(run, runner, &shown, &photographs, &used)?;
     rows.extend(tables_of_paper(run, runner, &filmed, &few, &with_depths)?);
     run.finish(subject, &[few.frame.len() as f64], &[], rows);
     Ok(true)
@@ -176,22 +179,19 @@ fn left_out(run: &Run<'_>, photographs: &Photographs) -> Vec<usize> {
 fn leave_out(
     run: &mut Run<'_>,
     runner: &mut Runner,
-    (subject, origin): (&Subject<'_>, DVec3),
-    (frame, look, style): (&PreparedFrame, &FirstLook, &Style),
-    (photographs, used): (&Photographs, &Arc<Photographs>),
+    shown: &Filmed<'_>,
+    photographs: &Photographs,
+    used: &Arc<Photographs>,
 ) -> Result<Vec<Row>, BenchError> {
     let left_out = left_out(run, photographs);
     let mut rows = Vec::new();
     run.add_steps(left_out.len());
     let all = photographs.all().iter();
     for photograph in all.filter(|photograph| left_out.contains(&photograph.number)) {
-        run.begin_step(format!("{}: {}", subject.name, photograph.name))?;
-        let world_from_camera = photograph.camera_from_world.inverse();
-        let camera = look.camera_of_pinhole(&photograph.pinhole, world_from_camera, origin);
+        run.begin_step(format!("{}: {}", shown.name, photograph.name))?;
         for mode in MODES {
-            let style = style.with(|style| style.photos.mode = mode);
-            let compared = compare(run, runner, (photograph, used), frame, (&camera, &style), subject)?;
-            rows.push(compared.row(subject.name, frame.frame.len(), used.all().len()));
+            let compared = compare(run, runner, shown, photograph, used, mode)?;
+            rows.push(compared.row(shown.name, shown.frame.frame.len(), used.all().len()));
         }
     }
     Ok(rows)
@@ -225,7 +225,7 @@ fn tables_of_paper(
     }
     let with_depths = Arc::new(with_depths.without(&left_out));
     let used = Arc::new(made::without_depths(&with_depths));
-    let mut rows = sizes::measure(run, runner, filmed, (few, &used), &views)?;
+    let mut rows = sizes::measure(run, runner, filmed, few, &used, &views)?;
     rows.extend(clipped::measure(run, runner, filmed, &with_depths, &views)?);
     Ok(rows)
 }
@@ -242,22 +242,27 @@ fn settings() -> Settings {
 fn compare<'a>(
     run: &Run<'_>,
     runner: &mut Runner,
-    (photograph, used): (&'a Photograph, &Arc<Photographs>),
-    frame: &PreparedFrame,
-    (camera, style): (&Camera, &Style),
-    subject: &Subject<'_>,
+    shown: &Filmed<'_>,
+    photograph: &'a Photograph,
+    used: &Arc<Photographs>,
+    mode: PhotoMode,
 ) -> Result<Compared<'a>, BenchError> {
-    let frame = frame.with_photographs(Arc::clone(used));
+    let world_from_camera = photograph.camera_from_world.inverse();
+    let view = PictureView {
+        camera: &shown
+            .look
+            .camera_of_pinhole(&photograph.pinhole, world_from_camera, shown.origin),
+        origin: shown.origin,
+        size_px: photograph.texture.size_px(),
+    };
+    let frame = shown.frame.with_photographs(Arc::clone(used));
     let mut scene = Scene::default();
     let mut packet_on = |background: [u8; 3]| -> ScenePacket {
-        let style = style.with(|style| style.backdrop.background = Background::solid(background));
-        scene.packet(
-            &frame,
-            subject.sequence.origin(),
-            camera,
-            &style,
-            photograph.texture.size_px(),
-        )
+        let style = shown.style.with(|style| {
+            style.photos.mode = mode;
+            style.backdrop.background = Background::solid(background);
+        });
+        packet(&mut scene, &frame, &view, &style)
     };
     let packets = COVERAGE_BACKGROUNDS.map(&mut packet_on);
     let mut times_ms = Vec::new();
@@ -289,7 +294,7 @@ fn compare<'a>(
     let errors = flip(&truth, &picture).map_err(wrong_size)?;
     Ok(Compared {
         photograph,
-        mode: style.photos.mode,
+        mode,
         covered: share,
         psnr_db: psnr_db(squared_error / share.max(f64::MIN_POSITIVE)),
         flip: errors.mean_where(|pixel| compared[pixel]),

@@ -6,7 +6,7 @@
 //! and those of the views that are compared are left out.
 
 use super::columns::SIZES;
-use super::filmed::{Errors, Filmed, TrueView, times_ms};
+use super::filmed::{Errors, Filmed, StyledFrame, TrueView, times_ms};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
@@ -14,7 +14,7 @@ use crate::bench::runner::Runner;
 use crate::cloud::{Attributes, Frame, Positions, RawCloud};
 use crate::photos::{PhotoImage, Photographs};
 use crate::reel::{NewFrame, ReelOptions, write_to_memory};
-use crate::scene::{PhotoMode, Style};
+use crate::scene::PhotoMode;
 use crate::sequence::PreparedFrame;
 use glam::Vec3;
 use image::ExtendedColorType;
@@ -35,7 +35,8 @@ pub(super) fn measure(
     run: &mut Run<'_>,
     runner: &mut Runner,
     filmed: &Filmed<'_>,
-    (few, used): (&PreparedFrame, &Arc<Photographs>),
+    few: &PreparedFrame,
+    used: &Arc<Photographs>,
     views: &[TrueView],
 ) -> Result<Vec<Row>, BenchError> {
     let point_bytes = bytes_of_points(&few.frame)?;
@@ -53,14 +54,22 @@ pub(super) fn measure(
         };
         let style = filmed.style.with(|style| style.photos.mode = mode);
         let bytes = photo_bytes.map(|photos| (point_bytes + photos) as f64);
-        let cells = cells(filmed.name, mode.name(), (few, photographs), bytes);
-        rows.push(drawn(run, runner, filmed, (&photographed, &style), views)?.row(cells));
+        let cells = cells(filmed.name, mode.name(), few, photographs, bytes);
+        let photographed = StyledFrame {
+            frame: &photographed,
+            style: &style,
+        };
+        rows.push(ViewSamples::of(run, runner, filmed, photographed, views)?.row(cells));
     }
     run.begin_step(format!("{}: splats by size", filmed.name))?;
     let splats = filmed.few(MOST_SPLATS)?;
     let bytes = Some(bytes_of_points(&splats.frame)? as f64);
-    let cells = cells(filmed.name, "splats", (&splats, 0), bytes);
-    rows.push(drawn(run, runner, filmed, (&splats, &filmed.style), views)?.row(cells));
+    let cells = cells(filmed.name, "splats", &splats, 0, bytes);
+    let splats = StyledFrame {
+        frame: &splats,
+        style: &filmed.style,
+    };
+    rows.push(ViewSamples::of(run, runner, filmed, splats, views)?.row(cells));
     Ok(rows)
 }
 
@@ -69,20 +78,20 @@ struct ViewSamples {
     times_ms: Vec<f64>,
 }
 
-fn drawn(
-    run: &Run<'_>,
-    runner: &mut Runner,
-    filmed: &Filmed<'_>,
-    (frame, style): (&PreparedFrame, &Style),
-    views: &[TrueView],
-) -> Result<ViewSamples, BenchError> {
-    Ok(ViewSamples {
-        errors: Errors::of(run, runner, filmed, (frame, style), views)?,
-        times_ms: times_ms(run, runner, filmed, (frame, style), views)?,
-    })
-}
-
 impl ViewSamples {
+    fn of(
+        run: &Run<'_>,
+        runner: &mut Runner,
+        filmed: &Filmed<'_>,
+        drawn: StyledFrame<'_>,
+        views: &[TrueView],
+    ) -> Result<Self, BenchError> {
+        Ok(Self {
+            errors: Errors::of(run, runner, filmed, drawn, views)?,
+            times_ms: times_ms(run, runner, filmed, drawn, views)?,
+        })
+    }
+
     fn row(&self, cells: Vec<(&'static str, Cell)>) -> Row {
         self.errors.row(SIZES, cells, &self.times_ms)
     }
@@ -91,7 +100,8 @@ impl ViewSamples {
 fn cells(
     name: &str,
     mode: &str,
-    (frame, photographs): (&PreparedFrame, usize),
+    frame: &PreparedFrame,
+    photographs: usize,
     bytes: Option<f64>,
 ) -> Vec<(&'static str, Cell)> {
     vec![

@@ -30,22 +30,23 @@ pub(super) fn levels<'a>(
         let raw = info.get(at..at + 8)?;
         usize::try_from(u64::from_le_bytes(take(raw, 0))).ok()
     };
-    let levels = walk((number(40)?, number(48)?), file_bytes, page)?;
+    let levels = walk(number(40)?, number(48)?, file_bytes, page)?;
     let points: u64 = levels.iter().flatten().map(|chunk| chunk.points as u64).sum();
     (points == header.count).then_some(levels)
 }
 
-/// Follows the pages from the one at `root`, which is its start and length.
+/// Follows the pages from the one of this start and length.
 fn walk<'a>(
-    root: (usize, usize),
+    start: usize,
+    length: usize,
     file_bytes: usize,
     mut page: impl FnMut(Range<usize>) -> Option<Cow<'a, [u8]>>,
 ) -> Option<Vec<Vec<LazChunk>>> {
     /// In place of a count of points: the entry is a further page.
     const PAGE: i32 = -1;
     let mut levels: Vec<Vec<LazChunk>> = Vec::new();
-    let mut pages = vec![root];
-    let mut seen = HashSet::from([root.0]);
+    let mut pages = vec![(start, length)];
+    let mut seen = HashSet::from([start]);
     let mut entries = 0;
     while let Some((start, length)) = pages.pop() {
         let page = page(start..start.checked_add(length)?)?;

@@ -33,7 +33,7 @@ impl Axis {
     const MOST_DIGITS: i32 = 15;
 
     /// The scale for `coordinates` from `min` to `max`, each of which is known to `precision` times itself.
-    fn new((min, max): (f64, f64), precision: f64, coordinates: &(impl Iterator<Item = f64> + Clone)) -> Self {
+    fn new(min: f64, max: f64, precision: f64, coordinates: &(impl Iterator<Item = f64> + Clone)) -> Self {
         let mut digits = Self::LEAST_DIGITS;
         while Self::fitting(digits, min, max).is_none() && digits > -300 {
             digits -= 1;
@@ -177,7 +177,7 @@ impl<'a> LasPoints<'a> {
                 .map(|index| cloud.positions.get(index))
                 .filter(|position| position.is_finite())
                 .map(move |position| position[axis]);
-            Axis::new((min[axis], max[axis]), precision, &coordinates)
+            Axis::new(min[axis], max[axis], precision, &coordinates)
         });
         let fields = StandardFields::of(&cloud.attributes.scalars);
         Self {

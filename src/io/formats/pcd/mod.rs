@@ -47,11 +47,12 @@ fn begins_like_pcd(bytes: &[u8]) -> bool {
 
 pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Progress) -> Result<RawCloud, Fault> {
     let header = Header::parse(bytes)?;
-    let payload = bytes.split_at(header.byte_size);
-    let table = Table::new(&header, payload.1)?;
+    let (head, payload) = bytes.split_at(header.byte_size);
+    let table = Table::new(&header, payload)?;
     let mut warnings = Vec::new();
     let mut cloud = table.with_columns(
         header.encoding,
+        head,
         payload,
         options,
         progress,
@@ -81,11 +82,16 @@ fn not_kept(header: &Header) -> Option<NotKept> {
 /// The normals in a file that may have no points.
 pub(in crate::io) fn normals(bytes: &[u8], options: &ReadOptions, progress: &Progress) -> Result<Vec<[f32; 3]>, Fault> {
     let header = Header::parse(bytes)?;
-    let payload = bytes.split_at(header.byte_size);
-    let table = Table::new(&header, payload.1)?;
-    table.with_columns(header.encoding, payload, options, progress, |columns, rows, _, _| {
-        attributes::normals(columns, rows)
-    })
+    let (head, payload) = bytes.split_at(header.byte_size);
+    let table = Table::new(&header, payload)?;
+    table.with_columns(
+        header.encoding,
+        head,
+        payload,
+        options,
+        progress,
+        |columns, rows, _, _| attributes::normals(columns, rows),
+    )
 }
 
 /// Names of what each point has in a file that begins with `head`.
@@ -398,7 +404,8 @@ impl Table {
     fn with_columns<T>(
         &self,
         encoding: Encoding,
-        (header, payload): (&[u8], &[u8]),
+        header: &[u8],
+        payload: &[u8],
         options: &ReadOptions,
         progress: &Progress,
         make: impl FnOnce(&[Column<'_>], usize, Vec<String>, &ReadOptions) -> Result<T, Fault>,

@@ -19,7 +19,9 @@ const MAX_ODD_ROWS: usize = 16;
 /// `elements`.
 pub(super) fn read(
     bytes: &[u8],
-    (header, elements, vertex): (&PlyHeader, &[Element], &Element),
+    header: &PlyHeader,
+    elements: &[Element],
+    vertex: &Element,
     options: &ReadOptions,
     progress: &Progress,
 ) -> Result<(Vec<Column<'static>>, Faces, Vec<String>), Fault> {

@@ -16,7 +16,8 @@ use crate::io::options::ReadOptions;
 pub(super) fn read<'a>(
     payload: &'a [u8],
     big_endian: bool,
-    (elements, vertex): (&[Element], &Element),
+    elements: &[Element],
+    vertex: &Element,
     options: &ReadOptions,
 ) -> Result<(Vec<Column<'a>>, Faces, usize), Fault> {
     let mut cursor = Cursor {

@@ -112,11 +112,11 @@ fn read_rows<'a>(
     let elements = &header.elements[..last.map_or(0, |last| last + 1)];
     let is_all = elements.len() == header.elements.len();
     let (columns, faces, warnings) = match header.encoding {
-        Encoding::Ascii => ascii::read(bytes, (header, elements, vertex), options, progress)?,
+        Encoding::Ascii => ascii::read(bytes, header, elements, vertex, options, progress)?,
         Encoding::BinaryLittleEndian | Encoding::BinaryBigEndian => {
             let big_endian = header.encoding == Encoding::BinaryBigEndian;
             let (columns, faces, rest) =
-                binary::read(&bytes[header.byte_size..], big_endian, (elements, vertex), options)?;
+                binary::read(&bytes[header.byte_size..], big_endian, elements, vertex, options)?;
             let warnings = bytes_behind(rest as u64).filter(|_| is_all);
             (columns, faces, warnings.into_iter().collect())
         }

@@ -48,13 +48,14 @@ pub(super) fn decode(bytes: &[u8], header: &PlyHeader, options: &ReadOptions) ->
     if !has_words || matches!(header.encoding, Encoding::Ascii) {
         return None;
     }
-    Some(unpack(bytes, header, (chunks, splats), options))
+    Some(unpack(bytes, header, chunks, splats, options))
 }
 
 fn unpack(
     bytes: &[u8],
     header: &PlyHeader,
-    (chunks, splats): (&Element, &Element),
+    chunks: &Element,
+    splats: &Element,
     options: &ReadOptions,
 ) -> Result<RawCloud, Fault> {
     if chunks.count < splats.count.div_ceil(CHUNK_SPLATS) {

@@ -70,7 +70,8 @@ impl LevelChanges {
     /// From the values that nodes had to those that they have.
     pub(super) fn between(
         before: &LevelValues,
-        (values, directions): (LevelValues, Vec<Vec3>),
+        values: LevelValues,
+        directions: Vec<Vec3>,
         steps: Vec<[i32; 3]>,
     ) -> Self {
         let singles = before.singles.iter().zip(&values.singles);

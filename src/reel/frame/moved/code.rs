@@ -165,14 +165,14 @@ fn code_changes<C: BitCoder + Send>(
         .for_each(|((_, coders), (_, told))| match told {
             Told::Motion(levels) => code_motion(motion_scale(schema), coders, followed, places, levels),
             Told::Colors(levels) => {
-                let steps = (u16::from(schema.color_step), -255..=255);
-                code_levels(coders, plans, places, levels, steps);
+                let step = u16::from(schema.color_step);
+                code_levels(coders, plans, places, levels, step, &(-255..=255));
             }
             Told::Normals(levels, directions) => code_normals(schema, coders, followed, places, levels, &directions),
             Told::Singles(of_singles) => {
                 for levels in of_singles {
                     let most = i32::from(u16::MAX);
-                    code_levels(coders, plans, places, levels, (1, -most..=most));
+                    code_levels(coders, plans, places, levels, 1, &(-most..=most));
                 }
             }
         });
@@ -184,7 +184,8 @@ fn code_levels<C: BitCoder, const N: usize>(
     plans: &[Vec<Known>],
     places: &[usize],
     levels: Vec<&mut Vec<[i32; N]>>,
-    (step, range): (u16, RangeInclusive<i32>),
+    step: u16,
+    range: &RangeInclusive<i32>,
 ) {
     let mut models = ValueModels::new(channel_contexts(N));
     let mut parents: &[[i32; N]] = &[[0; N]];
@@ -196,7 +197,7 @@ fn code_levels<C: BitCoder, const N: usize>(
                     bits: std::mem::take(bits),
                     models,
                 };
-                code_channels(&mut coder, plan, parents, changes, (step, range.clone()));
+                code_channels(&mut coder, plan, parents, changes, step, range.clone());
                 *bits = coder.bits;
             }
             None => changes.fill([0; N]),

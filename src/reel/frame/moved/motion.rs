@@ -51,8 +51,11 @@ pub(super) fn code_motion<C: BitCoder>(
             code_level(
                 coder,
                 &mut models,
-                &followed.plans[level],
-                (parents, &differences),
+                &Foreseen {
+                    plan: &followed.plans[level],
+                    parents,
+                    differences: &differences,
+                },
                 steps,
                 step,
             );
@@ -61,14 +64,27 @@ pub(super) fn code_motion<C: BitCoder>(
     }
 }
 
+/// What is known of the steps of a level before they are coded.
+struct Foreseen<'a> {
+    plan: &'a [Known],
+    /// The steps of the level above.
+    parents: &'a [[i32; 3]],
+    /// How each node is foreseen to move otherwise than its parent.
+    differences: &'a [[i32; 3]],
+}
+
 fn code_level<C: BitCoder>(
     coder: &mut C,
     models: &mut MotionModels,
-    plan: &[Known],
-    (parents, differences): (&[[i32; 3]], &[[i32; 3]]),
+    foreseen: &Foreseen<'_>,
     steps: &mut [[i32; 3]],
     unit: i32,
 ) {
+    let Foreseen {
+        plan,
+        parents,
+        differences,
+    } = *foreseen;
     let mut last_parent = NONE;
     // What the sisters moved otherwise than was foreseen, and what the node before was off by.
     let mut others = [0i32; 3];

@@ -110,7 +110,9 @@ impl<'a> Run<'a> {
         }
         let values = self.values(cloud, followed.has_points);
         let levels = followed.levels.iter().zip(values).zip(steps);
-        let levels = levels.map(|((before, values), steps)| LevelChanges::between(&before.values, values, steps));
+        let levels = levels.map(|((before, (values, directions)), steps)| {
+            LevelChanges::between(&before.values, values, directions, steps)
+        });
         Some(Changes {
             levels: levels.collect(),
         })

@@ -39,7 +39,7 @@ impl Projected<'_> {
             dispatch!(level, simd => {
                 simd.vectorize(
                     #[inline(always)]
-                    || self.closed_of_row(simd, drawn, (view, &rows_down), gradient.at_row(y), y),
+                    || self.closed_of_row(simd, view, drawn, &rows_down, gradient.at_row(y), y),
                 )
             })
         });
@@ -54,8 +54,9 @@ impl Projected<'_> {
     fn closed_of_row<S: Simd>(
         &self,
         simd: S,
+        view: &PixelView,
         drawn: &Drawn<'_>,
-        (view, rows_down): (&PixelView, &[u16]),
+        rows_down: &[u16],
         background: [f32; 3],
         y: i32,
     ) -> Vec<(usize, [u8; 4])> {

@@ -8,9 +8,9 @@ use crate::render::cpu::shading::unit_color;
 use crate::render::cpu::spans::for_each_span;
 use crate::render::cpu::sprites::Sprite;
 use crate::render::cpu::tile::{Tile, WIDTH};
-use crate::render::cpu::triangle::{TextureOnTriangle, Triangle, TriangleLight, TriangleShading, fill};
+use crate::render::cpu::triangle::{ShadedTriangle, TextureOnTriangle, Triangle, TriangleLight, TriangleShading, fill};
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::{PointStyle, ScenePacket, Style};
+use crate::scene::{DrawSettings, PointStyle, ScenePacket};
 use fearless_simd::Simd;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -23,7 +23,7 @@ const VERTICES_PER_TASK: usize = 1 << 12;
 #[derive(Debug, Clone, Copy)]
 pub(in crate::render::cpu) struct Mesh<'a> {
     pub(super) records: &'a MeshRecords,
-    pub(super) style: &'a Style,
+    pub(super) style: &'a DrawSettings,
 }
 
 impl Placed for Mesh<'_> {
@@ -169,17 +169,17 @@ impl SeenMesh<'_> {
             return;
         }
         // Most triangles cover no pixel of a tile, or none at all: nothing is worked out for these.
-        let mut seen: Option<(Triangle, TriangleShading<'_>)> = None;
+        let mut seen: Option<ShadedTriangle<'_>> = None;
         for_each_span(
             outline,
             clip,
             #[inline(always)]
             |y, columns| {
-                let (triangle, shading) = seen.get_or_insert_with(|| {
-                    let places = corners.map(|corner| corner.place);
-                    (Triangle::new(view, places), self.shading(view, record, corners))
+                let shaded = seen.get_or_insert_with(|| ShadedTriangle {
+                    triangle: Triangle::new(view, corners.map(|corner| corner.place)),
+                    shading: self.shading(view, record, corners),
                 });
-                fill(simd, view, tile, (triangle, shading), y, columns);
+                fill(simd, view, tile, shaded, y, columns);
             },
         );
     }

@@ -100,13 +100,13 @@ impl Grid {
         if !simd.any_true_mask32x8(is_seen) {
             return None;
         }
-        let [usual, coarse, fine] = [(1.0, USUAL_LINES), (10.0, COARSE_LINES), (0.1, FINE_LINES)];
-        let opacity = lines(first, ground.spacing, usual)
-            .max(lines(second, ground.spacing, usual))
-            .max(lines(first, ground.spacing, coarse))
-            .max(lines(second, ground.spacing, coarse))
-            .max(lines(first, ground.spacing, fine))
-            .max(lines(second, ground.spacing, fine));
+        let [usual, coarse, fine] = [1.0, 10.0, 0.1].map(|factor| ground.spacing * factor);
+        let opacity = lines(first, usual, USUAL_LINES)
+            .max(lines(second, usual, USUAL_LINES))
+            .max(lines(first, coarse, COARSE_LINES))
+            .max(lines(second, coarse, COARSE_LINES))
+            .max(lines(first, fine, FINE_LINES))
+            .max(lines(second, fine, FINE_LINES));
         let nothing = f32x8::splat(simd, 0.0);
         let opacity = simd.select_f32x8(is_seen, opacity * fading, nothing);
         Some((opacity, view.near / distance))
@@ -142,11 +142,9 @@ impl Coordinate {
     }
 }
 
-/// How much of eight pixels lines cover that cross a coordinate at multiples of a spacing times a factor, times an
-/// opacity.
+/// How much of eight pixels lines cover that cross a coordinate at multiples of a spacing, times an opacity.
 #[inline(always)]
-fn lines<S: Simd>([place, px_per_unit]: [f32x8<S>; 2], spacing: f32, (factor, opacity): (f32, f32)) -> f32x8<S> {
-    let spacing = spacing * factor;
+fn lines<S: Simd>([place, px_per_unit]: [f32x8<S>; 2], spacing: f32, opacity: f32) -> f32x8<S> {
     let cells = place * (1.0 / spacing);
     let cell_px = px_per_unit * spacing;
     let nearest = (cells + 0.5).floor();

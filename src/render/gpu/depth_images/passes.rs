@@ -3,7 +3,7 @@
 pub(super) use crate::render::gpu::compute::UNIFORM;
 
 use super::network::middle_of_window;
-use crate::render::gpu::compute::{BufferRow, ComputePrograms, ComputeShader, EntryRow};
+use crate::render::gpu::compute::{Bound, BufferRow, ComputePrograms, ComputeShader, EntryRow};
 use crate::render::gpu::constants::{self, DEPTH_TILE_PX};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::DepthImaging;
@@ -128,7 +128,7 @@ impl Programs {
         let row = which as usize;
         let group = self.0.group(recording.context, row, buffer);
         let mut pass = recording.begin_compute(name_of(which));
-        self.0.dispatch(&mut pass, row, (&group, 0), groups(size_px));
+        self.0.dispatch(&mut pass, row, Bound::whole(&group), groups(size_px));
     }
 }
 

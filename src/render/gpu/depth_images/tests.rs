@@ -81,7 +81,7 @@ fn floats(size_px: [u32; 2], seed: u32) -> Arc<DepthSamples> {
 }
 
 fn images_of(samples: Arc<DepthSamples>, size_px: [u32; 2], filters: Filters) -> PointImages {
-    let frame = DepthFrame::new((Vec::new(), samples), rays(size_px), None, filters).unwrap();
+    let frame = DepthFrame::new(Vec::new(), samples, rays(size_px), None, filters).unwrap();
     shown(frame)
 }
 
@@ -264,8 +264,8 @@ fn group(size_px: [u32; 2], count: usize, filters: Filters) -> Vec<PointImages> 
     let rays = rays(size_px);
     (0..count)
         .map(|place| {
-            let images = (all[..place].to_vec(), Arc::clone(&all[place]));
-            shown(DepthFrame::new(images, Arc::clone(&rays), None, filters).unwrap())
+            let (before, depth) = (all[..place].to_vec(), Arc::clone(&all[place]));
+            shown(DepthFrame::new(before, depth, Arc::clone(&rays), None, filters).unwrap())
         })
         .collect()
 }
@@ -329,8 +329,8 @@ fn points_are_where_the_processor_has_them_in_the_colours_of_the_image() {
         let colors: Vec<[u8; 3]> = (0..pixels)
             .map(|at| [at as u8, (at >> 8) as u8 ^ 0x55, 255 - (at % 250) as u8])
             .collect();
-        let images = (Vec::new(), coded(size_px, 3));
-        let frame = DepthFrame::new(images, rays(size_px), Some(colors.clone()), Filters::NONE).unwrap();
+        let depth = coded(size_px, 3);
+        let frame = DepthFrame::new(Vec::new(), depth, rays(size_px), Some(colors.clone()), Filters::NONE).unwrap();
         let expected = crate::rgbd::cloud(&frame.filtered().unwrap(), frame.rays(), None);
         let images = PointImages {
             one_color: None,
@@ -364,7 +364,7 @@ fn pixels_that_a_lens_does_not_show_are_holes() {
     let unseen = rays.rays().iter().filter(|ray| !ray[0].is_finite()).count();
     assert!(unseen > 0);
     let samples = Arc::new(DepthSamples::metres(vec![1.0; 40 * 30]));
-    let frame = DepthFrame::new((Vec::new(), samples), rays, None, Filters::NONE).unwrap();
+    let frame = DepthFrame::new(Vec::new(), samples, rays, None, Filters::NONE).unwrap();
     let points = made(&mut DepthMaker::default(), &context, &shown(frame));
     assert_eq!(points.iter().filter(|point| point.color == [0; 4]).count(), unseen);
 }
@@ -374,8 +374,8 @@ fn a_renderer_tells_what_its_passes_take_where_it_makes_points() {
     let context = context();
     let size_px = [64, 48];
     let filters = filters_of("near,median,bilateral,flying,temporal");
-    let images = (vec![coded(size_px, 1)], coded(size_px, 2));
-    let frame = Arc::new(DepthFrame::new(images, rays(size_px), None, filters).unwrap());
+    let (before, depth) = (vec![coded(size_px, 1)], coded(size_px, 2));
+    let frame = Arc::new(DepthFrame::new(before, depth, rays(size_px), None, filters).unwrap());
     let mut renderer = GpuRenderer::new(Arc::clone(&context)).unwrap();
     renderer.set_makes_surfels(false);
     assert_eq!(

@@ -10,16 +10,26 @@ use super::room::Room;
 use super::storage::{self, Storage};
 use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, Draw, ViewBinding};
+use crate::render::gpu::compute::{BufferGroup, BufferRow, declarations_of, pipeline, shader_module};
 use crate::render::gpu::constants::{GROUP_RECORDS, OUTPUT_GROUP, STREAM_GROUP, VIEW_GROUP};
 use crate::render::gpu::context::Context;
-use crate::render::gpu::gpu_data::SplatVertex;
+use crate::render::gpu::gpu_data::{DrawIndexedIndirect, SplatVertex};
+use crate::render::gpu::layout::Shared;
 use crate::render::gpu::primitives::Amplification;
 use crate::render::gpu::recording::Recording;
-use crate::render::gpu::wgsl::{ShaderFile, assembled, shader_file, source_or_nothing};
+use crate::render::gpu::wgsl::{ImportError, assembled, shader_file};
 use std::collections::HashMap;
 
-/// Bytes of `DrawIndexedIndirect`, of which the first four words are also those of a draw without indices.
-const INDIRECT_BYTES: u64 = 20;
+/// What a chunk becomes.
+const VERTICES: u32 = 0;
+const GROUP_OFFSETS: u32 = 1;
+const DRAW: u32 = 2;
+
+const OUTPUTS: [BufferRow; 3] = [
+    BufferRow::read_write(VERTICES, "vertices", "array<SplatVertex>"),
+    BufferRow::read_write(GROUP_OFFSETS, "group_offsets", "array<u32>"),
+    BufferRow::read_write(DRAW, "draw", "DrawIndexedIndirect"),
+];
 
 pub(super) const ROW: StrategyRow = StrategyRow {
     fetch_corner: Some(shader_file!("fetch/compute.wgsl")),
@@ -27,22 +37,23 @@ pub(super) const ROW: StrategyRow = StrategyRow {
     ..storage::ROW
 };
 
-/// The files of the pass that writes corners.
-pub(in crate::render::gpu) fn amplifying_files(amplification: &Amplification) -> Vec<ShaderFile> {
+/// The WGSL of the passes that write corners.
+pub(in crate::render::gpu) fn amplifying_source(amplification: &Amplification) -> Result<String, ImportError> {
     let mut files = ROW.amplifying_files(amplification);
     files.push(shader_file!("passes/amplify.wgsl"));
-    files
+    let outputs = DrawIndexedIndirect::LAYOUT.declaration() + &declarations_of("OUTPUT_GROUP", &OUTPUTS);
+    assembled(&[amplification.given(), ("generated/outputs", outputs)], &files)
 }
 
 #[derive(Debug)]
 struct Compute {
     storage: Storage,
-    output_layout: wgpu::BindGroupLayout,
+    outputs: BufferGroup,
     view_layout: wgpu::BindGroupLayout,
     /// By the name of their amplification.
     pipelines: HashMap<&'static str, Pipelines>,
-    /// Outputs for each chunk of what was amplified last.
-    outputs: Vec<AmplifiedChunk>,
+    /// For each chunk of what was amplified last.
+    amplified: Vec<AmplifiedChunk>,
 }
 
 #[derive(Debug)]
@@ -64,56 +75,22 @@ struct AmplifiedChunk {
 
 impl Compute {
     fn new(context: &Context, view_layout: &wgpu::BindGroupLayout) -> Self {
-        let storage_entry = |binding| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Storage { read_only: false },
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            count: None,
-        };
         Self {
             storage: Storage::new(context),
-            output_layout: context
-                .device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                    label: Some("amplified"),
-                    entries: &[storage_entry(0), storage_entry(1), storage_entry(2)],
-                }),
+            outputs: BufferGroup::new(context, "amplified", &OUTPUTS),
             view_layout: view_layout.clone(),
             pipelines: HashMap::new(),
-            outputs: Vec::new(),
+            amplified: Vec::new(),
         }
     }
 
     fn build_pipelines(&self, context: &Context, amplification: &'static Amplification) -> Pipelines {
         let label = amplification.name;
-        let source = assembled(&[amplification.given()], &amplifying_files(amplification));
-        let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(label),
-            source: wgpu::ShaderSource::Wgsl(source_or_nothing(source).into()),
-        });
+        let module = shader_module(context, label, amplifying_source(amplification));
         let stream = self.storage.stream_layout();
         let shapes = stream.filter(|_| amplification.reads_shapes);
-        let layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(label),
-            bind_group_layouts: &[Some(&self.view_layout), stream, shapes, Some(&self.output_layout)],
-            immediate_size: 0,
-        });
-        let pipeline = |entry_point| {
-            context
-                .device
-                .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                    label: Some(label),
-                    layout: Some(&layout),
-                    module: &module,
-                    entry_point: Some(entry_point),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    cache: None,
-                })
-        };
+        let groups = [Some(&self.view_layout), stream, shapes, Some(&self.outputs.layout)];
+        let pipeline = |entry| pipeline(context, label, &module, entry, &groups);
         Pipelines {
             count: pipeline("count"),
             scan: pipeline("scan"),
@@ -135,19 +112,15 @@ impl Compute {
         let vertices = buffer("amplified corners", corners * size_of::<SplatVertex>() as u64, none);
         let groups = u64::from(record_count.div_ceil(GROUP_RECORDS));
         let group_offsets = buffer("amplified offsets", groups * size_of::<u32>() as u64, none);
-        let indirect = buffer("amplified draw", INDIRECT_BYTES, wgpu::BufferUsages::INDIRECT);
-        let entries = [&vertices, &group_offsets, &indirect];
-        let entries = [0, 1, 2].map(|binding| wgpu::BindGroupEntry {
-            binding: binding as u32,
-            resource: entries[binding].as_entire_binding(),
-        });
+        let draw_bytes = size_of::<DrawIndexedIndirect>() as u64;
+        let indirect = buffer("amplified draw", draw_bytes, wgpu::BufferUsages::INDIRECT);
         AmplifiedChunk {
             record_capacity: record_count,
             vertices_per_record,
-            compute_group: context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("amplified"),
-                layout: &self.output_layout,
-                entries: &entries,
+            compute_group: self.outputs.bound(context, |binding| match binding {
+                VERTICES => &vertices,
+                GROUP_OFFSETS => &group_offsets,
+                _ => &indirect,
             }),
             draw_group: single_binding(context, &self.storage.layout, vertices.as_entire_binding()),
             indirect,
@@ -183,7 +156,7 @@ impl Instancing for Compute {
         let amplification = draw.amplification;
         let context = recording.context;
         // What an earlier cloud left over must not be drawn.
-        self.outputs.truncate(draw.chunk_count());
+        self.amplified.truncate(draw.chunk_count());
         if !amplification.compute_amplifies || draw.chunk_count() == 0 {
             return 0;
         }
@@ -194,23 +167,23 @@ impl Instancing for Compute {
         let vertices_per_record = amplification.vertices_per_record;
         for chunk in 0..draw.chunk_count() {
             let records = draw.chunk_records(chunk);
-            let fits = self.outputs.get(chunk).is_some_and(|output| {
+            let fits = self.amplified.get(chunk).is_some_and(|output| {
                 // `scan` reads as many offsets as the buffer has, so the capacity must be exact.
                 output.record_capacity == records && output.vertices_per_record == vertices_per_record
             });
             if !fits {
                 let output = self.build_output(context, records, vertices_per_record);
-                if chunk < self.outputs.len() {
-                    self.outputs[chunk] = output;
+                if chunk < self.amplified.len() {
+                    self.amplified[chunk] = output;
                 } else {
-                    self.outputs.push(output);
+                    self.amplified.push(output);
                 }
             }
         }
         let pipelines = &self.pipelines[amplification.name];
         let mut pass = recording.begin_compute("amplify");
         pass.set_bind_group(VIEW_GROUP, view.bind_group, &[view.offset]);
-        for (chunk, output) in self.outputs.iter().enumerate() {
+        for (chunk, output) in self.amplified.iter().enumerate() {
             for (group, stream) in (STREAM_GROUP..).zip(draw.streams) {
                 pass.set_bind_group(group, stream.chunks[chunk].bind_group.as_ref(), &[]);
             }
@@ -230,14 +203,14 @@ impl Instancing for Compute {
         if !draw.amplification.compute_amplifies {
             return self.storage.draw(pass, draw);
         }
-        for output in &self.outputs {
+        for output in &self.amplified {
             pass.set_bind_group(STREAM_GROUP, &output.draw_group, &[]);
             match draw.amplification.quads_per_record() {
                 0 => pass.draw_indirect(&output.indirect, 0),
                 _ => pass.draw_indexed_indirect(&output.indirect, 0),
             }
         }
-        self.outputs.len() as u32
+        self.amplified.len() as u32
     }
 }
 

@@ -18,7 +18,7 @@ mod texture;
 mod uniform;
 mod vertex;
 
-pub(super) use compute::amplifying_files;
+pub(super) use compute::amplifying_source;
 pub(super) use indexed::Indexed;
 pub(super) use room::Room;
 pub(super) use strategy::{Instancing, RecordInstancing, StrategyRow, upload};

@@ -113,10 +113,10 @@ impl Pipelines {
             build(
                 context,
                 Permutation::Geometry(key.strategy, key.amplification, key.pass),
-                (
-                    key.pass.color.map(|color| color.target_states(key.precision)),
-                    key.pass.depth,
-                ),
+                Onto {
+                    targets: key.pass.color.map(|color| color.target_states(key.precision)),
+                    depth: key.pass.depth,
+                },
                 &layouts,
                 &instancing.vertex_buffers(key.amplification),
                 wgpu::PrimitiveState {
@@ -146,7 +146,10 @@ impl Pipelines {
             build(
                 context,
                 Permutation::Screen(pass),
-                (Some(pass.color.target_states(precision)), pass.depth),
+                Onto {
+                    targets: Some(pass.color.target_states(precision)),
+                    depth: pass.depth,
+                },
                 &layouts,
                 &[],
                 wgpu::PrimitiveState::default(),
@@ -212,16 +215,23 @@ fn layout(
         })
 }
 
+/// The targets of a pipeline.
+struct Onto {
+    /// `None` where only depths are drawn.
+    targets: Option<Vec<Option<wgpu::ColorTargetState>>>,
+    depth: Option<DepthUse>,
+}
+
 fn build(
     context: &Context,
     permutation: Permutation,
-    (targets, depth): (Option<Vec<Option<wgpu::ColorTargetState>>>, Option<DepthUse>),
+    onto: Onto,
     bind_group_layouts: &[Option<&wgpu::BindGroupLayout>],
     vertex_buffers: &[wgpu::VertexBufferLayout<'static>],
     primitive: wgpu::PrimitiveState,
 ) -> wgpu::RenderPipeline {
     let label = permutation.label();
-    let targets = targets.unwrap_or_default();
+    let targets = onto.targets.unwrap_or_default();
     let source = permutation.source(context.tests_depths_early);
     let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(&label),
@@ -243,7 +253,7 @@ fn build(
             buffers: &buffers,
         },
         primitive,
-        depth_stencil: depth.map(DepthUse::state),
+        depth_stencil: onto.depth.map(DepthUse::state),
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
             module: &module,

@@ -8,7 +8,7 @@ use crate::render::gpu::passes::geometry::{DEPTH, ROUND_SOLID, SOLID, SURFACE_RO
 use crate::render::gpu::passes::screen::RESOLVE;
 use crate::render::gpu::residency::RecordSource;
 use crate::render::gpu::wgsl::shader_file;
-use crate::scene::{PointShape, Style};
+use crate::scene::{DrawSettings, PointShape};
 use std::sync::Arc;
 
 /// Half a quad, or the square of a point.
@@ -24,7 +24,7 @@ pub(super) const TRIANGLE: Amplification = Amplification {
     passes: &[&SOLID, &ROUND_SOLID, &SURFACE_SOLID, &SURFACE_ROUND_SOLID, &DEPTH],
 };
 
-pub(super) fn drawable<'a>(mesh: &'a Arc<MeshRecords>, style: &Style) -> Drawable<'a> {
+pub(super) fn drawable<'a>(mesh: &'a Arc<MeshRecords>, style: &DrawSettings) -> Drawable<'a> {
     // Fragments that may be discarded are tested late, all of them.
     let has_disks = mesh.has_points() && style.drawn_points().shape == PointShape::Disk;
     let (passes, resolve): (Passes, Option<&'static ScreenPass>) = match (style.light.lighting.is_deferred(), has_disks)

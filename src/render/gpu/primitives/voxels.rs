@@ -7,7 +7,7 @@ use crate::render::gpu::passes::geometry::{DEPTH, SOLID, SURFACE_SOLID};
 use crate::render::gpu::passes::screen::RESOLVE;
 use crate::render::gpu::residency::RecordSource;
 use crate::render::gpu::wgsl::shader_file;
-use crate::scene::{Style, Voxels};
+use crate::scene::{DrawSettings, Voxels};
 
 /// Light falls on the faces.
 pub(super) const LIT_BY_FACES: Amplification = Amplification {
@@ -30,7 +30,7 @@ pub(super) const LIT_BY_NORMALS: Amplification = Amplification {
     ..LIT_BY_FACES
 };
 
-pub(super) fn drawable<'a>(voxels: &'a Voxels, style: &Style) -> Drawable<'a> {
+pub(super) fn drawable<'a>(voxels: &'a Voxels, style: &DrawSettings) -> Drawable<'a> {
     let (passes, resolve): (Passes, Option<&'static ScreenPass>) = if style.light.lighting.is_deferred() {
         (&[&SURFACE_SOLID], Some(&RESOLVE))
     } else {

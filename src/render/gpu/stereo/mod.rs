@@ -27,6 +27,7 @@ mod tests;
 
 pub(super) use passes::SHADER;
 
+use super::compute::Bound;
 use super::constants::{NO_LABEL, STEREO_MOST_LABELS};
 use super::context::Context;
 use super::gpu_data::StereoMatching;
@@ -206,7 +207,11 @@ impl<'a> Job<'a> {
                     path_step,
                     ..self.uniform
                 };
-                programs.dispatch(&mut pass, which, (&group, scratch.uniform_offset(path)), &uniform);
+                let bound = Bound {
+                    group: &group,
+                    uniform_offset: scratch.uniform_offset(path),
+                };
+                programs.dispatch(&mut pass, which, bound, &uniform);
             }
             if matches!(which, Pass::Choose | Pass::Meet | Pass::LayOnPlanes | Pass::Median) {
                 place += 1;

@@ -2,7 +2,7 @@
 
 pub(super) use crate::render::gpu::compute::UNIFORM;
 
-use crate::render::gpu::compute::{BufferRow, ComputePrograms, ComputeShader, EntryRow};
+use crate::render::gpu::compute::{Bound, BufferRow, ComputePrograms, ComputeShader, EntryRow};
 use crate::render::gpu::constants::{self, STEREO_LANES, STEREO_STRIP_PX, STEREO_TILE_PX};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::StereoMatching;
@@ -149,10 +149,10 @@ impl Programs {
         &self,
         pass: &mut wgpu::ComputePass<'_>,
         which: Pass,
-        group: (&wgpu::BindGroup, u32),
+        bound: Bound<'_>,
         uniform: &StereoMatching,
     ) {
-        self.0.dispatch(pass, which as usize, group, groups(which, uniform));
+        self.0.dispatch(pass, which as usize, bound, groups(which, uniform));
     }
 }
 

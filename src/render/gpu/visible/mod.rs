@@ -100,10 +100,10 @@ impl VisibleMaker {
         let sizes = sizes_of(visible, &screening);
         let mut rooms = self.made.take().map_or_else(Vec::new, |made| made.rooms);
         rooms.resize_with(STREAMS, Vec::new);
-        let size = (visible.record_count(), wanted.chunked_for);
+        let count = visible.record_count();
         let streams: Vec<Stream> = rooms
             .iter_mut()
-            .map(|rooms| stream_in(context, instancing, size, rooms))
+            .map(|rooms| stream_in(context, instancing, count, wanted.chunked_for, rooms))
             .collect();
         let scratch = Scratch::for_sizes(context, self.scratch.take(), &sizes);
         self.scratch

@@ -1,6 +1,6 @@
 //! The programs that make surfels of the screen: entry points of one shader, each with what it binds.
 
-use crate::render::gpu::compute::{BufferRow, ComputePrograms, ComputeShader, EntryRow};
+use crate::render::gpu::compute::{Bound, BufferRow, ComputePrograms, ComputeShader, EntryRow};
 use crate::render::gpu::constants::{self, GROUP_RECORDS};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::Screening;
@@ -166,7 +166,10 @@ impl Programs {
     /// Precondition: so many workgroups are one dispatch of the adapter ([`Sizes::fit`](super::scratch::Sizes::fit)).
     pub(super) fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, which: Pass, group: &wgpu::BindGroup, work: Work) {
         let groups = [work.invocations.div_ceil(GROUP_RECORDS), 1];
-        let bound = (group, work.uniform_offset);
+        let bound = Bound {
+            group,
+            uniform_offset: work.uniform_offset,
+        };
         self.0.dispatch(pass, which as usize, bound, groups);
     }
 }

@@ -8,7 +8,7 @@
 use super::ray::Ray;
 use crate::cloud::{PointRecord, ShapeRecord, coarser_normal, oct_encode, quantised_normals};
 use crate::levels::octree::coded::{NodeAttributes, offset_of_code};
-use crate::scene::{CodeStyle, CodedCells, Style, Surfels};
+use crate::scene::{CodeStyle, CodedCells, DrawSettings, Surfels};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ struct Node {
 }
 
 /// The surfels of `coded` that may come nearer to the ray than a radius.
-pub(super) fn surfels_near(ray: &Ray, coded: &CodedCells, style: &Style, radius_px: f64) -> Surfels {
+pub(super) fn surfels_near(ray: &Ray, coded: &CodedCells, style: &DrawSettings, radius_px: f64) -> Surfels {
     let (mut points, mut shapes) = (Vec::new(), Vec::new());
     let (cloud, surfels) = (&coded.cloud, &style.surfels);
     let cube = cloud.cube();

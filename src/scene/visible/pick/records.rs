@@ -2,7 +2,7 @@
 
 use super::ray::{Drawn, Met, Miss, Ray};
 use crate::cloud::{MeshRecords, PointRecord, ShapeRecord, decode_ellipse, oct_decode};
-use crate::scene::{PointShape, PointSize, Primitive, ScenePacket, Style, Surfels, Voxels};
+use crate::scene::{DrawSettings, PointShape, PointSize, Primitive, ScenePacket, Surfels, Voxels};
 use glam::{DVec2, DVec3, Vec3};
 
 /// The longer half axis of the thinnest ellipse, in radii: see [`ShapeRecord`].
@@ -94,7 +94,7 @@ pub(super) struct Disks<'a> {
 }
 
 impl<'a> Disks<'a> {
-    pub(super) fn new(surfels: &'a Surfels, style: &Style) -> Self {
+    pub(super) fn new(surfels: &'a Surfels, style: &DrawSettings) -> Self {
         let [visibility, _] = style.surfels.splatting.scales(style.surfels.enlargement);
         Self {
             points: &surfels.points,

@@ -189,7 +189,13 @@ mod tests {
     use super::super::modes;
     use super::*;
 
-    fn camera(location: &str, [width, height]: [u64; 2], numbers: [f64; 14], rt: (&[f64], [f64; 3])) -> Value {
+    fn camera(
+        location: &str,
+        [width, height]: [u64; 2],
+        numbers: [f64; 14],
+        rotation: &[f64],
+        translation: [f64; 3],
+    ) -> Value {
         serde_json::json!({
             "Location": location,
             "SensorWidth": width,
@@ -200,7 +206,7 @@ mod tests {
                 "ModelParameters": numbers.to_vec(),
                 "ModelType": "CALIBRATION_LensDistortionModelBrownConrady",
             },
-            "Rt": { "Rotation": rt.0, "Translation": rt.1.to_vec() },
+            "Rt": { "Rotation": rotation, "Translation": translation.to_vec() },
         })
     }
 
@@ -216,8 +222,8 @@ mod tests {
     const TURNED: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 0.8, 0.6, 0.0, -0.6, 0.8];
 
     fn json(color_px: [u64; 2]) -> Value {
-        let depth = camera(DEPTH, [1024, 1024], DEPTH_NUMBERS, (&UPRIGHT, [0.0; 3]));
-        let color = camera(COLOR, color_px, COLOR_NUMBERS, (&TURNED, [-0.032, -0.002, 0.004]));
+        let depth = camera(DEPTH, [1024, 1024], DEPTH_NUMBERS, &UPRIGHT, [0.0; 3]);
+        let color = camera(COLOR, color_px, COLOR_NUMBERS, &TURNED, [-0.032, -0.002, 0.004]);
         serde_json::json!({ "CalibrationInformation": { "Cameras": [color, depth] } })
     }
 

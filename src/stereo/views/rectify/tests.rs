@@ -126,7 +126,7 @@ fn depths_of_a_wall_are_found_by_pairs_beside_and_above_each_other() {
             camera: &cameras[index],
             camera_from_world: poses[index],
         });
-        let depths = depths_of_pair(views, (&OnProcessor, &Matching::default()), None).unwrap();
+        let depths = depths_of_pair(views, &OnProcessor, &Matching::default(), None).unwrap();
         let [width, height] = cameras[0].size_px();
         let mut errors = Vec::new();
         for (at, &depth) in depths.metres().iter().enumerate().filter(|(_, depth)| **depth > 0.0) {

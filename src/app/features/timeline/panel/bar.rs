@@ -53,7 +53,7 @@ pub(super) fn scrub_bar(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Optio
     let frame = under_pointer(&response);
     let hovered = frame.filter(|_| response.hovered() && !response.dragged());
     if let Some(frame) = hovered {
-        frame_tooltip(player, context.thumbnails, &context.needs, (response.clone(), frame));
+        frame_tooltip(player, context.thumbnails, &context.needs, response.clone(), frame);
     }
     scrub(context, &response, frame);
     hovered
@@ -140,7 +140,8 @@ pub(super) fn frame_tooltip(
     player: &Player,
     thumbnails: &mut Thumbnails,
     needs: &Needs,
-    (response, frame): (Response, usize),
+    response: Response,
+    frame: usize,
 ) {
     let text = tooltip(player, needs, frame);
     let look = thumbnails.look(&response.ctx, frame);

@@ -43,7 +43,7 @@ pub(super) fn curve_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) {
         );
         return;
     };
-    paint(ui, rect, curve.columns(), (least, most));
+    paint(ui, rect, curve.columns(), least, most);
     for (value, place, align) in [
         (most, rect.left_top() + vec2(4.0, 1.0), Align2::LEFT_TOP),
         (least, rect.left_bottom() + vec2(4.0, -1.0), Align2::LEFT_BOTTOM),
@@ -66,7 +66,7 @@ pub(super) fn curve_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) {
 }
 
 /// A line through all columns that are known.
-fn paint(ui: &Ui, rect: Rect, columns: &[Option<(f32, f32)>], (least, most): (f32, f32)) {
+fn paint(ui: &Ui, rect: Rect, columns: &[Option<(f32, f32)>], least: f32, most: f32) {
     let painter = ui.painter_at(rect);
     let stroke = Stroke::new(1.0, ACCENT);
     let span = most - least;

@@ -52,8 +52,7 @@ pub(super) fn strip_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option
         }
         if response.hovered() {
             hovered = Some(frame);
-            let of = (response, frame);
-            frame_tooltip(player, context.thumbnails, &context.needs, of);
+            frame_tooltip(player, context.thumbnails, &context.needs, response, frame);
         }
     }
     if let Some(frame) = clicked {

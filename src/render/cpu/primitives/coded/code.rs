@@ -1,7 +1,7 @@
 //! The byte code of a packet, and how it is drawn.
 
 use crate::levels::octree::CodedCloud;
-use crate::scene::{CodedCells, Footprint, Style};
+use crate::scene::{CodedCells, DrawSettings, Footprint};
 
 /// What masks may be larger than the splats they stand for: sizes are rounded, and so is where they are seen.
 pub(super) const MASK_SLACK: f32 = 1.2;
@@ -23,7 +23,7 @@ pub(in crate::render::cpu) struct Coded<'a> {
 }
 
 impl<'a> Coded<'a> {
-    pub(in crate::render::cpu) fn new(cells: &'a CodedCells, style: &Style) -> Self {
+    pub(in crate::render::cpu) fn new(cells: &'a CodedCells, style: &DrawSettings) -> Self {
         let surfels = &style.surfels;
         let scales = surfels.splatting.scales(surfels.enlargement);
         Self {

@@ -46,7 +46,9 @@ pub(super) fn packet_of_surfels(surfels: &[([f32; 3], Vec3)], depth: u32, camera
     let cloud = CodedCloud::new(&Arc::new(octree), &points, &shapes);
     let mut packet = packet_of([320, 200]);
     packet.view = camera.transform(DVec3::ZERO, packet.viewport_px);
-    packet.style = Style::default().with(|style| style.codes.footprint = Footprint::Masks);
+    packet.style = Style::default()
+        .with(|style| style.codes.footprint = Footprint::Masks)
+        .painted();
     packet.bounds = crate::math::Aabb::from_points(&positions);
     packet.content = Content::Coded(CodedCells {
         deepest_level: cloud.depth(),

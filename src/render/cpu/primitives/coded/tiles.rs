@@ -24,7 +24,12 @@ use glam::{Vec3, Vec4};
 #[derive(Default)]
 pub(super) struct Waiting {
     decoder: Decoder,
-    /// What the attribute pass will draw.
+    splats: WaitingSplats,
+}
+
+/// What the attribute pass will draw.
+#[derive(Default)]
+struct WaitingSplats {
     masks: Vec<WaitingMask>,
     disks: Vec<(Facet, Shading)>,
 }
@@ -67,9 +72,9 @@ impl InTiles for CodedTiles<'_> {
 
     #[inline(always)]
     fn draw<S: Simd>(&self, simd: S, tile: &mut Tile, clip: PixelRect, number: usize, waiting: &mut Waiting) {
-        let Waiting { decoder, masks, disks } = waiting;
-        masks.clear();
-        disks.clear();
+        let Waiting { decoder, splats } = waiting;
+        splats.masks.clear();
+        splats.disks.clear();
         for &block in &self.lists.lists[number] {
             let block = &self.blocks[block as usize];
             let (nodes, centers) = decoder.decode(self.coded.cloud, self.transform, block);
@@ -83,17 +88,17 @@ impl InTiles for CodedTiles<'_> {
                 if self.coded.are_pixels {
                     self.put_pixel(tile, &node);
                 } else {
-                    self.begin_splat(simd, tile, clip, &node, (masks, disks));
+                    self.begin_splat(simd, tile, clip, &node, splats);
                 }
             }
         }
-        for splat in masks.iter() {
+        for splat in &splats.masks {
             splat::attribute(self.masks, tile, splat);
         }
-        if self.lighting == Lighting::PerFragment && !disks.is_empty() {
+        if self.lighting == Lighting::PerFragment && !splats.disks.is_empty() {
             raster::measure_rays(simd, self.view, tile);
         }
-        for (facet, shading) in disks.iter() {
+        for (facet, shading) in &splats.disks {
             raster::attribute(simd, tile, facet, shading, Kernel::Gaussian);
         }
     }
@@ -140,7 +145,7 @@ impl CodedTiles<'_> {
         tile: &mut Tile,
         clip: PixelRect,
         node: &SeenNode<'_>,
-        (masks, disks): (&mut Vec<WaitingMask>, &mut Vec<(Facet, Shading)>),
+        waiting: &mut WaitingSplats,
     ) {
         let footprint = self.footprints.at(node.normal.class, node.x_px, node.y_px);
         let radius_px = node.radius * node.per_distance * self.view.px_per_slope[0] * footprint.stretch;
@@ -155,7 +160,7 @@ impl CodedTiles<'_> {
         }
         let (Some(visibility_size), Some(attribute_size)) = (masks::size_of(visibility), masks::size_of(attribute))
         else {
-            self.begin_disk(simd, tile, clip, node, disks);
+            self.begin_disk(simd, tile, clip, node, &mut waiting.disks);
             return;
         };
         let (x, y) = (node.x_px.floor(), node.y_px.floor());
@@ -167,7 +172,7 @@ impl CodedTiles<'_> {
             return;
         }
         let mask = self.masks.get(footprint.shape, attribute_size, fraction);
-        masks.push(WaitingMask {
+        waiting.masks.push(WaitingMask {
             place: self.place(node, [x, y], self.coded.scales[1]),
             mask: *mask,
             color: self.lit_color(node),

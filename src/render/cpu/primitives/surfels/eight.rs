@@ -2,6 +2,7 @@
 
 use crate::cloud::{PointRecord, ShapeRecord};
 use crate::render::constants::{SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y};
+use crate::render::cpu::blocks::Extent;
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
 use crate::render::cpu::ewa::Splats;
 use crate::render::cpu::packed_ellipses::{decode_each, reach_each};
@@ -48,22 +49,22 @@ pub(super) struct EightSurfels<S: Simd> {
 }
 
 impl<S: Simd> EightMiddles<S> {
-    /// Where those of these numbers are; `None` if nothing of them is in the picture, as large as `scale` makes them
-    /// and with a margin.
+    /// Where those of these numbers are; `None` if nothing of them is in the picture, drawn to this extent.
     #[inline(always)]
     pub(super) fn of(
         simd: S,
         view: &PixelView,
         pyramid: &Pyramid,
-        (points, shapes): (&[PointRecord], &[ShapeRecord]),
+        points: &[PointRecord],
+        shapes: &[ShapeRecord],
         numbers: Range<usize>,
-        (scale, margin_px): (f32, f32),
+        extent: Extent,
     ) -> Option<Self> {
         let [x, y, z, _] = words(simd, &points[numbers.clone()]);
         let [normals, radii, ellipses, _] = words(simd, &shapes[numbers.clone()]);
         let centers = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
-        let margin = centers.z * -view.length_of_px(margin_px);
-        let reach = radii * (scale * SQUARE_REACH_RADII) + margin;
+        let margin = centers.z * -view.length_of_px(extent.margin_px);
+        let reach = radii * (extent.scale * SQUARE_REACH_RADII) + margin;
         let are_there = lanes_below(simd, numbers.len());
         let may_touch = pyramid.may_touch(simd, centers, reach) & are_there;
         simd.any_true_mask32x8(may_touch).then_some(Self {

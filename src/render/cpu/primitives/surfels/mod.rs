@@ -16,7 +16,7 @@ use crate::render::cpu::shading::{BACK_SIDE, Light, Shading, SurfaceNormal, seen
 use crate::render::cpu::small_splats::{EightSmall, MOST_REACH_OF_SMALL_PX, SmallSums, are_small};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::{Lighting, Primitive, ScenePacket, SplatFilter, Splatting, Style, Surfels as SurfelRecords};
+use crate::scene::{DrawSettings, Lighting, Primitive, ScenePacket, SplatFilter, Splatting, Surfels as SurfelRecords};
 use eight::{EightMiddles, EightSurfels};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 use std::ops::Range;
@@ -25,7 +25,7 @@ use std::ops::Range;
 pub(in crate::render::cpu) struct Surfels<'a> {
     points: &'a [PointRecord],
     shapes: &'a [ShapeRecord],
-    style: &'a Style,
+    style: &'a DrawSettings,
     /// How they are filtered to the pixels.
     filter: SplatFilter,
     lighting: Lighting,
@@ -89,6 +89,7 @@ impl DrawnRecords for Surfels<'_> {
         }
     }
 
+    #[inline(always)]
     fn extent(&self) -> Extent {
         Extent {
             scale: self.largest_scale(),
@@ -157,7 +158,7 @@ impl DrawnRecords for Surfels<'_> {
 }
 
 impl<'a> Surfels<'a> {
-    pub(super) fn new(style: &'a Style, records: &'a SurfelRecords, slack_radii: f32) -> Self {
+    pub(super) fn new(style: &'a DrawSettings, records: &'a SurfelRecords, slack_radii: f32) -> Self {
         let surfels = &style.surfels;
         let scales = surfels.splatting.scales(surfels.enlargement);
         Self {
@@ -210,15 +211,7 @@ impl<'a> Surfels<'a> {
         pyramid: &Pyramid,
         numbers: Range<usize>,
     ) -> Option<EightMiddles<S>> {
-        let records = (self.points, self.shapes);
-        EightMiddles::of(
-            simd,
-            view,
-            pyramid,
-            records,
-            numbers,
-            (self.largest_scale(), self.margin_px()),
-        )
+        EightMiddles::of(simd, view, pyramid, self.points, self.shapes, numbers, self.extent())
     }
 
     /// How they are turned, if any of them is seen.

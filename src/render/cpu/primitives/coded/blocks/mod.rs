@@ -34,6 +34,15 @@ pub(super) struct Block {
     pub(super) center: Vec4,
 }
 
+/// A node that is visited.
+#[derive(Debug, Clone, Copy)]
+struct Visited {
+    node: usize,
+    level: u32,
+    /// The image of its middle.
+    center: Vec4,
+}
+
 /// Goes through a tree.
 pub(super) struct Traversal<'a> {
     pub(super) coded: &'a Coded<'a>,
@@ -84,7 +93,12 @@ impl<'a> Traversal<'a> {
         }
         let (mut blocks, mut roots) = (Vec::new(), Vec::new());
         // The nodes of two levels are enough tasks.
-        self.visit((0, 0, self.transform.root), &mut blocks, &mut |node| {
+        let root = Visited {
+            node: 0,
+            level: 0,
+            center: self.transform.root,
+        };
+        self.visit(root, &mut blocks, &mut |node| {
             roots.push(node);
         });
         let children = std::mem::take(&mut roots);
@@ -100,7 +114,7 @@ impl<'a> Traversal<'a> {
         blocks
     }
 
-    fn descend(&self, node: (usize, u32, Vec4), blocks: &mut Vec<Block>) {
+    fn descend(&self, node: Visited, blocks: &mut Vec<Block>) {
         let mut waiting = vec![node];
         while let Some(node) = waiting.pop() {
             let first = waiting.len();
@@ -111,12 +125,8 @@ impl<'a> Traversal<'a> {
     }
 
     /// Adds a node to the blocks, or calls `divide` with its children, or drops it.
-    fn visit(
-        &self,
-        (node, level, center): (usize, u32, Vec4),
-        blocks: &mut Vec<Block>,
-        divide: &mut impl FnMut((usize, u32, Vec4)),
-    ) {
+    fn visit(&self, visited: Visited, blocks: &mut Vec<Block>, divide: &mut impl FnMut(Visited)) {
+        let Visited { node, level, center } = visited;
         let cloud = self.coded.cloud;
         let middle = in_view(self.view, center);
         let edge = cloud.cube().cell_edge(level);
@@ -144,7 +154,11 @@ impl<'a> Traversal<'a> {
             if mask >> octant & 1 != 0 {
                 let before = (u32::from(mask) & ((1 << octant) - 1)).count_ones();
                 let center = center + self.transform.to_child[level as usize + 1][octant];
-                divide((first + before as usize, level + 1, center));
+                divide(Visited {
+                    node: first + before as usize,
+                    level: level + 1,
+                    center,
+                });
             }
         }
     }
