@@ -79,7 +79,7 @@ impl SessionInfo {
             markers: session.markers.len(),
             measurements: session.measurements.len(),
             labels: session.labels.iter().map(|label| label.text.clone()).collect(),
-            keyframes: session.path.as_ref().map_or(0, |path| path.keyframes().len()),
+            keyframes: session.path.keyframes().len(),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Documents as session files.
 
+use super::draft::Draft;
 use super::error::SessionError;
 use super::model::{Document, Unknown};
 use super::paths::{as_text, joined};
@@ -15,6 +16,7 @@ use serde::Serialize;
 use serde_json::Value;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Of the names of session files.
 pub const EXTENSION: &str = "pointreel";
@@ -122,7 +124,7 @@ impl ReadSession {
             notes.unknown("a label", &unknown);
             label
         });
-        let labels = labels.collect();
+        let labels = Arc::new(labels.collect());
         let measured = written.measurements.into_iter();
         let measurements = measured.map(|written::WrittenMeasured(measured, unknown)| {
             notes.unknown("a measurement", &unknown);
@@ -144,7 +146,7 @@ impl ReadSession {
             measurements,
             labels,
             trails: written.trails.0,
-            path: written.camera_path,
+            path: Arc::new(written.camera_path.map(Draft::of).unwrap_or_default()),
             compare: written.compare.map(|compared| compared.read_in(folder)),
             notes: written.notes,
             unknown: Unknown {
@@ -291,7 +293,7 @@ impl Document {
             ("measurements", measured.into()),
             ("trails", value_of(trail_fields(&self.trails))),
             ("clip", value_of(clip)),
-            ("camera_path", value_of(&self.path)),
+            ("camera_path", value_of(self.path.path())),
             ("compare", value_of(compared)),
             ("notes", value_of(Some(&self.notes).filter(|notes| !notes.is_empty()))),
             ("settings", settings.into()),

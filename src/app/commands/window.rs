@@ -11,7 +11,7 @@ use std::borrow::Cow;
 pub(super) const ROWS: &[Row] = &[
     Row::new(Command::UNDO, "Undo", |state| {
         let before = state.history.undo();
-        state.take_edited(before);
+        state.take_undone(before);
     })
     .titled(|state| titled("Undo", state.history.undo_name()))
     .what("Undo the last change of settings, path or labels")
@@ -19,7 +19,7 @@ pub(super) const ROWS: &[Row] = &[
     .applies(|state| state.history.undo_name().map(|_| ()).ok_or("Nothing was changed")),
     Row::new(Command::REDO, "Redo", |state| {
         let after = state.history.redo();
-        state.take_edited(after);
+        state.take_undone(after);
     })
     .titled(|state| titled("Redo", state.history.redo_name()))
     .what("Redo it")

@@ -58,11 +58,16 @@ pub(in crate::app) trait Feature<S: 'static> {
     /// Forgets what belongs to the sequence that was open before.
     fn forget_sequence(_state: &mut S) {}
 
-    /// Writes what is kept of it with the open sequence.
+    /// Brings up to date what the document has of it, where it works on more than that: once a pass.
     fn save(_state: &S, _document: &mut Document) {}
 
     /// Takes what was kept of it with the sequence that was opened.
     fn load(_state: &mut S, _document: &Document) {}
+
+    /// Takes what undo or redo has put back in the document, which may be what it has already.
+    fn put_back(state: &mut S, document: &Document) {
+        Self::load(state, document);
+    }
 
     /// Closes what it has over all else: Escape. False if there is nothing.
     fn escape(_state: &mut S) -> bool {
@@ -105,6 +110,7 @@ pub(in crate::app) struct FeatureRow<S: 'static> {
     pub(in crate::app) forget_sequence: fn(&mut S),
     pub(in crate::app) save: fn(&S, &mut Document),
     pub(in crate::app) load: fn(&mut S, &Document),
+    pub(in crate::app) put_back: fn(&mut S, &Document),
     pub(in crate::app) escape: fn(&mut S) -> bool,
     pub(in crate::app) loss: fn(&S) -> Option<&'static str>,
     pub(in crate::app) paint: fn(&S, &PictureOverlay<'_>, bool),
@@ -129,6 +135,7 @@ impl<S: 'static> FeatureRow<S> {
             forget_sequence: F::forget_sequence,
             save: F::save,
             load: F::load,
+            put_back: F::put_back,
             escape: F::escape,
             loss: F::loss,
             paint: F::paint,

@@ -56,7 +56,7 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
         (row.show)(ui, state);
     }
     follow_theme(ui.ctx(), state.appearance.theme);
-    state.note_settings(ui.ctx());
+    state.note_changes(ui.ctx());
     state.follow_panels();
 }
 

@@ -5,12 +5,9 @@ use crate::app::command::Command;
 use crate::app::commands::dispatch;
 use crate::app::features::Features;
 use crate::app::sequence_name::name_of;
-use crate::document::Edited;
 use crate::playback::Player;
 use crate::scene::describe::Value;
 use crate::scene::{PointSizing, PointStyle, Primitive, Settings, Style, SurfelSettings};
-use crate::timeline::PlayRange;
-use std::sync::Arc;
 use std::time::Duration;
 
 impl State {
@@ -41,39 +38,17 @@ impl State {
         }
     }
 
-    /// Looks whether something that undo takes back has changed. Call after the panels.
-    pub(in crate::app) fn note_settings(&mut self, ctx: &egui::Context) {
+    /// Looks whether something that undo takes back, or that is kept, has changed. Call after the panels.
+    pub(in crate::app) fn note_changes(&mut self, ctx: &egui::Context) {
         let (is_held, seconds) = ctx.input(|input| (input.pointer.any_down(), input.time));
         let now = Duration::try_from_secs_f64(seconds).unwrap_or_default();
-        let edited = self.edited();
-        self.history.note(&edited, is_held, now);
-        self.note_document();
-    }
-
-    /// What undo takes back.
-    fn edited(&self) -> Edited {
-        let player = self.player.as_ref();
-        Edited {
-            style: self.style,
-            path: Arc::clone(&self.features.path.draft),
-            labels: Arc::clone(&self.features.labels.list),
-            markers: self.features.timeline.markers.list().to_vec(),
-            range: player.map_or_else(PlayRange::default, |player| player.clock().range()),
-            notes: self.features.notes.text.clone(),
-        }
-    }
-
-    pub(in crate::app) fn take_edited(&mut self, edited: Option<Edited>) {
-        let Some(edited) = edited else { return };
-        self.style = edited.style;
-        self.features.path.draft = edited.path;
-        self.features.labels.take(edited.labels);
-        if let Some(problem) = self.features.timeline.take_markers(edited.markers) {
-            self.notices.warn(problem);
-        }
-        self.features.notes.text = edited.notes;
-        self.play_with(|player, now| player.set_range(edited.range, now));
-        self.keep_document();
+        self.gather_document();
+        // Of two ways to draw that are compared, the one whose settings are shown is the one that is undone.
+        let of_a = self.document.style();
+        self.document.set_style(self.style);
+        self.history.note(&self.document, is_held, now);
+        self.document.set_style(of_a);
+        self.look_at_document();
     }
 
     /// Asks the window for what only it can do.

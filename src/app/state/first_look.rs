@@ -127,7 +127,7 @@ impl State {
 
     /// The up axis that the user has chosen for the open sequence.
     pub(in crate::app) fn chosen_up(&self) -> Option<UpAxis> {
-        self.shared.options.up.or(self.features.timeline.chosen_up)
+        self.shared.options.up.or(self.document.up)
     }
 
     /// Puts the camera where it is for a sequence that was just opened.
@@ -174,7 +174,7 @@ impl State {
 
     fn take_chosen_up(&mut self, up: Option<UpAxis>) {
         self.shared.options.up = None;
-        self.features.timeline.chosen_up = up;
+        self.document.up = up;
         self.keep_document();
         if let Some(guessed) = self.opening.looked.guessed.take() {
             self.take_look(guessed);

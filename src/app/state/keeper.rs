@@ -18,9 +18,14 @@ pub(super) struct Keeper {
     pub(super) saved: Document,
     /// As a new one is.
     pub(super) new: Document,
-    /// What is to be kept, and since when it is so.
-    pub(super) changed: Option<(Document, Duration)>,
+    /// As it was at the last look, with the view of that; `None` if what it is compared with has changed since.
+    pub(super) seen: Option<Document>,
+    /// Whether that holds other work than `saved`.
     pub(super) is_unsaved: bool,
+    /// Whether that holds other work than `begun`.
+    pub(super) is_other_work: bool,
+    /// Since when there is something to be kept.
+    pub(super) changed: Option<Duration>,
     /// What the command line has changed of the settings: that is not kept.
     pub(super) given: Option<MeasuredWay>,
 }

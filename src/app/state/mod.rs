@@ -50,7 +50,7 @@ use crate::app::open_panels::OpenPanels;
 use crate::app::preferences::Preferences;
 use crate::app::work::tasks::Wake;
 use crate::cloud::LengthUnit;
-use crate::document::History;
+use crate::document::{Document, History};
 use crate::math::Aabb;
 use crate::playback::{Player, PlayerChange};
 use crate::scene::{Camera, SceneStats, ScreenStats, Settings};
@@ -72,6 +72,9 @@ pub struct State {
     pub motion: CameraMotion,
     /// How pictures are asked for.
     pub style: Settings,
+    /// What is open and all that was made around it. Notes, up axis and what another version has written are here
+    /// alone; what player, camera and features work on is brought up to date once a pass.
+    pub document: Document,
     /// Undo and redo of the document.
     pub(in crate::app) history: History,
     /// What a person can do beside looking and playing.
@@ -106,6 +109,7 @@ impl State {
             camera: Camera::framing(&nothing, DVec3::ZERO, options.up.unwrap_or_default()),
             motion: CameraMotion::default(),
             style: options.given.over(options.preferences.settings),
+            document: Document::default(),
             history: History::default(),
             features,
             notices: Notices::default(),

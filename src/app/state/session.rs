@@ -27,6 +27,7 @@ impl State {
     /// The open sequence is another one, of which nobody has said what it is named by.
     pub(in crate::app) fn note_unnamed(&mut self) {
         self.opening.opened = Opened::default();
+        self.document = Document::default();
     }
 
     /// The file of the session that is open.
@@ -44,7 +45,7 @@ impl State {
         Ok(Document {
             inputs,
             view: Some(self.camera),
-            ..self.document()
+            ..self.current_document()
         })
     }
 

@@ -313,9 +313,8 @@ const COMMANDS: &[Row] = &[
 
 impl Feature<State> for Option<Beside> {
     fn save(state: &State, document: &mut Document) {
-        if let Some(compared) = state.compared() {
-            document.compare = Some(compared);
-        }
+        let wanted = || state.opening.opened.compared.clone();
+        document.compare = state.compared().or_else(wanted);
     }
 
     fn next_deadline(state: &State) -> Option<Duration> {

@@ -249,14 +249,19 @@ impl Feature<State> for PathEditor {
     }
 
     fn save(state: &State, document: &mut Document) {
-        document.path = state.features.path.draft.path().cloned();
+        document.path = Arc::clone(&state.features.path.draft);
     }
 
     fn load(state: &mut State, document: &Document) {
-        if let Some(path) = document.path.clone() {
+        if document.path.path().is_some() {
             state.stop_preview();
-            state.features.path.take(Arc::new(Draft::of(path)), None);
+            state.features.path.take(Arc::clone(&document.path), None);
         }
+    }
+
+    /// It is edited on, at its time and with its file.
+    fn put_back(state: &mut State, document: &Document) {
+        state.features.path.draft = Arc::clone(&document.path);
     }
 
     fn escape(state: &mut State) -> bool {

@@ -61,11 +61,14 @@ impl Feature<State> for Inspection {
 
     fn save(state: &State, document: &mut Document) {
         let measurements = state.features.inspection.measurements.iter();
-        document.measurements = measurements.filter_map(Measurement::measured).collect();
+        document.measurements.clear();
+        document
+            .measurements
+            .extend(measurements.filter_map(Measurement::measured));
     }
 
     fn load(state: &mut State, document: &Document) {
-        state.features.inspection.measurements = document.measurements.iter().map(Measurement::of).collect();
+        state.features.inspection.show_measured(&document.measurements);
     }
 
     fn paint(state: &State, canvas: &PictureOverlay<'_>, _is_first: bool) {

@@ -122,11 +122,11 @@ impl Feature<State> for Labels {
     }
 
     fn save(state: &State, document: &mut Document) {
-        document.labels = state.features.labels.list.to_vec();
+        document.labels = Arc::clone(&state.features.labels.list);
     }
 
     fn load(state: &mut State, document: &Document) {
-        state.features.labels.take(Arc::new(document.labels.clone()));
+        state.features.labels.take(Arc::clone(&document.labels));
     }
 
     /// Of two sequences they are those of the first.

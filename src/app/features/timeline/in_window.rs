@@ -101,12 +101,13 @@ impl Feature<State> for Timeline {
     }
 
     fn save(state: &State, document: &mut Document) {
-        document.up = state.features.timeline.chosen_up;
-        document.markers = state.features.timeline.markers.list().to_vec();
+        let markers = state.features.timeline.markers.list();
+        if document.markers != markers {
+            document.markers = markers.to_vec();
+        }
     }
 
     fn load(state: &mut State, document: &Document) {
-        state.features.timeline.chosen_up = document.up;
         if let Some(problem) = state.features.timeline.take_markers(document.markers.clone()) {
             state.notices.warn(problem);
         }
