@@ -193,12 +193,11 @@ fn step(line: &str) -> Result<Step, String> {
 }
 
 fn run(state: &mut State, command: Command, value: Option<&str>) -> Result<(), String> {
-    let row = row_of(command);
-    if let Some(reason) = row.and_then(|row| row.why_not(state)) {
-        return Err(reason.to_owned());
+    if let Some(value) = value {
+        return state.give(command, value);
     }
-    if let (Some(Act::Take(_, take)), Some(value)) = (row.map(|row| &row.act), value) {
-        return take(state, value);
+    if let Some(reason) = row_of(command).and_then(|row| row.why_not(state)) {
+        return Err(reason.to_owned());
     }
     state.run(command);
     Ok(())

@@ -37,7 +37,7 @@ struct Stats {
 /// Gives `arguments` of `render` what a session says and they do not, of a sequence of so many frames.
 pub(super) fn fill(arguments: &mut RenderArgs, session: &Document, frame_count: usize) {
     let last = frame_count.saturating_sub(1);
-    arguments.camera.take_view(session.view);
+    arguments.camera.take_view(session.view, session.up);
     if arguments.video.video.is_none() {
         let frame = session.frame.min(last);
         arguments.frame.get_or_insert(FrameRange {

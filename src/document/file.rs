@@ -5,6 +5,7 @@ use super::error::SessionError;
 use super::model::{Document, Unknown};
 use super::paths::{as_text, joined};
 use super::text;
+use super::unsaved::{TextHash, Unsaved};
 use super::written::{
     self, VERSION, Version, Written, clip_fields, compare_fields, label_fields, measured_fields, trail_fields,
 };
@@ -42,6 +43,12 @@ pub struct ReadSession {
     pub document: Document,
     /// What of it could not be read, a sentence each.
     pub warnings: Vec<String>,
+    /// Of its text.
+    pub text_hash: TextHash,
+    /// What was changed of it and not saved, once that was looked for ([`DocumentFolder::restore`]).
+    ///
+    /// [`DocumentFolder::restore`]: super::DocumentFolder::restore
+    pub unsaved: Unsaved,
 }
 
 /// Whether a file is a session, by its name.
@@ -158,6 +165,8 @@ impl ReadSession {
             file: file.to_owned(),
             document,
             warnings: notes.warnings(file),
+            text_hash: TextHash::of(text),
+            unsaved: Unsaved::None,
         })
     }
 }
@@ -311,15 +320,16 @@ impl Document {
         Ok(fields.chain(unknown).collect())
     }
 
-    /// Writes the session to `file`, which is replaced as a whole.
+    /// Writes the session to `file`, which is replaced as a whole; the hash of its text.
     ///
     /// # Errors
     /// As [`Document::to_text`], and the system's.
-    pub fn write(&self, file: &Path) -> Result<(), SessionError> {
+    pub fn write(&self, file: &Path) -> Result<TextHash, SessionError> {
         let text = self.to_text(file)?;
         kept::write_whole(file, text.as_bytes()).map_err(|reason| SessionError::Write {
             file: file.to_owned(),
             reason,
-        })
+        })?;
+        Ok(TextHash::of(text.as_bytes()))
     }
 }

@@ -5,7 +5,8 @@
 //! read, the frame, the view as the line that the window copies, all settings by the words of the command line, clip,
 //! range, markers, measurements, labels, trails, notes, the camera path, and the second sequence. The same folder on
 //! another machine opens as it was left, in a window and by `render`. The window keeps the same text for each sequence
-//! without being asked ([`DocumentFolder`]). [`History`] is what can be undone, with names. What is
+//! without being asked ([`DocumentFolder`]), and so unsaved changes
+//! of sessions (`unsaved.rs`). [`History`] is what can be undone, with names. What is
 //! asked of each part (is it the same, does undo take it back, what is it called) is a row of `parts.rs`.
 //!
 //! **What a session may open.** A session comes from anybody, and says what is opened. The files in its folder are;
@@ -33,6 +34,7 @@ mod reading;
 mod tests;
 mod text;
 mod timeline_file;
+mod unsaved;
 mod written;
 
 pub use draft::Draft;
@@ -45,3 +47,4 @@ pub use model::{
 };
 pub use reach::Beyond;
 pub use reading::Reading;
+pub use unsaved::{TextHash, Unsaved, UnsavedPlace};

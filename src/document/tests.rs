@@ -12,6 +12,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// As a person would write it by hand.
 const BY_HAND: &str = r#"{

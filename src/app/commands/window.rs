@@ -2,7 +2,6 @@
 
 use super::common::{Row, group, needs_sequence};
 use crate::app::command::{Chord, Command};
-use crate::app::features::camera_path::Question;
 use crate::app::open_panels::PanelId;
 use crate::app::state::{State, WindowRequest};
 use egui::{Key, ThemePreference};
@@ -29,6 +28,18 @@ pub(super) const ROWS: &[Row] = &[
         &[Chord::ctrl(Key::Y), Chord::ctrl_shift(Key::Z)],
     )
     .applies(|state| state.history.redo_name().map(|_| ()).ok_or("Nothing was undone")),
+    Row::new(
+        Command::REVERT_SESSION,
+        "Revert to saved session",
+        State::revert_session,
+    )
+    .what("Revert the open session to what was saved")
+    .also(&["discard changes", "undo all"])
+    .applies(|state| match state.session_file() {
+        Some(_) if state.is_unsaved() => Ok(()),
+        Some(_) => Err("The session is as it was saved"),
+        None => Err("No session is open"),
+    }),
     Row::new(Command::BEGIN_AGAIN, "Begin again from defaults", State::begin_again)
         .what("Begin the open document again from defaults")
         .applies(needs_sequence),
@@ -75,7 +86,7 @@ pub(super) const ROWS: &[Row] = &[
     Row::new(Command::ESCAPE, "Close what is open", State::escape)
         .what("Stop, close this list, clear points, leave full screen")
         .keys(group::FILE, "Esc", &[Chord::plain(Key::Escape)]),
-    Row::new(Command::QUIT, "Quit", |state| state.ask_or_do(Question::Quit))
+    Row::new(Command::QUIT, "Quit", State::quit)
         .also(&["exit"])
         .keys(group::FILE, "Ctrl+Q", &[Chord::ctrl(Key::Q)]),
 ];

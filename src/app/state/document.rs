@@ -31,7 +31,7 @@ impl State {
             self.gather_of_player(player, document);
         }
         for feature in Features::rows::<Self>() {
-            (feature.save)(self, document);
+            feature.save(self, document);
         }
     }
 
@@ -67,7 +67,7 @@ impl State {
         self.shared.options.view = view;
         self.document = document.clone();
         for feature in Features::rows::<Self>() {
-            (feature.load)(self, &document);
+            feature.load(self, &document);
         }
         let (range, frame) = (document.range, document.frame);
         self.play_with(|player, now| {
@@ -95,7 +95,7 @@ impl State {
         self.style = undone.style();
         let document = self.document.clone();
         for feature in Features::rows::<Self>() {
-            (feature.put_back)(self, &document);
+            feature.put_back(self, &document);
         }
         self.play_with(|player, now| player.set_range(document.range, now));
         self.keep_document();

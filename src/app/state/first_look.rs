@@ -5,7 +5,6 @@
 //! and nobody has moved the camera, the view is that of all of them. An up axis that a user chooses is in the document.
 
 use super::State;
-use crate::app::features::photos::Photos;
 use crate::app::first_look::{FirstView, RefinedLook};
 use crate::math::Aabb;
 use crate::rgbd::Sensor;
@@ -172,7 +171,7 @@ impl State {
         self.take_chosen_up(None);
     }
 
-    fn take_chosen_up(&mut self, up: Option<UpAxis>) {
+    pub(super) fn take_chosen_up(&mut self, up: Option<UpAxis>) {
         self.shared.options.up = None;
         self.document.up = up;
         self.keep_document();
@@ -214,7 +213,7 @@ impl State {
     pub(in crate::app) fn stand_at_photo(&mut self, number: usize) {
         let looked = self.opening.looked.look.as_deref().zip(self.player.as_ref());
         if let Some((look, player)) = looked
-            && let Some(set) = Photos::set_of(player)
+            && let Some(set) = player.photographs()
             && let Some(photo) = set.photos.get(number)
         {
             self.camera = look.camera_of_photo(photo, player.sequence().origin());

@@ -1,7 +1,7 @@
 //! What is known of how the open document is kept.
 
-use crate::app::features::quality::MeasuredWay;
-use crate::document::Document;
+use super::measured_way::MeasuredWay;
+use crate::document::{Document, UnsavedPlace};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -10,6 +10,8 @@ use std::time::Duration;
 pub(super) struct Keeper {
     /// Its file; `None` if it is not kept.
     pub(super) file: Option<PathBuf>,
+    /// Where unsaved changes of its session are kept.
+    pub(super) unsaved: Option<UnsavedPlace>,
     /// What this window has read from the file or written to it last.
     pub(super) written: Document,
     /// As it was opened, or kept last.

@@ -3,11 +3,13 @@
 //! **How it works.** Each sequence has a file ([`DocumentFolder`](crate::document::DocumentFolder)). Once a pass the
 //! document is compared with what it began with; what differs is written a moment after the last change, so that a
 //! program that is killed has lost little. Looking at frames is no change, and a file that was only opened leaves
-//! nothing behind. A session has a file of its own: it is written when the user saves it.
+//! nothing behind. A session has a file of its own: it is written when the user saves it. Until then what was changed is
+//! kept next to the documents, and restored when the session is opened again (`document/unsaved.rs`), so that the window
+//! closes and other files are opened without a question.
 
 use super::State;
 use super::keeper::Keeper;
-use crate::app::features::quality::MeasuredWay;
+use super::measured_way::MeasuredWay;
 use crate::app::side::Side;
 use crate::document::Document;
 use crate::scene::{DrawingSettings, Settings};
@@ -160,13 +162,13 @@ impl State {
 
     /// Whether what the user makes is kept without being asked.
     pub(in crate::app) fn is_kept(&self) -> bool {
-        self.opening.keeper.file.is_some()
+        self.opening.keeper.file.is_some() || self.opening.keeper.unsaved.is_some()
     }
 
     /// When [`State::keep_if_due`] has something to do.
     pub(in crate::app) fn keeping_deadline(&self) -> Option<Duration> {
-        self.opening.keeper.file.as_ref()?;
-        Some(self.opening.keeper.changed? + WRITE_DELAY)
+        let changed = self.opening.keeper.changed.filter(|_| self.is_kept())?;
+        Some(changed + WRITE_DELAY)
     }
 
     /// Keeps what was changed long enough before `now`.
@@ -178,27 +180,48 @@ impl State {
 
     /// Keeps the document, if it was changed and may be kept.
     pub(in crate::app) fn keep_document(&mut self) {
-        let (Some(folder), Some(file)) = (&self.shared.options.documents, &self.opening.keeper.file) else {
-            return;
-        };
-        let now = self.kept_document();
-        if self.player.is_none() || now.is_kept_same(&self.opening.keeper.begun) {
+        if !self.is_kept() || self.player.is_none() {
             return;
         }
-        let kept = if now.summary(&self.opening.keeper.new).is_empty() {
-            folder.forget(file);
-            Ok(())
-        } else {
-            folder.write(file, &self.opening.keeper.written, &now)
-        };
-        if let Err(problem) = kept {
-            self.notices.warn(problem);
+        let now = self.kept_document();
+        if now.is_kept_same(&self.opening.keeper.begun) {
+            return;
+        }
+        for kept in [self.keep_of_sequence(&now), self.keep_of_session(&now)] {
+            if let Err(problem) = kept {
+                self.notices.warn(problem);
+            }
         }
         // Also after a failure: it would be the same each second.
         self.opening.keeper.written = now.clone();
         self.opening.keeper.begun = now;
         self.opening.keeper.changed = None;
         self.opening.keeper.seen = None;
+    }
+
+    fn keep_of_sequence(&self, now: &Document) -> Result<(), String> {
+        let keeper = &self.opening.keeper;
+        let (Some(folder), Some(file)) = (&self.shared.options.documents, &keeper.file) else {
+            return Ok(());
+        };
+        if now.summary(&keeper.new).is_empty() {
+            folder.forget(file);
+            return Ok(());
+        }
+        folder.write(file, &keeper.written, now)
+    }
+
+    /// Keeps what is not saved of the session, as that would hold it.
+    fn keep_of_session(&self, now: &Document) -> Result<(), String> {
+        let keeper = &self.opening.keeper;
+        let (Some(folder), Some(place)) = (&self.shared.options.documents, &keeper.unsaved) else {
+            return Ok(());
+        };
+        if now.is_same_work(&keeper.saved) {
+            folder.forget_unsaved(place);
+            return Ok(());
+        }
+        folder.keep_unsaved(place, &self.session()?)
     }
 
     /// The open document is empty again, as if its sequence was opened for the first time.
@@ -257,7 +280,7 @@ impl State {
 }
 
 /// A document without who draws, which is no part of it.
-fn undrawn(mut document: Document) -> Document {
+pub(super) fn undrawn(mut document: Document) -> Document {
     document.settings.drawing = DrawingSettings::default();
     document
 }

@@ -3,7 +3,7 @@
 use crate::app::features::camera_path::Draft;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
-use crate::document::{Beyond, Compared, Document};
+use crate::document::{Beyond, Compared, Document, TextHash};
 use crate::sequence::OpenOptions;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -48,4 +48,6 @@ pub struct SavedSession {
     pub(in crate::app) path: Arc<Draft>,
     /// The document that is in it, as it is kept.
     pub(in crate::app) document: Box<Document>,
+    /// Of its text.
+    pub(in crate::app) hash: TextHash,
 }

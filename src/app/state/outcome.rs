@@ -1,6 +1,5 @@
 //! What the tasks come to that are of no feature.
 
-use super::dialogs::DialogAnswer;
 use super::opened::SavedSession;
 use crate::app::drawing::in_view::InView;
 use crate::app::drawing::levels::FrameWithLevels;
@@ -61,7 +60,6 @@ impl From<SequenceError> for NotFound {
 }
 
 impl Message for FoundSequence {}
-impl Message for DialogAnswer {}
 impl Message for SavedSession {}
 impl Message for SavedFile {}
 impl Message for FrameWithLevels {}

@@ -6,17 +6,17 @@
 //! remembered.
 
 use super::Assumptions;
-use super::panel::{PANEL, assumptions_ui, chip_ui};
+use super::panel::{CHIP_WIDTH, PANEL, assumptions_ui, chip_ui};
 use crate::app::features::assumptions::{Change, FileKind, Given, Group, ReadChange, groups};
-use crate::app::features::feature::Feature;
-use crate::app::panel_row::PanelRow;
+use crate::app::features::feature::{Feature, FeatureOf};
+use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::reading_choices::first_failure;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
 use crate::app::state::State;
 use crate::app::state::{FoundSequence, NotFound};
 use crate::app::work::works::WorkKind;
-use crate::document::{ReadSession, Reading};
+use crate::document::{ReadSession, Reading, TextHash, Unsaved};
 use crate::playback::Player;
 use crate::rgbd::Filters;
 use crate::scene::{FirstLook, Primitive};
@@ -188,6 +188,8 @@ impl State {
             file: file.clone().unwrap_or_default(),
             document: session,
             warnings: Vec::new(),
+            text_hash: TextHash::default(),
+            unsaved: Unsaved::None,
         };
         let turns = self.motion.turntable.is_on;
         self.with_document_kept(|state| state.open_session(sequence, read));
@@ -209,9 +211,17 @@ impl State {
     }
 }
 
-impl Feature<State> for Assumptions {
-    fn panels() -> &'static [PanelRow<State>] {
-        const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PANEL, "Assumptions…", assumptions)];
+impl Feature<State> for FeatureOf<Assumptions> {
+    fn panels(&self) -> &'static [PanelRow<State>] {
+        const PANELS: &[PanelRow<State>] = &[
+            PanelRow::in_menu(PANEL, "Assumptions…", assumptions),
+            PanelRow {
+                id: None,
+                menu: None,
+                place: Dock::Chip(CHIP_WIDTH),
+                show: chip,
+            },
+        ];
         PANELS
     }
 }
@@ -230,7 +240,7 @@ fn assumptions(ui: &mut Ui, state: &mut State) {
 }
 
 /// The chip with the number of assumptions about the open sequence.
-pub(in crate::app) fn assumptions_chip(ui: &mut Ui, state: &mut State) {
+fn chip(ui: &mut Ui, state: &mut State) {
     let groups = state.assumptions();
     if !groups.is_empty() && chip_ui(ui, &groups, state.panels.has(PANEL)) {
         state.panels.toggle(PANEL);

@@ -63,6 +63,22 @@ impl Inspection {
         self.tool = if self.tool == tool { Tool::Camera } else { tool };
     }
 
+    /// Whether clicks on the picture are for a tool.
+    pub(in crate::app) fn takes_clicks(&self) -> bool {
+        self.tool != Tool::Camera
+    }
+
+    /// Whether each click of a double click counts.
+    pub(in crate::app) fn takes_double_clicks(&self) -> bool {
+        matches!(self.tool, Tool::Measure | Tool::Label)
+    }
+
+    /// How many measurements are of no document, as they have points of B.
+    pub(in crate::app) fn undocumented(&self) -> usize {
+        let of_b = |measurement: &&Measurement| measurement.measured().is_none();
+        self.measurements.iter().filter(of_b).count()
+    }
+
     /// Every point that was clicked on: the one whose values are shown, and those of measurements.
     pub(in crate::app) fn picked(&self) -> impl Iterator<Item = Anchor> {
         let point = self.point.iter().map(|point| point.anchor);

@@ -2,13 +2,13 @@
 
 use super::Notes;
 use super::panel::{PANEL, notes_ui};
-use crate::app::features::feature::Feature;
+use crate::app::features::feature::{Feature, FeatureOf};
 use crate::app::panel_row::PanelRow;
 use crate::app::state::State;
 use egui::Ui;
 
-impl Feature<State> for Notes {
-    fn panels() -> &'static [PanelRow<State>] {
+impl Feature<State> for FeatureOf<Notes> {
+    fn panels(&self) -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PANEL, "Notes…", notes)];
         PANELS
     }
