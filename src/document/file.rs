@@ -5,7 +5,7 @@ use super::error::SessionError;
 use super::model::{Document, Unknown};
 use super::paths::{as_text, joined};
 use super::text;
-use super::unsaved::{TextHash, Unsaved};
+use super::text_hash::TextHash;
 use super::written::{
     self, VERSION, Version, Written, clip_fields, compare_fields, label_fields, measured_fields, trail_fields,
 };
@@ -49,6 +49,18 @@ pub struct ReadSession {
     ///
     /// [`DocumentFolder::restore`]: super::DocumentFolder::restore
     pub unsaved: Unsaved,
+}
+
+/// What became of the unsaved changes of a session that is opened.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum Unsaved {
+    /// There are none.
+    #[default]
+    None,
+    /// They are in the document. The session has this one.
+    Restored(Box<Document>),
+    /// Somebody else has written the session since: they are in a session file of their own.
+    Outdated(PathBuf),
 }
 
 /// Whether a file is a session, by its name.

@@ -7,7 +7,7 @@
 //! it is replaced. The number and the size of the files are bounded: the oldest are removed.
 
 use super::model::Document;
-use super::unsaved::hex_hash;
+use super::text_hash::hex_hash;
 use super::{EXTENSION, ReadSession, text, timeline_file};
 use crate::kept::{self, Fields};
 use crate::sequence::Sequence;

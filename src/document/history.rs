@@ -2,7 +2,7 @@
 //!
 //! **How it works.** The document is looked at once a pass. Where what undo takes back differs from the last look, that
 //! is kept, unless the change goes on: with the same button held, or the same fields within half a second of the change
-//! before. Documents share what is large, so that many of them are kept.
+//! before. What is kept has the parts that undo takes back alone, and shares what is large of them.
 
 use super::model::Document;
 use super::names::{changed_fields, name_of};
@@ -46,7 +46,7 @@ struct LastChange {
 impl History {
     /// Looks at the document at `now`; `is_held` says whether a button of the mouse is down.
     pub fn note(&mut self, document: &Document, is_held: bool, now: Duration) {
-        let present = self.present.get_or_insert_with(|| document.clone());
+        let present = self.present.get_or_insert_with(|| document.undone_parts());
         let last = self.last.as_mut();
         let goes_on_by_hand = last.is_some_and(|last| {
             last.is_held &= is_held;
@@ -56,7 +56,7 @@ impl History {
             return;
         }
         let fields = changed_fields(present, document);
-        let before = std::mem::replace(present, document.clone());
+        let before = std::mem::replace(present, document.undone_parts());
         let goes_on = goes_on_by_hand
             || self
                 .last
@@ -81,6 +81,14 @@ impl History {
             fields,
             is_held,
         });
+    }
+
+    /// Looks at the document between two steps of a person: what has changed goes on no change before, and nothing goes
+    /// on it.
+    pub fn note_step(&mut self, document: &Document) {
+        self.last = None;
+        self.note(document, false, Duration::ZERO);
+        self.last = None;
     }
 
     /// Name of the change that [`History::undo`] takes back, as `Lighting Matt`.
@@ -168,6 +176,17 @@ mod tests {
         history.note(&scaled(2.0), false, at(2100));
         history.note(&scaled(5.0), false, at(2200));
         assert_eq!(history.redo(), None);
+        assert_eq!(history.undo(), Some(scaled(2.0)));
+        assert_eq!(history.undo(), Some(scaled(1.0)));
+        assert_eq!(history.undo(), None);
+    }
+
+    #[test]
+    fn steps_are_changes_of_their_own() {
+        let mut history = History::default();
+        for scale in [1.0, 2.0, 2.0, 3.0] {
+            history.note_step(&scaled(scale));
+        }
         assert_eq!(history.undo(), Some(scaled(2.0)));
         assert_eq!(history.undo(), Some(scaled(1.0)));
         assert_eq!(history.undo(), None);

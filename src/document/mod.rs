@@ -33,13 +33,14 @@ mod reading;
 #[cfg(test)]
 mod tests;
 mod text;
+mod text_hash;
 mod timeline_file;
 mod unsaved;
 mod written;
 
 pub use draft::Draft;
 pub use error::SessionError;
-pub use file::{EXTENSION, ReadSession, is_session, session_of};
+pub use file::{EXTENSION, ReadSession, Unsaved, is_session, session_of};
 pub use folder::{DocumentFolder, KeptDocument};
 pub use history::History;
 pub use model::{
@@ -47,4 +48,5 @@ pub use model::{
 };
 pub use reach::Beyond;
 pub use reading::Reading;
-pub use unsaved::{TextHash, Unsaved, UnsavedPlace};
+pub use text_hash::TextHash;
+pub use unsaved::UnsavedPlace;

@@ -166,6 +166,13 @@ impl Document {
         undone.all(|part| (part.is_same)(self, other))
     }
 
+    /// A document with nothing but what undo takes back.
+    pub(super) fn undone_parts(&self) -> Self {
+        let mut parts = Self::default();
+        parts.put_back(self);
+        parts
+    }
+
     /// Takes what undo takes back from `other`.
     pub fn put_back(&mut self, other: &Self) {
         for put_back in PARTS.iter().filter_map(|part| part.put_back) {

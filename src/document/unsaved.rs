@@ -1,50 +1,27 @@
 //! Unsaved changes of sessions: kept without being asked, as editors keep files that were not saved.
 //!
 //! **How it works.** A session has a file of its own, which only the user writes. What is changed of it meanwhile is in
-//! the folder of documents, in a file per session, by the path of that: the text of the whole document, and a hash of the
-//! text of the session that it is based on. When the session is opened again and still has that text, the document is
-//! restored. Where another program has written the session since, that goes before it, and what was changed stays as a
-//! session file that can be opened. Once the session is saved, or is again as it was saved, the file is removed.
+//! the folder of documents, in a file per session, by the path of that: the text of the whole document, and a hash of
+//! the text of the session that it is based on. When the session is opened again and still has that text, the document
+//! is restored. Where another program has written the session since, that goes before it, and what was changed stays as
+//! a session file that can be opened. Once the session is saved, or is again as it was saved, the file is removed.
 
 use super::model::Document;
-use super::{DocumentFolder, EXTENSION, ReadSession, text};
+use super::text_hash::{TextHash, hex_hash};
+use super::{DocumentFolder, EXTENSION, ReadSession, Unsaved, text};
 use crate::kept;
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 use std::ffi::OsStr;
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Field for the hash of the text of the session.
 const BASE: &str = "unsaved_changes_of";
-
-/// Hash of the text of a session.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct TextHash(String);
-
-impl TextHash {
-    pub(super) fn of(text: &[u8]) -> Self {
-        Self(hex_hash(text))
-    }
-}
 
 /// Where the unsaved changes of a session are kept, and what they are based on.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnsavedPlace {
     file: PathBuf,
     base: TextHash,
-}
-
-/// What became of the unsaved changes of a session that is opened.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub enum Unsaved {
-    /// There are none.
-    #[default]
-    None,
-    /// They are in the document. The session has this one.
-    Restored(Box<Document>),
-    /// Somebody else has written the session since: they are in a session file of their own.
-    Outdated(PathBuf),
 }
 
 impl DocumentFolder {
@@ -69,7 +46,7 @@ impl DocumentFolder {
             Err(reason) => return log::warn!("unsaved changes cannot be restored: {reason}"),
         };
         let based_on = document.unknown.session.remove(BASE);
-        if based_on == Some(Value::String(base.0)) {
+        if based_on == Some(Value::from(base.text())) {
             document.inputs.clone_from(&read.document.inputs);
             let saved = std::mem::replace(&mut read.document, document);
             read.unsaved = Unsaved::Restored(Box::new(saved));
@@ -87,7 +64,7 @@ impl DocumentFolder {
     /// Why it cannot be written.
     pub fn keep_unsaved(&self, place: &UnsavedPlace, document: &Document) -> Result<(), String> {
         let failed = |reason: String| format!("The unsaved changes could not be kept ({reason}): save the session");
-        let base = Value::from(place.base.0.as_str());
+        let base = Value::from(place.base.text());
         let fields = document.fields(None).map_err(|reason| failed(reason.to_string()))?;
         let fields = fields.iter().map(|(name, value)| (*name, value));
         let text = text::of_fields(fields.chain([(BASE, &base)]));
@@ -110,16 +87,6 @@ fn set_aside(file: &Path) -> std::io::Result<PathBuf> {
         .unwrap_or_else(|| file.to_owned());
     std::fs::rename(file, &aside)?;
     Ok(aside)
-}
-
-/// The first half of the SHA-256, in hexadecimal digits.
-pub(super) fn hex_hash(bytes: &[u8]) -> String {
-    let mut text = String::new();
-    for byte in &Sha256::digest(bytes)[..16] {
-        // Writing to a String cannot fail.
-        let _ = write!(text, "{byte:02x}");
-    }
-    text
 }
 
 #[cfg(test)]

@@ -8,26 +8,20 @@ use egui::{Key, ThemePreference};
 use std::borrow::Cow;
 
 pub(super) const ROWS: &[Row] = &[
-    Row::new(Command::UNDO, "Undo", |state| {
-        let before = state.history.undo();
-        state.take_undone(before);
-    })
-    .titled(|state| titled("Undo", state.history.undo_name()))
-    .what("Undo the last change of settings, path or labels")
-    .keys(group::FILE, "Ctrl+Z", &[Chord::ctrl(Key::Z)])
-    .applies(|state| state.history.undo_name().map(|_| ()).ok_or("Nothing was changed")),
-    Row::new(Command::REDO, "Redo", |state| {
-        let after = state.history.redo();
-        state.take_undone(after);
-    })
-    .titled(|state| titled("Redo", state.history.redo_name()))
-    .what("Redo it")
-    .keys(
-        group::FILE,
-        "Ctrl+Y, Ctrl+Shift+Z",
-        &[Chord::ctrl(Key::Y), Chord::ctrl_shift(Key::Z)],
-    )
-    .applies(|state| state.history.redo_name().map(|_| ()).ok_or("Nothing was undone")),
+    Row::new(Command::UNDO, "Undo", State::undo)
+        .titled(|state| titled("Undo", state.history.undo_name()))
+        .what("Undo the last change of settings, path or labels")
+        .keys(group::FILE, "Ctrl+Z", &[Chord::ctrl(Key::Z)])
+        .applies(|state| state.history.undo_name().map(|_| ()).ok_or("Nothing was changed")),
+    Row::new(Command::REDO, "Redo", State::redo)
+        .titled(|state| titled("Redo", state.history.redo_name()))
+        .what("Redo it")
+        .keys(
+            group::FILE,
+            "Ctrl+Y, Ctrl+Shift+Z",
+            &[Chord::ctrl(Key::Y), Chord::ctrl_shift(Key::Z)],
+        )
+        .applies(|state| state.history.redo_name().map(|_| ()).ok_or("Nothing was undone")),
     Row::new(
         Command::REVERT_SESSION,
         "Revert to saved session",

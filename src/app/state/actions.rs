@@ -5,6 +5,7 @@ use crate::app::command::Command;
 use crate::app::commands::dispatch;
 use crate::app::features::Features;
 use crate::app::sequence_name::name_of;
+use crate::document::{Document, History};
 use crate::playback::Player;
 use crate::scene::describe::Value;
 use crate::scene::{PointSizing, PointStyle, Primitive, Settings, Style, SurfelSettings};
@@ -42,13 +43,36 @@ impl State {
     pub(in crate::app) fn note_changes(&mut self, ctx: &egui::Context) {
         let (is_held, seconds) = ctx.input(|input| (input.pointer.any_down(), input.time));
         let now = Duration::try_from_secs_f64(seconds).unwrap_or_default();
+        self.note_in_history(|history, document| history.note(document, is_held, now));
+        self.look_at_document();
+    }
+
+    /// Looks the same way between two steps, which are undone one by one: lines of a script, and before undo.
+    pub(in crate::app) fn note_step(&mut self) {
+        self.note_in_history(History::note_step);
+    }
+
+    fn note_in_history(&mut self, note: impl FnOnce(&mut History, &Document)) {
         self.gather_document();
         // Of two ways to draw that are compared, the one whose settings are shown is the one that is undone.
         let of_a = self.document.style();
         self.document.set_style(self.style);
-        self.history.note(&self.document, is_held, now);
+        note(&mut self.history, &self.document);
         self.document.set_style(of_a);
-        self.look_at_document();
+    }
+
+    /// Takes back the last change.
+    pub(in crate::app) fn undo(&mut self) {
+        self.note_step();
+        let before = self.history.undo();
+        self.take_undone(before);
+    }
+
+    /// Makes the change again that was taken back last.
+    pub(in crate::app) fn redo(&mut self) {
+        self.note_step();
+        let after = self.history.redo();
+        self.take_undone(after);
     }
 
     /// Asks the window for what only it can do.

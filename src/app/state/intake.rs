@@ -58,12 +58,11 @@ impl State {
             })
     }
 
-    fn take_found(&mut self, found: FoundSequence) {
+    pub(in crate::app) fn take_found(&mut self, found: FoundSequence) {
         if let Some(problem) = found.problem {
             self.notices.warn(problem);
         }
         match found.sequence {
-            Ok(sequence) if !found.changes.is_empty() => self.take_changed(sequence, found.open, &found.changes),
             Ok(sequence) => {
                 match (found.side, found.session) {
                     (Side::A, Some(session)) => self.open_session(sequence, *session),

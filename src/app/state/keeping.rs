@@ -3,9 +3,9 @@
 //! **How it works.** Each sequence has a file ([`DocumentFolder`](crate::document::DocumentFolder)). Once a pass the
 //! document is compared with what it began with; what differs is written a moment after the last change, so that a
 //! program that is killed has lost little. Looking at frames is no change, and a file that was only opened leaves
-//! nothing behind. A session has a file of its own: it is written when the user saves it. Until then what was changed is
-//! kept next to the documents, and restored when the session is opened again (`document/unsaved.rs`), so that the window
-//! closes and other files are opened without a question.
+//! nothing behind. A session has a file of its own: it is written when the user saves it. Until then what was changed
+//! is kept next to the documents, and restored when the session is opened again (`document/unsaved.rs`), so that the
+//! window closes and other files are opened without a question.
 
 use super::State;
 use super::keeper::Keeper;

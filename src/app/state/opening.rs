@@ -146,7 +146,6 @@ impl State {
                 session,
                 sequence,
                 side,
-                changes: Vec::new(),
                 problem,
             }
         });

@@ -224,8 +224,8 @@ impl State {
             Unsaved::Restored(saved) => {
                 self.note_saved(undrawn(*saved));
                 self.notices.info(format!(
-                    "Unsaved changes of {name} were restored: {changes}. Save session keeps them, Edit, Revert to saved \
-                     session takes them back"
+                    "Unsaved changes of {name} were restored: {changes}. Save session keeps them, Edit, Revert to \
+                     saved session takes them back"
                 ));
             }
             Unsaved::Outdated(aside) => self.notices.warn(format!(

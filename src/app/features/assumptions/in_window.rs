@@ -15,6 +15,7 @@ use crate::app::recent::entry_name;
 use crate::app::side::Side;
 use crate::app::state::State;
 use crate::app::state::{FoundSequence, NotFound};
+use crate::app::work::outcome::{Message, Outcome};
 use crate::app::work::works::WorkKind;
 use crate::document::{ReadSession, Reading, TextHash, Unsaved};
 use crate::playback::Player;
@@ -121,16 +122,26 @@ impl State {
                     None => Ok(Arc::new(sequence)),
                 }
             });
-            FoundSequence {
+            let found = FoundSequence {
                 inputs,
                 open,
                 session: None,
                 sequence,
                 side: Side::A,
-                changes,
                 problem: None,
-            }
+            };
+            Reread { found, changes }
         });
+    }
+
+    fn take_reread(&mut self, Reread { found, changes }: Reread) {
+        match &found.sequence {
+            Ok(sequence) if !changes.is_empty() => {
+                let sequence = Arc::clone(sequence);
+                self.take_changed(sequence, found.open, &changes);
+            }
+            _ => self.take_found(found),
+        }
     }
 
     /// Shows `sequence`, the open one read with `changes`.
@@ -211,7 +222,19 @@ impl State {
     }
 }
 
+/// What is open was looked for with other choices of reading.
+struct Reread {
+    found: FoundSequence,
+    changes: Vec<ReadChange>,
+}
+
+impl Message for Reread {}
+
 impl Feature<State> for FeatureOf<Assumptions> {
+    fn take(&self, state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+        outcome.give(|reread| state.take_reread(reread))
+    }
+
     fn panels(&self) -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[
             PanelRow::in_menu(PANEL, "Assumptions…", assumptions),
