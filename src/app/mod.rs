@@ -40,6 +40,7 @@ mod reading_choices;
 mod recent;
 mod script;
 mod sequence_name;
+mod settings_row;
 mod side;
 mod state;
 mod theme;
@@ -81,8 +82,8 @@ pub use recent::Recent;
 pub use script::{Script, ScriptError};
 pub use side::Side;
 pub use state::{
-    Counters, DialogAnswer, DialogKind, FailedOpening, FoundSequence, GivenStyle, GraphicsInfo, Kept, OpeningFacts,
-    SavedSession, SessionQuestion, Shared, State, StateOptions, Viewport, VisibleChange, WindowRequest,
+    Counters, FailedOpening, FoundSequence, GivenStyle, GraphicsInfo, Kept, OpeningFacts, SavedSession,
+    SessionQuestion, Shared, State, StateOptions, Viewport, VisibleChange, WindowRequest,
 };
 pub use theme::apply_theme;
 pub use window::{AppError, Options, bench_window, run};

@@ -25,6 +25,8 @@ pub(in crate::app) enum Dock<S> {
     Right(f32, RangeInclusive<f32>),
     /// A bar of this name above the picture, while it is to be seen.
     Top(&'static str, fn(&S) -> bool),
+    /// A chip at the right end of the menu bar, where that has more room than this, points.
+    Chip(f32),
     /// A bar of this name below the picture.
     Bottom(&'static str),
     /// A window over the picture.

@@ -111,7 +111,12 @@ impl Script {
                 Step::Take(command, value) => run(state, *command, Some(value)),
                 Step::Wait(_) | Step::WaitShown | Step::WaitDone => Ok(()),
             };
-            has_run |= matches!(step, Step::Run(_) | Step::Take(..));
+            let is_step = matches!(step, Step::Run(_) | Step::Take(..));
+            has_run |= is_step;
+            if is_step {
+                // As a person would do it: one change after the other.
+                state.note_step();
+            }
             if let Err(reason) = outcome {
                 return Err(ScriptError::Line {
                     file: self.file.clone(),
@@ -193,12 +198,11 @@ fn step(line: &str) -> Result<Step, String> {
 }
 
 fn run(state: &mut State, command: Command, value: Option<&str>) -> Result<(), String> {
-    let row = row_of(command);
-    if let Some(reason) = row.and_then(|row| row.why_not(state)) {
-        return Err(reason.to_owned());
+    if let Some(value) = value {
+        return state.give(command, value);
     }
-    if let (Some(Act::Take(_, take)), Some(value)) = (row.map(|row| &row.act), value) {
-        return take(state, value);
+    if let Some(reason) = row_of(command).and_then(|row| row.why_not(state)) {
+        return Err(reason.to_owned());
     }
     state.run(command);
     Ok(())
@@ -239,6 +243,14 @@ mod tests {
         assert_eq!(player.clock().speed(), -2.0);
         assert_eq!(state.take_requests(), [WindowRequest::Screenshot(None)]);
         assert_eq!(script.next_deadline(Duration::ZERO), None);
+    }
+
+    #[test]
+    fn lines_are_undone_one_by_one() {
+        let mut script = script("turntable\nset point-size 4\nset point-size 6\nundo").unwrap();
+        let mut state = demo();
+        assert!(script.advance(&mut state, Duration::ZERO).unwrap());
+        assert_eq!(state.style.points.size_px, 4.0);
     }
 
     #[test]

@@ -3,11 +3,14 @@
 use crate::cli::options::values::DEMO_INPUT;
 use crate::cli::terminal::stream::tell_of_connection;
 use crate::cli::terminal::warnings;
-use crate::document::{ReadSession, session_of};
+use crate::document::{DocumentFolder, ReadSession, session_of};
 use crate::messages::frame_by_index;
-use crate::scene::Clip;
+use crate::scene::{Clip, Settings, UpAxis};
 use crate::sequence::{OpenOptions, Sequence};
+use crate::timeline::PlayRange;
 use serde::Serialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -19,10 +22,18 @@ pub(super) struct OpenedInputs {
 }
 
 /// Opens what a person named; nothing is the built-in sequence. What is given goes before what a session says.
-pub(super) fn open_inputs(inputs: &[PathBuf], options: &OpenOptions) -> anyhow::Result<OpenedInputs> {
-    let session = session_of(inputs)?;
-    if let Some(read) = &session {
+/// Unsaved changes of a session are taken from `documents`.
+pub(super) fn open_inputs(
+    inputs: &[PathBuf],
+    options: &OpenOptions,
+    documents: Option<&DocumentFolder>,
+) -> anyhow::Result<OpenedInputs> {
+    let mut session = session_of(inputs)?;
+    if let Some(read) = &mut session {
         read.check_reach(options.session_reach)?;
+        if let Some(documents) = documents {
+            documents.restore(read);
+        }
     }
     let sequence = match (&session, inputs) {
         (Some(read), _) => Sequence::open(&read.document.inputs, &read.document.reading.over(options))?,
@@ -34,7 +45,7 @@ pub(super) fn open_inputs(inputs: &[PathBuf], options: &OpenOptions) -> anyhow::
 
 /// [`open_inputs`], which warns of what is left out. A window says that itself.
 pub(super) fn open_inputs_and_tell(inputs: &[PathBuf], options: &OpenOptions) -> anyhow::Result<OpenedInputs> {
-    let opened = open_inputs(inputs, options)?;
+    let opened = open_inputs(inputs, options, None)?;
     let of_session = opened.session.iter().flat_map(|read| &read.warnings);
     for note in opened.sequence.source().notes().iter().chain(of_session) {
         warnings::warn(note);
@@ -55,12 +66,37 @@ pub(super) struct SessionInfo {
     frame: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     view: Option<String>,
+    /// The axis that was chosen to be up.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    up: Option<&'static str>,
+    /// In and out point, as far as they are set; counted from 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    range: Option<PlayRange>,
+    /// How the files are read, as far as that was chosen.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    reading: BTreeMap<String, Value>,
+    /// The settings that are not as by default.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    settings: BTreeMap<String, Value>,
     clips: bool,
     markers: usize,
     measurements: usize,
     labels: Vec<String>,
+    trails: TrailsInfo,
     /// Of the camera path.
     keyframes: usize,
+    #[serde(skip_serializing_if = "String::is_empty")]
+    notes: String,
+}
+
+/// Trails that are shown.
+#[derive(Debug, Serialize)]
+struct TrailsInfo {
+    of_picked: bool,
+    /// Points whose trails stay.
+    kept: usize,
+    /// Points that are spread over the frame.
+    spread: usize,
 }
 
 impl SessionInfo {
@@ -75,11 +111,21 @@ impl SessionInfo {
             }),
             frame: session.frame,
             view: session.view.map(|view| view.to_string()),
+            up: session.up.map(UpAxis::name),
+            range: Some(session.range).filter(|range| *range != PlayRange::default()),
+            reading: fields_of(&session.reading),
+            settings: chosen_settings(&session.settings),
             clips: session.clip.as_ref().is_some_and(|clip: &Clip| clip.is_on),
             markers: session.markers.len(),
             measurements: session.measurements.len(),
             labels: session.labels.iter().map(|label| label.text.clone()).collect(),
-            keyframes: session.path.as_ref().map_or(0, |path| path.keyframes().len()),
+            trails: TrailsInfo {
+                of_picked: session.trails.of_picked,
+                kept: session.trails.kept.len(),
+                spread: session.trails.spread.map_or(0, |spread| spread.points),
+            },
+            keyframes: session.path.keyframes().len(),
+            notes: session.notes.clone(),
         }
     }
 
@@ -106,11 +152,75 @@ impl SessionInfo {
             counted(self.markers, "marker"),
             counted(self.keyframes, "keyframe")
         );
-        if !self.labels.is_empty() {
-            let quoted: Vec<String> = self.labels.iter().map(|label| format!("\"{label}\"")).collect();
-            let _ = writeln!(text, "  labels: {}", quoted.join(", "));
+        for (name, told) in self.parts() {
+            if !told.is_empty() {
+                let _ = writeln!(text, "  {name}: {}", told.join(", "));
+            }
         }
         text.push('\n');
         text
     }
+
+    /// What has a line of its own, where there is some of it.
+    fn parts(&self) -> [(&'static str, Vec<String>); 7] {
+        let counted_from_1 = |frame: Option<usize>, name: &str| frame.map(|frame| format!("{name} {}", frame + 1));
+        let range = self.range.unwrap_or_default();
+        let trails = &self.trails;
+        let counted = |count: usize, what: &str| (count > 0).then(|| format!("{count} {what}"));
+        [
+            ("up axis", self.up.iter().map(|up| (*up).to_owned()).collect()),
+            (
+                "plays",
+                [
+                    counted_from_1(range.first(), "from frame"),
+                    counted_from_1(range.last(), "to frame"),
+                ]
+                .into_iter()
+                .flatten()
+                .collect(),
+            ),
+            ("reading", told(&self.reading)),
+            ("settings", told(&self.settings)),
+            (
+                "labels",
+                self.labels.iter().map(|label| format!("\"{label}\"")).collect(),
+            ),
+            (
+                "trails",
+                [
+                    trails.of_picked.then(|| "of picked points".to_owned()),
+                    counted(trails.kept, "kept"),
+                    counted(trails.spread, "spread over the frame"),
+                ]
+                .into_iter()
+                .flatten()
+                .collect(),
+            ),
+            ("notes", self.notes.lines().map(str::to_owned).collect()),
+        ]
+    }
+}
+
+/// The fields of what is written as an object.
+fn fields_of(value: &impl Serialize) -> BTreeMap<String, Value> {
+    // By text, as files have it: single numbers have the few digits that they need.
+    let text = serde_json::to_string(value).unwrap_or_default();
+    serde_json::from_str(&text).unwrap_or_default()
+}
+
+/// The settings that are not as by default.
+fn chosen_settings(settings: &Settings) -> BTreeMap<String, Value> {
+    let default = fields_of(&Settings::default());
+    let mut chosen = fields_of(settings);
+    chosen.retain(|name, value| default.get(name) != Some(value));
+    chosen
+}
+
+/// Fields as texts: `lighting lambert`.
+fn told(fields: &BTreeMap<String, Value>) -> Vec<String> {
+    let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    fields
+        .iter()
+        .map(|(name, value)| format!("{name} {}", text(value)))
+        .collect()
 }

@@ -1,9 +1,11 @@
 //! Documents as session files.
 
+use super::draft::Draft;
 use super::error::SessionError;
 use super::model::{Document, Unknown};
 use super::paths::{as_text, joined};
 use super::text;
+use super::text_hash::TextHash;
 use super::written::{
     self, VERSION, Version, Written, clip_fields, compare_fields, label_fields, measured_fields, trail_fields,
 };
@@ -15,6 +17,7 @@ use serde::Serialize;
 use serde_json::Value;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Of the names of session files.
 pub const EXTENSION: &str = "pointreel";
@@ -40,6 +43,24 @@ pub struct ReadSession {
     pub document: Document,
     /// What of it could not be read, a sentence each.
     pub warnings: Vec<String>,
+    /// Of its text.
+    pub text_hash: TextHash,
+    /// What was changed of it and not saved, once that was looked for ([`DocumentFolder::restore`]).
+    ///
+    /// [`DocumentFolder::restore`]: super::DocumentFolder::restore
+    pub unsaved: Unsaved,
+}
+
+/// What became of the unsaved changes of a session that is opened.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum Unsaved {
+    /// There are none.
+    #[default]
+    None,
+    /// They are in the document. The session has this one.
+    Restored(Box<Document>),
+    /// Somebody else has written the session since: they are in a session file of their own.
+    Outdated(PathBuf),
 }
 
 /// Whether a file is a session, by its name.
@@ -122,7 +143,7 @@ impl ReadSession {
             notes.unknown("a label", &unknown);
             label
         });
-        let labels = labels.collect();
+        let labels = Arc::new(labels.collect());
         let measured = written.measurements.into_iter();
         let measurements = measured.map(|written::WrittenMeasured(measured, unknown)| {
             notes.unknown("a measurement", &unknown);
@@ -144,7 +165,7 @@ impl ReadSession {
             measurements,
             labels,
             trails: written.trails.0,
-            path: written.camera_path,
+            path: Arc::new(written.camera_path.map(Draft::of).unwrap_or_default()),
             compare: written.compare.map(|compared| compared.read_in(folder)),
             notes: written.notes,
             unknown: Unknown {
@@ -156,6 +177,8 @@ impl ReadSession {
             file: file.to_owned(),
             document,
             warnings: notes.warnings(file),
+            text_hash: TextHash::of(text),
+            unsaved: Unsaved::None,
         })
     }
 }
@@ -291,7 +314,7 @@ impl Document {
             ("measurements", measured.into()),
             ("trails", value_of(trail_fields(&self.trails))),
             ("clip", value_of(clip)),
-            ("camera_path", value_of(&self.path)),
+            ("camera_path", value_of(self.path.path())),
             ("compare", value_of(compared)),
             ("notes", value_of(Some(&self.notes).filter(|notes| !notes.is_empty()))),
             ("settings", settings.into()),
@@ -309,15 +332,16 @@ impl Document {
         Ok(fields.chain(unknown).collect())
     }
 
-    /// Writes the session to `file`, which is replaced as a whole.
+    /// Writes the session to `file`, which is replaced as a whole; the hash of its text.
     ///
     /// # Errors
     /// As [`Document::to_text`], and the system's.
-    pub fn write(&self, file: &Path) -> Result<(), SessionError> {
+    pub fn write(&self, file: &Path) -> Result<TextHash, SessionError> {
         let text = self.to_text(file)?;
         kept::write_whole(file, text.as_bytes()).map_err(|reason| SessionError::Write {
             file: file.to_owned(),
             reason,
-        })
+        })?;
+        Ok(TextHash::of(text.as_bytes()))
     }
 }

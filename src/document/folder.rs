@@ -7,12 +7,11 @@
 //! it is replaced. The number and the size of the files are bounded: the oldest are removed.
 
 use super::model::Document;
+use super::text_hash::hex_hash;
 use super::{EXTENSION, ReadSession, text, timeline_file};
 use crate::kept::{self, Fields};
 use crate::sequence::Sequence;
 use serde_json::Value;
-use sha2::{Digest, Sha256};
-use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::io::Error;
 use std::path::{Path, PathBuf};
@@ -67,6 +66,10 @@ impl DocumentFolder {
     pub fn file_of(&self, sequence: &Sequence) -> Option<PathBuf> {
         let key = key_of(sequence)?;
         Some(self.folder.join(format!("{key}.{EXTENSION}")))
+    }
+
+    pub(super) fn folder(&self) -> &Path {
+        &self.folder
     }
 
     fn timeline_of(&self, file: &Path) -> PathBuf {
@@ -169,17 +172,11 @@ fn key_of(sequence: &Sequence) -> Option<String> {
     let entry = sequence.entry(0);
     let path = std::path::absolute(&entry.path).unwrap_or_else(|_| entry.path.clone());
     let bytes = fs::metadata(&path).map_or(0, |metadata| metadata.len());
-    let mut hash = Sha256::new();
-    hash.update(path.as_os_str().as_encoded_bytes());
+    let mut hashed = path.as_os_str().as_encoded_bytes().to_vec();
     // So that no two lists of texts are alike.
-    hash.update([0]);
-    hash.update(format!("{} {bytes}", entry.name));
-    let mut name = String::new();
-    for byte in &hash.finalize()[..16] {
-        // Writing to a String cannot fail.
-        let _ = write!(name, "{byte:02x}");
-    }
-    Some(name)
+    hashed.push(0);
+    hashed.extend(format!("{} {bytes}", entry.name).into_bytes());
+    Some(hex_hash(&hashed))
 }
 
 fn object_of(fields: &[(&str, Value)]) -> Fields {

@@ -1,10 +1,11 @@
 //! Undo and redo of what a user edits in a document, in one order, each change with a name.
 //!
-//! **How it works.** What is edited is looked at once a pass. Where it differs from the last look, that is kept, unless
-//! the change goes on: with the same button held, or the same fields within half a second of the change before.
+//! **How it works.** The document is looked at once a pass. Where what undo takes back differs from the last look, that
+//! is kept, unless the change goes on: with the same button held, or the same fields within half a second of the change
+//! before. What is kept has the parts that undo takes back alone, and shares what is large of them.
 
-use super::edited::{Edited, changed_fields};
-use super::names::name_of;
+use super::model::Document;
+use super::names::{changed_fields, name_of};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -14,13 +15,13 @@ const GESTURE: Duration = Duration::from_millis(500);
 /// Entries that are kept; the oldest go first.
 const MAX_ENTRIES: usize = 200;
 
-/// What was edited before and after, as a person changed it.
+/// The document before and after, as a person changed it.
 #[derive(Debug, Clone, Default)]
 pub struct History {
     past: VecDeque<Change>,
     future: Vec<Change>,
     /// As of the last look; `None` before the first.
-    present: Option<Edited>,
+    present: Option<Document>,
     last: Option<LastChange>,
 }
 
@@ -28,7 +29,7 @@ pub struct History {
 #[derive(Debug, Clone)]
 struct Change {
     /// As it is on the other side of the change.
-    edited: Edited,
+    document: Document,
     name: String,
 }
 
@@ -43,19 +44,19 @@ struct LastChange {
 }
 
 impl History {
-    /// Looks at what is edited at `now`; `is_held` says whether a button of the mouse is down.
-    pub fn note(&mut self, edited: &Edited, is_held: bool, now: Duration) {
-        let present = self.present.get_or_insert_with(|| edited.clone());
+    /// Looks at the document at `now`; `is_held` says whether a button of the mouse is down.
+    pub fn note(&mut self, document: &Document, is_held: bool, now: Duration) {
+        let present = self.present.get_or_insert_with(|| document.undone_parts());
         let last = self.last.as_mut();
         let goes_on_by_hand = last.is_some_and(|last| {
             last.is_held &= is_held;
             last.is_held
         });
-        if edited == present {
+        if document.is_undone_to(present) {
             return;
         }
-        let fields = changed_fields(present, edited);
-        let before = std::mem::replace(present, edited.clone());
+        let fields = changed_fields(present, document);
+        let before = std::mem::replace(present, document.undone_parts());
         let goes_on = goes_on_by_hand
             || self
                 .last
@@ -66,13 +67,13 @@ impl History {
                 self.past.pop_front();
             }
             self.past.push_back(Change {
-                edited: before,
+                document: before,
                 name: String::new(),
             });
         }
         // A gesture is named after all of it.
         if let Some(change) = self.past.back_mut() {
-            change.name = name_of(&change.edited, edited);
+            change.name = name_of(&change.document, document);
         }
         self.future.clear();
         self.last = Some(LastChange {
@@ -80,6 +81,14 @@ impl History {
             fields,
             is_held,
         });
+    }
+
+    /// Looks at the document between two steps of a person: what has changed goes on no change before, and nothing goes
+    /// on it.
+    pub fn note_step(&mut self, document: &Document) {
+        self.last = None;
+        self.note(document, false, Duration::ZERO);
+        self.last = None;
     }
 
     /// Name of the change that [`History::undo`] takes back, as `Lighting Matt`.
@@ -92,20 +101,20 @@ impl History {
         self.future.last().map(|change| change.name.as_str())
     }
 
-    /// What was there before the last change, and is from now on; `None` if there was none.
-    pub fn undo(&mut self) -> Option<Edited> {
-        let Change { edited: before, name } = self.past.pop_back()?;
+    /// The document before the last change, which is the present one from now on; `None` if there was none.
+    pub fn undo(&mut self) -> Option<Document> {
+        let Change { document: before, name } = self.past.pop_back()?;
         let after = self.present.replace(before.clone());
-        self.future.extend(after.map(|edited| Change { edited, name }));
+        self.future.extend(after.map(|document| Change { document, name }));
         self.last = None;
         Some(before)
     }
 
-    /// What was there before the last [`History::undo`]; `None` if something was changed since.
-    pub fn redo(&mut self) -> Option<Edited> {
-        let Change { edited: after, name } = self.future.pop()?;
+    /// The document before the last [`History::undo`]; `None` if something was changed since.
+    pub fn redo(&mut self) -> Option<Document> {
+        let Change { document: after, name } = self.future.pop()?;
         let before = self.present.replace(after.clone());
-        self.past.extend(before.map(|edited| Change { edited, name }));
+        self.past.extend(before.map(|document| Change { document, name }));
         self.last = None;
         Some(after)
     }
@@ -119,11 +128,11 @@ mod tests {
     use proptest::prelude::*;
     use std::sync::Arc;
 
-    fn scaled(splat_scale: f32) -> Edited {
+    fn scaled(splat_scale: f32) -> Document {
         let style = Settings::default().with(|style| style.surfels.splat_scale = splat_scale);
-        Edited {
-            style,
-            ..Edited::default()
+        Document {
+            settings: style,
+            ..Document::default()
         }
     }
 
@@ -148,7 +157,7 @@ mod tests {
         history.note(&scaled(3.0), false, at(4400));
         history.note(&scaled(4.0), false, at(4800));
         let mut points = scaled(4.0);
-        points.style.primitive = Primitive::Point.into();
+        points.settings.primitive = Primitive::Point.into();
         history.note(&points, false, at(4900));
         let undone: Vec<_> = std::iter::from_fn(|| history.undo()).collect();
         assert_eq!(undone, [4.0, 1.5, 1.4, 1.0].map(scaled));
@@ -173,6 +182,17 @@ mod tests {
     }
 
     #[test]
+    fn steps_are_changes_of_their_own() {
+        let mut history = History::default();
+        for scale in [1.0, 2.0, 2.0, 3.0] {
+            history.note_step(&scaled(scale));
+        }
+        assert_eq!(history.undo(), Some(scaled(2.0)));
+        assert_eq!(history.undo(), Some(scaled(1.0)));
+        assert_eq!(history.undo(), None);
+    }
+
+    #[test]
     fn labels_are_undone_with_settings() {
         let label = Label {
             text: "knee".to_owned(),
@@ -181,7 +201,7 @@ mod tests {
             place: Some(glam::DVec3::ONE),
             frames: crate::timeline::PlayRange::default(),
         };
-        let labelled = Edited {
+        let labelled = Document {
             labels: Arc::new(vec![label]),
             ..scaled(1.0)
         };
@@ -191,8 +211,8 @@ mod tests {
         assert_eq!(history.undo(), Some(scaled(1.0)));
         assert_eq!(history.redo(), Some(labelled.clone()));
         history.note(
-            &Edited {
-                style: scaled(2.0).style,
+            &Document {
+                settings: scaled(2.0).settings,
                 ..labelled
             },
             false,
@@ -207,36 +227,36 @@ mod tests {
     #[test]
     fn a_change_has_a_name() {
         use crate::scene::Lighting;
-        let name = |change: &dyn Fn(&mut Edited)| {
+        let name = |change: &dyn Fn(&mut Document)| {
             let mut history = History::default();
-            let mut edited = Edited::default();
-            history.note(&edited, false, at(0));
+            let mut document = Document::default();
+            history.note(&document, false, at(0));
             assert_eq!(history.undo_name(), None);
-            change(&mut edited);
-            history.note(&edited, false, at(1000));
+            change(&mut document);
+            history.note(&document, false, at(1000));
             let name = history.undo_name().map(str::to_owned);
             history.undo();
             assert_eq!(history.redo_name(), name.as_deref());
             name.unwrap()
         };
         assert_eq!(
-            name(&|edited| edited.style.light.lighting = Lighting::Lambert.into()),
+            name(&|document| document.settings.light.lighting = Lighting::Lambert.into()),
             "Lighting Matt"
         );
         assert_eq!(
-            name(&|edited| edited.style.surfels.splat_scale = 1.5),
+            name(&|document| document.settings.surfels.splat_scale = 1.5),
             "Splat scale 1.5"
         );
-        assert_eq!(name(&|edited| edited.style.backdrop.grid = true), "Grid on");
-        assert_eq!(name(&|edited| edited.notes.push('a')), "Notes");
-        let several = name(&|edited| {
-            edited.style.backdrop.grid = true;
-            edited.style.surfels.splat_scale = 1.5;
+        assert_eq!(name(&|document| document.settings.backdrop.grid = true), "Grid on");
+        assert_eq!(name(&|document| document.notes.push('a')), "Notes");
+        let several = name(&|document| {
+            document.settings.backdrop.grid = true;
+            document.settings.surfels.splat_scale = 1.5;
         });
         assert_eq!(several, "2 settings");
-        let marked = name(&|edited| {
-            edited.style.backdrop.grid = true;
-            edited.markers = vec![Marker {
+        let marked = name(&|document| {
+            document.settings.backdrop.grid = true;
+            document.markers = vec![Marker {
                 frame: 1,
                 name: String::new(),
             }];
@@ -251,7 +271,7 @@ mod tests {
             scales in prop::collection::vec(1u32..1000, 1..260), moves in prop::collection::vec(any::<bool>(), 0..40),
         ) {
             let mut history = History::default();
-            let mut list: Vec<Edited> = Vec::new();
+            let mut list: Vec<Document> = Vec::new();
             for (second, &scale) in scales.iter().enumerate() {
                 let style = scaled(scale as f32);
                 history.note(&style, false, at(1000 * second as u64));

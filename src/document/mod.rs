@@ -5,7 +5,9 @@
 //! read, the frame, the view as the line that the window copies, all settings by the words of the command line, clip,
 //! range, markers, measurements, labels, trails, notes, the camera path, and the second sequence. The same folder on
 //! another machine opens as it was left, in a window and by `render`. The window keeps the same text for each sequence
-//! without being asked ([`DocumentFolder`]). [`History`] is what can be undone, with names.
+//! without being asked ([`DocumentFolder`]), and so unsaved changes
+//! of sessions (`unsaved.rs`). [`History`] is what can be undone, with names. What is
+//! asked of each part (is it the same, does undo take it back, what is it called) is a row of `parts.rs`.
 //!
 //! **What a session may open.** A session comes from anybody, and says what is opened. The files in its folder are;
 //! addresses and files elsewhere only after a question, or with an option ([`Beyond`]).
@@ -18,27 +20,27 @@
 
 mod beyond;
 mod draft;
-mod edited;
 mod error;
 mod file;
 mod folder;
 mod history;
 mod model;
 mod names;
+mod parts;
 mod paths;
 mod reach;
 mod reading;
 #[cfg(test)]
 mod tests;
 mod text;
+mod text_hash;
 mod timeline_file;
-mod work;
+mod unsaved;
 mod written;
 
 pub use draft::Draft;
-pub use edited::Edited;
 pub use error::SessionError;
-pub use file::{EXTENSION, ReadSession, is_session, session_of};
+pub use file::{EXTENSION, ReadSession, Unsaved, is_session, session_of};
 pub use folder::{DocumentFolder, KeptDocument};
 pub use history::History;
 pub use model::{
@@ -46,3 +48,5 @@ pub use model::{
 };
 pub use reach::Beyond;
 pub use reading::Reading;
+pub use text_hash::TextHash;
+pub use unsaved::UnsavedPlace;

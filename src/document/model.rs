@@ -1,12 +1,13 @@
 //! What a document holds.
 
-use super::Reading;
+use super::{Draft, Reading};
 use crate::kept::Fields;
-use crate::scene::{Camera, CameraPath, Clip, FollowedPoint, Gauge, Label, Settings, UpAxis};
+use crate::scene::{Camera, Clip, FollowedPoint, Gauge, Label, Settings, UpAxis};
 use crate::timeline::PlayRange;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// What is open, and all that a user made around it.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -32,11 +33,11 @@ pub struct Document {
     /// What was measured, oldest first.
     pub measurements: Vec<Measured>,
     /// Texts at points, oldest first.
-    pub labels: Vec<Label>,
+    pub labels: Arc<Vec<Label>>,
     /// Paths of points through time.
     pub trails: ShownTrails,
-    /// The camera path.
-    pub path: Option<CameraPath>,
+    /// The camera path, or the beginning of one.
+    pub path: Arc<Draft>,
     /// The sequence beside it.
     pub compare: Option<Compared>,
     /// Free text.
@@ -49,6 +50,12 @@ impl Document {
     /// The settings with the clip.
     pub fn style(&self) -> Settings {
         self.settings.with(|style| style.clip = self.clip)
+    }
+
+    /// Takes the settings and the clip of `style`.
+    pub fn set_style(&mut self, style: Settings) {
+        self.clip = style.clip;
+        self.settings = style.with(|style| style.clip = None);
     }
 }
 

@@ -1,25 +1,54 @@
 //! Names of changes, for undo: `Lighting Matt`.
 
-use super::edited::{Edited, changed_fields};
+use super::model::Document;
+use super::parts::{PARTS, Part, SETTINGS};
 use crate::scene::describe::{Described, Value, Values};
 
 /// Names that a menu has room for.
 const MAX_NAMED: usize = 2;
 
-/// Name of the change from `before` to `after`.
-pub(super) fn name_of(before: &Edited, after: &Edited) -> String {
-    let fields = changed_fields(before, after);
-    let settings = after.style.settings();
-    let changed: Vec<&(&Described, Value)> = settings
-        .iter()
-        .filter(|(described, _)| fields.contains(&described.key))
-        .collect();
-    let parts = fields.iter().filter_map(|field| name_of_part(field, before, after));
-    let mut names: Vec<String> = parts.collect();
-    match changed[..] {
+/// The parts that differ and undo takes back; of settings each that does, by its name in files.
+pub(super) fn changed_fields(before: &Document, after: &Document) -> Vec<&'static str> {
+    let parts = PARTS.iter().filter(|part| part.is_undone() && part.name != SETTINGS);
+    let parts = parts.filter(|part| part.change(before, after).is_some());
+    let settings = changed_settings(before, after).into_iter();
+    parts
+        .map(|part| part.name)
+        .chain(settings.map(|(described, _)| described.key))
+        .collect()
+}
+
+/// The settings that differ, with their new values.
+fn changed_settings(before: &Document, after: &Document) -> Vec<(&'static Described, Value)> {
+    if before.settings == after.settings {
+        return Vec::new();
+    }
+    let settings = before.settings.settings().into_iter().zip(after.settings.settings());
+    let changed = settings.filter(|((_, before), (_, after))| before != after);
+    changed.map(|(_, after)| after).collect()
+}
+
+/// Name of the change from `before` to `after` of what undo takes back.
+pub(super) fn name_of(before: &Document, after: &Document) -> String {
+    named(before, after, Part::is_undone)
+}
+
+impl Document {
+    /// Names of the changes from `before` to it: `Lighting Matt, Label`. Empty without any.
+    pub fn changes_from(&self, before: &Self) -> String {
+        named(before, self, |_| true)
+    }
+}
+
+/// Names of the changes of the parts that are `told`.
+fn named(before: &Document, after: &Document, told: fn(&Part) -> bool) -> String {
+    let others = PARTS.iter().filter(|part| part.name != SETTINGS && told(part));
+    let changed = others.filter_map(|part| part.change(before, after));
+    let mut names: Vec<String> = changed.map(str::to_owned).collect();
+    match changed_settings(before, after)[..] {
         [] => {}
-        [&(described, value)] => names.push(name_of_setting(described, value)),
-        _ => names.push(format!("{} settings", changed.len())),
+        [(described, value)] => names.push(name_of_setting(described, value)),
+        ref changed => names.push(format!("{} settings", changed.len())),
     }
     if names.len() > MAX_NAMED {
         let more = names.len() - MAX_NAMED;
@@ -27,21 +56,6 @@ pub(super) fn name_of(before: &Edited, after: &Edited) -> String {
         names.push(format!("{more} more"));
     }
     names.join(", ")
-}
-
-/// Name of a part that is no setting.
-fn name_of_part(field: &str, before: &Edited, after: &Edited) -> Option<String> {
-    let name = match field {
-        "path" => "Camera path",
-        "labels" if before.labels.len().abs_diff(after.labels.len()) > 1 => "Labels",
-        "labels" => "Label",
-        "markers" => "Markers",
-        "range" => "In and out point",
-        "notes" => "Notes",
-        "clip" => "Clipping",
-        _ => return None,
-    };
-    Some(name.to_owned())
 }
 
 /// Title of a setting and its new value.

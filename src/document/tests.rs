@@ -12,6 +12,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// As a person would write it by hand.
 const BY_HAND: &str = r#"{
@@ -275,9 +276,9 @@ fn session() -> impl Strategy<Value = Document> {
             range,
             markers,
             measurements,
-            labels,
+            labels: Arc::new(labels),
             trails,
-            path,
+            path: Arc::new(path.map(Draft::of).unwrap_or_default()),
             compare,
             notes,
             up: up.map(|axis| UpAxis::ALL[axis].1),

@@ -11,6 +11,7 @@
 use super::attributes::FirstAttributes;
 use super::marks::{MarkRun, runs};
 use crate::composition::can_draw;
+use crate::photos::ViewSet;
 use crate::scene::{Scene, Style};
 use crate::sequence::{FrameError, Loader, LoaderOptions, Needs, PreparedFrame, Sequence, SequenceError, Slot};
 use crate::timeline::{Clock, Direction, LoopMode, PlayRange};
@@ -137,6 +138,11 @@ impl Player {
     /// The frame in the picture.
     pub fn shown(&self) -> Option<&Arc<PreparedFrame>> {
         self.shown.as_ref()
+    }
+
+    /// The photographs of the frame in the picture, as far as they are known.
+    pub fn photographs(&self) -> Option<Arc<ViewSet>> {
+        self.sequence().source().photographs(self.shown()?.index)
     }
 
     /// Why the frame at the playhead is not in the picture, if it cannot be read.

@@ -95,14 +95,14 @@ fn work_on(harness: &mut Harness<'_, State>) {
     ] {
         state.run(command);
     }
-    let mut document = state.document();
+    let mut document = state.current_document();
     document.settings.primitive = Primitive::Point.into();
     document.settings.points.size_px = 5.0;
     document.clip = Some(Clip::to(ClipShape::Box {
         min: DVec3::ZERO,
         max: DVec3::splat(2.5),
     }));
-    document.labels = vec![label("corner")];
+    document.labels = Arc::new(vec![label("corner")]);
     let point = |index| MeasuredPoint {
         frame: 1,
         point: followed(index),
@@ -138,14 +138,14 @@ fn each_sequence_has_its_own_document() {
     let folder = tempfile::tempdir().unwrap();
     let [a, b] = ["a", "b"].map(|name| scans(folder.path(), name));
     let mut harness = window_of(kept_in(folder.path()), &a);
-    let new = harness.state().document();
+    let new = harness.state().current_document();
     assert!(!harness.state().is_unsaved(), "nothing was made");
     work_on(&mut harness);
     assert!(harness.state().is_unsaved());
-    let made = harness.state().document();
+    let made = harness.state().current_document();
 
     open(&mut harness, &b);
-    let mut of_b = harness.state().document();
+    let mut of_b = harness.state().current_document();
     of_b.inputs.clone_from(&new.inputs);
     assert_eq!(of_b, new, "nothing of A is in it");
     assert!(!harness.state().is_unsaved());
@@ -158,7 +158,7 @@ fn each_sequence_has_its_own_document() {
         "{}",
         told(harness.state())
     );
-    let again = harness.state().document();
+    let again = harness.state().current_document();
     assert!(again.is_kept_same(&made), "{again:#?} is not {made:#?}");
     assert_eq!(again.frame, made.frame);
     assert!(!harness.state().style.backdrop.grid, "that was B's");
@@ -173,7 +173,7 @@ fn each_sequence_has_its_own_document() {
     let mut next = window_of(kept_in(folder.path()), &c);
     close(&mut next);
     open(&mut next, &a);
-    assert!(next.state().document().is_kept_same(&made));
+    assert!(next.state().current_document().is_kept_same(&made));
     let files = fs::read_dir(folder.path().join("documents")).unwrap().count();
     assert_eq!(files, 2);
 }
@@ -229,12 +229,12 @@ fn unsaved_is_what_is_in_no_session() {
     harness.state_mut().save_session_to(file);
     until(&mut harness, "it is not saved", |state| state.session_file().is_some());
     assert!(!harness.state().is_unsaved());
-    harness.state_mut().features.notes.text.push_str("later");
+    harness.state_mut().document.notes.push_str("later");
     harness.run();
     assert!(harness.state().is_unsaved());
     harness.state_mut().run(Command::UNDO);
     harness.run();
-    assert!(!harness.state().is_unsaved() && harness.state().features.notes.text.is_empty());
+    assert!(!harness.state().is_unsaved() && harness.state().document.notes.is_empty());
 }
 
 #[test]
@@ -242,22 +242,22 @@ fn a_document_is_begun_again() {
     let folder = tempfile::tempdir().unwrap();
     let a = scans(folder.path(), "a");
     let mut harness = window_of(kept_in(folder.path()), &a);
-    let new = harness.state().document();
+    let new = harness.state().current_document();
     let first_view = harness.state().camera;
     work_on(&mut harness);
     harness.state_mut().run(Command::BEGIN_AGAIN);
     harness.run();
-    let begun = harness.state().document();
+    let begun = harness.state().current_document();
     assert!(begun.is_kept_same(&new), "{begun:#?} is not {new:#?}");
     assert_eq!(harness.state().camera, first_view);
     // What can be undone comes back, with its own name.
     harness.state_mut().run(Command::UNDO);
     assert_eq!(harness.state().features.labels.list.len(), 1);
-    assert_eq!(harness.state().features.notes.text, "from the north");
+    assert_eq!(harness.state().document.notes, "from the north");
     harness.state_mut().run(Command::REDO);
     close(&mut harness);
     let again = window_of(kept_in(folder.path()), &a);
-    assert!(again.state().document().is_kept_same(&new));
+    assert!(again.state().current_document().is_kept_same(&new));
     assert_eq!(told(again.state()), "");
 }
 
@@ -280,11 +280,11 @@ fn a_fresh_window_begins_from_defaults_and_takes_nothing_away() {
     close(&mut harness);
     // What is made in it goes before what was.
     let mut harness = window_of(fresh(), &a);
-    harness.state_mut().features.notes.text.push_str("anew");
+    harness.state_mut().document.notes.push_str("anew");
     open(&mut harness, &b);
     open(&mut harness, &a);
     assert!(harness.state().features.labels.list.is_empty());
-    assert_eq!(harness.state().features.notes.text, "anew");
+    assert_eq!(harness.state().document.notes, "anew");
 }
 
 #[test]

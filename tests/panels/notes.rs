@@ -19,7 +19,7 @@ fn notes_are_kept_with_their_sequence_and_left_with_it() {
         .get_by_role_and_label(field.0, field.1)
         .type_text("the left foot slips");
     harness.run();
-    assert_eq!(harness.state().features.notes.text, "the left foot slips");
+    assert_eq!(harness.state().document.notes, "the left foot slips");
     harness.state_mut().run(Command::panel(PanelId::new("notes")));
     assert!(!harness.state().panels.has(PanelId::new("notes")));
 
@@ -29,8 +29,8 @@ fn notes_are_kept_with_their_sequence_and_left_with_it() {
     let open = || Arc::new(Sequence::discover(std::slice::from_ref(&scan)).unwrap());
     let state = harness.state_mut();
     state.open(open());
-    assert_eq!(state.features.notes.text, "", "they were of the sequence before");
-    state.features.notes.text = "of the scan".to_owned();
+    assert_eq!(state.document.notes, "", "they were of the sequence before");
+    state.document.notes = "of the scan".to_owned();
     let session = state.session().unwrap();
     assert_eq!(session.notes, "of the scan");
     let file = folder.path().join("scan.pointreel");
@@ -38,5 +38,5 @@ fn notes_are_kept_with_their_sequence_and_left_with_it() {
     let read = pointreel::document::session_of(&[file]).unwrap().unwrap();
     state.open(Arc::new(Sequence::demo()));
     state.open_session(open(), read);
-    assert_eq!(state.features.notes.text, "of the scan");
+    assert_eq!(state.document.notes, "of the scan");
 }

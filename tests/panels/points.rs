@@ -6,7 +6,7 @@ use egui::{Key, Modifiers, OutputCommand, PointerButton, Pos2, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use glam::DVec3;
-use pointreel::app::{State, Tool};
+use pointreel::app::{Command, State, Tool};
 use pointreel::scene::{Gauge, Primitive, Settings};
 use std::time::Duration;
 
@@ -223,4 +223,45 @@ fn the_key_focuses_on_what_the_pointer_is_over() {
     press(&mut harness, Modifiers::NONE, Key::F);
     harness.state_mut().update(Duration::from_millis(900));
     assert_eq!(harness.state().camera, before);
+}
+
+#[test]
+fn measurements_are_undone_where_their_points_are_now() {
+    let mut harness = cube();
+    let count = |harness: &Harness<'_, State>| harness.state().features.inspection.measurements.len();
+    harness.run();
+    press(&mut harness, Modifiers::NONE, Key::M);
+    for index in [6, 7] {
+        let place = in_window(&harness, corner(index));
+        click_on(&mut harness, place, 1);
+        harness.run_steps(10);
+    }
+    assert_eq!(count(&harness), 1);
+    let measured = harness.state().features.inspection.measurements.clone();
+
+    // What moves on with the frames is no change.
+    harness.state_mut().step_frames(5);
+    load_all(harness.state_mut());
+    harness.run();
+    let moved = harness.state().features.inspection.measurements.clone();
+    assert_ne!(moved, measured, "the cube grows");
+
+    harness.state_mut().run(Command::UNDO);
+    assert_eq!(count(&harness), 0);
+    harness.run();
+    harness.state_mut().run(Command::REDO);
+    load_all(harness.state_mut());
+    harness.run();
+    assert_eq!(
+        harness.state().features.inspection.measurements,
+        moved,
+        "not where they were clicked"
+    );
+    click(&mut harness, "Edit");
+    assert!(
+        harness
+            .query_all_by_label_contains("Undo: Measurement")
+            .next()
+            .is_some()
+    );
 }

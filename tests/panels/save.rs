@@ -83,9 +83,9 @@ fn wait(harness: &mut Harness<'_, State>, what: &str, is_done: impl Fn(&State) -
 
 fn wait_for_estimate(harness: &mut Harness<'_, State>, frames: usize) {
     wait(harness, "an estimate", |state| {
-        let estimate = state.features.estimates.estimate();
+        let estimate = state.features.save.estimates.estimate();
         let has_all = estimate.is_some_and(|(estimate, is_old)| !is_old && estimate.frames == frames);
-        has_all && !state.features.estimates.is_busy()
+        has_all && !state.features.save.estimates.is_busy()
     });
 }
 
@@ -118,7 +118,7 @@ fn sizes_and_errors_are_shown_before_a_sequence_file_is_written() {
     let mut harness = saving_of(waves(&[]), folder.path());
     wait_for_estimate(&mut harness, 5);
     assert!(harness.query_by_label("Estimate by 5 frames of 24").is_some());
-    let (estimate, _) = harness.state().features.estimates.estimate().unwrap();
+    let (estimate, _) = harness.state().features.save.estimates.estimate().unwrap();
     let rough = estimate.errors.unwrap();
     assert!(rough.largest > 0.0 && rough.normals_deg.is_some() && rough.color_psnr_db.is_some());
     for told in ["about ", ", RMS 0.", "geometry ", "mean "] {
@@ -144,7 +144,7 @@ fn sizes_and_errors_are_shown_before_a_sequence_file_is_written() {
     assert!(harness.query_by_label_contains("it is replaced").is_some());
     choose(&mut harness, "Positions", "Lossless");
     wait_for_estimate(&mut harness, 5);
-    let (lossless, _) = harness.state().features.estimates.estimate().unwrap();
+    let (lossless, _) = harness.state().features.save.estimates.estimate().unwrap();
     assert_eq!(lossless.errors.unwrap().largest, 0.0);
     assert!(lossless.bits_per_point() > 2.0 * estimate.bits_per_point());
     // Neither positions nor normals.
@@ -160,13 +160,13 @@ fn a_change_of_the_choices_cancels_the_estimate_and_shows_the_one_before() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = saving_of(waves(&[]), folder.path());
     wait_for_estimate(&mut harness, 5);
-    let (before, _) = harness.state().features.estimates.estimate().unwrap();
+    let (before, _) = harness.state().features.save.estimates.estimate().unwrap();
     harness.state_mut().features.save.choose_precision(PrecisionKind::Bits);
     harness.state_mut().features.save.bits = 4;
     let now = harness.state().now();
     harness.state_mut().update(now);
     // Nothing begins before the choices have rested.
-    assert_eq!(harness.state().features.estimates.estimate(), Some((before, true)));
+    assert_eq!(harness.state().features.save.estimates.estimate(), Some((before, true)));
     assert!(
         harness
             .state()
@@ -174,13 +174,13 @@ fn a_change_of_the_choices_cancels_the_estimate_and_shows_the_one_before() {
             .is_some_and(|due| due > now && due < now + Duration::from_secs(1))
     );
     wait_for_estimate(&mut harness, 5);
-    let (coarse, _) = harness.state().features.estimates.estimate().unwrap();
+    let (coarse, _) = harness.state().features.save.estimates.estimate().unwrap();
     assert!(coarse.kept_points < 500.0, "{coarse:?}");
     // Frames that were decoded for the choices before are not decoded again.
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(!harness.state().panels.has(PanelId::SAVE));
     harness.state_mut().update(now);
-    assert_eq!(harness.state().features.estimates.estimate(), None);
+    assert_eq!(harness.state().features.save.estimates.estimate(), None);
 }
 
 #[test]
@@ -198,7 +198,7 @@ fn frames_become_files_of_a_folder() {
         harness.query_by_label_contains("could not be judged").is_some(),
         "frame 2 is broken"
     );
-    let (estimate, _) = harness.state().features.estimates.estimate().unwrap();
+    let (estimate, _) = harness.state().features.save.estimates.estimate().unwrap();
     assert_eq!(estimate.errors.unwrap().largest, 0.0);
     click(&mut harness, "Save");
     wait(&mut harness, "the end of saving", |state| {
@@ -336,7 +336,7 @@ fn merging_is_a_choice_that_says_its_price_before() {
     let mut harness = saving_of(waves(&[]), folder.path());
     wait_for_estimate(&mut harness, 5);
     assert_eq!(harness.state().features.save.precision, PrecisionKind::PointSpacing);
-    let (every, _) = harness.state().features.estimates.estimate().unwrap();
+    let (every, _) = harness.state().features.save.estimates.estimate().unwrap();
     assert_eq!(every.kept_points, every.points);
     let merged = every.other_way.unwrap();
     let price = format!(
@@ -353,7 +353,7 @@ fn merging_is_a_choice_that_says_its_price_before() {
     harness.state_mut().update(now);
     wait_for_estimate(&mut harness, 5);
     assert_eq!(harness.state().features.save.precision, PrecisionKind::SamplingDensity);
-    let (estimate, _) = harness.state().features.estimates.estimate().unwrap();
+    let (estimate, _) = harness.state().features.save.estimates.estimate().unwrap();
     assert_eq!(estimate.kept_points, merged.points);
     assert!(harness.query_by_label_contains(&price).is_some(), "{price}");
 }

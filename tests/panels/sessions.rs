@@ -1,17 +1,17 @@
 //! Sessions in the window: saved, opened again by another one, listed, and refused.
 
-use super::{options, press, until, window, window_on};
+use super::{options, press, sequence, until, window, window_on};
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use glam::DVec3;
 use pointreel::app::{Command, PanelId, State, StateOptions};
-use pointreel::document::ReadSession;
+use pointreel::document::{DocumentFolder, ReadSession};
 use pointreel::playback::PairBy;
 use pointreel::scene::{Clip, ClipShape, FollowedPoint, Label, Primitive, UpAxis};
 use pointreel::timeline::PlayRange;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 fn shown(state: &State) -> Option<usize> {
@@ -283,4 +283,125 @@ fn a_session_asks_before_it_leaves_its_folder() {
     until(&mut harness, "it is not opened", |state| {
         state.player.as_ref().is_some_and(|player| player.sequence().len() == 3)
     });
+}
+
+/// Options of a window that keeps documents, and unsaved changes, in `folder`.
+fn kept_in(folder: &Path) -> StateOptions {
+    StateOptions {
+        documents: Some(DocumentFolder::at(folder.join("documents"), folder.join("timelines"))),
+        ..options()
+    }
+}
+
+/// A window of which nothing is left that has the session `file` open.
+fn window_of(options: StateOptions, file: &Path) -> Harness<'static, State> {
+    let mut harness = window_on(sequence(&[]), options);
+    open(&mut harness, file);
+    harness.run();
+    harness
+}
+
+fn told(state: &State) -> String {
+    let notices = state.notices.list().iter();
+    notices.map(|notice| format!("{}; ", notice.text)).collect()
+}
+
+#[test]
+fn unsaved_changes_of_a_session_are_restored_until_they_are_saved_or_reverted() {
+    let folder = tempfile::tempdir().unwrap();
+    scans(&folder.path().join("scans"));
+    let file = folder.path().join("walk.pointreel");
+    fs::write(&file, r#"{"pointreel_session": 1, "files": ["scans"]}"#).unwrap();
+    let mut harness = window_of(kept_in(folder.path()), &file);
+    let saved = harness.state().current_document();
+    harness.state_mut().camera.azimuth_deg += 10.0;
+    harness.run();
+    assert!(!harness.state().is_unsaved(), "looking around is no work");
+    harness.state_mut().document.notes.push_str("later");
+    harness.state_mut().style.backdrop.grid = true;
+    harness.run();
+    // The window closes without a question, and another file is opened without one.
+    assert!(harness.state_mut().may_close());
+    harness.state_mut().open(sequence(&[]));
+    harness.run();
+    assert!(harness.state().document.notes.is_empty());
+    drop(harness);
+    let text = fs::read_to_string(&file).unwrap();
+    assert!(!text.contains("later"), "only the user writes the session");
+
+    let mut harness = window_of(kept_in(folder.path()), &file);
+    assert!(harness.state().is_unsaved() && harness.state().style.backdrop.grid);
+    assert_eq!(harness.state().document.notes, "later");
+    let notice = "Unsaved changes of walk.pointreel were restored: Notes, Grid on.";
+    assert!(told(harness.state()).contains(notice), "{}", told(harness.state()));
+    // As it was saved, in one step that can be undone.
+    harness.state_mut().run(Command::REVERT_SESSION);
+    harness.run();
+    assert!(harness.state().current_document().is_same_work(&saved) && !harness.state().is_unsaved());
+    harness.state_mut().run(Command::UNDO);
+    harness.run();
+    assert_eq!(harness.state().document.notes, "later");
+    harness.state_mut().run(Command::REDO);
+    harness.run();
+    harness.state_mut().open(sequence(&[]));
+    drop(harness);
+
+    let mut harness = window_of(kept_in(folder.path()), &file);
+    assert!(!harness.state().is_unsaved() && harness.state().document.notes.is_empty());
+    assert_eq!(told(harness.state()), "", "nothing is left to restore");
+    // Once they are saved there are none either.
+    harness.state_mut().document.notes.push_str("kept");
+    harness.run();
+    let before = harness.state().current_document();
+    harness.state_mut().open(sequence(&[]));
+    open(&mut harness, &file);
+    harness.state_mut().save_session_to(file.clone());
+    until(&mut harness, "it is not saved", |state| !state.is_unsaved());
+    drop(harness);
+    let harness = window_of(kept_in(folder.path()), &file);
+    assert!(harness.state().current_document().is_same_work(&before) && !harness.state().is_unsaved());
+    assert_eq!(told(harness.state()), "");
+}
+
+#[test]
+fn a_session_that_others_have_written_goes_before_unsaved_changes_and_both_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    scans(&folder.path().join("scans"));
+    let file = folder.path().join("walk.pointreel");
+    fs::write(&file, r#"{"pointreel_session": 1, "files": ["scans"]}"#).unwrap();
+    let mut harness = window_of(kept_in(folder.path()), &file);
+    harness.state_mut().document.notes.push_str("here");
+    harness.run();
+    harness.state_mut().open(sequence(&[]));
+    drop(harness);
+    let other = r#"{"pointreel_session": 1, "files": ["scans"], "notes": "there"}"#;
+    fs::write(&file, other).unwrap();
+    let harness = window_of(kept_in(folder.path()), &file);
+    assert_eq!(harness.state().document.notes, "there");
+    let told = told(harness.state());
+    let aside = told
+        .split("those changes are in ")
+        .nth(1)
+        .and_then(|text| text.split(", which").next());
+    let aside = PathBuf::from(aside.unwrap_or_else(|| panic!("{told}")));
+    assert_eq!(ReadSession::read(&aside).unwrap().document.notes, "here");
+}
+
+#[test]
+fn where_nothing_can_be_kept_unsaved_changes_of_a_session_are_asked_about() {
+    let folder = tempfile::tempdir().unwrap();
+    scans(&folder.path().join("scans"));
+    let file = folder.path().join("walk.pointreel");
+    fs::write(&file, r#"{"pointreel_session": 1, "files": ["scans"]}"#).unwrap();
+    let mut harness = window_of(options(), &file);
+    assert!(harness.state_mut().may_close());
+    harness.state_mut().document.notes.push_str("here");
+    harness.run();
+    assert!(!harness.state_mut().may_close());
+    harness.run();
+    assert!(
+        harness
+            .query_by_label("The session has changes that are not saved.")
+            .is_some()
+    );
 }

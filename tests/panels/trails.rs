@@ -206,3 +206,25 @@ fn finding_trails_can_be_cancelled() {
     state.update(Duration::ZERO);
     assert!(state.features.trails.found().is_none());
 }
+
+#[test]
+fn trails_are_undone() {
+    let mut harness = picking(sequence(&[]));
+    pick(&mut harness, 6);
+    press(&mut harness, Modifiers::SHIFT, Key::T);
+    assert!(harness.state().features.trails.is_on);
+    until_found(&mut harness);
+    let anchor = harness.state().features.inspection.point.as_ref().unwrap().anchor;
+    harness.state_mut().features.trails.toggle_kept(anchor);
+    // Past the time within which it would be the same change.
+    harness.run_steps(120);
+    harness.state_mut().run(Command::UNDO);
+    let trails = &harness.state().features.trails;
+    assert!(trails.is_on && trails.kept.is_empty());
+    harness.state_mut().run(Command::REDO);
+    let trails = &harness.state().features.trails;
+    assert_eq!(trails.kept, [anchor]);
+    harness.state_mut().run(Command::UNDO);
+    harness.state_mut().run(Command::UNDO);
+    assert!(!harness.state().features.trails.is_on);
+}

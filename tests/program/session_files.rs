@@ -129,6 +129,29 @@ fn info_says_what_is_in_a_session_and_other_verbs_take_its_files() {
     let info: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(info["session"]["labels"], serde_json::json!(["knee"]));
     assert_eq!(info["frames"].as_array().unwrap().len(), 1);
+    let more = r#", "up": "-y", "range": {"first": 2, "last": 8}, "reading": {"fps": 12.0}, "notes": "left\nfoot",
+        "settings": {"grid": true}, "trails": {"picked": true, "spread": {"points": 4, "frames": 2}}"#;
+    fs::write(&file, session("scans", more)).unwrap();
+    let output = pointreel(&["info", text(&file)]);
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let lines = [
+        "up axis: -y",
+        "plays: from frame 3, to frame 9",
+        "reading: fps 12.0",
+        "settings: grid true",
+        "trails: of picked points, 4 spread over the frame",
+        "notes: left, foot",
+    ];
+    for line in lines {
+        assert!(said.contains(line), "no {line} in {said}");
+    }
+    let output = pointreel(&["info", "--json", text(&file)]);
+    let info: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(info["session"]["notes"], "left\nfoot");
+    assert_eq!(
+        info["session"]["trails"],
+        serde_json::json!({"of_picked": true, "kept": 0, "spread": 4})
+    );
     let copy = folder.path().join("copy.ply");
     let output = pointreel(&["convert", text(&file), text(&copy)]);
     assert!(output.status.success() && copy.exists(), "{}", stderr(&output));
@@ -159,4 +182,28 @@ fn what_is_wrong_is_one_sentence_with_the_line() {
         "{}",
         stderr(&output)
     );
+}
+
+#[test]
+fn where_a_session_has_no_view_its_up_axis_is_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("walk.pointreel");
+    let of_session = |more: &str, arguments: &[&str]| {
+        let text_of_file = format!(r#"{{"pointreel_session": 1, "files": ["demo:"], "frame": 6{more}}}"#);
+        fs::write(&file, text_of_file).unwrap();
+        rendered(
+            folder.path(),
+            &[&[text(&file), "--primitive", "point"], arguments].concat(),
+        )
+    };
+    let up = r#", "up": "-z""#;
+    let options = |up: &str| {
+        let arguments = ["demo:", "--frame", "6", "--primitive", "point", "--up", up];
+        rendered(folder.path(), &arguments)
+    };
+    assert_eq!(of_session(up, &[]), options("-z"));
+    assert_eq!(of_session(up, &["--up", "x"]), options("x"));
+    // A view says itself what is up.
+    let view = format!(r#", "view": "{VIEW}""#);
+    assert_eq!(of_session(&format!("{up}{view}"), &[]), of_session(&view, &[]));
 }

@@ -119,10 +119,22 @@ impl Command {
     pub const SAVE_SESSION: Self = Self("save session");
     /// Write the session to a file chosen with a dialog.
     pub const SAVE_SESSION_AS: Self = Self("save session as");
+    /// The open session as it was saved.
+    pub const REVERT_SESSION: Self = Self("revert session");
     /// Begin the open document again from defaults.
     pub const BEGIN_AGAIN: Self = Self("begin again");
     /// Begin new documents with the look of the open one.
     pub const USE_AS_DEFAULTS: Self = Self("use as defaults");
+    /// Draw as a preset of this person, or a built-in one, of a name.
+    pub const PRESET: Self = Self("preset");
+    /// Draw as the built-in preset of a name.
+    pub const BUILT_IN_PRESET: Self = Self("built-in-preset");
+    /// Keep the present settings under a name.
+    pub const SAVE_PRESET: Self = Self("save settings");
+    /// Delete the preset of a name.
+    pub const DELETE_PRESET: Self = Self("delete-preset");
+    /// Run the benchmark suite of a name.
+    pub const RUN_BENCHMARK: Self = Self("run-benchmark");
     /// Full screen and back.
     pub const FULL_SCREEN: Self = Self("full screen");
     /// Show or hide small pictures over the timeline.

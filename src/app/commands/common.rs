@@ -1,7 +1,9 @@
 //! What rows of commands have in common.
 
 use crate::app::command::CommandRow;
-use crate::app::state::State;
+use crate::app::state::{Dialog, State};
+use crate::document::EXTENSION;
+use crate::io::supported_extensions;
 
 /// A row of the table of commands.
 pub(in crate::app) type Row = CommandRow<State>;
@@ -24,4 +26,12 @@ pub(in crate::app) fn needs_sequence(state: &State) -> Result<(), &'static str> 
         Some(_) => Ok(()),
         None => Err("Nothing is open yet"),
     }
+}
+
+/// The dialog with files that can be opened.
+pub(in crate::app) fn of_point_clouds(dialog: Dialog<State>) -> Dialog<State> {
+    let extensions = supported_extensions().chain(["mkv", "reel", "pointreel-stream", EXTENSION]);
+    dialog
+        .filter("Point clouds and sessions", extensions)
+        .filter("All files", ["*"])
 }

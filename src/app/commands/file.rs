@@ -1,9 +1,11 @@
 //! Commands that open, save and close.
 
-use super::common::{Row, group, needs_sequence};
+use super::common::{Row, group, needs_sequence, of_point_clouds};
 use crate::app::command::{Chord, Command};
 use crate::app::side::Side;
-use crate::app::state::{DialogKind, State, WindowRequest};
+use crate::app::state::{Dialog, State, WindowRequest};
+use crate::app::work::files::with_extension;
+use crate::export::PictureFormat;
 use crate::sequence::Sequence;
 use crate::source::Example;
 use egui::Key;
@@ -11,13 +13,18 @@ use std::sync::Arc;
 
 pub(super) const ROWS: &[Row] = &[
     Row::new(Command::OPEN_FILES, "Open files…", |state| {
-        state.ask(DialogKind::OpenFiles, None);
+        state.ask(of_point_clouds(Dialog::files("Open point clouds", State::open_paths)));
     })
     .what("Open files")
     .also(&["load", "import"])
     .keys(group::FILE, "Ctrl+O", &[Chord::ctrl(Key::O)]),
     Row::new(Command::OPEN_FOLDER, "Open folder…", |state| {
-        state.ask(DialogKind::OpenFolder, None);
+        state.ask(Dialog::folder(
+            "Open a folder of frames",
+            |state: &mut State, folder| {
+                state.open_paths(vec![folder]);
+            },
+        ));
     })
     .what("Open a folder")
     .also(&["load", "import"]),
@@ -37,6 +44,11 @@ pub(super) const ROWS: &[Row] = &[
         state.open_example(Example::Model);
     })
     .what("Open an example: animated model"),
+    Row::new(Command::SAVE_PRESET, "Save settings…", |state| {
+        state.kept.preset_name = Some(String::new());
+    })
+    .what("Save settings as a preset")
+    .hint("Keeps the present settings under a name"),
     Row::new(Command::CLOSE_SEQUENCE, "Close", |state| {
         state.end_comparison(Side::A);
         state.close_sequence();
@@ -75,15 +87,36 @@ pub(super) const ROWS: &[Row] = &[
     .applies(needs_sequence),
     Row::new(Command::SAVE_SCREENSHOT_AS, "Save picture as…", |state| {
         let name = format!("{}.png", state.picture_stem());
-        state.ask(DialogKind::SavePicture, Some(name));
+        state.ask(picture_dialog(name));
     })
     .what("Save a picture as a file of a name")
     .also(&["screenshot", "image", "snapshot"])
     .applies(needs_sequence),
 ];
 
+/// Asks where to write the picture.
+fn picture_dialog(name: String) -> Dialog<State> {
+    let save = |state: &mut State, file| {
+        state.request(WindowRequest::Screenshot(Some(with_extension(file, "png"))));
+    };
+    let dialog = Dialog::new_file("Save the picture", name, save)
+        .without("Save picture (P) asks for no name, and Export… has a field for it");
+    PictureFormat::filters().fold(dialog, |dialog, (name, extensions)| {
+        dialog.filter(format!("{name} image"), extensions.iter().copied())
+    })
+}
+
+/// The command that opens an example.
+pub(in crate::app) fn opens_example(example: Example) -> Command {
+    match example {
+        Example::Lidar => Command::EXAMPLE_LIDAR,
+        Example::Depth => Command::EXAMPLE_DEPTH,
+        Example::Model => Command::EXAMPLE_MODEL,
+    }
+}
+
 impl State {
-    pub(in crate::app) fn open_example(&mut self, example: Example) {
+    fn open_example(&mut self, example: Example) {
         self.open(Arc::new(Sequence::example(example)));
     }
 

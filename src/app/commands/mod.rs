@@ -13,6 +13,7 @@ mod view;
 mod window;
 
 pub(super) use dispatch::dispatch;
+pub(super) use file::opens_example;
 
 use super::command::{Act, Command, CommandRow};
 use super::features::Features;
@@ -23,7 +24,7 @@ use super::state::State;
 pub fn commands() -> impl Iterator<Item = &'static CommandRow<State>> {
     let own = [playing::ROWS, view::ROWS, file::ROWS, window::ROWS, values::ROWS];
     let of_features = Features::rows::<State>().into_iter();
-    let of_features = of_features.map(|feature| (feature.commands)());
+    let of_features = of_features.map(|feature| feature.commands());
     own.into_iter().chain(of_features).flatten()
 }
 
@@ -42,10 +43,38 @@ impl State {
     pub fn run(&mut self, command: Command) {
         match row_of(command).map(|row| &row.act) {
             Some(Act::Run(run)) => run(self),
-            // Only scripts give values.
+            // See [`State::give`].
             Some(Act::Take(..)) => {}
             // A panel whose opening nobody has anything to add to.
             None => self.panels.toggle(PanelId::new(command.word())),
+        }
+    }
+}
+
+impl State {
+    /// Does what a command says with a value.
+    ///
+    /// # Errors
+    /// Why it does not apply, or what is wrong with the value: a sentence.
+    pub fn give(&mut self, command: Command, value: &str) -> Result<(), String> {
+        let row = row_of(command).filter(|row| matches!(row.act, Act::Take(..)));
+        let Some(CommandRow {
+            act: Act::Take(_, take),
+            ..
+        }) = row
+        else {
+            return Err(format!("{} takes no value", command.word()));
+        };
+        if let Some(reason) = row.and_then(|row| row.why_not(self)) {
+            return Err(reason.to_owned());
+        }
+        take(self, value)
+    }
+
+    /// [`State::give`], which tells the person what is wrong.
+    pub(super) fn give_or_tell(&mut self, command: Command, value: &str) {
+        if let Err(reason) = self.give(command, value) {
+            self.notices.warn(reason);
         }
     }
 }

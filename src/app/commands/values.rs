@@ -1,4 +1,4 @@
-//! Commands of scripts alone, which take a value.
+//! Commands that take a value: a script gives it, or an item of a menu.
 
 use super::common::{Row, needs_sequence};
 use crate::app::command::Command;
@@ -46,7 +46,16 @@ pub(super) const ROWS: &[Row] = &[
         Ok(())
     }),
     Row::taking(Command::new("set"), "Change a setting", "NAME VALUE", set),
-    Row::taking(Command::new("preset"), "Take a preset", "NAME", preset),
+    Row::taking(Command::PRESET, "Take a preset", "NAME", preset),
+    Row::taking(
+        Command::BUILT_IN_PRESET,
+        "Take a built-in preset",
+        "NAME",
+        built_in_preset,
+    ),
+    Row::taking(Command::DELETE_PRESET, "Delete a preset", "NAME", |state, name| {
+        state.kept.presets.delete(name)
+    }),
     Row::taking(
         Command::new("picture"),
         "Save picture to a file",
@@ -97,8 +106,13 @@ fn preset(state: &mut State, name: &str) -> Result<(), String> {
         state.style = preset.settings;
         return Ok(());
     }
+    built_in_preset(state, name)
+}
+
+/// Draws as the built-in preset of this name says.
+fn built_in_preset(state: &mut State, name: &str) -> Result<(), String> {
     let built_in = built_in();
-    let Some((.., style)) = built_in.iter().find(|(other, ..)| is_name(other)) else {
+    let Some((.., style)) = built_in.iter().find(|(other, ..)| other.eq_ignore_ascii_case(name)) else {
         return Err(format!("there is no preset {name}"));
     };
     state.draw_as(style);

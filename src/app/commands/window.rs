@@ -2,33 +2,38 @@
 
 use super::common::{Row, group, needs_sequence};
 use crate::app::command::{Chord, Command};
-use crate::app::features::camera_path::Question;
 use crate::app::open_panels::PanelId;
 use crate::app::state::{State, WindowRequest};
 use egui::{Key, ThemePreference};
 use std::borrow::Cow;
 
 pub(super) const ROWS: &[Row] = &[
-    Row::new(Command::UNDO, "Undo", |state| {
-        let before = state.history.undo();
-        state.take_edited(before);
-    })
-    .titled(|state| titled("Undo", state.history.undo_name()))
-    .what("Undo the last change of settings, path or labels")
-    .keys(group::FILE, "Ctrl+Z", &[Chord::ctrl(Key::Z)])
-    .applies(|state| state.history.undo_name().map(|_| ()).ok_or("Nothing was changed")),
-    Row::new(Command::REDO, "Redo", |state| {
-        let after = state.history.redo();
-        state.take_edited(after);
-    })
-    .titled(|state| titled("Redo", state.history.redo_name()))
-    .what("Redo it")
-    .keys(
-        group::FILE,
-        "Ctrl+Y, Ctrl+Shift+Z",
-        &[Chord::ctrl(Key::Y), Chord::ctrl_shift(Key::Z)],
+    Row::new(Command::UNDO, "Undo", State::undo)
+        .titled(|state| titled("Undo", state.history.undo_name()))
+        .what("Undo the last change of settings, path or labels")
+        .keys(group::FILE, "Ctrl+Z", &[Chord::ctrl(Key::Z)])
+        .applies(|state| state.history.undo_name().map(|_| ()).ok_or("Nothing was changed")),
+    Row::new(Command::REDO, "Redo", State::redo)
+        .titled(|state| titled("Redo", state.history.redo_name()))
+        .what("Redo it")
+        .keys(
+            group::FILE,
+            "Ctrl+Y, Ctrl+Shift+Z",
+            &[Chord::ctrl(Key::Y), Chord::ctrl_shift(Key::Z)],
+        )
+        .applies(|state| state.history.redo_name().map(|_| ()).ok_or("Nothing was undone")),
+    Row::new(
+        Command::REVERT_SESSION,
+        "Revert to saved session",
+        State::revert_session,
     )
-    .applies(|state| state.history.redo_name().map(|_| ()).ok_or("Nothing was undone")),
+    .what("Revert the open session to what was saved")
+    .also(&["discard changes", "undo all"])
+    .applies(|state| match state.session_file() {
+        Some(_) if state.is_unsaved() => Ok(()),
+        Some(_) => Err("The session is as it was saved"),
+        None => Err("No session is open"),
+    }),
     Row::new(Command::BEGIN_AGAIN, "Begin again from defaults", State::begin_again)
         .what("Begin the open document again from defaults")
         .applies(needs_sequence),
@@ -75,7 +80,7 @@ pub(super) const ROWS: &[Row] = &[
     Row::new(Command::ESCAPE, "Close what is open", State::escape)
         .what("Stop, close this list, clear points, leave full screen")
         .keys(group::FILE, "Esc", &[Chord::plain(Key::Escape)]),
-    Row::new(Command::QUIT, "Quit", |state| state.ask_or_do(Question::Quit))
+    Row::new(Command::QUIT, "Quit", State::quit)
         .also(&["exit"])
         .keys(group::FILE, "Ctrl+Q", &[Chord::ctrl(Key::Q)]),
 ];

@@ -7,18 +7,19 @@ use super::camera_path::PathEditor;
 use super::clipping::Clipping;
 use super::comparison::Comparison;
 use super::export::Export;
-use super::feature::{Feature, FeatureRow};
+use super::feature::{Feature, FeatureOf};
 use super::inspection::Inspection;
 use super::labels::Labels;
 use super::notes::Notes;
 use super::palette::Palette;
 use super::photos::Photos;
 use super::quality::MeasuredQuality;
-use super::save::{Estimates, Save};
+use super::save::Save;
 use super::temporal::Temporal;
 use super::thumbnails::Thumbnails;
 use super::timeline::Timeline;
 use super::trails::Trails;
+use std::marker::PhantomData;
 
 /// Declares what features there are.
 macro_rules! features {
@@ -31,11 +32,11 @@ macro_rules! features {
 
         impl Features {
             /// What a window with the state `S` does with each of them.
-            pub(in crate::app) fn rows<S: 'static>() -> [FeatureRow<S>; [$(stringify!($name)),*].len()]
+            pub(in crate::app) fn rows<S: 'static>() -> [&'static dyn Feature<S>; [$(stringify!($name)),*].len()]
             where
-                $($feature: Feature<S>,)*
+                $(FeatureOf<$feature>: Feature<S>,)*
             {
-                [$(FeatureRow::of::<$feature>()),*]
+                [$(const { &FeatureOf::<$feature>(PhantomData) }),*]
             }
         }
     };
@@ -76,8 +77,6 @@ features! {
     export: Export,
     /// As what a person would save the sequence.
     save: Save,
-    /// What that comes to.
-    estimates: Estimates,
     /// The benchmark window's content.
     benchmark: Benchmark,
 }

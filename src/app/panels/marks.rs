@@ -26,6 +26,6 @@ fn marks(ui: &Ui, state: &State, rect: Rect, size_px: [u32; 2]) {
     let canvas = PictureOverlay::new(&painter, rect, size_px, &state.camera);
     let is_first = state.features.beside.is_none() || rect == state.viewport.rect;
     for feature in Features::rows::<State>() {
-        (feature.paint)(state, &canvas, is_first);
+        feature.paint(state, &canvas, is_first);
     }
 }

@@ -1,13 +1,13 @@
 //! The menu bar.
 
+use super::items::{item, items, row_item};
 use super::presets::presets_menu;
-use super::table::menu_panels;
-use crate::app::command::{Command, CommandRow, Menu};
-use crate::app::commands::{commands, row_of};
-use crate::app::features::assumptions::assumptions_chip;
-use crate::app::features::assumptions::panel::CHIP_WIDTH;
+use super::table::{menu_panels, panels};
+use crate::app::command::{Command, Menu};
+use crate::app::commands::{commands, opens_example, row_of};
+use crate::app::panel_row::Dock;
 use crate::app::recent::entry_name;
-use crate::app::{Benchmark, PanelId, Side, State};
+use crate::app::{PanelId, Side, State};
 use crate::bench::suites;
 use crate::playback::Player;
 use crate::source::Example;
@@ -35,8 +35,10 @@ pub(super) fn menu_ui(ui: &mut Ui, state: &mut State) {
             return;
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if ui.available_width() > CHIP_WIDTH {
-                assumptions_chip(ui, state);
+            for row in panels() {
+                if matches!(row.place, Dock::Chip(width) if ui.available_width() > width) {
+                    (row.show)(ui, state);
+                }
             }
             let name = state.sequence_name();
             if let Some(name) = name.filter(|_| ui.available_width() > LEAST_NAME_WIDTH) {
@@ -71,39 +73,6 @@ fn menu(ui: &mut Ui, title: &str, items: impl FnOnce(&mut Ui)) {
     });
 }
 
-/// The item of a command: grey where it does not apply, with the reason.
-fn item(ui: &mut Ui, state: &mut State, command: Command) {
-    if let Some(row) = row_of(command) {
-        row_item(ui, state, row);
-    }
-}
-
-fn row_item(ui: &mut Ui, state: &mut State, row: &CommandRow<State>) {
-    let title = row.title(state);
-    let button = match row.is_on {
-        Some(is_on) => Button::selectable(is_on(state), title.as_ref()),
-        None => Button::new(title.as_ref()),
-    };
-    let why_not = row.why_not(state);
-    let mut response = ui.add_enabled(why_not.is_none(), button.shortcut_text(row.keys_text()));
-    if let Some(reason) = why_not {
-        response = response.on_disabled_hover_text(reason);
-    } else if !row.hint.is_empty() {
-        response = response.on_hover_text(row.hint);
-    }
-    if response.clicked() {
-        state.run(row.command);
-        ui.close();
-    }
-}
-
-/// The items of `commands`.
-fn items(ui: &mut Ui, state: &mut State, commands: &[Command]) {
-    for &command in commands {
-        item(ui, state, command);
-    }
-}
-
 /// The commands that say themselves that they are in `menu`.
 fn own_items(ui: &mut Ui, state: &mut State, menu: Menu) {
     for row in commands().filter(|row| row.menu == Some(menu)) {
@@ -120,7 +89,7 @@ fn file_menu(ui: &mut Ui, state: &mut State) {
     ui.menu_button("Examples", |ui| {
         for example in Example::ALL {
             if ui.button(example.title()).on_hover_text(example.credit()).clicked() {
-                state.open_example(example);
+                state.run(opens_example(example));
                 ui.close();
             }
         }
@@ -228,6 +197,7 @@ fn edit_menu(ui: &mut Ui, state: &mut State) {
         &[
             Command::UNDO,
             Command::REDO,
+            Command::REVERT_SESSION,
             Command::BEGIN_AGAIN,
             Command::USE_AS_DEFAULTS,
         ],
@@ -312,13 +282,14 @@ fn tools_menu(ui: &mut Ui, state: &mut State) {
 
 fn benchmark_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(200.0);
-    let can_start = state.player.is_some() && !matches!(state.features.benchmark, Benchmark::Running(_));
+    let why_not = row_of(Command::RUN_BENCHMARK).and_then(|row| row.why_not(state));
     for suite in suites::all() {
         let button = ui
-            .add_enabled(can_start, Button::new(suite.title))
-            .on_hover_text(suite.hint);
+            .add_enabled(why_not.is_none(), Button::new(suite.title))
+            .on_hover_text(suite.hint)
+            .on_disabled_hover_text(why_not.unwrap_or_default());
         if button.clicked() {
-            state.start_benchmark(suite);
+            state.give_or_tell(Command::RUN_BENCHMARK, suite.name());
             ui.close();
         }
     }

@@ -1,18 +1,16 @@
 //! The panels, one file each, and a row each of `table.rs`. They read and change [`State`] and know no GPU.
 
 mod about;
-mod bound;
-mod clip;
 mod colors;
 mod depth_filters;
 mod help;
+mod items;
 mod legend;
 mod marks;
 mod menu;
 mod notices;
 mod pair;
 mod presets;
-mod quality;
 mod question;
 mod scale_bar;
 mod settings;
@@ -56,7 +54,7 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
         (row.show)(ui, state);
     }
     follow_theme(ui.ctx(), state.appearance.theme);
-    state.note_settings(ui.ctx());
+    state.note_changes(ui.ctx());
     state.follow_panels();
 }
 
@@ -79,7 +77,7 @@ fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow<State>) {
     let (panel, width, range) = match &row.place {
         Dock::Left(width, range) => (Panel::left(id.name()), *width, range.clone()),
         Dock::Right(width, range) => (Panel::right(id.name()), *width, range.clone()),
-        Dock::Top(..) | Dock::Bottom(_) | Dock::Window | Dock::Over => return,
+        Dock::Top(..) | Dock::Chip(_) | Dock::Bottom(_) | Dock::Window | Dock::Over => return,
     };
     let most_width = ui.available_width() - LEAST_VIEW_WIDTH;
     if most_width < *range.start() {

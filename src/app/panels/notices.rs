@@ -2,7 +2,7 @@
 
 use crate::app::theme::GOOD;
 use crate::app::work::panel::work_ui;
-use crate::app::{Benchmark, Notice, PanelId, Severity, State, Work};
+use crate::app::{Notice, PanelId, Severity, State, Work};
 use egui::{Align2, Area, Frame, Id, RichText, ScrollArea, Stroke, Ui, vec2};
 
 /// Width of a message.
@@ -44,11 +44,9 @@ pub(super) fn notices_ui(ui: &mut Ui, state: &mut State) {
 
 /// What takes long and has no window of its own that is open.
 fn shown_works(state: &State) -> Vec<&Work> {
-    let measuring = match &state.features.benchmark {
-        // Its window has the same bar.
-        Benchmark::Running(running) if !state.panels.has(PanelId::BENCHMARK) => Some(&running.work),
-        _ => None,
-    };
+    // Its window has the same bar.
+    let measuring = state.features.benchmark.work();
+    let measuring = measuring.filter(|_| !state.panels.has(PanelId::BENCHMARK));
     let works = state.shared.works.list().iter().chain(measuring);
     works.filter(|work| work.is_long(state.now())).collect()
 }

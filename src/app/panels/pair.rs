@@ -1,7 +1,7 @@
 //! Two pictures: side by side or on both sides of a line, with their names; or where they differ.
 
 use crate::app::widgets::picture::picture;
-use crate::app::{Beside, Layout, Side, State};
+use crate::app::{Side, State};
 use crate::playback::PairBy;
 use egui::{
     Align2, Color32, ColorImage, CursorIcon, FontId, Frame, Id, Label, Margin, Pos2, Rect, RichText, Role, Sense,
@@ -53,7 +53,10 @@ pub(super) fn pair_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
     }
     let names = names(state);
     let is_side_by_side = is_side_by_side(state);
-    let range = state.features.beside.as_ref().map_or(0.0..=1.0, Beside::line_range);
+    let range = match &state.features.beside {
+        Some(beside) => beside.line_range(),
+        None => 0.0..=1.0,
+    };
     if state
         .features
         .beside
@@ -106,8 +109,7 @@ pub(super) fn pair_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
 }
 
 fn is_side_by_side(state: &State) -> bool {
-    let beside = state.features.beside.as_ref();
-    beside.is_some_and(|beside| beside.layout == Layout::SideBySide)
+    matches!(&state.features.beside, Some(beside) if beside.is_side_by_side())
 }
 
 /// Marks in the other half what the pointer is over: both are seen by one camera, with its axis in the middle of each.

@@ -1,6 +1,8 @@
 //! The menu of presets, and the window for the name of a new one.
 
+use super::items::item;
 use crate::app::State;
+use crate::app::command::Command;
 use crate::app::presets::built_in;
 use egui::{Align2, Button, Key, TextEdit, Ui, Window};
 
@@ -11,42 +13,32 @@ pub(super) fn presets_menu(ui: &mut Ui, state: &mut State) {
         let is_present = state.style.drawn_as(&style) == state.style;
         let button = ui.add(Button::selectable(is_present, name));
         if button.on_hover_text(what).clicked() {
-            state.draw_as(&style);
+            state.give_or_tell(Command::BUILT_IN_PRESET, name);
             ui.close();
         }
     }
     ui.separator();
-    let mut deleted = None;
-    let presets = state.kept.presets.list();
-    for preset in presets {
+    let presets = state.kept.presets.list().to_vec();
+    for preset in &presets {
         let is_present = state.style == preset.settings;
         let button = ui.add(Button::selectable(is_present, preset.name.as_str()));
         let what = "All settings as they were when this was saved";
         if button.on_hover_text(what).clicked() {
-            state.style = preset.settings;
+            state.give_or_tell(Command::PRESET, &preset.name);
             ui.close();
         }
     }
-    let what = "Keeps the present settings under a name";
-    if ui.button("Save settings…").on_hover_text(what).clicked() {
-        state.kept.preset_name = Some(String::new());
-        ui.close();
-    }
+    item(ui, state, Command::SAVE_PRESET);
     ui.add_enabled_ui(!presets.is_empty(), |ui| {
         ui.menu_button("Delete", |ui| {
-            for preset in presets {
+            for preset in &presets {
                 if ui.button(format!("Delete {}", preset.name)).clicked() {
-                    deleted = Some(preset.name.clone());
+                    state.give_or_tell(Command::DELETE_PRESET, &preset.name);
                     ui.close();
                 }
             }
         });
     });
-    if let Some(name) = deleted
-        && let Err(problem) = state.kept.presets.delete(&name)
-    {
-        state.notices.warn(problem);
-    }
 }
 
 /// Asks for the name of a new preset: Enter keeps it, Esc or a click elsewhere leaves it.

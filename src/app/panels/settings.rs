@@ -1,23 +1,18 @@
 //! Every choice about the picture, with its term and unit in a tooltip. Only what the chosen primitive uses is listed.
 
-use super::clip::{ClipContext, clip_ui};
 use super::colors::colors_ui;
 use super::depth_filters::depth_filters_ui;
-use super::quality::{QualityRequest, quality_ui};
 use super::style::{section_rows, section_ui, word};
-use crate::app::features::clipping::ClippedFrames;
-use crate::app::features::temporal::panel::poses_ui;
-use crate::app::features::thumbnails::panel::thumbnails_ui;
-use crate::app::features::trails::panel::field_ui;
+use crate::app::features::Features;
+use crate::app::settings_row::SettingsPart;
 pub(super) use crate::app::widgets::rows::{choice, choice_among, heading, note_below, row, rows};
 use crate::app::widgets::sought;
-use crate::app::{Clipping, MeasuredQuality, PresentChoice, Temporal, Thumbnails, Trails, Turntable};
+use crate::app::{PanelId, PresentChoice, State, Turntable};
 use crate::playback::Player;
 use crate::rgbd::Filters;
 use crate::scene::describe::{Section, Word};
 use crate::scene::{Camera, Choice, Primitive, Projection, Settings, Style, UpAxis};
 use egui::{Button, Checkbox, CollapsingHeader, RichText, ScrollArea, Slider, Ui};
-use glam::DVec3;
 
 /// Width of the labels before sliders and of the numbers behind them, points.
 const BESIDE_SLIDERS: f32 = 190.0;
@@ -28,39 +23,8 @@ const PART_SIZE: f32 = 16.5;
 /// A narrower slider cannot be dragged well, points.
 const LEAST_SLIDER_WIDTH: f32 = 60.0;
 
-/// The parts of the window that settings are about.
-pub(super) struct SettingsContext<'a> {
-    pub(super) player: Option<&'a Player>,
-    pub(super) style: &'a mut Settings,
-    /// The style with what was guessed in place of what is left open.
-    pub(super) drawn: Style,
-    /// What was guessed, with the reason: the primitive.
-    pub(super) primitive: Option<(Primitive, &'static str)>,
-    /// The primitives that the files have not, and what is drawn instead, in words.
-    pub(super) lacks: &'a [(Primitive, String)],
-    /// Why the up axis was guessed so.
-    pub(super) up_why: Option<&'static str>,
-    /// The points of the last angle that was measured.
-    pub(super) angle: Option<[DVec3; 3]>,
-    pub(super) clipping: &'a mut Clipping,
-    /// What a clip is put around.
-    pub(super) frames: Option<ClippedFrames>,
-    pub(super) quality: &'a mut MeasuredQuality,
-    pub(super) camera: &'a mut Camera,
-    pub(super) turntable: &'a mut Turntable,
-    pub(super) present: &'a mut PresentChoice,
-    pub(super) has_legend: &'a mut bool,
-    /// Whether the rest is shown.
-    pub(super) shows_advanced: &'a mut bool,
-    pub(super) thumbnails: &'a mut Thumbnails,
-    pub(super) trails: &'a mut Trails,
-    pub(super) temporal: &'a mut Temporal,
-}
-
-/// What settings ask of the window.
-pub(super) enum SettingsRequest {
-    /// Measure the ways to draw, or draw in one of them.
-    Quality(QualityRequest),
+/// What settings ask of the window, once they are shown.
+enum SettingsRequest {
     /// Another axis is up.
     ChooseUp(UpAxis),
     /// Other filters of depth images.
@@ -70,47 +34,43 @@ pub(super) enum SettingsRequest {
 }
 
 /// The panel at the right: what who plays scans has a use for, and the rest in a section that opens as it was left.
-pub(super) fn settings_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<SettingsRequest> {
+pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
+    // With what was guessed in place of what is left open.
+    let drawn = state.drawn_style();
     let mut request = None;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         // A slider that is as wide as usual would widen the panel, which stays as wide as it ever was.
         let room = ui.available_width() - BESIDE_SLIDERS;
         let spacing = ui.spacing_mut();
         spacing.slider_width = room.clamp(LEAST_SLIDER_WIDTH, spacing.slider_width);
-        request = look(ui, context);
+        request = look(ui, state, &drawn);
         part(ui, "Camera");
-        rows(ui, "camera", |ui| camera(ui, context));
+        rows(ui, "camera", |ui| {
+            camera(ui, &mut state.camera, &mut state.motion.turntable);
+        });
         part(ui, "Time");
-        thumbnails_ui(ui, context.thumbnails);
-        field_ui(ui, context.trails);
-        poses_ui(ui, context.temporal);
-        if let Some(applied) = context.player.and_then(|player| player.sequence().source().filters()) {
+        sections(ui, state, SettingsPart::Time);
+        let player = state.player.as_ref();
+        if let Some(applied) = player.and_then(|player| player.sequence().source().filters()) {
             part(ui, "Depth images");
             let filters = depth_filters_ui(ui, applied);
             request = filters.map(SettingsRequest::FilterDepth).or(request.take());
         }
         part(ui, "Clip");
-        let mut clip = ClipContext {
-            clip: &mut context.style.clip,
-            clipping: context.clipping,
-            frames: context.frames,
-            angle: context.angle,
-        };
-        clip_ui(ui, &mut clip);
+        sections(ui, state, SettingsPart::Clip);
         ui.add_space(8.0);
         let title = RichText::new("Advanced").strong().size(PART_SIZE);
-        let advanced = CollapsingHeader::new(title).open(Some(*context.shows_advanced));
-        let shown = advanced.show_unindented(ui, |ui| advanced_ui(ui, context));
-        *context.shows_advanced ^= shown.header_response.clicked();
+        let advanced = CollapsingHeader::new(title).open(Some(state.appearance.shows_advanced));
+        let shown = advanced.show_unindented(ui, |ui| advanced_ui(ui, state, &drawn));
+        state.appearance.shows_advanced ^= shown.header_response.clicked();
         if sought::is_missing(ui.ctx()) {
             // It is among these, or nothing that is drawn has a use for it.
-            if *context.shows_advanced {
+            if state.appearance.shows_advanced {
                 sought::give_up(ui.ctx());
             }
-            *context.shows_advanced = true;
+            state.appearance.shows_advanced = true;
             ui.ctx().request_repaint();
         }
-        request = shown.body_returned.flatten().or(request.take());
         ui.add_space(12.0);
         if ui
             .button("Reset to defaults")
@@ -120,7 +80,24 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Opt
             request = Some(SettingsRequest::Reset);
         }
     });
-    request
+    match request {
+        Some(SettingsRequest::ChooseUp(up)) => state.choose_up(up),
+        Some(SettingsRequest::FilterDepth(filters)) => state.filter_depth(filters),
+        Some(SettingsRequest::Reset) => state.reset_settings(),
+        None => {}
+    }
+}
+
+/// The sections of features that are in a part of the panel.
+fn sections(ui: &mut Ui, state: &mut State, part: SettingsPart) {
+    let rows = Features::rows::<State>()
+        .into_iter()
+        .flat_map(|feature| feature.settings());
+    let mut rows: Vec<_> = rows.filter(|row| row.part == part).collect();
+    rows.sort_by_key(|row| row.rank);
+    for row in rows {
+        (row.show)(ui, state);
+    }
 }
 
 /// The heading of a part of the panel.
@@ -132,14 +109,21 @@ fn part(ui: &mut Ui, title: &str) {
 }
 
 /// What is drawn: primitive, size, colours, light, background, up axis.
-fn look(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<SettingsRequest> {
+fn look(ui: &mut Ui, state: &mut State, drawn: &Style) -> Option<SettingsRequest> {
     ui.label(RichText::new("Look").strong().size(PART_SIZE));
     ui.add_space(2.0);
-    let SettingsContext { style, drawn, .. } = context;
-    primitive(ui, style, context.primitive, context.lacks);
+    let look = state.first_look();
+    let guessed = look.map(|look| (look.primitive, look.primitive_why));
+    let up_why = look.map(|look| look.up_why);
+    let lack = |&primitive: &Primitive| Some((primitive, look?.lack_of(primitive)?));
+    let lacks: Vec<_> = Primitive::ALL.iter().filter_map(lack).collect();
+    let style = &mut state.style;
+    primitive(ui, style, guessed, &lacks);
     rows(ui, "look", |ui| section_rows(ui, style, drawn, Section::Look));
-    let shown = context.player.and_then(Player::shown);
-    colors_ui(ui, &mut style.colors, shown, context.has_legend);
+    let shown = state.player.as_ref().and_then(Player::shown);
+    let mut has_legend = state.panels.has(PanelId::LEGEND);
+    colors_ui(ui, &mut style.colors, shown, &mut has_legend);
+    state.panels.set(PanelId::LEGEND, has_legend);
     if drawn.of_sequence.has_photographs {
         section_ui(ui, style, drawn, "Photographs", Section::Photographs);
     }
@@ -147,17 +131,14 @@ fn look(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<SettingsReques
         section_ui(ui, style, drawn, title, section);
     }
     let mut up = None;
-    rows(ui, "up axis", |ui| up = up_axis(ui, context.camera.up, context.up_why));
+    rows(ui, "up axis", |ui| up = up_axis(ui, state.camera.up, up_why));
     up.map(SettingsRequest::ChooseUp)
 }
 
 /// Who draws and by which means, and what that takes.
-fn advanced_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<SettingsRequest> {
-    let mut request = None;
-    if context.player.is_some() {
-        request = quality_ui(ui, context.quality, context.style).map(SettingsRequest::Quality);
-    }
-    let SettingsContext { style, drawn, .. } = context;
+fn advanced_ui(ui: &mut Ui, state: &mut State, drawn: &Style) {
+    sections(ui, state, SettingsPart::Advanced);
+    let style = &mut state.style;
     section_ui(ui, style, drawn, "Drawing", Section::Picture);
     section_ui(ui, style, drawn, "Surfels", Section::Surfels);
     ui.add_enabled_ui(drawn.has_footprints(), |ui| {
@@ -172,9 +153,8 @@ fn advanced_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<Setting
     rows(ui, "window", |ui| {
         let hint = "Who paints the panels and brings the window onto the screen";
         let (all, words) = (PresentChoice::ALL, PresentChoice::WORDS);
-        word(ui, "Painted by", hint, context.present, all, words);
+        word(ui, "Painted by", hint, &mut state.appearance.present, all, words);
     });
-    request
 }
 
 /// The list of primitives, and of words for some of them with other settings. One that the open files have not cannot
@@ -243,8 +223,7 @@ fn up_axis(ui: &mut Ui, before: UpAxis, why: Option<&'static str>) -> Option<UpA
 }
 
 /// The rows of the camera.
-fn camera(ui: &mut Ui, context: &mut SettingsContext<'_>) {
-    let SettingsContext { camera, turntable, .. } = context;
+fn camera(ui: &mut Ui, camera: &mut Camera, turntable: &mut Turntable) {
     let hint = "Whether what is farther away is smaller (O)";
     let (all, words) = (Projection::ALL, Projection::WORDS);
     word(ui, "Projection", hint, &mut camera.projection, all, words);

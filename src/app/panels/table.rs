@@ -2,11 +2,11 @@
 //! menu View and among the commands that are found by name.
 
 use super::about::about_ui;
-use super::bound;
 use super::help::help_ui;
 use super::notices::notices_ui;
 use super::presets::preset_name_ui;
-use super::question::{question_ui, session_question_ui};
+use super::question::session_question_ui;
+use super::settings::settings_ui;
 use super::statistics::statistics_ui;
 use crate::app::features::Features;
 use crate::app::panel_row::{Dock, PanelRow};
@@ -18,7 +18,7 @@ const BESIDE: &[PanelRow<State>] = &[
         id: Some(PanelId::SETTINGS),
         menu: Some("Settings"),
         place: Dock::Right(312.0, 280.0..=460.0),
-        show: bound::settings,
+        show: settings_ui,
     },
     PanelRow {
         id: Some(PanelId::STATISTICS),
@@ -34,14 +34,13 @@ const WINDOWS: &[PanelRow<State>] = &[
     PanelRow::window(PanelId::HELP, help_ui),
     PanelRow::window(PanelId::ABOUT, about_ui),
     PanelRow::by_itself(preset_name_ui),
-    PanelRow::by_itself(question_ui),
     PanelRow::by_itself(session_question_ui),
 ];
 
 /// All but menu and picture, in the order in which they are laid out.
 pub(super) fn panels() -> impl Iterator<Item = &'static PanelRow<State>> {
     let of_features = Features::rows::<State>().into_iter();
-    let of_features = of_features.flat_map(|feature| (feature.panels)());
+    let of_features = of_features.flat_map(|feature| feature.panels());
     BESIDE.iter().chain(of_features).chain(WINDOWS)
 }
 

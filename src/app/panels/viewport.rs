@@ -5,11 +5,11 @@ use super::marks::marks_ui;
 use super::pair::{lay_out, pair_ui};
 use super::scale_bar::scale_bar_ui;
 use super::welcome::welcome_ui;
+use crate::app::State;
 use crate::app::features::Features;
 use crate::app::grip::{Grip, Pull};
 use crate::app::theme::{ACCENT, AXIS_COLORS, ODD};
 use crate::app::widgets::picture::picture;
-use crate::app::{State, Tool};
 use crate::scene::Camera;
 use egui::{
     Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo,
@@ -106,13 +106,13 @@ fn zoom(camera: &mut Camera, factor: f64, pointer: Option<Pos2>, halves: [Rect; 
 
 /// Clicks pick points for the chosen tool; double clicks focus, but where each click counts for a measurement.
 fn click(response: &Response, state: &mut State) {
-    if state.features.inspection.tool != Tool::Camera {
+    if state.features.inspection.takes_clicks() {
         response.clone().on_hover_cursor(CursorIcon::Crosshair);
     }
     let Some(place) = response.interact_pointer_pos() else {
         return;
     };
-    if response.double_clicked() && !matches!(state.features.inspection.tool, Tool::Measure | Tool::Label) {
+    if response.double_clicked() && !state.features.inspection.takes_double_clicks() {
         if !state.focus_at(place) {
             state.frame_all();
         }
@@ -199,7 +199,7 @@ fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
             }
             marks_ui(ui, state);
             for feature in Features::rows::<State>() {
-                (feature.handles)(ui, state);
+                feature.handles(ui, state);
             }
             scale_bar_ui(ui, place, state);
             axes(&painter, rect, state);

@@ -3,6 +3,7 @@
 
 use crate::app::command::Command;
 use crate::app::commands::keys_of;
+use crate::app::commands::opens_example;
 use crate::app::recent::entry_name;
 use crate::app::theme::ACCENT;
 use crate::app::{FailedOpening, PanelId, State};
@@ -155,7 +156,7 @@ fn examples_ui(ui: &mut Ui, state: &mut State) {
         }
     });
     if let Some(example) = chosen {
-        state.open_example(example);
+        state.run(opens_example(example));
     }
 }
 

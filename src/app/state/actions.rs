@@ -5,12 +5,10 @@ use crate::app::command::Command;
 use crate::app::commands::dispatch;
 use crate::app::features::Features;
 use crate::app::sequence_name::name_of;
-use crate::document::Edited;
+use crate::document::{Document, History};
 use crate::playback::Player;
 use crate::scene::describe::Value;
 use crate::scene::{PointSizing, PointStyle, Primitive, Settings, Style, SurfelSettings};
-use crate::timeline::PlayRange;
-use std::sync::Arc;
 use std::time::Duration;
 
 impl State {
@@ -25,7 +23,7 @@ impl State {
     /// close by themselves.
     pub(in crate::app) fn escape(&mut self) {
         // The key has taken the keyboard from their fields already, so they do not see it. One thing at a time.
-        let has_closed = Features::rows::<Self>().iter().any(|feature| (feature.escape)(self))
+        let has_closed = Features::rows::<Self>().iter().any(|feature| feature.escape(self))
             || self.kept.preset_name.take().is_some()
             || self.panels.close_topmost()
             || self.features.inspection.escape();
@@ -41,39 +39,40 @@ impl State {
         }
     }
 
-    /// Looks whether something that undo takes back has changed. Call after the panels.
-    pub(in crate::app) fn note_settings(&mut self, ctx: &egui::Context) {
+    /// Looks whether something that undo takes back, or that is kept, has changed. Call after the panels.
+    pub(in crate::app) fn note_changes(&mut self, ctx: &egui::Context) {
         let (is_held, seconds) = ctx.input(|input| (input.pointer.any_down(), input.time));
         let now = Duration::try_from_secs_f64(seconds).unwrap_or_default();
-        let edited = self.edited();
-        self.history.note(&edited, is_held, now);
-        self.note_document();
+        self.note_in_history(|history, document| history.note(document, is_held, now));
+        self.look_at_document();
     }
 
-    /// What undo takes back.
-    fn edited(&self) -> Edited {
-        let player = self.player.as_ref();
-        Edited {
-            style: self.style,
-            path: Arc::clone(&self.features.path.draft),
-            labels: Arc::clone(&self.features.labels.list),
-            markers: self.features.timeline.markers.list().to_vec(),
-            range: player.map_or_else(PlayRange::default, |player| player.clock().range()),
-            notes: self.features.notes.text.clone(),
-        }
+    /// Looks the same way between two steps, which are undone one by one: lines of a script, and before undo.
+    pub(in crate::app) fn note_step(&mut self) {
+        self.note_in_history(History::note_step);
     }
 
-    pub(in crate::app) fn take_edited(&mut self, edited: Option<Edited>) {
-        let Some(edited) = edited else { return };
-        self.style = edited.style;
-        self.features.path.draft = edited.path;
-        self.features.labels.take(edited.labels);
-        if let Some(problem) = self.features.timeline.take_markers(edited.markers) {
-            self.notices.warn(problem);
-        }
-        self.features.notes.text = edited.notes;
-        self.play_with(|player, now| player.set_range(edited.range, now));
-        self.keep_document();
+    fn note_in_history(&mut self, note: impl FnOnce(&mut History, &Document)) {
+        self.gather_document();
+        // Of two ways to draw that are compared, the one whose settings are shown is the one that is undone.
+        let of_a = self.document.style();
+        self.document.set_style(self.style);
+        note(&mut self.history, &self.document);
+        self.document.set_style(of_a);
+    }
+
+    /// Takes back the last change.
+    pub(in crate::app) fn undo(&mut self) {
+        self.note_step();
+        let before = self.history.undo();
+        self.take_undone(before);
+    }
+
+    /// Makes the change again that was taken back last.
+    pub(in crate::app) fn redo(&mut self) {
+        self.note_step();
+        let after = self.history.redo();
+        self.take_undone(after);
     }
 
     /// Asks the window for what only it can do.

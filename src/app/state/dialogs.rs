@@ -1,92 +1,164 @@
 //! File dialogs of the system, one at a time.
 
-use crate::app::features::benchmark::ReportFormat;
+use crate::app::work::outcome::Message;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
-use crate::document::EXTENSION;
-use crate::export::PictureFormat;
-use crate::io;
+use std::fmt;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// A dialog that gives no answer sooner than a person can press a key was never seen.
 const SEEN_DIALOG: Duration = Duration::from_millis(400);
 
-/// What a dialog asks for.
+/// What a dialog lets a person choose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DialogKind {
-    /// Files to open as a sequence.
-    OpenFiles,
-    /// A folder to open as a sequence.
-    OpenFolder,
-    /// Files to open as a second sequence.
-    CompareFiles,
-    /// A folder to open as a second sequence.
-    CompareFolder,
-    /// Where to write the picture.
-    SavePicture,
-    /// Where to record a live stream.
-    RecordTo,
-    /// A camera path to open.
-    OpenPath,
-    /// Where to write the camera path.
-    SavePath,
-    /// Where to write the session.
-    SaveSession,
-    /// The file of an export, with this extension.
-    ExportTo(&'static str),
-    /// The folder of an export of many files.
-    ExportFolder,
-    /// The sequence file to save to.
-    SaveReel,
-    /// The folder to save frames to.
-    SaveFolder,
-    /// Where to write the benchmark.
-    SaveReport(ReportFormat),
+enum Picks {
+    Files,
+    File,
+    Folder,
+    NewFile,
 }
 
-impl DialogKind {
-    /// Whether it asks where to write what a person has made, which must not be lost for want of a dialog.
-    pub(in crate::app) fn writes_own_work(self) -> bool {
-        matches!(self, Self::SavePath | Self::SaveSession | Self::SaveReport(_))
+/// A dialog of a window with the state `S`: what it asks for, and what becomes of the answer. Who needs one makes it;
+/// nothing else lists them.
+pub(in crate::app) struct Dialog<S> {
+    title: &'static str,
+    picks: Picks,
+    filters: Vec<(String, Vec<&'static str>)>,
+    file_name: Option<String>,
+    without: &'static str,
+    is_of_own_work: bool,
+    answer: Box<dyn FnOnce(&mut S, Vec<PathBuf>) + Send>,
+}
+
+impl<S> fmt::Debug for Dialog<S> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.debug_tuple("Dialog").field(&self.title).finish()
+    }
+}
+
+impl<S> Dialog<S> {
+    /// Asks for one file or more that are there.
+    pub(in crate::app) fn files(
+        title: &'static str,
+        answer: impl FnOnce(&mut S, Vec<PathBuf>) + Send + 'static,
+    ) -> Self {
+        Self {
+            title,
+            picks: Picks::Files,
+            filters: Vec::new(),
+            file_name: None,
+            without: "Drop files or a folder on the window, or name them on the command line: pointreel view FOLDER",
+            is_of_own_work: false,
+            answer: Box::new(answer),
+        }
+    }
+
+    fn one(picks: Picks, title: &'static str, answer: impl FnOnce(&mut S, PathBuf) + Send + 'static) -> Self {
+        let answer = |state: &mut S, paths: Vec<PathBuf>| {
+            if let Some(path) = paths.into_iter().next() {
+                answer(state, path);
+            }
+        };
+        Self {
+            picks,
+            ..Self::files(title, answer)
+        }
+    }
+
+    /// Asks for a file that is there.
+    pub(in crate::app) fn file(title: &'static str, answer: impl FnOnce(&mut S, PathBuf) + Send + 'static) -> Self {
+        Self::one(Picks::File, title, answer)
+    }
+
+    /// Asks for a folder that is there.
+    pub(in crate::app) fn folder(title: &'static str, answer: impl FnOnce(&mut S, PathBuf) + Send + 'static) -> Self {
+        Self::one(Picks::Folder, title, answer)
+    }
+
+    /// Asks where to write a file, and proposes a name.
+    pub(in crate::app) fn new_file(
+        title: &'static str,
+        name: String,
+        answer: impl FnOnce(&mut S, PathBuf) + Send + 'static,
+    ) -> Self {
+        Self::one(Picks::NewFile, title, answer).named(name)
+    }
+
+    /// The same with a proposed name.
+    pub(in crate::app) fn named(mut self, name: String) -> Self {
+        self.file_name = Some(name);
+        self
+    }
+
+    /// The same with files of these extensions, under a name.
+    pub(in crate::app) fn filter(
+        mut self,
+        name: impl Into<String>,
+        extensions: impl IntoIterator<Item = &'static str>,
+    ) -> Self {
+        self.filters.push((name.into(), extensions.into_iter().collect()));
+        self
+    }
+
+    /// The same with what to do where the system has no dialogs.
+    pub(in crate::app) fn without(mut self, advice: &'static str) -> Self {
+        self.without = advice;
+        self
+    }
+
+    /// The same for what a person has made, which must not be lost for want of a dialog: it is written under the
+    /// proposed name then.
+    pub(in crate::app) fn of_own_work(mut self) -> Self {
+        self.is_of_own_work = true;
+        self.without("Install one of these for other places")
     }
 
     /// What to do where the system has no dialogs.
-    pub(in crate::app) fn without_dialogs(self) -> &'static str {
-        match self {
-            Self::OpenFiles | Self::OpenFolder | Self::CompareFiles | Self::CompareFolder => {
-                "Drop files or a folder on the window, or name them on the command line: pointreel view FOLDER"
-            }
-            Self::OpenPath => "Name a session with the camera path on the command line: pointreel view FILE.pointreel",
-            Self::SavePicture => "Save picture (P) asks for no name, and Export… has a field for it",
-            Self::ExportTo(_) | Self::ExportFolder | Self::SaveReel | Self::SaveFolder => {
-                "Write folder and name into the fields"
-            }
-            Self::RecordTo => "Name the file on the command line: pointreel view tcp://… --record FILE",
-            Self::SavePath | Self::SaveSession | Self::SaveReport(_) => "Install one of these for other places",
+    pub(super) fn advice(&self) -> &'static str {
+        self.without
+    }
+
+    /// The name under which it is written where the system has no dialogs; `None` if it is not then.
+    pub(super) fn name_without_dialogs(&self) -> Option<&str> {
+        self.file_name.as_deref().filter(|_| self.is_of_own_work)
+    }
+
+    /// Gives it the paths that were chosen.
+    pub(super) fn answer(self, state: &mut S, paths: Vec<PathBuf>) {
+        (self.answer)(state, paths);
+    }
+
+    /// Asks the person; `None` without an answer.
+    fn show(&self) -> Option<Vec<PathBuf>> {
+        let mut dialog = rfd::FileDialog::new().set_title(self.title);
+        if let Some(file_name) = &self.file_name {
+            dialog = dialog.set_file_name(file_name);
+        }
+        for (name, extensions) in &self.filters {
+            dialog = dialog.add_filter(name, extensions);
+        }
+        let one = |path: Option<PathBuf>| path.map(|path| vec![path]);
+        match self.picks {
+            Picks::Files => dialog.pick_files(),
+            Picks::File => one(dialog.pick_file()),
+            Picks::Folder => one(dialog.pick_folder()),
+            Picks::NewFile => one(dialog.save_file()),
         }
     }
 }
 
 /// How a dialog was closed.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum DialogAnswer {
+#[derive(Debug)]
+pub(in crate::app) enum DialogAnswer<S> {
     /// With at least one path.
-    Chosen {
-        /// Which dialog.
-        dialog: DialogKind,
-        /// What was chosen.
-        paths: Vec<PathBuf>,
-    },
+    Chosen(Dialog<S>, Vec<PathBuf>),
     /// Without any.
     Cancelled,
     /// The system has no dialogs.
-    NoDialog {
-        /// Which one was wanted.
-        dialog: DialogKind,
-        /// The name of a file that was proposed.
-        file_name: Option<String>,
-    },
+    NoDialog(Dialog<S>),
 }
+
+impl<S: 'static> Message for DialogAnswer<S> {}
 
 /// The dialog that is open, or none.
 #[derive(Debug, Default)]
@@ -96,10 +168,9 @@ pub(in crate::app) struct Dialogs {
 
 impl Dialogs {
     /// Asks the person. Nothing happens while another dialog is open.
-    pub(in crate::app) fn ask<T: TaskOutcome + From<DialogAnswer>>(
+    pub(in crate::app) fn ask<S: 'static, T: TaskOutcome + From<DialogAnswer<S>>>(
         &mut self,
-        dialog: DialogKind,
-        file_name: Option<String>,
+        dialog: Dialog<S>,
         tasks: &Tasks<T>,
     ) {
         if std::mem::replace(&mut self.is_open, true) {
@@ -107,9 +178,9 @@ impl Dialogs {
         }
         tasks.start("file dialog", move || {
             let opened = Instant::now();
-            match show_dialog(dialog, file_name.clone()) {
-                Some(paths) if !paths.is_empty() => DialogAnswer::Chosen { dialog, paths },
-                _ if opened.elapsed() < SEEN_DIALOG => DialogAnswer::NoDialog { dialog, file_name },
+            match dialog.show() {
+                Some(paths) if !paths.is_empty() => DialogAnswer::Chosen(dialog, paths),
+                _ if opened.elapsed() < SEEN_DIALOG => DialogAnswer::NoDialog(dialog),
                 _ => DialogAnswer::Cancelled,
             }
         });
@@ -118,58 +189,5 @@ impl Dialogs {
     /// Takes notice that it was closed.
     pub(in crate::app) fn note_answer(&mut self) {
         self.is_open = false;
-    }
-}
-
-fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBuf>> {
-    let mut dialog = rfd::FileDialog::new();
-    if let Some(file_name) = file_name {
-        dialog = dialog.set_file_name(file_name);
-    }
-    let one = |path: Option<PathBuf>| path.map(|path| vec![path]);
-    let title = match kind {
-        DialogKind::OpenFiles => "Open point clouds",
-        DialogKind::OpenFolder => "Open a folder of frames",
-        DialogKind::CompareFiles => "Compare with point clouds",
-        DialogKind::CompareFolder => "Compare with a folder of frames",
-        DialogKind::SavePicture => "Save the picture",
-        DialogKind::RecordTo => "Record the live stream",
-        DialogKind::OpenPath => "Open a camera path",
-        DialogKind::SavePath => "Save the camera path",
-        DialogKind::SaveSession => "Save the session",
-        DialogKind::ExportTo(_) => "Export to",
-        DialogKind::ExportFolder => "Folder of the pictures",
-        DialogKind::SaveReel => "Save the sequence",
-        DialogKind::SaveFolder => "Folder of the frames",
-        DialogKind::SaveReport(_) => "Save the benchmark",
-    };
-    dialog = dialog.set_title(title);
-    match kind {
-        DialogKind::OpenFiles | DialogKind::CompareFiles => dialog
-            .add_filter(
-                "Point clouds and sessions",
-                &io::supported_extensions()
-                    .chain(["mkv", "reel", "pointreel-stream", EXTENSION])
-                    .collect::<Vec<_>>(),
-            )
-            .add_filter("All files", &["*"])
-            .pick_files(),
-        DialogKind::OpenFolder | DialogKind::CompareFolder | DialogKind::ExportFolder | DialogKind::SaveFolder => {
-            one(dialog.pick_folder())
-        }
-        DialogKind::SaveSession => one(dialog.add_filter("Session", &[EXTENSION]).save_file()),
-        DialogKind::SaveReel => one(dialog.add_filter("Sequence file", &["reel"]).save_file()),
-        DialogKind::SavePicture => one(PictureFormat::filters()
-            .fold(dialog, |dialog, (name, extensions)| {
-                dialog.add_filter(format!("{name} image"), extensions)
-            })
-            .save_file()),
-        DialogKind::RecordTo => one(dialog
-            .add_filter("Recording of a stream", &["pointreel-stream"])
-            .save_file()),
-        DialogKind::OpenPath => one(dialog.add_filter("Camera path", &["json"]).pick_file()),
-        DialogKind::SavePath => one(dialog.add_filter("Camera path", &["json"]).save_file()),
-        DialogKind::ExportTo(extension) => one(dialog.add_filter(extension.to_uppercase(), &[extension]).save_file()),
-        DialogKind::SaveReport(format) => one(dialog.add_filter(format.name(), &[format.extension()]).save_file()),
     }
 }

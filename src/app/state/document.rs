@@ -1,49 +1,63 @@
-//! The document of the window, collected from the features that hold its parts and given back to them. What no feature
-//! holds is here: inputs, reading, settings, view, frame and range.
+//! The document of the window, brought up to date from what works on its parts, and given back to them. What no feature
+//! works on is here: inputs, reading, settings, view, frame and range.
 
 use super::State;
 use super::opened::Opened;
 use crate::app::features::Features;
 use crate::document::{Document, Reading};
+use crate::playback::Player;
 use crate::scene::Settings;
 use crate::sequence::Sequence;
 use std::path::PathBuf;
 
 impl State {
-    /// What is open, and all that was made around it. The view is `None` while nobody has moved the camera.
-    pub fn document(&self) -> Document {
-        let style = self.style_of_a();
-        let Some(player) = &self.player else {
-            return Document::new(style);
-        };
-        let mut reading = Reading::of(self.opened_with());
-        if let Some(topic) = chosen_topic(player.sequence()) {
-            reading.topic = Some(topic);
-        }
-        let is_untouched = self.opening.looked.untouched(&self.camera).is_some();
-        let mut document = Document {
-            inputs: self.named_inputs(player).unwrap_or_default(),
-            reading,
-            frame: player.waiting_for().unwrap_or(player.clock().frame()),
-            view: if self.opening.looked.is_empty() {
-                self.shared.options.view
-            } else {
-                (!is_untouched).then_some(self.camera)
-            },
-            settings: style.with(|style| style.clip = None),
-            clip: style.clip,
-            range: player.clock().range(),
-            compare: self.opening.opened.compared.clone(),
-            unknown: self.opening.opened.unknown.clone(),
-            ..Document::default()
-        };
-        for feature in Features::rows::<Self>() {
-            (feature.save)(self, &mut document);
-        }
+    /// The document as it is now: [`State::document`] is as of the last pass.
+    pub fn current_document(&self) -> Document {
+        let mut document = self.document.clone();
+        self.gather_into(&mut document);
         document
     }
 
-    /// Gives each part of `document` to what holds it. Its inputs are open already.
+    /// Brings the document up to date. What is the same as before is not copied.
+    pub(super) fn gather_document(&mut self) {
+        let mut document = std::mem::take(&mut self.document);
+        self.gather_into(&mut document);
+        self.document = document;
+    }
+
+    fn gather_into(&self, document: &mut Document) {
+        document.set_style(self.style_of_a());
+        if let Some(player) = &self.player {
+            self.gather_of_player(player, document);
+        }
+        for feature in Features::rows::<Self>() {
+            feature.save(self, document);
+        }
+    }
+
+    /// The view is `None` while nobody has moved the camera.
+    fn gather_of_player(&self, player: &Player, document: &mut Document) {
+        let named = &self.opening.opened.inputs;
+        if named.is_empty() {
+            document.inputs = inputs_of(player.sequence()).unwrap_or_default();
+        } else if document.inputs != *named {
+            document.inputs.clone_from(named);
+        }
+        document.reading = Reading::of(self.opened_with());
+        if let Some(topic) = chosen_topic(player.sequence()) {
+            document.reading.topic = Some(topic);
+        }
+        document.frame = player.waiting_for().unwrap_or(player.clock().frame());
+        document.view = if self.opening.looked.is_empty() {
+            self.shared.options.view
+        } else {
+            let is_untouched = self.opening.looked.untouched(&self.camera).is_some();
+            (!is_untouched).then_some(self.camera)
+        };
+        document.range = player.clock().range();
+    }
+
+    /// Gives each part of `document` to what works on it. Its inputs are open already.
     pub fn apply_document(&mut self, document: Document) {
         self.style = document.style();
         let view = self.shared.options.view.take().or(document.view);
@@ -51,8 +65,9 @@ impl State {
             self.motion.turntable.is_on = false;
         }
         self.shared.options.view = view;
+        self.document = document.clone();
         for feature in Features::rows::<Self>() {
-            (feature.load)(self, &document);
+            feature.load(self, &document);
         }
         let (range, frame) = (document.range, document.frame);
         self.play_with(|player, now| {
@@ -67,10 +82,23 @@ impl State {
             inputs: document.inputs,
             options: Some(document.reading.over(&self.shared.options.open)),
             compared: document.compare,
-            unknown: document.unknown,
             ..Opened::default()
         };
         self.open_companion();
+    }
+
+    /// Takes what undo or redo has put back.
+    pub(in crate::app) fn take_undone(&mut self, undone: Option<Document>) {
+        let Some(undone) = undone else { return };
+        self.gather_document();
+        self.document.put_back(&undone);
+        self.style = undone.style();
+        let document = self.document.clone();
+        for feature in Features::rows::<Self>() {
+            feature.put_back(self, &document);
+        }
+        self.play_with(|player, now| player.set_range(document.range, now));
+        self.keep_document();
     }
 
     /// The document of a sequence of which nothing is kept.

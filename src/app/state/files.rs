@@ -1,35 +1,32 @@
 //! Dialogs and the files that are chosen with them.
 
-use super::dialogs::{DialogAnswer, DialogKind};
-use super::{State, WindowRequest};
-use crate::app::work::files::{
-    PicturePlace, document_folder, numbered_files, picture_folder, save_picture, with_extension,
-};
-use crate::document::EXTENSION;
+use super::State;
+use super::dialogs::{Dialog, DialogAnswer};
+use crate::app::work::files::{PicturePlace, document_folder, numbered_files, picture_folder, save_picture};
 use crate::sequence::Sequence;
 use std::path::{Path, PathBuf};
 
 impl State {
     /// Asks the person. Nothing happens while another dialog is open.
-    pub(in crate::app) fn ask(&mut self, dialog: DialogKind, file_name: Option<String>) {
-        self.shared.dialogs.ask(dialog, file_name, &self.shared.tasks);
+    pub(in crate::app) fn ask(&mut self, dialog: Dialog<Self>) {
+        self.shared.dialogs.ask(dialog, &self.shared.tasks);
     }
 
     /// Takes the answer to a dialog.
-    pub(in crate::app) fn take_answer(&mut self, answer: DialogAnswer) {
+    pub(in crate::app) fn take_answer(&mut self, answer: DialogAnswer<Self>) {
         self.shared.dialogs.note_answer();
         match answer {
-            DialogAnswer::Chosen { dialog, paths } => self.chosen(dialog, paths),
+            DialogAnswer::Chosen(dialog, paths) => dialog.answer(self, paths),
             DialogAnswer::Cancelled => {}
-            DialogAnswer::NoDialog { dialog, file_name } => {
+            DialogAnswer::NoDialog(dialog) => {
                 let text = format!(
                     "No file dialog could be opened: on Linux one needs xdg-desktop-portal or zenity. {}",
-                    dialog.without_dialogs()
+                    dialog.advice()
                 );
-                match file_name.filter(|_| dialog.writes_own_work()) {
-                    Some(name) => {
+                match dialog.name_without_dialogs().map(|name| self.new_file(name)) {
+                    Some(file) => {
                         self.notices.warn(text);
-                        self.chosen(dialog, vec![self.new_file(&name)]);
+                        dialog.answer(self, vec![file]);
                     }
                     None => self.notices.error(text),
                 }
@@ -46,31 +43,6 @@ impl State {
             [name.file_stem(), name.extension()].map(|part| part.unwrap_or_default().to_string_lossy());
         let mut files = numbered_files(&folder, &stem, &extension);
         files.find(|file| !file.exists()).unwrap_or_default()
-    }
-
-    fn chosen(&mut self, dialog: DialogKind, paths: Vec<PathBuf>) {
-        let first = paths[0].clone();
-        match dialog {
-            DialogKind::OpenFiles | DialogKind::OpenFolder => {
-                self.open_paths(paths);
-            }
-            DialogKind::CompareFiles | DialogKind::CompareFolder => self.compare_paths(paths),
-            DialogKind::SavePicture => {
-                self.shared
-                    .requests
-                    .push(WindowRequest::Screenshot(Some(with_extension(first, "png"))));
-            }
-            DialogKind::RecordTo => self.record_to(&with_extension(first, "pointreel-stream")),
-            DialogKind::OpenPath => self.open_path(first),
-            DialogKind::SavePath => self.save_path_to(with_extension(first, "json")),
-            DialogKind::SaveSession => self.save_session_to(with_extension(first, EXTENSION)),
-            DialogKind::ExportTo(_) | DialogKind::ExportFolder => {
-                let is_folder = dialog == DialogKind::ExportFolder;
-                self.features.export.take_place(is_folder, &first);
-            }
-            DialogKind::SaveReel | DialogKind::SaveFolder => self.features.save.take_place(&first),
-            DialogKind::SaveReport(format) => self.save_report(first, format),
-        }
     }
 
     /// Writes `image` to `path`, or to a new file in the folder of pictures.
@@ -98,6 +70,7 @@ pub(in crate::app) fn folder_of(sequence: &Sequence) -> Option<PathBuf> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::session::session_dialog;
     use super::*;
     use crate::app::StateOptions;
     use std::fs;
@@ -113,10 +86,7 @@ mod tests {
         fs::write(&other, "not ours").unwrap();
         let mut state = State::new(StateOptions::default());
         state.open(Arc::new(Sequence::discover(&[scan]).unwrap()));
-        state.take_answer(DialogAnswer::NoDialog {
-            dialog: DialogKind::SaveSession,
-            file_name: Some("scan.pointreel".to_owned()),
-        });
+        state.take_answer(DialogAnswer::NoDialog(session_dialog("scan.pointreel".to_owned())));
         let saved = folder.path().join("scan-2.pointreel");
         let begin = Instant::now();
         while state.session_file() != Some(&saved) {
@@ -132,10 +102,8 @@ mod tests {
     #[test]
     fn what_is_to_be_opened_needs_a_dialog() {
         let mut state = State::new(StateOptions::default());
-        state.take_answer(DialogAnswer::NoDialog {
-            dialog: DialogKind::OpenFiles,
-            file_name: None,
-        });
+        let dialog = Dialog::files("Open point clouds", |_: &mut State, _| panic!("there is no dialog"));
+        state.take_answer(DialogAnswer::NoDialog(dialog));
         let [notice] = state.notices.list() else {
             panic!("{:?}", state.notices.list())
         };

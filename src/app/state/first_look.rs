@@ -5,7 +5,6 @@
 //! and nobody has moved the camera, the view is that of all of them. An up axis that a user chooses is in the document.
 
 use super::State;
-use crate::app::features::photos::Photos;
 use crate::app::first_look::{FirstView, RefinedLook};
 use crate::math::Aabb;
 use crate::rgbd::Sensor;
@@ -127,7 +126,7 @@ impl State {
 
     /// The up axis that the user has chosen for the open sequence.
     pub(in crate::app) fn chosen_up(&self) -> Option<UpAxis> {
-        self.shared.options.up.or(self.features.timeline.chosen_up)
+        self.shared.options.up.or(self.document.up)
     }
 
     /// Puts the camera where it is for a sequence that was just opened.
@@ -172,9 +171,9 @@ impl State {
         self.take_chosen_up(None);
     }
 
-    fn take_chosen_up(&mut self, up: Option<UpAxis>) {
+    pub(super) fn take_chosen_up(&mut self, up: Option<UpAxis>) {
         self.shared.options.up = None;
-        self.features.timeline.chosen_up = up;
+        self.document.up = up;
         self.keep_document();
         if let Some(guessed) = self.opening.looked.guessed.take() {
             self.take_look(guessed);
@@ -214,7 +213,7 @@ impl State {
     pub(in crate::app) fn stand_at_photo(&mut self, number: usize) {
         let looked = self.opening.looked.look.as_deref().zip(self.player.as_ref());
         if let Some((look, player)) = looked
-            && let Some(set) = Photos::set_of(player)
+            && let Some(set) = player.photographs()
             && let Some(photo) = set.photos.get(number)
         {
             self.camera = look.camera_of_photo(photo, player.sequence().origin());

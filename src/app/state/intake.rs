@@ -19,15 +19,13 @@ use std::sync::Arc;
 impl State {
     /// Gives what a task came to to the feature that it is of.
     pub(in crate::app) fn take_in(&mut self, outcome: Outcome) {
-        let features = Features::rows::<Self>().into_iter();
-        let takers = features.map(|feature| feature.take).chain([Self::take_own as _]);
-        let left = takers
-            .into_iter()
-            .try_fold(outcome, |outcome, take| match take(self, outcome) {
-                Ok(()) => ControlFlow::Break(()),
-                Err(outcome) => ControlFlow::Continue(outcome),
-            });
-        if let ControlFlow::Continue(outcome) = left {
+        let mut features = Features::rows::<Self>().into_iter();
+        let left = features.try_fold(outcome, |outcome, feature| match feature.take(self, outcome) {
+            Ok(()) => ControlFlow::Break(()),
+            Err(outcome) => ControlFlow::Continue(outcome),
+        });
+        let left = left.continue_value().map(|outcome| self.take_own(outcome));
+        if let Some(Err(outcome)) = left {
             debug_assert!(false, "no feature takes {outcome:?}");
             log::error!("no feature takes {outcome:?}");
         }
@@ -60,12 +58,11 @@ impl State {
             })
     }
 
-    fn take_found(&mut self, found: FoundSequence) {
+    pub(in crate::app) fn take_found(&mut self, found: FoundSequence) {
         if let Some(problem) = found.problem {
             self.notices.warn(problem);
         }
         match found.sequence {
-            Ok(sequence) if !found.changes.is_empty() => self.take_changed(sequence, found.open, &found.changes),
             Ok(sequence) => {
                 match (found.side, found.session) {
                     (Side::A, Some(session)) => self.open_session(sequence, *session),

@@ -1,7 +1,7 @@
 //! What is known of how the open document is kept.
 
-use crate::app::features::quality::MeasuredWay;
-use crate::document::Document;
+use super::measured_way::MeasuredWay;
+use crate::document::{Document, UnsavedPlace};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -10,6 +10,8 @@ use std::time::Duration;
 pub(super) struct Keeper {
     /// Its file; `None` if it is not kept.
     pub(super) file: Option<PathBuf>,
+    /// Where unsaved changes of its session are kept.
+    pub(super) unsaved: Option<UnsavedPlace>,
     /// What this window has read from the file or written to it last.
     pub(super) written: Document,
     /// As it was opened, or kept last.
@@ -18,9 +20,14 @@ pub(super) struct Keeper {
     pub(super) saved: Document,
     /// As a new one is.
     pub(super) new: Document,
-    /// What is to be kept, and since when it is so.
-    pub(super) changed: Option<(Document, Duration)>,
+    /// As it was at the last look, with the view of that; `None` if what it is compared with has changed since.
+    pub(super) seen: Option<Document>,
+    /// Whether that holds other work than `saved`.
     pub(super) is_unsaved: bool,
+    /// Whether that holds other work than `begun`.
+    pub(super) is_other_work: bool,
+    /// Since when there is something to be kept.
+    pub(super) changed: Option<Duration>,
     /// What the command line has changed of the settings: that is not kept.
     pub(super) given: Option<MeasuredWay>,
 }

@@ -3,11 +3,13 @@
 //! **How it works.** Each sequence has a file ([`DocumentFolder`](crate::document::DocumentFolder)). Once a pass the
 //! document is compared with what it began with; what differs is written a moment after the last change, so that a
 //! program that is killed has lost little. Looking at frames is no change, and a file that was only opened leaves
-//! nothing behind. A session has a file of its own: it is written when the user saves it.
+//! nothing behind. A session has a file of its own: it is written when the user saves it. Until then what was changed
+//! is kept next to the documents, and restored when the session is opened again (`document/unsaved.rs`), so that the
+//! window closes and other files are opened without a question.
 
 use super::State;
 use super::keeper::Keeper;
-use crate::app::features::quality::MeasuredWay;
+use super::measured_way::MeasuredWay;
 use crate::app::side::Side;
 use crate::document::Document;
 use crate::scene::{DrawingSettings, Settings};
@@ -93,7 +95,10 @@ impl State {
 
     /// The document as it is kept: without what the command line has changed, and without who draws.
     pub(super) fn kept_document(&self) -> Document {
-        let mut document = self.document();
+        self.as_kept(self.current_document())
+    }
+
+    fn as_kept(&self, mut document: Document) -> Document {
         if let Some(way) = self.opening.keeper.given {
             document.settings = way.undone(document.settings);
             if document.clip == way.chosen.clip {
@@ -118,27 +123,36 @@ impl State {
     /// Takes notice that `document` was saved.
     pub(in crate::app) fn note_saved(&mut self, document: Document) {
         self.opening.keeper.saved = document;
-        self.note_document();
+        self.opening.keeper.seen = None;
+        self.gather_document();
+        self.look_at_document();
     }
 
-    /// Looks whether the document has changed. Call once a pass.
-    pub(super) fn note_document(&mut self) {
+    /// Looks whether the document, which is up to date, has changed. Copies nothing while it has not.
+    pub(super) fn look_at_document(&mut self) {
         if self.player.is_none() {
             self.opening.keeper = Keeper::default();
             return;
         }
-        let now = self.kept_document();
-        let keeper = &mut self.opening.keeper;
-        keeper.is_unsaved = !now.is_same_work(&keeper.saved);
-        if now.is_kept_same(&keeper.begun) {
-            keeper.changed = None;
-        } else if !keeper
-            .changed
-            .as_ref()
-            .is_some_and(|(before, _)| before.is_kept_same(&now))
-        {
-            keeper.changed = Some((now, self.shared.now));
+        let now = &self.document;
+        match &mut self.opening.keeper.seen {
+            Some(seen) if seen.is_same_work(now) => {
+                if seen.view == now.view {
+                    return;
+                }
+                seen.view = now.view;
+            }
+            _ => {
+                let kept = self.as_kept(now.clone());
+                let keeper = &mut self.opening.keeper;
+                keeper.is_unsaved = !kept.is_same_work(&keeper.saved);
+                keeper.is_other_work = !kept.is_same_work(&keeper.begun);
+                keeper.seen = Some(self.document.clone());
+            }
         }
+        let keeper = &mut self.opening.keeper;
+        let differs = keeper.is_other_work || self.document.view != keeper.begun.view;
+        keeper.changed = differs.then_some(self.shared.now);
     }
 
     /// True if the document differs from what was last saved, or from what was opened.
@@ -148,14 +162,13 @@ impl State {
 
     /// Whether what the user makes is kept without being asked.
     pub(in crate::app) fn is_kept(&self) -> bool {
-        self.opening.keeper.file.is_some()
+        self.opening.keeper.file.is_some() || self.opening.keeper.unsaved.is_some()
     }
 
     /// When [`State::keep_if_due`] has something to do.
     pub(in crate::app) fn keeping_deadline(&self) -> Option<Duration> {
-        self.opening.keeper.file.as_ref()?;
-        let (_, since) = self.opening.keeper.changed.as_ref()?;
-        Some(*since + WRITE_DELAY)
+        let changed = self.opening.keeper.changed.filter(|_| self.is_kept())?;
+        Some(changed + WRITE_DELAY)
     }
 
     /// Keeps what was changed long enough before `now`.
@@ -167,26 +180,48 @@ impl State {
 
     /// Keeps the document, if it was changed and may be kept.
     pub(in crate::app) fn keep_document(&mut self) {
-        let (Some(folder), Some(file)) = (&self.shared.options.documents, &self.opening.keeper.file) else {
-            return;
-        };
-        let now = self.kept_document();
-        if self.player.is_none() || now.is_kept_same(&self.opening.keeper.begun) {
+        if !self.is_kept() || self.player.is_none() {
             return;
         }
-        let kept = if now.summary(&self.opening.keeper.new).is_empty() {
-            folder.forget(file);
-            Ok(())
-        } else {
-            folder.write(file, &self.opening.keeper.written, &now)
-        };
-        if let Err(problem) = kept {
-            self.notices.warn(problem);
+        let now = self.kept_document();
+        if now.is_kept_same(&self.opening.keeper.begun) {
+            return;
+        }
+        for kept in [self.keep_of_sequence(&now), self.keep_of_session(&now)] {
+            if let Err(problem) = kept {
+                self.notices.warn(problem);
+            }
         }
         // Also after a failure: it would be the same each second.
         self.opening.keeper.written = now.clone();
         self.opening.keeper.begun = now;
         self.opening.keeper.changed = None;
+        self.opening.keeper.seen = None;
+    }
+
+    fn keep_of_sequence(&self, now: &Document) -> Result<(), String> {
+        let keeper = &self.opening.keeper;
+        let (Some(folder), Some(file)) = (&self.shared.options.documents, &keeper.file) else {
+            return Ok(());
+        };
+        if now.summary(&keeper.new).is_empty() {
+            folder.forget(file);
+            return Ok(());
+        }
+        folder.write(file, &keeper.written, now)
+    }
+
+    /// Keeps what is not saved of the session, as that would hold it.
+    fn keep_of_session(&self, now: &Document) -> Result<(), String> {
+        let keeper = &self.opening.keeper;
+        let (Some(folder), Some(place)) = (&self.shared.options.documents, &keeper.unsaved) else {
+            return Ok(());
+        };
+        if now.is_same_work(&keeper.saved) {
+            folder.forget_unsaved(place);
+            return Ok(());
+        }
+        folder.keep_unsaved(place, &self.session()?)
     }
 
     /// The open document is empty again, as if its sequence was opened for the first time.
@@ -196,7 +231,7 @@ impl State {
         }
         self.close_beside();
         self.end_comparison(Side::A);
-        let now = self.document();
+        let now = self.current_document();
         self.shared.options.view = None;
         self.opening.measured_way = None;
         self.opening.keeper.given = None;
@@ -245,7 +280,7 @@ impl State {
 }
 
 /// A document without who draws, which is no part of it.
-fn undrawn(mut document: Document) -> Document {
+pub(super) fn undrawn(mut document: Document) -> Document {
     document.settings.drawing = DrawingSettings::default();
     document
 }
@@ -266,16 +301,20 @@ mod tests {
             documents: Some(DocumentFolder::at(documents.clone(), folder.path().join("timelines"))),
             ..StateOptions::default()
         });
+        let note = |state: &mut State| {
+            state.gather_document();
+            state.look_at_document();
+        };
         let decode = |_: &FrameEntry| Ok(RawCloud::from_positions(Positions::F32(vec![[0.0; 3], [1.0; 3]])));
         let sequence = Sequence::with_decoder(vec![FrameEntry::file("/scans/a.ply")], decode);
         state.open(Arc::new(sequence));
-        state.note_document();
+        note(&mut state);
         assert_eq!((state.keeping_deadline(), state.is_unsaved()), (None, false));
-        state.features.notes.text.push('a');
-        state.note_document();
+        state.document.notes.push('a');
+        note(&mut state);
         state.shared.now += WRITE_DELAY / 2;
-        state.features.notes.text.push('b');
-        state.note_document();
+        state.document.notes.push('b');
+        note(&mut state);
         let due = state.shared.now + WRITE_DELAY;
         assert_eq!((state.keeping_deadline(), state.is_unsaved()), (Some(due), true));
         state.keep_if_due(due.saturating_sub(Duration::from_millis(1)));
@@ -288,8 +327,8 @@ mod tests {
             "no session has it"
         );
         // As it was before: there is nothing to keep any more.
-        state.features.notes.text.clear();
-        state.note_document();
+        state.document.notes.clear();
+        note(&mut state);
         state.keep_if_due(due + 2 * WRITE_DELAY);
         assert_eq!(documents.read_dir().unwrap().count(), 0);
         assert!(!state.is_unsaved());

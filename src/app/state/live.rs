@@ -1,7 +1,8 @@
 //! A live stream is recorded, and what happens to its connection is told.
 
 use super::State;
-use super::dialogs::DialogKind;
+use super::dialogs::Dialog;
+use crate::app::work::files::with_extension;
 use crate::scene::{Camera, screen_view};
 use crate::source::{ConnectionChange, Source};
 use crate::wire::View;
@@ -59,7 +60,7 @@ impl State {
         };
         let Some(live) = source.live() else { return };
         match live.stop_recording() {
-            Ok(None) => self.ask(DialogKind::RecordTo, Some("live.pointreel-stream".to_owned())),
+            Ok(None) => self.ask(record_dialog()),
             Ok(Some(recording)) => {
                 self.notices
                     .info(format!("{} has {} frames", recording.path.display(), recording.frames));
@@ -95,4 +96,12 @@ fn view_of(camera: &Camera, size_px: [u32; 2]) -> View {
         px_per_slope: view.px_per_slope,
         middle_px: [0, 1].map(|axis| view.middle_px[axis] + margin_px[axis] as f32),
     }
+}
+
+/// Asks where to record the live stream.
+fn record_dialog() -> Dialog<State> {
+    let record = |state: &mut State, file| state.record_to(&with_extension(file, "pointreel-stream"));
+    Dialog::new_file("Record the live stream", "live.pointreel-stream".to_owned(), record)
+        .filter("Recording of a stream", ["pointreel-stream"])
+        .without("Name the file on the command line: pointreel view tcp://… --record FILE")
 }

@@ -14,6 +14,7 @@ mod keeping;
 mod kept;
 mod live;
 mod main_picture;
+mod measured_way;
 mod moving_camera;
 mod opened;
 mod opening;
@@ -27,10 +28,11 @@ mod reading;
 mod session;
 mod shared;
 
-pub use dialogs::{DialogAnswer, DialogKind};
+pub(in crate::app) use dialogs::Dialog;
 pub use failed_opening::FailedOpening;
 pub(in crate::app) use files::folder_of;
 pub use kept::Kept;
+pub(in crate::app) use measured_way::MeasuredWay;
 pub use opened::{SavedSession, SessionQuestion};
 pub use opening_facts::OpeningFacts;
 pub use options::{GivenStyle, StateOptions};
@@ -50,7 +52,7 @@ use crate::app::open_panels::OpenPanels;
 use crate::app::preferences::Preferences;
 use crate::app::work::tasks::Wake;
 use crate::cloud::LengthUnit;
-use crate::document::History;
+use crate::document::{Document, History};
 use crate::math::Aabb;
 use crate::playback::{Player, PlayerChange};
 use crate::scene::{Camera, SceneStats, ScreenStats, Settings};
@@ -72,6 +74,9 @@ pub struct State {
     pub motion: CameraMotion,
     /// How pictures are asked for.
     pub style: Settings,
+    /// What is open and all that was made around it. Notes, up axis and what another version has written are here
+    /// alone; what player, camera and features work on is brought up to date once a pass.
+    pub document: Document,
     /// Undo and redo of the document.
     pub(in crate::app) history: History,
     /// What a person can do beside looking and playing.
@@ -106,6 +111,7 @@ impl State {
             camera: Camera::framing(&nothing, DVec3::ZERO, options.up.unwrap_or_default()),
             motion: CameraMotion::default(),
             style: options.given.over(options.preferences.settings),
+            document: Document::default(),
             history: History::default(),
             features,
             notices: Notices::default(),
@@ -184,7 +190,7 @@ impl State {
         visible |= self.notices.expire(now);
         visible |= self.follow_connection();
         for feature in Features::rows::<Self>() {
-            visible |= (feature.update)(self);
+            visible |= feature.update(self);
         }
         visible |= self.move_camera_on();
         let style = self.drawn_style();
@@ -226,7 +232,7 @@ impl State {
     fn tell_of_frames(&mut self, change: PlayerChange, count: usize) {
         for &frame in &change.reread {
             for feature in Features::rows::<Self>() {
-                (feature.forget_frame)(self, frame);
+                feature.forget_frame(self, frame);
             }
             self.notices
                 .dismiss_begun(&format!("Frame {} of ", frame + 1), " is left out.");
@@ -247,7 +253,7 @@ impl State {
     fn follow_shown(&mut self) -> bool {
         let mut visible = false;
         for feature in Features::rows::<Self>() {
-            visible |= (feature.follow_frame)(self);
+            visible |= feature.follow_frame(self);
         }
         if let Some(frame) = self.player.as_ref().and_then(Player::shown)
             && (self.opening.looked.is_empty() || self.opening.looked.is_mended_by(frame.index, frame.id))
@@ -257,7 +263,7 @@ impl State {
             visible = true;
         }
         for feature in Features::rows::<Self>() {
-            (feature.follow)(self);
+            feature.follow(self);
         }
         let paint = self.drawn_frame().map(|frame| *frame.paint());
         visible | (std::mem::replace(&mut self.main.painted_with, paint) != paint)
@@ -267,16 +273,13 @@ impl State {
     /// with it.
     fn panels_show_frame(&self) -> bool {
         let is_playing = self.player.as_ref().is_some_and(Player::is_playing);
-        !is_playing
-            || Features::rows::<Self>()
-                .iter()
-                .any(|feature| (feature.shows_frame)(self))
+        !is_playing || Features::rows::<Self>().iter().any(|feature| feature.shows_frame(self))
     }
 
     /// Has features take in at once what the panels have changed.
     pub(in crate::app) fn follow_panels(&mut self) {
         for feature in Features::rows::<Self>() {
-            (feature.follow_panels)(self);
+            feature.follow_panels(self);
         }
     }
 
@@ -284,7 +287,7 @@ impl State {
     pub fn has_news(&self) -> bool {
         let mut works = self.shared.works.list().iter();
         works.any(|work| work.is_long(self.shared.now))
-            || Features::rows::<Self>().iter().any(|feature| (feature.has_news)(self))
+            || Features::rows::<Self>().iter().any(|feature| feature.has_news(self))
             || self.player.as_ref().is_some_and(Player::runs_are_old)
     }
 
@@ -304,7 +307,7 @@ impl State {
             self.main.drawing.next_deadline(),
         ];
         let features = Features::rows::<Self>().into_iter();
-        let features = features.map(|feature| (feature.next_deadline)(self));
+        let features = features.map(|feature| feature.next_deadline(self));
         own.into_iter().chain(features).flatten().min()
     }
 }

@@ -3,7 +3,7 @@
 use crate::app::features::camera_path::Draft;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
-use crate::document::{Beyond, Compared, Document, Unknown};
+use crate::document::{Beyond, Compared, Document, TextHash};
 use crate::sequence::OpenOptions;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -19,8 +19,6 @@ pub(in crate::app) struct Opened {
     pub(in crate::app) compared: Option<Compared>,
     /// The file of its session.
     pub(in crate::app) file: Option<PathBuf>,
-    /// What in that is not this program's.
-    pub(in crate::app) unknown: Unknown,
     /// Not all of the file could be read: it is copied before it is replaced.
     pub(in crate::app) is_damaged: bool,
 }
@@ -50,4 +48,6 @@ pub struct SavedSession {
     pub(in crate::app) path: Arc<Draft>,
     /// The document that is in it, as it is kept.
     pub(in crate::app) document: Box<Document>,
+    /// Of its text.
+    pub(in crate::app) hash: TextHash,
 }

@@ -107,12 +107,18 @@ impl State {
         let name = format!("Opening {}", entry_name(&inputs));
         let progress = self.shared.works.begin(WorkKind::Open, name, self.shared.now);
         let chosen = self.chosen_reading(&inputs);
+        let is_fresh = self.shared.options.is_fresh;
+        let documents = self.shared.options.documents.clone().filter(|_| !is_fresh);
         self.shared.tasks.start("find frames", move || {
             let mut problem = None;
             let (open, session, sequence) = match session_of(&inputs) {
-                Ok(Some(read)) => {
-                    let open = read.document.reading.over(&open);
+                Ok(Some(mut read)) => {
                     let beyond = read.beyond(open.session_reach);
+                    // What the user has changed may be elsewhere.
+                    if let Some(documents) = documents.filter(|_| beyond.is_empty()) {
+                        documents.restore(&mut read);
+                    }
+                    let open = read.document.reading.over(&open);
                     let sequence = if beyond.is_empty() {
                         found(&read.document.inputs, &open, &progress)
                     } else {
@@ -140,7 +146,6 @@ impl State {
                 session,
                 sequence,
                 side,
-                changes: Vec::new(),
                 problem,
             }
         });

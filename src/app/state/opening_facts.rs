@@ -3,8 +3,8 @@
 use super::connection::Connection;
 use super::failed_opening::{FailedOpening, Unproven};
 use super::keeper::Keeper;
+use super::measured_way::MeasuredWay;
 use super::opened::{Opened, SessionQuestion};
-use crate::app::features::quality::MeasuredWay;
 use crate::app::first_look::SequenceLook;
 
 /// How the open sequence was opened, what was made of it, and what could not be opened.

@@ -1,10 +1,8 @@
 //! What the tasks come to that are of no feature.
 
-use super::dialogs::DialogAnswer;
 use super::opened::SavedSession;
 use crate::app::drawing::in_view::InView;
 use crate::app::drawing::levels::FrameWithLevels;
-use crate::app::features::assumptions::ReadChange;
 use crate::app::first_look::RefinedLook;
 use crate::app::side::Side;
 use crate::app::work::files::SavedFile;
@@ -28,8 +26,6 @@ pub struct FoundSequence {
     pub(in crate::app) sequence: Result<Arc<Sequence>, NotFound>,
     /// Whether it is to be opened, or beside what is open.
     pub(in crate::app) side: Side,
-    /// It is the open sequence read with these changes; empty if it is another one.
-    pub(in crate::app) changes: Vec<ReadChange>,
     /// Why a choice that was made for the inputs before was not taken: a text for a notice.
     pub(in crate::app) problem: Option<String>,
 }
@@ -61,7 +57,6 @@ impl From<SequenceError> for NotFound {
 }
 
 impl Message for FoundSequence {}
-impl Message for DialogAnswer {}
 impl Message for SavedSession {}
 impl Message for SavedFile {}
 impl Message for FrameWithLevels {}

@@ -2,7 +2,6 @@
 
 use super::State;
 use crate::app::drawing::Drawing;
-use crate::app::features::photos::Photos;
 use crate::app::meter::Redraw;
 use crate::composition::{Composed, PictureView, photographs_apply};
 use crate::render::RenderStats;
@@ -55,7 +54,7 @@ impl State {
         let mut style = self.drawn_style();
         let shows_photographs = photographs_apply(&self.features.temporal.options(), &style);
         let waits_for_surface = shows_photographs && self.waits_for_surface(&style);
-        let set = Photos::set_of(player);
+        let set = player.photographs();
         let set = set.filter(|_| shows_photographs);
         let photographed = self.features.photos.drawn(&composed.frame, set.as_ref(), &style);
         if self.style.primitive.is_open() && waits_for_surface && photographed.is_none() {
@@ -121,7 +120,7 @@ impl State {
         style.of_sequence.clip = self.style.clip;
         let comparison = self.features.comparison.as_mut()?;
         let player = self.player.as_ref()?;
-        let set = Photos::set_of(player);
+        let set = player.photographs();
         let shown = player.shown()?;
         // Disks of the other side may be as large as they like: its renderer draws depths of its own.
         let photographed = self.features.photos.drawn(shown, set.as_ref(), &style_of_a);

@@ -146,7 +146,7 @@ impl State {
         self.motion.glide = None;
         self.main.drawing.forget_frame();
         for feature in Features::rows::<Self>() {
-            (feature.forget_sequence)(self);
+            feature.forget_sequence(self);
         }
         self.opening.keeper = Keeper::default();
         self.history = History::default();

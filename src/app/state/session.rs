@@ -1,16 +1,16 @@
 //! Sessions: saved with all that a person has made around the open sequence, and taken up again.
 
 use super::State;
-use super::dialogs::DialogKind;
+use super::dialogs::Dialog;
 use super::document::inputs_of;
+use super::keeping::undrawn;
+use super::measured_way::MeasuredWay;
 use super::opened::{Opened, SavedSession};
-use crate::app::features::beside::Layout;
-use crate::app::features::inspection::measuring::Measurement;
-use crate::app::features::quality::MeasuredWay;
 use crate::app::side::Side;
+use crate::app::work::files::with_extension;
 use crate::app::work::tasks::TaskFailed;
-use crate::document::{ComparedBy, ComparedLayout, Document, EXTENSION, ReadSession};
-use crate::playback::{PairBy, Player};
+use crate::document::{Document, EXTENSION, ReadSession, TextHash, Unsaved, UnsavedPlace};
+use crate::playback::Player;
 use crate::sequence::{OpenOptions, Sequence};
 use crate::source::SessionReach;
 use std::path::{Path, PathBuf};
@@ -27,6 +27,7 @@ impl State {
     /// The open sequence is another one, of which nobody has said what it is named by.
     pub(in crate::app) fn note_unnamed(&mut self) {
         self.opening.opened = Opened::default();
+        self.document = Document::default();
     }
 
     /// The file of the session that is open.
@@ -44,7 +45,7 @@ impl State {
         Ok(Document {
             inputs,
             view: Some(self.camera),
-            ..self.document()
+            ..self.current_document()
         })
     }
 
@@ -82,19 +83,7 @@ impl State {
         let (Some(compared), Some(beside)) = (compared, &mut self.features.beside) else {
             return;
         };
-        beside.companion.set_offset_frames(compared.offset_frames);
-        if let Some(by) = compared.by {
-            beside.companion.pair_by(match by {
-                ComparedBy::Index => PairBy::Index,
-                ComparedBy::Number => PairBy::Number,
-                ComparedBy::Time => PairBy::Time,
-            });
-        }
-        beside.pictures.split = compared.line as f32;
-        beside.lay_out(match compared.layout {
-            ComparedLayout::SideBySide => Layout::SideBySide,
-            ComparedLayout::Line => Layout::Wipe,
-        });
+        beside.arrange(&compared);
     }
 
     /// Saves the session to its file, or asks for one.
@@ -106,7 +95,7 @@ impl State {
             Some(file) if !asks => self.save_session_to(file.clone()),
             _ => {
                 let name = format!("{}.{EXTENSION}", self.sequence_stem());
-                self.ask(DialogKind::SaveSession, Some(name));
+                self.ask(session_dialog(name));
             }
         }
     }
@@ -117,8 +106,7 @@ impl State {
             Ok(session) => session,
             Err(reason) => return self.notices.error(reason),
         };
-        let of_b = |measurement: &&Measurement| measurement.measured().is_none();
-        if let left_out @ 1.. = self.features.inspection.measurements.iter().filter(of_b).count() {
+        if let left_out @ 1.. = self.features.inspection.undocumented() {
             let text = format!("Not in the session: {left_out} measured with the sequence beside the open one");
             self.notices.warn(text);
         }
@@ -129,23 +117,60 @@ impl State {
             if copies {
                 copy_beside(&file).map_err(TaskFailed)?;
             }
-            session.write(&file).map_err(|reason| TaskFailed(reason.to_string()))?;
-            Ok(SavedSession { file, path, document })
+            let hash = session.write(&file).map_err(|reason| TaskFailed(reason.to_string()))?;
+            Ok(SavedSession {
+                file,
+                path,
+                document,
+                hash,
+            })
         });
     }
 
     /// Takes notice that it is written.
     pub(in crate::app) fn session_was_saved(&mut self, saved: SavedSession) {
-        let SavedSession { file, path, document } = saved;
+        let SavedSession {
+            file,
+            path,
+            document,
+            hash,
+        } = saved;
         self.notices.info(format!("Saved {}", file.display()));
         // What is in the session is not lost.
         self.features.path.note_kept(path);
         if let Err(problem) = self.kept.recent.add(std::slice::from_ref(&file)) {
             self.notices.warn(problem);
         }
+        // What was changed while it was written is kept as changes of what is in the file now.
+        self.keep_document();
+        if let (Some(folder), Some(before)) = (&self.shared.options.documents, &self.opening.keeper.unsaved) {
+            folder.forget_unsaved(before);
+        }
+        self.opening.keeper.unsaved = self.unsaved_place(&file, hash);
+        self.opening.keeper.begun = (*document).clone();
         self.opening.opened.file = Some(file);
         self.opening.opened.is_damaged = false;
         self.note_saved(*document);
+    }
+
+    fn unsaved_place(&self, session: &Path, hash: TextHash) -> Option<UnsavedPlace> {
+        let documents = self.shared.options.documents.as_ref()?;
+        Some(documents.unsaved_place(session, hash))
+    }
+
+    /// The session is as it was saved, which is a change that can be undone.
+    pub(in crate::app) fn revert_session(&mut self) {
+        let mut saved = self.opening.keeper.saved.clone();
+        saved.settings.drawing = self.style.drawing;
+        if saved.up != self.document.up {
+            self.take_chosen_up(saved.up);
+        }
+        self.take_undone(Some(saved));
+    }
+
+    /// What was changed of the open session is lost with the window.
+    pub(in crate::app) fn session_would_be_lost(&self) -> bool {
+        self.session_file().is_some() && self.is_unsaved() && !self.is_kept()
     }
 
     /// Shows `sequence`, which is of a session, as that says.
@@ -154,8 +179,14 @@ impl State {
             file,
             document,
             warnings,
+            text_hash,
+            unsaved,
         } = read;
         self.keep_document();
+        let changes = match &unsaved {
+            Unsaved::Restored(saved) => document.changes_from(saved),
+            _ => String::new(),
+        };
         let before = self.new_style();
         let chosen = document.style();
         if !self.show(sequence, chosen) {
@@ -175,10 +206,43 @@ impl State {
                 player.toggle(now);
             }
         });
+        self.shared.options.is_fresh = false;
+        // What is opened again in place of itself has no file of its own.
+        self.opening.keeper.unsaved = (!file.as_os_str().is_empty())
+            .then(|| self.unsaved_place(&file, text_hash))
+            .flatten();
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         self.opening.opened.file = Some(file);
         self.opening.opened.is_damaged = is_damaged;
         self.note_begun();
+        self.tell_of_unsaved(&name, unsaved, &changes);
     }
+
+    fn tell_of_unsaved(&mut self, name: &str, unsaved: Unsaved, changes: &str) {
+        match unsaved {
+            Unsaved::None => {}
+            Unsaved::Restored(saved) => {
+                self.note_saved(undrawn(*saved));
+                self.notices.info(format!(
+                    "Unsaved changes of {name} were restored: {changes}. Save session keeps them, Edit, Revert to \
+                     saved session takes them back"
+                ));
+            }
+            Unsaved::Outdated(aside) => self.notices.warn(format!(
+                "{name} was written by another program since it was changed here: those changes are in {}, which opens \
+                 as a session",
+                aside.display()
+            )),
+        }
+    }
+}
+
+/// Asks where to write the session.
+pub(super) fn session_dialog(name: String) -> Dialog<State> {
+    let save = |state: &mut State, file| state.save_session_to(with_extension(file, EXTENSION));
+    Dialog::new_file("Save the session", name, save)
+        .filter("Session", [EXTENSION])
+        .of_own_work()
 }
 
 /// What could not be read of a session is not lost when it is saved.

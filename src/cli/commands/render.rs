@@ -36,7 +36,7 @@ struct Stats {
 /// Gives `arguments` of `render` what a session says and they do not, of a sequence of so many frames.
 pub(super) fn fill(arguments: &mut RenderArgs, session: &Document, frame_count: usize) {
     let last = frame_count.saturating_sub(1);
-    arguments.camera.take_view(session.view);
+    arguments.camera.take_view(session.view, session.up);
     if arguments.video.video.is_none() {
         let frame = session.frame.min(last);
         arguments.frame.get_or_insert(FrameRange {
@@ -47,9 +47,9 @@ pub(super) fn fill(arguments: &mut RenderArgs, session: &Document, frame_count: 
     }
     let moves_by_itself = arguments.video.path.is_some() || arguments.video.turntable.is_some();
     if !moves_by_itself && arguments.frame.is_none() {
-        arguments.video.path_of_session.clone_from(&session.path);
+        arguments.video.path_of_session = session.path.path().cloned();
         let range = session.range.of(frame_count);
-        if session.path.is_none() && !range.is_empty() {
+        if session.path.path().is_none() && !range.is_empty() {
             arguments.frame = Some(FrameRange {
                 first: range.start,
                 last: range.end - 1,
@@ -85,7 +85,7 @@ pub(in crate::cli) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     let renderer = AnyRenderer::open(style.drawing.renderer)?;
     let mut headless = Headless::new(Arc::clone(&sequence), loader, renderer);
     if let Some(session) = session {
-        headless.set_labels(Arc::new(session.labels));
+        headless.set_labels(session.labels);
     }
     let look = headless.first_look()?;
     if let Some(lack) = style.primitive.chosen().and_then(|primitive| look.lack_of(primitive)) {

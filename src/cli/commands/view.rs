@@ -126,6 +126,7 @@ pub(in crate::cli) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         Some(_) => Default::default(),
         None => ReadingChoices::load(),
     };
+    let documents = args.screenshot.is_none().then(DocumentFolder::of_user).flatten();
     let FirstOpened {
         sequence,
         mut session,
@@ -134,7 +135,7 @@ pub(in crate::cli) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     } = if offers_recent || waits || asks {
         FirstOpened::default()
     } else {
-        FirstOpened::of(args, &open, &reading_choices)?
+        FirstOpened::of(args, &open, &reading_choices, documents.as_ref())?
     };
     if let Some(read) = &mut session {
         give_precedence(args, read);
@@ -171,7 +172,7 @@ pub(in crate::cli) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             recent,
             reading_choices,
             presets,
-            documents: args.screenshot.is_none().then(DocumentFolder::of_user).flatten(),
+            documents,
             is_fresh: args.fresh,
             ..StateOptions::default()
         },
@@ -224,7 +225,12 @@ struct FirstOpened {
 
 impl FirstOpened {
     /// As was chosen for the inputs in the window before, where nothing else is given.
-    fn of(args: &ViewArgs, open: &OpenOptions, choices: &ReadingChoices) -> anyhow::Result<Self> {
+    fn of(
+        args: &ViewArgs,
+        open: &OpenOptions,
+        choices: &ReadingChoices,
+        documents: Option<&DocumentFolder>,
+    ) -> anyhow::Result<Self> {
         let inputs = &args.inputs;
         let chosen = choices.of(inputs).filter(|_| !args.fresh);
         let as_chosen = chosen.map(|chosen| open_as_chosen(inputs, chosen, open, &Progress::default()));
@@ -239,7 +245,7 @@ impl FirstOpened {
             Some(Err(problem)) => Some(problem),
             None => None,
         };
-        let OpenedInputs { sequence, session } = open_inputs(inputs, open)?;
+        let OpenedInputs { sequence, session } = open_inputs(inputs, open, documents.filter(|_| !args.fresh))?;
         Ok(Self {
             sequence: Some(sequence),
             session,
@@ -286,7 +292,7 @@ fn open_compared(args: &ViewArgs, open: &OpenOptions) -> anyhow::Result<Option<S
         topic: topic.or_else(|| open.topic.clone()),
         ..open.clone()
     };
-    Ok(Some(open_inputs(&args.compare, &open)?.sequence))
+    Ok(Some(open_inputs(&args.compare, &open, None)?.sequence))
 }
 
 /// Those of this person under what is given; `has_settings` of a session, they go before both.

@@ -60,10 +60,14 @@ pub(in crate::cli) struct CameraArgs {
 }
 
 impl CameraArgs {
-    /// Takes the view of a session where another one is not asked for; options change parts of it.
-    pub(in crate::cli) fn take_view(&mut self, view: Option<Camera>) {
+    /// Takes the view of a session where another one is not asked for; options change parts of it. Where there is no
+    /// view, the axis that was chosen to be up is.
+    pub(in crate::cli) fn take_view(&mut self, view: Option<Camera>, up: Option<UpAxis>) {
         if !self.frame_all {
             self.view = self.view.or(view);
+        }
+        if self.view.is_none() {
+            self.up = self.up.or(up);
         }
     }
 

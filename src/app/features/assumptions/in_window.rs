@@ -6,17 +6,18 @@
 //! remembered.
 
 use super::Assumptions;
-use super::panel::{PANEL, assumptions_ui, chip_ui};
+use super::panel::{CHIP_WIDTH, PANEL, assumptions_ui, chip_ui};
 use crate::app::features::assumptions::{Change, FileKind, Given, Group, ReadChange, groups};
-use crate::app::features::feature::Feature;
-use crate::app::panel_row::PanelRow;
+use crate::app::features::feature::{Feature, FeatureOf};
+use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::reading_choices::first_failure;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
 use crate::app::state::State;
 use crate::app::state::{FoundSequence, NotFound};
+use crate::app::work::outcome::{Message, Outcome};
 use crate::app::work::works::WorkKind;
-use crate::document::{ReadSession, Reading};
+use crate::document::{ReadSession, Reading, TextHash, Unsaved};
 use crate::playback::Player;
 use crate::rgbd::Filters;
 use crate::scene::{FirstLook, Primitive};
@@ -121,16 +122,26 @@ impl State {
                     None => Ok(Arc::new(sequence)),
                 }
             });
-            FoundSequence {
+            let found = FoundSequence {
                 inputs,
                 open,
                 session: None,
                 sequence,
                 side: Side::A,
-                changes,
                 problem: None,
-            }
+            };
+            Reread { found, changes }
         });
+    }
+
+    fn take_reread(&mut self, Reread { found, changes }: Reread) {
+        match &found.sequence {
+            Ok(sequence) if !changes.is_empty() => {
+                let sequence = Arc::clone(sequence);
+                self.take_changed(sequence, found.open, &changes);
+            }
+            _ => self.take_found(found),
+        }
     }
 
     /// Shows `sequence`, the open one read with `changes`.
@@ -188,6 +199,8 @@ impl State {
             file: file.clone().unwrap_or_default(),
             document: session,
             warnings: Vec::new(),
+            text_hash: TextHash::default(),
+            unsaved: Unsaved::None,
         };
         let turns = self.motion.turntable.is_on;
         self.with_document_kept(|state| state.open_session(sequence, read));
@@ -209,9 +222,29 @@ impl State {
     }
 }
 
-impl Feature<State> for Assumptions {
-    fn panels() -> &'static [PanelRow<State>] {
-        const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PANEL, "Assumptions…", assumptions)];
+/// What is open was looked for with other choices of reading.
+struct Reread {
+    found: FoundSequence,
+    changes: Vec<ReadChange>,
+}
+
+impl Message for Reread {}
+
+impl Feature<State> for FeatureOf<Assumptions> {
+    fn take(&self, state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+        outcome.give(|reread| state.take_reread(reread))
+    }
+
+    fn panels(&self) -> &'static [PanelRow<State>] {
+        const PANELS: &[PanelRow<State>] = &[
+            PanelRow::in_menu(PANEL, "Assumptions…", assumptions),
+            PanelRow {
+                id: None,
+                menu: None,
+                place: Dock::Chip(CHIP_WIDTH),
+                show: chip,
+            },
+        ];
         PANELS
     }
 }
@@ -230,7 +263,7 @@ fn assumptions(ui: &mut Ui, state: &mut State) {
 }
 
 /// The chip with the number of assumptions about the open sequence.
-pub(in crate::app) fn assumptions_chip(ui: &mut Ui, state: &mut State) {
+fn chip(ui: &mut Ui, state: &mut State) {
     let groups = state.assumptions();
     if !groups.is_empty() && chip_ui(ui, &groups, state.panels.has(PANEL)) {
         state.panels.toggle(PANEL);

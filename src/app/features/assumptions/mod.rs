@@ -15,7 +15,6 @@ mod read_rows;
 
 pub(in crate::app) use change::{Change, ReadChange};
 pub(in crate::app) use groups::{Given, Group, groups};
-pub(in crate::app) use in_window::assumptions_chip;
 pub(in crate::app) use read_rows::FileKind;
 
 /// The list of assumptions; it is made anew of what is open.

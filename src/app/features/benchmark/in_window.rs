@@ -6,14 +6,13 @@ use super::panel::{BenchmarkRequest, benchmark_ui};
 use crate::app::command::Command;
 use crate::app::commands::common::Row;
 use crate::app::features::benchmark::{Benchmark, BenchmarkJob, benchmark_job};
-use crate::app::features::feature::Feature;
+use crate::app::features::feature::{Feature, FeatureOf};
 use crate::app::open_panels::PanelId;
 use crate::app::panel_row::PanelRow;
-use crate::app::state::DialogKind;
-use crate::app::state::State;
+use crate::app::state::{Dialog, State};
 use crate::app::work::files::{save_bytes, with_extension};
 use crate::app::work::outcome::Outcome;
-use crate::bench::{LabPoint, Suite};
+use crate::bench::{LabPoint, Suite, suites};
 use egui::Ui;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -56,6 +55,16 @@ impl State {
 }
 
 const COMMANDS: &[Row] = &[
+    Row::taking(Command::RUN_BENCHMARK, "Run a benchmark", "SUITE", |state, name| {
+        let suite = suites::all().find(|suite| suite.name() == name);
+        state.start_benchmark(suite.ok_or_else(|| format!("there is no benchmark {name}"))?);
+        Ok(())
+    })
+    .applies(|state| match (&state.player, state.features.benchmark.is_running()) {
+        (None, _) => Err("Nothing is open yet"),
+        (_, true) => Err("A benchmark is under way"),
+        _ => Ok(()),
+    }),
     Row::new(Command::panel(PanelId::BENCHMARK), "Show the last result", |state| {
         state.panels.toggle(PanelId::BENCHMARK);
     })
@@ -66,8 +75,8 @@ const COMMANDS: &[Row] = &[
     }),
 ];
 
-impl Feature<State> for Benchmark {
-    fn update(state: &mut State) -> bool {
+impl Feature<State> for FeatureOf<Benchmark> {
+    fn update(&self, state: &mut State) -> bool {
         let now = state.now();
         if let Benchmark::Running(running) = &mut state.features.benchmark {
             running.work.look(now);
@@ -75,23 +84,23 @@ impl Feature<State> for Benchmark {
         false
     }
 
-    fn has_news(state: &State) -> bool {
-        matches!(state.features.benchmark, Benchmark::Running(_))
+    fn has_news(&self, state: &State) -> bool {
+        state.features.benchmark.is_running()
     }
 
-    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+    fn take(&self, state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
         outcome.give(|ended: BenchmarkEnded| {
             state.features.benchmark.finish(ended);
             state.learn_quality();
         })
     }
 
-    fn panels() -> &'static [PanelRow<State>] {
+    fn panels(&self) -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow::window(PanelId::BENCHMARK, benchmark)];
         PANELS
     }
 
-    fn commands() -> &'static [Row] {
+    fn commands(&self) -> &'static [Row] {
         COMMANDS
     }
 }
@@ -121,7 +130,9 @@ impl State {
     pub(in crate::app) fn ask_for_report(&mut self, format: ReportFormat) {
         if let Benchmark::Done(table) = &self.features.benchmark {
             let name = format!("pointreel-{}.{}", table.suite, format.extension());
-            self.ask(DialogKind::SaveReport(format), Some(name));
+            let save = move |state: &mut Self, file| state.save_report(file, format);
+            let dialog = Dialog::new_file("Save the benchmark", name, save);
+            self.ask(dialog.filter(format.name(), [format.extension()]).of_own_work());
         }
     }
 

@@ -144,6 +144,19 @@ impl RunningBenchmark {
 }
 
 impl Benchmark {
+    /// Whether one is under way.
+    pub fn is_running(&self) -> bool {
+        self.work().is_some()
+    }
+
+    /// What is under way.
+    pub(in crate::app) fn work(&self) -> Option<&Work> {
+        match self {
+            Self::Running(running) => Some(&running.work),
+            _ => None,
+        }
+    }
+
     /// The ways to draw whose time and error are known.
     pub fn points(&self) -> Vec<Arc<LabPoint>> {
         match self {

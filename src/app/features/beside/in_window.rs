@@ -3,15 +3,14 @@
 use super::FrameDistances;
 use super::panel::{BesideRequest, beside_ui};
 use crate::app::command::{Chord, Command};
-use crate::app::commands::common::{Row, group, needs_sequence};
+use crate::app::commands::common::{Row, group, needs_sequence, of_point_clouds};
 use crate::app::features::beside::{Beside, Layout};
-use crate::app::features::feature::Feature;
+use crate::app::features::feature::{Feature, FeatureOf};
 use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::sequence_name::name_of;
 use crate::app::side::Side;
-use crate::app::state::DialogKind;
-use crate::app::state::State;
 use crate::app::state::document::{chosen_topic, inputs_of};
+use crate::app::state::{Dialog, State};
 use crate::app::widgets::numbers::significant;
 use crate::app::work::outcome::Outcome;
 use crate::app::work::tasks::close;
@@ -279,6 +278,30 @@ impl State {
     }
 }
 
+impl Beside {
+    /// Lays both out, and pairs their frames, as a document says.
+    pub(in crate::app) fn arrange(&mut self, compared: &Compared) {
+        self.companion.set_offset_frames(compared.offset_frames);
+        if let Some(by) = compared.by {
+            self.companion.pair_by(match by {
+                ComparedBy::Index => PairBy::Index,
+                ComparedBy::Number => PairBy::Number,
+                ComparedBy::Time => PairBy::Time,
+            });
+        }
+        self.pictures.split = compared.line as f32;
+        self.lay_out(match compared.layout {
+            ComparedLayout::SideBySide => Layout::SideBySide,
+            ComparedLayout::Line => Layout::Wipe,
+        });
+    }
+
+    /// Whether each has a half of its own.
+    pub(in crate::app) fn is_side_by_side(&self) -> bool {
+        self.layout == Layout::SideBySide
+    }
+}
+
 const COMMANDS: &[Row] = &[
     Row::new(Command::NEXT_LAYOUT, "Side by side, or a line", State::next_layout)
         .what("Two sequences: side by side, or a line over the same view")
@@ -288,14 +311,20 @@ const COMMANDS: &[Row] = &[
             None => Err("One sequence is open: File, Compare with… opens another beside it"),
         }),
     Row::new(Command::COMPARE_FILES, "Compare with files…", |state| {
-        state.ask(DialogKind::CompareFiles, None);
+        let dialog = Dialog::files("Compare with point clouds", State::compare_paths);
+        state.ask(of_point_clouds(dialog));
     })
     .what("Compare with files")
     .also(&["diff"])
     .keys(group::FILE, "Ctrl+Shift+O", &[Chord::ctrl_shift(Key::O)])
     .applies(needs_sequence),
     Row::new(Command::COMPARE_FOLDER, "Compare with a folder…", |state| {
-        state.ask(DialogKind::CompareFolder, None);
+        state.ask(Dialog::folder(
+            "Compare with a folder of frames",
+            |state: &mut State, folder| {
+                state.compare_paths(vec![folder]);
+            },
+        ));
     })
     .what("Compare with a folder")
     .also(&["diff"])
@@ -311,19 +340,18 @@ const COMMANDS: &[Row] = &[
     }),
 ];
 
-impl Feature<State> for Option<Beside> {
-    fn save(state: &State, document: &mut Document) {
-        if let Some(compared) = state.compared() {
-            document.compare = Some(compared);
-        }
+impl Feature<State> for FeatureOf<Option<Beside>> {
+    fn save(&self, state: &State, document: &mut Document) {
+        let wanted = || state.opening.opened.compared.clone();
+        document.compare = state.compared().or_else(wanted);
     }
 
-    fn next_deadline(state: &State) -> Option<Duration> {
+    fn next_deadline(&self, state: &State) -> Option<Duration> {
         let beside = state.features.beside.as_ref();
         beside.and_then(|beside| beside.drawing.next_deadline())
     }
 
-    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+    fn take(&self, state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
         outcome.give(|distances: Option<FrameDistances>| {
             if let (Some(beside), Some(distances)) = (&mut state.features.beside, distances) {
                 beside.take_in(distances);
@@ -331,7 +359,7 @@ impl Feature<State> for Option<Beside> {
         })
     }
 
-    fn panels() -> &'static [PanelRow<State>] {
+    fn panels(&self) -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow {
             id: None,
             menu: None,
@@ -341,7 +369,7 @@ impl Feature<State> for Option<Beside> {
         PANELS
     }
 
-    fn commands() -> &'static [Row] {
+    fn commands(&self) -> &'static [Row] {
         COMMANDS
     }
 }

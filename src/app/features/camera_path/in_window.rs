@@ -3,17 +3,18 @@
 use super::PathEditor;
 use super::marks::paint_path;
 use super::panel::camera_path_ui;
+use super::question::question_ui;
 use super::request::PathRequest;
 use crate::app::command::{Chord, Command};
 use crate::app::commands::common::{Row, group};
 use crate::app::features::Features;
 use crate::app::features::camera_path::{Draft, PathFile, Question, read_path, save_path};
-use crate::app::features::feature::Feature;
+use crate::app::features::feature::{Feature, FeatureOf};
 use crate::app::open_panels::PanelId;
 use crate::app::panel_row::PanelRow;
-use crate::app::state::DialogKind;
-use crate::app::state::{State, WindowRequest};
+use crate::app::state::{Dialog, State, WindowRequest};
 use crate::app::widgets::overlay::PictureOverlay;
+use crate::app::work::files::with_extension;
 use crate::app::work::outcome::Outcome;
 use crate::document::Document;
 use crate::playback::Player;
@@ -130,16 +131,28 @@ impl State {
     pub(in crate::app) fn go_on_with(&mut self, what: Question) {
         self.features.path.question = None;
         match what {
-            Question::Open => self.ask(DialogKind::OpenPath, None),
+            Question::Open => self.ask(
+                Dialog::file("Open a camera path", State::open_path)
+                    .filter("Camera path", ["json"])
+                    .without("Name a session with the camera path on the command line: pointreel view FILE.pointreel"),
+            ),
             Question::New => self.take_path(Arc::new(Draft::default()), None),
             Question::Quit => self.request(WindowRequest::Quit),
         }
     }
 
+    /// Ends the program, after a question if something would be lost.
+    pub(in crate::app) fn quit(&mut self) {
+        self.ask_or_do(Question::Quit);
+    }
+
     /// What would be lost by the end of the program, a sentence each.
     pub(in crate::app) fn losses(&self) -> Vec<&'static str> {
         let losses = Features::rows::<Self>().into_iter();
-        losses.filter_map(|feature| (feature.loss)(self)).collect()
+        let losses = losses.filter_map(|feature| feature.loss(self));
+        let of_session = self.session_would_be_lost();
+        let of_session = of_session.then_some("The session has changes that are not saved.");
+        losses.chain(of_session).collect()
     }
 
     /// True if nothing is lost when the window closes; else the person is asked, and closing it again closes it.
@@ -161,7 +174,11 @@ impl State {
         match self.features.path.file() {
             _ if self.features.path.draft.path().is_none() => {}
             Some(file) if !asks => self.save_path_to(file.clone()),
-            _ => self.ask(DialogKind::SavePath, Some("camera-path.json".to_owned())),
+            _ => {
+                let save = |state: &mut State, file| state.save_path_to(with_extension(file, "json"));
+                let dialog = Dialog::new_file("Save the camera path", "camera-path.json".to_owned(), save);
+                self.ask(dialog.filter("Camera path", ["json"]).of_own_work());
+            }
         }
     }
 
@@ -235,40 +252,45 @@ fn needs_path(state: &State) -> Result<(), &'static str> {
     }
 }
 
-impl Feature<State> for PathEditor {
-    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+impl Feature<State> for FeatureOf<PathEditor> {
+    fn take(&self, state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
         outcome.give(|path: PathFile| state.take_path_file(path))
     }
 
     /// What is in no file is not lost without a question.
-    fn forget_sequence(state: &mut State) {
+    fn forget_sequence(&self, state: &mut State) {
         if state.is_kept() || !state.features.path.is_unsaved() {
             state.stop_preview();
             state.features.path.take(Arc::default(), None);
         }
     }
 
-    fn save(state: &State, document: &mut Document) {
-        document.path = state.features.path.draft.path().cloned();
+    fn save(&self, state: &State, document: &mut Document) {
+        document.path = Arc::clone(&state.features.path.draft);
     }
 
-    fn load(state: &mut State, document: &Document) {
-        if let Some(path) = document.path.clone() {
+    fn load(&self, state: &mut State, document: &Document) {
+        if document.path.path().is_some() {
             state.stop_preview();
-            state.features.path.take(Arc::new(Draft::of(path)), None);
+            state.features.path.take(Arc::clone(&document.path), None);
         }
     }
 
-    fn escape(state: &mut State) -> bool {
+    /// It is edited on, at its time and with its file.
+    fn put_back(&self, state: &mut State, document: &Document) {
+        state.features.path.draft = Arc::clone(&document.path);
+    }
+
+    fn escape(&self, state: &mut State) -> bool {
         state.features.path.question.take().is_some() || state.stop_preview()
     }
 
-    fn loss(state: &State) -> Option<&'static str> {
+    fn loss(&self, state: &State) -> Option<&'static str> {
         let is_unsaved = state.features.path.is_unsaved() && !state.is_kept();
         is_unsaved.then_some("The camera path is not saved.")
     }
 
-    fn paint(state: &State, canvas: &PictureOverlay<'_>, _is_first: bool) {
+    fn paint(&self, state: &State, canvas: &PictureOverlay<'_>, _is_first: bool) {
         if let Some(path) = state.features.path.draft.path()
             && state.panels.has(PanelId::CAMERA_PATH)
             && !state.features.path.is_playing()
@@ -277,12 +299,15 @@ impl Feature<State> for PathEditor {
         }
     }
 
-    fn panels() -> &'static [PanelRow<State>] {
-        const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PanelId::CAMERA_PATH, "Camera path…", camera_path)];
+    fn panels(&self) -> &'static [PanelRow<State>] {
+        const PANELS: &[PanelRow<State>] = &[
+            PanelRow::in_menu(PanelId::CAMERA_PATH, "Camera path…", camera_path),
+            PanelRow::by_itself(question_ui),
+        ];
         PANELS
     }
 
-    fn commands() -> &'static [Row] {
+    fn commands(&self) -> &'static [Row] {
         COMMANDS
     }
 }

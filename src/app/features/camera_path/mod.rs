@@ -6,6 +6,7 @@ mod in_window;
 mod keyframes;
 pub(in crate::app) mod marks;
 pub(in crate::app) mod panel;
+mod question;
 pub(in crate::app) mod request;
 
 mod file;

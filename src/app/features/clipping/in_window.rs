@@ -2,8 +2,10 @@
 
 use super::Clipping;
 use super::handles::handles_ui;
+use super::panel::{ClipContext, clip_ui};
 use crate::app::features::clipping::{ClippedFrames, KnownBounds};
-use crate::app::features::feature::Feature;
+use crate::app::features::feature::{Feature, FeatureOf};
+use crate::app::settings_row::{SettingsPart, SettingsRow};
 use crate::app::state::State;
 use crate::app::widgets::overlay::PictureOverlay;
 use crate::math::Aabb;
@@ -45,20 +47,39 @@ impl State {
     }
 }
 
-impl Feature<State> for Clipping {
-    fn follow(state: &mut State) {
+impl Feature<State> for FeatureOf<Clipping> {
+    fn follow(&self, state: &mut State) {
         state.follow_clip();
     }
 
-    fn forget_sequence(state: &mut State) {
+    fn forget_sequence(&self, state: &mut State) {
         // Its numbers are those of the sequence before.
         state.style.clip = None;
         state.features.clipping.forget_frames();
     }
 
-    fn handles(ui: &Ui, state: &mut State) {
+    fn handles(&self, ui: &Ui, state: &mut State) {
         clip_handles(ui, state);
     }
+
+    fn settings(&self) -> &'static [SettingsRow<State>] {
+        const SETTINGS: &[SettingsRow<State>] = &[SettingsRow {
+            part: SettingsPart::Clip,
+            rank: 0,
+            show: clip,
+        }];
+        SETTINGS
+    }
+}
+
+fn clip(ui: &mut Ui, state: &mut State) {
+    let mut context = ClipContext {
+        frames: state.clipped_frames(),
+        clip: &mut state.style.clip,
+        clipping: &mut state.features.clipping,
+        angle: state.features.inspection.last_angle(),
+    };
+    clip_ui(ui, &mut context);
 }
 
 /// The handles of what is clipped, over the picture of the open sequence.

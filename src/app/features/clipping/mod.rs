@@ -3,6 +3,7 @@
 pub(in crate::app) mod handles;
 mod in_window;
 mod outline;
+mod panel;
 
 use crate::math::Aabb;
 use crate::scene::{Clip, ClipShape};

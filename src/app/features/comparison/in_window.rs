@@ -5,7 +5,7 @@ use super::panel::{ComparisonRequest, comparison_ui};
 use super::{Comparison, PictureDifference};
 use crate::app::command::{Chord, Command};
 use crate::app::commands::common::{Row, group};
-use crate::app::features::feature::Feature;
+use crate::app::features::feature::{Feature, FeatureOf};
 use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::side::Side;
 use crate::app::state::{State, WindowRequest};
@@ -22,9 +22,9 @@ const COMMANDS: &[Row] = &[
         .on_if(|state| state.features.comparison.is_some()),
 ];
 
-impl Feature<State> for Option<Comparison> {
+impl Feature<State> for FeatureOf<Option<Comparison>> {
     /// Of two sequences as well.
-    fn update(state: &mut State) -> bool {
+    fn update(&self, state: &mut State) -> bool {
         let now = state.now();
         let is_due = state.pictures_mut().is_some_and(|pair| pair.is_due(now));
         if is_due {
@@ -33,15 +33,15 @@ impl Feature<State> for Option<Comparison> {
         is_due
     }
 
-    fn next_deadline(state: &State) -> Option<Duration> {
+    fn next_deadline(&self, state: &State) -> Option<Duration> {
         state.pictures().and_then(PicturePair::next_deadline)
     }
 
-    fn shows_frame(state: &State) -> bool {
+    fn shows_frame(&self, state: &State) -> bool {
         state.pictures().is_some()
     }
 
-    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+    fn take(&self, state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
         outcome.give(|difference: PictureDifference| {
             if let Some(pictures) = state.pictures_mut() {
                 pictures.take_in(difference);
@@ -49,7 +49,7 @@ impl Feature<State> for Option<Comparison> {
         })
     }
 
-    fn panels() -> &'static [PanelRow<State>] {
+    fn panels(&self) -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow {
             id: None,
             menu: None,
@@ -59,7 +59,7 @@ impl Feature<State> for Option<Comparison> {
         PANELS
     }
 
-    fn commands() -> &'static [Row] {
+    fn commands(&self) -> &'static [Row] {
         COMMANDS
     }
 }

@@ -6,10 +6,10 @@ use crate::app::command::{Chord, Command};
 use crate::app::commands::common::{Row, group, needs_sequence};
 use crate::app::features::export::job::{ExportJob, Shows, run};
 use crate::app::features::export::{ExportEnded, ExportSubject, Exportable};
-use crate::app::features::feature::Feature;
+use crate::app::features::feature::{Feature, FeatureOf};
 use crate::app::open_panels::PanelId;
 use crate::app::panel_row::PanelRow;
-use crate::app::state::DialogKind;
+use crate::app::state::Dialog;
 use crate::app::state::State;
 use crate::app::work::files::picture_folder;
 use crate::app::work::outcome::Outcome;
@@ -76,14 +76,22 @@ impl State {
     /// Asks for the place of the file.
     pub(in crate::app) fn ask_for_place(&mut self) {
         let name = self.features.export.file_stem(&self.sequence_stem());
-        let (dialog, name) = match (self.features.export.subject, self.features.export.format) {
-            (ExportSubject::Picture, _) => (DialogKind::ExportTo("png"), name + ".png"),
-            (_, VideoFormat::PngFiles) => (DialogKind::ExportFolder, name),
-            (_, VideoFormat::Gif) => (DialogKind::ExportTo("gif"), name + ".gif"),
-            (_, VideoFormat::Webp) => (DialogKind::ExportTo("webp"), name + ".webp"),
-            (_, VideoFormat::Mp4) => (DialogKind::ExportTo("mp4"), name + ".mp4"),
+        let to_file = |extension: &'static str| {
+            let take = |state: &mut Self, place: PathBuf| state.features.export.take_place(false, &place);
+            let name = format!("{name}.{extension}");
+            Dialog::new_file("Export to", name, take).filter(extension.to_uppercase(), [extension])
         };
-        self.ask(dialog, Some(name));
+        let dialog = match (self.features.export.subject, self.features.export.format) {
+            (ExportSubject::Picture, _) => to_file("png"),
+            (_, VideoFormat::PngFiles) => {
+                let take = |state: &mut Self, place: PathBuf| state.features.export.take_place(true, &place);
+                Dialog::folder("Folder of the pictures", take).named(name)
+            }
+            (_, VideoFormat::Gif) => to_file("gif"),
+            (_, VideoFormat::Webp) => to_file("webp"),
+            (_, VideoFormat::Mp4) => to_file("mp4"),
+        };
+        self.ask(dialog.without("Write folder and name into the fields"));
     }
 
     /// Begins the export on a thread, with everything as it is now.
@@ -207,22 +215,22 @@ const COMMANDS: &[Row] = &[
     }),
 ];
 
-impl Feature<State> for Export {
-    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+impl Feature<State> for FeatureOf<Export> {
+    fn take(&self, state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
         outcome.give(|ended: ExportEnded| state.export_has_ended(ended))
     }
 
-    fn loss(state: &State) -> Option<&'static str> {
+    fn loss(&self, state: &State) -> Option<&'static str> {
         let is_under_way = state.shared.works.has(WorkKind::Export);
         is_under_way.then_some("An export is under way: it would be cancelled.")
     }
 
-    fn panels() -> &'static [PanelRow<State>] {
+    fn panels(&self) -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow::window(PanelId::EXPORT, export)];
         PANELS
     }
 
-    fn commands() -> &'static [Row] {
+    fn commands(&self) -> &'static [Row] {
         COMMANDS
     }
 }

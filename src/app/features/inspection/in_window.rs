@@ -7,7 +7,7 @@ use super::point_panel::{PointContext, point_ui};
 use super::{Inspection, Tool};
 use crate::app::command::{Chord, Command, Menu};
 use crate::app::commands::common::{Row, group};
-use crate::app::features::feature::Feature;
+use crate::app::features::feature::{Feature, FeatureOf};
 use crate::app::features::trails::panel::trail_ui;
 use crate::app::panel_row::PanelRow;
 use crate::app::side::Side;
@@ -40,8 +40,8 @@ const COMMANDS: &[Row] = &[
     .on_if(|state| state.features.inspection.tool == Tool::Measure),
 ];
 
-impl Feature<State> for Inspection {
-    fn follow_frame(state: &mut State) -> bool {
+impl Feature<State> for FeatureOf<Inspection> {
+    fn follow_frame(&self, state: &mut State) -> bool {
         if let Some(player) = &state.player
             && let Some(frame) = player.shown()
         {
@@ -51,33 +51,36 @@ impl Feature<State> for Inspection {
         false
     }
 
-    fn shows_frame(state: &State) -> bool {
+    fn shows_frame(&self, state: &State) -> bool {
         state.features.inspection.picked().next().is_some()
     }
 
-    fn forget_sequence(state: &mut State) {
+    fn forget_sequence(&self, state: &mut State) {
         state.features.inspection.forget_points();
     }
 
-    fn save(state: &State, document: &mut Document) {
+    fn save(&self, state: &State, document: &mut Document) {
         let measurements = state.features.inspection.measurements.iter();
-        document.measurements = measurements.filter_map(Measurement::measured).collect();
+        document.measurements.clear();
+        document
+            .measurements
+            .extend(measurements.filter_map(Measurement::measured));
     }
 
-    fn load(state: &mut State, document: &Document) {
-        state.features.inspection.measurements = document.measurements.iter().map(Measurement::of).collect();
+    fn load(&self, state: &mut State, document: &Document) {
+        state.features.inspection.show_measured(&document.measurements);
     }
 
-    fn paint(state: &State, canvas: &PictureOverlay<'_>, _is_first: bool) {
+    fn paint(&self, state: &State, canvas: &PictureOverlay<'_>, _is_first: bool) {
         paint_inspection(canvas, &state.features.inspection, state.length_unit());
     }
 
-    fn panels() -> &'static [PanelRow<State>] {
+    fn panels(&self) -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow::by_itself(point), PanelRow::by_itself(measuring)];
         PANELS
     }
 
-    fn commands() -> &'static [Row] {
+    fn commands(&self) -> &'static [Row] {
         COMMANDS
     }
 }

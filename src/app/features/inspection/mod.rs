@@ -10,6 +10,7 @@ pub(in crate::app) mod point_panel;
 pub use anchor::Anchor;
 
 use crate::app::side::Side;
+use crate::document::Measured;
 use crate::scene::{Gauge, Pick};
 use crate::sequence::PreparedFrame;
 use glam::DVec3;
@@ -62,6 +63,22 @@ impl Inspection {
         self.tool = if self.tool == tool { Tool::Camera } else { tool };
     }
 
+    /// Whether clicks on the picture are for a tool.
+    pub(in crate::app) fn takes_clicks(&self) -> bool {
+        self.tool != Tool::Camera
+    }
+
+    /// Whether each click of a double click counts.
+    pub(in crate::app) fn takes_double_clicks(&self) -> bool {
+        matches!(self.tool, Tool::Measure | Tool::Label)
+    }
+
+    /// How many measurements are of no document, as they have points of B.
+    pub(in crate::app) fn undocumented(&self) -> usize {
+        let of_b = |measurement: &&Measurement| measurement.measured().is_none();
+        self.measurements.iter().filter(of_b).count()
+    }
+
     /// Every point that was clicked on: the one whose values are shown, and those of measurements.
     pub(in crate::app) fn picked(&self) -> impl Iterator<Item = Anchor> {
         let point = self.point.iter().map(|point| point.anchor);
@@ -100,6 +117,23 @@ impl Inspection {
         self.measurements
             .retain(|measurement| !measurement.points.iter().any(is_of_b));
         self.followed[Side::B as usize] = None;
+    }
+
+    /// Takes the measurements of a document in place of those of the open sequence. Those that there are already stay
+    /// where their points are in the shown frame, and so do those of B, which is in no document.
+    pub(in crate::app) fn show_measured(&mut self, list: &[Measured]) {
+        let before = std::mem::take(&mut self.measurements);
+        let shown = |measured: &Measured| {
+            let same = |other: &&Measurement| other.measured().is_some_and(|other| other.is_of_same(measured));
+            let known = before.iter().find(same).cloned();
+            known.unwrap_or_else(|| Measurement::of(measured))
+        };
+        self.measurements = list.iter().map(shown).collect();
+        let of_b = before
+            .into_iter()
+            .filter(|measurement| measurement.measured().is_none());
+        self.measurements.extend(of_b);
+        self.followed[Side::A as usize] = None;
     }
 
     /// Takes a click on a point of `frame`, which is of the sequence `side`.

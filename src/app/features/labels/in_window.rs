@@ -5,7 +5,7 @@ use super::marks::paint_labels;
 use super::panel::{LabelsRequest, PANEL, labels_ui};
 use crate::app::command::{Chord, Command, Menu};
 use crate::app::commands::common::{Row, group};
-use crate::app::features::feature::Feature;
+use crate::app::features::feature::{Feature, FeatureOf};
 use crate::app::features::inspection::Tool;
 use crate::app::panel_row::PanelRow;
 use crate::app::side::Side;
@@ -112,36 +112,36 @@ const COMMANDS: &[Row] = &[Row::new(Command::PUT_LABELS, "Label", State::toggle_
     .in_menu(Menu::Tools)
     .on_if(|state| state.features.inspection.tool == Tool::Label)];
 
-impl Feature<State> for Labels {
-    fn shows_frame(state: &State) -> bool {
+impl Feature<State> for FeatureOf<Labels> {
+    fn shows_frame(&self, state: &State) -> bool {
         state.features.labels.are_shown()
     }
 
-    fn forget_sequence(state: &mut State) {
+    fn forget_sequence(&self, state: &mut State) {
         state.features.labels.forget();
     }
 
-    fn save(state: &State, document: &mut Document) {
-        document.labels = state.features.labels.list.to_vec();
+    fn save(&self, state: &State, document: &mut Document) {
+        document.labels = Arc::clone(&state.features.labels.list);
     }
 
-    fn load(state: &mut State, document: &Document) {
-        state.features.labels.take(Arc::new(document.labels.clone()));
+    fn load(&self, state: &mut State, document: &Document) {
+        state.features.labels.take(Arc::clone(&document.labels));
     }
 
     /// Of two sequences they are those of the first.
-    fn paint(state: &State, canvas: &PictureOverlay<'_>, is_first: bool) {
+    fn paint(&self, state: &State, canvas: &PictureOverlay<'_>, is_first: bool) {
         if is_first {
             paint_labels(canvas, &state.features.labels);
         }
     }
 
-    fn panels() -> &'static [PanelRow<State>] {
+    fn panels(&self) -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PANEL, "Labels…", labels)];
         PANELS
     }
 
-    fn commands() -> &'static [Row] {
+    fn commands(&self) -> &'static [Row] {
         COMMANDS
     }
 }

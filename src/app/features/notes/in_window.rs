@@ -2,26 +2,13 @@
 
 use super::Notes;
 use super::panel::{PANEL, notes_ui};
-use crate::app::features::feature::Feature;
+use crate::app::features::feature::{Feature, FeatureOf};
 use crate::app::panel_row::PanelRow;
 use crate::app::state::State;
-use crate::document::Document;
 use egui::Ui;
 
-impl Feature<State> for Notes {
-    fn forget_sequence(state: &mut State) {
-        state.features.notes = Self::default();
-    }
-
-    fn save(state: &State, document: &mut Document) {
-        document.notes.clone_from(&state.features.notes.text);
-    }
-
-    fn load(state: &mut State, document: &Document) {
-        state.features.notes.text.clone_from(&document.notes);
-    }
-
-    fn panels() -> &'static [PanelRow<State>] {
+impl Feature<State> for FeatureOf<Notes> {
+    fn panels(&self) -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PANEL, "Notes…", notes)];
         PANELS
     }
@@ -33,6 +20,6 @@ fn notes(ui: &mut Ui, state: &mut State) {
     }
     let corner = state.viewport.rect.right_top();
     let mut is_open = true;
-    notes_ui(ui, &mut is_open, &mut state.features.notes, corner);
+    notes_ui(ui, &mut is_open, &mut state.document.notes, corner);
     state.panels.set(PANEL, is_open);
 }

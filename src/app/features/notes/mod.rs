@@ -1,11 +1,8 @@
-//! Notes: a text that is kept with the open sequence, in its session.
+//! Notes: a text of the document.
 
 mod in_window;
 mod panel;
 
-/// The notes of the open sequence.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Notes {
-    /// What a person wrote; empty without any.
-    pub text: String,
-}
+/// The notes of the open sequence; the document has them.
+#[derive(Debug, Default)]
+pub struct Notes;

@@ -1,6 +1,5 @@
 //! The window of notes.
 
-use super::Notes;
 use crate::app::open_panels::PanelId;
 use crate::app::widgets::tool_window::tool_window;
 use egui::{Align2, Pos2, TextEdit, Ui, vec2};
@@ -12,13 +11,13 @@ pub(super) const PANEL: PanelId = PanelId::new("notes");
 const ROWS: usize = 8;
 
 /// The window while it is open, at `corner`.
-pub(super) fn notes_ui(ui: &mut Ui, is_open: &mut bool, notes: &mut Notes, corner: Pos2) {
+pub(super) fn notes_ui(ui: &mut Ui, is_open: &mut bool, notes: &mut String, corner: Pos2) {
     tool_window(ui.ctx(), PANEL.name(), "Notes")
         .open(is_open)
         .pivot(Align2::RIGHT_TOP)
         .default_pos(corner + vec2(-12.0, 12.0))
         .show(ui, |ui| {
-            let field = TextEdit::multiline(&mut notes.text)
+            let field = TextEdit::multiline(notes)
                 .hint_text("Anything to remember of this sequence; kept with its session")
                 .desired_rows(ROWS);
             let field = ui.add(field);

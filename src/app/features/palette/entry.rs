@@ -2,7 +2,6 @@
 
 use crate::app::command::Command;
 use crate::app::presets::built_in;
-use crate::bench::Suite;
 use crate::bench::suites;
 use crate::scene::describe::{Described, Shorthand, Value, Values};
 use crate::scene::{Background, Settings};
@@ -35,7 +34,7 @@ const IN_PANEL: &[(&str, &str, &str)] = &[
 ];
 
 /// What choosing an entry does.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(in crate::app) enum Action {
     /// Runs a command.
     Run(Command),
@@ -43,12 +42,8 @@ pub(in crate::app) enum Action {
     Set(&'static str, Value),
     /// Gives the settings that a word is short for their values.
     Take(&'static Shorthand),
-    /// Draws as the built-in preset at this place.
-    BuiltIn(usize),
-    /// Draws as this person's preset at this place.
-    Preset(usize),
-    /// Starts a benchmark.
-    Measure(&'static Suite),
+    /// Gives a command a value.
+    Give(Command, Cow<'static, str>),
     /// Shows the row of this title in the panel of settings.
     ShowSetting(&'static str),
 }
@@ -94,17 +89,17 @@ impl Entry {
 pub(super) fn entries(presets: &[String]) -> Vec<Entry> {
     let settings = Settings::default().settings();
     let settings = settings.into_iter().flat_map(|(described, _)| values_of(described));
-    let built_in = built_in().into_iter().enumerate();
-    let built_in =
-        built_in.map(|(place, (name, what, _))| Entry::new(format!("Preset: {name}"), what, Action::BuiltIn(place)));
-    let presets = presets.iter().enumerate();
-    let presets = presets.map(|(place, name)| Entry::new(format!("Preset: {name}"), "", Action::Preset(place)));
+    let built_in = built_in().into_iter().map(|(name, what, _)| {
+        let action = Action::Give(Command::BUILT_IN_PRESET, name.into());
+        Entry::new(format!("Preset: {name}"), what, action)
+    });
+    let presets = presets.iter().map(|name| {
+        let action = Action::Give(Command::PRESET, name.clone().into());
+        Entry::new(format!("Preset: {name}"), "", action)
+    });
     let measured = suites::all().map(|suite| {
-        Entry::new(
-            format!("Benchmark: {}", suite.title),
-            suite.hint,
-            Action::Measure(suite),
-        )
+        let action = Action::Give(Command::RUN_BENCHMARK, suite.name().into());
+        Entry::new(format!("Benchmark: {}", suite.title), suite.hint, action)
     });
     let in_panel = IN_PANEL.iter();
     let in_panel = in_panel.map(|&(text, hint, title)| Entry::new(text, hint, Action::ShowSetting(title)));

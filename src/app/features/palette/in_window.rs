@@ -6,13 +6,12 @@ use crate::app::command::Act;
 use crate::app::command::{Chord, Command};
 use crate::app::commands::common::{Row, group};
 use crate::app::commands::{commands, row_of};
-use crate::app::features::feature::Feature;
+use crate::app::features::feature::{Feature, FeatureOf};
+use crate::app::open_panels::PanelId;
 use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::panels::menu_panels;
-use crate::app::presets::built_in;
 use crate::app::state::State;
 use crate::app::widgets::sought::seek;
-use crate::app::{Benchmark, PanelId};
 use egui::Key;
 use egui::Ui;
 
@@ -25,12 +24,12 @@ const COMMANDS: &[Row] = &[Row::new(Command::TOGGLE_PALETTE, "Find a command…"
 .what("Find a command by its name")
 .keys(group::FILE, "Ctrl+P", &[Chord::ctrl(Key::P)])];
 
-impl Feature<State> for Option<Palette> {
-    fn escape(state: &mut State) -> bool {
+impl Feature<State> for FeatureOf<Option<Palette>> {
+    fn escape(&self, state: &mut State) -> bool {
         state.features.palette.take().is_some()
     }
 
-    fn panels() -> &'static [PanelRow<State>] {
+    fn panels(&self) -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow {
             id: None,
             menu: None,
@@ -40,7 +39,7 @@ impl Feature<State> for Option<Palette> {
         PANELS
     }
 
-    fn commands() -> &'static [Row] {
+    fn commands(&self) -> &'static [Row] {
         COMMANDS
     }
 }
@@ -62,21 +61,7 @@ fn palette(ui: &mut Ui, state: &mut State) {
             .style
             .edit(&mut |described, before| if described.key == key { value } else { before }),
         Action::Take(shorthand) => state.style.take(shorthand),
-        Action::BuiltIn(place) => {
-            if let Some((.., style)) = built_in().get(place) {
-                state.draw_as(style);
-            }
-        }
-        Action::Preset(place) => {
-            if let Some(preset) = state.kept.presets.list().get(place) {
-                state.style = preset.settings;
-            }
-        }
-        Action::Measure(suite) => {
-            if !matches!(state.features.benchmark, Benchmark::Running(_)) {
-                state.start_benchmark(suite);
-            }
-        }
+        Action::Give(command, value) => state.give_or_tell(command, &value),
         Action::ShowSetting(title) => {
             state.panels.set(PanelId::SETTINGS, true);
             seek(ui.ctx(), title);

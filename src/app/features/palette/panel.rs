@@ -46,7 +46,9 @@ pub(in crate::app) fn palette_ui(
             let place = (palette.chosen + usize::from(down)).saturating_sub(usize::from(up));
             palette.chosen = place.min(last);
             let entry = found.get(palette.chosen);
-            chosen = entry.filter(|entry| entry.why_not.is_none()).map(|entry| entry.action);
+            chosen = entry
+                .filter(|entry| entry.why_not.is_none())
+                .map(|entry| entry.action.clone());
             if found.is_empty() {
                 ui.weak("Nothing has these words");
             }
@@ -58,7 +60,7 @@ pub(in crate::app) fn palette_ui(
                         response.scroll_to_me(None);
                     }
                     if response.clicked() {
-                        clicked = Some(entry.action);
+                        clicked = Some(entry.action.clone());
                     }
                 }
             });

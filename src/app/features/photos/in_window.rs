@@ -3,15 +3,16 @@
 use super::frusta::frusta_ui;
 use super::panel::{PANEL, PhotosRequest, photos_ui};
 use super::{PhotographedFrame, Photos, PhotosLoaded};
-use crate::app::features::feature::Feature;
+use crate::app::features::feature::{Feature, FeatureOf};
 use crate::app::panel_row::PanelRow;
 use crate::app::state::State;
 use crate::app::widgets::overlay::PictureOverlay;
 use crate::app::work::outcome::Outcome;
+use crate::playback::Player;
 use egui::Ui;
 
-impl Feature<State> for Photos {
-    fn follow_frame(state: &mut State) -> bool {
+impl Feature<State> for FeatureOf<Photos> {
+    fn follow_frame(&self, state: &mut State) -> bool {
         let style = state.drawn_style();
         if let Some(player) = &state.player {
             state.features.photos.follow(player, &style, &state.shared.tasks);
@@ -19,7 +20,7 @@ impl Feature<State> for Photos {
         false
     }
 
-    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+    fn take(&self, state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
         let outcome = match outcome.give(|loaded: PhotosLoaded| {
             for note in state.features.photos.take_in(loaded) {
                 state.notices.warn(note);
@@ -31,15 +32,15 @@ impl Feature<State> for Photos {
         outcome.give(|made: PhotographedFrame| state.features.photos.take_frame(made))
     }
 
-    fn forget_sequence(state: &mut State) {
+    fn forget_sequence(&self, state: &mut State) {
         state.features.photos.forget();
     }
 
-    fn handles(ui: &Ui, state: &mut State) {
+    fn handles(&self, ui: &Ui, state: &mut State) {
         photo_frusta(ui, state);
     }
 
-    fn panels() -> &'static [PanelRow<State>] {
+    fn panels(&self) -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PANEL, "Photographs…", photos)];
         PANELS
     }
@@ -47,7 +48,7 @@ impl Feature<State> for Photos {
 
 /// Where photographs were taken, over the picture of the open sequence.
 fn photo_frusta(ui: &Ui, state: &mut State) {
-    let set = state.player.as_ref().and_then(Photos::set_of);
+    let set = state.player.as_ref().and_then(Player::photographs);
     let Some(set) = set.filter(|_| state.features.photos.shows_frusta) else {
         return;
     };
@@ -60,7 +61,7 @@ fn photo_frusta(ui: &Ui, state: &mut State) {
 }
 
 fn photos(ui: &mut Ui, state: &mut State) {
-    let set = state.player.as_ref().and_then(Photos::set_of);
+    let set = state.player.as_ref().and_then(Player::photographs);
     let corner = state.viewport.rect.left_top();
     let mut is_open = state.panels.has(PANEL);
     let request = photos_ui(ui, &mut is_open, &mut state.features.photos, set.as_deref(), corner);

@@ -70,11 +70,6 @@ pub struct Photos {
 }
 
 impl Photos {
-    /// The photographs of the frame that is shown, as far as they are known.
-    pub(in crate::app) fn set_of(player: &Player) -> Option<Arc<ViewSet>> {
-        player.sequence().source().photographs(player.shown()?.index)
-    }
-
     /// Numbers of those that are not used.
     pub(in crate::app) fn left_out(&self) -> Vec<usize> {
         self.off.iter().copied().collect()
@@ -148,7 +143,7 @@ impl Photos {
     where
         T: TaskOutcome + From<PhotosLoaded> + From<PhotographedFrame>,
     {
-        self.shown = Self::set_of(player);
+        self.shown = player.photographs();
         let frames = if style.draws_photographs() {
             frames_wanted(player)
         } else {

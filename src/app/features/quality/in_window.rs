@@ -2,11 +2,14 @@
 //! part of a document; that of such a way is used for the open sequence alone, and comes back with the next.
 
 use super::MeasuredQuality;
-use crate::app::features::feature::Feature;
-use crate::app::features::quality::MeasuredWay;
+use super::panel::{QualityRequest, quality_ui};
+use crate::app::features::feature::{Feature, FeatureOf};
+use crate::app::settings_row::{SettingsPart, SettingsRow};
 use crate::app::side::Side;
-use crate::app::state::State;
+use crate::app::state::{MeasuredWay, State};
+use crate::bench::suites;
 use crate::scene::Settings;
+use egui::Ui;
 
 impl State {
     /// Draws the open sequence as `way`, which was measured with it.
@@ -30,17 +33,38 @@ impl State {
     }
 }
 
-impl Feature<State> for MeasuredQuality {
+impl Feature<State> for FeatureOf<MeasuredQuality> {
     /// Reads what was measured of the open sequence before.
-    fn update(state: &mut State) -> bool {
+    fn update(&self, state: &mut State) -> bool {
         let Some(player) = &state.player else {
             return false;
         };
         state.features.quality.look(&state.graphics.adapter, player.sequence())
     }
 
-    fn forget_sequence(state: &mut State) {
+    fn forget_sequence(&self, state: &mut State) {
         state.opening.measured_way = None;
         state.features.quality.forget();
+    }
+
+    fn settings(&self) -> &'static [SettingsRow<State>] {
+        const SETTINGS: &[SettingsRow<State>] = &[SettingsRow {
+            part: SettingsPart::Advanced,
+            rank: 0,
+            show: quality,
+        }];
+        SETTINGS
+    }
+}
+
+/// From fast to exact.
+fn quality(ui: &mut Ui, state: &mut State) {
+    if state.player.is_none() {
+        return;
+    }
+    match quality_ui(ui, &mut state.features.quality, &state.style) {
+        Some(QualityRequest::Measure) => state.start_benchmark(suites::ERROR),
+        Some(QualityRequest::DrawAs(way)) => state.draw_as_measured(&way),
+        None => {}
     }
 }

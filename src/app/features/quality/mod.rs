@@ -1,9 +1,7 @@
 //! What was measured of the ways to draw the open sequence, from fast to exact, and what a person would spend at most.
 
 mod in_window;
-mod way;
-
-pub(in crate::app) use way::MeasuredWay;
+mod panel;
 
 use crate::bench::{LabPoint, Quality, QualityKey};
 use crate::sequence::Sequence;

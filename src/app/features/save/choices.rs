@@ -1,5 +1,6 @@
 //! What a person chose about the files.
 
+use super::estimates::Estimates;
 use crate::convert::{Place, Target};
 use crate::io::WriteFormat;
 use crate::reel::{Coding, Precision, ReelOptions};
@@ -46,7 +47,7 @@ impl PrecisionKind {
 }
 
 /// What a person chose.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a choice of its own")]
 pub struct Save {
     /// As what it is written.
@@ -77,6 +78,8 @@ pub struct Save {
     pub(in crate::app) samples_surface: bool,
     /// What was there when a place was looked at last.
     pub(in crate::app) found: Option<(PathBuf, Target, Place)>,
+    /// What the choices come to.
+    pub estimates: Estimates,
 }
 
 impl Default for Save {
@@ -97,6 +100,7 @@ impl Default for Save {
             name: None,
             samples_surface: false,
             found: None,
+            estimates: Estimates::default(),
         }
     }
 }

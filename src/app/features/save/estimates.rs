@@ -5,8 +5,6 @@
 //! for a moment. Decoded frames are kept for the next choices as long as they are small. The numbers of the choices
 //! before stay to be seen until there are new ones.
 
-use super::choices::Save;
-use super::plan::Savable;
 use crate::app::work::outcome::Message;
 use crate::app::work::pool::PoolBehindDrawing;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
@@ -34,6 +32,16 @@ struct Question {
     target: Target,
     frames: RangeInclusive<usize>,
     shown: usize,
+}
+
+/// What is to be judged.
+pub(super) struct Asked<'a> {
+    pub(super) sequence: &'a Arc<Sequence>,
+    pub(super) target: Target,
+    pub(super) frames: RangeInclusive<usize>,
+    /// The shown frame.
+    pub(super) shown: usize,
+    pub(super) is_playing: bool,
 }
 
 /// What the choices come to, as far as it is known.
@@ -97,27 +105,30 @@ impl Estimates {
     }
 
     /// Begins with the next frame where there is one, and time for it.
-    pub(in crate::app) fn follow<T: TaskOutcome + From<Box<Estimated>>>(
+    pub(super) fn follow<T: TaskOutcome + From<Box<Estimated>>>(
         &mut self,
-        save: &Save,
-        of: &Savable,
+        asked: Asked<'_>,
         tasks: &Tasks<T>,
         now: Duration,
     ) {
-        let Some(sequence) = of.sequence.as_ref().filter(|sequence| !sequence.source().is_live()) else {
-            return self.stop();
-        };
+        let Asked {
+            sequence,
+            target,
+            frames,
+            shown,
+            is_playing,
+        } = asked;
         let address = Arc::as_ptr(sequence).addr();
         // While it plays, the frame that was shown before is as good as any.
         let before = self
             .question
             .as_ref()
-            .filter(|before| of.is_playing && before.sequence == address);
+            .filter(|before| is_playing && before.sequence == address);
         let question = Question {
             sequence: address,
-            target: save.target(sequence.fps()),
-            frames: save.frames(of),
-            shown: before.map_or(of.shown, |before| before.shown),
+            target,
+            frames,
+            shown: before.map_or(shown, |before| before.shown),
         };
         if self.question.as_ref() != Some(&question) {
             self.ask(question, now);

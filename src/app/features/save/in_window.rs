@@ -1,15 +1,14 @@
 //! The open sequence is written anew: the choices, the beginning and the end.
 
 use super::panel::{SaveRequest, save_ui};
-use super::{Estimated, Estimates, Save};
+use super::{Estimated, Save};
 use crate::app::command::{Chord, Command};
 use crate::app::commands::common::{Row, group, needs_sequence};
-use crate::app::features::feature::Feature;
+use crate::app::features::feature::{Feature, FeatureOf};
 use crate::app::features::save::{Savable, SaveEnded, SaveFormat, job};
 use crate::app::open_panels::PanelId;
 use crate::app::panel_row::PanelRow;
-use crate::app::state::State;
-use crate::app::state::{DialogKind, folder_of};
+use crate::app::state::{Dialog, State, folder_of};
 use crate::app::work::files::document_folder;
 use crate::app::work::outcome::Outcome;
 use crate::app::work::works::WorkKind;
@@ -71,22 +70,21 @@ impl State {
         if self.panels.has(PanelId::SAVE) {
             let of = self.savable();
             self.features.save.fit(&of);
-            self.features
-                .estimates
-                .follow(&self.features.save, &of, &self.shared.tasks, self.shared.now);
+            self.features.save.estimate(&of, &self.shared.tasks, self.shared.now);
         } else {
-            self.features.estimates.stop();
+            self.features.save.estimates.stop();
         }
     }
 
     /// Asks for the place of the file, or of the folder.
     pub(in crate::app) fn ask_for_save_place(&mut self) {
         let name = self.features.save.file_stem(&self.sequence_stem()) + self.features.save.suffix();
+        let take = |state: &mut Self, place: PathBuf| state.features.save.take_place(&place);
         let dialog = match self.features.save.format {
-            SaveFormat::Reel => DialogKind::SaveReel,
-            SaveFormat::Files(_) => DialogKind::SaveFolder,
+            SaveFormat::Reel => Dialog::new_file("Save the sequence", name, take).filter("Sequence file", ["reel"]),
+            SaveFormat::Files(_) => Dialog::folder("Folder of the frames", take).named(name),
         };
-        self.ask(dialog, Some(name));
+        self.ask(dialog.without("Write folder and name into the fields"));
     }
 
     /// Begins to write on threads, with everything as it is now.
@@ -187,46 +185,41 @@ const COMMANDS: &[Row] = &[Row::new(Command::TOGGLE_SAVE, "Save as…", State::t
     .keys(group::FILE, "Ctrl+Shift+S", &[Chord::ctrl_shift(Key::S)])
     .applies(needs_sequence)];
 
-impl Feature<State> for Save {
-    fn update(state: &mut State) -> bool {
+impl Feature<State> for FeatureOf<Save> {
+    fn update(&self, state: &mut State) -> bool {
         state.follow_save();
         false
     }
 
-    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
-        outcome.give(|ended: SaveEnded| state.save_has_ended(ended))
+    fn take(&self, state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+        outcome
+            .give(|ended: SaveEnded| state.save_has_ended(ended))
+            .or_else(|outcome| {
+                outcome.give(|estimated: Box<Estimated>| state.features.save.estimates.take_in(*estimated))
+            })
     }
 
-    fn forget_sequence(state: &mut State) {
+    fn next_deadline(&self, state: &State) -> Option<Duration> {
+        state.features.save.estimates.next_deadline()
+    }
+
+    fn forget_sequence(&self, state: &mut State) {
         state.features.save.forget_sequence();
+        state.features.save.estimates.stop();
     }
 
-    fn loss(state: &State) -> Option<&'static str> {
+    fn loss(&self, state: &State) -> Option<&'static str> {
         let is_under_way = state.shared.works.has(WorkKind::Save);
         is_under_way.then_some("The sequence is being saved: saving it again would go on from there.")
     }
 
-    fn panels() -> &'static [PanelRow<State>] {
+    fn panels(&self) -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow::window(PanelId::SAVE, save)];
         PANELS
     }
 
-    fn commands() -> &'static [Row] {
+    fn commands(&self) -> &'static [Row] {
         COMMANDS
-    }
-}
-
-impl Feature<State> for Estimates {
-    fn next_deadline(state: &State) -> Option<Duration> {
-        state.features.estimates.next_deadline()
-    }
-
-    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
-        outcome.give(|estimated: Box<Estimated>| state.features.estimates.take_in(*estimated))
-    }
-
-    fn forget_sequence(state: &mut State) {
-        state.features.estimates.stop();
     }
 }
 
@@ -237,14 +230,7 @@ fn save(ui: &mut Ui, state: &mut State) {
     let of = state.savable();
     let top = state.viewport.rect.center_top();
     let mut is_open = true;
-    let request = save_ui(
-        ui,
-        &mut is_open,
-        &mut state.features.save,
-        &state.features.estimates,
-        &of,
-        top,
-    );
+    let request = save_ui(ui, &mut is_open, &mut state.features.save, &of, top);
     state.panels.set(PanelId::SAVE, is_open);
     match request {
         Some(SaveRequest::ChoosePlace) => state.ask_for_save_place(),

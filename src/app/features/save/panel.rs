@@ -1,7 +1,6 @@
 //! As what the sequence is written, what that comes to, and where to.
 
 use super::choices::{PrecisionKind, Save, SaveFormat};
-use super::estimates::Estimates;
 use super::plan::Savable;
 use super::summary::{lines, merge_price, warning};
 use crate::app::open_panels::PanelId;
@@ -41,7 +40,6 @@ pub(in crate::app) fn save_ui(
     ui: &mut Ui,
     is_open: &mut bool,
     save: &mut Save,
-    estimates: &Estimates,
     of: &Savable,
     top: Pos2,
 ) -> Option<SaveRequest> {
@@ -58,7 +56,7 @@ pub(in crate::app) fn save_ui(
                 format(ui, save);
                 if save.format == SaveFormat::Reel {
                     precision(ui, save, of);
-                    merging(ui, save, estimates, of);
+                    merging(ui, save, of);
                     attributes(ui, save, of);
                 }
                 row(
@@ -73,7 +71,7 @@ pub(in crate::app) fn save_ui(
             // Above the numbers, which come and go and may need to be scrolled.
             request = start(ui, save, of).or(request);
             ui.separator();
-            request = numbers(ui, save, estimates, of).or(request);
+            request = numbers(ui, save, of).or(request);
         });
     settle(ui, "Save as", shown);
     request
@@ -153,7 +151,7 @@ fn precision(ui: &mut Ui, save: &mut Save, of: &Savable) {
 }
 
 /// Whether points are merged, where that is a choice of its own, and what it costs and saves.
-fn merging(ui: &mut Ui, save: &mut Save, estimates: &Estimates, of: &Savable) {
+fn merging(ui: &mut Ui, save: &mut Save, of: &Savable) {
     let mut merges = save.precision == PrecisionKind::SamplingDensity;
     if !merges && save.precision != PrecisionKind::PointSpacing {
         return;
@@ -168,7 +166,7 @@ fn merging(ui: &mut Ui, save: &mut Save, estimates: &Estimates, of: &Savable) {
     if merges != before {
         save.choose_precision(save.precision.merged(merges));
     }
-    let estimate = estimates.estimate().filter(|(_, is_old)| !is_old);
+    let estimate = save.estimates.estimate().filter(|(_, is_old)| !is_old);
     let price = estimate.and_then(|(estimate, _)| merge_price(&estimate, before, save.frames(of).count()));
     ui.label("");
     ui.scope(|ui| {
@@ -261,7 +259,8 @@ fn place(ui: &mut Ui, save: &mut Save, of: &Savable) -> Option<SaveRequest> {
 }
 
 /// Sizes and errors, before anything is written.
-fn numbers(ui: &mut Ui, save: &Save, estimates: &Estimates, of: &Savable) -> Option<SaveRequest> {
+fn numbers(ui: &mut Ui, save: &Save, of: &Savable) -> Option<SaveRequest> {
+    let estimates = &save.estimates;
     let frames = save.frames(of).count();
     let estimate = estimates.estimate();
     let judged = estimate

@@ -1,12 +1,15 @@
 //! What is written under the present choices, and whether it can be.
 
 use super::choices::{Save, SaveFormat, usual_length};
+use super::estimates::{Asked, Estimated};
+use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::convert::{Conversion, Edit, Output, Place, Shard, Target};
 use crate::io::WriteFormat;
 use crate::sequence::Sequence;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 /// What there is to write.
 #[derive(Debug, Clone)]
@@ -34,6 +37,26 @@ pub(in crate::app) struct Savable {
 }
 
 impl Save {
+    /// Judges the choices, some frames at a time.
+    pub(in crate::app) fn estimate<T: TaskOutcome + From<Box<Estimated>>>(
+        &mut self,
+        of: &Savable,
+        tasks: &Tasks<T>,
+        now: Duration,
+    ) {
+        let Some(sequence) = of.sequence.as_ref().filter(|sequence| !sequence.source().is_live()) else {
+            return self.estimates.stop();
+        };
+        let asked = Asked {
+            sequence,
+            target: self.target(sequence.fps()),
+            frames: self.frames(of),
+            shown: of.shown,
+            is_playing: of.is_playing,
+        };
+        self.estimates.follow(asked, tasks, now);
+    }
+
     /// Begins to choose. Files are looked for anew.
     pub(in crate::app) fn begin(&mut self, folder: impl FnOnce() -> PathBuf, of: &Savable) {
         self.found = None;

@@ -1,12 +1,14 @@
 //! Small pictures of the frames, in the window.
 
+use super::panel::thumbnails_ui;
 use super::{Delivery, Thumbnails};
 use crate::app::command::Command;
 use crate::app::commands::common::{Row, needs_sequence};
-use crate::app::features::benchmark::Benchmark;
-use crate::app::features::feature::Feature;
+use crate::app::features::feature::{Feature, FeatureOf};
+use crate::app::settings_row::{SettingsPart, SettingsRow};
 use crate::app::state::State;
 use crate::app::work::outcome::Outcome;
+use egui::Ui;
 
 const COMMANDS: &[Row] = &[
     Row::new(Command::TOGGLE_THUMBNAILS, "Thumbnails", |state| {
@@ -20,30 +22,43 @@ const COMMANDS: &[Row] = &[
     .applies(needs_sequence),
 ];
 
-impl Feature<State> for Thumbnails {
-    fn follow(state: &mut State) {
+impl Feature<State> for FeatureOf<Thumbnails> {
+    fn follow(&self, state: &mut State) {
         state.follow_thumbnails();
     }
 
-    fn follow_panels(state: &mut State) {
+    fn follow_panels(&self, state: &mut State) {
         state.follow_thumbnails();
     }
 
-    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+    fn take(&self, state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
         outcome.give(|delivery: Box<Delivery>| state.features.thumbnails.take_in(*delivery))
     }
 
-    fn forget_frame(state: &mut State, index: usize) {
+    fn forget_frame(&self, state: &mut State, index: usize) {
         state.features.thumbnails.forget_frame(index);
     }
 
-    fn forget_sequence(state: &mut State) {
+    fn forget_sequence(&self, state: &mut State) {
         state.features.thumbnails.forget_frames();
     }
 
-    fn commands() -> &'static [Row] {
+    fn commands(&self) -> &'static [Row] {
         COMMANDS
     }
+
+    fn settings(&self) -> &'static [SettingsRow<State>] {
+        const SETTINGS: &[SettingsRow<State>] = &[SettingsRow {
+            part: SettingsPart::Time,
+            rank: 0,
+            show: thumbnails,
+        }];
+        SETTINGS
+    }
+}
+
+fn thumbnails(ui: &mut Ui, state: &mut State) {
+    thumbnails_ui(ui, &mut state.features.thumbnails);
 }
 
 impl State {
@@ -57,7 +72,7 @@ impl State {
         let style = self.style.resolved(&look);
         let hints = style.of_sequence.color_hints;
         let key = (self.camera.up, style.colors, hints);
-        let is_measured = matches!(self.features.benchmark, Benchmark::Running(_));
+        let is_measured = self.features.benchmark.is_running();
         self.features
             .thumbnails
             .follow(player, &look, key, is_measured, &self.shared.tasks, self.shared.now);

@@ -4,7 +4,7 @@ use super::Timeline;
 use super::panel::{TimelineContext, TimelineRequest, timeline_ui};
 use crate::app::command::{Chord, Command};
 use crate::app::commands::common::{Row, group, needs_sequence};
-use crate::app::features::feature::Feature;
+use crate::app::features::feature::{Feature, FeatureOf};
 use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::state::State;
 use crate::document::Document;
@@ -95,28 +95,29 @@ const COMMANDS: &[Row] = &[
     .applies(needs_sequence),
 ];
 
-impl Feature<State> for Timeline {
-    fn forget_sequence(state: &mut State) {
+impl Feature<State> for FeatureOf<Timeline> {
+    fn forget_sequence(&self, state: &mut State) {
         state.features.timeline.forget_playhead();
     }
 
-    fn save(state: &State, document: &mut Document) {
-        document.up = state.features.timeline.chosen_up;
-        document.markers = state.features.timeline.markers.list().to_vec();
+    fn save(&self, state: &State, document: &mut Document) {
+        let markers = state.features.timeline.markers.list();
+        if document.markers != markers {
+            document.markers = markers.to_vec();
+        }
     }
 
-    fn load(state: &mut State, document: &Document) {
-        state.features.timeline.chosen_up = document.up;
+    fn load(&self, state: &mut State, document: &Document) {
         if let Some(problem) = state.features.timeline.take_markers(document.markers.clone()) {
             state.notices.warn(problem);
         }
     }
 
-    fn escape(state: &mut State) -> bool {
+    fn escape(&self, state: &mut State) -> bool {
         state.features.timeline.renaming.take().is_some()
     }
 
-    fn panels() -> &'static [PanelRow<State>] {
+    fn panels(&self) -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow {
             id: None,
             menu: None,
@@ -126,7 +127,7 @@ impl Feature<State> for Timeline {
         PANELS
     }
 
-    fn commands() -> &'static [Row] {
+    fn commands(&self) -> &'static [Row] {
         COMMANDS
     }
 }

@@ -14,7 +14,6 @@ pub(in crate::app) use visible::VisibleFrames;
 
 use crate::document::Marker;
 use crate::playback::Player;
-use crate::scene::UpAxis;
 use crate::sequence::{NumberGap, Sequence, number_gaps};
 use std::time::Duration;
 
@@ -34,8 +33,6 @@ pub struct Timeline {
     gaps: (usize, Vec<NumberGap>),
     /// Where the bar is in the window, points.
     pub(in crate::app) bar_rect: egui::Rect,
-    /// The axis that was chosen to be up in place of the guessed one.
-    pub(in crate::app) chosen_up: Option<UpAxis>,
     /// The playhead is in the hand, and playing goes on when it is let go.
     resumes: bool,
 }
@@ -50,7 +47,6 @@ impl Default for Timeline {
             visible: VisibleFrames::default(),
             gaps: (0, Vec::new()),
             bar_rect: egui::Rect::ZERO,
-            chosen_up: None,
             resumes: false,
         }
     }
@@ -60,7 +56,6 @@ impl Timeline {
     /// Another sequence was opened: nothing of the one before is left.
     pub(in crate::app) fn begin(&mut self) {
         self.markers = Markers::default();
-        self.chosen_up = None;
         self.renaming = None;
         self.curve.forget();
         self.visible = VisibleFrames::default();

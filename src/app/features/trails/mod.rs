@@ -12,7 +12,7 @@ use crate::analysis::ColorMap;
 use crate::app::work::outcome::Message;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::composition::{self, TrailLook, TrailMeasure, TrailRequest};
-use crate::document::{ShownTrails, SpreadTrails};
+use crate::document::{MeasuredPoint, ShownTrails, SpreadTrails};
 use crate::playback::Player;
 use crate::progress::Progress;
 use crate::sequence::{Needs, PreparedFrame, Slot};
@@ -179,10 +179,15 @@ impl Trails {
         }
     }
 
-    /// Asks for the trails of a document.
+    /// Asks for the trails of a document. Points that are known already stay as they were picked.
     pub(in crate::app) fn show(&mut self, shown: &ShownTrails) {
         self.is_on = shown.of_picked;
-        self.kept = shown.kept.iter().map(Anchor::of).collect();
+        let before = std::mem::take(&mut self.kept);
+        let anchor = |point: &MeasuredPoint| {
+            let known = before.iter().find(|anchor| anchor.point() == point.point);
+            known.copied().unwrap_or_else(|| Anchor::of(point))
+        };
+        self.kept = shown.kept.iter().map(anchor).collect();
         self.field.is_on = shown.spread.is_some();
         if let Some(SpreadTrails { points, frames }) = shown.spread {
             self.field.points = points.clamp(1, TrailField::MAX_POINTS);

@@ -1,8 +1,7 @@
 //! What of the cloud is drawn: a box or one side of a plane, in the coordinates of the file.
 
-use super::settings::{choice, row, rows};
-use crate::app::Clipping;
-use crate::app::features::clipping::{ClipFit, ClippedFrames};
+use super::{ClipFit, ClippedFrames, Clipping};
+use crate::app::widgets::rows::{choice, row, rows};
 use crate::scene::{Clip, ClipShape};
 use egui::{Button, Checkbox, DragValue, Ui};
 use glam::DVec3;

@@ -1,7 +1,7 @@
 //! From fast to exact by one slider, once it is known what each way to draw takes and how wrong it is.
 
-use super::settings::{heading, row, rows};
-use crate::app::{MeasuredQuality, QualityLimits};
+use super::{MeasuredQuality, QualityLimits};
+use crate::app::widgets::rows::{heading, row, rows};
 use crate::bench::{Quality, QualityChoice};
 use crate::scene::Settings;
 use egui::{Button, DragValue, Slider, Ui};
