@@ -10,8 +10,8 @@ export CARGO="${CARGO:-cargo}"
 
 # The longest first, so that none is left at the end.
 longest_first=(lib pictures files program panels bench_suites)
-# Needs the machine for itself: a window that is played in time.
-alone=window
+# These need the machine for themselves: real windows, whose pictures are to come to rest.
+alone=(session window)
 
 all=(lib)
 for file in tests/*.rs tests/*/main.rs; do
@@ -19,7 +19,7 @@ for file in tests/*.rs tests/*/main.rs; do
     name=${name%/main.rs}
     all+=("${name%.rs}")
 done
-others=$(printf '%s\n' "${all[@]}" | grep -vxF -f <(printf '%s\n' "${longest_first[@]}" "$alone"))
+others=$(printf '%s\n' "${all[@]}" | grep -vxF -f <(printf '%s\n' "${longest_first[@]}" "${alone[@]}"))
 
 run_one() {
     local name=$1 said failed=0
@@ -40,4 +40,6 @@ fi
 
 "$CARGO" test --locked --lib --tests --no-run
 printf '%s\n' "${longest_first[@]}" $others | xargs -P 2 -I '{}' "$me" --one '{}'
-run_one "$alone"
+for name in "${alone[@]}"; do
+    run_one "$name"
+done
