@@ -23,7 +23,15 @@ demo: system-packages ## play the demo in a window, or without a display render 
 	fi
 
 .PHONY: test
-test: test-packages tools fmt-check lint features docs deny tests doctests ## everything that CI runs
+test: test-packages tools fmt-check lint features-docs-deny tests doctests ## everything that CI runs
+
+# Checking the crate and documenting it is work of one processor, three times over; building cargo-deny is that of the
+# other one.
+.PHONY: features-docs-deny
+features-docs-deny:
+	@$(MAKE) --no-print-directory deny & deny=$$!; \
+	$(MAKE) --no-print-directory features docs; status=$$?; \
+	wait $$deny && exit $$status
 
 .PHONY: fmt
 fmt: ## format the code
@@ -46,8 +54,9 @@ features: ## clippy on the core alone, and on all but the window
 docs: ## rustdoc, warnings are errors
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --no-deps --lib --examples
 
-# An installed cargo-deny is used; otherwise one is built here, unoptimised (a minute on two cores; the check itself
-# takes a second). Advisories are apart: their database is a download, and a new entry must not fail an old commit.
+# An installed cargo-deny is used; otherwise one is built here, unoptimised and without debug information (a minute on
+# two cores; the check itself takes a second). Advisories are apart: their database is a download, and a new entry must
+# not fail an old commit.
 TOOLS := $(CURDIR)/target/tools
 DENY = PATH="$$PATH:$(TOOLS)/bin" $(CARGO) deny --locked
 .PHONY: deny
@@ -61,7 +70,7 @@ advisories: cargo-deny ## known vulnerabilities of the dependencies (downloads t
 .PHONY: cargo-deny
 cargo-deny:
 	@PATH="$$PATH:$(TOOLS)/bin" $(CARGO) deny --version >/dev/null 2>&1 \
-		|| $(CARGO) install --locked --debug --quiet --root $(TOOLS) cargo-deny
+		|| CARGO_PROFILE_DEV_DEBUG=0 $(CARGO) install --locked --debug --quiet --root $(TOOLS) cargo-deny
 
 .PHONY: slurm-test
 slurm-test: ## the Slurm job file on a slurmctld with two slurmd (root; packages slurmctld slurmd slurm-client munge)
@@ -94,12 +103,15 @@ soak: ## play 10,000 frames that do not fit into the memory for them, and record
 fmt-check:
 	$(CARGO) fmt --check
 
+# Tests run on this machine alone: of its kernels the levels below its processor's are not compiled.
+tests properties doctests faults: export RUSTC_WORKSPACE_WRAPPER ?= $(CURDIR)/scripts/rustc-for-this-machine.sh
+
 # Properties are tried on the same random cases every time, so that a commit which has passed goes on passing; others are
 # looked for by `make properties`.
 .PHONY: tests
 tests: export PROPTEST_RNG_SEED ?= 4
 tests:
-	$(CARGO) test --locked --lib --tests
+	scripts/run-tests.sh
 
 .PHONY: properties
 properties: export PROPTEST_CASES ?= 2000

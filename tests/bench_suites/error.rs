@@ -5,9 +5,23 @@ use pointreel::bench::{BenchOptions, Cell, Input, LabPoint, Report, Step, run, s
 use pointreel::progress::Progress;
 use pointreel::sequence::{Sequence, Shape};
 use std::cell::RefCell;
+use std::path::Path;
+use std::sync::LazyLock;
+
+/// Two runs, of which the second finds the truths that the first has kept.
+static RUNS: LazyLock<[Report; 2]> = LazyLock::new(|| {
+    let folder = tempfile::tempdir().unwrap();
+    let truths = folder.path().join("truths");
+    [(); 2].map(|()| {
+        let report = errors_on_a_sphere(&truths);
+        // Picture, depth and tolerance of two views.
+        assert_eq!(std::fs::read_dir(&truths).unwrap().count(), 6);
+        report
+    })
+});
 
 /// Ways of the processor on a sphere of few points, whose truth is known.
-fn errors_on_a_sphere(truth_folder: Option<std::path::PathBuf>) -> Report {
+fn errors_on_a_sphere(truth_folder: &Path) -> Report {
     let sphere = Input {
         shape: Some(Shape::Sphere),
         ..input("sphere", Sequence::of(Shape::Sphere.frame(3_000)))
@@ -19,7 +33,7 @@ fn errors_on_a_sphere(truth_folder: Option<std::path::PathBuf>) -> Report {
         warmup: 0,
         repeat: 1,
         modes: "cpu".parse().unwrap(),
-        truth_folder,
+        truth_folder: Some(truth_folder.to_owned()),
         ..BenchOptions::new(suites::ERROR)
     };
     let measured = RefCell::new(Vec::new());
@@ -37,24 +51,17 @@ fn errors_on_a_sphere(truth_folder: Option<std::path::PathBuf>) -> Report {
 
 #[test]
 fn errors_of_ways_to_draw_are_in_the_order_that_theory_says() {
-    let folder = tempfile::tempdir().unwrap();
-    let truths = folder.path().join("truths");
-    let report = errors_on_a_sphere(Some(truths.clone()));
-    assert_files_agree(&report);
-    // Picture, depth and tolerance of two views, which the next run finds.
-    let files = || std::fs::read_dir(&truths).unwrap().count();
-    assert_eq!(files(), 6);
-    let again = errors_on_a_sphere(Some(truths.clone()));
-    assert_eq!(files(), 6);
+    let [report, again] = &*RUNS;
+    assert_files_agree(report);
     let error = |report: &Report, label: &str, key: &str| {
         let row = report.rows.iter().find(|row| report.cells(row)[1] == label);
         let row = row.unwrap_or_else(|| panic!("{label} is missing"));
         report.value(row, key).and_then(Cell::number).unwrap()
     };
-    let flip = |label: &str| error(&report, label, "flip_object_mean");
+    let flip = |label: &str| error(report, label, "flip_object_mean");
     assert_eq!(
         flip("surfel two-pass CPU"),
-        error(&again, "surfel two-pass CPU", "flip_object_mean")
+        error(again, "surfel two-pass CPU", "flip_object_mean")
     );
     // The rear shines through without depth; squares cut each other in one pass; fewer pixels show less.
     assert!(flip("surfel two-pass CPU") < flip("surfel regular CPU"));
@@ -63,7 +70,7 @@ fn errors_of_ways_to_draw_are_in_the_order_that_theory_says() {
     assert!(flip("voxel by spacing τ 1 CPU") < flip("voxel by spacing lit by faces τ 1 CPU"));
     assert!(flip("voxel by spacing τ 1 CPU") < flip("voxel δ 5 % τ 1 CPU"));
     assert!(flip("surfel two-pass CPU") < flip("surfel two-pass at 50 % CPU"));
-    let holes = |label: &str| error(&report, label, "hole_share");
+    let holes = |label: &str| error(report, label, "hole_share");
     assert!(holes("point 1 px CPU") > holes("point 2 px CPU") && holes("point 2 px CPU") > holes("point 3 px CPU"));
     assert!(
         holes("surfel two-pass-enlarged CPU") < 0.001,
@@ -71,7 +78,7 @@ fn errors_of_ways_to_draw_are_in_the_order_that_theory_says() {
         holes("surfel two-pass-enlarged CPU")
     );
     // Through the gaps between small points the rear is seen.
-    let wrong = |label: &str| error(&report, label, "wrong_surface_share");
+    let wrong = |label: &str| error(report, label, "wrong_surface_share");
     assert!(wrong("point 1 px CPU") > 0.02 && wrong("surfel two-pass CPU") < 0.001);
 
     // The front: nothing beats it, and everything else is beaten.
@@ -86,7 +93,7 @@ fn errors_of_ways_to_draw_are_in_the_order_that_theory_says() {
 
 #[test]
 fn the_page_holds_every_point_and_asks_nobody() {
-    let report = errors_on_a_sphere(None);
+    let [report, _] = &*RUNS;
     let page = report.to_html();
     let (_, data) = page
         .split_once("<script type=\"application/json\" id=\"data\">")

@@ -122,11 +122,11 @@ impl Shape {
     }
 }
 
-/// Share of rays through `places` that hit no disk of `scale` times its radius.
-fn open_share(positions: &[Vec3], surface: &Surface, places: &[Place], scale: f32) -> f64 {
+/// Shares of rays through `places` that hit no disk of each of `scales` times its radius.
+fn open_shares<const N: usize>(positions: &[Vec3], surface: &Surface, places: &[Place], scales: [f32; N]) -> [f64; N] {
     // The nearest points of each place, as its neighbours among points and places: places are few beside those asked
     // for.
-    let mut holes = 0u32;
+    let mut holes = [0u32; N];
     for chunk in places.chunks(places.len().div_ceil(PARTS)) {
         let both: Vec<Vec3> = positions
             .iter()
@@ -135,23 +135,26 @@ fn open_share(positions: &[Vec3], surface: &Surface, places: &[Place], scale: f3
             .collect();
         let lists = nearest_neighbours(&both, AROUND);
         for (index, &(place, direction)) in chunk.iter().enumerate() {
-            let near = lists.of(positions.len() + index).iter();
-            let is_covered = near
-                .map(|&disk| disk as usize)
-                .filter(|&disk| disk < positions.len())
-                .any(|disk| {
-                    let (normal, radius) = (surface.normals[disk], scale * surface.radii[disk]);
-                    let offset = positions[disk] - place;
-                    let slope = normal.dot(direction);
-                    let along = normal.dot(offset) / slope;
-                    slope.abs() > EDGE_ON
-                        && along.abs() <= radius
-                        && (direction * along - offset).length_squared() <= radius * radius
-                });
-            holes += u32::from(!is_covered);
+            let near = lists.of(positions.len() + index);
+            for (holes, scale) in holes.iter_mut().zip(scales) {
+                let is_covered = near
+                    .iter()
+                    .map(|&disk| disk as usize)
+                    .filter(|&disk| disk < positions.len())
+                    .any(|disk| {
+                        let (normal, radius) = (surface.normals[disk], scale * surface.radii[disk]);
+                        let offset = positions[disk] - place;
+                        let slope = normal.dot(direction);
+                        let along = normal.dot(offset) / slope;
+                        slope.abs() > EDGE_ON
+                            && along.abs() <= radius
+                            && (direction * along - offset).length_squared() <= radius * radius
+                    });
+                *holes += u32::from(!is_covered);
+            }
         }
     }
-    f64::from(holes) / places.len() as f64
+    holes.map(|holes| f64::from(holes) / places.len() as f64)
 }
 
 /// Parts that rays are shot in, so that they do not crowd the points out of each other's lists.
@@ -164,8 +167,9 @@ fn check(name: &str, shape: Shape, samples: &[Vec<Vec3>], most_open: f64) {
     for positions in samples {
         let places = shape.scattered(RAYS / samples.len(), &mut random);
         let surface = estimate_surface(positions, None);
-        for (share, scale) in shares.iter_mut().zip([1.0, 2.0 / 3.0]) {
-            *share += open_share(positions, &surface, &places, scale) / samples.len() as f64;
+        let open = open_shares(positions, &surface, &places, [1.0, 2.0 / 3.0]);
+        for (share, open) in shares.iter_mut().zip(open) {
+            *share += open / samples.len() as f64;
         }
     }
     let [open, shrunk] = shares;
@@ -253,8 +257,10 @@ fn rays_know_a_disk_from_a_hole() {
         without_plane: Vec::new(),
     };
     let up = Vec3::Z;
-    let share =
-        |place: Vec3, direction: Vec3| open_share(&[Vec3::ZERO], &surface, &[(place, direction.normalize())], 1.0);
+    let share = |place: Vec3, direction: Vec3| {
+        let [share] = open_shares(&[Vec3::ZERO], &surface, &[(place, direction.normalize())], [1.0]);
+        share
+    };
     assert_eq!(share(Vec3::new(0.99, 0.0, 0.0), up), 0.0);
     assert_eq!(share(Vec3::new(1.01, 0.0, 0.0), up), 1.0);
     assert_eq!(share(Vec3::new(0.0, 0.0, 1.01), up), 1.0, "another part of the surface");
