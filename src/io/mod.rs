@@ -48,7 +48,6 @@ mod pcd;
 mod picture;
 mod ply;
 mod ptx;
-pub(crate) mod raster;
 mod read;
 pub(crate) mod recording;
 mod shared;

@@ -13,9 +13,9 @@ use super::format::{Format, Traits};
 use super::growing;
 use super::numbers::{Tokens, line_endings, note_row, quoted, with_decimal_points};
 use super::options::ReadOptions;
-use super::unpack::unpack_lzf;
 use crate::cloud::{AxisConvention, ImageGrid, NotKept, RawCloud};
 use crate::progress::Progress;
+use crate::raster::unpack_lzf;
 use glam::DVec3;
 use header::{Encoding, Header, PcdField};
 

@@ -7,15 +7,14 @@ mod bayer;
 mod compressed;
 mod messages;
 mod pixels;
-pub(crate) mod rvl;
 mod topics;
 mod yuv;
 
 pub(crate) use messages::{CameraInfo, ImageHead, Link, Window, camera_info, extrinsics, head, links, number};
 pub(crate) use topics::{CameraMessage, CameraTopic, CameraTopics};
 
-use super::super::raster::Raster;
 use super::message::Message;
+use crate::raster::Raster;
 
 /// The image of a message; the error is the end of a sentence.
 pub(super) fn image(bytes: &[u8], message: &Message, kind: CameraMessage, most_bytes: u64) -> Result<Raster, String> {
