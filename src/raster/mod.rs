@@ -1,7 +1,7 @@
 //! Images as cameras record them: distances in 16 bits or in floats, and colours.
 //!
 //! PNG, JPEG, PNM, WebP and others are read by `image`, TIFF by `tiff` (which has single floats, where `image` refuses
-//! them), arrays of numpy by `arrays.rs`, the images of PCL's grabbers by `pclzf.rs`. [`rvl`] packs distances alone, and
+//! them), arrays of numpy by `arrays.rs`, the images of PCL's grabbers by `pclzf.rs`. [`rvl`] packs distances alone and
 //! has no first bytes to be known by: whoever has such bytes says so.
 //!
 //! Nothing here reads files: recordings, streams and files of other programs hand over bytes.
