@@ -5,7 +5,7 @@ use super::rgbd_arguments::RgbdArgs;
 use super::session::open_inputs_and_tell;
 use super::style_arguments::StyleArgs;
 use super::values::number_in;
-pub(super) use super::values::{DEMO_INPUT, FrameRange, positive_f64};
+pub(super) use super::values::{FrameRange, positive_f64};
 use crate::cloud::{ColorDepth, NoData};
 use crate::io::{ColumnMap, ReadOptions};
 use crate::render::matcher_of_machine;

@@ -1,12 +1,12 @@
 //! Sessions on the command line: their files are inputs of every verb; `render` and `view` take the rest as well.
 
 use super::stream::tell_of_connection;
-use super::values::DEMO_INPUT;
 use super::warnings;
 use crate::document::{ReadSession, session_of};
 use crate::messages::frame_by_index;
 use crate::scene::Clip;
 use crate::sequence::{OpenOptions, Sequence};
+use crate::source::DEMO_INPUT;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
