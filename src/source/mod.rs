@@ -109,6 +109,12 @@ pub fn is_address(input: &str) -> bool {
     input.contains("://")
 }
 
+/// Extensions of the files that can be opened, without dot, in lower case.
+pub fn supported_extensions() -> impl Iterator<Item = &'static str> {
+    let own = OPENERS.iter().flat_map(Opener::extensions);
+    crate::io::supported_extensions().chain(rgbd::extensions()).chain(own)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -69,8 +69,8 @@ pub(super) enum Name {
     Scheme(&'static str),
     /// A word that is neither a file nor an address.
     Word(&'static str),
-    /// The name or the first bytes of a file.
-    File(fn(&Path) -> bool),
+    /// The name or the first bytes of a file, which mostly has this extension.
+    File(&'static str, fn(&Path) -> bool),
 }
 
 impl Opener {
@@ -90,6 +90,18 @@ impl Opener {
             Self::One(one) => one.names.iter().any(|name| name.is_word() && name.is_of(input)),
             Self::Any(_) => false,
         }
+    }
+
+    /// The extensions of its files, where it has some of its own.
+    pub(super) fn extensions(&self) -> impl Iterator<Item = &'static str> {
+        let names = match self {
+            Self::One(one) => one.names,
+            Self::Made(_) | Self::Any(_) => &[],
+        };
+        names.iter().filter_map(|name| match name {
+            Name::File(extension, _) => Some(*extension),
+            Name::Scheme(_) | Name::Word(_) => None,
+        })
     }
 }
 
@@ -152,7 +164,7 @@ impl Name {
     pub(super) fn address<'a>(&self, input: &'a Path) -> Option<&'a str> {
         match self {
             Self::Scheme(scheme) => input.to_str()?.strip_prefix(scheme),
-            Self::Word(_) | Self::File(_) => None,
+            Self::Word(_) | Self::File(..) => None,
         }
     }
 
@@ -160,7 +172,7 @@ impl Name {
         match self {
             Self::Scheme(_) => self.address(input).is_some(),
             Self::Word(word) => input == Path::new(word),
-            Self::File(is_one) => is_one(input),
+            Self::File(_, is_one) => is_one(input),
         }
     }
 

@@ -49,7 +49,7 @@ const HTTPS: Name = Name::Scheme("https://");
 
 /// A sequence file, here or on the web.
 pub(super) const FILE_OR_ADDRESS: One = One {
-    names: &[HTTP, HTTPS, Name::File(Reel::is_one)],
+    names: &[HTTP, HTTPS, Name::File("reel", Reel::is_one)],
     open: |input, asked| Ok(Arc::new(Reel::open(input, asked.options)?)),
     beside_others: Some(|input| SequenceError::NotAlone { path: input.to_owned() }),
 };

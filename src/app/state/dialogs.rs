@@ -4,7 +4,7 @@ use crate::app::features::benchmark::ReportFormat;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::document::EXTENSION;
 use crate::export::PictureFormat;
-use crate::io;
+use crate::source;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -148,9 +148,7 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
         DialogKind::OpenFiles | DialogKind::CompareFiles => dialog
             .add_filter(
                 "Point clouds and sessions",
-                &io::supported_extensions()
-                    .chain(["mkv", "reel", "pointreel-stream", EXTENSION])
-                    .collect::<Vec<_>>(),
+                &source::supported_extensions().chain([EXTENSION]).collect::<Vec<_>>(),
             )
             .add_filter("All files", &["*"])
             .pick_files(),

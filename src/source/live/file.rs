@@ -50,7 +50,7 @@ struct Recorded {
 
 /// A file that a stream was recorded to.
 pub(in crate::source) const RECORDING: One = One {
-    names: &[Name::File(is_recording)],
+    names: &[Name::File("pointreel-stream", is_recording)],
     open: |input, asked| Ok(Arc::new(RecordedStream::open(input, asked.options)?)),
     beside_others: None,
 };

@@ -6,13 +6,11 @@ use super::depth_scale::Units;
 use super::error::RgbdError;
 use super::folder::{Folder, has_extension, name_of};
 use super::frames_before::GROUP_FRAMES;
-use super::kinect;
 use super::layouts::{self, FoundRecording};
 use super::probe;
-use super::record3d;
+use super::recorders;
 use super::sizes::Sizes;
 use super::stored_image::StoredImage;
-use super::topics;
 use super::trajectory::Trajectory;
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::io::timestamps::times_of_names;
@@ -68,13 +66,7 @@ impl RgbdRecording {
                 Some(found) => found,
                 None => return Ok(None),
             },
-            ([file], None) if file.is_file() && kinect::is_one(file) => {
-                ("Azure Kinect", kinect::find(file, rgbd, &options.read)?)
-            }
-            ([file], None) if file.is_file() && record3d::is_one(file) => {
-                ("Record3D", record3d::find(file, &options.read)?)
-            }
-            ([file], None) if file.is_file() => match topics::find(file, options)? {
+            ([file], None) if file.is_file() => match recorders::find(file, options)? {
                 Some(found) => found,
                 None => return Ok(None),
             },
