@@ -1,8 +1,8 @@
 //! For the targets in `fuzz/` alone: readers that the program reaches by way of others.
 
-use crate::io::matroska::Matroska;
-use crate::io::recording::camera::{CameraMessage, bare_image, camera_info, extrinsics, links, number};
-use crate::io::recording::{read_image, read_parsed};
+use crate::io::recordings::matroska::Matroska;
+use crate::io::recordings::recording::camera::{CameraMessage, bare_image, camera_info, extrinsics, links, number};
+use crate::io::recordings::recording::{read_image, read_parsed};
 use crate::io::{self, ReadOptions};
 use crate::wire::PackedImage;
 use std::path::Path;

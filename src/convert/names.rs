@@ -6,7 +6,7 @@
 //! times that no name tells are appended. Where that does not work out, as for messages of a recording, frames are
 //! numbered.
 
-use crate::io::timestamps::times_of_names;
+use crate::io::files::timestamps::times_of_names;
 use crate::io::{Part, supported_extensions};
 use crate::natural::{natural_order, split_name};
 use crate::sequence::{FrameEntry, Sequence};

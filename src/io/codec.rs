@@ -2,11 +2,11 @@
 
 use super::contents::{Entry, Part};
 use super::error::{Fault, IoError};
-use super::fixed_rows::FixedRows;
 use super::format::Format;
-use super::options::ReadOptions;
 use super::write::Encoder;
 use crate::cloud::RawCloud;
+use crate::io::columns::fixed_rows::FixedRows;
+use crate::io::files::options::ReadOptions;
 use crate::progress::Progress;
 use std::path::Path;
 

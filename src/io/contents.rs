@@ -1,8 +1,8 @@
 //! What frames are in a file: most files are one, archives, recordings and animated models are many.
 
-use super::archive::Member;
-use super::packets::Turn;
-use super::recording::Message;
+use crate::io::recordings::archive::Member;
+use crate::io::recordings::packets::Turn;
+use crate::io::recordings::recording::Message;
 use std::time::Duration;
 
 /// Which of the frames in a file is meant. What a file holds is found once, by [`super::list`]; a part is then read

@@ -5,8 +5,8 @@
 
 use super::TABLE;
 use super::codec::Codec;
-use super::foreign;
 use super::format::Format;
+use crate::io::refused::foreign;
 use std::path::Path;
 
 /// Extensions of the files that are taken from a folder, without dot, in lower case.

@@ -1,8 +1,8 @@
 //! Why a file cannot be read: which one, where in it, what was expected and what to do.
 
-use super::foreign::{self, Foreign};
 use super::format::Format;
-use super::options::ReadOptions;
+use crate::io::files::options::ReadOptions;
+use crate::io::refused::foreign::{self, Foreign};
 pub(super) use crate::memory::mebibytes;
 use std::fmt;
 use std::path::{Path, PathBuf};

@@ -3,9 +3,11 @@
 use super::contents::{Contents, Entry};
 use super::error::IoError;
 use super::format::{Format, Holding};
-use super::options::ReadOptions;
-use super::recording::camera::CameraTopics;
-use super::{archive, packets, recording};
+use crate::io::files::options::ReadOptions;
+use crate::io::recordings::archive;
+use crate::io::recordings::packets;
+use crate::io::recordings::recording;
+use crate::io::recordings::recording::camera::CameraTopics;
 use crate::regular_file;
 use std::fs::File;
 use std::io::Read as _;

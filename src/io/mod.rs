@@ -7,76 +7,37 @@
 //!
 //! To add a format: a file with its [`Format`] and what decodes it, and a row in the table below.
 
-mod archive;
-mod arrays;
-mod attributes;
-mod beside;
-mod bin;
-mod broken_faces;
-mod budget;
 mod codec;
-mod column;
-mod column_map;
-mod column_names;
-mod containers;
+pub(crate) mod columns;
 mod contents;
 mod detect;
-mod draco;
-mod e57;
-mod elevation_grid;
 mod error;
-mod fixed_rows;
-pub(crate) mod foreign;
-mod foreign_files;
+pub(crate) mod files;
 mod format;
-mod gltf;
-mod growing;
-mod las;
-mod likeness;
+mod formats;
 mod list;
-pub(crate) mod long_walk;
-pub(crate) mod matroska;
-mod mesh;
-pub(crate) mod normals;
-mod npy;
-mod numbers;
-mod obj;
-mod off;
-mod options;
-pub(crate) mod packets;
-mod pcd;
-mod picture;
-mod ply;
-mod ptx;
+mod meshes;
 mod read;
-pub(crate) mod recording;
-mod shared;
-mod splats;
-mod stl;
-pub(crate) mod timestamps;
-mod unique_names;
-mod unpack;
-mod utm;
-mod watched;
+pub(crate) mod recordings;
+pub(crate) mod refused;
 mod write;
-mod xyz;
 
-pub use archive::Member;
-pub use column_map::ColumnMap;
+pub use columns::column_map::ColumnMap;
 pub use contents::{Contents, Entry, Part, Topic};
 pub use detect::supported_extensions;
 pub use error::{IoError, Place};
-pub use foreign::Foreign;
-pub(crate) use foreign_files::kinds_of;
+pub use files::options::ReadOptions;
+pub use files::shared::SharedFile;
 pub use format::Format;
 pub(crate) use list::cameras;
 pub use list::{contents, list};
-pub use options::ReadOptions;
-pub use packets::Turn;
 pub(crate) use read::read_sample;
 pub use read::{read, read_bytes, read_part, read_part_observed};
-pub use recording::Message;
-pub use shared::SharedFile;
+pub use recordings::archive::Member;
+pub use recordings::packets::Turn;
+pub use recordings::recording::Message;
+pub use refused::foreign::Foreign;
+pub(crate) use refused::foreign_files::kinds_of;
 pub use write::{Loss, Losses, WriteFormat, write};
 
 use codec::{Codec, NamedColumns};
@@ -86,76 +47,94 @@ use write::{npy as npy_write, pcd as pcd_write, ply as ply_write, text as text_w
 const TABLE: &[Codec] = &[
     Codec {
         columns: Some(NamedColumns {
-            fixed_rows: ply::fixed_rows,
-            point_names: ply::point_names,
-            normals: ply::normals,
+            fixed_rows: formats::ply::fixed_rows,
+            point_names: formats::ply::point_names,
+            normals: formats::ply::normals,
         }),
         encoders: &[ply_write::BINARY, ply_write::ASCII],
-        ..Codec::reading(ply::FORMAT, |file| ply::decode(file.bytes, file.options, file.progress))
+        ..Codec::reading(formats::ply::FORMAT, |file| {
+            formats::ply::decode(file.bytes, file.options, file.progress)
+        })
     },
     Codec {
         columns: Some(NamedColumns {
-            fixed_rows: pcd::fixed_rows,
-            point_names: pcd::point_names,
-            normals: pcd::normals,
+            fixed_rows: formats::pcd::fixed_rows,
+            point_names: formats::pcd::point_names,
+            normals: formats::pcd::normals,
         }),
         encoders: &[pcd_write::ENCODER],
-        ..Codec::reading(pcd::FORMAT, |file| pcd::decode(file.bytes, file.options, file.progress))
-    },
-    Codec {
-        encoders: &[las::write::LAS, las::write::LAZ],
-        ..Codec::reading(las::FORMAT, |file| las::decode(file.bytes, file.options, file.progress))
-    },
-    Codec {
-        list: Some(e57::list),
-        ..Codec::reading(e57::FORMAT, |file| {
-            e57::decode(file.bytes, file.part, file.options, file.progress)
+        ..Codec::reading(formats::pcd::FORMAT, |file| {
+            formats::pcd::decode(file.bytes, file.options, file.progress)
         })
     },
-    Codec::reading(draco::FORMAT, |file| draco::decode(file.bytes, file.options)),
     Codec {
-        list: Some(xyz::list),
-        encoders: &[text_write::ENCODER],
-        ..Codec::reading(xyz::FORMAT, xyz::decode)
+        encoders: &[formats::las::write::LAS, formats::las::write::LAZ],
+        ..Codec::reading(formats::las::FORMAT, |file| {
+            formats::las::decode(file.bytes, file.options, file.progress)
+        })
     },
-    Codec::reading(elevation_grid::ESRI, |file| {
-        elevation_grid::decode_esri(file.bytes, file.options, file.progress)
-    }),
-    Codec::reading(elevation_grid::SURFER, |file| {
-        elevation_grid::decode_surfer(file.bytes, file.options, file.progress)
-    }),
-    Codec::reading(ptx::FORMAT, |file| ptx::decode(file.bytes, file.options, file.progress)),
-    Codec::reading(obj::FORMAT, obj::decode),
-    Codec::reading(off::FORMAT, |file| off::decode(file.bytes, file.options)),
-    Codec::reading(stl::FORMAT, |file| stl::decode(file.bytes, file.options)),
     Codec {
-        list: Some(gltf::list),
-        ..Codec::reading(gltf::FORMAT, |file| {
-            gltf::decode(file.name, file.bytes, file.part, file.options)
+        list: Some(formats::e57::list),
+        ..Codec::reading(formats::e57::FORMAT, |file| {
+            formats::e57::decode(file.bytes, file.part, file.options, file.progress)
+        })
+    },
+    Codec::reading(formats::draco::FORMAT, |file| {
+        formats::draco::decode(file.bytes, file.options)
+    }),
+    Codec {
+        list: Some(formats::xyz::list),
+        encoders: &[text_write::ENCODER],
+        ..Codec::reading(formats::xyz::FORMAT, formats::xyz::decode)
+    },
+    Codec::reading(formats::elevation_grid::ESRI, |file| {
+        formats::elevation_grid::decode_esri(file.bytes, file.options, file.progress)
+    }),
+    Codec::reading(formats::elevation_grid::SURFER, |file| {
+        formats::elevation_grid::decode_surfer(file.bytes, file.options, file.progress)
+    }),
+    Codec::reading(formats::ptx::FORMAT, |file| {
+        formats::ptx::decode(file.bytes, file.options, file.progress)
+    }),
+    Codec::reading(formats::obj::FORMAT, formats::obj::decode),
+    Codec::reading(formats::off::FORMAT, |file| {
+        formats::off::decode(file.bytes, file.options)
+    }),
+    Codec::reading(formats::stl::FORMAT, |file| {
+        formats::stl::decode(file.bytes, file.options)
+    }),
+    Codec {
+        list: Some(formats::gltf::list),
+        ..Codec::reading(formats::gltf::FORMAT, |file| {
+            formats::gltf::decode(file.name, file.bytes, file.part, file.options)
         })
     },
     Codec {
         encoders: &[npy_write::ENCODER],
-        list: Some(npy::list_array),
-        ..Codec::reading(npy::FORMAT, |file| npy::decode(file.bytes, file.part, file.options))
-    },
-    Codec {
-        list: Some(npy::list),
-        ..Codec::reading(npy::ARCHIVE, |file| {
-            npy::decode_archive(file.bytes, file.part, file.options)
+        list: Some(formats::npy::list_array),
+        ..Codec::reading(formats::npy::FORMAT, |file| {
+            formats::npy::decode(file.bytes, file.part, file.options)
         })
     },
-    Codec::reading(splats::spz::FORMAT, |file| {
-        splats::spz::decode(file.bytes, file.options)
+    Codec {
+        list: Some(formats::npy::list),
+        ..Codec::reading(formats::npy::ARCHIVE, |file| {
+            formats::npy::decode_archive(file.bytes, file.part, file.options)
+        })
+    },
+    Codec::reading(formats::splats::spz::FORMAT, |file| {
+        formats::splats::spz::decode(file.bytes, file.options)
     }),
-    Codec::reading(splats::bare::FORMAT, |file| {
-        splats::bare::decode(file.bytes, file.options)
+    Codec::reading(formats::splats::bare::FORMAT, |file| {
+        formats::splats::bare::decode(file.bytes, file.options)
     }),
-    Codec::reading(bin::FORMAT, |file| bin::decode(file.name, file.bytes, file.options)),
-    Codec::container(containers::MCAP),
-    Codec::container(containers::BAG),
-    Codec::container(containers::DB3),
-    Codec::container(containers::CAPTURE),
-    Codec::container(containers::ZIP),
-    Codec::container(containers::TAR),
+    Codec::reading(formats::bin::FORMAT, |file| {
+        formats::bin::decode(file.name, file.bytes, file.options)
+    }),
+    Codec::container(recordings::containers::MCAP),
+    Codec::container(recordings::containers::BAG),
+    Codec::container(recordings::containers::DB3),
+    Codec::container(recordings::containers::CAPTURE),
+    Codec::container(recordings::containers::ZIP),
+    Codec::container(recordings::containers::TAR),
 ];

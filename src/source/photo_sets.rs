@@ -10,7 +10,7 @@ use super::photo_video::PhotoVideo;
 use super::photos::PhotoScene;
 use super::{Files, OpenOptions, SequenceError, Source, rgbd};
 use crate::io::Format;
-use crate::io::foreign::by_members;
+use crate::io::refused::foreign::by_members;
 use crate::natural::natural_order;
 use crate::photos::{self, PhotosError};
 use std::fs;

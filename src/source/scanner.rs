@@ -15,7 +15,7 @@ use super::opener::{Name, One};
 use super::{About, Capabilities, DecodeFailure, DecodedFrame, Decoder, FrameEntry, Growth, SequenceError, Source};
 use crate::deadlines::ClientDeadlines;
 use crate::io::ReadOptions;
-use crate::io::packets::{Companion, LiveTurn, LiveTurns};
+use crate::io::recordings::packets::{Companion, LiveTurn, LiveTurns};
 use crate::locks::lock;
 use crate::progress::Progress;
 use crate::waiting::Waiting;

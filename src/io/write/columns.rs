@@ -136,7 +136,7 @@ pub(super) fn renamed(
 /// `name`, or `scalar_` before it, or with a number behind, until no column has it.
 fn unique(name: String, columns: &[WrittenColumn<'_>]) -> String {
     let is_free = |name: &str| !columns.iter().any(|column| column.name.eq_ignore_ascii_case(name));
-    if is_free(&name) && !super::super::attributes::is_reserved(&name) {
+    if is_free(&name) && !crate::io::columns::attributes::is_reserved(&name) {
         return name;
     }
     let marked = format!("scalar_{name}");

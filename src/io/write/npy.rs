@@ -5,10 +5,10 @@
 //! something else (normals that are all upright look like a dark colour), rows are records with the names of their
 //! fields.
 
-use super::super::xyz;
 use super::columns::{CHUNK_BYTES, Colors, Type, WrittenColumn, columns};
 use super::encoder::{Encoder, Held, WriteSeek};
 use crate::cloud::RawCloud;
+use crate::io::formats::xyz;
 
 const HOLDS: &[Held] = &[Held::Normals, Held::Alpha, Held::Radii, Held::Scalars, Held::Holes];
 

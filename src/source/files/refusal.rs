@@ -1,7 +1,7 @@
 //! Folders without a frame: the kinds of their files, for the message that refuses them.
 
 use super::super::SequenceError;
-use crate::io::foreign::{by_extension, by_members};
+use crate::io::refused::foreign::{by_extension, by_members};
 use crate::io::{self, Foreign};
 use crate::natural::natural_order;
 use std::path::{Path, PathBuf};

@@ -3,7 +3,7 @@
 
 use super::names::{decimals_of, is_folder_per_frame, telling_name};
 use crate::assumption::{Assumption, Evidence, Subject};
-use crate::io::timestamps::{time_of_number, times_of_names};
+use crate::io::files::timestamps::{time_of_number, times_of_names};
 use crate::source::FrameEntry;
 use std::collections::HashSet;
 use std::fs;

@@ -6,7 +6,7 @@
 use super::decoder::{FrameStore, StreamDecoder, group, has_images, raw_images, sensor};
 use super::recorder::is_recording;
 use super::timeline::Timeline;
-use crate::io::long_walk::LongWalk;
+use crate::io::files::long_walk::LongWalk;
 use crate::locks::lock;
 use crate::regular_file;
 use crate::rgbd::{Filters, Sensor};

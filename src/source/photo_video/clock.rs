@@ -5,7 +5,7 @@
 //! later than the first, or of a camera that has one already. So numbers have to be equal, and stamps of a common
 //! trigger may differ by what a network delays. A camera that lost an image has none in that moment, and no other.
 
-use crate::io::timestamps::times_of_names;
+use crate::io::files::timestamps::times_of_names;
 use crate::natural::natural_order;
 use crate::source::FrameEntry;
 use crate::source::files::number;

@@ -3,7 +3,7 @@
 
 use super::calibration::Intrinsics;
 use super::error::RgbdError;
-use crate::io::recording::camera::{CameraInfo, Link};
+use crate::io::recordings::recording::camera::{CameraInfo, Link};
 use crate::rgbd::Distortion;
 use glam::{DAffine3, DVec2};
 
@@ -131,7 +131,7 @@ pub(super) fn transform_between(links: &[Link], from: &str, to: &str) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::recording::camera::Window;
+    use crate::io::recordings::recording::camera::Window;
     use glam::DVec3;
     use std::time::Duration;
 

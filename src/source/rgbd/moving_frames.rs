@@ -7,7 +7,7 @@
 //! nobody has said that it moves, or where.
 
 use super::pairs::MOST_APART;
-use crate::io::recording::camera::Link;
+use crate::io::recordings::recording::camera::Link;
 use glam::DAffine3;
 use std::collections::HashMap;
 use std::time::Duration;

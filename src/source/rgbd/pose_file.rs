@@ -6,7 +6,7 @@ use super::pose_json::of_json;
 use super::pose_table;
 use super::text::{self, array, number_lines, read};
 use super::trajectory::{Trajectory, matrix, pose_of, rigid};
-use crate::io::timestamps::time_of_number;
+use crate::io::files::timestamps::time_of_number;
 use glam::{DAffine3, DQuat, DVec3};
 use std::collections::HashMap;
 use std::path::Path;

@@ -8,7 +8,7 @@
 use super::error::RgbdError;
 use super::text::number_lines;
 use super::trajectory::{Trajectory, key_of, matrix, pose_of, rigid};
-use crate::io::timestamps::time_of_number;
+use crate::io::files::timestamps::time_of_number;
 use glam::{DAffine3, DQuat, DVec3};
 use std::path::Path;
 use std::time::Duration;

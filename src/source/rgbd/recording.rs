@@ -13,7 +13,7 @@ use super::sizes::Sizes;
 use super::stored_image::StoredImage;
 use super::trajectory::Trajectory;
 use crate::assumption::{Assumption, Evidence, Subject};
-use crate::io::timestamps::times_of_names;
+use crate::io::files::timestamps::times_of_names;
 use crate::io::{Entry, Part};
 use crate::messages::frame_by_index;
 use crate::rgbd::{Filters, Sensor};

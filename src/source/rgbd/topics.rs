@@ -18,11 +18,13 @@ use super::moving_frames::MovingFrames;
 use super::pairs::nearest;
 use super::recorder::Recorder;
 use super::stored_image::{ImageMessage, StoredImage};
-use crate::io::recording::camera::{
+use crate::io;
+use crate::io::ReadOptions;
+use crate::io::recordings::recording;
+use crate::io::recordings::recording::camera::{
     CameraInfo, CameraMessage, CameraTopic, CameraTopics, ImageHead, Link, Window, camera_info, extrinsics, head,
     links, number,
 };
-use crate::io::{self, ReadOptions, recording};
 use crate::source::OpenOptions;
 use glam::DAffine3;
 use std::cmp::Reverse;

@@ -18,7 +18,7 @@ use super::pairs::nearest;
 use super::recorder::Recorder;
 use super::stored_image::{BlockImage, BlockPixels, StoredImage};
 use crate::io::ReadOptions;
-use crate::io::matroska::{self, Block, Matroska, Track};
+use crate::io::recordings::matroska::{self, Block, Matroska, Track};
 use device::Device;
 use std::io::Read as _;
 use std::path::Path;

@@ -6,7 +6,7 @@
 
 use super::beside::Distinct;
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Trajectory, Units};
-use crate::io::timestamps::times_of_lines;
+use crate::io::files::timestamps::times_of_lines;
 use crate::source::rgbd::folder::{has_extension, name_of};
 use crate::source::rgbd::pairs::by_name;
 use crate::source::rgbd::text::{number_lines, read};

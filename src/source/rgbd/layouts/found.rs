@@ -1,7 +1,7 @@
 //! What a layout finds in a folder.
 
 use crate::assumption::{Assumption, Evidence, Subject};
-use crate::io::timestamps::times_of_names;
+use crate::io::files::timestamps::times_of_names;
 use crate::source::rgbd::calibration::Calibration;
 use crate::source::rgbd::depth_code::DepthCode;
 use crate::source::rgbd::depth_scale::Units;

@@ -4,7 +4,7 @@
 //! data set has the numbers, whose rotation is written there with all signs turned.
 
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError};
-use crate::io::timestamps::times_of_lines;
+use crate::io::files::timestamps::times_of_lines;
 use crate::rgbd::Distortion;
 use crate::source::rgbd::calibration::Intrinsics;
 use crate::source::rgbd::folder::{has_extension, name_of};

@@ -2,7 +2,7 @@
 //! camera, in the same folder or the one around it.
 
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
-use crate::io::timestamps::times_of_names;
+use crate::io::files::timestamps::times_of_names;
 use crate::source::rgbd::folder::{has_extension, name_of};
 use crate::source::rgbd::pairs::by_key;
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 
 use super::beside;
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
-use crate::io::timestamps::times_of_lines;
+use crate::io::files::timestamps::times_of_lines;
 use crate::source::rgbd::pairs::by_time;
 use crate::source::rgbd::text::read;
 use std::path::{Path, PathBuf};

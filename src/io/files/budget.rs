@@ -1,0 +1,77 @@
+//! The memory of reading a file, held against the limit before it is taken.
+//!
+//! [`ReadOptions::max_memory_bytes`] is the limit of the peak, not of the file. Whoever reads says what is in memory
+//! already ([`ReadOptions::holding`]: the file, what it was unpacked to, parsed columns) and asks before anything else
+//! is allocated ([`ReadOptions::claim`], [`ReadOptions::reserve`]): a claim that does not fit is refused in a sentence.
+
+use super::options::ReadOptions;
+use crate::io::error::Fault;
+
+impl ReadOptions {
+    /// The same where `bytes` more are in memory until the reading ends.
+    pub(in crate::io) fn holding(self, bytes: usize) -> Self {
+        Self {
+            held_bytes: self.held_bytes.saturating_add(bytes as u64),
+            ..self
+        }
+    }
+
+    /// Bytes that may still be taken.
+    pub(in crate::io) fn left_bytes(&self) -> u64 {
+        self.max_memory_bytes.saturating_sub(self.held_bytes)
+    }
+
+    /// Fails where `bytes` more, which `what` would take, are beyond the limit.
+    pub(in crate::io) fn claim(&self, what: &str, bytes: u64) -> Result<(), Fault> {
+        if bytes > self.left_bytes() {
+            return Err(Fault::too_large(what, bytes, self));
+        }
+        Ok(())
+    }
+
+    /// [`Self::claim`] for `count` entries of `entry_bytes` each.
+    pub(in crate::io) fn claim_entries(&self, what: &str, count: usize, entry_bytes: usize) -> Result<(), Fault> {
+        self.claim(what, (count as u64).saturating_mul(entry_bytes as u64))
+    }
+
+    /// Makes room for `more` entries in a list whose length nothing tells beforehand: it doubles, as far as there is
+    /// memory. The list before, which is copied, and what the allocator keeps of it count as well.
+    pub(in crate::io) fn reserve<T>(&self, list: &mut Vec<T>, more: usize, what: &str) -> Result<(), Fault> {
+        if list.capacity() - list.len() >= more {
+            return Ok(());
+        }
+        let grown = (2 * list.capacity()).max(list.len().saturating_add(more));
+        self.claim_entries(what, grown, 2 * size_of::<T>())?;
+        list.reserve_exact(grown - list.len());
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_held_counts_against_every_claim() {
+        let options = ReadOptions::default().with_max_memory(1000).holding(600);
+        assert!(options.claim("the points", 400).is_ok());
+        let refused = options.claim("the points", 401).unwrap_err().problem;
+        assert!(refused.contains("the points would take"), "{refused}");
+        assert!(options.claim_entries("the points", usize::MAX, 12).is_err());
+        assert!(options.holding(usize::MAX).claim("the points", 1).is_err());
+    }
+
+    #[test]
+    fn lists_grow_as_far_as_there_is_memory() {
+        let options = ReadOptions::default().with_max_memory(1024);
+        let mut list: Vec<u64> = Vec::new();
+        let refused = loop {
+            if let Err(fault) = options.reserve(&mut list, 1, "the faces") {
+                break fault;
+            }
+            list.push(0);
+        };
+        assert!(refused.problem.contains("the faces"), "{}", refused.problem);
+        assert_eq!(list.len(), 64);
+    }
+}

@@ -1,0 +1,71 @@
+//! The columns that are kept of points: all but lists, and of splats those that nothing is made of.
+
+use super::header::{Element, Property, PropertyKind};
+use super::splats;
+use crate::io::columns::column::{Column, Values};
+use crate::io::error::Fault;
+use crate::io::files::options::ReadOptions;
+
+/// The element whose rows are points.
+pub(super) const POINTS: &str = "vertex";
+
+/// Parsed columns of the properties that are kept.
+pub(super) struct KeptColumns {
+    pub(super) columns: Vec<Column<'static>>,
+    /// Column of each property.
+    pub(super) column_of: Vec<Option<usize>>,
+}
+
+impl KeptColumns {
+    pub(super) fn new(vertex: &Element) -> Self {
+        let mut kept = Self {
+            columns: Vec::new(),
+            column_of: Vec::new(),
+        };
+        let names = |name: &str| vertex.properties.iter().any(|property| property.name == name);
+        let is_splat = splats::are_splats(&names);
+        for property in &vertex.properties {
+            let scalar = match property.kind {
+                PropertyKind::Scalar(scalar) if !(is_splat && splats::is_unread(&property.name)) => Some(scalar),
+                _ => None,
+            };
+            kept.column_of.push(scalar.map(|_| kept.columns.len()));
+            kept.columns.extend(scalar.map(|scalar| Column {
+                name: property.name.clone(),
+                scalar,
+                values: Values::Parsed(Vec::with_capacity(vertex.count)),
+            }));
+        }
+        kept
+    }
+
+    /// Bytes that the columns of `vertex` take.
+    pub(super) fn bytes(vertex: &Element) -> usize {
+        let is_number = |property: &&Property| matches!(property.kind, PropertyKind::Scalar(_));
+        let numbers = vertex.properties.iter().filter(is_number).count();
+        vertex.count.saturating_mul(numbers * size_of::<f64>())
+    }
+
+    /// Fails where there is no memory for the columns of `vertex`.
+    pub(super) fn claim(vertex: &Element, options: &ReadOptions) -> Result<(), Fault> {
+        let what = format!("the numbers of {} points", vertex.count);
+        options.claim(&what, Self::bytes(vertex) as u64)
+    }
+
+    pub(super) fn push(&mut self, property: usize, value: f64) {
+        if let Some(column) = self.column_of[property]
+            && let Values::Parsed(values) = &mut self.columns[column].values
+        {
+            values.push(value);
+        }
+    }
+
+    /// Leaves the first `rows` rows, of which missing values are NaN.
+    pub(super) fn resize(&mut self, rows: usize) {
+        for column in &mut self.columns {
+            if let Values::Parsed(values) = &mut column.values {
+                values.resize(rows, f64::NAN);
+            }
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Faces of a mesh that cannot be used: how many, why the first, and where the file ends within them.
+//!
+//! A few faces with vertices that are not there are left out, as are those behind the end of a truncated file. Where
+//! many are such, the faces belong to another file: then all are left out, and the points are those of a cloud.
+
+use crate::cloud::RawCloud;
+use crate::io::error::Fault;
+
+/// Where more than one in so many faces is broken, none is used.
+const MOST_BROKEN: usize = 4;
+
+/// What was wrong so far.
+#[derive(Debug, Default)]
+pub(in crate::io) struct BrokenFaces {
+    /// Faces that were looked at.
+    all: usize,
+    broken: usize,
+    first: Option<Fault>,
+    /// Why nothing was read from some face on.
+    end: Option<Fault>,
+}
+
+impl BrokenFaces {
+    /// Counts a face, which cannot be used for this reason.
+    pub(in crate::io) fn count(&mut self, fault: Option<Fault>) {
+        self.all += 1;
+        self.broken += usize::from(fault.is_some());
+        self.first = self.first.take().or(fault);
+    }
+
+    /// Nothing is read from here on.
+    pub(in crate::io) fn end(&mut self, fault: Fault) {
+        self.end.get_or_insert(fault);
+    }
+
+    /// Gives `cloud` the faces that can be used, and says which cannot.
+    pub(in crate::io) fn put_into(self, triangles: Vec<[u32; 3]>, cloud: &mut RawCloud) {
+        let is_other = self.broken * MOST_BROKEN > self.all;
+        let has_faces = !is_other && !triangles.is_empty();
+        if let Some(Fault { place, problem, .. }) = self.first {
+            let count = self.broken;
+            cloud.warnings.push(if is_other {
+                format!(
+                    "{place}: {problem}; {count} of {} faces are such, so all points are there, and the faces are left \
+                     out",
+                    self.all
+                )
+            } else {
+                format!(
+                    "{place}: {problem}; {count} of {} faces are left out for that",
+                    self.all
+                )
+            });
+        }
+        if let Some(Fault { place, problem, .. }) = self.end {
+            cloud.warnings.push(format!(
+                "{place}: {problem}; all points are there, the faces {}are left out",
+                if has_faces { "from there on " } else { "" }
+            ));
+        }
+        if has_faces {
+            cloud.faces = triangles;
+        }
+    }
+}
+
+/// What is said of a face that names a vertex that is not there.
+pub(in crate::io) fn no_vertex(list: &str, row: usize, index: f64, vertex_count: usize) -> Fault {
+    Fault::entry(
+        list,
+        row,
+        format!(
+            "it names vertex {index}, expected a whole number from 0 to below {vertex_count}, the count of vertices: \
+             the file is damaged, or its faces belong to another one"
+        ),
+    )
+}

@@ -1,0 +1,348 @@
+//! Turns of a sensor as its packets come, from a network instead of a file.
+//!
+//! The first stream of packets of a sensor is the one that is shown (`streams.rs`); others are skipped. A turn is
+//! handed over when the next one begins, as its packets: whoever shows it makes points of them. The turn in which
+//! packets begin to come is no whole one, and is skipped.
+
+use super::frame_id::FrameId;
+use super::makers::maker_of;
+use super::ouster::{self, Metadata};
+use super::seam::Coverage;
+use super::sensor::{Kind, LEAST_OUSTER_BYTES, LONGEST_TURN, MOST_PACKETS};
+use super::streams::{Sort, Streams, Verdict};
+use super::turn::{Scanner, TurnPart};
+use super::unpacking::{Position, Unpacking};
+use super::velodyne::{self, Calibration, DataPacket, Model};
+use crate::cloud::RawCloud;
+use crate::io::error::Fault;
+use crate::io::files::options::ReadOptions;
+use std::fs::File;
+use std::io::Read as _;
+use std::net::SocketAddr;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// What the packets of some sensors cannot be read without.
+#[derive(Debug, Clone)]
+pub(crate) struct Companion(Contents);
+
+#[derive(Debug, Clone)]
+enum Contents {
+    /// Of a sensor of Ouster.
+    Metadata(Box<Metadata>),
+    /// Of an HDL-64E.
+    Calibration(Box<Calibration>),
+}
+
+/// A turn, as its packets.
+#[derive(Debug, Clone)]
+pub(crate) struct LiveTurn {
+    scanner: Arc<Scanner>,
+    part: TurnPart,
+    /// When its first packet came.
+    pub(crate) time: Duration,
+    packets: Vec<Box<[u8]>>,
+}
+
+/// How long azimuths are looked at before the first turn: two of the slowest sensors.
+const LEARNING: Duration = Duration::from_millis(400);
+
+/// Azimuths in which a sensor measures, before its turns are cut.
+struct Learning {
+    begin: Duration,
+    coverage: Coverage,
+}
+
+/// Finds the turns of a sensor.
+pub(crate) struct LiveTurns {
+    companion: Option<Companion>,
+    streams: Streams,
+    /// The sensor that is shown.
+    sensor: Option<Kind>,
+    /// Sentences on streams that are to be said.
+    notes: Vec<String>,
+    /// Over once it is known where the sensor measures.
+    learning: Option<Learning>,
+    /// The turn whose packets come now.
+    current: Option<LiveTurn>,
+    /// Whether the current one was there from its beginning.
+    is_whole: bool,
+}
+
+impl Companion {
+    /// What the file at `path` is.
+    ///
+    /// # Errors
+    /// What is wrong with it, with its name.
+    pub(crate) fn read(path: &Path) -> Result<Self, String> {
+        let mut bytes = Vec::new();
+        let most = ouster::MOST_METADATA_BYTES.max(velodyne::MOST_CALIBRATION_BYTES);
+        let read = File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes));
+        read.map_err(|error| format!("{} cannot be read ({error})", path.display()))?;
+        let text = String::from_utf8_lossy(&bytes);
+        let told = |fault: Fault| format!("{}, {}: {}", path.display(), fault.place, fault.problem);
+        if velodyne::is_calibration(&text) {
+            let calibration = velodyne::parse(&text).map_err(told)?;
+            return Ok(Self(Contents::Calibration(Box::new(calibration))));
+        }
+        let metadata = ouster::parse(&text).map_err(told)?;
+        Ok(Self(Contents::Metadata(Box::new(metadata))))
+    }
+}
+
+impl LiveTurns {
+    /// No packets yet, of a sensor with that file, which loses its place after `silence`.
+    pub(crate) fn new(companion: Option<Companion>, silence: Duration) -> Self {
+        Self {
+            companion,
+            streams: Streams::new(silence),
+            sensor: None,
+            notes: Vec::new(),
+            learning: None,
+            current: None,
+            is_whole: false,
+        }
+    }
+
+    /// True while a sensor is shown.
+    pub(crate) fn has_sensor(&self) -> bool {
+        self.sensor.is_some()
+    }
+
+    /// Sentences that are to be said since the last time.
+    pub(crate) fn take_notes(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.notes)
+    }
+
+    /// Notes that it is `now`, by the clock of the datagrams.
+    pub(crate) fn look(&mut self, now: Duration) {
+        let Some(note) = self.streams.look(now) else {
+            return;
+        };
+        self.notes.push(note);
+        (self.sensor, self.learning, self.current) = (None, None, None);
+        self.is_whole = false;
+    }
+
+    /// A datagram from `source` that came at `time` of a clock that never goes back; the turn that is over with it, if
+    /// one is.
+    ///
+    /// # Errors
+    /// Why the packets of a sensor cannot be read: what is missing next to them.
+    pub(crate) fn add(&mut self, source: SocketAddr, time: Duration, bytes: &[u8]) -> Result<Option<LiveTurn>, String> {
+        self.look(time);
+        let data = DataPacket::of(bytes);
+        let Some(sort) = self.sort(data, bytes) else {
+            return Ok(None);
+        };
+        match self.streams.add(source, sort, time) {
+            Verdict::Shown => {}
+            Verdict::Free => self.show(source, sort, time, bytes)?,
+            Verdict::Second(note) => {
+                self.notes.push(note);
+                return Ok(None);
+            }
+            Verdict::Skipped => return Ok(None),
+        }
+        let Some(kind) = &mut self.sensor else {
+            return Ok(None);
+        };
+        if let Some(learning) = &mut self.learning {
+            kind.cover(bytes, &mut learning.coverage);
+            if time.saturating_sub(learning.begin) < LEARNING {
+                return Ok(None);
+            }
+            kind.set_seam(learning.coverage.seam());
+            self.learning = None;
+        }
+        Ok(match (kind, data) {
+            (Kind::Velodyne { turning, scanner }, Some(data)) => {
+                let begins_at = turning.begins_at(data);
+                let scanner = Arc::clone(scanner);
+                self.velodyne(begins_at, scanner, time, bytes)
+            }
+            (
+                Kind::Ouster {
+                    shape, scanner, seam, ..
+                },
+                None,
+            ) if bytes.len() == shape.packet_bytes() => {
+                let (frame, scanner) = (shape.frame_of(bytes, *seam), Arc::clone(scanner));
+                frame.and_then(|frame| self.ouster_packet(TurnPart::Frame(frame), scanner, time, bytes))
+            }
+            _ => None,
+        })
+    }
+
+    fn calibration(&self) -> Result<Calibration, String> {
+        match &self.companion {
+            Some(Companion(Contents::Calibration(calibration))) => Ok(Calibration::clone(calibration)),
+            _ => Err(
+                "it has packets of an HDL-64E, whose lasers are calibrated one by one: expected its calibration \
+                      behind the address, as in udp://:2368?db.xml"
+                    .to_owned(),
+            ),
+        }
+    }
+
+    /// The sender of a packet, as far as it tells.
+    fn sort(&self, data: Option<DataPacket<'_>>, bytes: &[u8]) -> Option<Sort> {
+        if let Some(data) = data {
+            return Some(Model::of(data).map_or_else(Sort::UnknownVelodyne, Sort::Velodyne));
+        }
+        let is_known = match &self.companion {
+            Some(Companion(Contents::Metadata(metadata))) => {
+                let shape = metadata.shape;
+                shape.packet_bytes() == bytes.len() && shape.frame_of(bytes, 0).is_some()
+            }
+            _ => false,
+        };
+        if bytes.len() >= LEAST_OUSTER_BYTES && (is_known || ouster::may_be(bytes.len())) {
+            return Some(Sort::Ouster(bytes.len()));
+        }
+        // The port of the socket is any that a person chose.
+        let maker = maker_of(0, bytes).filter(|maker| !maker.advice.is_empty());
+        maker.map(|maker| Sort::Unread(maker.name))
+    }
+
+    /// Shows the sensor that sends from `source`, of which a packet is `bytes`.
+    fn show(&mut self, source: SocketAddr, sort: Sort, time: Duration, bytes: &[u8]) -> Result<(), String> {
+        let kind = match (sort, DataPacket::of(bytes)) {
+            (Sort::Velodyne(_) | Sort::UnknownVelodyne(_), Some(data)) => Kind::velodyne(data, || self.calibration()),
+            (Sort::Ouster(bytes), _) => self.ouster(bytes),
+            _ => Kind::Unread(refused(bytes)),
+        };
+        if let Kind::Unread(problem) = kind {
+            return Err(problem);
+        }
+        self.streams.show(source, sort, time);
+        self.sensor = Some(kind);
+        self.learning = Some(Learning {
+            begin: time,
+            coverage: Coverage::default(),
+        });
+        Ok(())
+    }
+
+    fn ouster(&self, byte_count: usize) -> Kind {
+        match &self.companion {
+            Some(Companion(Contents::Metadata(metadata))) if metadata.shape.packet_bytes() == byte_count => {
+                Kind::ouster(metadata)
+            }
+            _ => Kind::Unread(format!(
+                "it has packets of {byte_count} bytes as sensors of Ouster send them: expected the metadata of the \
+                 sensor behind the address, as in udp://:7502?os1.json"
+            )),
+        }
+    }
+
+    fn velodyne(
+        &mut self,
+        begins_at: Option<u8>,
+        scanner: Arc<Scanner>,
+        time: Duration,
+        bytes: &[u8],
+    ) -> Option<LiveTurn> {
+        let is_over = self.is_over(time).then_some(0);
+        let Some(first) = begins_at.or(is_over) else {
+            self.push(bytes);
+            return None;
+        };
+        if first > 0 {
+            self.push(bytes);
+            if let Some(LiveTurn {
+                part: TurnPart::Cycles { end, .. },
+                ..
+            }) = &mut self.current
+            {
+                *end = first;
+            }
+        }
+        self.begin(TurnPart::Cycles { first, end: u8::MAX }, scanner, time, bytes)
+    }
+
+    /// Packets that come late go with the turn that has begun, which has no use for them: turns that are handed over
+    /// are not waited for.
+    fn ouster_packet(
+        &mut self,
+        part: TurnPart,
+        scanner: Arc<Scanner>,
+        time: Duration,
+        bytes: &[u8],
+    ) -> Option<LiveTurn> {
+        let is_before = |now: TurnPart| match (part, now) {
+            (TurnPart::Frame(frame), TurnPart::Frame(now)) => is_next(frame, now),
+            _ => false,
+        };
+        let now = self.current.as_ref().map(|turn| turn.part);
+        if !self.is_over(time) && now.is_some_and(|now| now == part || is_before(now)) {
+            self.push(bytes);
+            return None;
+        }
+        self.begin(part, scanner, time, bytes)
+    }
+
+    fn is_over(&self, time: Duration) -> bool {
+        self.current.as_ref().is_some_and(|turn| {
+            turn.packets.len() as u64 >= MOST_PACKETS || time.saturating_sub(turn.time) >= LONGEST_TURN
+        })
+    }
+
+    fn push(&mut self, bytes: &[u8]) {
+        if let Some(turn) = &mut self.current {
+            turn.packets.push(bytes.into());
+        }
+    }
+
+    /// Begins a turn with a packet; the one before is over.
+    fn begin(&mut self, part: TurnPart, scanner: Arc<Scanner>, time: Duration, bytes: &[u8]) -> Option<LiveTurn> {
+        let turn = LiveTurn {
+            scanner,
+            part,
+            time,
+            packets: vec![bytes.into()],
+        };
+        let before = self.current.replace(turn)?;
+        let was_whole = std::mem::replace(&mut self.is_whole, true);
+        was_whole.then_some(before)
+    }
+}
+
+/// The refusal of packets whose maker is known, and which are not read.
+fn refused(bytes: &[u8]) -> String {
+    match maker_of(0, bytes) {
+        Some(maker) => format!("it has {}, which are not read: {}", maker.name, maker.advice),
+        None => "it has packets that are not read".to_owned(),
+    }
+}
+
+/// Whether frame `now` follows `frame`: numbers have 16 bits, or 32.
+fn is_next(frame: FrameId, now: FrameId) -> bool {
+    let is_end = frame.number == u32::from(u16::MAX) && now.number == 0;
+    is_end || frame.number.wrapping_add(1) == now.number
+}
+
+impl LiveTurn {
+    /// Bytes of its packets.
+    pub(crate) fn byte_size(&self) -> usize {
+        self.packets.iter().map(|packet| packet.len()).sum()
+    }
+
+    /// Its points.
+    ///
+    /// # Errors
+    /// More points than `options` have memory for, as the end of a sentence.
+    pub(crate) fn cloud(&self, options: &ReadOptions) -> Result<RawCloud, String> {
+        let mut unpacking = Unpacking::new(&self.scanner, self.part);
+        for (index, packet) in self.packets.iter().enumerate() {
+            let position = Position {
+                is_first: index == 0,
+                is_last: index + 1 == self.packets.len(),
+            };
+            unpacking.add(packet, position);
+        }
+        unpacking.points.check(options).map_err(|fault| fault.problem)?;
+        Ok(unpacking.finish())
+    }
+}

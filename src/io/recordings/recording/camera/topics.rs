@@ -1,0 +1,77 @@
+//! Topics of cameras, and what their messages are.
+
+use super::super::message::Message;
+use std::time::Duration;
+
+/// What a topic of a camera carries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum CameraMessage {
+    /// `sensor_msgs/Image`.
+    Image,
+    /// `sensor_msgs/CompressedImage`.
+    CompressedImage,
+    /// `sensor_msgs/CameraInfo`.
+    CameraInfo,
+    /// `tf2_msgs/TFMessage` that holds for all times.
+    StaticTransforms,
+    /// `tf2_msgs/TFMessage` that holds at the times that it says.
+    Transforms,
+    /// `geometry_msgs/Transform`: the extrinsics of a stream of a `RealSense`.
+    Extrinsics,
+    /// `std_msgs/Float32`: an option of a sensor of a `RealSense`.
+    Number,
+}
+
+impl CameraMessage {
+    /// What messages of this type on this topic are; `None` of what no camera publishes.
+    pub(in crate::io::recordings::recording) fn of(kind: &str, topic: &str) -> Option<Self> {
+        // ROS 2 has a folder more in its names.
+        let (package, name) = kind.split_once('/')?;
+        let name = name.strip_prefix("msg/").unwrap_or(name);
+        Some(match (package, name) {
+            ("sensor_msgs", "Image") => Self::Image,
+            ("sensor_msgs", "CompressedImage") => Self::CompressedImage,
+            ("sensor_msgs", "CameraInfo") => Self::CameraInfo,
+            ("tf2_msgs", "TFMessage") | ("tf", "tfMessage") => match topic.trim_start_matches('/') {
+                "tf_static" => Self::StaticTransforms,
+                "tf" => Self::Transforms,
+                _ => return None,
+            },
+            ("geometry_msgs", "Transform") if topic.contains("/tf/") => Self::Extrinsics,
+            ("std_msgs", "Float32") if topic.contains("/option/") => Self::Number,
+            _ => return None,
+        })
+    }
+
+    /// Whether messages begin with a `std_msgs/Header`.
+    pub(in crate::io::recordings::recording) fn has_header(self) -> bool {
+        matches!(self, Self::Image | Self::CompressedImage | Self::CameraInfo)
+    }
+}
+
+/// A topic of a camera, with its messages in the order of time.
+#[derive(Debug)]
+pub(crate) struct CameraTopic {
+    pub(crate) name: String,
+    pub(crate) kind: CameraMessage,
+    pub(crate) messages: Vec<(Duration, Message)>,
+}
+
+impl CameraTopic {
+    pub(in crate::io::recordings::recording) fn new(name: &str, kind: CameraMessage) -> Self {
+        Self {
+            name: name.to_owned(),
+            kind,
+            messages: Vec::new(),
+        }
+    }
+}
+
+/// What cameras publish in a recording.
+#[derive(Debug, Default)]
+pub(crate) struct CameraTopics {
+    /// All topics, in the order of their names.
+    pub(crate) topics: Vec<CameraTopic>,
+    /// Where the recording is cut or damaged, a sentence each.
+    pub(crate) damage: Vec<String>,
+}

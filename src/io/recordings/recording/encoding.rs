@@ -1,0 +1,58 @@
+//! How messages with point clouds are written.
+
+use super::foxglove;
+use super::livox;
+use super::pointcloud2;
+use super::serialisation::Serialisation;
+use crate::cloud::RawCloud;
+use crate::io::error::Fault;
+use crate::io::files::options::ReadOptions;
+use std::time::Duration;
+
+/// What a message with a point cloud is, and how its fields are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Encoding {
+    /// `sensor_msgs/PointCloud2` as ROS writes it.
+    Ros(Serialisation),
+    /// `CustomMsg` of Livox as ROS writes it.
+    Livox(Serialisation),
+    /// `foxglove.PointCloud` in Protocol Buffers.
+    Protobuf,
+    /// `foxglove.PointCloud` in JSON.
+    Json,
+}
+
+impl Encoding {
+    /// When the cloud was taken, if `start`, the first bytes of the message, says so.
+    pub(super) fn stamp(self, start: &[u8]) -> Option<Duration> {
+        match self {
+            Self::Ros(serialisation) | Self::Livox(serialisation) => serialisation.stamp(start),
+            Self::Protobuf => foxglove::protobuf_stamp(start),
+            Self::Json => foxglove::json_stamp(start),
+        }
+    }
+
+    /// The cloud of a message.
+    pub(super) fn decode(self, message: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
+        match self {
+            Self::Ros(serialisation) => pointcloud2::decode(message, serialisation, options),
+            Self::Livox(serialisation) => livox::decode(message, serialisation, options),
+            Self::Protobuf => foxglove::decode_protobuf(message, options),
+            Self::Json => foxglove::decode_json(message, options),
+        }
+    }
+}
+
+/// The encoding of messages of type `kind`, if they are point clouds; names are those of ROS 1, of ROS 2 and of
+/// Foxglove.
+pub(super) fn encoding_of(kind: &str, encoding: &str) -> Option<Encoding> {
+    match (kind, encoding) {
+        ("sensor_msgs/PointCloud2" | "sensor_msgs/msg/PointCloud2", _) => {
+            Serialisation::of(encoding).map(Encoding::Ros)
+        }
+        (kind, _) if livox::is_type(kind) => Serialisation::of(encoding).map(Encoding::Livox),
+        ("foxglove.PointCloud", "protobuf") => Some(Encoding::Protobuf),
+        ("foxglove.PointCloud", "json") => Some(Encoding::Json),
+        _ => None,
+    }
+}
