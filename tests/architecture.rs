@@ -2,6 +2,7 @@
 //!
 //! - A room, which is a module of the root, never names one to its right; see the table in `src/lib.rs`. Comments and
 //!   tests count as well.
+//! - A part of a room (a folder) imports only those before it, where the list `PARTS` has the room.
 //! - `wgpu` and `egui` are named only where a list says so, and a build without their features has neither.
 //! - Files that import one another are a *knot*. A name counts for the file that defines it, whatever re-exports it is
 //!   reached through; so a parent that only declares or re-exports a child does not import it, and a child that takes
@@ -69,6 +70,35 @@ const ORDER: &[&[&str]] = &[
     &["export", "bench", "check", "convert", "serve", "fuzzing"],
     &["app"],
     &["cli"],
+];
+
+/// Parts of rooms, which are folders: they may import those of earlier rows, as their headers say. What stands here is
+/// all that is checked; files of a room that are in none of its parts may import all of them.
+const PARTS: &[(&str, &[&[&str]])] = &[
+    ("photos", &[&["parts"], &["sets"], &["found"], &["images", "readers"]]),
+    ("stereo", &[&["matching"], &["views"], &["dense"]]),
+    ("analysis", &[&["search"], &["surface"], &["screen", "color"]]),
+    (
+        "io",
+        &[
+            &["files"],
+            &["columns"],
+            &["meshes"],
+            &["formats", "refused"],
+            &["recordings"],
+        ],
+    ),
+    (
+        "scene",
+        &[
+            &["environment"],
+            &["style"],
+            &["view"],
+            &["light", "effects", "first_look", "visible"],
+            &["annotations", "photographs"],
+        ],
+    ),
+    ("cli", &[&["terminal"], &["options"], &["info_parts"], &["commands"]]),
 ];
 
 /// Files and folders that may name `wgpu`. This list may shrink, never grow.
@@ -222,6 +252,38 @@ fn nothing_that_draws_names_an_open_choice() {
 #[test]
 fn egui_is_named_by_the_window_alone() {
     assert_named_only_in(MAY_NAME_EGUI, |name| name == "egui" || name.starts_with("egui_"));
+}
+
+#[test]
+fn parts_of_a_room_import_those_before_them() {
+    let imports = knots::imports(&sources());
+    let mut wrong = BTreeSet::new();
+    for (room, rows) in PARTS {
+        let part_of = |file: &str| -> Option<(usize, String)> {
+            let (part, _) = file.strip_prefix(room)?.strip_prefix('/')?.split_once('/')?;
+            let row = rows.iter().position(|row| row.contains(&part))?;
+            Some((row, part.to_owned()))
+        };
+        let mut files = 0;
+        for (file, imported) in &imports {
+            let Some((own_row, own)) = part_of(file) else { continue };
+            files += 1;
+            for (other, path) in imported {
+                if part_of(other).is_some_and(|(row, part)| part != own && row >= own_row) {
+                    wrong.insert(format!("{file} imports {other} by {path}"));
+                }
+            }
+        }
+        assert!(files > 5, "only {files} files of parts of {room} were found");
+        let missing: Vec<_> = rows
+            .iter()
+            .copied()
+            .flatten()
+            .filter(|part| !src().join(room).join(part).is_dir())
+            .collect();
+        assert!(missing.is_empty(), "{room} has no {missing:?}");
+    }
+    assert!(wrong.is_empty(), "{}", Vec::from_iter(wrong).join("\n"));
 }
 
 #[test]

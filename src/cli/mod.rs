@@ -2,53 +2,19 @@
 //! on stderr (also where the answer cannot be written to stdout), 3 where `check` found something. What a signal has
 //! ended dies by it.
 
-mod arguments;
-mod assumptions;
-#[cfg_attr(not(feature = "bench"), path = "no_bench.rs")]
-mod bench;
-#[cfg(feature = "bench")]
-#[cfg_attr(not(feature = "window"), path = "no_bench_window.rs")]
-mod bench_window;
-mod camera_arguments;
-mod camera_info;
-mod check;
-mod colors;
-mod compare;
-mod compare_frames;
-mod convert;
-mod device_select;
-mod info;
-mod output;
-mod photo_info;
-mod poses;
-mod progress;
-mod reel_arguments;
-mod reel_info;
-mod render;
-mod render_arguments;
-mod rgbd_arguments;
-mod serve;
+mod commands;
+mod info_parts;
+mod options;
 mod session;
-mod sources;
-mod stream;
-mod style_arguments;
-mod usage;
-mod values;
-mod video;
-mod video_arguments;
-#[cfg_attr(not(feature = "window"), path = "no_view.rs")]
-mod view;
-mod waits;
-mod warnings;
+mod terminal;
 
-use crate::signals;
-use crate::temporary;
+use crate::{signals, temporary};
 use clap::{Parser, Subcommand};
-use output::{check_answers, say};
 use std::ffi::OsString;
 use std::io::Write as _;
 use std::process::ExitCode;
-use warnings::When;
+use terminal::output::{check_answers, say};
+use terminal::warnings::When;
 
 /// A viewer for time-varying point clouds: surfels, voxels, level of detail.
 #[derive(Debug, Parser)]
@@ -63,30 +29,30 @@ struct Arguments {
 
     /// Without a verb: what `pointreel view` takes.
     #[command(flatten)]
-    view: view::ViewArgs,
+    view: commands::view::ViewArgs,
 }
 
 #[derive(Debug, Subcommand)]
 enum Verb {
     /// Plays a sequence in a window (the default); without INPUT offers what was opened lately, at first the demo
-    View(Box<view::ViewArgs>),
+    View(Box<commands::view::ViewArgs>),
     /// Renders frames to pictures, or a video of them, without a window
-    Render(Box<render_arguments::RenderArgs>),
+    Render(Box<options::render_arguments::RenderArgs>),
     /// Measures drawing and octrees by the protocol of the paper, and errors beside times
-    Bench(Box<bench::BenchArgs>),
+    Bench(Box<commands::bench::BenchArgs>),
     /// Says what is in a sequence
-    Info(info::InfoArgs),
+    Info(commands::info::InfoArgs),
     /// Checks a sequence for problems: exit code 3 for errors and warnings, 0 for notes
-    Check(check::CheckArgs),
+    Check(commands::check::CheckArgs),
     /// Writes frames in another format, moved, thinned out, with normals
-    Convert(Box<convert::ConvertArgs>),
+    Convert(Box<commands::convert::ConvertArgs>),
     /// Serves a sequence file by HTTP, or, with --live, any input as a live stream: what it says is an INPUT of all
     /// verbs, on this machine or, with --listen, others
-    Serve(Box<serve::ServeArgs>),
+    Serve(Box<commands::serve::ServeArgs>),
     /// Says how far a picture is from another one: PSNR, FLIP, SSIM, pixels that differ
-    Compare(compare::CompareArgs),
+    Compare(commands::compare::CompareArgs),
     /// Says how far the points of one frame are from another frame: mean, quantiles, maximum, share above a threshold
-    CompareFrames(compare_frames::CompareFramesArgs),
+    CompareFrames(commands::compare_frames::CompareFramesArgs),
 }
 
 /// Exit code of wrong usage, as of what the parser of the command line refuses.
@@ -100,7 +66,7 @@ pub fn main() -> ExitCode {
     signals::watch();
     crate::memory::keep_freed_pages();
     crate::memory::before_the_end(temporary::remove_all_without_memory);
-    device_select::leave_out_without_session();
+    options::device_select::leave_out_without_session();
     start_log();
     run(std::env::args_os())
 }
@@ -125,7 +91,7 @@ pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
             ExitCode::from(WRONG_USAGE)
         }
         Err(help) => {
-            output::note(help.print().and_then(|()| std::io::stdout().flush()));
+            terminal::output::note(help.print().and_then(|()| std::io::stdout().flush()));
             ended_with(check_answers().map(done))
         }
     }
@@ -134,28 +100,28 @@ pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
 fn run_verb(arguments: Arguments) -> ExitCode {
     let has_window = matches!(arguments.verb, None | Some(Verb::View(_)));
     let runs_on = has_window || matches!(arguments.verb, Some(Verb::Serve(_)));
-    warnings::say_them(match (arguments.verbose, runs_on) {
+    terminal::warnings::say_them(match (arguments.verbose, runs_on) {
         (true, _) => When::AllAtOnce,
         (false, true) => When::FirstAtOnce,
         (false, false) => When::AtTheEnd,
     });
-    waits::say_them();
+    terminal::waits::say_them();
     if has_window || matches!(arguments.verb, Some(Verb::Bench(_))) {
         crate::priority::work_with_this_thread();
     }
     let result = match arguments.verb {
-        None => view::run(&arguments.view).map(done),
-        Some(Verb::View(view)) => view::run(&view).map(done),
-        Some(Verb::Render(render)) => render::run(&render).map(done),
-        Some(Verb::Bench(bench)) => bench::run(&bench).map(done),
-        Some(Verb::Info(info)) => info::run(&info).map(done),
-        Some(Verb::Check(check)) => check::run(&check, arguments.verbose),
-        Some(Verb::Convert(convert)) => convert::run(&convert).map(done),
-        Some(Verb::Serve(serve)) => serve::run(&serve).map(done),
-        Some(Verb::Compare(compare)) => compare::run(&compare).map(done),
-        Some(Verb::CompareFrames(compare)) => compare_frames::run(&compare).map(done),
+        None => commands::view::run(&arguments.view).map(done),
+        Some(Verb::View(view)) => commands::view::run(&view).map(done),
+        Some(Verb::Render(render)) => commands::render::run(&render).map(done),
+        Some(Verb::Bench(bench)) => commands::bench::run(&bench).map(done),
+        Some(Verb::Info(info)) => commands::info::run(&info).map(done),
+        Some(Verb::Check(check)) => commands::check::run(&check, arguments.verbose),
+        Some(Verb::Convert(convert)) => commands::convert::run(&convert).map(done),
+        Some(Verb::Serve(serve)) => commands::serve::run(&serve).map(done),
+        Some(Verb::Compare(compare)) => commands::compare::run(&compare).map(done),
+        Some(Verb::CompareFrames(compare)) => commands::compare_frames::run(&compare).map(done),
     };
-    warnings::finish();
+    terminal::warnings::finish();
     // A server that was ended has done what it should; a window, or what has failed for a signal, ends by it.
     let is_ended = has_window || result.is_err();
     let result = result.and_then(|code| check_answers().map(|()| code));
@@ -172,7 +138,7 @@ fn ended_with(result: anyhow::Result<ExitCode>) -> ExitCode {
         Ok(code) => code,
         Err(error) => {
             say(&format!("error: {error:#}"));
-            if error.is::<usage::UsageError>() {
+            if error.is::<options::usage::UsageError>() {
                 ExitCode::from(WRONG_USAGE)
             } else {
                 ExitCode::FAILURE
@@ -192,11 +158,11 @@ fn start_log() {
     if std::env::var_os(LEVELS).is_none() {
         log.format(|out, record| match record.level() {
             log::Level::Warn => {
-                warnings::warn(&record.args().to_string());
+                terminal::warnings::warn(&record.args().to_string());
                 Ok(())
             }
             log::Level::Error => {
-                warnings::warn_of_error(&record.args().to_string());
+                terminal::warnings::warn_of_error(&record.args().to_string());
                 Ok(())
             }
             _ => writeln!(out, "{}", crate::printable::text(&record.args().to_string())),

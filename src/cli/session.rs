@@ -1,7 +1,7 @@
 //! Sessions on the command line: their files are inputs of every verb; `render` and `view` take the rest as well.
 
-use super::stream::tell_of_connection;
-use super::warnings;
+use crate::cli::terminal::stream::tell_of_connection;
+use crate::cli::terminal::warnings;
 use crate::document::{ReadSession, session_of};
 use crate::messages::frame_by_index;
 use crate::scene::Clip;

@@ -6,7 +6,7 @@ use super::format::Format;
 use super::write::Encoder;
 use crate::cloud::RawCloud;
 use crate::io::columns::fixed_rows::FixedRows;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use crate::progress::Progress;
 use std::path::Path;
 

@@ -3,8 +3,8 @@
 //! The order: first bytes of a format that is read, content of a kind that is not read ([`foreign`]), structure of a
 //! format that is read, extension.
 
-use super::TABLE;
 use super::codec::Codec;
+use super::codecs;
 use super::format::Format;
 use crate::io::refused::foreign;
 use std::path::Path;
@@ -15,7 +15,7 @@ pub fn supported_extensions() -> impl Iterator<Item = &'static str> {
 }
 
 fn formats() -> impl Iterator<Item = Format> {
-    TABLE.iter().map(|codec| codec.format)
+    codecs().map(|codec| codec.format)
 }
 
 impl Format {
@@ -48,7 +48,7 @@ impl Format {
 
     /// Its row of the table: there is one for each.
     pub(super) fn codec(self) -> Option<&'static Codec> {
-        TABLE.iter().find(|codec| codec.format == self)
+        codecs().find(|codec| codec.format == self)
     }
 }
 

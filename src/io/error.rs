@@ -1,7 +1,7 @@
 //! Why a file cannot be read: which one, where in it, what was expected and what to do.
 
 use super::format::Format;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use crate::io::refused::foreign::{self, Foreign};
 pub(super) use crate::memory::mebibytes;
 use std::fmt;

@@ -3,11 +3,9 @@
 use super::contents::{Contents, Entry};
 use super::error::IoError;
 use super::format::{Format, Holding};
-use crate::io::files::options::ReadOptions;
-use crate::io::recordings::archive;
-use crate::io::recordings::packets;
-use crate::io::recordings::recording;
+use crate::io::options::ReadOptions;
 use crate::io::recordings::recording::camera::CameraTopics;
+use crate::io::recordings::{archive, packets, recording};
 use crate::regular_file;
 use std::fs::File;
 use std::io::Read as _;

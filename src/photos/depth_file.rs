@@ -1,9 +1,9 @@
 //! Files of the depths of a photograph, which another camera beside it may have taken.
 
-use super::error::{PhotosError, read_file};
-use super::npy_table::NpyTable;
-use super::picture_file::decode;
-use super::readers::colmap::colmap_depth;
+use crate::photos::error::{PhotosError, read_file};
+use crate::photos::found::picture_file::decode;
+use crate::photos::parts::npy_table::NpyTable;
+use crate::photos::readers::colmap::colmap_depth;
 use crate::rgbd::{Camera, DepthImage, is_measured};
 use glam::DAffine3;
 use image::DynamicImage;

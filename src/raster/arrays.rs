@@ -191,8 +191,7 @@ fn depths_in(bytes: &[u8], most_bytes: u64) -> Result<Vec<u8>, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::decode;
-    use super::super::size_px;
+    use super::super::{decode, size_px};
     use super::*;
     use std::io::Write as _;
 

@@ -110,12 +110,12 @@ impl Clip {
     }
 
     /// The indices of the records that are drawn, ascending.
-    pub(super) fn kept<T: HasPosition>(&self, records: &[T]) -> Vec<u32> {
+    pub(in crate::scene) fn kept<T: HasPosition>(&self, records: &[T]) -> Vec<u32> {
         self.kept_places(records.len(), |index| records[index].place())
     }
 
     /// The same of `count` records whose middles are at these places.
-    pub(super) fn kept_places(&self, count: usize, place: impl Fn(usize) -> Vec3 + Sync) -> Vec<u32> {
+    pub(in crate::scene) fn kept_places(&self, count: usize, place: impl Fn(usize) -> Vec3 + Sync) -> Vec<u32> {
         let indices = (0..count as u32).into_par_iter().with_min_len(RECORDS_PER_TASK);
         indices
             .filter(|&index| self.keeps(place(index as usize).as_dvec3()))
@@ -124,7 +124,7 @@ impl Clip {
 }
 
 /// A record that is somewhere.
-pub(super) trait HasPosition: Sync {
+pub(in crate::scene) trait HasPosition: Sync {
     /// Its middle, relative to the origin of the sequence.
     fn place(&self) -> Vec3;
 }
@@ -142,7 +142,7 @@ impl HasPosition for VoxelRecord {
 }
 
 /// The records at `indices`.
-pub(super) fn at<T: Copy + Send + Sync>(records: &[T], indices: &[u32]) -> Vec<T> {
+pub(in crate::scene) fn at<T: Copy + Send + Sync>(records: &[T], indices: &[u32]) -> Vec<T> {
     let indices = indices.par_iter().with_min_len(RECORDS_PER_TASK);
     indices.map(|&index| records[index as usize]).collect()
 }

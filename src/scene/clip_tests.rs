@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::cloud::{Frame, Positions, RawCloud};
+use crate::scene::pick;
 use crate::scene::{
     BackFaces, Camera, CodeStyle, DrawingStyle, Footprint, LevelStyle, Primitive, RendererChoice, Scene, Style, UpAxis,
-    pick,
 };
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, complete, prepare};
 use proptest::prelude::*;

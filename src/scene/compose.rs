@@ -6,8 +6,6 @@
 use super::content::{CodedCells, Content, Surfels};
 use super::first_look::{PointSpacing, typical_spacing};
 use super::packet::{PacketParams, ScenePacket};
-use super::screen_surfels::{ScreenInput, ScreenSurfels};
-use super::visible_points::{PointImages, ScreenStats};
 use super::{
     Camera, Clip, GroundPlane, PhotographsInFrame, PointSizing, Primitive, RendererChoice, Style, ViewTransform,
 };
@@ -17,6 +15,8 @@ use crate::levels::{
     Affordable, Cut, CutHints, Levels, LevelsKey, LevelsKind, Lod, LodMetric, RecordBuffers, SelectView,
 };
 use crate::rgbd::DepthFrame;
+use crate::scene::visible::screen_surfels::{ScreenInput, ScreenSurfels};
+use crate::scene::visible::visible_points::{PointImages, ScreenStats};
 use crate::sequence::{Needs, Paint, PreparedFrame};
 use glam::DVec3;
 use std::ptr;

@@ -1,11 +1,11 @@
 //! What a picture is drawn from, one variant for each way to draw.
 
 use super::Clip;
-use super::clip::at;
-use super::visible_points::VisiblePoints;
 use crate::cloud::{MeshRecords, PointRecord, ShapeRecord, VoxelRecord};
 use crate::levels::octree::CodedCloud;
 use crate::levels::{NodeRecords, RecordBuffers, Records, Selection};
+use crate::scene::clip::at;
+use crate::scene::visible::visible_points::VisiblePoints;
 use std::sync::Arc;
 
 /// The records of a packet. Equal if they are the same allocations: nobody compares or uploads them again.

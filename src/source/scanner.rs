@@ -6,7 +6,7 @@
 //! [`RING_BYTES`] of packets: what is older is gone for good.
 //!
 //! A sensor that sends nothing for [`ClientDeadlines::sensor_silence`] loses its place to the next one that sends;
-//! packets that stray have none (`io/packets/streams.rs`).
+//! packets that stray have none (`io/recordings/packets/streams.rs`).
 //!
 //! What follows the address behind a `?` is the file that packets of some sensors cannot be read without: metadata of
 //! Ouster, or the calibration of an HDL-64E.

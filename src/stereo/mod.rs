@@ -15,6 +15,7 @@
 
 mod dense;
 mod error;
+mod image;
 pub(crate) mod matching;
 mod views;
 
@@ -25,12 +26,12 @@ pub use dense::pairwise::Pairwise;
 pub use dense::plane_sweep::PlaneSweep;
 pub use dense::surface::photo_surface;
 pub use error::StereoError;
+pub use image::GrayImage;
 pub use matching::disparity::DisparityMap;
 pub use matching::matcher::{Gathering, Matching, OnProcessor, PairMatcher, SharedMatcher};
 pub use matching::range::DisparityRange;
 pub use matching::semi_global::Penalties;
 pub use matching::winner::Between;
-pub use views::image::GrayImage;
 pub use views::pair::depths_of_pair;
 pub use views::places::Places;
 pub use views::rectify::Rectified;

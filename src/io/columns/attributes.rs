@@ -187,7 +187,7 @@ pub(in crate::io) fn plain_scalar_name(name: &str) -> String {
 }
 
 /// True if columns of these names hold points.
-pub(super) fn has_positions(names: &[&str]) -> bool {
+pub(in crate::io) fn has_positions(names: &[&str]) -> bool {
     has_all(names, &POSITIONS)
 }
 

@@ -7,9 +7,9 @@
 //! being held by one of them, so that pieces stay in order and a step is taken while others take theirs. Neither the
 //! file nor a second copy of a column is in memory beside the cloud.
 //!
-//! A decoder whose header tells of such rows says so ([`crate::io::formats::ply`], [`crate::io::formats::pcd`]). Whatever is unusual is left to
-//! the reading of whole files, which also has the words for what is wrong: headers that claim more than there is,
-//! attributes of which a row alone does not tell what it means.
+//! A decoder whose header tells of such rows says so ([`crate::io::formats::ply`], [`crate::io::formats::pcd`]).
+//! Whatever is unusual is left to the reading of whole files, which also has the words for what is wrong: headers that
+//! claim more than there is, attributes of which a row alone does not tell what it means.
 
 use super::attributes::Roles;
 use super::column::{Column, Scalar, Values};
@@ -247,9 +247,7 @@ mod tests {
     use super::super::growing;
     use super::*;
     use crate::cloud::Frame;
-    use crate::io::ReadOptions;
-    use crate::io::read;
-    use crate::io::read_bytes;
+    use crate::io::{ReadOptions, read, read_bytes};
 
     const COUNT: usize = 1000;
 

@@ -6,7 +6,7 @@ use super::column::{Column, Scalar};
 use super::unique_names::UniqueNames;
 use crate::cloud::{Attributes, NotKept, Positions, RawCloud, ScalarField};
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use crate::locks::lock;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};

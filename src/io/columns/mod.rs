@@ -1,4 +1,5 @@
-//! Named columns of numbers, wherever they lie, and what their names mean; from columns to arrays of a cloud. Knows no format.
+//! Named columns of numbers, wherever they lie, and what their names mean; from columns to arrays of a cloud. Knows no
+//! format.
 
 pub(super) mod arrays;
 pub(super) mod attributes;
@@ -8,6 +9,5 @@ pub(super) mod column_names;
 pub(super) mod fixed_rows;
 pub(super) mod growing;
 pub(super) mod likeness;
-pub(crate) mod normals;
 pub(super) mod numbers;
 pub(super) mod unique_names;

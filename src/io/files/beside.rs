@@ -3,8 +3,8 @@
 //! A file names others at will. Only those within its own folder are read: no absolute paths, no `..`, no links that
 //! lead out of it, nothing from a network.
 
-use super::options::ReadOptions;
 use crate::io::error::mebibytes;
+use crate::io::options::ReadOptions;
 use std::path::{Component, Path};
 
 /// The bytes of the file that the one at `path` calls `name`, not more than `most_bytes`.

@@ -4,8 +4,8 @@
 //! already ([`ReadOptions::holding`]: the file, what it was unpacked to, parsed columns) and asks before anything else
 //! is allocated ([`ReadOptions::claim`], [`ReadOptions::reserve`]): a claim that does not fit is refused in a sentence.
 
-use super::options::ReadOptions;
 use crate::io::error::Fault;
+use crate::io::options::ReadOptions;
 
 impl ReadOptions {
     /// The same where `bytes` more are in memory until the reading ends.

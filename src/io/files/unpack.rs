@@ -3,7 +3,7 @@
 //! What a file claims is held against the limit before anything is unpacked, and room is made for that at once: lists
 //! that double as bytes come would take up to three times as much. A bomb ends at the byte behind its claim.
 
-use super::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use crate::memory;
 use std::io::{self, Read, Seek, SeekFrom};
 

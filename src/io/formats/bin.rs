@@ -22,8 +22,8 @@ use crate::io::columns::column::{Column, Scalar, Values};
 use crate::io::columns::column_map::{ColumnMap, ColumnName, FRAME_ROLE};
 use crate::io::columns::growing;
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
 use crate::io::format::{Format, Traits};
+use crate::io::options::ReadOptions;
 use std::path::Path;
 
 /// Bare f32 records of KITTI and nuScenes, in metres.

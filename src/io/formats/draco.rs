@@ -4,13 +4,12 @@
 //! it becomes an error.
 
 use crate::cloud::{Positions, RawCloud, ScalarField};
-use crate::io::columns::arrays;
-use crate::io::columns::attributes;
 use crate::io::columns::column::{Column, Scalar, Values};
 use crate::io::columns::unique_names::UniqueNames;
+use crate::io::columns::{arrays, attributes};
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
 use crate::io::format::{Format, Magic, Traits};
+use crate::io::options::ReadOptions;
 use draco_core::{
     DataType, DecodeLimits, DecoderBuffer, GeometryAttributeType, Mesh, MeshDecoder, PointAttribute, PointIndex,
 };

@@ -8,8 +8,8 @@ use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{AxisConvention, Positions, RawCloud};
 use crate::io::columns::numbers::{Tokens, quoted};
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
 use crate::io::format::{Format, Magic, Traits};
+use crate::io::options::ReadOptions;
 use crate::progress::Progress;
 use std::path::Path;
 

@@ -9,9 +9,9 @@ use crate::io::columns::column::{Column, Scalar, Values};
 use crate::io::columns::growing;
 use crate::io::columns::numbers::{parse_number, quoted};
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
 use crate::io::format::{Format, Magic, Traits};
 use crate::io::meshes::broken_faces::{BrokenFaces, no_vertex};
+use crate::io::options::ReadOptions;
 
 /// Geomview OFF.
 pub(in crate::io) const FORMAT: Format = Format::new(&Traits {

@@ -11,8 +11,8 @@ use crate::cloud::{AxisConvention, ImageGrid, LengthUnit, Positions, RawCloud};
 use crate::io::columns::column::{Column, Scalar, Values};
 use crate::io::columns::growing;
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
 use crate::io::format::{Format, Traits};
+use crate::io::options::ReadOptions;
 use crate::progress::Progress;
 use glam::{DMat4, DVec3, DVec4};
 

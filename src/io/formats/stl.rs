@@ -8,8 +8,8 @@
 use crate::cloud::{AxisConvention, Positions, RawCloud};
 use crate::io::columns::numbers::{Tokens, parse_number, quoted};
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
 use crate::io::format::{Format, Traits};
+use crate::io::options::ReadOptions;
 use std::collections::HashMap;
 
 /// Stereolithography: ascii, binary.

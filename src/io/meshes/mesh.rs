@@ -14,7 +14,7 @@
 
 use crate::cloud::{Attributes, Positions, RawCloud};
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use glam::DVec3;
 use std::num::NonZeroUsize;
 

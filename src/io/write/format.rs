@@ -4,7 +4,7 @@ use super::encoder::Encoder;
 use super::loss::Losses;
 use super::losses::losses;
 use crate::cloud::RawCloud;
-use crate::io::TABLE;
+use crate::io::codecs;
 use std::fmt;
 use std::io::{BufWriter, Seek, Write};
 use std::path::Path;
@@ -17,7 +17,7 @@ pub struct WriteFormat(&'static Encoder);
 impl WriteFormat {
     /// Every format that is written.
     pub fn all() -> impl Iterator<Item = Self> {
-        let encoders = TABLE.iter().flat_map(|codec| codec.encoders);
+        let encoders = codecs().flat_map(|codec| codec.encoders);
         encoders.map(|encoder| Self(encoder))
     }
 

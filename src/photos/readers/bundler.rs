@@ -8,11 +8,11 @@
 
 use super::probe::begins_with;
 use super::reader::{Claim, Reader};
-use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::{PhotosError, read_file};
-use crate::photos::lens::{Lens, Origin};
-use crate::photos::points::Observation;
-use crate::photos::text::Text;
+use crate::photos::found::draft::{Draft, Drafts};
+use crate::photos::parts::text::Text;
+use crate::photos::sets::lens::{Lens, Origin};
+use crate::photos::sets::points::Observation;
 use crate::rgbd::Distortion;
 use glam::{DMat3, DVec2, DVec3, Vec2};
 use std::path::{Path, PathBuf};

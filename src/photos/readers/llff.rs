@@ -12,11 +12,11 @@
 //! the names of their folders.
 
 use super::reader::{Claim, Reader};
-use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::{PhotosError, read_file};
-use crate::photos::files::is_picture;
-use crate::photos::lens::{Lens, Origin};
-use crate::photos::npy_table::NpyTable;
+use crate::photos::found::draft::{Draft, Drafts};
+use crate::photos::found::files::is_picture;
+use crate::photos::parts::npy_table::NpyTable;
+use crate::photos::sets::lens::{Lens, Origin};
 use glam::{DMat3, DVec2, DVec3};
 use std::fs;
 use std::path::Path;

@@ -16,11 +16,11 @@
 
 use super::probe::{Folder, names_in};
 use super::reader::{Claim, Reader};
-use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::PhotosError;
-use crate::photos::json::{array_at, key_at, number, number_at, numbers, numbers_at, read as read_json, side};
-use crate::photos::lens::{Focal, Lens, Origin};
-use crate::photos::points::Observation;
+use crate::photos::found::draft::{Draft, Drafts};
+use crate::photos::parts::json::{array_at, key_at, number, number_at, numbers, numbers_at, read as read_json, side};
+use crate::photos::sets::lens::{Focal, Lens, Origin};
+use crate::photos::sets::points::Observation;
 use crate::rgbd::Distortion;
 use glam::{DMat3, DVec2, DVec3, Vec2};
 use serde_json::Value;

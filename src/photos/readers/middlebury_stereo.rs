@@ -8,11 +8,11 @@
 
 use super::probe::begins_with;
 use super::reader::{Claim, Reader};
-use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::{PhotosError, read_file};
-use crate::photos::json::side;
-use crate::photos::lens::{Lens, Origin};
-use crate::photos::text::quoted;
+use crate::photos::found::draft::{Draft, Drafts};
+use crate::photos::parts::json::side;
+use crate::photos::parts::text::quoted;
+use crate::photos::sets::lens::{Lens, Origin};
 use glam::{DMat3, DVec2, DVec3};
 use std::path::Path;
 

@@ -19,10 +19,11 @@ mod opensfm;
 mod probe;
 mod reader;
 mod transforms;
+pub(super) mod unread;
 
-use super::calibration::Calibration;
 use super::error::PhotosError;
-use super::view_set::ViewSet;
+use crate::photos::found::calibration::Calibration;
+use crate::photos::sets::view_set::ViewSet;
 use probe::{File, Folder};
 use reader::{Claim, Confidence, Reader};
 use std::path::{Path, PathBuf};

@@ -7,10 +7,10 @@
 //! There are no points; the depths are those that stereo tries.
 
 use super::reader::{Claim, Reader};
-use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::{PhotosError, read_file};
-use crate::photos::lens::{Lens, Origin};
-use crate::photos::text::Text;
+use crate::photos::found::draft::{Draft, Drafts};
+use crate::photos::parts::text::Text;
+use crate::photos::sets::lens::{Lens, Origin};
 use glam::{DMat3, DVec2, DVec3};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -13,11 +13,11 @@
 
 use super::probe::begins_with;
 use super::reader::{Claim, Reader};
-use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::{PhotosError, read_file};
-use crate::photos::lens::{Focal, Lens, Origin};
-use crate::photos::points::{Observation, SparsePoints};
-use crate::photos::text::Text;
+use crate::photos::found::draft::{Draft, Drafts};
+use crate::photos::parts::text::Text;
+use crate::photos::sets::lens::{Focal, Lens, Origin};
+use crate::photos::sets::points::{Observation, SparsePoints};
 use crate::rgbd::Distortion;
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use std::path::Path;

@@ -11,11 +11,11 @@
 
 use super::probe::File;
 use super::reader::{Claim, Reader};
-use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::{PhotosError, read_file};
-use crate::photos::json::{number_at, numbers_at, read as read_json, side};
-use crate::photos::lens::{Focal, Lens, Origin};
-use crate::photos::points::Observation;
+use crate::photos::found::draft::{Draft, Drafts};
+use crate::photos::parts::json::{number_at, numbers_at, read as read_json, side};
+use crate::photos::sets::lens::{Focal, Lens, Origin};
+use crate::photos::sets::points::Observation;
 use crate::rgbd::Distortion;
 use glam::{DMat3, DVec2, DVec3};
 use serde_json::{Map, Value};

@@ -1,8 +1,8 @@
 //! A row of the table of readers of image sets.
 
 use super::probe::{File, Folder};
-use crate::photos::draft::Drafts;
 use crate::photos::error::PhotosError;
+use crate::photos::found::draft::Drafts;
 use std::path::{Path, PathBuf};
 
 /// A reader of reconstructions of one format.

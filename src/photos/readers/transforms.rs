@@ -9,10 +9,10 @@
 
 use super::reader::{Claim, Reader};
 use crate::photos::depth_file::{DepthFile, DepthKind};
-use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::PhotosError;
-use crate::photos::json::{array_at, number, number_at, read as read_json, side};
-use crate::photos::lens::{Focal, Lens, Origin};
+use crate::photos::found::draft::{Draft, Drafts};
+use crate::photos::parts::json::{array_at, number, number_at, read as read_json, side};
+use crate::photos::sets::lens::{Focal, Lens, Origin};
 use crate::rgbd::Distortion;
 use glam::{DMat3, DVec2, DVec3};
 use serde_json::Value;

@@ -1,5 +1,5 @@
 //! What lies behind rims of splats shines through them when all tiles are drawn, in place of the background. What a rim
-//! is, and what lies behind it: `scene/rims.rs`.
+//! is, and what lies behind it: `scene/effects/rims.rs`.
 //!
 //! How it works: rows are gone through at once, since what is met around a pixel is what was drawn, not what was
 //! changed; then changed pixels are written. Most pixels are opaque or open, and are passed over.
@@ -9,8 +9,8 @@ use crate::render::effects::background::cpu::Gradient;
 use crate::scene::{GAP_ONE_SURFACE, PIXEL_LINES};
 use rayon::prelude::*;
 
-/// Opacities of pixels in eight bits. A graphics card asks for `RIM_OPEN` and `RIM_OPAQUE` of `scene/rims.rs`, which
-/// are rounded to these.
+/// Opacities of pixels in eight bits. A graphics card asks for `RIM_OPEN` and `RIM_OPAQUE` of `scene/effects/rims.rs`,
+/// which are rounded to these.
 const OPEN: u8 = 0;
 const OPAQUE: u8 = u8::MAX;
 

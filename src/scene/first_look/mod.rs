@@ -28,7 +28,6 @@ pub(crate) use sample::{PointSpacing, typical_spacing};
 pub use standpoint::Standpoint;
 use up::Up;
 
-use super::pinhole_view::sensor_target_distance;
 use super::{Camera, Primitive, UpAxis};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{AxisConvention, Frame};
@@ -36,6 +35,7 @@ use crate::math::Aabb;
 use crate::photos::{Photo, ViewSet};
 use crate::progress::Progress;
 use crate::rgbd::{self, Sensor};
+use crate::scene::view::pinhole_view::sensor_target_distance;
 use crate::sequence::{ColorHints, Detail, Sequence};
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;

@@ -9,7 +9,7 @@
 //! What was found out about a file is kept ([`Known`]): a folder that grows is listed every second.
 
 use crate::io::Format;
-use crate::io::columns::normals::{RowContents, rows_of};
+use crate::io::normals::{RowContents, rows_of};
 use crate::natural::{NamePiece, Runs, natural_order, split_name};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! A frame of a file, decoded.
 
 use crate::cloud::RawCloud;
-use crate::io::columns::normals::read_with_normals;
+use crate::io::normals::read_with_normals;
 use crate::io::{self, Part, ReadOptions, SharedFile};
 use crate::progress::Progress;
 use crate::source::{DecodeFailure, FrameBytes, FrameEntry};

@@ -1,7 +1,5 @@
-//! Photographs with their cameras: grey images, rectification, places in the world. Knows nothing of matching but its
-//! result.
+//! Photographs with their cameras: rectification, places in the world. Knows of matching only its result.
 
-pub(super) mod image;
 pub(super) mod pair;
 pub(super) mod places;
 pub(super) mod rectify;

@@ -4,7 +4,7 @@ use super::streams::{self, FieldStream, Pages, bits};
 use crate::io::columns::attributes;
 use crate::io::columns::unique_names::UniqueNames;
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use crate::progress::Progress;
 use ::e57::{PointCloud, RecordDataType, RecordName, RecordValue};
 use glam::{DQuat, DVec3};

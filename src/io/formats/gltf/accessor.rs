@@ -4,7 +4,7 @@ use super::buffers::Buffers;
 use super::document::{Accessor, Document, at};
 use crate::io::columns::column::Scalar;
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use std::cell::Cell;
 
 /// What accessors are read from.

@@ -3,7 +3,7 @@
 use super::document::{Buffer, Document, at};
 use crate::io::error::{Fault, mebibytes};
 use crate::io::files::beside;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use base64::Engine as _;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};

@@ -3,7 +3,7 @@
 //! Every index in it is only a claim: [`at`] says which one points nowhere.
 
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use serde::Deserialize;
 use std::collections::HashMap;
 

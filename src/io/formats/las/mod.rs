@@ -27,8 +27,8 @@ pub(in crate::io) use header::take;
 
 use crate::cloud::{AxisConvention, RawCloud};
 use crate::io::error::{Fault, mebibytes};
-use crate::io::files::options::ReadOptions;
 use crate::io::format::{Format, Magic, Traits};
+use crate::io::options::ReadOptions;
 use crate::progress::Progress;
 use header::LasHeader;
 use laz::{Compression, LazChunk};

@@ -1,21 +1,12 @@
 //! Files with coarse levels (COPC) that are larger than the memory they may take: the levels that fit are read alone,
 //! chunk by chunk, with the header and the pages that say where they are.
 
-use super::COMPRESSION_ID;
-use super::COMPRESSION_USER;
-use super::FORMAT;
-use super::coarse;
-use super::copc;
-use super::extra;
-use super::geographic;
 use super::header::LasHeader;
 use super::laz::{Compression, LazChunk};
-use super::points;
-use super::unit;
-use super::warn_of_levels;
+use super::{COMPRESSION_ID, COMPRESSION_USER, FORMAT, coarse, copc, extra, geographic, points, unit, warn_of_levels};
 use crate::cloud::RawCloud;
 use crate::io::error::{Fault, IoError};
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use crate::progress::Progress;
 use std::borrow::Cow;
 use std::fs::File;

@@ -9,13 +9,12 @@ use super::layers::{
 use super::looks::{refuse, shape_text, take_point_map};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{ImageGrid, RawCloud, ScalarField};
-use crate::io::columns::attributes;
 use crate::io::columns::column::Column;
 use crate::io::columns::column_map::{ColumnMap, ColumnName, FRAME_ROLE};
-use crate::io::columns::growing;
+use crate::io::columns::{attributes, growing};
 use crate::io::contents::Part;
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use std::io::{Cursor, Read as _};
 
 /// Names of arrays with coordinates.

@@ -4,7 +4,7 @@
 //! hold in the end.
 
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 
 /// At least as many of each as there are.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]

@@ -1,9 +1,7 @@
 //! Materials and pictures: what lies on the faces of constructed models.
 
 use crate::cloud::RawCloud;
-use crate::io::Part;
-use crate::io::ReadOptions;
-use crate::io::read_part;
+use crate::io::{Part, ReadOptions, read_part};
 use image::{Rgba, RgbaImage};
 use std::fs;
 use std::num::NonZeroUsize;

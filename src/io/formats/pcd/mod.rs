@@ -6,14 +6,13 @@
 mod header;
 
 use crate::cloud::{AxisConvention, ImageGrid, NotKept, RawCloud};
-use crate::io::columns::attributes;
 use crate::io::columns::column::{Column, Scalar, Values};
 use crate::io::columns::fixed_rows::{self, FixedRows};
-use crate::io::columns::growing;
 use crate::io::columns::numbers::{Tokens, line_endings, note_row, quoted, with_decimal_points};
+use crate::io::columns::{attributes, growing};
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
 use crate::io::format::{Format, Traits};
+use crate::io::options::ReadOptions;
 use crate::progress::Progress;
 use crate::raster::unpack_lzf;
 use glam::DVec3;

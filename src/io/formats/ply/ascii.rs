@@ -9,7 +9,7 @@ use super::kept_columns::{KeptColumns, POINTS};
 use crate::io::columns::column::Column;
 use crate::io::columns::numbers::{Tokens, note_row, quoted, with_decimal_points};
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use crate::progress::Progress;
 
 /// More rows that are no numbers are a damaged file.

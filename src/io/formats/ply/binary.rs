@@ -9,7 +9,7 @@ use super::kept_columns::{KeptColumns, POINTS};
 use crate::io::columns::column::{Column, Scalar};
 use crate::io::columns::fixed_rows::{FixedRows, RowField};
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 
 /// The columns of `vertex` and the triangles in `payload`, of whose elements the first are `elements`, and the number
 /// of bytes behind these.

@@ -4,14 +4,14 @@
 //! triangles take at most twelve bytes for each byte of the file: three indices for a further item.
 //!
 //! A face that names vertices that are not there is left out, as are faces behind the end of the file
-//! (`io/broken_faces.rs`).
+//! (`io/meshes/broken_faces.rs`).
 
 use super::header::{Element, PropertyKind};
 use crate::cloud::RawCloud;
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
 use crate::io::meshes::broken_faces::{BrokenFaces, no_vertex};
 use crate::io::meshes::mesh;
+use crate::io::options::ReadOptions;
 
 /// Names of the list with the vertices of a face.
 const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];

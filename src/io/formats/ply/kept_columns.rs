@@ -4,7 +4,7 @@ use super::header::{Element, Property, PropertyKind};
 use super::splats;
 use crate::io::columns::column::{Column, Values};
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 
 /// The element whose rows are points.
 pub(super) const POINTS: &str = "vertex";

@@ -19,13 +19,12 @@ mod writer;
 
 use super::splats::SPLAT_BYTES;
 use crate::cloud::RawCloud;
-use crate::io::columns::attributes;
 use crate::io::columns::column::Column;
 use crate::io::columns::fixed_rows::{FixedRows, bytes_behind};
-use crate::io::columns::growing;
+use crate::io::columns::{attributes, growing};
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
 use crate::io::format::{Format, Magic, Traits};
+use crate::io::options::ReadOptions;
 use crate::progress::Progress;
 use faces::{FaceList, Faces};
 use header::PlyHeader;

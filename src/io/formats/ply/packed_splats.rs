@@ -11,7 +11,7 @@ use super::header::{Element, PlyHeader};
 use super::kept_columns::POINTS;
 use crate::cloud::{Positions, RawCloud};
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use glam::{Quat, Vec3};
 use ply_rs_bw::ply::Encoding;
 

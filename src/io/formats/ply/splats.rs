@@ -1,6 +1,6 @@
 //! Gaussian splats as the authors of "3D Gaussian Splatting" store them in PLY, flat ones of "2D Gaussian Splatting",
 //! round ones of one scale, those with 8-bit colours of `nerfstudio`, and moving ones of "Spacetime Gaussian Feature
-//! Splatting" (`io/splats`). The harmonics that change with direction (`f_rest_*`) are skipped.
+//! Splatting" (`io/formats/splats`). The harmonics that change with direction (`f_rest_*`) are skipped.
 //!
 //! Of the four groups of columns (colours, opacity, scales, rotation) one may be absent.
 

@@ -1,13 +1,7 @@
 //! Splats as arrays of numpy, by the names that trainers of splats save them under (gsplat, Dynamic 3D Gaussians,
 //! `SplaTAM` and others): half axes, rotations, opacities, and colours as harmonics.
 
-use super::SplatShape;
-use super::alpha_of_logit;
-use super::byte;
-use super::channel_of_harmonic;
-use super::colors_of_harmonics;
-use super::put_shapes;
-use super::warn_of_colors;
+use super::{SplatShape, alpha_of_logit, byte, channel_of_harmonic, colors_of_harmonics, put_shapes, warn_of_colors};
 use crate::cloud::RawCloud;
 use crate::io::columns::column::Column;
 use glam::Quat;

@@ -1,13 +1,11 @@
 //! `.splat`: bare records of 32 bytes without a header, as viewers in browsers read them (Kwok 2023): position and half
 //! axes as single precision, colour and opacity as bytes, and the rotation, real part first, as bytes around 128.
 
-use super::SPLAT_BYTES;
-use super::SplatShape;
-use super::put_shapes;
+use super::{SPLAT_BYTES, SplatShape, put_shapes};
 use crate::cloud::{Positions, RawCloud};
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
 use crate::io::format::{Format, Traits};
+use crate::io::options::ReadOptions;
 use glam::Quat;
 
 /// Records without a header, known by the extension alone.

@@ -8,18 +8,13 @@
 //! Positions are of half precision in version 1 and in fixed point behind it. Versions 1 and 2 have a rotation as the
 //! vector part of a quaternion whose real part is not negative, the others as its three smallest parts, ten bits each.
 
-use super::LARGEST_OF_OTHERS;
-use super::SPLAT_BYTES;
-use super::SplatShape;
-use super::channel_of_harmonic;
-use super::put_shapes;
-use super::with_largest;
+use super::{LARGEST_OF_OTHERS, SPLAT_BYTES, SplatShape, channel_of_harmonic, put_shapes, with_largest};
 use crate::binary::half;
 use crate::cloud::{AxisConvention, Positions, RawCloud};
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
 use crate::io::files::unpack::{Packing, unpack, unpack_gzip};
 use crate::io::format::{Format, Magic, Traits};
+use crate::io::options::ReadOptions;
 use glam::Quat;
 use std::io::Cursor;
 

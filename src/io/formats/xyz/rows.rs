@@ -6,7 +6,7 @@
 use super::dialect::{Cell, Dialect, comment, hex_color, is_title, seconds_of};
 use crate::io::columns::numbers::quoted;
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use crate::progress::Progress;
 use rayon::prelude::*;
 use std::collections::HashMap;

@@ -9,7 +9,7 @@ use super::table::Table;
 use crate::io::columns::column_names::markers;
 use crate::io::contents::{Entry, Part};
 use crate::io::error::IoError;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use crate::progress::Progress;
 use std::io::Read as _;
 use std::path::Path;

@@ -13,14 +13,13 @@ pub use member::Member;
 
 use super::containers;
 use crate::io::contents::{Contents, Entry, Part};
-use crate::io::error::IoError;
-use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
+use crate::io::error::{Fault, IoError, Place};
 use crate::io::files::timestamps;
 use crate::io::files::unpack::{Packing, reader, unpack, unpack_gzip};
 use crate::io::files::watched::Watched;
 use crate::io::format::Format;
 use crate::io::formats::xyz;
+use crate::io::options::ReadOptions;
 use crate::natural::natural_order;
 use crate::progress::Progress;
 use member::{MemberPlace, Unpacked, clean};

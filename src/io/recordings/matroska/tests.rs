@@ -1,8 +1,7 @@
 //! Files by hand, element by element.
 
-use super::Matroska;
 use super::found::MatroskaError;
-use super::is_one;
+use super::{Matroska, is_one};
 use proptest::prelude::*;
 use std::io::Write as _;
 

@@ -9,7 +9,7 @@ use super::ouster::{self, Metadata};
 use super::velodyne::{self, Calibration};
 use crate::io::error::Fault;
 use crate::io::files::beside;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use std::cmp::Reverse;
 use std::path::Path;
 

@@ -24,7 +24,7 @@ use super::traffic::{Traffic, said_cut};
 use super::turn::{Turn, TurnPart};
 use super::velodyne::DataPacket;
 use crate::io::contents::{Contents, Entry, Part, Topic};
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::path::Path;

@@ -15,7 +15,7 @@ use super::unpacking::{Position, Unpacking};
 use super::velodyne::{self, Calibration, DataPacket, Model};
 use crate::cloud::RawCloud;
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use std::fs::File;
 use std::io::Read as _;
 use std::net::SocketAddr;

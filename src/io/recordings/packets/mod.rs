@@ -40,7 +40,7 @@ use crate::cloud::RawCloud;
 use crate::io::contents::Contents;
 use crate::io::error::{Fault, IoError, Place};
 use crate::io::files::long_walk::LongWalk;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use crate::progress::Progress;
 use capture::{Capture, Packet};
 use clock::Clock;

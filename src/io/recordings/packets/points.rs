@@ -2,7 +2,7 @@
 
 use crate::cloud::{Positions, RawCloud, ScalarField};
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use glam::DVec3;
 
 /// What a laser measured.

@@ -2,8 +2,7 @@
 
 use super::frame_id::FrameId;
 use super::layout::Layout;
-use super::ouster;
-use super::velodyne;
+use super::{ouster, velodyne};
 use std::net::IpAddr;
 use std::sync::Arc;
 

@@ -2,11 +2,10 @@
 
 use super::super::containers::CAPTURE;
 use super::frame_id::FrameId;
-use super::ouster;
 use super::points::Points;
 use super::turn::{Scanner, TurnPart};
-use super::velodyne;
 use super::velodyne::DataPacket;
+use super::{ouster, velodyne};
 use crate::cloud::RawCloud;
 
 /// Makes points of the packets of a turn.

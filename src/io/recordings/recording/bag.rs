@@ -9,8 +9,8 @@ use super::found::{FoundMessages, Wanted};
 use super::message::MessagePlace;
 use super::walk::Walk;
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
 use crate::io::files::unpack::Packing;
+use crate::io::options::ReadOptions;
 use std::time::Duration;
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";

@@ -1,7 +1,7 @@
 //! Where many messages are packed together.
 
-use crate::io::files::options::ReadOptions;
 use crate::io::files::unpack::{Packing, unpack};
+use crate::io::options::ReadOptions;
 use std::io::{Read as _, SeekFrom};
 
 /// Where many messages are packed together.

@@ -1,12 +1,10 @@
 //! How messages with point clouds are written.
 
-use super::foxglove;
-use super::livox;
-use super::pointcloud2;
 use super::serialisation::Serialisation;
+use super::{foxglove, livox, pointcloud2};
 use crate::cloud::RawCloud;
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use std::time::Duration;
 
 /// What a message with a point cloud is, and how its fields are written.

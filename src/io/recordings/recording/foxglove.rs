@@ -6,7 +6,7 @@ use crate::cloud::{Positions, RawCloud};
 use crate::io::columns::column::{Column, Scalar, Values};
 use crate::io::columns::growing;
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use glam::{DQuat, DVec3};

@@ -7,7 +7,7 @@ use super::bytes::Bytes;
 use super::serialisation::Serialisation;
 use crate::cloud::{AxisConvention, Positions, RawCloud, ScalarField};
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 
 /// The name of the message in every package of Livox.
 const TYPE: &str = "CustomMsg";

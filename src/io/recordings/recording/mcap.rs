@@ -10,8 +10,8 @@ use super::found::{FoundMessages, Wanted};
 use super::message::MessagePlace;
 use super::walk::Walk;
 use crate::io::error::{Fault, Place};
-use crate::io::files::options::ReadOptions;
 use crate::io::files::unpack::Packing;
+use crate::io::options::ReadOptions;
 use std::collections::HashMap;
 use std::time::Duration;
 

@@ -2,8 +2,8 @@
 
 use super::found::{FoundMessages, Wanted};
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
 use crate::io::format::Format;
+use crate::io::options::ReadOptions;
 use crate::io::refused::foreign::Foreign;
 use std::path::Path;
 

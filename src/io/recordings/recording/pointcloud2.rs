@@ -5,7 +5,7 @@ use crate::cloud::{AxisConvention, ImageGrid, RawCloud};
 use crate::io::columns::column::{Column, Scalar, Values};
 use crate::io::columns::growing;
 use crate::io::error::Fault;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use std::borrow::Cow;
 
 /// Is in the names of frames that look along Z with Y down (REP 103, "Suffix Frames").

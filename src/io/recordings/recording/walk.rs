@@ -2,7 +2,7 @@
 
 use super::chunk::MessageChunk;
 use crate::io::files::long_walk::LongWalk;
-use crate::io::files::options::ReadOptions;
+use crate::io::options::ReadOptions;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;

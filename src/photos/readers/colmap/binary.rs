@@ -2,9 +2,9 @@
 
 use super::models::Model;
 use super::records::{Cameras, Features, Image, feature, push};
-use crate::photos::bytes::Bytes;
 use crate::photos::error::{PhotosError, read_file};
-use crate::photos::points::SparsePoints;
+use crate::photos::parts::bytes::Bytes;
+use crate::photos::sets::points::SparsePoints;
 use glam::DVec3;
 use std::path::Path;
 

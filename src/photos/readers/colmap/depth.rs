@@ -1,7 +1,7 @@
 //! Depth images of COLMAP's dense stage: `W&H&C&` as text, then floats, line by line from the top.
 
-use crate::photos::bytes::Bytes;
 use crate::photos::error::{PhotosError, read_file};
+use crate::photos::parts::bytes::Bytes;
 use crate::rgbd::DepthImage;
 use std::path::Path;
 

@@ -17,8 +17,8 @@ pub use depth::colmap_depth;
 
 use super::reader::{Claim, Reader};
 use crate::photos::depth_file::{DepthFile, DepthKind};
-use crate::photos::draft::{Draft, Drafts};
 use crate::photos::error::PhotosError;
+use crate::photos::found::draft::{Draft, Drafts};
 use glam::{DMat3, DQuat};
 use records::{Cameras, Features, Image};
 use std::fs;

@@ -3,7 +3,7 @@
 //! Models 0 to 6 are pinholes with the polynomials that `rgbd` has. Others are known by name, to be refused by it: a
 //! photograph through a lens that is not understood would be drawn in the wrong place.
 
-use crate::photos::lens::{Focal, Lens, Origin};
+use crate::photos::sets::lens::{Focal, Lens, Origin};
 use crate::rgbd::Distortion;
 use glam::DVec2;
 

@@ -1,7 +1,7 @@
 //! Rows of COLMAP's files, be they text or binary.
 
-use crate::photos::lens::Lens;
-use crate::photos::points::{Observation, SparsePoints};
+use crate::photos::sets::lens::Lens;
+use crate::photos::sets::points::{Observation, SparsePoints};
 use glam::{DVec2, DVec3, Vec2};
 use std::collections::HashMap;
 

@@ -4,8 +4,8 @@
 use super::models::{Model, refusal};
 use super::records::{Cameras, Features, Image, feature, push};
 use crate::photos::error::{PhotosError, read_file};
-use crate::photos::points::SparsePoints;
-use crate::photos::text::{Text, quoted};
+use crate::photos::parts::text::{Text, quoted};
+use crate::photos::sets::points::SparsePoints;
 use glam::{DVec3, Vec2};
 use std::path::Path;
 

@@ -1,5 +1,5 @@
 //! Gaps in a surface are closed when all tiles are drawn, where photographs show that something is there. What a gap
-//! is, and what lies in it: `scene/gaps.rs`.
+//! is, and what lies in it: `scene/effects/gaps.rs`.
 //!
 //! How it works: rows are gone through at once, since what is met around a pixel is what was drawn, not what was
 //! closed; then closed pixels are written. Most pixels that are not covered are background: the ways to the left and

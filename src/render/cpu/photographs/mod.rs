@@ -1,4 +1,4 @@
-//! Surfaces have their colours from photographs (paper 004 §3.2–3.4); what that is: `scene/photographs.rs`.
+//! Surfaces have their colours from photographs (paper 004 §3.2–3.4); what that is: `scene/photographs/mod.rs`.
 //!
 //! How it works: when all splats of a tile are summed up, each pixel of the surface asks where all photographs have it,
 //! eight of them at a time. It then goes through those that look at it, the nearest to the eye's direction first, and

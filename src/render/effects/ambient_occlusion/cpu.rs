@@ -1,5 +1,5 @@
 //! Ambient occlusion on the processor (`shaders/effects/ambient_occlusion.wgsl`): of eight pixels of a row at a time.
-//! The formula: `scene/ambient_occlusion.rs`.
+//! The formula: `scene/effects/ambient_occlusion.rs`.
 //!
 //! Depths are drawn before all else: a tile is lit when it is drawn, and needs those of its neighbours.
 

@@ -1,4 +1,5 @@
-//! Ambient occlusion (Loos and Sloan 2010), a part of deferred shading. The formula: `scene/ambient_occlusion.rs`.
+//! Ambient occlusion (Loos and Sloan 2010), a part of deferred shading. The formula:
+//! `scene/effects/ambient_occlusion.rs`.
 
 pub(in crate::render) mod cpu;
 #[cfg(feature = "gpu")]

@@ -1,4 +1,5 @@
-//! Eye-dome lighting (Boucheny 2009): what stands behind its neighbours gets darker. The formula: `scene/eye_dome.rs`.
+//! Eye-dome lighting (Boucheny 2009): what stands behind its neighbours gets darker. The formula:
+//! `scene/effects/eye_dome.rs`.
 
 mod cpu;
 #[cfg(feature = "gpu")]

@@ -1,5 +1,5 @@
 //! The shadow of the key light on the processor (`shaders/effects/shadow.wgsl`): on eight pixels at a time. How:
-//! `scene/shadow.rs`.
+//! `scene/light/shadow.rs`.
 
 use crate::render::cpu::eight::Vectors;
 use crate::render::cpu::tile::LANES;

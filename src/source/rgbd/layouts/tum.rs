@@ -1,7 +1,6 @@
 //! The benchmark of the TU München (Sturm et al. 2012): lists of images with their times, and the ground truth.
 
-use super::beside;
-use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
+use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units, beside};
 use crate::io::files::timestamps::times_of_lines;
 use crate::source::rgbd::pairs::by_time;
 use crate::source::rgbd::text::read;

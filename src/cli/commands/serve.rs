@@ -1,0 +1,181 @@
+//! `pointreel serve`: a sequence for those who play it over the network, as a file or live.
+
+use crate::cli::options::arguments::{ReadArgs, frame_rate, open_sequence_and_tell};
+use crate::cli::terminal::output::{answer, check_answers, say};
+use crate::reel::MAGIC;
+use crate::sequence::{OpenOptions, Sequence};
+use crate::serve::live::{ClientReport, LiveEvent, LiveOptions, LiveServer, Schedule};
+use crate::serve::{CorsOrigin, FileServer, FileServerOptions};
+use crate::wire::{ColorCoding, DepthCoding, ImageCoding};
+use crate::{regular_file, signals};
+use anyhow::{Context as _, bail};
+use clap::{Args, ValueEnum};
+use std::io::Read as _;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Where it is listened unless somebody says otherwise: other machines cannot connect.
+const USUAL_ADDRESS: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 8089);
+
+/// Arguments of `pointreel serve`.
+#[derive(Debug, Args)]
+pub(in crate::cli) struct ServeArgs {
+    /// A sequence file (.reel); `pointreel convert` writes them. With --live any INPUT of `view`
+    #[arg(value_name = "INPUT", required = true)]
+    inputs: Vec<PathBuf>,
+
+    /// Where to listen: an address of this machine and a port, 0 for any that is free
+    #[arg(long, value_name = "ADDRESS:PORT", default_value_t = USUAL_ADDRESS)]
+    listen: SocketAddr,
+
+    /// Play it as a live stream, which `pointreel tcp://ADDRESS:PORT` shows
+    #[arg(long)]
+    live: bool,
+
+    /// Frames a second of the stream (usually as their time stamps say, else 24 or 30)
+    #[arg(long, value_name = "FPS", value_parser = frame_rate, requires = "live")]
+    fps: Option<f64>,
+
+    /// End with the sequence, in place of playing it over and over
+    #[arg(long, requires = "live")]
+    once: bool,
+
+    /// How depth images are sent: rvl is packed without loss, raw is not packed
+    #[arg(long, value_name = "CODING", default_value = "rvl", requires = "live")]
+    depth_coding: Depths,
+
+    /// How colour images are sent: jpeg, or raw without loss
+    #[arg(long, value_name = "CODING", default_value = "jpeg", requires = "live")]
+    color_coding: Colors,
+
+    /// Web pages that may read the file: those of an ORIGIN such as `https://example.org`, or `*` for all; may be
+    /// repeated (default: none)
+    #[arg(long, value_name = "ORIGIN", conflicts_with = "live")]
+    cors: Vec<CorsOrigin>,
+
+    #[command(flatten)]
+    read: ReadArgs,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Depths {
+    Rvl,
+    Raw,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Colors {
+    Jpeg,
+    Raw,
+}
+
+pub(in crate::cli) fn run(arguments: &ServeArgs) -> anyhow::Result<()> {
+    if arguments.live {
+        return run_live(arguments);
+    }
+    match arguments.inputs.as_slice() {
+        [file] => run_file(file, arguments),
+        _ => bail!("one sequence file is served by HTTP: name one, or add --live to play all of these as one sequence"),
+    }
+}
+
+fn run_file(path: &Path, arguments: &ServeArgs) -> anyhow::Result<()> {
+    let mut begin = [0; MAGIC.len()];
+    let read = regular_file::open(path).and_then(|mut file| file.read_exact(&mut begin));
+    read.with_context(|| format!("{} cannot be read", path.display()))?;
+    if begin != MAGIC {
+        bail!(
+            "{} is no sequence file: make one with pointreel convert INPUT {}, or add --live to play it as a stream",
+            path.display(),
+            path.with_extension("reel").display()
+        );
+    }
+    let options = FileServerOptions {
+        cors: arguments.cors.clone(),
+        ..FileServerOptions::default()
+    };
+    let server = FileServer::bind(path, arguments.listen, options);
+    let server = server.with_context(|| format!("{} cannot be listened at", arguments.listen))?;
+    answer(&format!("{} (play it with pointreel, end with Ctrl+C)", server.url()?));
+    check_answers()?;
+    server.run()?;
+    Ok(())
+}
+
+fn run_live(arguments: &ServeArgs) -> anyhow::Result<()> {
+    let open = OpenOptions {
+        fps: arguments.fps,
+        ..arguments.read.picture_options()
+    };
+    let sequence = open_sequence_and_tell(&arguments.inputs, &open)?;
+    let options = LiveOptions {
+        coding: ImageCoding {
+            depth: match arguments.depth_coding {
+                Depths::Rvl => DepthCoding::Rvl,
+                Depths::Raw => DepthCoding::Raw,
+            },
+            color: match arguments.color_coding {
+                Colors::Jpeg => ColorCoding::Jpeg,
+                Colors::Raw => ColorCoding::Raw,
+            },
+        },
+        repeats: !arguments.once,
+        most_bytes: open.read.max_memory_bytes,
+    };
+    let source = Arc::clone(sequence.source());
+    let server = LiveServer::bind(source, schedule(&sequence), arguments.listen, options, tell);
+    let server = server.with_context(|| format!("{} cannot be listened at", arguments.listen))?;
+    let server = Arc::new(server);
+    let stopped = Arc::clone(&server);
+    let _ends_well = signals::on_first(move || stopped.stop(), None);
+    answer(&format!(
+        "{} ({} frames, {:.1} a second; show it with pointreel, end with Ctrl+C)",
+        server.url()?,
+        sequence.len(),
+        sequence.fps()
+    ));
+    check_answers()?;
+    server.run()?;
+    let report = server.report();
+    say(&format!(
+        "{} frames served, {} not made in time, {} dropped for clients that were slow, {:.1} MB sent",
+        report.served_frames,
+        report.missed_frames,
+        report.dropped_frames,
+        report.sent_bytes as f64 * 1e-6
+    ));
+    Ok(())
+}
+
+/// The pace of a sequence.
+fn schedule(sequence: &Sequence) -> Schedule {
+    let pace = sequence.pace();
+    Schedule::new(sequence.len(), sequence.fps(), |frame| pace.duration(frame))
+}
+
+fn tell(event: LiveEvent) {
+    match event {
+        LiveEvent::Joined(address) => say(&format!("{address} has connected")),
+        LiveEvent::Full(address) => say(&format!("{address} was sent away: there are as many clients as may be")),
+        LiveEvent::Left(report) => say(&left(&report)),
+    }
+}
+
+fn left(report: &ClientReport) -> String {
+    let seconds = report.time.as_secs_f64().max(1e-3);
+    let rate = |bytes: u64| bytes as f64 * 1e-6 / seconds;
+    let whole = report.whole_bytes.map(|bytes| {
+        let rate = rate(bytes);
+        format!(" of what it sees; whole frames are {rate:.1} MB/s")
+    });
+    format!(
+        "{}: {}; {} frames sent in {seconds:.1} s, {} dropped, {:.1} MB/s{}",
+        report.address,
+        report.reason,
+        report.sent_frames,
+        report.dropped_frames,
+        rate(report.sent_bytes),
+        whole.unwrap_or_default()
+    )
+}

@@ -1,0 +1,314 @@
+//! `pointreel view`: the window.
+
+use crate::app::{
+    GivenStyle, Options, Preferences, PreferencesFile, PresentChoice, Presets, ReadingChoices, Recent, Script,
+    StateOptions, open_as_chosen,
+};
+use crate::cli::options::arguments::{PictureArgs, ReadArgs, VIEW, byte_count, frame_rate, size_px};
+use crate::cli::options::colors::check_source;
+use crate::cli::options::sources::{OutputKind, check_replaced, check_sources};
+use crate::cli::session::{OpenedInputs, open_inputs};
+use crate::document::{DocumentFolder, ReadSession, session_of};
+use crate::export::PictureFormat;
+use crate::progress::Progress;
+use crate::scene::{Camera, Settings, UpAxis};
+use crate::sequence::{OpenOptions, Sequence, SequenceError};
+use crate::source;
+use anyhow::{Context as _, bail};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What to show and how.
+#[derive(Debug, Clone, Default, Args)]
+pub(in crate::cli) struct ViewArgs {
+    /// Folder, files, pattern, or session (.pointreel); without any, what was opened lately is offered
+    #[arg(value_name = "INPUT")]
+    inputs: Vec<PathBuf>,
+
+    /// Folder, file or pattern to show beside it by the same camera and clock
+    #[arg(long, value_name = "INPUT")]
+    compare: Vec<PathBuf>,
+
+    /// Topic of a recording in --compare (usually that of --topic)
+    #[arg(long, value_name = "NAME", requires = "compare")]
+    compare_topic: Option<String>,
+
+    /// Which axis is up: x, y, z, -x, -y or -z; guessed when not given
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = VIEW)]
+    up: Option<UpAxis>,
+
+    /// Begin with a view as the window copies it (Ctrl+C)
+    #[arg(long, value_name = "TEXT", help_heading = VIEW)]
+    view: Option<Camera>,
+
+    /// Frames a second, all equally long (usually as their time stamps say, else 24)
+    #[arg(long, value_name = "FPS", value_parser = frame_rate)]
+    fps: Option<f64>,
+
+    /// Show the newest frame of a folder as it comes; an empty folder is waited for
+    #[arg(long)]
+    follow: bool,
+
+    /// Write what arrives of a live stream (tcp://) to this file, which is an INPUT again
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+
+    /// Do not play
+    #[arg(long)]
+    paused: bool,
+
+    /// Begin from defaults, whatever the window has kept of INPUT
+    #[arg(long, visible_alias = "no-document")]
+    fresh: bool,
+
+    /// Memory for prepared frames, such as 2GB
+    #[arg(long, value_name = "SIZE", value_parser = byte_count)]
+    memory: Option<u64>,
+
+    /// Who paints the window: auto (a real GPU, else the processor), gpu or cpu
+    #[arg(long, value_name = "WHO")]
+    present: Option<PresentChoice>,
+
+    /// Size of the window in pixels
+    #[arg(long, value_name = "WxH", value_parser = size_px)]
+    size: Option<[u32; 2]>,
+
+    /// Write the 3-D picture of the window to this file (.png, .jpg, .webp or .tif) and end
+    #[arg(long, value_name = "FILE")]
+    screenshot: Option<PathBuf>,
+
+    /// How many frames are shown before the screenshot
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "screenshot")]
+    after_frames: u64,
+
+    /// Run the commands of this file, one per line, by title or word; `wait SECONDS|shown|done`
+    #[arg(long, value_name = "FILE")]
+    script: Option<PathBuf>,
+
+    /// End the GPU device after this many pictures, as a crashed driver would
+    #[arg(long, value_name = "N", hide = true)]
+    lose_device_after: Option<u64>,
+
+    #[command(flatten)]
+    read: ReadArgs,
+
+    #[command(flatten)]
+    picture: PictureArgs,
+}
+
+/// Opens the window and returns when it is closed.
+pub(in crate::cli) fn run(args: &ViewArgs) -> anyhow::Result<()> {
+    if args.picture.is_transparent() {
+        bail!("a window has no transparent background: choose colours, or `pointreel render`");
+    }
+    if let Some(screenshot) = &args.screenshot {
+        PictureFormat::of_name(screenshot)?;
+        check_replaced(screenshot, OutputKind::Picture)?;
+    }
+    let script = args.script.as_deref().map(Script::read).transpose()?;
+    let open = OpenOptions {
+        fps: args.fps,
+        waits_for_first: args.follow,
+        ..args.read.picture_options()
+    };
+    let (recent, recent_problem) = Recent::load();
+    // Who has opened something before is offered that.
+    let is_bare = args.inputs.is_empty() && args.compare.is_empty();
+    let offers_recent = is_bare && args.screenshot.is_none() && args.record.is_none() && !recent.entries().is_empty();
+    // The window says that it waits for the first frame.
+    let can_ask = args.screenshot.is_none() && args.record.is_none();
+    let waits = can_ask && args.follow && is_empty_folder(&args.inputs);
+    // The window asks whether a session may open what is not in its folder.
+    let asks = can_ask && reaches_beyond(&args.inputs, &open);
+    // A picture that a script asks for does not depend on who looked at what before.
+    let (reading_choices, choices_problem) = match args.screenshot {
+        Some(_) => Default::default(),
+        None => ReadingChoices::load(),
+    };
+    let FirstOpened {
+        sequence,
+        mut session,
+        opened_with,
+        problem,
+    } = if offers_recent || waits || asks {
+        FirstOpened::default()
+    } else {
+        FirstOpened::of(args, &open, &reading_choices)?
+    };
+    if let Some(read) = &mut session {
+        give_precedence(args, read);
+    }
+    if let (Some(screenshot), Some(sequence)) = (&args.screenshot, &sequence) {
+        check_sources(sequence, std::iter::once(screenshot.clone()))?;
+    }
+    if let Some(path) = &args.record {
+        record_arrivals(sequence.as_ref(), path)?;
+    }
+    if let (Some(source), Some(sequence)) = (args.picture.color_source(), &sequence)
+        && !args.follow
+        && !sequence.source().is_live()
+    {
+        check_source(source, sequence, 0, None)?;
+    }
+    let compare = open_compared(args, &open)?.map(Arc::new);
+    let presets = Presets::load();
+    let (preferences_file, preferences) = load_preferences(args, session.is_some());
+    let kept_problems = [presets.problem(), preferences_file.problem()];
+    let warnings = kept_problems.into_iter().flatten().map(str::to_owned);
+    let warnings = warnings.chain(recent_problem).chain(choices_problem).chain(problem);
+    let warnings = warnings.collect();
+    let options = Options {
+        state: StateOptions {
+            preferences,
+            up: args.up,
+            given: given_style(args),
+            view: args.view,
+            open,
+            follow: args.follow,
+            paused: args.paused,
+            budget_bytes: args.memory.map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX)),
+            recent,
+            reading_choices,
+            presets,
+            documents: args.screenshot.is_none().then(DocumentFolder::of_user).flatten(),
+            is_fresh: args.fresh,
+            ..StateOptions::default()
+        },
+        sequence: sequence.map(Arc::new),
+        compare,
+        named: args.inputs.clone(),
+        opened_with,
+        session: session.map(Box::new),
+        // The demo is in the menu, and what is no file is not among the recent ones.
+        inputs: args
+            .inputs
+            .iter()
+            .filter(|input| !source::is_word(input))
+            .cloned()
+            .collect(),
+        warnings,
+        preferences_file,
+        size_px: args.size,
+        screenshot: args.screenshot.clone(),
+        after_frames: args.after_frames,
+        script,
+        lose_device_after: args.lose_device_after,
+    };
+    crate::app::run(options).context("the window ended")
+}
+
+/// Whether nothing is in the one folder that is named.
+fn is_empty_folder(inputs: &[PathBuf]) -> bool {
+    let [folder] = inputs else { return false };
+    let open = OpenOptions::default();
+    folder.is_dir() && matches!(Sequence::open(inputs, &open), Err(SequenceError::EmptyFolder { .. }))
+}
+
+/// Whether a session is named that opens more than is allowed.
+fn reaches_beyond(inputs: &[PathBuf], open: &OpenOptions) -> bool {
+    let session = session_of(inputs).ok().flatten();
+    session.is_some_and(|read| !read.beyond(open.session_reach).is_empty())
+}
+
+/// What the window shows first.
+#[derive(Default)]
+struct FirstOpened {
+    sequence: Option<Sequence>,
+    session: Option<ReadSession>,
+    /// How, if otherwise than the command line says.
+    opened_with: Option<OpenOptions>,
+    /// Why a choice that was made in the window before was not taken.
+    problem: Option<String>,
+}
+
+impl FirstOpened {
+    /// As was chosen for the inputs in the window before, where nothing else is given.
+    fn of(args: &ViewArgs, open: &OpenOptions, choices: &ReadingChoices) -> anyhow::Result<Self> {
+        let inputs = &args.inputs;
+        let chosen = choices.of(inputs).filter(|_| !args.fresh);
+        let as_chosen = chosen.map(|chosen| open_as_chosen(inputs, chosen, open, &Progress::default()));
+        let problem = match as_chosen {
+            Some(Ok((sequence, chosen))) => {
+                return Ok(Self {
+                    sequence: Some(sequence),
+                    opened_with: Some(chosen),
+                    ..Self::default()
+                });
+            }
+            Some(Err(problem)) => Some(problem),
+            None => None,
+        };
+        let OpenedInputs { sequence, session } = open_inputs(inputs, open)?;
+        Ok(Self {
+            sequence: Some(sequence),
+            session,
+            problem,
+            ..Self::default()
+        })
+    }
+}
+
+/// What is given goes before what is kept in a session.
+fn give_precedence(args: &ViewArgs, read: &mut ReadSession) {
+    let style = args.picture.style_over(read.document.style());
+    read.document.clip = style.clip;
+    read.document.settings = style.with(|style| style.clip = None);
+    read.document.view = args.view.or(read.document.view);
+    if !args.compare.is_empty() {
+        read.document.compare = None;
+    }
+}
+
+/// What is given goes before what was kept of a sequence.
+fn given_style(args: &ViewArgs) -> GivenStyle {
+    let picture = args.picture.clone();
+    GivenStyle::new(move |style| Settings {
+        drawing: style.drawing,
+        ..picture.style_over(style)
+    })
+}
+
+fn record_arrivals(sequence: Option<&Sequence>, path: &Path) -> anyhow::Result<()> {
+    match sequence.and_then(|sequence| sequence.source().live()) {
+        Some(live) => live.start_recording(path).map_err(anyhow::Error::msg),
+        None => bail!("--record is for live streams, as tcp://127.0.0.1:9000: other inputs are files already"),
+    }
+}
+
+/// The sequence beside the one that is opened as `open` says, if there is one.
+fn open_compared(args: &ViewArgs, open: &OpenOptions) -> anyhow::Result<Option<Sequence>> {
+    if args.compare.is_empty() {
+        return Ok(None);
+    }
+    let topic = args.compare_topic.as_deref().map(Arc::from);
+    let open = OpenOptions {
+        topic: topic.or_else(|| open.topic.clone()),
+        ..open.clone()
+    };
+    Ok(Some(open_inputs(&args.compare, &open)?.sequence))
+}
+
+/// Those of this person under what is given; `has_settings` of a session, they go before both.
+fn load_preferences(args: &ViewArgs, has_settings: bool) -> (PreferencesFile, Preferences) {
+    // A picture that a script asks for does not depend on who looked at what before.
+    let (file, kept) = if args.screenshot.is_some() {
+        (PreferencesFile::default(), Preferences::default())
+    } else {
+        PreferencesFile::load()
+    };
+    if kept.settings != Settings::default() {
+        log::info!("new documents begin with the settings in settings.json, which are not all as by default");
+    }
+    let mut settings = kept.settings;
+    if !has_settings {
+        // Who draws is of no document.
+        settings.drawing = args.picture.style_over(settings).drawing;
+    }
+    let preferences = Preferences {
+        settings,
+        present: args.present.unwrap_or(kept.present),
+        ..kept
+    };
+    (file, preferences)
+}

@@ -1,0 +1,340 @@
+//! Arguments that several verbs share.
+
+use super::colors::ColorArgs;
+use super::rgbd_arguments::RgbdArgs;
+use super::style_arguments::StyleArgs;
+use super::values::number_in;
+pub(in crate::cli) use super::values::{FrameRange, positive_f64};
+use crate::cli::session::open_inputs_and_tell;
+use crate::cloud::{ColorDepth, NoData};
+use crate::io::{ColumnMap, ReadOptions};
+use crate::render::matcher_of_machine;
+use crate::rgbd::Filters;
+use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Settings, SurfelSettings};
+use crate::sequence::{ColorSource, OpenOptions, Sequence};
+use crate::source::SessionReach;
+use clap::{Args, ValueEnum};
+use glam::DVec3;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::sync::Arc;
+
+/// Headings of the help.
+pub(in crate::cli) const VIEW: &str = "View";
+
+/// The frames of what a person named, be it a session, and warnings of what is left out; nothing is the built-in
+/// sequence.
+pub(in crate::cli) fn open_sequence_and_tell(inputs: &[PathBuf], options: &OpenOptions) -> anyhow::Result<Sequence> {
+    open_inputs_and_tell(inputs, options).map(|opened| opened.sequence)
+}
+
+/// How files are read.
+#[derive(Debug, Clone, Default, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
+#[command(next_help_heading = "Reading")]
+pub(in crate::cli) struct ReadArgs {
+    /// Most memory that reading one frame may take, such as 2GB (usually half of all)
+    #[arg(long, value_name = "SIZE", value_parser = byte_count)]
+    max_memory: Option<u64>,
+
+    /// Sample so many points evenly from the faces of a mesh (in pictures usually 100,000)
+    #[arg(long, value_name = "N")]
+    sample: Option<NonZeroUsize>,
+
+    /// Columns of text and .bin files by number from 0 or by name, such as x=3,y=4,z=5,intensity=7; of .bin
+    /// their count, such as 7, or both, such as 7:x=0,y=1,z=2; frame=2 for the column of frames, frame=none
+    /// for one frame (default: names and values decide)
+    #[arg(long, value_name = "COLUMNS", verbatim_doc_comment)]
+    columns: Option<ColumnMap>,
+
+    /// Missing points: auto (constants such as 0 0 0 or -9999 away from the rest), none, the number that
+    /// stands for a missing coordinate, or the place of missing points, such as -1,-1,-1
+    #[arg(
+        long,
+        value_name = "VALUE|X,Y,Z|auto|none",
+        default_value_t = NoData::Auto,
+        allow_hyphen_values = true,
+        verbatim_doc_comment
+    )]
+    no_data: NoData,
+
+    /// Range of colours that could have several: unit (0 to 1), 8 (0 to 255) or 16 (0 to 65535), or more if
+    /// there are larger values (default: the values of all frames decide)
+    #[arg(long, value_name = "BITS", verbatim_doc_comment)]
+    color_depth: Option<ColorDepth>,
+
+    /// All scans of an E57 file are one frame, not a frame each
+    #[arg(long)]
+    merge_scans: bool,
+
+    /// Topic of a recording (MCAP, ROS bag) that has the frames; `info` lists them
+    #[arg(long, value_name = "NAME")]
+    topic: Option<String>,
+
+    /// Files of a folder that are frames, by a pattern of their names such as 'body_*'
+    #[arg(long, value_name = "PATTERN")]
+    only: Option<String>,
+
+    /// Read a sequence file on the web (http://) with at most so many Mbit a second
+    #[arg(long, value_name = "MBIT", value_parser = positive_f64)]
+    bandwidth: Option<f64>,
+
+    /// Make the points of photographs by stereo, also where sparse ones came with them
+    #[arg(long)]
+    dense: bool,
+
+    /// Keep so many seconds of a live stream (tcp://) to go back to (usually 10)
+    #[arg(long, value_name = "SECONDS", value_parser = positive_f64)]
+    live_seconds: Option<f64>,
+
+    /// Ask a live stream (tcp://) for frames, or for the points that the window shows, with normals
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = StreamOf::Frames)]
+    stream: StreamOf,
+
+    /// Let a session (.pointreel) connect to the addresses that it names, and listen at its ports
+    #[arg(long)]
+    allow_network: bool,
+
+    /// Let a session (.pointreel) open files outside of its own folder
+    #[arg(long)]
+    allow_outside: bool,
+
+    #[command(flatten)]
+    rgbd: RgbdArgs,
+}
+
+/// What a live stream is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum StreamOf {
+    /// All of each frame.
+    #[default]
+    Frames,
+    /// What the window shows of it.
+    Surfels,
+}
+
+/// Points on the surface of a mesh where pictures are made and nobody said how many.
+const MESH_POINTS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(99_999);
+
+impl ReadArgs {
+    /// [`Self::open_options`] for pictures: meshes are shown by their surface, depth images are filtered.
+    pub(in crate::cli) fn picture_options(&self) -> OpenOptions {
+        let options = self.open_options();
+        OpenOptions {
+            read: options.read.with_mesh_sample_count(Some(MESH_POINTS)),
+            rgbd: self.rgbd.options(Filters::USUAL),
+            ..options
+        }
+    }
+
+    /// The options that change what frames have, as they are typed; empty where none is given.
+    pub(in crate::cli) fn in_words(&self) -> String {
+        let mut words: Vec<String> = Vec::new();
+        let mut add = |option: &str, value: Option<String>| {
+            words.extend(value.map(|value| format!("--{option} {value}").trim_end().to_owned()));
+        };
+        let given = |is_given: bool| is_given.then(String::new);
+        add("columns", self.columns.map(|columns| columns.to_string()));
+        let no_data = self.no_data.to_string();
+        add(
+            "no-data",
+            Some(no_data).filter(|no_data| *no_data != NoData::Auto.to_string()),
+        );
+        add("color-depth", self.color_depth.map(|depth| depth.to_string()));
+        add("merge-scans", given(self.merge_scans));
+        add("dense", given(self.dense));
+        words.extend(self.rgbd.in_words());
+        words.join(" ")
+    }
+
+    pub(in crate::cli) fn open_options(&self) -> OpenOptions {
+        let default = ReadOptions::default();
+        let max_memory_bytes = self.max_memory.unwrap_or(default.max_memory_bytes);
+        OpenOptions {
+            read: default
+                .with_max_memory(max_memory_bytes)
+                .with_sample_count(self.sample)
+                .with_columns(self.columns),
+            no_data: self.no_data,
+            color_depth: self.color_depth,
+            fps: None,
+            merge_scans: self.merge_scans,
+            topic: self.topic.as_deref().map(Arc::from),
+            only: self.only.as_deref().map(Arc::from),
+            waits_for_first: false,
+            most_bits_per_s: self.bandwidth.map(|mbit| 1e6 * mbit),
+            dense: self.dense,
+            live_seconds: self.live_seconds,
+            live_surfels: self.stream == StreamOf::Surfels,
+            rgbd: self.rgbd.options(Filters::NONE),
+            matcher: matcher_of_machine(),
+            session_reach: SessionReach {
+                network: self.allow_network,
+                outside: self.allow_outside,
+            },
+        }
+    }
+}
+
+/// How a picture looks; what is not given is as usual: in a window as it was left, else as in a new one.
+#[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Picture")]
+pub(in crate::cli) struct PictureArgs {
+    #[command(flatten)]
+    style: StyleArgs,
+
+    #[arg(long, value_name = Backdrop::BACKGROUND.value_name, help = Backdrop::BACKGROUND.help)]
+    background: Option<Behind>,
+
+    /// The same as --back-faces drawn
+    #[arg(long, conflicts_with = SurfelSettings::BACK_FACES.flag)]
+    two_sided: bool,
+
+    /// Draw only points from the first to the second corner, coordinates of the file
+    #[arg(long, value_name = "X,Y,Z,X,Y,Z", allow_hyphen_values = true, value_parser = clip_box)]
+    clip_box: Option<ClipShape>,
+
+    /// Draw what is outside of --clip-box instead
+    #[arg(long, requires = "clip_box")]
+    clip_outside: bool,
+
+    #[command(flatten)]
+    colors: ColorArgs,
+}
+
+/// What is behind the cloud.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Behind {
+    Colors(Background),
+    /// The picture is transparent there.
+    Nothing,
+}
+
+impl FromStr for Behind {
+    type Err = ParseChoiceError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "transparent" => Ok(Self::Nothing),
+            _ => text.parse().map(Self::Colors),
+        }
+    }
+}
+
+impl PictureArgs {
+    /// Whether nothing is to be behind the cloud.
+    pub(in crate::cli) fn is_transparent(&self) -> bool {
+        self.background == Some(Behind::Nothing)
+    }
+
+    /// The source of colours that was named.
+    pub(in crate::cli) fn color_source(&self) -> Option<ColorSource> {
+        self.colors.source()
+    }
+
+    /// `default`, but for what is given.
+    pub(in crate::cli) fn style_over(&self, default: Settings) -> Settings {
+        let mut style = self.style.over(default);
+        style.colors = self.colors.over(default.colors);
+        if self.two_sided {
+            style.surfels.back_faces = BackFaces::Drawn.into();
+        }
+        if let Some(Behind::Colors(background)) = self.background {
+            style.backdrop.background = background;
+        }
+        if let Some(shape) = self.clip_box {
+            style.clip = Some(Clip {
+                keeps_outside: self.clip_outside,
+                ..Clip::to(shape)
+            });
+        }
+        style
+    }
+}
+
+/// `WxH` in pixels.
+pub(in crate::cli) fn size_px(text: &str) -> Result<[u32; 2], String> {
+    let parse = || {
+        let (width, height) = text.split_once(['x', 'X'])?;
+        let size = [width.parse().ok()?, height.parse().ok()?];
+        size.iter().all(|&edge: &u32| edge > 0).then_some(size)
+    };
+    parse().ok_or_else(|| "expected WIDTHxHEIGHT in pixels, such as 1280x720".to_owned())
+}
+
+pub(in crate::cli) fn finite(text: &str) -> Result<f64, String> {
+    number_in(text, |value: &f64| value.is_finite(), "degrees")
+}
+
+pub(super) fn elevation(text: &str) -> Result<f64, String> {
+    number_in(text, |value| (-90.0..=90.0).contains(value), "degrees from -90 to 90")
+}
+
+pub(super) fn field_of_view(text: &str) -> Result<f64, String> {
+    number_in(text, |value| (1.0..=170.0).contains(value), "degrees from 1 to 170")
+}
+
+fn clip_box(text: &str) -> Result<ClipShape, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    let corners = numbers.and_then(|numbers| <[f64; 6]>::try_from(numbers).ok());
+    corners
+        .map(|[a, b, c, d, e, f]| (DVec3::new(a, b, c), DVec3::new(d, e, f)))
+        .filter(|(min, max)| min.is_finite() && max.is_finite() && min.cmple(*max).all())
+        .map(|(min, max)| ClipShape::Box { min, max })
+        .ok_or_else(|| {
+            "expected six numbers, the smallest x,y,z and then the largest, such as 0,0,0,1.5,2,1".to_owned()
+        })
+}
+
+/// Frames a second that a clock takes.
+pub(in crate::cli) fn frame_rate(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|fps| (0.1..=1000.0).contains(fps))
+        .ok_or_else(|| "expected frames a second from 0.1 to 1000".to_owned())
+}
+
+/// `1500000000`, `1.5GB` (10⁹) or `2GiB` (2³⁰).
+pub(in crate::cli) fn byte_count(text: &str) -> Result<u64, String> {
+    const UNITS: [(&str, f64); 8] = [
+        ("kib", 1024.0),
+        ("mib", 1_048_576.0),
+        ("gib", 1_073_741_824.0),
+        ("kb", 1e3),
+        ("mb", 1e6),
+        ("gb", 1e9),
+        ("b", 1.0),
+        ("", 1.0),
+    ];
+    let lower = text.trim().to_ascii_lowercase();
+    let parsed = UNITS.iter().find_map(|(unit, factor)| {
+        let number: f64 = lower.strip_suffix(unit)?.trim().parse().ok()?;
+        (number > 0.0 && number * factor < u64::MAX as f64).then_some((number * factor) as u64)
+    });
+    parsed.ok_or_else(|| "expected a size such as 2GB, 512MiB or 1500000000".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_are_bounded() {
+        assert_eq!(frame_rate("29.97"), Ok(29.97));
+        for wrong in ["0", "-3", "1001", "nan", "fast"] {
+            assert!(frame_rate(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn sizes_are_read_with_their_units() {
+        assert_eq!(byte_count("1500"), Ok(1500));
+        assert_eq!(byte_count("2GB"), Ok(2_000_000_000));
+        assert_eq!(byte_count("1.5 GiB"), Ok(3 << 29));
+        assert_eq!(byte_count("64kib"), Ok(65536));
+        for wrong in ["", "GB", "-1GB", "nan", "inf", "1e40", "5%", "0"] {
+            assert!(byte_count(wrong).is_err(), "{wrong}");
+        }
+    }
+}

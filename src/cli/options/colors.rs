@@ -1,0 +1,107 @@
+//! How points are coloured, as several verbs take it.
+
+use super::usage::UsageError;
+use crate::analysis::ColorMap;
+use crate::cli::terminal::warnings;
+use crate::cloud::ScalarField;
+use crate::scene::coloring::{COLORS, LOGARITHM, MAP, RANGE};
+use crate::sequence::{ColorRange, ColorSource, Coloring, Sequence};
+use clap::Args;
+
+/// What is not given is as usual.
+#[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Colours")]
+pub(super) struct ColorArgs {
+    #[arg(long, value_name = COLORS.value_name, help = COLORS.help)]
+    colors: Option<ColorSource>,
+
+    #[arg(long, value_name = MAP.value_name, help = MAP.help_line())]
+    color_map: Option<ColorMap>,
+
+    #[arg(long, value_name = RANGE.value_name, help = RANGE.help, allow_hyphen_values = true)]
+    color_range: Option<ColorRange>,
+
+    #[arg(long, help = LOGARITHM.help)]
+    color_log: bool,
+}
+
+impl ColorArgs {
+    /// The source that is given.
+    pub(in crate::cli) fn source(&self) -> Option<ColorSource> {
+        self.colors
+    }
+
+    /// `default`, but for what is given. What belongs to a source goes with it.
+    pub(in crate::cli) fn over(&self, default: Coloring) -> Coloring {
+        let is_same = self.colors.is_none_or(|source| source == default.source);
+        let usual = Coloring::default();
+        let range = if is_same { default.range } else { usual.range };
+        Coloring {
+            source: self.colors.unwrap_or(default.source),
+            map: self.color_map.unwrap_or(default.map),
+            range: self.color_range.unwrap_or(range),
+            is_logarithmic: self.color_log || (is_same && default.is_logarithmic),
+            one_color: default.one_color,
+        }
+    }
+}
+
+/// Fails, with the names that there are, where `source` names a scalar field that neither `frame` nor the first, the
+/// middle and the last frame of `sequence` have. `fields` are those of `frame`, if it could be read. Warns where it
+/// names another kind of field that they have not.
+pub(in crate::cli) fn check_source(
+    source: ColorSource,
+    sequence: &Sequence,
+    frame: usize,
+    fields: Option<&[ScalarField]>,
+) -> Result<(), UsageError> {
+    let kind = match source {
+        ColorSource::Scalar(Some(_)) => "",
+        ColorSource::Scalar(None) => "scalar fields",
+        ColorSource::Time => "a scalar field of times",
+        ColorSource::Class => "a scalar field of classes",
+        _ => return Ok(()),
+    };
+    if fields.is_some_and(|fields| source.is_of_fields(fields)) {
+        return Ok(());
+    }
+    let mut names = Vec::new();
+    let mut take_names = |fields: &[ScalarField]| {
+        for field in fields {
+            if !names.contains(&field.name) {
+                names.push(field.name.clone());
+            }
+        }
+    };
+    fields.into_iter().for_each(&mut take_names);
+    let last = sequence.len().saturating_sub(1);
+    let mut looked_at = vec![frame];
+    for index in [0, last / 2, last] {
+        if looked_at.contains(&index) && (index != frame || fields.is_some()) {
+            continue;
+        }
+        looked_at.push(index);
+        // One that cannot be read is reported where it is shown.
+        let Ok(cloud) = sequence.decode(index) else {
+            continue;
+        };
+        if source.is_of_fields(&cloud.attributes.scalars) {
+            return Ok(());
+        }
+        take_names(&cloud.attributes.scalars);
+    }
+    let there = if names.is_empty() {
+        "there are no scalar fields".to_owned()
+    } else {
+        format!("there are {}", names.join(", "))
+    };
+    let ColorSource::Scalar(Some(name)) = source else {
+        warnings::warn(&format!(
+            "--colors {source}: no frame that was looked at has {kind}, other colours are shown; {there}"
+        ));
+        return Ok(());
+    };
+    Err(UsageError(format!(
+        "--colors scalar:{name}: no frame that was looked at has a scalar field `{name}`; {there}"
+    )))
+}

@@ -1,0 +1,178 @@
+//! What of a sequence a sequence file is to keep.
+
+use crate::cloud::LengthUnit;
+use crate::reel::{Coding, Precision, ReelOptions};
+use crate::scene::FirstLook;
+use crate::sequence::Sequence;
+use clap::{Args, ValueEnum};
+
+/// Options of sequence files.
+#[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Sequence files (.reel)")]
+pub(in crate::cli) struct ReelArgs {
+    /// Largest error of a coordinate, such as 0.001 in units of the files or 1mm, or `lossless` [default: every point
+    /// within an eighth of the distance between the points around it]
+    #[arg(long, value_name = "LENGTH|lossless", conflicts_with_all = ["bits", "merge"])]
+    precision: Option<ReelPrecision>,
+
+    /// Merge the points in each cell about as large as points are far apart into one: fewer points, a smaller file;
+    /// what it costs and saves is said before it is done
+    #[arg(long, conflicts_with = "bits")]
+    merge: bool,
+
+    /// Keep one point in each of 2^N cells along the longest side, as --merge does with cells of its own choice
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=21))]
+    bits: Option<u8>,
+
+    /// Bits of a normal: 13, 15 or 17; 0 for the numbers of the file, with --precision
+    #[arg(long, value_name = "N")]
+    normal_bits: Option<u8>,
+
+    /// With --merge: write no normals that the files do not have [default: those of a surface are estimated]
+    #[arg(long)]
+    no_normals: bool,
+
+    /// Largest error of a channel of a colour, of 255; 0 keeps colours as they are [default: 2]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=100))]
+    color_error: Option<u8>,
+
+    /// Frames of a group: they share a cube, and may be told by one another [default: 10]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    keyframes: Option<u32>,
+
+    /// Few bits, or fast to decode, for weak machines: six times as fast or more at 1.1 to 1.5 times the bits [default:
+    /// compact]
+    #[arg(long, value_name = "WHAT")]
+    coding: Option<ReelCoding>,
+
+    /// Keep the order of the points, as trails need it; not with --merge or --bits
+    #[arg(long)]
+    keep_order: bool,
+}
+
+impl ReelArgs {
+    /// Whether any of them is given.
+    pub(in crate::cli) fn is_given(&self) -> bool {
+        self.precision.is_some()
+            || self.merge
+            || self.bits.is_some()
+            || self.normal_bits.is_some()
+            || self.no_normals
+            || self.color_error.is_some()
+            || self.keyframes.is_some()
+            || self.coding.is_some()
+            || self.keep_order
+    }
+
+    /// The options for a file of `sequence`, and what was assumed for them.
+    pub(in crate::cli) fn options(&self, sequence: &Sequence) -> (ReelOptions, Option<String>) {
+        let mut assumed = None;
+        let (precision, default) = match (self.precision, self.bits) {
+            (Some(ReelPrecision::Lossless), _) => (Precision::Lossless, ReelOptions::lossless()),
+            (Some(ReelPrecision::Length { length, metres }), _) => {
+                let length = metres.map_or(length, |metres| {
+                    let unit = unit_of(sequence).unwrap_or_else(|| {
+                        assumed = Some("no file says its unit of length: metres are assumed".to_owned());
+                        LengthUnit::Metre
+                    });
+                    length * metres / unit.metres()
+                });
+                (Precision::Length(length), ReelOptions::default())
+            }
+            (None, Some(bits)) => (Precision::Bits(bits), ReelOptions::default()),
+            (None, None) if self.merge => (Precision::SamplingDensity, ReelOptions::merged()),
+            (None, None) => (Precision::PointSpacing, ReelOptions::default()),
+        };
+        let options = ReelOptions {
+            precision,
+            coding: self.coding.map_or(default.coding, Coding::from),
+            normal_bits: self.normal_bits.unwrap_or(default.normal_bits),
+            estimates_normals: !self.no_normals && precision == Precision::SamplingDensity && is_surface(sequence),
+            color_error: self.color_error.unwrap_or(default.color_error),
+            keyframes: self.keyframes.unwrap_or(default.keyframes),
+            keep_order: self.keep_order,
+            fps: Some(sequence.fps()),
+            ..default
+        };
+        (options, assumed)
+    }
+}
+
+/// Whether the points of the first frame that can be read sample a surface, so that normals mean something.
+fn is_surface(sequence: &Sequence) -> bool {
+    let first = sequence.frames().find_map(|index| sequence.frame(index).ok());
+    first.is_some_and(|frame| FirstLook::of(&[&frame], sequence.origin()).has_surface())
+}
+
+/// The unit of the first frame that can be read.
+fn unit_of(sequence: &Sequence) -> Option<LengthUnit> {
+    sequence.frames().find_map(|index| sequence.decode(index).ok())?.unit
+}
+
+/// What files are to be: small, or fast.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ReelCoding {
+    Compact,
+    Fast,
+}
+
+impl From<ReelCoding> for Coding {
+    fn from(coding: ReelCoding) -> Self {
+        match coding {
+            ReelCoding::Compact => Self::Compact,
+            ReelCoding::Fast => Self::Fast,
+        }
+    }
+}
+
+/// How precise coordinates are to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum ReelPrecision {
+    Lossless,
+    /// A length, in units of the file or of so many metres.
+    Length {
+        length: f64,
+        metres: Option<f64>,
+    },
+}
+
+impl std::str::FromStr for ReelPrecision {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        /// Longer ones first: mm ends with m.
+        const UNITS: [(&str, f64); 5] = [("um", 1e-6), ("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("ft", 0.3048)];
+        if text == "lossless" {
+            return Ok(Self::Lossless);
+        }
+        let unit = UNITS.iter().find(|(symbol, _)| text.ends_with(symbol));
+        let (number, metres) = match unit {
+            Some((symbol, metres)) => (&text[..text.len() - symbol.len()], Some(*metres)),
+            None => (text, None),
+        };
+        let length: Option<f64> = number.trim().parse().ok();
+        length
+            .filter(|length| length.is_finite() && *length > 0.0)
+            .map(|length| Self::Length { length, metres })
+            .ok_or_else(|| "expected lossless, or a length above 0 such as 0.001 or 1mm".to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_have_the_unit_of_the_file_or_their_own() {
+        let length = |text: &str| text.parse::<ReelPrecision>();
+        assert_eq!(length("lossless"), Ok(ReelPrecision::Lossless));
+        let of = |length, metres| Ok(ReelPrecision::Length { length, metres });
+        assert_eq!(length("0.001"), of(0.001, None));
+        assert_eq!(length("1mm"), of(1.0, Some(1e-3)));
+        assert_eq!(length("2 cm"), of(2.0, Some(1e-2)));
+        assert_eq!(length("1.5m"), of(1.5, Some(1.0)));
+        for wrong in ["", "mm", "0", "-1mm", "nan", "1km", "lossy"] {
+            assert!(length(wrong).is_err(), "{wrong}");
+        }
+    }
+}

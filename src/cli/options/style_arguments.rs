@@ -1,0 +1,163 @@
+//! Options for the settings of a picture, made of their descriptions.
+
+use crate::scene::Settings;
+use crate::scene::describe::{Described, Given, Value, Values};
+use clap::builder::ValueParser;
+use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, Error, FromArgMatches};
+
+/// The settings that are given, by their names in files.
+#[derive(Debug, Clone, Default)]
+pub(super) struct StyleArgs {
+    /// Later ones go before: what is given itself is behind what a word is short for.
+    given: Given,
+}
+
+impl StyleArgs {
+    /// `default`, but for what is given.
+    pub(in crate::cli) fn over(&self, mut default: Settings) -> Settings {
+        default.edit(&mut |described, value| {
+            let given = self.given.iter().rfind(|(key, _)| *key == described.key);
+            given.map_or(value, |(_, given)| *given)
+        });
+        default
+    }
+}
+
+/// The settings and their descriptions.
+fn all() -> Vec<(&'static Described, Value)> {
+    Settings::default().settings()
+}
+
+fn with_options(command: Command, described: &'static Described) -> Command {
+    let heading = described.heading;
+    let option = |flag: &'static str| Arg::new(flag).long(flag).help_heading(heading);
+    match &described.values {
+        // Colours belong together, and a background can be transparent: they are options of their own.
+        Values::Colors | Values::Background => command,
+        Values::Switch(_) => command.arg(option(described.flag).help(described.help).action(ArgAction::SetTrue)),
+        Values::Words(_) | Values::Number(_) | Values::Environment => command.arg(
+            option(described.flag)
+                .aliases(
+                    [described.former_flag, described.other_flag]
+                        .into_iter()
+                        .filter(|flag| !flag.is_empty()),
+                )
+                .help(described.help_line())
+                .value_name(described.value_name)
+                .value_parser(parser(described)),
+        ),
+        Values::Kinds(kinds) => {
+            let flags = kinds.iter().map(|kind| kind.flag);
+            let group = ArgGroup::new(described.title).args(flags).multiple(false);
+            let options = kinds.iter().enumerate().map(|(place, kind)| {
+                let option = option(kind.flag).help(kind.help);
+                match &kind.number {
+                    None => option.action(ArgAction::SetTrue),
+                    Some(told) => option.value_name(told.value_name).value_parser(move |text: &str| {
+                        let number = told.numbers.parse(text);
+                        number.map(|number| Value::Kind(place, number))
+                    }),
+                }
+            });
+            command.args(options).group(group)
+        }
+    }
+}
+
+fn parser(described: &'static Described) -> ValueParser {
+    ValueParser::new(move |text: &str| described.parse(text))
+}
+
+/// What is given of a setting, and of others for which a word of it is short.
+fn given(matches: &ArgMatches, described: &Described) -> Given {
+    if let Values::Words(_) | Values::Number(_) | Values::Environment = described.values {
+        return matches.get_one::<Given>(described.flag).cloned().unwrap_or_default();
+    }
+    let given = given_value(matches, described);
+    given.map(|value| (described.key, value)).into_iter().collect()
+}
+
+/// Of a setting that has options of another kind than one with a word or a number.
+fn given_value(matches: &ArgMatches, described: &Described) -> Option<Value> {
+    let value = |flag| matches.get_one::<Value>(flag).copied();
+    match &described.values {
+        Values::Colors | Values::Background | Values::Words(_) | Values::Number(_) | Values::Environment => None,
+        Values::Switch(_) => matches.get_flag(described.flag).then_some(Value::Switch(true)),
+        Values::Kinds(kinds) => kinds.iter().enumerate().find_map(|(place, kind)| {
+            let is_chosen = |flag| matches.get_flag(flag).then_some(Value::Kind(place, 0.0));
+            match kind.number {
+                None => is_chosen(kind.flag),
+                Some(_) => value(kind.flag),
+            }
+        }),
+    }
+}
+
+impl Args for StyleArgs {
+    fn augment_args(command: Command) -> Command {
+        let settings = all().into_iter();
+        settings.fold(command, |command, (described, _)| with_options(command, described))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for StyleArgs {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
+        let settings = all().into_iter();
+        let given = settings.flat_map(|(described, _)| given(matches, described)).collect();
+        Ok(Self { given })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{EyeDome, LevelStructure, Lighting, Primitive, SplatFilter};
+
+    fn style_of(arguments: &[&str]) -> Settings {
+        let command = StyleArgs::augment_args(Command::new("pointreel"));
+        let matches = command
+            .try_get_matches_from([&["pointreel"], arguments].concat())
+            .unwrap();
+        StyleArgs::from_arg_matches(&matches).unwrap().over(Settings::default())
+    }
+
+    #[test]
+    fn an_option_is_understood_by_its_former_name_and_by_what_others_call_it() {
+        for flag in ["--lod-structure", "--levels"] {
+            assert_eq!(style_of(&[flag, "hspt"]).levels.structure, LevelStructure::Hierarchical);
+        }
+        for flag in ["--lighting", "--shading"] {
+            assert_eq!(style_of(&[flag, "lambert"]).light.lighting, Lighting::Lambert);
+        }
+        for flag in ["--eye-dome", "--edl"] {
+            assert_eq!(style_of(&[flag, "on"]).light.eye_dome, EyeDome::On);
+        }
+    }
+
+    #[test]
+    fn a_word_that_is_short_for_several_settings_gives_way_to_what_is_given_of_them() {
+        let of = |style: Settings| (style.primitive, style.surfels.filter);
+        let short = ["--primitive", "ewa"];
+        assert_eq!(of(style_of(&short)), (Primitive::Surfel.into(), SplatFilter::Ewa));
+        for arguments in [
+            ["--primitive", "ewa", "--splat-filter", "none"],
+            ["--splat-filter", "none", "--primitive", "ewa"],
+        ] {
+            assert_eq!(of(style_of(&arguments)), (Primitive::Surfel.into(), SplatFilter::Off));
+        }
+        let wrong = StyleArgs::augment_args(Command::new("pointreel"));
+        let error = wrong
+            .try_get_matches_from(["pointreel", "--primitive", "cone"])
+            .unwrap_err();
+        assert!(error.to_string().contains("voxel, point, ewa"), "{error}");
+    }
+}

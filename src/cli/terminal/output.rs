@@ -1,0 +1,57 @@
+//! What a verb says to a person, and what it answers; names that terminals would obey are escaped here.
+
+use crate::locks::lock;
+use crate::printable;
+use anyhow::anyhow;
+use std::io::{self, ErrorKind, Write as _};
+use std::sync::Mutex;
+
+/// Why an answer could not be written: the first reason.
+static FAILED: Mutex<Option<io::Error>> = Mutex::new(None);
+
+/// One line on stderr. Nobody could be told that it cannot be written.
+pub(in crate::cli) fn say(line: &str) {
+    let _ = writeln!(io::stderr().lock(), "{}", printable::text(line));
+}
+
+/// The answer of a verb on stdout. A reader that has left is no failure; any other one is, once the verb is done
+/// ([`check_answers`]).
+pub(in crate::cli) fn answer(text: &str) {
+    let mut stdout = io::stdout().lock();
+    note(writeln!(stdout, "{}", printable::text(text)).and_then(|()| stdout.flush()));
+}
+
+/// Notes whether something was written to stdout.
+pub(in crate::cli) fn note(written: io::Result<()>) {
+    match written {
+        Err(reason) if reason.kind() != ErrorKind::BrokenPipe => {
+            lock(&FAILED).get_or_insert(reason);
+        }
+        Ok(()) | Err(_) => {}
+    }
+}
+
+/// Where an answer of bytes goes: stdout, whose failures are told as those of [`answer`].
+pub(in crate::cli) struct BytesAnswer;
+
+impl io::Write for BytesAnswer {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        note(io::stdout().lock().write_all(bytes));
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        note(io::stdout().lock().flush());
+        Ok(())
+    }
+}
+
+/// Fails if an answer could not be written.
+pub(in crate::cli) fn check_answers() -> anyhow::Result<()> {
+    match lock(&FAILED).take() {
+        Some(reason) => Err(anyhow!(
+            "the answer could not be written to stdout ({reason}): make room, or send it elsewhere"
+        )),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,31 @@
+//! Says on stderr what other machines are waited for, so that nobody takes a wait for a hang.
+
+use super::output::say;
+use crate::waiting::waits;
+use std::thread;
+use std::time::Duration;
+
+/// Shorter waits are no news.
+const MOMENT: Duration = Duration::from_secs(2);
+
+/// Between looks.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// Says from now on what is waited for, each wait once.
+pub(in crate::cli) fn say_them() {
+    let watching = thread::Builder::new().name("waits".to_owned()).spawn(|| {
+        let mut next = 0;
+        loop {
+            thread::sleep(LOOK);
+            let waits = waits(MOMENT);
+            // Who began to wait later has another number, and is said later.
+            for wait in waits.iter().filter(|wait| wait.number >= next) {
+                say(&format!("waiting for {}", wait.what));
+            }
+            next = waits.iter().map(|wait| wait.number + 1).fold(next, u64::max);
+        }
+    });
+    if let Err(error) = watching {
+        log::debug!("nobody says what is waited for: {error}");
+    }
+}

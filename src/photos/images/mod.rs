@@ -1,0 +1,12 @@
+//! Images of photographs made ready to be drawn: masked, undistorted, halved, with levels and gains.
+
+pub(super) mod budget;
+pub(super) mod gains;
+pub(super) mod loading;
+pub(super) mod mips;
+pub(super) mod photo_image;
+pub(super) mod photographs;
+pub(super) mod prepared;
+pub(super) mod shared_points;
+pub(super) mod texture;
+pub(super) mod undistort;

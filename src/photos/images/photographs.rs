@@ -1,0 +1,197 @@
+//! Photographs as a renderer needs them: without distortion, scaled to their budget, with all their mip levels.
+
+use super::texture::Texture;
+use crate::cloud::{PointRecord, ShapeRecord};
+use crate::photos::sets::photo::center_of;
+use crate::rgbd::{Camera, DepthImage};
+use glam::{DAffine3, DVec3, Vec3};
+use std::sync::Arc;
+
+/// Photographs of one scene, ready to be put on its surface (paper 004 §3). Immutable; shared by packets.
+#[derive(Debug)]
+pub struct Photographs {
+    all: Vec<Arc<Photograph>>,
+    neighbour_angle: f32,
+    surface: Option<PhotoSurface>,
+    is_by_stereo: bool,
+}
+
+/// A surface to put photographs on in place of the points' own disks: disks, as many records of both kinds. Of a few
+/// points, whose own were too large and flat for its outlines, or made of the photographs themselves.
+#[derive(Debug, Clone)]
+pub struct PhotoSurface {
+    /// Positions, relative to the origin of the sequence, and colours: of points, those that disks stand for.
+    pub points: Arc<Vec<PointRecord>>,
+    /// Normals and radii.
+    pub shapes: Arc<Vec<ShapeRecord>>,
+}
+
+impl PhotoSurface {
+    /// Bytes of its records.
+    pub fn byte_size(&self) -> usize {
+        size_of_val(self.points.as_slice()) + size_of_val(self.shapes.as_slice())
+    }
+}
+
+/// One photograph, and where it was taken.
+#[derive(Debug)]
+pub struct Photograph {
+    /// Its name in its set.
+    pub name: String,
+    /// Its number in its set, from 0.
+    pub number: usize,
+    /// The pinhole of the finest level of its texture, without distortion; centres of pixels are at integers.
+    pub pinhole: Camera,
+    /// From the world's axes to the camera's: x to the right, y down, z forward.
+    pub camera_from_world: DAffine3,
+    /// Its colours. Where alpha is 0, it shows nothing of the scene: beyond the lens, or masked out.
+    pub texture: Texture,
+    /// Whether alpha tells the scene from its background.
+    pub is_masked: bool,
+    /// What its colours are multiplied with, so that those of all photographs agree.
+    pub gain: Vec3,
+    /// How far away what it shows is, along its axis in units of the scene, where a file says that.
+    pub depth: Option<DepthImage>,
+}
+
+impl Photograph {
+    /// Where it was taken from.
+    pub fn center(&self) -> DVec3 {
+        center_of(self.camera_from_world)
+    }
+}
+
+impl Photographs {
+    /// The angle between neighbours of a single photograph, and of those that were all taken from one place, radians.
+    const USUAL_ANGLE: f64 = 0.3;
+
+    /// The longest edge of depth maps that are drawn of what points say, texels.
+    const DEPTH_EDGE_PX: u32 = 512;
+
+    /// The same of what stereo says, whose outlines are a few pixels off: beside steps that much of a photograph may
+    /// show what is behind, and steps are as wide as so many texels.
+    const DEPTH_EDGE_BY_STEREO_PX: u32 = 160;
+
+    /// These photographs, whose numbers grow, with the median angle between each and its nearest neighbour, radians
+    /// ([`ViewSet::median_neighbour_angle`](crate::photos::ViewSet::median_neighbour_angle)).
+    pub fn new(photographs: Vec<Photograph>, neighbour_angle: Option<f64>) -> Self {
+        Self {
+            all: photographs.into_iter().map(Arc::new).collect(),
+            neighbour_angle: neighbour_angle.unwrap_or(Self::USUAL_ANGLE) as f32,
+            surface: None,
+            is_by_stereo: false,
+        }
+    }
+
+    /// The same, whose surface is known by stereo alone.
+    #[must_use]
+    pub fn by_stereo(self) -> Self {
+        Self {
+            is_by_stereo: true,
+            ..self
+        }
+    }
+
+    /// The same with a surface of their own, if they have one: that is by stereo.
+    #[must_use]
+    pub fn with_surface(&self, surface: Option<PhotoSurface>) -> Self {
+        Self {
+            all: self.all.clone(),
+            is_by_stereo: self.is_by_stereo || surface.is_some(),
+            surface,
+            ..*self
+        }
+    }
+
+    /// The surface that was made of them; [`Self::without`] leaves it as it is.
+    pub fn surface(&self) -> Option<&PhotoSurface> {
+        self.surface.as_ref()
+    }
+
+    /// The one of this number in its set.
+    pub fn numbered(&self, number: usize) -> Option<&Photograph> {
+        let found = self.all.binary_search_by_key(&number, |photograph| photograph.number);
+        found.ok().map(|at| &*self.all[at])
+    }
+
+    /// All of them, by their numbers.
+    pub fn all(&self) -> &[Arc<Photograph>] {
+        &self.all
+    }
+
+    /// The same without some, by their numbers in the set. How far apart views are stays as it is.
+    #[must_use]
+    pub fn without(&self, left_out: &[usize]) -> Self {
+        let kept = self
+            .all
+            .iter()
+            .filter(|photograph| !left_out.contains(&photograph.number));
+        Self {
+            all: kept.cloned().collect(),
+            surface: self.surface.clone(),
+            ..*self
+        }
+    }
+
+    /// Median angle between a view and the nearest other one as the middle of the scene sees them, radians.
+    pub fn neighbour_angle(&self) -> f32 {
+        self.neighbour_angle
+    }
+
+    /// The longest edge of the depth maps that are drawn of what they show, texels.
+    pub fn depth_edge_px(&self) -> u32 {
+        if self.is_by_stereo {
+            Self::DEPTH_EDGE_BY_STEREO_PX
+        } else {
+            Self::DEPTH_EDGE_PX
+        }
+    }
+
+    /// Bytes of their texels and of their surface.
+    pub fn byte_size(&self) -> usize {
+        let textures = self.all.iter().map(|photograph| &photograph.texture);
+        let surface = self.surface.as_ref().map_or(0, PhotoSurface::byte_size);
+        textures.map(Texture::byte_size).sum::<usize>() + surface
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::photo_image::PhotoImage;
+    use super::*;
+    use crate::rgbd::Distortion;
+    use glam::{DMat3, DVec2};
+
+    #[test]
+    fn a_photograph_knows_where_it_was_taken() {
+        let place = DVec3::new(4.0, -2.0, 0.5);
+        let photograph = Photograph {
+            name: String::new(),
+            number: 0,
+            pinhole: Camera::new([4, 4], DVec2::splat(4.0), DVec2::splat(1.5), Distortion::None).unwrap(),
+            camera_from_world: DAffine3::from_mat3_translation(DMat3::IDENTITY, -place),
+            texture: Texture::new(PhotoImage::new([4, 4], vec![[0; 4]; 16]).unwrap()),
+            is_masked: false,
+            gain: Vec3::ONE,
+            depth: None,
+        };
+        assert!((photograph.center() - place).length() < 1e-12);
+        let all = Photographs::new(vec![photograph], None);
+        assert_eq!(all.byte_size(), 4 * (16 + 4 + 1));
+        assert!(all.neighbour_angle() > 0.0);
+        assert!(all.without(&[0]).all().is_empty() && all.without(&[1]).all().len() == 1);
+        let surface = PhotoSurface {
+            points: Arc::new(vec![bytemuck::Zeroable::zeroed(); 2]),
+            shapes: Arc::new(vec![bytemuck::Zeroable::zeroed(); 2]),
+        };
+        let with_surface = all.with_surface(Some(surface));
+        assert_eq!(with_surface.byte_size(), all.byte_size() + 2 * (16 + 16));
+        assert!(all.surface().is_none() && with_surface.without(&[0]).surface().is_some());
+        assert_eq!(all.depth_edge_px(), 512);
+        assert_eq!(with_surface.without(&[0]).depth_edge_px(), 160);
+        assert_eq!(
+            all.with_surface(None).by_stereo().with_surface(None).depth_edge_px(),
+            160
+        );
+    }
+}

@@ -1,0 +1,92 @@
+//! Texts at points of the cloud, in windows, pictures and videos alike.
+//!
+//! **How it works.** A label is put at a point of one frame. In others it follows the point by its index in the file
+//! ([`FollowedPoint`]); where nobody knows which point that is, it stays at its place. So where a label is depends on
+//! the frame alone, and not on what was shown before: a window and a video of it agree. Labels are drawn over the
+//! picture, always, and dimmed where something is before them ([`LabelOnPicture::is_hidden`]).
+
+use crate::scene::visible::pick::hidden;
+use crate::scene::{Camera, FollowedPoint, ScenePacket};
+use crate::sequence::PreparedFrame;
+use crate::timeline::PlayRange;
+use glam::{DVec2, DVec3};
+
+/// Longest text of a label, characters.
+pub const MAX_LABEL_CHARS: usize = 200;
+
+/// A text at a point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Label {
+    /// What it says, in one line.
+    pub text: String,
+    /// Index of the frame in which it was put somewhere.
+    pub frame: usize,
+    /// The point that it follows.
+    pub point: Option<FollowedPoint>,
+    /// Where it is in frames that have no such point, in the coordinates of the file; `None`: it is not shown there.
+    pub place: Option<DVec3>,
+    /// The frames that show it.
+    pub frames: PlayRange,
+}
+
+impl Label {
+    /// Whether frame `index` shows it.
+    pub fn is_in_frame(&self, index: usize) -> bool {
+        self.frames.first().is_none_or(|first| first <= index) && self.frames.last().is_none_or(|last| index <= last)
+    }
+
+    /// Where it is in `frame`, whose positions are relative to `origin`; `None` where it is not shown.
+    pub fn place_in(&self, frame: &PreparedFrame, origin: DVec3) -> Option<DVec3> {
+        if !self.is_in_frame(frame.index) {
+            return None;
+        }
+        let slot = self.point.and_then(|point| point.slot_in(frame));
+        let followed = slot.map(|slot| origin + frame.frame.positions()[slot].as_dvec3());
+        followed.or(self.place)
+    }
+
+    /// `text` as a label says it: one line without ends, cut after [`MAX_LABEL_CHARS`].
+    pub fn as_text(text: &str) -> String {
+        let line = text.trim().chars().take(MAX_LABEL_CHARS);
+        line.map(|letter| if letter.is_control() { ' ' } else { letter })
+            .collect()
+    }
+}
+
+/// A label in a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LabelOnPicture {
+    /// Which one.
+    pub label: usize,
+    /// Where its point is, pixels from the upper left corner; may be outside of the picture.
+    pub px: DVec2,
+    /// Something is drawn before its point.
+    pub is_hidden: bool,
+}
+
+/// The labels that are before the eye of `camera` in a picture of `size_px` that is drawn from `packet`. `pose` is the
+/// frame whose points are followed: what is drawn may have more points, of other poses. Positions are relative to
+/// `origin`.
+pub fn labels_on_picture(
+    labels: &[Label],
+    (pose, origin): (&PreparedFrame, DVec3),
+    camera: &Camera,
+    (packet, size_px): (&ScenePacket, [u32; 2]),
+) -> Vec<LabelOnPicture> {
+    let placed = |(index, label): (usize, &Label)| {
+        let place = label.place_in(pose, origin)?;
+        // A picture may be drawn smaller than it is shown.
+        let [px, drawn_px] = [size_px, packet.viewport_px].map(|size_px| camera.to_px(place, size_px));
+        Some((index, px?, (place - origin, drawn_px?)))
+    };
+    let placed: Vec<_> = labels.iter().enumerate().filter_map(placed).collect();
+    let seen: Vec<_> = placed.iter().map(|&(.., seen)| seen).collect();
+    let on_picture = placed.iter().zip(hidden(packet, &seen));
+    on_picture
+        .map(|(&(label, px, _), is_hidden)| LabelOnPicture { label, px, is_hidden })
+        .collect()
+}
+
+#[cfg(test)]
+#[path = "labels_tests.rs"]
+mod tests;

@@ -1,0 +1,110 @@
+//! Ambient occlusion: how much of the light from around reaches a place, by what stands near it in the picture.
+//!
+//! **How it works** (volumetric obscurance, Loos and Sloan 2010, with the hemisphere of the normal). Around the place
+//! that a pixel shows is a ball. What counts is the half of it above the tangent plane: the share of that volume that
+//! is behind the surface of the picture is dark. The volume is measured along [`AmbientOcclusion::LINES`] through the
+//! ball, along the view axis. All of it is heights above the place in units of the radius, towards the eye:
+//!
+//! - a line at `[x, y]` is in the ball from `-t` to `t = sqrt(1 - x² - y²)`;
+//! - the tangent plane is at `g` there, so the line is in the half ball from `bottom = clamp(g, -t, t)` on;
+//! - the surface of the picture is at `h` there, so the line is filled from `bottom` to `clamp(h, bottom, t)`;
+//! - what stands far before the place hides it without being near: lines count less from `h = t + 1` on, and nothing
+//!   from `t + 2` on.
+//!
+//! The share of the light that is lost is `Σ filled / Σ (t - bottom)`. In a corner of two walls at right angles it is a
+//! half, and `(1 - d)² · (2 + d) / 4` at `d` radii from it, from whatever distance and side it is seen; a plane has
+//! none, as `h = g`: both are of rays through the same pixels, so perspective is exact.
+//!
+//! Lines change by lengths and not by hits, so few of them are smooth, and they are the same for every pixel: there is
+//! no noise, nothing to blur, and parts of a picture are those of the whole. Horizons (Bavoil and Sainz 2008; Jimenez
+//! et al. 2016) take angles where this takes lengths, and both noise.
+//!
+//! Depths are those of the depth buffer, normals those of the blended surface. The radius is a share of the cloud's, so
+//! that creases stay as dark when the camera moves.
+
+use crate::scene::ScenePacket;
+use crate::scene::style::OnOff;
+
+/// The usual radius of the ball, as a share of the cloud's.
+const RADIUS_OF_CLOUD: f32 = 0.2;
+
+/// The largest ball in a picture, as a share of its height.
+const MOST_RADIUS_OF_HEIGHT: f32 = 0.15;
+
+/// The largest ball in any picture: parts of large ones are drawn with as much around them.
+const MOST_RADIUS_PX: f32 = 512.0;
+
+/// What a picture's ambient occlusion depends on beside depths and normals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AmbientOcclusion {
+    /// Radius of the ball at the near plane; `near / distance` times that at a distance.
+    pub near_radius_px: f32,
+    /// The largest one.
+    pub most_radius_px: f32,
+    /// Pixels from the view axis for a slope of 1.
+    pub px_per_slope: f32,
+    /// How much of the light is lost for what is filled; 1 is as much.
+    pub strength: f32,
+}
+
+impl AmbientOcclusion {
+    /// How many lines go through a ball: three rings of eight that stand for equal areas of its disk.
+    pub const LINES: usize = 24;
+
+    /// Heights above the tangent plane that count as on it, in radii: splats are flat where surfaces bend.
+    pub const ROUGHNESS: f32 = 0.02;
+
+    /// That of a packet; `None` where there is none, or no surface that light falls on.
+    pub fn of(packet: &ScenePacket) -> Option<Self> {
+        let style = &packet.style;
+        let light = &style.light;
+        let is_on = light.ao == OnOff::On && light.ao_strength > 0.0 && light.ao_radius > 0.0;
+        (is_on && style.is_shaded_with_depths()).then(|| {
+            let cloud = style.of_sequence.ground_box.unwrap_or(packet.bounds);
+            let radius = light.ao_radius * RADIUS_OF_CLOUD * cloud.radius();
+            let px_per_slope = packet.view.pixels_per_unit_at_1;
+            Self {
+                near_radius_px: radius * px_per_slope / packet.view.near,
+                most_radius_px: (MOST_RADIUS_OF_HEIGHT * packet.whole_height_px().round()).min(MOST_RADIUS_PX),
+                px_per_slope,
+                strength: light.ao_strength,
+            }
+        })
+    }
+
+    /// How far the farthest lines are, in columns or rows.
+    pub fn halo_px(&self) -> u32 {
+        self.most_radius_px.ceil() as u32
+    }
+
+    /// Where lines are in a ball of radius 1 around the origin. Opposite lines are pairs; no two rings look in the same
+    /// directions.
+    pub fn lines() -> [[f32; 2]; Self::LINES] {
+        const RINGS: usize = 3;
+        const PER_RING: usize = AmbientOcclusion::LINES / RINGS;
+        std::array::from_fn(|line| {
+            let (ring, place) = (line / PER_RING, line % PER_RING);
+            let away = ((ring as f32 + 0.5) / RINGS as f32).sqrt();
+            let turn = (place as f32 + (ring as f32 + 0.5) / RINGS as f32) / PER_RING as f32;
+            let (sin, cos) = (std::f32::consts::TAU * turn).sin_cos();
+            [away * cos, away * sin]
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_line_has_its_opposite_and_a_direction_of_its_own() {
+        let lines = AmbientOcclusion::lines();
+        for [x, y] in lines {
+            let is_opposite = |[right, up]: &[f32; 2]| (x + right).abs() + (y + up).abs() < 1e-6;
+            assert_eq!(lines.iter().filter(|line| is_opposite(line)).count(), 1);
+        }
+        let mut degrees = lines.map(|[x, y]| y.atan2(x).to_degrees());
+        degrees.sort_by(f32::total_cmp);
+        assert!(degrees.windows(2).all(|pair| pair[1] - pair[0] > 14.9), "{degrees:?}");
+    }
+}

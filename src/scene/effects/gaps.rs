@@ -1,0 +1,58 @@
+//! Gaps in a surface of splats, closed where photographs show that something is there.
+//!
+//! **How it works.** Surfaces of points have gaps of a few pixels: where photographs disagree about a depth, where a
+//! disk ends a little before the next one begins. A pixel that the surface does not cover whole is in a gap if all four
+//! lines through it (a row, a column, both diagonals) meet the surface on both sides, no more than [`gap_px`] steps
+//! apart (closings by lines: Serra 1982). So outlines stay as they are, but for holes that are as small, and a gap is
+//! closed as a whole. Beyond the borders of a picture nothing is known, and nothing speaks against a gap there. A slit,
+//! as between a curtain and the wall behind it, is open along itself: of half the width it is closed if the three other
+//! lines meet the surface. (One line alone would round corners of outlines, and borders would be slits.)
+//!
+//! What lies in the gap is taken to be flat: along the shortest of the four lines through the pixel, the reversed
+//! depth of a plane goes from one end to the other in even steps. Where the ends are of two things, one behind the
+//! other, it is that of the farther: between them one looks past the nearer one. Photographs are asked about that
+//! place, as they are about others (`scene/photographs/mod.rs`). What they see through, and what none of them sees,
+//! stays open: a handle is a handle still. But along outlines, where photographs and points are a pixel apart,
+//! specks are left. Each pixel of one has the mean colour of what is closed around it along the four lines, if the
+//! ends of none are farther apart than a tenth of the width of gaps.
+//!
+//! Done after light has fallen, over the whole picture: `render/cpu/photographs/gaps.rs`,
+//! `shaders/passes/resolve_photographs.wgsl`.
+
+use crate::scene::{PhotoRelight, ScenePacket};
+
+/// How wide gaps are that are closed: steps of a column or a row or both from one side to the other; 0 where gaps stay
+/// open.
+pub fn gap_px(packet: &ScenePacket) -> u32 {
+    let style = &packet.style;
+    // Light has fallen when gaps are closed: what is lit anew would be lit around them alone.
+    let is_lit_anew = style.photos.relight != PhotoRelight::Off;
+    let has_surface = style.is_shaded_with_distances() && packet.lighting().is_deferred();
+    let shown = packet.photographs.as_ref();
+    let are_there = shown.is_some_and(|shown| !shown.photographs.all().is_empty());
+    if !are_there || !has_surface || is_lit_anew {
+        return 0;
+    }
+    (0.01 * style.photos.gaps * packet.whole_height_px()).round() as u32
+}
+
+/// How wide specks are where gaps of `gap_px` are closed.
+pub(crate) fn speck_px(gap_px: u32) -> u32 {
+    (gap_px as f32 / GAPS_PER_SPECK) as u32
+}
+
+/// The steps from a pixel along four lines.
+pub(crate) const PIXEL_LINES: [[i32; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
+
+/// Ends of a line are of one surface, here and at rims, if the reversed depth of one is at least this share of the
+/// other's.
+pub(crate) const GAP_ONE_SURFACE: f32 = 0.95;
+
+/// How many times as wide as slits gaps are that are closed.
+pub(crate) const GAPS_PER_SLIT: f32 = 2.0;
+
+/// How many times as wide as specks gaps are that are closed.
+pub(crate) const GAPS_PER_SPECK: f32 = 10.0;
+
+/// Opacity from which a pixel belongs to the surface around a gap.
+pub(crate) const GAP_SOLID: f32 = 0.5;

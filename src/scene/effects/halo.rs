@@ -1,0 +1,15 @@
+//! How far what follows the passes over records looks.
+
+use crate::scene::{AmbientOcclusion, EyeDomeLight, ScenePacket, gap_px, rim_px, speck_px};
+
+/// How many pixels around one of a picture its colour depends on at most.
+pub fn halo_px(packet: &ScenePacket) -> u32 {
+    let drawn = packet.as_drawn();
+    let eye_dome = EyeDomeLight::of(&drawn).map_or(0, |light| light.halo_px());
+    let occlusion = AmbientOcclusion::of(&drawn).map_or(0, |occlusion| occlusion.halo_px());
+    let antialiasing = packet.style.drawing.antialiasing;
+    // Specks are told by what was closed around them.
+    let closing = gap_px(&drawn).max(rim_px(&drawn)) + speck_px(gap_px(&drawn));
+    let looks_px = eye_dome.max(occlusion).max(closing);
+    looks_px.div_ceil(antialiasing.samples_per_edge()) + antialiasing.halo_px()
+}

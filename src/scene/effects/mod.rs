@@ -1,0 +1,8 @@
+//! Screen-space effects as settings decide them, in pixels of the picture: ambient occlusion, eye-dome lighting, closed
+//! gaps, halos, rims.
+
+pub(super) mod ambient_occlusion;
+pub(super) mod eye_dome;
+pub(super) mod gaps;
+pub(super) mod halo;
+pub(super) mod rims;

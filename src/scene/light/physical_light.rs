@@ -1,0 +1,114 @@
+//! What metallic–roughness shading needs beside lamps: the material of a picture, and the light of its environment.
+//!
+//! **How it works.** A surface is a blend of a dielectric (4 % mirrored, the rest scattered in its colour) and of a
+//! metal (mirrored in its colour), as in glTF 2.0. For a lamp, with half vector h and cosines of the normal:
+//!
+//! - one bounce is D·V·F: the distribution of GGX, the height-correlated visibility of Smith (Heitz 2014), and Schlick
+//!   1994;
+//! - further bounces, and what is scattered below, are products of losses at both angles (`albedo_curve.rs`).
+//!
+//! So a white surface in white light from all sides is white, whatever it is made of: nothing is lost or made. Of the
+//! environment, one bounce is the split sum of Karis 2013, and the rest that of a matt surface.
+//!
+//! Light is in the unit of lamps: a matt white surface across a lamp of 1 is white. So formulas lack a π of the books.
+
+use super::albedo_curve::AlbedoCurve;
+use super::lights::AMBIENT;
+use crate::scene::ScenePacket;
+use crate::scene::environment::{Environment, EnvironmentMap, Harmonics};
+use crate::scene::style::{LightRig, Lighting};
+use glam::Mat3;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// How bright the environment is that fills where lamps do not reach.
+const ENVIRONMENT_BESIDE_LAMPS: f32 = 0.3;
+
+/// The material and the environment of a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PhysicalLight {
+    /// How much of a metal it is, 0 to 1.
+    pub metallic: f32,
+    /// Square of the roughness, for lamps.
+    pub alpha: f32,
+    /// From directions of view space to those of the environment.
+    pub environment_from_view: Mat3,
+    /// Factor on the texels.
+    pub environment_light: f32,
+    /// What matt surfaces send back, by their normal in the environment; with that factor.
+    pub harmonics: Harmonics,
+    /// What depends on the roughness.
+    pub tables: Arc<PhysicalTables>,
+}
+
+/// What a roughness makes of an environment, and of light at any angle.
+#[derive(Debug, PartialEq)]
+pub struct PhysicalTables {
+    /// Rows of [`PhysicalTables::WIDTH`]: the environment as the roughness mirrors it, and one more row that begins
+    /// with the entries of the curve.
+    pub texels: Vec<[f32; 4]>,
+    /// What is mirrored and lost.
+    pub curve: AlbedoCurve,
+}
+
+impl PhysicalTables {
+    /// Texels in a row, with the border of the environment.
+    pub const WIDTH: usize = EnvironmentMap::EDGE + 2;
+    /// Rows, the last of which is that of the curve.
+    pub const HEIGHT: usize = Self::WIDTH + 1;
+
+    fn new(environment: Environment, roughness: f32) -> Self {
+        let curve = AlbedoCurve::new(roughness.max(PhysicalLight::LEAST_ROUGHNESS));
+        let mut texels = environment.map().mirrored(roughness);
+        texels.extend(curve.entries);
+        texels.resize(Self::WIDTH * Self::HEIGHT, [0.0; 4]);
+        Self { texels, curve }
+    }
+
+    /// Those of a roughness, made anew if they are none of the last ones.
+    fn of(environment: Environment, roughness: f32) -> Arc<Self> {
+        /// Of how many pictures they are kept: of both halves of a comparison.
+        const MOST_KEPT: usize = 4;
+        static KEPT: Mutex<Vec<(Environment, u32, Arc<PhysicalTables>)>> = Mutex::new(Vec::new());
+        // Entries are replaced whole.
+        let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+        let bits = roughness.to_bits();
+        let known = kept.iter().position(|(of, at, _)| (*of, *at) == (environment, bits));
+        let entry = match known {
+            Some(place) => kept.remove(place),
+            None => (environment, bits, Arc::new(Self::new(environment, roughness))),
+        };
+        let tables = Arc::clone(&entry.2);
+        kept.insert(0, entry);
+        kept.truncate(MOST_KEPT);
+        tables
+    }
+}
+
+impl PhysicalLight {
+    /// Highlights of lamps are at least those of this roughness: a mirror would show a lamp as a point without size.
+    pub const LEAST_ROUGHNESS: f32 = 0.045;
+
+    /// That of a packet; `None` if it is shaded otherwise.
+    pub fn of(packet: &ScenePacket) -> Option<Self> {
+        if packet.lighting() != Lighting::Physical {
+            return None;
+        }
+        let light = &packet.style.light;
+        let roughness = light.roughness.clamp(0.0, 1.0);
+        let tables = PhysicalTables::of(light.environment, roughness);
+        let environment_light = match (light.environment, light.rig) {
+            (Environment::None, _) => AMBIENT,
+            (_, LightRig::None) => 1.0,
+            _ => ENVIRONMENT_BESIDE_LAMPS,
+        };
+        let up = packet.view.up.environment_from_frame();
+        Some(Self {
+            metallic: light.metallic.clamp(0.0, 1.0),
+            alpha: roughness.max(Self::LEAST_ROUGHNESS).powi(2),
+            environment_from_view: up * packet.view.view_from_frame_rotation.transpose(),
+            environment_light,
+            harmonics: light.environment.map().harmonics().times(environment_light),
+            tables,
+        })
+    }
+}

@@ -1,0 +1,8 @@
+//! Where the picture is seen from: camera, camera path, view of a sensor, ground, text of a view.
+
+pub(super) mod camera;
+pub(super) mod ground;
+pub(super) mod path;
+pub(super) mod picture_plane;
+pub(super) mod pinhole_view;
+pub(super) mod view_text;

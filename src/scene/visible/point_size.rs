@@ -1,0 +1,68 @@
+//! How large points are drawn.
+//!
+//! **How it works.** A point is a square, or a disk in it, that faces the screen. Its edge is a length in the scene
+//! over the distance, or so many pixels where that would be less: no point vanishes. The length is the same for all
+//! points (*projected*), or follows the radius of each (*adaptive*), as the modes of Potree (`attenuated`, `adaptive`)
+//! do; with the scale 1 points close a surface that faces the eye, and are as large as the disks of surfels would be.
+
+use crate::scene::ScenePacket;
+use crate::scene::style::{Lighting, PointShape, PointSizing, Primitive};
+use std::f32::consts::SQRT_2;
+
+/// So wide are points at least that are no plain ones of so many pixels: they cover the middle of a pixel wherever they
+/// are.
+/// A little more than squares and disks need for that, as rasterisers round corners to 1/256 pixel.
+fn least_px(shape: PointShape) -> f32 {
+    match shape {
+        PointShape::Square => 1.01,
+        PointShape::Disk | PointShape::Gaussian => 1.43,
+    }
+}
+
+/// The edges of the points of a packet: the sum of two lengths in the scene, or so many pixels where that is less.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointSize {
+    /// At least so many pixels.
+    pub least_px: f32,
+    /// Of every point: scene units.
+    pub edge: f32,
+    /// For each unit of the radius of a point.
+    pub edge_per_radius: f32,
+}
+
+impl PointSize {
+    /// Those of a packet. Where nobody knows the radii of points, they are as far apart as most.
+    pub fn of(packet: &ScenePacket) -> Self {
+        let points = packet.style.drawn_points();
+        let least_px = least_px(points.shape);
+        let is_lit = packet.style.primitive == Primitive::Point && packet.lighting() != Lighting::Unlit;
+        let is_plain = points.shape != PointShape::Gaussian && !is_lit;
+        match points.sizing {
+            PointSizing::Pixels => Self {
+                least_px: if is_plain {
+                    points.size_px.max(1.0)
+                } else {
+                    points.size_px.max(least_px)
+                },
+                edge: 0.0,
+                edge_per_radius: 0.0,
+            },
+            PointSizing::Adaptive if packet.content.shapes().is_some() => Self {
+                least_px,
+                edge: 0.0,
+                edge_per_radius: 2.0 * points.scale,
+            },
+            PointSizing::Projected | PointSizing::Adaptive => Self {
+                least_px,
+                // Disks close a square grid of points if they are as wide as the diagonals of its squares are long.
+                edge: SQRT_2 * points.scale * packet.params.point_spacing,
+                edge_per_radius: 0.0,
+            },
+        }
+    }
+
+    /// Whether every point is a pixel.
+    pub fn is_pixel(&self) -> bool {
+        self.edge == 0.0 && self.edge_per_radius == 0.0 && self.least_px <= 1.0
+    }
+}

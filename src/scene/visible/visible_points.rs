@@ -1,0 +1,148 @@
+//! The points of a cloud that a picture shows, as surfels with normals from the picture ([`crate::analysis::screen`]):
+//! made here, or by a graphics card that has the points.
+//!
+//! **How it works.** [`VisiblePoints`] says what these surfels follow from: points, view and spacing. A graphics card
+//! needs no more (`render/gpu/visible`). Where points are those of a depth image in the colours of its camera, it has
+//! the images instead and makes points of them (`render/gpu/depth_images`). Whoever needs the records themselves asks
+//! for them, as picking does, and has them from the processor; once they are made, they stay.
+
+use crate::analysis::NormalErrors;
+use crate::analysis::screen::{ScreenCloud, ScreenEstimator, ScreenView, Search};
+use crate::cloud::{PointRecord, ShapeRecord};
+use crate::locks::lock;
+use crate::rgbd::DepthFrame;
+use crate::stopwatch::milliseconds_since;
+use glam::Vec3;
+use std::sync::{Arc, Mutex, OnceLock};
+use std::time::Instant;
+
+/// What was done for the last picture with normals of the screen.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+pub struct ScreenStats {
+    /// Points that might have been seen.
+    pub points: usize,
+    /// Those that were.
+    pub visible: usize,
+    /// Milliseconds of telling them apart, if they were measured: on a card, by its own clock.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cull_ms: Option<f64>,
+    /// Milliseconds of normals and radii, in the same way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normals_ms: Option<f64>,
+    /// Errors of the normals, where these are shown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub errors: Option<NormalErrors>,
+}
+
+/// The images that points were made from.
+#[derive(Debug, Clone)]
+pub struct PointImages {
+    /// The images.
+    pub frame: Arc<DepthFrame>,
+    /// What points are relative to, in the frame of the camera.
+    pub origin: Vec3,
+    /// The colour of all of them, if it is not that of the image of colours.
+    pub one_color: Option<[u8; 4]>,
+}
+
+/// Points of which those that a picture shows are drawn.
+#[derive(Debug)]
+pub struct VisiblePoints {
+    /// All of them.
+    pub points: Arc<Vec<PointRecord>>,
+    /// What they were made from, where a graphics card can make the same of it: a point a pixel, holes among them.
+    pub images: Option<PointImages>,
+    /// The pixels that they are told apart by.
+    pub view: ScreenView,
+    /// What else is known of them.
+    pub cloud: ScreenCloud,
+    estimator: Arc<Mutex<ScreenEstimator>>,
+    made: OnceLock<VisibleSurfels>,
+}
+
+/// Surfels of the visible points.
+#[derive(Debug, Clone)]
+pub struct VisibleSurfels {
+    /// Positions and colours.
+    pub points: Arc<Vec<PointRecord>>,
+    /// Normals and radii.
+    pub shapes: Arc<Vec<ShapeRecord>>,
+    /// What they took.
+    pub stats: ScreenStats,
+}
+
+impl VisiblePoints {
+    /// Those of `points`; `estimator` is used by turns.
+    pub fn new(
+        points: Arc<Vec<PointRecord>>,
+        images: Option<PointImages>,
+        view: ScreenView,
+        cloud: ScreenCloud,
+        estimator: Arc<Mutex<ScreenEstimator>>,
+    ) -> Self {
+        Self {
+            points,
+            images,
+            view,
+            cloud,
+            estimator,
+            made: OnceLock::new(),
+        }
+    }
+
+    /// Their records, which the processor makes when they are asked for first.
+    pub fn surfels(&self) -> &VisibleSurfels {
+        self.made.get_or_init(|| {
+            let mut estimator = lock(&self.estimator);
+            VisibleSurfels::make(&mut estimator, &self.points, &self.view, &self.cloud, None)
+        })
+    }
+
+    /// How many records who draws begins with: of an image a pixel each, whether it is a point or a hole.
+    pub fn record_count(&self) -> usize {
+        let pixels = self.images.as_ref().map(|images| images.frame.pixels());
+        pixels.unwrap_or(self.points.len())
+    }
+
+    /// What the processor did for them, if it was asked.
+    pub fn stats(&self) -> Option<ScreenStats> {
+        self.made.get().map(|made| made.stats)
+    }
+}
+
+impl VisibleSurfels {
+    /// Those of `points`. With shapes of all points whose normals are held to be true, they have the colours of errors.
+    pub(in crate::scene) fn make(
+        estimator: &mut ScreenEstimator,
+        points: &[PointRecord],
+        view: &ScreenView,
+        cloud: &ScreenCloud,
+        truth: Option<&[ShapeRecord]>,
+    ) -> Self {
+        let start = Instant::now();
+        let visible = estimator.cull(view, points, cloud);
+        let cull_ms = milliseconds_since(start);
+        let start = Instant::now();
+        let shapes = estimator.surface(&visible, cloud, Search::Fixed);
+        let normals_ms = milliseconds_since(start);
+        let mut drawn: Vec<PointRecord> = visible.slots.iter().map(|&slot| points[slot as usize]).collect();
+        let errors = truth.map(|truth| {
+            let (errors, colors) = NormalErrors::of(&shapes, truth, &visible.slots);
+            for (point, color) in drawn.iter_mut().zip(colors) {
+                point.color = color;
+            }
+            errors
+        });
+        Self {
+            points: Arc::new(drawn),
+            shapes: Arc::new(shapes),
+            stats: ScreenStats {
+                points: points.len(),
+                visible: visible.len(),
+                cull_ms: Some(cull_ms),
+                normals_ms: Some(normals_ms),
+                errors,
+            },
+        }
+    }
+}
