@@ -4,7 +4,7 @@
 //!
 //! | module | what it does |
 //! |---|---|
-//! | [`memory`] | the allocator of the program, and how long it keeps what is freed |
+//! | [`memory`] | the allocator of the program, how long it keeps what is freed, sizes of memory for people |
 //! | `temporary` | what is on the disk only until a command ends |
 //! | `signals` | signals that ask the program to end |
 //! | `kept` | files that are kept between runs |
@@ -16,7 +16,9 @@
 //! | `binary` | types of binary numbers, headers of the arrays of numpy |
 //! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
+//! | `raster` | images as cameras record them: distances and colours out of bytes |
 //! | [`rgbd`] | depth images: cameras, points, colours, filters |
+//! | [`wire`] | what live streams are made of: messages, images, points |
 //! | [`photos`] | calibrated photographs with sparse points, and their textures |
 //! | [`stereo`] | depth from photographs: pairs, many views, dense points |
 //! | [`io`] | files of other programs, decoded into [`cloud::RawCloud`] |
@@ -24,7 +26,6 @@
 //! | [`measure`] | errors of pictures (PSNR, FLIP, SSIM, holes), clouds (D1, D2) and normals (angles) |
 //! | [`levels`] | levels of detail: the sparse voxel octree: build, byte code, visible set |
 //! | [`reel`] | sequence files: a 4D scan in a few bits a point, any prefix of a frame a coarser picture |
-//! | [`wire`] | what live streams are made of: messages, images, points |
 //! | [`source`] | where frames come from: files in order, recordings, shapes, streams |
 //! | [`timeline`] | which frame is due when: the clock, its pace and the range that plays |
 //! | [`sequence`] | frames prepared ahead of the playhead within a byte budget |
@@ -84,6 +85,7 @@ pub mod playback;
 mod printable;
 mod priority;
 pub mod progress;
+mod raster;
 pub mod reel;
 mod regular_file;
 pub mod render;

@@ -1,12 +1,12 @@
 //! Sessions on the command line: their files are inputs of every verb; `render` and `view` take the rest as well.
 
-use crate::cli::options::values::DEMO_INPUT;
 use crate::cli::terminal::stream::tell_of_connection;
 use crate::cli::terminal::warnings;
 use crate::document::{DocumentFolder, ReadSession, session_of};
 use crate::messages::frame_by_index;
 use crate::scene::{Clip, Settings, UpAxis};
 use crate::sequence::{OpenOptions, Sequence};
+use crate::source::DEMO_INPUT;
 use crate::timeline::PlayRange;
 use serde::Serialize;
 use serde_json::Value;

@@ -11,7 +11,7 @@ use super::paths::is_word;
 use super::reach::Beyond;
 use super::{Document, SessionError};
 use crate::scene::Environment;
-use crate::source::SessionReach;
+use crate::source::{SessionReach, is_address};
 use std::path::{Component, Path};
 
 impl ReadSession {
@@ -57,7 +57,7 @@ fn beyond(document: &Document, file: &Path, reach: SessionReach) -> Beyond {
     let mut beyond = Beyond::default();
     for path in named {
         match path.to_str() {
-            Some(text) if text.contains("://") => {
+            Some(text) if is_address(text) => {
                 if !reach.network && !beyond.addresses.iter().any(|known| known == text) {
                     beyond.addresses.push(text.to_owned());
                 }

@@ -42,7 +42,7 @@ pub(super) fn joined(folder: &Path, text: &str) -> PathBuf {
 
 /// Whether it names something that is no file.
 pub(super) fn is_word(text: &str) -> bool {
-    text.contains("://") || source::is_word(Path::new(text))
+    source::is_address(text) || source::is_word(Path::new(text))
 }
 
 /// The names on the way from `folder` to `input`, `..` for each folder up; `None` if they share no folder but the root.

@@ -3,6 +3,7 @@
 use super::format::Format;
 use crate::io::options::ReadOptions;
 use crate::io::refused::foreign::{self, Foreign};
+pub(super) use crate::memory::mebibytes;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -148,11 +149,6 @@ impl IoError {
             },
         }
     }
-}
-
-/// A size for people, one decimal.
-pub(super) fn mebibytes(bytes: u64) -> String {
-    format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20))
 }
 
 /// What a decoder reports; [`super::read_bytes`] adds the file.

@@ -19,7 +19,6 @@ mod list;
 mod meshes;
 pub(crate) mod normals;
 mod options;
-pub(crate) mod raster;
 mod read;
 pub(crate) mod recordings;
 pub(crate) mod refused;

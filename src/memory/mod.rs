@@ -50,6 +50,11 @@ pub(crate) fn machine_bytes() -> Option<u64> {
     machine.into_iter().chain(control_group::limit_bytes()).min()
 }
 
+/// A size for people, one decimal.
+pub(crate) fn mebibytes(bytes: u64) -> String {
+    format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,8 +1,20 @@
 //! The demo sequence, embedded so that the program has something to show without an input. Licence, credit and how it
 //! was made: `assets/demo/README.md`.
 
+use super::opener::Made;
 use super::{FrameEntry, FrameList};
 use crate::io;
+use std::sync::Arc;
+
+/// The built-in sequence, where an input is expected.
+pub const DEMO_INPUT: &str = "demo:";
+
+/// Nothing may be behind the colon.
+pub(super) const DEMO: Made = Made {
+    has_word: |word| word == "demo",
+    said: || DEMO_INPUT.to_owned(),
+    make: |_, rest| rest.is_empty().then(|| Arc::new(demo()) as _),
+};
 
 /// One embedded frame a number.
 macro_rules! frames {

@@ -116,19 +116,12 @@ pub enum SequenceError {
         hint: String,
     },
     /// Frames are to be made, but of what is not known.
-    #[error(
-        "{input} is nothing that can be made: name demo:, an example ({examples}), such as example:lidar, a shape \
-         ({shapes}) and 1 to {most_points} points, such as torus:100000, or a turning one, spin:torus:100000"
-    )]
+    #[error("{input} is nothing that can be made: name {known}")]
     NotGenerated {
         /// The input as given.
         input: String,
-        /// What shapes there are.
-        shapes: String,
-        /// What examples there are.
-        examples: String,
-        /// Most points of a frame.
-        most_points: usize,
+        /// All that can be made.
+        known: String,
     },
     /// A sequence file that cannot be opened.
     #[error(transparent)]

@@ -1,8 +1,25 @@
 //! Small examples of what people bring, embedded so that whoever begins can look at each kind: a survey by a laser
 //! scanner, a depth image, an animated model. Licences, credits and how they were made: `assets/examples/README.md`.
 
+use super::opener::Made;
 use super::{FrameEntry, FrameList, Reel, Source};
 use std::sync::Arc;
+
+/// The word before their names.
+const WORD: &str = "example";
+
+/// The examples, by their names.
+pub(super) const EXAMPLES: Made = Made {
+    has_word: |word| word == WORD,
+    said: || {
+        let names = Example::ALL.map(Example::name).join(", ");
+        format!("an example ({names}), such as {}", Example::Lidar.input())
+    },
+    make: |_, name| {
+        let example = Example::ALL.into_iter().find(|example| example.name() == name);
+        example.map(Example::source)
+    },
+};
 
 /// What is embedded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,7 +54,7 @@ impl Example {
 
     /// What is written where an input is expected.
     pub fn input(self) -> String {
-        format!("example:{}", self.name())
+        format!("{WORD}:{}", self.name())
     }
 
     /// What kind of thing it is, for people.

@@ -6,7 +6,7 @@
 //! a place in memory.
 //!
 //! To add a source: a type that implements [`Source`] and its [`Decoder`], and where a person names it: a file format
-//! in [`crate::io`], a word of [`Generated`], or a row of the table here.
+//! in [`crate::io`], or a row of the table here with its scheme, its word or how its files are told.
 
 mod as_reel;
 mod demo;
@@ -14,7 +14,6 @@ mod entry;
 mod error;
 mod examples;
 mod files;
-mod generated;
 mod http;
 mod list;
 mod live;
@@ -33,12 +32,11 @@ mod standard_input;
 mod traits;
 
 pub use as_reel::AsReel;
-pub use demo::demo;
+pub use demo::{DEMO_INPUT, demo};
 pub use entry::{FrameBytes, FrameEntry};
 pub use error::{OpeningChoice, SequenceError};
 pub use examples::Example;
 pub use files::{Files, Recording};
-pub use generated::Generated;
 pub use list::FrameList;
 pub use live::{
     ConnectionChange, ConnectionWatch, Live, LiveState, LiveStatus, LiveStream, RecordedStream, StreamRecording,
@@ -64,7 +62,10 @@ use std::sync::Arc;
 
 /// What can be opened, the first that the inputs are.
 const OPENERS: &[Opener] = &[
-    Opener::One(&generated::WORDS),
+    Opener::Made(&demo::DEMO),
+    Opener::Made(&examples::EXAMPLES),
+    Opener::Made(&shapes::SHAPES),
+    Opener::Made(&spin::SPIN),
     Opener::One(&standard_input::STANDARD_INPUT),
     Opener::One(&scanner::ADDRESS),
     Opener::One(&live::ADDRESS),
@@ -83,7 +84,7 @@ const OPENERS: &[Opener] = &[
     }),
 ];
 
-/// The source that `inputs` name: one that is [`Generated`], standard input (`-`), a sensor ([`LiveScanner`]), a stream
+/// The source that `inputs` name: frames that are made (`demo:`), standard input (`-`), a sensor ([`LiveScanner`]), a stream
 /// ([`LiveStream`]) or what was recorded of one ([`RecordedStream`]), a sequence file ([`Reel`]), calibrated
 /// photographs of one moment ([`PhotoScene`]) or of many ([`PhotoVideo`]), a recording of depth images
 /// ([`RgbdRecording`]), else files, folders and patterns. `progress` counts the files that were looked at, and may be
@@ -101,4 +102,73 @@ pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> R
 /// Whether `input` is a word for a source that is neither a file nor an address, such as `demo:`.
 pub fn is_word(input: &Path) -> bool {
     OPENERS.iter().any(|opener| opener.has_word(input))
+}
+
+/// Whether `input` is an address, of whatever scheme: one that no source has is no file either.
+pub fn is_address(input: &str) -> bool {
+    input.contains("://")
+}
+
+/// Extensions of the files that can be opened, without dot, in lower case.
+pub fn supported_extensions() -> impl Iterator<Item = &'static str> {
+    let own = OPENERS.iter().flat_map(Opener::extensions);
+    crate::io::supported_extensions().chain(rgbd::extensions()).chain(own)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn opened(input: &str) -> Result<Arc<dyn Source>, String> {
+        let opened = open(&[input.into()], &OpenOptions::default(), &Progress::default());
+        opened.map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn words_before_a_colon_are_sources() {
+        for (input, first) in [
+            ("demo:", "demo/frame_0000.ply"),
+            ("example:lidar", "example:lidar"),
+            ("sphere:", "shape/sphere"),
+            ("sphere:12", "shape/sphere"),
+            ("spin:torus", "spin:torus:100000"),
+            ("spin:torus:5000", "spin:torus:5000"),
+        ] {
+            assert!(is_word(Path::new(input)), "{input}");
+            assert_eq!(opened(input).unwrap().entry(0).path, Path::new(first));
+        }
+        assert!(is_word(Path::new("-")));
+        for file in [
+            "scan.ply",
+            "C:\\scans",
+            "a:b",
+            "sphere",
+            "spin",
+            "",
+            "tcp://:1",
+            "http://a/b.reel",
+        ] {
+            assert!(!is_word(Path::new(file)), "{file}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_after_the_colon_is_said() {
+        for wrong in [
+            "sphere:0",
+            "sphere:many",
+            "torus:50000001",
+            "spin:",
+            "spin:dodo:10",
+            "spin:torus:-1",
+            "demo:1",
+            "example:",
+            "example:dodo",
+        ] {
+            let said = "is nothing that can be made: name demo:, an example (lidar, depth, model), such as \
+                        example:lidar, a shape (sphere, torus, cube, saddle) and 1 to 50000000 points, such as \
+                        torus:100000, or a turning one, spin:torus:100000";
+            assert_eq!(opened(wrong).err(), Some(format!("{wrong} {said}")));
+        }
+    }
 }

@@ -36,27 +36,48 @@ impl Asked<'_> {
 
 /// A way to open inputs.
 pub(super) enum Opener {
+    /// A word and what is behind its colon, of which frames are made.
+    Made(&'static Made),
     /// One input that tells what it is.
     One(&'static One),
     /// Inputs that have to be looked into: `None` where they are of another kind.
     Any(fn(Asked<'_>) -> IfOpened),
 }
 
+/// Frames that are made and not read: `demo:`, `torus:20000`. Among other inputs such a word is the name of a file.
+pub(super) struct Made {
+    /// Whether it is the word before the colon.
+    pub(super) has_word: fn(&str) -> bool,
+    /// How they are named, for people: one of a list.
+    pub(super) said: fn() -> String,
+    /// The frames by the word and what is behind the colon; `None` where that is wrong.
+    pub(super) make: fn(&str, &str) -> Option<Arc<dyn Source>>,
+}
+
 /// An input that is a sequence of its own.
 pub(super) struct One {
-    /// Whether the input is one, by its name or its first bytes.
-    pub(super) can_read: fn(&Path) -> bool,
+    /// How such inputs are told.
+    pub(super) names: &'static [Name],
     pub(super) open: fn(&Path, Asked<'_>) -> Opened,
     /// What is said where it is one of several; `None` where several are never looked at for it.
     pub(super) beside_others: Option<fn(&Path) -> SequenceError>,
-    /// Whether it is a word, and neither a file nor an address.
-    pub(super) is_word: bool,
+}
+
+/// What an input is told by.
+pub(super) enum Name {
+    /// An address that begins so.
+    Scheme(&'static str),
+    /// A word that is neither a file nor an address.
+    Word(&'static str),
+    /// The name or the first bytes of a file, which mostly has this extension.
+    File(&'static str, fn(&Path) -> bool),
 }
 
 impl Opener {
     /// The source, if the inputs are of this kind.
     fn open(&self, asked: Asked<'_>) -> IfOpened {
         match self {
+            Self::Made(made) => made.open(asked),
             Self::One(one) => one.open(asked),
             Self::Any(open) => open(asked),
         }
@@ -65,22 +86,97 @@ impl Opener {
     /// Whether `input` is a word of this kind.
     pub(super) fn has_word(&self, input: &Path) -> bool {
         match self {
-            Self::One(one) => one.is_word && (one.can_read)(input),
+            Self::Made(made) => made.words_of(input).is_some(),
+            Self::One(one) => one.names.iter().any(|name| name.is_word() && name.is_of(input)),
             Self::Any(_) => false,
         }
+    }
+
+    /// The extensions of its files, where it has some of its own.
+    pub(super) fn extensions(&self) -> impl Iterator<Item = &'static str> {
+        let names = match self {
+            Self::One(one) => one.names,
+            Self::Made(_) | Self::Any(_) => &[],
+        };
+        names.iter().filter_map(|name| match name {
+            Name::File(extension, _) => Some(*extension),
+            Name::Scheme(_) | Name::Word(_) => None,
+        })
+    }
+}
+
+impl Made {
+    /// What is before the colon of `input` and behind it, where the former is one of its words.
+    fn words_of<'a>(&self, input: &'a Path) -> Option<(&'a str, &'a str)> {
+        let words = input.to_str()?.split_once(':')?;
+        (self.has_word)(words.0).then_some(words)
+    }
+
+    fn open(&self, asked: Asked<'_>) -> IfOpened {
+        let [input] = asked.inputs else { return Ok(None) };
+        let Some((word, rest)) = self.words_of(input) else {
+            return Ok(None);
+        };
+        let made = (self.make)(word, rest).ok_or_else(|| SequenceError::NotGenerated {
+            input: input.display().to_string(),
+            known: all_made(asked.openers),
+        });
+        made.map(Some)
+    }
+}
+
+/// All that can be made, in a sentence.
+fn all_made(openers: &[Opener]) -> String {
+    let said: Vec<String> = openers
+        .iter()
+        .filter_map(|opener| match opener {
+            Opener::Made(made) => Some((made.said)()),
+            Opener::One(_) | Opener::Any(_) => None,
+        })
+        .collect();
+    match said.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{}, or {last}", others.join(", ")),
+        _ => said.concat(),
     }
 }
 
 impl One {
+    /// Whether `input` is one of its own.
+    pub(super) fn can_read(&self, input: &Path) -> bool {
+        self.names.iter().any(|name| name.is_of(input))
+    }
+
     fn open(&self, asked: Asked<'_>) -> IfOpened {
         let input = match (asked.inputs, self.beside_others) {
-            ([input], _) => Some(input).filter(|input| (self.can_read)(input)),
+            ([input], _) => Some(input).filter(|input| self.can_read(input)),
             (_, None) => None,
             (inputs, Some(refusal)) => {
-                let found = inputs.iter().find(|input| (self.can_read)(input));
+                let found = inputs.iter().find(|input| self.can_read(input));
                 return found.map_or(Ok(None), |input| Err(refusal(input)));
             }
         };
         input.map(|input| (self.open)(input, asked)).transpose()
+    }
+}
+
+impl Name {
+    /// What is behind the scheme of `input`, where it has this one.
+    pub(super) fn address<'a>(&self, input: &'a Path) -> Option<&'a str> {
+        match self {
+            Self::Scheme(scheme) => input.to_str()?.strip_prefix(scheme),
+            Self::Word(_) | Self::File(..) => None,
+        }
+    }
+
+    fn is_of(&self, input: &Path) -> bool {
+        match self {
+            Self::Scheme(_) => self.address(input).is_some(),
+            Self::Word(word) => input == Path::new(word),
+            Self::File(_, is_one) => is_one(input),
+        }
+    }
+
+    fn is_word(&self) -> bool {
+        matches!(self, Self::Word(_))
     }
 }

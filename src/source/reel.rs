@@ -2,7 +2,7 @@
 
 use super::files::number;
 use super::http::HttpFile;
-use super::opener::One;
+use super::opener::{Name, One};
 use super::{About, Capabilities, Groups, Growth, Samples, SequenceError, Source};
 use super::{DecodeFailure, DecodedFrame, DecodedLevel, Decoder, FrameEntry, FrameSample, OpenOptions};
 use crate::deadlines::ClientDeadlines;
@@ -43,12 +43,15 @@ struct Opened {
     entries: Vec<Arc<FrameEntry>>,
 }
 
+/// Before an address on the web; the latter is refused in a sentence.
+const HTTP: Name = Name::Scheme("http://");
+const HTTPS: Name = Name::Scheme("https://");
+
 /// A sequence file, here or on the web.
 pub(super) const FILE_OR_ADDRESS: One = One {
-    can_read: |input| Reel::is_url(input) || Reel::is_one(input),
+    names: &[HTTP, HTTPS, Name::File("reel", Reel::is_one)],
     open: |input, asked| Ok(Arc::new(Reel::open(input, asked.options)?)),
     beside_others: Some(|input| SequenceError::NotAlone { path: input.to_owned() }),
-    is_word: false,
 };
 
 impl Reel {
@@ -61,8 +64,7 @@ impl Reel {
 
     /// Whether `input` is an address on the web.
     fn is_url(input: &Path) -> bool {
-        let has_scheme = |scheme: &str| input.to_str().is_some_and(|input| input.starts_with(scheme));
-        has_scheme("http://") || has_scheme("https://")
+        [HTTP, HTTPS].iter().any(|scheme| scheme.address(input).is_some())
     }
 
     /// The frames of the file at `path`, or at an `http://` address: its index is read, or its groups where it has

@@ -11,7 +11,7 @@
 //! What follows the address behind a `?` is the file that packets of some sensors cannot be read without: metadata of
 //! Ouster, or the calibration of an HDL-64E.
 
-use super::opener::One;
+use super::opener::{Name, One};
 use super::{About, Capabilities, DecodeFailure, DecodedFrame, Decoder, FrameEntry, Growth, SequenceError, Source};
 use crate::deadlines::ClientDeadlines;
 use crate::io::ReadOptions;
@@ -30,7 +30,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Before the address of what is listened to.
-const SCHEME: &str = "udp://";
+const SCHEME: Name = Name::Scheme("udp://");
 
 /// The newest so many turns can be decoded: two seconds of the fastest sensors, five of most.
 const RING_LENGTH: usize = 48;
@@ -80,7 +80,7 @@ struct Turns {
 
 /// The address of a sensor.
 pub(super) const ADDRESS: One = One {
-    can_read: |input| input.to_str().is_some_and(|input| input.starts_with(SCHEME)),
+    names: &[SCHEME],
     open: |input, asked| {
         let scanner = LiveScanner::open(input, &asked.options.read, asked.progress)?;
         Ok(Arc::new(scanner))
@@ -89,7 +89,6 @@ pub(super) const ADDRESS: One = One {
         input: input.display().to_string(),
         problem: "a live sensor is a sequence of its own: open it without other inputs".to_owned(),
     }),
-    is_word: false,
 };
 
 impl LiveScanner {
@@ -167,10 +166,7 @@ impl LiveScanner {
 
 /// The address to listen at, and the file behind it.
 fn parse(input: &Path) -> Result<(SocketAddr, Option<PathBuf>), String> {
-    let text = input
-        .to_str()
-        .and_then(|input| input.strip_prefix(SCHEME))
-        .unwrap_or_default();
+    let text = SCHEME.address(input).unwrap_or_default();
     let (address, companion) = match text.split_once('?') {
         Some((address, companion)) => (address, Some(PathBuf::from(companion))),
         None => (text, None),
@@ -397,7 +393,6 @@ mod tests {
             let problem = parsed(wrong).unwrap_err();
             assert!(problem.contains("udp://:2368"), "{problem}");
         }
-        let is_address = ADDRESS.can_read;
-        assert!(is_address(Path::new("udp://:1")) && !is_address(Path::new("drive.pcap")));
+        assert!(ADDRESS.can_read(Path::new("udp://:1")) && !ADDRESS.can_read(Path::new("drive.pcap")));
     }
 }

@@ -3,10 +3,41 @@
 //! Points are spread evenly at random over the area, as scans are nearly; each shape has its seed, so that every
 //! machine measures the same points. Noise moves a point by a normal deviate along each axis.
 
+use super::opener::Made;
 use super::{FrameEntry, FrameList};
 use crate::cloud::{Positions, RawCloud};
 use glam::{DVec2, DVec3, Vec3};
 use std::f32::consts::TAU;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Points of a shape when their number is not given.
+const USUAL_POINTS: usize = 100_000;
+
+/// Most points that a shape can be asked for.
+const MOST_POINTS: usize = 50_000_000;
+
+/// One frame of a shape: `torus:` or `torus:20000`.
+pub(super) const SHAPES: Made = Made {
+    has_word: |word| Shape::named(word).is_some(),
+    said: || {
+        let names = Shape::ALL.map(Shape::name).join(", ");
+        format!("a shape ({names}) and 1 to {MOST_POINTS} points, such as torus:100000")
+    },
+    make: |name, count| {
+        let (shape, points) = counted(name, count)?;
+        Some(Arc::new(shape.frame(points)))
+    },
+};
+
+/// A shape and the number of its points, by what is before and behind a colon.
+pub(super) fn counted(name: &str, count: &str) -> Option<(Shape, usize)> {
+    let points = match count {
+        "" => USUAL_POINTS,
+        count => count.parse().ok().filter(|count| (1..=MOST_POINTS).contains(count))?,
+    };
+    Some((Shape::named(name)?, points))
+}
 
 /// Surfaces of different difficulty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,6 +81,16 @@ impl Shape {
             Self::Cube => "cube",
             Self::Saddle => "saddle",
         }
+    }
+
+    fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|shape| shape.name() == name)
+    }
+
+    /// The shape that `input` names, as in `torus:20000`; `None` of other inputs.
+    pub fn of_input(input: &Path) -> Option<Self> {
+        let (name, count) = input.to_str()?.split_once(':')?;
+        counted(name, count).map(|(shape, _)| shape)
     }
 
     /// The largest distance between two of its points.

@@ -2,6 +2,8 @@
 //!
 //! It stands for sensors where there is none: whoever shows, measures or records a stream can be tried on it.
 
+use super::opener::Made;
+use super::shapes::counted;
 use super::{
     About, Capabilities, DecodeFailure, DecodedFrame, Decoder, FrameEntry, Growth, SequenceError, Shape, Source,
 };
@@ -15,6 +17,20 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
+
+/// The word before the shape.
+const WORD: &str = "spin";
+
+/// A shape that turns: `spin:torus` or `spin:torus:20000`.
+pub(super) const SPIN: Made = Made {
+    has_word: |word| word == WORD,
+    said: || format!("a turning one, {WORD}:torus:100000"),
+    make: |_, shape| {
+        let (name, count) = shape.split_once(':').unwrap_or((shape, ""));
+        let (shape, points) = counted(name, count)?;
+        Some(Arc::new(Spin::new(shape, points)))
+    },
+};
 
 /// Frames a second.
 const RATE: f64 = 24.0;
@@ -76,7 +92,7 @@ impl Source for Spin {
     }
 
     fn entry(&self, index: usize) -> Arc<FrameEntry> {
-        let path = format!("spin:{}:{}", self.shape.name(), self.points);
+        let path = format!("{WORD}:{}:{}", self.shape.name(), self.points);
         Arc::new(FrameEntry {
             name: format!("{} {index}", self.shape.name()),
             number: Some(index as u64),

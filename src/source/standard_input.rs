@@ -4,7 +4,7 @@
 //! and forth in a file, a pipe is gone once it is read, and inputs are opened again where other options are chosen.
 //! First bytes tell the format; text without them is rows of points.
 
-use super::opener::{Asked, One, Opened};
+use super::opener::{Asked, Name, One, Opened};
 use super::{About, Capabilities, DecodeFailure, Decoder, DepthImages, FrameEntry, SequenceError, Source};
 use crate::io::Format;
 use crate::locks::lock;
@@ -24,10 +24,9 @@ const WORD: &str = "-";
 
 /// Standard input.
 pub(super) const STANDARD_INPUT: One = One {
-    can_read: |input| input == Path::new(WORD),
+    names: &[Name::Word(WORD)],
     open: |_, asked| StandardInput::open(asked),
     beside_others: Some(|_| failed("it is a sequence of its own: open it without other inputs".to_owned())),
-    is_word: true,
 };
 
 /// Folders that are tried before the system is believed to have no place for one.

@@ -4,8 +4,7 @@ use super::bytes::{Fields, Written};
 use super::cameras::{CameraFields, checked_size, read_transform, write_camera, write_size, write_transform};
 use super::error::WireError;
 use super::packed_image::{PackedImage, Packing};
-use crate::io::raster::{Raster, Samples};
-use crate::io::recordings::recording::camera::rvl;
+use crate::raster::{self, Raster, Samples, rvl};
 use crate::rgbd::{ColorCamera, Rig};
 use glam::DAffine3;
 use image::ExtendedColorType;
@@ -102,7 +101,7 @@ impl RawColor {
     fn pixels(&self, most_bytes: u64) -> Result<Vec<u8>, String> {
         let raster = match self {
             Self::Pixels(raster) => Cow::Borrowed(raster),
-            Self::Jpeg(_, bytes) => Cow::Owned(crate::io::raster::decode(bytes, most_bytes)?),
+            Self::Jpeg(_, bytes) => Cow::Owned(raster::decode(bytes, most_bytes)?),
         };
         match &raster.samples {
             Samples::Rgb8(pixels) => Ok(pixels.as_flattened().to_vec()),

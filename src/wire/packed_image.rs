@@ -1,8 +1,7 @@
 //! An image as it came, which is unpacked by whoever wants its pixels.
 
 use super::error::WireError;
-use crate::io::raster::{self, Raster, Samples};
-use crate::io::recordings::recording::camera::rvl;
+use crate::raster::{self, Raster, Samples, rvl};
 use std::ops::Range;
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::cloud::{AxisConvention, ImageGrid, LengthUnit, Positions, RawCloud, ScalarField};
-use crate::io::raster::{Raster, Samples};
+use crate::raster::{Raster, Samples};
 use crate::rgbd::{Camera, ColorCamera, Distortion, Rig};
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use proptest::prelude::*;

@@ -3,7 +3,7 @@
 use crate::app::command::CommandRow;
 use crate::app::state::{Dialog, State};
 use crate::document::EXTENSION;
-use crate::io::supported_extensions;
+use crate::source;
 
 /// A row of the table of commands.
 pub(in crate::app) type Row = CommandRow<State>;
@@ -30,7 +30,7 @@ pub(in crate::app) fn needs_sequence(state: &State) -> Result<(), &'static str> 
 
 /// The dialog with files that can be opened.
 pub(in crate::app) fn of_point_clouds(dialog: Dialog<State>) -> Dialog<State> {
-    let extensions = supported_extensions().chain(["mkv", "reel", "pointreel-stream", EXTENSION]);
+    let extensions = source::supported_extensions().chain([EXTENSION]);
     dialog
         .filter("Point clouds and sessions", extensions)
         .filter("All files", ["*"])

@@ -8,6 +8,7 @@ use crate::document::{Document, Reading};
 use crate::playback::Player;
 use crate::scene::Settings;
 use crate::sequence::Sequence;
+use crate::source::DEMO_INPUT;
 use std::path::PathBuf;
 
 impl State {
@@ -122,7 +123,7 @@ pub(in crate::app) fn inputs_of(sequence: &Sequence) -> Option<Vec<PathBuf>> {
         return Some(inputs.to_vec());
     }
     let is_demo = !sequence.is_empty() && sequence.entry(0).path.starts_with("demo");
-    is_demo.then(|| vec!["demo:".into()])
+    is_demo.then(|| vec![DEMO_INPUT.into()])
 }
 
 /// The topic of a recording that has several.

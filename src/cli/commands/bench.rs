@@ -2,9 +2,7 @@
 
 use super::bench_window::{PresentChoice, measure_window};
 use crate::bench::{self, BenchOptions, Input, LeaveOut, Modes, OptionGroup, Report, Step, Suite, suites};
-use crate::cli::options::arguments::{
-    DEMO_INPUT, FrameRange, ReadArgs, byte_count, frame_rate, open_sequence_and_tell, size_px,
-};
+use crate::cli::options::arguments::{FrameRange, ReadArgs, byte_count, frame_rate, open_sequence_and_tell, size_px};
 use crate::cli::options::sources::{check_sources, write_text};
 use crate::cli::terminal::output::{answer, say};
 use crate::messages::listed;
@@ -13,7 +11,7 @@ use crate::progress::Progress;
 use crate::render::gpu::{Context, ContextOptions};
 use crate::scene::{Choice, RendererChoice};
 use crate::sequence::OpenOptions;
-use crate::source::Generated;
+use crate::source::{DEMO_INPUT, Shape};
 use anyhow::bail;
 use clap::Args;
 use std::io::{IsTerminal as _, Write as _};
@@ -269,10 +267,7 @@ fn measure(inputs: &[Input], options: &BenchOptions) -> anyhow::Result<Report> {
 
 /// Opens an input; of a shape the truth is known.
 fn open_input(input: &Path, open: &OpenOptions) -> anyhow::Result<Input> {
-    let shape = match Generated::of_name(input)? {
-        Some(Generated::Shape(shape, _)) => Some(shape),
-        _ => None,
-    };
+    let shape = Shape::of_input(input);
     Ok(Input {
         name: shape.map_or_else(|| sequence_name(input), |shape| shape.name().to_owned()),
         sequence: Arc::new(open_sequence_and_tell(&[input.to_owned()], open)?),

@@ -4,7 +4,7 @@ use super::colors::ColorArgs;
 use super::rgbd_arguments::RgbdArgs;
 use super::style_arguments::StyleArgs;
 use super::values::number_in;
-pub(in crate::cli) use super::values::{DEMO_INPUT, FrameRange, positive_f64};
+pub(in crate::cli) use super::values::{FrameRange, positive_f64};
 use crate::cli::session::open_inputs_and_tell;
 use crate::cloud::{ColorDepth, NoData};
 use crate::io::{ColumnMap, ReadOptions};

@@ -5,9 +5,6 @@ use anyhow::bail;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-/// The name of the built-in sequence where an INPUT is expected.
-pub(in crate::cli) const DEMO_INPUT: &str = "demo:";
-
 /// A number that `is_valid`, or what was expected.
 pub(super) fn number_in<T>(text: &str, is_valid: impl Fn(&T) -> bool, expected: &str) -> Result<T, String>
 where

@@ -1,22 +1,17 @@
 //! Addresses of live streams.
 
+use crate::source::opener::Name;
 use std::path::Path;
 
 /// Before the address of a stream.
-const SCHEME: &str = "tcp://";
-
-/// Whether `input` is the address of a stream.
-pub(super) fn is_one(input: &Path) -> bool {
-    input.to_str().is_some_and(|input| input.starts_with(SCHEME))
-}
+pub(super) const SCHEME: Name = Name::Scheme("tcp://");
 
 /// `HOST:PORT` of `input`; this machine where no host is named.
 ///
 /// # Errors
 /// What is wrong, as the end of a sentence.
 pub(super) fn parse(input: &Path) -> Result<String, String> {
-    let text = input.to_str().and_then(|input| input.strip_prefix(SCHEME));
-    let address = text.unwrap_or_default().trim_end_matches('/');
+    let address = SCHEME.address(input).unwrap_or_default().trim_end_matches('/');
     let wrong = || {
         format!(
             "`{}` is no address, expected a host and a port, as in tcp://127.0.0.1:9000",
@@ -59,6 +54,7 @@ mod tests {
             let problem = parse(Path::new(wrong)).unwrap_err();
             assert!(problem.contains("tcp://127.0.0.1:9000"), "{problem}");
         }
-        assert!(is_one(Path::new("tcp://:1")) && !is_one(Path::new("walk.reel")));
+        assert_eq!(SCHEME.address(Path::new("tcp://:1")), Some(":1"));
+        assert_eq!(SCHEME.address(Path::new("walk.reel")), None);
     }
 }

@@ -10,7 +10,7 @@ use crate::io::files::long_walk::LongWalk;
 use crate::locks::lock;
 use crate::regular_file;
 use crate::rgbd::{Filters, Sensor};
-use crate::source::opener::One;
+use crate::source::opener::{Name, One};
 use crate::source::rgbd::ReceivedFrames;
 use crate::source::{
     About, Capabilities, DecodeFailure, Decoder, DepthImages, FrameEntry, Groups, OpenOptions, SequenceError, Source,
@@ -50,10 +50,9 @@ struct Recorded {
 
 /// A file that a stream was recorded to.
 pub(in crate::source) const RECORDING: One = One {
-    can_read: is_recording,
+    names: &[Name::File("pointreel-stream", is_recording)],
     open: |input, asked| Ok(Arc::new(RecordedStream::open(input, asked.options)?)),
     beside_others: None,
-    is_word: false,
 };
 
 impl RecordedStream {

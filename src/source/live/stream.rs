@@ -54,7 +54,7 @@ struct Wanted {
 
 /// The address of a stream.
 pub(in crate::source) const ADDRESS: One = One {
-    can_read: address::is_one,
+    names: &[address::SCHEME],
     open: |input, asked| {
         let stream = LiveStream::open(input, asked.options, asked.progress)?;
         Ok(Arc::new(stream))
@@ -63,7 +63,6 @@ pub(in crate::source) const ADDRESS: One = One {
         input: input.display().to_string(),
         problem: "a live stream is a sequence of its own: open it without other inputs".to_owned(),
     }),
-    is_word: false,
 };
 
 impl LiveStream {

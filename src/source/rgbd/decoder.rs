@@ -13,10 +13,10 @@ use super::text;
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::RawCloud;
 use crate::io::ReadOptions;
-use crate::io::raster::{DEPTH_PIXEL_BYTES, Raster, Samples};
 use crate::locks::lock;
 use crate::photos::{DepthFile, DepthKind};
 use crate::progress::Progress;
+use crate::raster::{DEPTH_PIXEL_BYTES, Raster, Samples};
 use crate::rgbd::{
     ColorImage, DepthFrame, DepthImage, DepthSamples, DepthTable, FilterReport, Filters, NOTICEABLE_SHARE, RayTable,
     Rig, Sensor, cloud,

@@ -1,7 +1,7 @@
 //! What the numbers of a depth image mean.
 
 use super::error::RgbdError;
-use crate::io::raster::{Raster, Samples};
+use crate::raster::{Raster, Samples};
 use crate::rgbd::{DepthImage, DepthTable, RayTable, is_measured};
 use std::path::Path;
 

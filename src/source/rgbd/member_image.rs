@@ -2,7 +2,7 @@
 
 use super::error::RgbdError;
 use crate::io::ReadOptions;
-use crate::io::raster::{self, Raster, Samples};
+use crate::raster::{self, Raster, Samples};
 use lzfse_rust::LzfseRingDecoder;
 use std::fs::File;
 use std::io::{BufReader, Read};

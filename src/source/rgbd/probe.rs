@@ -8,7 +8,7 @@ use super::layouts::FoundRecording;
 use super::stored_image::StoredImage;
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::io::ReadOptions;
-use crate::io::raster::Samples;
+use crate::raster::Samples;
 use crate::rgbd::Filters;
 
 /// Images whose numbers tell the units.

@@ -14,6 +14,7 @@ use super::error::RgbdError;
 use super::folder::{has_extension, name_of};
 use super::layouts::{FoundRecording, FrameImages};
 use super::member_image::{MemberImage, archive, member, pixels, unpacked};
+use super::recorder::Recorder;
 use super::stored_image::StoredImage;
 use super::trajectory::{of_backward, pose_of};
 use crate::io::ReadOptions;
@@ -32,13 +33,17 @@ const KNOWN_SIZES: [[u32; 2]; 3] = [[192, 256], [480, 640], [360, 640]];
 /// Metadata of an hour has fewer bytes.
 const MOST_METADATA_BYTES: u64 = 64 << 20;
 
-/// Whether the file at `path` is one by its name.
-pub(super) fn is_one(path: &Path) -> bool {
-    has_extension(name_of(path), &["r3d"])
-}
+const EXTENSIONS: &[&str] = &["r3d"];
+
+/// By their names.
+pub(super) const RECORDER: Recorder = Recorder {
+    extensions: EXTENSIONS,
+    can_read: |path| has_extension(name_of(path), EXTENSIONS),
+    find: |path, options| Ok(Some(("Record3D", find(path, &options.read)?))),
+};
 
 /// The recording in the archive at `path`.
-pub(super) fn find(path: &Path, options: &ReadOptions) -> Result<FoundRecording, RgbdError> {
+fn find(path: &Path, options: &ReadOptions) -> Result<FoundRecording, RgbdError> {
     let mut archive = archive(path)?;
     let wrong = |reason: String| RgbdError::Calibration {
         path: path.join("metadata"),

@@ -10,7 +10,7 @@ use super::layouts::{self, FoundRecording};
 use super::sizes::Sizes;
 use super::stored_image::StoredImage;
 use super::trajectory::Trajectory;
-use super::{kinect, probe, record3d, topics};
+use super::{probe, recorders};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::io::files::timestamps::times_of_names;
 use crate::io::{Entry, Part};
@@ -65,13 +65,7 @@ impl RgbdRecording {
                 Some(found) => found,
                 None => return Ok(None),
             },
-            ([file], None) if file.is_file() && kinect::is_one(file) => {
-                ("Azure Kinect", kinect::find(file, rgbd, &options.read)?)
-            }
-            ([file], None) if file.is_file() && record3d::is_one(file) => {
-                ("Record3D", record3d::find(file, &options.read)?)
-            }
-            ([file], None) if file.is_file() => match topics::find(file, options)? {
+            ([file], None) if file.is_file() => match recorders::find(file, options)? {
                 Some(found) => found,
                 None => return Ok(None),
             },

@@ -4,11 +4,11 @@
 use super::error::RgbdError;
 use super::member_image::MemberImage;
 use super::text;
-use crate::io::raster::{self, Raster, Samples};
 use crate::io::recordings::matroska::Block;
 use crate::io::recordings::recording;
 use crate::io::recordings::recording::camera::{self, CameraMessage};
 use crate::io::{Message, ReadOptions};
+use crate::raster::{self, Raster, Samples};
 use crate::wire::{PackedImage, RawColor};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

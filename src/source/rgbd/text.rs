@@ -2,7 +2,7 @@
 
 use super::error::RgbdError;
 use crate::binary::{Header, Layout};
-use crate::io::raster;
+use crate::raster;
 use std::io::Read as _;
 use std::path::Path;
 

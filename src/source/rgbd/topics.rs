@@ -16,6 +16,7 @@ use super::error::RgbdError;
 use super::layouts::{FoundRecording, FrameImages};
 use super::moving_frames::MovingFrames;
 use super::pairs::nearest;
+use super::recorder::Recorder;
 use super::stored_image::{ImageMessage, StoredImage};
 use crate::io;
 use crate::io::ReadOptions;
@@ -39,9 +40,16 @@ fn is_realsense(topic: &str) -> bool {
     topic.starts_with("/device_")
 }
 
+/// Recordings that may hold point clouds as well: any file may be one.
+pub(super) const RECORDER: Recorder = Recorder {
+    extensions: &[],
+    can_read: |_| true,
+    find,
+};
+
 /// The recording in the file at `path` and whose way of naming it has; `None` if it has no depth images, and if it has
 /// point clouds and nobody named a topic. Files that cannot be read are left to those who read clouds.
-pub(super) fn find(path: &Path, options: &OpenOptions) -> Result<Option<(&'static str, FoundRecording)>, RgbdError> {
+fn find(path: &Path, options: &OpenOptions) -> Result<Option<(&'static str, FoundRecording)>, RgbdError> {
     let named = options.topic.as_deref();
     let Ok(topics) = io::cameras(path, named.is_some(), &options.read) else {
         return Ok(None);

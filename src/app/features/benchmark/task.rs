@@ -6,6 +6,7 @@ use crate::progress::Progress;
 use crate::render::gpu::{Context, ContextOptions};
 use crate::scene::RendererChoice;
 use crate::sequence::Sequence;
+use crate::source::DEMO_INPUT;
 use crate::temporary::{Helper, Temporary};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -68,7 +69,7 @@ fn window_job(sequence: &Sequence, progress: &Progress) -> Result<BenchmarkTable
     std::fs::create_dir_all(folder.path()).map_err(say)?;
     let file = folder.path().join("report.json");
     let inputs = match sequence.source().inputs() {
-        [] => vec![PathBuf::from("demo:")],
+        [] => vec![PathBuf::from(DEMO_INPUT)],
         inputs => inputs.to_vec(),
     };
     let fps = sequence.fps().to_string();

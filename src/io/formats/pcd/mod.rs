@@ -11,10 +11,10 @@ use crate::io::columns::fixed_rows::{self, FixedRows};
 use crate::io::columns::numbers::{Tokens, line_endings, note_row, quoted, with_decimal_points};
 use crate::io::columns::{attributes, growing};
 use crate::io::error::{Fault, Place};
-use crate::io::files::unpack::unpack_lzf;
 use crate::io::format::{Format, Traits};
 use crate::io::options::ReadOptions;
 use crate::progress::Progress;
+use crate::raster::unpack_lzf;
 use glam::DVec3;
 use header::{Encoding, Header, PcdField};
 

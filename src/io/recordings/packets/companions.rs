@@ -3,87 +3,64 @@
 //! There is no rule for their names. `ouster-cli` writes `drive.json` beside `drive.pcap`, recorders of several sensors
 //! write `drive_0.json`, `drive_1.json`, and calibrations are called `db.xml`. So all files of the extension in the
 //! folder are looked at, but not more than [`MOST_FILES`], and those whose names have most in common with the capture's
-//! come first.
+//! come first. Packets that come from a network have one such file, which is named behind the address.
 
-use super::ouster::{self, Metadata};
-use super::velodyne::{self, Calibration};
 use crate::io::error::Fault;
 use crate::io::files::beside;
 use crate::io::options::ReadOptions;
 use std::cmp::Reverse;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Files of a folder that are looked into.
 const MOST_FILES: usize = 64;
 
-/// Metadata beside a capture, and what could not be read of it.
-#[derive(Debug)]
-pub(super) struct Beside {
-    /// The nearest by their names first.
-    pub(super) metadata: Vec<Metadata>,
-    /// What is wrong with files that are metadata, a sentence each.
-    pub(super) problems: Vec<String>,
+/// Where such files are.
+#[derive(Debug, Clone)]
+pub(super) enum Companions {
+    /// In the folder of a capture.
+    Beside { capture: PathBuf, options: ReadOptions },
+    /// The text of the one that was named, if one was.
+    Given(Option<Arc<str>>),
 }
 
-/// The metadata of sensors of Ouster beside the capture at `path`.
-pub(super) fn metadata(path: &Path, options: &ReadOptions) -> Beside {
-    let mut found = Beside {
-        metadata: Vec::new(),
-        problems: Vec::new(),
-    };
-    for name in names(path, "json") {
-        let Ok(bytes) = beside::read(&name, path, ouster::MOST_METADATA_BYTES, options) else {
-            continue;
-        };
-        let text = String::from_utf8_lossy(&bytes);
-        if !ouster::is_metadata(&text) {
-            continue;
-        }
-        match ouster::parse(&text) {
-            Ok(metadata) => found.metadata.push(metadata),
-            Err(fault) => found.problems.push(told(&name, &fault)),
+impl Companions {
+    /// The capture that they are beside.
+    pub(super) fn capture(&self) -> Option<&Path> {
+        match self {
+            Self::Beside { capture, .. } => Some(capture),
+            Self::Given(_) => None,
         }
     }
-    found
-}
 
-/// The calibration of a sensor of Velodyne beside the capture at `path`.
-///
-/// # Errors
-/// Which file is expected, or what is wrong with the one that is there.
-pub(super) fn calibration(path: &Path, options: &ReadOptions) -> Result<Calibration, String> {
-    for name in names(path, "xml") {
-        let Ok(bytes) = beside::read(&name, path, velodyne::MOST_CALIBRATION_BYTES, options) else {
-            continue;
-        };
-        let text = String::from_utf8_lossy(&bytes);
-        if velodyne::is_calibration(&text) {
-            return velodyne::parse(&text).map_err(|fault| told(&name, &fault));
+    /// Names and texts of files with `extension`, the nearest by their names first; of what was given its text.
+    pub(super) fn texts(&self, extension: &str, most_bytes: u64) -> Box<dyn Iterator<Item = (String, String)> + '_> {
+        match self {
+            Self::Beside { capture, options } => {
+                Box::new(names(capture, extension).into_iter().filter_map(move |name| {
+                    let bytes = beside::read(&name, capture, most_bytes, options).ok()?;
+                    Some((name, String::from_utf8_lossy(&bytes).into_owned()))
+                }))
+            }
+            Self::Given(text) => Box::new(text.iter().map(|text| (String::new(), text.to_string()))),
         }
     }
-    Err(format!(
-        "it has packets of an HDL-64E, whose lasers are calibrated one by one: expected its calibration db.xml beside \
-         the capture, as {} or under another name with the extension xml",
-        expected(path, "xml")
-    ))
+
+    /// Where one with `extension` is expected, as the end of a sentence; `address` is such as a person would name.
+    pub(super) fn expected(&self, extension: &str, address: &str) -> String {
+        match self {
+            Self::Beside { capture, .. } => format!(
+                "beside the capture, as {} or under another name with the extension {extension}",
+                expected(capture, extension)
+            ),
+            Self::Given(_) => format!("behind the address, as in {address}"),
+        }
+    }
 }
 
-/// What to do where sensors of Ouster have no metadata.
-pub(super) fn no_metadata(path: &Path, byte_count: usize, beside: &Beside) -> String {
-    let found = match (beside.problems.first(), beside.metadata.as_slice()) {
-        (Some(problem), _) => format!("; {problem}"),
-        (None, []) => String::new(),
-        (None, others) => {
-            let sizes = others.iter().map(|metadata| metadata.shape.packet_bytes().to_string());
-            let sizes: Vec<String> = sizes.collect();
-            format!("; what is there is of packets of {} bytes", sizes.join(", "))
-        }
-    };
-    format!(
-        "it has packets of {byte_count} bytes as sensors of Ouster send them: expected the metadata of the sensor \
-         beside the capture, as {} or under another name with the extension json{found}",
-        expected(path, "json")
-    )
+/// What is wrong with the file `name`.
+pub(super) fn told(name: &str, fault: &Fault) -> String {
+    format!("{}, {}: {}", name.escape_default(), fault.place, fault.problem)
 }
 
 /// The name that a file beside `path` would best have.
@@ -91,10 +68,6 @@ fn expected(path: &Path, extension: &str) -> String {
     let name = path.with_extension(extension);
     let name = name.file_name().unwrap_or_default();
     name.to_string_lossy().into_owned()
-}
-
-fn told(name: &str, fault: &Fault) -> String {
-    format!("{}, {}: {}", name.escape_default(), fault.place, fault.problem)
 }
 
 /// Files with `extension` in the folder of `path`, the nearest by their names first.

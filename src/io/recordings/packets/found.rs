@@ -11,18 +11,17 @@
 
 use super::capture::Packet;
 use super::clock::{self, Clock, Fractions, Samples};
-use super::companions::{self, Beside};
+use super::companions::Companions;
 use super::fragments::Fragments;
 use super::layout::Layout;
 use super::link::{Content, Datagram};
-use super::makers::maker_of;
-use super::ouster::{self, Metadata};
+use super::maker::{self, Step};
+use super::makers::{Makers, Sender};
+use super::part::TurnPart;
 use super::rows::{Row, Rows};
 use super::seam::Coverage;
-use super::sensor::{Kind, LEAST_OUSTER_BYTES};
 use super::traffic::{Traffic, said_cut};
-use super::turn::{Turn, TurnPart};
-use super::velodyne::DataPacket;
+use super::turn::Turn;
 use crate::io::contents::{Contents, Entry, Part, Topic};
 use crate::io::options::ReadOptions;
 use std::collections::BTreeMap;
@@ -35,19 +34,17 @@ use std::time::Duration;
 const MOST_SENSORS: usize = 64;
 
 /// What is found in a capture.
-pub(super) struct FoundSensors<'a> {
-    path: &'a Path,
-    options: &'a ReadOptions,
+pub(super) struct FoundSensors {
+    makers: Makers,
     sensors: BTreeMap<(IpAddr, u16), Sensor>,
     fragments: Fragments,
     traffic: Traffic,
-    /// Read once it is needed.
-    beside: Option<Beside>,
 }
 
 /// A sender of packets.
 struct Sensor {
-    kind: Kind,
+    /// Why its packets cannot be read, if they cannot.
+    kind: Result<Box<dyn maker::Sensor>, String>,
     coverage: Coverage,
     samples: Samples,
     rows: Rows,
@@ -62,16 +59,18 @@ struct Received<'a> {
     last: u64,
 }
 
-impl<'a> FoundSensors<'a> {
+impl FoundSensors {
     /// Nothing yet, in the capture at `path`.
-    pub(super) fn new(path: &'a Path, options: &'a ReadOptions) -> Self {
+    pub(super) fn new(path: &Path, options: &ReadOptions) -> Self {
+        let companions = Companions::Beside {
+            capture: path.to_owned(),
+            options: *options,
+        };
         Self {
-            path,
-            options,
+            makers: Makers::new(&companions),
             sensors: BTreeMap::new(),
             fragments: Fragments::default(),
             traffic: Traffic::default(),
-            beside: None,
         }
     }
 
@@ -89,7 +88,9 @@ impl<'a> FoundSensors<'a> {
         self.fragments = Fragments::default();
         self.traffic = Traffic::default();
         for sensor in self.sensors.values_mut() {
-            sensor.kind.set_seam(sensor.coverage.seam());
+            if let Ok(kind) = &mut sensor.kind {
+                kind.set_seam(sensor.coverage.seam());
+            }
         }
         let samples: Vec<Samples> = self.sensors.values().map(|sensor| sensor.samples).collect();
         clock::of(fractions, &samples)
@@ -144,20 +145,18 @@ impl<'a> FoundSensors<'a> {
     /// The sensor that sent `datagram`, if it is one that is known.
     fn sensor(&mut self, datagram: &Datagram<'_>) -> Option<&mut Sensor> {
         let key = (datagram.source, datagram.port);
-        let data = DataPacket::of(datagram.bytes);
-        if data.is_none() && datagram.byte_count < LEAST_OUSTER_BYTES {
+        if !self.makers.may_be(datagram) {
             return None;
         }
         if !self.sensors.contains_key(&key) {
             if self.sensors.len() == MOST_SENSORS {
                 return None;
             }
-            let kind = match data {
-                Some(data) => Kind::velodyne(data, || companions::calibration(self.path, self.options)),
-                None => self.ouster(datagram)?,
+            let Some(Sender::Read { maker, .. }) = self.makers.sender(datagram) else {
+                return None;
             };
             let sensor = Sensor {
-                kind,
+                kind: self.makers.open(maker, datagram),
                 coverage: Coverage::default(),
                 samples: Samples::default(),
                 rows: Rows::default(),
@@ -165,38 +164,6 @@ impl<'a> FoundSensors<'a> {
             self.sensors.insert(key, sensor);
         }
         self.sensors.get_mut(&key)
-    }
-
-    fn ouster(&mut self, datagram: &Datagram<'_>) -> Option<Kind> {
-        let beside = self
-            .beside
-            .get_or_insert_with(|| companions::metadata(self.path, self.options));
-        let fits = |metadata: &&Metadata| metadata.shape.packet_bytes() == datagram.byte_count;
-        // Of equals the first is the nearest by its name.
-        let rank = |metadata: &&Metadata| {
-            let serial = metadata.shape.serial(datagram.bytes);
-            let has_other_serial = serial.zip(metadata.serial).is_some_and(|(sent, known)| sent != known);
-            let has_port = metadata.port == Some(datagram.port);
-            (has_other_serial, !has_port)
-        };
-        match beside.metadata.iter().filter(fits).min_by_key(rank) {
-            Some(metadata) => {
-                if rank(&metadata).0 {
-                    log::warn!(
-                        "{}: the metadata beside it is of another sensor of the same kind, by its serial number",
-                        self.path.display()
-                    );
-                }
-                Some(Kind::ouster(metadata))
-            }
-            None if maker_of(datagram.port, datagram.bytes).is_some() => None,
-            None if ouster::may_be(datagram.byte_count) => Some(Kind::Unread(companions::no_metadata(
-                self.path,
-                datagram.byte_count,
-                beside,
-            ))),
-            None => None,
-        }
     }
 
     /// All sensors, and the revolutions of `wanted`; of the one that sent most packets if `None`.
@@ -210,8 +177,8 @@ impl<'a> FoundSensors<'a> {
         let lost = self.fragments.finish();
         for (key, sensor) in self.sensors {
             match &sensor.kind {
-                Kind::Unread(problem) => problems.push(problem.clone()),
-                Kind::Velodyne { .. } | Kind::Ouster { .. } => read.push((name(key), key, sensor)),
+                Err(problem) => problems.push(problem.clone()),
+                Ok(_) => read.push((name(key), key, sensor)),
             }
         }
         if read.is_empty() {
@@ -282,8 +249,9 @@ impl Sensor {
     /// Notes the azimuths of a packet, and its times.
     fn probe(&mut self, received: &Received<'_>) {
         let bytes = received.datagram.bytes;
-        self.kind.cover(bytes, &mut self.coverage);
-        if let Some(measured) = self.kind.time(bytes) {
+        let Ok(kind) = &self.kind else { return };
+        kind.cover(bytes, &mut self.coverage);
+        if let Some(measured) = kind.time(bytes) {
             self.samples.add(received.time, measured);
         }
     }
@@ -291,26 +259,17 @@ impl Sensor {
     fn add(&mut self, received: &Received<'_>, layout: &Arc<Layout>) {
         let bytes = received.datagram.bytes;
         let row = |part| Row::new(received.begin..received.last, part, received.time, layout);
-        match &mut self.kind {
-            Kind::Velodyne { turning, .. } => {
-                if let Some(data) = DataPacket::of(bytes) {
-                    let begins_at = turning.begins_at(data);
-                    self.rows.add_cycles(begins_at, row);
-                }
-            }
-            Kind::Ouster { shape, seam, .. } if bytes.len() == shape.packet_bytes() => {
-                if let Some(frame) = shape.frame_of(bytes, *seam) {
-                    self.rows.add_frame(row(TurnPart::Frame(frame)));
-                }
-            }
-            Kind::Ouster { .. } | Kind::Unread(_) => {}
+        let Ok(kind) = &mut self.kind else { return };
+        match kind.step(bytes) {
+            Some(Step::Cycles(begins_at)) => self.rows.add_cycles(begins_at, row),
+            Some(Step::Frame(frame)) => self.rows.add_frame(row(TurnPart::Frame(frame))),
+            None => {}
         }
     }
 
     fn entries(self, name: &str, sensor: (IpAddr, u16)) -> Vec<Entry> {
-        let (Kind::Velodyne { scanner, .. } | Kind::Ouster { scanner, .. }) = self.kind else {
-            return Vec::new();
-        };
+        let Ok(kind) = self.kind else { return Vec::new() };
+        let scanner = kind.scanner();
         let entry = |(index, row): (usize, Row)| Entry {
             name: format!("{name} {index}"),
             time: Some(row.time),

@@ -4,15 +4,15 @@
 //! handed over when the next one begins, as its packets: whoever shows it makes points of them. The turn in which
 //! packets begin to come is no whole one, and is skipped.
 
-use super::frame_id::FrameId;
-use super::makers::maker_of;
-use super::ouster::{self, Metadata};
+use super::companions::Companions;
+use super::link::Datagram;
+use super::maker::{Position, Scanner, Sensor, Sort, Step};
+use super::makers::{MAKERS, Makers, Sender};
+use super::part::{FrameId, TurnPart};
 use super::seam::Coverage;
-use super::sensor::{Kind, LEAST_OUSTER_BYTES, LONGEST_TURN, MOST_PACKETS};
-use super::streams::{Sort, Streams, Verdict};
-use super::turn::{Scanner, TurnPart};
-use super::unpacking::{Position, Unpacking};
-use super::velodyne::{self, Calibration, DataPacket, Model};
+use super::streams::{Streams, Verdict};
+use super::turn::{LONGEST_TURN, MOST_PACKETS};
+use super::unpacking::Unpacking;
 use crate::cloud::RawCloud;
 use crate::io::error::Fault;
 use crate::io::options::ReadOptions;
@@ -23,22 +23,14 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What the packets of some sensors cannot be read without.
+/// The text of what the packets of some sensors cannot be read without.
 #[derive(Debug, Clone)]
-pub(crate) struct Companion(Contents);
-
-#[derive(Debug, Clone)]
-enum Contents {
-    /// Of a sensor of Ouster.
-    Metadata(Box<Metadata>),
-    /// Of an HDL-64E.
-    Calibration(Box<Calibration>),
-}
+pub(crate) struct Companion(Arc<str>);
 
 /// A turn, as its packets.
 #[derive(Debug, Clone)]
 pub(crate) struct LiveTurn {
-    scanner: Arc<Scanner>,
+    scanner: Arc<dyn Scanner>,
     part: TurnPart,
     /// When its first packet came.
     pub(crate) time: Duration,
@@ -56,10 +48,10 @@ struct Learning {
 
 /// Finds the turns of a sensor.
 pub(crate) struct LiveTurns {
-    companion: Option<Companion>,
+    makers: Makers,
     streams: Streams,
     /// The sensor that is shown.
-    sensor: Option<Kind>,
+    sensor: Option<Box<dyn Sensor>>,
     /// Sentences on streams that are to be said.
     notes: Vec<String>,
     /// Over once it is known where the sensor measures.
@@ -77,25 +69,25 @@ impl Companion {
     /// What is wrong with it, with its name.
     pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let mut bytes = Vec::new();
-        let most = ouster::MOST_METADATA_BYTES.max(velodyne::MOST_CALIBRATION_BYTES);
+        let kinds = || MAKERS.iter().map(|maker| &maker.companion);
+        let most = kinds().map(|kind| kind.most_bytes).max().unwrap_or(0);
         let read = File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes));
         read.map_err(|error| format!("{} cannot be read ({error})", path.display()))?;
         let text = String::from_utf8_lossy(&bytes);
         let told = |fault: Fault| format!("{}, {}: {}", path.display(), fault.place, fault.problem);
-        if velodyne::is_calibration(&text) {
-            let calibration = velodyne::parse(&text).map_err(told)?;
-            return Ok(Self(Contents::Calibration(Box::new(calibration))));
-        }
-        let metadata = ouster::parse(&text).map_err(told)?;
-        Ok(Self(Contents::Metadata(Box::new(metadata))))
+        // What is none of any kind is told what the last one has.
+        let kind = kinds().find(|kind| (kind.is_one)(&text)).or_else(|| kinds().last());
+        kind.map_or(Ok(()), |kind| (kind.check)(&text)).map_err(told)?;
+        Ok(Self(text.into()))
     }
 }
 
 impl LiveTurns {
     /// No packets yet, of a sensor with that file, which loses its place after `silence`.
     pub(crate) fn new(companion: Option<Companion>, silence: Duration) -> Self {
+        let companions = Companions::Given(companion.map(|companion| companion.0));
         Self {
-            companion,
+            makers: Makers::new(&companions),
             streams: Streams::new(silence),
             sensor: None,
             notes: Vec::new(),
@@ -132,13 +124,26 @@ impl LiveTurns {
     /// Why the packets of a sensor cannot be read: what is missing next to them.
     pub(crate) fn add(&mut self, source: SocketAddr, time: Duration, bytes: &[u8]) -> Result<Option<LiveTurn>, String> {
         self.look(time);
-        let data = DataPacket::of(bytes);
-        let Some(sort) = self.sort(data, bytes) else {
+        let datagram = Datagram {
+            source: source.ip(),
+            // That of the socket is any that a person chose.
+            port: 0,
+            byte_count: bytes.len(),
+            bytes,
+        };
+        let Some((sender, sort)) = self.sender(&datagram) else {
             return Ok(None);
         };
-        match self.streams.add(source, sort, time) {
+        match self.streams.add(source, &sort, time) {
             Verdict::Shown => {}
-            Verdict::Free => self.show(source, sort, time, bytes)?,
+            Verdict::Free => {
+                self.sensor = Some(self.open(&sender, &datagram)?);
+                self.streams.show(source, sort, time);
+                self.learning = Some(Learning {
+                    begin: time,
+                    coverage: Coverage::default(),
+                });
+            }
             Verdict::Second(note) => {
                 self.notes.push(note);
                 return Ok(None);
@@ -156,91 +161,39 @@ impl LiveTurns {
             kind.set_seam(learning.coverage.seam());
             self.learning = None;
         }
-        Ok(match (kind, data) {
-            (Kind::Velodyne { turning, scanner }, Some(data)) => {
-                let begins_at = turning.begins_at(data);
-                let scanner = Arc::clone(scanner);
-                self.velodyne(begins_at, scanner, time, bytes)
-            }
-            (
-                Kind::Ouster {
-                    shape, scanner, seam, ..
-                },
-                None,
-            ) if bytes.len() == shape.packet_bytes() => {
-                let (frame, scanner) = (shape.frame_of(bytes, *seam), Arc::clone(scanner));
-                frame.and_then(|frame| self.ouster_packet(TurnPart::Frame(frame), scanner, time, bytes))
-            }
-            _ => None,
+        let Some(step) = kind.step(bytes) else {
+            return Ok(None);
+        };
+        let scanner = kind.scanner();
+        Ok(match step {
+            Step::Cycles(begins_at) => self.add_cycles(begins_at, scanner, time, bytes),
+            Step::Frame(frame) => self.add_frame(TurnPart::Frame(frame), scanner, time, bytes),
         })
     }
 
-    fn calibration(&self) -> Result<Calibration, String> {
-        match &self.companion {
-            Some(Companion(Contents::Calibration(calibration))) => Ok(Calibration::clone(calibration)),
-            _ => Err(
-                "it has packets of an HDL-64E, whose lasers are calibrated one by one: expected its calibration \
-                      behind the address, as in udp://:2368?db.xml"
-                    .to_owned(),
-            ),
-        }
-    }
-
-    /// The sender of a packet, as far as it tells.
-    fn sort(&self, data: Option<DataPacket<'_>>, bytes: &[u8]) -> Option<Sort> {
-        if let Some(data) = data {
-            return Some(Model::of(data).map_or_else(Sort::UnknownVelodyne, Sort::Velodyne));
-        }
-        let is_known = match &self.companion {
-            Some(Companion(Contents::Metadata(metadata))) => {
-                let shape = metadata.shape;
-                shape.packet_bytes() == bytes.len() && shape.frame_of(bytes, 0).is_some()
-            }
-            _ => false,
+    /// The sender of a packet, as far as it tells; `None` of what has no points.
+    fn sender(&mut self, datagram: &Datagram<'_>) -> Option<(Sender, Sort)> {
+        let sender = self.makers.sender(datagram)?;
+        let sort = match &sender {
+            Sender::Read { sort, .. } => sort.clone(),
+            Sender::Unread(maker) if maker.advice.is_empty() => return None,
+            Sender::Unread(maker) => format!("what sends {}", maker.name).into(),
         };
-        if bytes.len() >= LEAST_OUSTER_BYTES && (is_known || ouster::may_be(bytes.len())) {
-            return Some(Sort::Ouster(bytes.len()));
-        }
-        // The port of the socket is any that a person chose.
-        let maker = maker_of(0, bytes).filter(|maker| !maker.advice.is_empty());
-        maker.map(|maker| Sort::Unread(maker.name))
+        Some((sender, sort))
     }
 
-    /// Shows the sensor that sends from `source`, of which a packet is `bytes`.
-    fn show(&mut self, source: SocketAddr, sort: Sort, time: Duration, bytes: &[u8]) -> Result<(), String> {
-        let kind = match (sort, DataPacket::of(bytes)) {
-            (Sort::Velodyne(_) | Sort::UnknownVelodyne(_), Some(data)) => Kind::velodyne(data, || self.calibration()),
-            (Sort::Ouster(bytes), _) => self.ouster(bytes),
-            _ => Kind::Unread(refused(bytes)),
-        };
-        if let Kind::Unread(problem) = kind {
-            return Err(problem);
-        }
-        self.streams.show(source, sort, time);
-        self.sensor = Some(kind);
-        self.learning = Some(Learning {
-            begin: time,
-            coverage: Coverage::default(),
-        });
-        Ok(())
-    }
-
-    fn ouster(&self, byte_count: usize) -> Kind {
-        match &self.companion {
-            Some(Companion(Contents::Metadata(metadata))) if metadata.shape.packet_bytes() == byte_count => {
-                Kind::ouster(metadata)
-            }
-            _ => Kind::Unread(format!(
-                "it has packets of {byte_count} bytes as sensors of Ouster send them: expected the metadata of the \
-                 sensor behind the address, as in udp://:7502?os1.json"
-            )),
+    /// The sensor that sent a packet.
+    fn open(&mut self, sender: &Sender, datagram: &Datagram<'_>) -> Result<Box<dyn Sensor>, String> {
+        match sender {
+            Sender::Read { maker, .. } => self.makers.open(*maker, datagram),
+            Sender::Unread(maker) => Err(format!("it has {}, which are not read: {}", maker.name, maker.advice)),
         }
     }
 
-    fn velodyne(
+    fn add_cycles(
         &mut self,
         begins_at: Option<u8>,
-        scanner: Arc<Scanner>,
+        scanner: Arc<dyn Scanner>,
         time: Duration,
         bytes: &[u8],
     ) -> Option<LiveTurn> {
@@ -264,10 +217,10 @@ impl LiveTurns {
 
     /// Packets that come late go with the turn that has begun, which has no use for them: turns that are handed over
     /// are not waited for.
-    fn ouster_packet(
+    fn add_frame(
         &mut self,
         part: TurnPart,
-        scanner: Arc<Scanner>,
+        scanner: Arc<dyn Scanner>,
         time: Duration,
         bytes: &[u8],
     ) -> Option<LiveTurn> {
@@ -296,7 +249,7 @@ impl LiveTurns {
     }
 
     /// Begins a turn with a packet; the one before is over.
-    fn begin(&mut self, part: TurnPart, scanner: Arc<Scanner>, time: Duration, bytes: &[u8]) -> Option<LiveTurn> {
+    fn begin(&mut self, part: TurnPart, scanner: Arc<dyn Scanner>, time: Duration, bytes: &[u8]) -> Option<LiveTurn> {
         let turn = LiveTurn {
             scanner,
             part,
@@ -306,14 +259,6 @@ impl LiveTurns {
         let before = self.current.replace(turn)?;
         let was_whole = std::mem::replace(&mut self.is_whole, true);
         was_whole.then_some(before)
-    }
-}
-
-/// The refusal of packets whose maker is known, and which are not read.
-fn refused(bytes: &[u8]) -> String {
-    match maker_of(0, bytes) {
-        Some(maker) => format!("it has {}, which are not read: {}", maker.name, maker.advice),
-        None => "it has packets that are not read".to_owned(),
     }
 }
 
@@ -334,7 +279,7 @@ impl LiveTurn {
     /// # Errors
     /// More points than `options` have memory for, as the end of a sentence.
     pub(crate) fn cloud(&self, options: &ReadOptions) -> Result<RawCloud, String> {
-        let mut unpacking = Unpacking::new(&self.scanner, self.part);
+        let mut unpacking = Unpacking::new(&*self.scanner, self.part);
         for (index, packet) in self.packets.iter().enumerate() {
             let position = Position {
                 is_first: index == 0,

@@ -1,87 +1,72 @@
-//! Packets of makers that are not read: recognised so that a refusal names them.
+//! Makers whose packets are read, a row each, and which of all makers has sent a packet.
+//!
+//! To add a maker: a folder with its [`Maker`], and a row of the table. One whose packets are only recognised is a row
+//! in [`super::unread`].
 
-/// A maker, or a kind of its packets.
-#[derive(Debug)]
-pub(super) struct Maker {
-    /// A noun in the plural: `Hesai packets`.
-    pub(super) name: &'static str,
-    /// The way to points, after a colon; empty for packets without points.
-    pub(super) advice: &'static str,
-    /// Whether a datagram that was sent to this port is one.
-    is_one: fn(u16, &[u8]) -> bool,
+use super::companions::Companions;
+use super::link::Datagram;
+use super::maker::{Confidence, Maker, Recogniser, Sensor, Sort};
+use super::unread::{Unread, unread};
+use super::{ouster, velodyne};
+
+/// Of those that are as certain of a datagram, the first has it.
+pub(super) const MAKERS: &[Maker] = &[velodyne::MAKER, ouster::MAKER];
+
+/// All makers, as far as the packets of one capture or one port are concerned.
+pub(super) struct Makers(Vec<Box<dyn Recogniser>>);
+
+/// Who has sent a packet.
+pub(super) enum Sender {
+    /// A sensor of a maker whose packets are read.
+    Read { maker: usize, sort: Sort },
+    /// One whose packets are not.
+    Unread(&'static Unread),
 }
 
-const MAKERS: [Maker; 9] = [
-    Maker {
-        name: "RoboSense packets",
-        advice: "export PCD from RSView, or play the capture into rslidar_sdk and record the PointCloud2 topic as a \
-            bag",
-        is_one: |_, bytes| {
-            const BEGINS: [&[u8]; 4] = [
-                b"\x55\xaa\x05\x0a\x5a\xa5\x50\xa0",
-                b"\x55\xaa\x05\x5a",
-                b"\x55\xaa\x5a\xa5",
-                b"\xa5\xff\x00\x5a\x11\x11\x55\x55",
-            ];
-            BEGINS.iter().any(|begin| bytes.starts_with(begin))
-        },
-    },
-    Maker {
-        name: "Hesai packets (Pandar, XT, QT, AT or JT)",
-        advice: "export PCD or LAS from PandarView 2, or play the capture into HesaiLidar_ROS_2.0 and record the \
-            PointCloud2 topic as a bag",
-        is_one: |_, bytes| {
-            // Pandar40P has blocks from its first byte on, all others a header.
-            let is_pandar_40 = matches!(bytes.len(), 1256 | 1262 | 1266) && bytes.starts_with(b"\xff\xee");
-            bytes.starts_with(b"\xee\xff") || is_pandar_40
-        },
-    },
-    Maker {
-        name: "Livox packets (Mid-360 or HAP)",
-        advice: "record with Livox Viewer 2 and export LAS or PCD, or record a bag with livox_ros_driver2, whose \
-            CustomMsg and PointCloud2 are read",
-        is_one: |port, bytes| {
-            let states_length = bytes.len() >= 36
-                && bytes[0] == 0
-                && usize::from(u16::from_le_bytes([bytes[1], bytes[2]])) == bytes.len();
-            states_length || ((56_000..58_000).contains(&port) && bytes.len() >= 500)
-        },
-    },
-    Maker {
-        name: "Livox packets (Mid-40, Horizon, Tele-15 or Avia)",
-        advice: "record with Livox Viewer and export LAS or CSV, or record a bag with livox_ros_driver, whose \
-            CustomMsg \
-            and PointCloud2 are read",
-        is_one: |port, bytes| (55_000..=62_000).contains(&port) && bytes.first() == Some(&5) && bytes.len() >= 400,
-    },
-    Maker {
-        name: "Seyond (Innovusion) packets",
-        advice: "export PCD with the viewer or the SDK of Seyond",
-        is_one: |_, bytes| bytes.starts_with(b"\x6a\x17"),
-    },
-    Maker {
-        name: "Quanergy packets",
-        advice: "play the capture into quanergy_client_ros and record the PointCloud2 topic as a bag",
-        is_one: |_, bytes| bytes.starts_with(b"\x75\xbd\x7e\x97"),
-    },
-    Maker {
-        name: "SICK packets (multiScan or picoScan)",
-        advice: "play the capture into sick_scan_xd and record the PointCloud2 topic as a bag",
-        is_one: |_, bytes| bytes.starts_with(b"\x02\x02\x02\x02"),
-    },
-    Maker {
-        name: "Velodyne position packets, which have no points",
-        advice: "",
-        is_one: |port, bytes| port == 8308 && matches!(bytes.len(), 512 | 554),
-    },
-    Maker {
-        name: "Ouster IMU packets, which have no points",
-        advice: "",
-        is_one: |_, bytes| bytes.len() == 48,
-    },
-];
+impl Makers {
+    /// Where `companions` are beside the packets.
+    pub(super) fn new(companions: &Companions) -> Self {
+        Self(MAKERS.iter().map(|maker| (maker.recogniser)(companions)).collect())
+    }
 
-/// The maker of a datagram that was sent to `port`.
-pub(super) fn maker_of(port: u16, bytes: &[u8]) -> Option<&'static Maker> {
-    MAKERS.iter().find(|maker| (maker.is_one)(port, bytes))
+    /// Whether a datagram may be of a sensor that is read.
+    pub(super) fn may_be(&self, datagram: &Datagram<'_>) -> bool {
+        self.0.iter().any(|maker| maker.may_be(datagram))
+    }
+
+    /// Who has sent a datagram: whoever is certain of it, else who is likely.
+    pub(super) fn sender(&mut self, datagram: &Datagram<'_>) -> Option<Sender> {
+        let mut likely = None;
+        for (maker, recogniser) in self.0.iter_mut().enumerate() {
+            let Some(claim) = recogniser.can_read(datagram) else {
+                continue;
+            };
+            let sender = Sender::Read {
+                maker,
+                sort: claim.sort,
+            };
+            if claim.confidence == Confidence::Certain {
+                return Some(sender);
+            }
+            likely.get_or_insert(sender);
+        }
+        unread(datagram.port, datagram.bytes).map(Sender::Unread).or(likely)
+    }
+
+    /// The sensor of `maker` that sent a datagram.
+    ///
+    /// # Errors
+    /// Why its packets cannot be read.
+    pub(super) fn open(&mut self, maker: usize, datagram: &Datagram<'_>) -> Result<Box<dyn Sensor>, String> {
+        self.0[maker].open(datagram)
+    }
+}
+
+/// The makers whose packets are read, for people.
+pub(super) fn all_packets() -> String {
+    let packets: Vec<&str> = MAKERS.iter().map(|maker| maker.packets).collect();
+    match packets.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        _ => packets.concat(),
+    }
 }

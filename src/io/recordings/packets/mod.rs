@@ -3,8 +3,8 @@
 //! **How it works.** [`list`] walks over the packets once and notes where each turn of each sensor begins and ends
 //! ([`found`]); [`read`] then reads the packets of one turn, and nothing before or behind them. `pcap-parser` reads the
 //! records of a capture ([`capture`], [`block`]), `etherparse` the headers of the network ([`link`]) and what came in
-//! fragments ([`fragments`]). What is in the packets is ours: one room a maker ([`velodyne`], [`ouster`]), after their
-//! manuals. Packets that come from a network instead of a file are turns by [`live`].
+//! fragments ([`fragments`]). What is in the packets is ours: a folder per maker ([`velodyne`], [`ouster`]), after
+//! their manuals, and a row of [`makers`]. Packets that come from a network instead of a file are turns by [`live`].
 //!
 //! Sensors take the place of the topics of a recording: the one that sent most packets is read unless another is named.
 //! The stamps of frames are the times at which their first packets were captured; times of points are the sensor's.
@@ -15,20 +15,21 @@ mod clock;
 mod companions;
 mod found;
 mod fragments;
-mod frame_id;
 mod layout;
 mod link;
 mod live;
+mod maker;
 mod makers;
 mod ouster;
+mod part;
 mod points;
 mod rows;
 mod seam;
-mod sensor;
 mod streams;
 mod traffic;
 mod turn;
 mod unpacking;
+mod unread;
 mod velodyne;
 mod window;
 
@@ -47,9 +48,10 @@ use clock::Clock;
 use found::FoundSensors;
 use fragments::Fragments;
 use link::{Content, Datagram};
+use maker::Position;
 use std::fs::File;
 use std::path::Path;
-use unpacking::{Position, Unpacking};
+use unpacking::Unpacking;
 
 /// Bytes of a capture that its sensors are learned from: several revolutions of the largest one.
 const PROBE_BYTES: u64 = 48 << 20;
@@ -122,7 +124,7 @@ pub(in crate::io) fn read(
     let mut reading = Reading {
         turn,
         fragments: Fragments::default(),
-        unpacking: Unpacking::new(&turn.scanner, turn.place.part),
+        unpacking: Unpacking::new(&*turn.scanner, turn.place.part),
     };
     let mut warning = None;
     let mut until_look = PACKETS_PER_LOOK;

@@ -1,8 +1,8 @@
 //! The revolutions of a sensor in a capture, a row each.
 
 use super::layout::Layout;
-use super::sensor::{LONGEST_TURN, MOST_PACKETS};
-use super::turn::{TurnPart, TurnPlace};
+use super::part::TurnPart;
+use super::turn::{LONGEST_TURN, MOST_PACKETS, TurnPlace};
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;

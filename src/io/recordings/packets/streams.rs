@@ -7,9 +7,8 @@
 //!
 //! **Bounds.** [`MOST_STREAMS`] are remembered; of more, those that have sent least are forgotten.
 
-use super::velodyne::Model;
+use super::maker::Sort;
 use std::collections::BTreeMap;
-use std::fmt;
 use std::net::SocketAddr;
 use std::time::Duration;
 
@@ -22,29 +21,6 @@ const MOST_STREAMS: usize = 256;
 
 /// Other sensors that are named.
 const MOST_NAMED: usize = 8;
-
-/// A sender, as far as one packet tells.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Sort {
-    Velodyne(Model),
-    /// A packet of the form of Velodyne, with this byte for the model.
-    UnknownVelodyne(u8),
-    /// A packet of so many bytes.
-    Ouster(usize),
-    /// A packet of a maker that is not read.
-    Unread(&'static str),
-}
-
-impl fmt::Display for Sort {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Velodyne(model) => write!(f, "a Velodyne {model:?}"),
-            Self::UnknownVelodyne(byte) => write!(f, "an unknown model of Velodyne ({byte:#04x})"),
-            Self::Ouster(bytes) => write!(f, "an Ouster (packets of {bytes} bytes)"),
-            Self::Unread(maker) => write!(f, "what sends {maker}"),
-        }
-    }
-}
 
 /// The use of a packet.
 #[derive(Debug, PartialEq, Eq)]
@@ -110,21 +86,22 @@ impl Streams {
     }
 
     /// A packet came.
-    pub(super) fn add(&mut self, address: SocketAddr, sort: Sort, now: Duration) -> Verdict {
+    pub(super) fn add(&mut self, address: SocketAddr, sort: &Sort, now: Duration) -> Verdict {
         if let Some(shown) = &mut self.shown
-            && (shown.address, shown.sort) == (address, sort)
+            && shown.address == address
+            && shown.sort == *sort
         {
             shown.last = now;
             return Verdict::Shown;
         }
         self.forget(address, now);
-        let run = self.runs.entry(address).or_insert(Run {
-            sort,
+        let run = self.runs.entry(address).or_insert_with(|| Run {
+            sort: sort.clone(),
             begun: now,
             packets: 0,
         });
-        if run.sort != sort || now.saturating_sub(run.begun) > RUN_TIME {
-            (run.sort, run.begun, run.packets) = (sort, now, 0);
+        if run.sort != *sort || now.saturating_sub(run.begun) > RUN_TIME {
+            (run.sort, run.begun, run.packets) = (sort.clone(), now, 0);
         }
         run.packets += 1;
         if run.packets < RUN_PACKETS {
@@ -173,7 +150,8 @@ impl Streams {
 mod tests {
     use super::*;
 
-    const VLP: Sort = Sort::Velodyne(Model::Vlp16);
+    const VLP: Sort = Sort::Borrowed("a Velodyne Vlp16");
+    const OUSTER: Sort = Sort::Borrowed("an Ouster (packets of 6464 bytes)");
 
     fn address(port: u16) -> SocketAddr {
         SocketAddr::from(([10, 0, 0, 1], port))
@@ -184,7 +162,7 @@ mod tests {
     }
 
     /// Sends a run, a millisecond each; says what becomes of its last packet.
-    fn run(streams: &mut Streams, address: SocketAddr, sort: Sort, begin: u64) -> Verdict {
+    fn run(streams: &mut Streams, address: SocketAddr, sort: &Sort, begin: u64) -> Verdict {
         let verdicts = (0..u64::from(RUN_PACKETS)).map(|at| streams.add(address, sort, ms(begin + at)));
         verdicts.last().unwrap()
     }
@@ -192,36 +170,36 @@ mod tests {
     #[test]
     fn a_run_of_packets_has_the_place_and_one_that_strays_has_not() {
         let mut streams = Streams::new(ms(3000));
-        assert_eq!(streams.add(address(1), VLP, ms(0)), Verdict::Skipped);
+        assert_eq!(streams.add(address(1), &VLP, ms(0)), Verdict::Skipped);
         // Packets of several kinds are no stream of a sensor, nor are those that come once in a while.
         for at in 0..200 {
-            let sort = if at % 2 == 0 { VLP } else { Sort::Ouster(6464) };
-            assert_eq!(streams.add(address(2), sort, ms(at)), Verdict::Skipped);
-            assert_eq!(streams.add(address(3), VLP, ms(200 * at)), Verdict::Skipped);
+            let sort = if at % 2 == 0 { VLP } else { OUSTER };
+            assert_eq!(streams.add(address(2), &sort, ms(at)), Verdict::Skipped);
+            assert_eq!(streams.add(address(3), &VLP, ms(200 * at)), Verdict::Skipped);
         }
-        assert_eq!(run(&mut streams, address(4), VLP, 50_000), Verdict::Free);
+        assert_eq!(run(&mut streams, address(4), &VLP, 50_000), Verdict::Free);
         streams.show(address(4), VLP, ms(50_100));
-        assert_eq!(streams.add(address(4), VLP, ms(50_101)), Verdict::Shown);
-        assert_eq!(streams.add(address(4), Sort::Ouster(1), ms(50_102)), Verdict::Skipped);
+        assert_eq!(streams.add(address(4), &VLP, ms(50_101)), Verdict::Shown);
+        assert_eq!(streams.add(address(4), &OUSTER, ms(50_102)), Verdict::Skipped);
     }
 
     #[test]
     fn a_second_sensor_is_named_once_and_gets_in_after_silence() {
         let mut streams = Streams::new(ms(3000));
         streams.show(address(1), VLP, ms(0));
-        let Verdict::Second(said) = run(&mut streams, address(2), VLP, 0) else {
+        let Verdict::Second(said) = run(&mut streams, address(2), &VLP, 0) else {
             panic!("it is not named");
         };
         assert!(
             said.contains("10.0.0.1:2") && said.contains("10.0.0.1:1 is shown"),
             "{said}"
         );
-        assert_eq!(run(&mut streams, address(2), VLP, 100), Verdict::Skipped);
+        assert_eq!(run(&mut streams, address(2), &VLP, 100), Verdict::Skipped);
         assert_eq!(streams.look(ms(2999)), None);
         let said = streams.look(ms(3000)).unwrap();
         assert!(said.contains("10.0.0.1:1 has sent nothing for 3 s"), "{said}");
         assert_eq!(streams.look(ms(9000)), None);
-        assert_eq!(run(&mut streams, address(2), VLP, 3000), Verdict::Free);
+        assert_eq!(run(&mut streams, address(2), &VLP, 3000), Verdict::Free);
     }
 
     #[test]
@@ -229,9 +207,9 @@ mod tests {
         let mut streams = Streams::new(ms(3000));
         let mut verdict = Verdict::Skipped;
         for at in 0..100 * u64::from(RUN_PACKETS) {
-            streams.add(address(1000 + at as u16), VLP, ms(at / 100));
+            streams.add(address(1000 + at as u16), &VLP, ms(at / 100));
             if at % 100 == 0 && verdict != Verdict::Free {
-                verdict = streams.add(address(1), VLP, ms(at / 100));
+                verdict = streams.add(address(1), &VLP, ms(at / 100));
             }
         }
         assert!(streams.runs.len() <= MOST_STREAMS);

@@ -1,7 +1,8 @@
 //! Datagrams of a capture that no sensor that is read has sent, and those that are not whole: counted for messages.
 
 use super::link::Datagram;
-use super::makers::{Maker, maker_of};
+use super::makers::all_packets;
+use super::unread::{Unread, unread};
 use std::collections::BTreeMap;
 use std::net::IpAddr;
 
@@ -15,7 +16,7 @@ const MAX_NAMED: usize = 8;
 #[derive(Debug, Default)]
 struct Kind {
     count: u64,
-    maker: Option<&'static Maker>,
+    maker: Option<&'static Unread>,
 }
 
 /// Datagrams that were captured in part.
@@ -53,7 +54,7 @@ impl Traffic {
         let kind = self.kinds.entry(key).or_default();
         kind.count += 1;
         if kind.count == 1 {
-            kind.maker = maker_of(datagram.port, datagram.bytes);
+            kind.maker = unread(datagram.port, datagram.bytes);
         }
     }
 
@@ -85,8 +86,8 @@ impl Traffic {
     }
 
     /// Makers, each with a port and the number of datagrams.
-    fn makers(&self) -> Vec<(&'static Maker, (u16, u64))> {
-        let mut makers: Vec<(&'static Maker, (u16, u64))> = Vec::new();
+    fn makers(&self) -> Vec<(&'static Unread, (u16, u64))> {
+        let mut makers: Vec<(&'static Unread, (u16, u64))> = Vec::new();
         for ((port, _), kind) in &self.kinds {
             let Some(maker) = kind.maker else {
                 continue;
@@ -136,9 +137,9 @@ impl Traffic {
             (true, 0) => "no packet is in it".to_owned(),
             (true, count) => format!("none of its {count} packets is a UDP datagram, as LiDAR sensors send them"),
             _ => format!(
-                "its UDP datagrams are {}{more}{others}; packets of Velodyne (1206 bytes, default: port 2368) and \
-                 Ouster (default: port 7502) are read",
-                named.join(", ")
+                "its UDP datagrams are {}{more}{others}; packets of {} are read",
+                named.join(", "),
+                all_packets()
             ),
         }
     }

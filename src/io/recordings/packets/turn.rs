@@ -1,10 +1,11 @@
 //! Where a turn of a laser scanner is in a capture.
 
-use super::frame_id::FrameId;
 use super::layout::Layout;
-use super::{ouster, velodyne};
+use super::maker::Scanner;
+use super::part::TurnPart;
 use std::net::IpAddr;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// A turn of a laser scanner in a capture of packets.
 #[derive(Clone)]
@@ -12,7 +13,7 @@ pub struct Turn {
     pub(super) place: TurnPlace,
     /// Who sent it, and the port that it was sent to.
     pub(super) sensor: (IpAddr, u16),
-    pub(super) scanner: Arc<Scanner>,
+    pub(super) scanner: Arc<dyn Scanner>,
     /// What tells of the packets from its first one on.
     pub(super) layout: Arc<Layout>,
 }
@@ -26,21 +27,9 @@ pub(super) struct TurnPlace {
     pub(super) part: TurnPart,
 }
 
-/// What of these packets is the turn's.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum TurnPart {
-    /// From this cycle of the first packet to before that cycle of the last one.
-    Cycles { first: u8, end: u8 },
-    /// The columns of a frame.
-    Frame(FrameId),
-}
-
-/// A sensor, and all that is needed to make points of its packets.
-#[derive(Debug)]
-pub(super) enum Scanner {
-    Velodyne(velodyne::Scanner),
-    Ouster(Box<ouster::Scanner>),
-}
+/// A head that stands turns no more: then so much time is one frame, and so many packets are.
+pub(super) const LONGEST_TURN: Duration = Duration::from_secs(2);
+pub(super) const MOST_PACKETS: u64 = 1 << 14;
 
 impl std::fmt::Debug for Turn {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

@@ -33,7 +33,7 @@ use crate::io::error::{Fault, IoError, Place};
 use crate::io::files::unpack::{Packing, unpack};
 use crate::io::format::Format;
 use crate::io::options::ReadOptions;
-use crate::io::raster::Raster;
+use crate::raster::Raster;
 use camera::{CameraMessage, CameraTopics};
 use encoding::Encoding;
 use found::{FoundMessages, Wanted};

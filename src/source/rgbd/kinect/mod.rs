@@ -15,6 +15,7 @@ use super::error::RgbdError;
 use super::layouts::{FoundRecording, FrameImages};
 use super::options::RgbdOptions;
 use super::pairs::nearest;
+use super::recorder::Recorder;
 use super::stored_image::{BlockImage, BlockPixels, StoredImage};
 use crate::io::ReadOptions;
 use crate::io::recordings::matroska::{self, Block, Matroska, Track};
@@ -33,8 +34,15 @@ const MOST_CALIBRATION_BYTES: u64 = 16 << 20;
 /// The extension of its recordings.
 const EXTENSION: &str = "mkv";
 
+/// Films of Matroska.
+pub(super) const RECORDER: Recorder = Recorder {
+    extensions: &[EXTENSION],
+    can_read: is_one,
+    find: |path, options| Ok(Some(("Azure Kinect", find(path, &options.rgbd, &options.read)?))),
+};
+
 /// Whether the file at `path` is a Matroska file, by its first bytes, or claims to be one by its name.
-pub(super) fn is_one(path: &Path) -> bool {
+fn is_one(path: &Path) -> bool {
     let mut start = Vec::new();
     let read = crate::regular_file::open(path).and_then(|file| file.take(4).read_to_end(&mut start));
     let is_named = path
@@ -44,7 +52,7 @@ pub(super) fn is_one(path: &Path) -> bool {
 }
 
 /// The recording in the Matroska file at `path`.
-pub(super) fn find(path: &Path, options: &RgbdOptions, read: &ReadOptions) -> Result<FoundRecording, RgbdError> {
+fn find(path: &Path, options: &RgbdOptions, read: &ReadOptions) -> Result<FoundRecording, RgbdError> {
     let wrong = |problem: String| RgbdError::Matroska {
         path: path.to_owned(),
         problem,

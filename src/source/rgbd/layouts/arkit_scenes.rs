@@ -15,11 +15,15 @@ use std::path::Path;
 use std::time::Duration;
 
 pub(super) const LAYOUT: Layout = Layout {
-    name: "ARKitScenes",
-    find,
+    is_likely,
+    ..Layout::new("ARKitScenes", find)
 };
 
 const TRAJECTORY: &str = "lowres_wide.traj";
+
+fn is_likely(folder: &Folder) -> bool {
+    folder.sub(&["lowres_depth"]).is_some()
+}
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     // A data set has them below the mesh of the scene.

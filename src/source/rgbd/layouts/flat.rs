@@ -6,10 +6,7 @@ use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, U
 use crate::source::rgbd::folder::is_image;
 use crate::source::rgbd::pairs::by_name;
 
-pub(super) const LAYOUT: Layout = Layout {
-    name: "depth and color images in one folder",
-    find,
-};
+pub(super) const LAYOUT: Layout = Layout::new("depth and color images in one folder", find);
 
 /// A camera of PrimeSense, which Open3D takes where none is named.
 const CAMERA: [f64; 4] = [525.0, 525.0, 319.5, 239.5];

@@ -13,8 +13,8 @@ use glam::DAffine3;
 use std::path::PathBuf;
 
 pub(super) const LAYOUT: Layout = Layout {
-    name: "depth and color folders",
-    find,
+    is_likely,
+    ..Layout::new("depth and color folders", find)
 };
 
 /// A camera of PrimeSense, which Open3D takes where none is named.
@@ -47,6 +47,10 @@ pub(super) const COLOR: &[&str] = &[
     "color_images",
     "rgb_png",
 ];
+
+fn is_likely(folder: &Folder) -> bool {
+    folder.sub(DEPTH).is_some() && folder.sub(COLOR).is_some()
+}
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     // Arrays of numpy may be cameras and poses.

@@ -21,8 +21,24 @@ use std::time::Duration;
 pub(in crate::source::rgbd) struct Layout {
     /// Its name, for people.
     pub(in crate::source::rgbd) name: &'static str,
+    /// Whether a folder has its names, before anything in it is read.
+    pub(super) is_likely: fn(&Folder) -> bool,
     /// The recording in a folder; `None` if the folder is laid out in another way.
     pub(super) find: fn(&Folder) -> Result<Option<FoundRecording>, RgbdError>,
+}
+
+impl Layout {
+    /// A layout that names alone do not tell.
+    pub(super) const fn new(
+        name: &'static str,
+        find: fn(&Folder) -> Result<Option<FoundRecording>, RgbdError>,
+    ) -> Self {
+        Self {
+            name,
+            is_likely: |_| false,
+            find,
+        }
+    }
 }
 
 /// A recording as its folder or file tells it.

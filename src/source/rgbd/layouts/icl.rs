@@ -11,7 +11,7 @@ use crate::source::rgbd::text::read;
 use glam::{DAffine3, DMat3, DVec3};
 use std::path::Path;
 
-pub(super) const LAYOUT: Layout = Layout { name: "ICL-NUIM", find };
+pub(super) const LAYOUT: Layout = Layout::new("ICL-NUIM", find);
 
 const CAMERA: [f64; 4] = [481.2, 480.0, 319.5, 239.5];
 

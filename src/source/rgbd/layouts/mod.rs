@@ -64,16 +64,7 @@ pub(super) fn find(folder: &Folder) -> Result<Option<(&'static str, FoundRecordi
 
 /// Whether `folder` has the names of one of the common layouts.
 pub(super) fn is_likely(folder: &Folder) -> bool {
-    let has_frames = || {
-        let is_depth = |name: &str| name.starts_with("frame-") && name.contains(".depth.");
-        !folder.files(is_depth).is_empty()
-    };
-    let has_colors = folder.sub(folders::COLOR).is_some() || folder.has_file("odometry.csv");
-    (folder.has_file("depth.txt") && folder.has_file("rgb.txt"))
-        || (folder.sub(folders::DEPTH).is_some() && has_colors)
-        || (folder.sub(&["results"]).is_some() && folder.has_file("traj.txt"))
-        || folder.sub(&["lowres_depth"]).is_some()
-        || has_frames()
+    TABLE.iter().any(|layout| (layout.is_likely)(folder))
 }
 
 /// Whether depth images in `folder` are told by `transforms.json`, or by other files next to it: else those are

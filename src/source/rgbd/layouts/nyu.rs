@@ -13,7 +13,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-pub(super) const LAYOUT: Layout = Layout { name: "NYU", find };
+pub(super) const LAYOUT: Layout = Layout::new("NYU", find);
 
 #[expect(clippy::unnecessary_wraps, reason = "as the layouts are that read files")]
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {

@@ -8,7 +8,7 @@ use crate::source::rgbd::pairs::by_key;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-pub(super) const LAYOUT: Layout = Layout { name: "PCL", find };
+pub(super) const LAYOUT: Layout = Layout::new("PCL", find);
 
 const CAMERA: [f64; 4] = [525.0, 525.0, 320.0, 240.0];
 

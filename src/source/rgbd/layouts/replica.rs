@@ -8,13 +8,20 @@ use crate::source::rgbd::folder::{has_extension, is_image, name_of};
 use crate::source::rgbd::pairs::by_name;
 use std::path::PathBuf;
 
-pub(super) const LAYOUT: Layout = Layout { name: "Replica", find };
+pub(super) const LAYOUT: Layout = Layout {
+    is_likely,
+    ..Layout::new("Replica", find)
+};
 
 /// Of images of 1200 × 680.
 const CAMERA: [f64; 4] = [600.0, 600.0, 599.5, 339.5];
 
 /// Ten metres are the whole range of 16 bits.
 const UNITS_PER_METRE: f64 = 6553.5;
+
+fn is_likely(folder: &Folder) -> bool {
+    folder.sub(&["results"]).is_some() && folder.has_file("traj.txt")
+}
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let results = folder.sub(&["results"]).map(|path| Folder::read(&path)).transpose()?;

@@ -17,10 +17,7 @@ use serde_json::Value;
 use std::path::Path;
 use std::time::Duration;
 
-pub(super) const LAYOUT: Layout = Layout {
-    name: "3D Scanner App",
-    find,
-};
+pub(super) const LAYOUT: Layout = Layout::new("3D Scanner App", find);
 
 #[expect(clippy::unnecessary_wraps, reason = "other layouts may fail")]
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {

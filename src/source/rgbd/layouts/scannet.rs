@@ -13,7 +13,7 @@ use crate::source::rgbd::pairs::by_name;
 use crate::source::rgbd::pose_file::read_pose;
 use glam::DAffine3;
 
-pub(super) const LAYOUT: Layout = Layout { name: "ScanNet", find };
+pub(super) const LAYOUT: Layout = Layout::new("ScanNet", find);
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let (Some(depth), Some(pose)) = (folder.sub(DEPTH), folder.sub(&["pose", "poses"])) else {

@@ -14,10 +14,7 @@ use crate::source::rgbd::text::read;
 use serde_json::Value;
 use std::time::Duration;
 
-pub(super) const LAYOUT: Layout = Layout {
-    name: "ScanNet++",
-    find,
-};
+pub(super) const LAYOUT: Layout = Layout::new("ScanNet++", find);
 
 const NAME: &str = "pose_intrinsic_imu.json";
 

@@ -19,7 +19,10 @@ use crate::source::rgbd::pose_file::read_pose;
 use glam::{DAffine3, DMat3, DVec3};
 use std::path::PathBuf;
 
-pub(super) const LAYOUT: Layout = Layout { name: "7-Scenes", find };
+pub(super) const LAYOUT: Layout = Layout {
+    is_likely,
+    ..Layout::new("7-Scenes", find)
+};
 
 const DEPTH_CAMERA: [f64; 4] = [585.0, 585.0, 320.0, 240.0];
 
@@ -34,6 +37,11 @@ const COLOR_FROM_DEPTH_TURN: DMat3 = DMat3::from_cols(
 
 /// Metres.
 const COLOR_FROM_DEPTH_SHIFT: DVec3 = DVec3::new(-0.025_558_943, 0.000_101_096, 0.002_031_832);
+
+fn is_likely(folder: &Folder) -> bool {
+    let is_depth = |name: &str| name.starts_with("frame-") && name.contains(".depth.");
+    !folder.files(is_depth).is_empty()
+}
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let named = |part: &'static str| {

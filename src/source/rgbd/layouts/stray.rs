@@ -5,7 +5,7 @@
 //! of each frame in `odometry.csv` too. Films are not decoded: images of it in a folder `rgb` are its colours.
 
 use super::beside::Distinct;
-use super::folders::COLOR;
+use super::folders::{COLOR, DEPTH};
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::source::rgbd::calibration::Intrinsics;
 use crate::source::rgbd::pairs::by_name;
@@ -17,8 +17,8 @@ use std::path::Path;
 use std::time::Duration;
 
 pub(super) const LAYOUT: Layout = Layout {
-    name: "Stray Scanner",
-    find,
+    is_likely,
+    ..Layout::new("Stray Scanner", find)
 };
 
 const ODOMETRY: &str = "odometry.csv";
@@ -26,6 +26,10 @@ const CAMERA: &str = "camera_matrix.csv";
 
 /// Columns that have to be there.
 const POSE: [&str; 7] = ["x", "y", "z", "qx", "qy", "qz", "qw"];
+
+fn is_likely(folder: &Folder) -> bool {
+    folder.sub(DEPTH).is_some() && folder.has_file(ODOMETRY)
+}
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let Some(depth) = folder.sub(&["depth"]).filter(|_| folder.has_file(ODOMETRY)) else {

@@ -6,7 +6,7 @@ use crate::source::rgbd::folder::has_extension;
 use crate::source::rgbd::pairs::by_name;
 use std::path::Path;
 
-pub(super) const LAYOUT: Layout = Layout { name: "SUN", find };
+pub(super) const LAYOUT: Layout = Layout::new("SUN", find);
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let camera = "intrinsics.txt";

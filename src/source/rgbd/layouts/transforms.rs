@@ -18,10 +18,7 @@ use crate::source::rgbd::text::read;
 use serde_json::Value;
 use std::path::PathBuf;
 
-pub(super) const LAYOUT: Layout = Layout {
-    name: "transforms.json with depth images",
-    find,
-};
+pub(super) const LAYOUT: Layout = Layout::new("transforms.json with depth images", find);
 
 /// Units of whole numbers that are a metre, unless the file says otherwise.
 const UNITS_PER_METRE: f64 = 1000.0;

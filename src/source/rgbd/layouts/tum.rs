@@ -7,12 +7,19 @@ use crate::source::rgbd::text::read;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-pub(super) const LAYOUT: Layout = Layout { name: "TUM", find };
+pub(super) const LAYOUT: Layout = Layout {
+    is_likely,
+    ..Layout::new("TUM", find)
+};
 
 /// 5000 units are a metre.
 const UNITS_PER_METRE: f64 = 5000.0;
 
 const CAMERA: [f64; 4] = [525.0, 525.0, 319.5, 239.5];
+
+fn is_likely(folder: &Folder) -> bool {
+    folder.has_file("depth.txt") && folder.has_file("rgb.txt")
+}
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     // Both lists are no accident: a model next to them was made of the images.

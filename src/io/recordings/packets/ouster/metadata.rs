@@ -12,7 +12,7 @@ use glam::{DMat4, DVec3};
 use serde_json::Value;
 
 /// Angles of 128 beams and the shifts of as many pixels are some kilobytes.
-pub(in super::super) const MOST_BYTES: u64 = 4 << 20;
+pub(super) const MOST_BYTES: u64 = 4 << 20;
 
 /// Beams of a sensor, columns of a turn and of a packet, at most: twice those of any that there is.
 const MOST_BEAMS: u64 = 256;
@@ -24,15 +24,15 @@ const HEIGHT_MM: f64 = 36.18;
 
 /// What is known of a sensor.
 #[derive(Debug, Clone, PartialEq)]
-pub(in super::super) struct Metadata {
+pub(super) struct Metadata {
     /// For people: the product, or the maker.
-    pub(in super::super) product: String,
-    pub(in super::super) shape: PacketShape,
+    pub(super) product: String,
+    pub(super) shape: PacketShape,
     /// The port that its packets are sent to.
-    pub(in super::super) port: Option<u16>,
-    pub(in super::super) serial: Option<u64>,
+    pub(super) port: Option<u16>,
+    pub(super) serial: Option<u64>,
     /// Columns of a turn.
-    pub(in super::super) columns: usize,
+    pub(super) columns: usize,
     /// Of each beam, degrees.
     pub(super) altitudes_deg: Vec<f64>,
     pub(super) azimuths_deg: Vec<f64>,
@@ -43,7 +43,7 @@ pub(in super::super) struct Metadata {
 }
 
 /// Whether `text` is metadata, or was meant as such.
-pub(in super::super) fn is_metadata(text: &str) -> bool {
+pub(super) fn is_metadata(text: &str) -> bool {
     text.contains("beam_altitude_angles")
 }
 
@@ -51,7 +51,7 @@ pub(in super::super) fn is_metadata(text: &str) -> bool {
 ///
 /// # Errors
 /// What is wrong with it.
-pub(in super::super) fn parse(text: &str) -> Result<Metadata, Fault> {
+pub(super) fn parse(text: &str) -> Result<Metadata, Fault> {
     let root: Value = serde_json::from_str(text).map_err(|error| {
         Fault::header(format!(
             "it is no JSON ({error}), expected the metadata of an Ouster sensor"

@@ -13,19 +13,20 @@
 
 mod metadata;
 mod profile;
+mod sensor;
 
-pub(super) use metadata::{MOST_BYTES as MOST_METADATA_BYTES, Metadata, is_metadata, parse};
-pub(super) use profile::{PacketShape, may_be};
+pub(super) use sensor::MAKER;
 
-use super::frame_id::FrameId;
+use super::part::FrameId;
 use super::points::{Measured, Points};
 use glam::DVec3;
+use metadata::Metadata;
 use profile::Column;
 use std::f64::consts::TAU;
 
 /// Where beams look, worked out once.
 #[derive(Debug)]
-pub(super) struct Scanner {
+struct Scanner {
     metadata: Metadata,
     beams: Vec<Beam>,
 }
@@ -40,7 +41,7 @@ struct Beam {
 
 /// Makes points of the packets of a turn, in any order.
 #[derive(Debug)]
-pub(super) struct Unpacking<'a> {
+struct Unpacking<'a> {
     scanner: &'a Scanner,
     frame: FrameId,
     /// Which columns have come: a packet may be captured twice.
@@ -49,7 +50,7 @@ pub(super) struct Unpacking<'a> {
 }
 
 impl Scanner {
-    pub(super) fn new(metadata: Metadata) -> Self {
+    fn new(metadata: Metadata) -> Self {
         let angles = metadata.altitudes_deg.iter().zip(&metadata.azimuths_deg);
         let altitudes = &metadata.altitudes_deg;
         let is_lower = |index: usize, than: usize| (altitudes[index], than) < (altitudes[than], index);
@@ -70,13 +71,13 @@ impl Scanner {
     }
 
     /// The names of what is known of a point beside its place.
-    pub(super) fn names(&self) -> &'static [&'static str] {
+    fn value_names(&self) -> &'static [&'static str] {
         self.metadata.shape.profile.value_names()
     }
 }
 
 impl<'a> Unpacking<'a> {
-    pub(super) fn new(scanner: &'a Scanner, frame: FrameId) -> Self {
+    fn new(scanner: &'a Scanner, frame: FrameId) -> Self {
         Self {
             scanner,
             frame,
@@ -86,7 +87,7 @@ impl<'a> Unpacking<'a> {
     }
 
     /// Appends the points of a packet, of as much of it as is of the turn. Nothing where it is no packet of the sensor.
-    pub(super) fn packet(&mut self, packet: &[u8], points: &mut Points) {
+    fn packet(&mut self, packet: &[u8], points: &mut Points) {
         let shape = self.scanner.metadata.shape;
         if packet.len() != shape.packet_bytes() {
             return;

@@ -4,7 +4,7 @@
 //! column says of itself which frame it is of and whether it is whole; in the others the packet says the former. A
 //! profile is a row of [`PROFILES`]: where in a pixel the numbers of each echo are.
 
-use super::super::frame_id::FrameId;
+use super::super::part::FrameId;
 use super::super::points::MOST_VALUES;
 
 /// Numbers of a pixel that lie at the same place in all pixels of a profile.
@@ -56,7 +56,7 @@ struct EchoBits {
 
 /// How the pixels of a packet are laid out: `udp_profile_lidar`.
 #[derive(Debug, PartialEq, Eq)]
-pub(in super::super) struct Profile {
+pub(super) struct Profile {
     /// As metadata has it.
     name: &'static str,
     pixel_bytes: usize,
@@ -201,7 +201,7 @@ pub(super) const FUSA: &str = "FUSA_RNG15_RFL8_NIR8_DUAL";
 
 /// How long the packets of a sensor are, and where in them is what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in super::super) struct PacketShape {
+pub(super) struct PacketShape {
     pub(super) profile: &'static Profile,
     /// Whether packets have the header of functional safety (`header_type` is `FUSA`).
     pub(super) is_fusa: bool,
@@ -213,11 +213,11 @@ pub(in super::super) struct PacketShape {
 
 /// A column of a packet, which is whole.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct Column<'a> {
+pub(super) struct Column<'a> {
     /// Nanoseconds since whatever moment the sensor counts from.
-    pub(in super::super) time_ns: u64,
+    pub(super) time_ns: u64,
     /// Which of the turn's columns it is.
-    pub(in super::super) measurement: u16,
+    pub(super) measurement: u16,
     /// The frame that the sensor counts it to.
     frame: u32,
     pub(super) pixels: &'a [u8],
@@ -280,7 +280,7 @@ impl Profile {
 
 impl PacketShape {
     /// Bytes of a packet.
-    pub(in super::super) fn packet_bytes(self) -> usize {
+    pub(super) fn packet_bytes(self) -> usize {
         let [before, _, _, behind] = self.profile.frame_bytes();
         before + self.columns * self.column_bytes() + behind
     }
@@ -301,7 +301,7 @@ impl PacketShape {
     }
 
     /// The frame that a packet is of, where frames begin at measurement `seam`.
-    pub(in super::super) fn frame_of(self, packet: &[u8], seam: u16) -> Option<FrameId> {
+    pub(super) fn frame_of(self, packet: &[u8], seam: u16) -> Option<FrameId> {
         if seam == 0 {
             let number = self.frame_number(packet)?;
             return Some(FrameId { number, seam });
@@ -319,7 +319,7 @@ impl PacketShape {
     }
 
     /// The serial number of the sensor, where packets have it.
-    pub(in super::super) fn serial(self, packet: &[u8]) -> Option<u64> {
+    pub(super) fn serial(self, packet: &[u8]) -> Option<u64> {
         if self.profile.is_legacy() {
             return None;
         }
@@ -330,7 +330,7 @@ impl PacketShape {
     }
 
     /// The whole columns of a packet. Precondition: it has [`PacketShape::packet_bytes`].
-    pub(in super::super) fn columns(self, packet: &[u8]) -> impl Iterator<Item = Column<'_>> {
+    pub(super) fn columns(self, packet: &[u8]) -> impl Iterator<Item = Column<'_>> {
         let [before, head, foot, _] = self.profile.frame_bytes();
         let columns = packet
             .get(before..)
@@ -365,7 +365,7 @@ impl PacketShape {
 }
 
 /// Whether packets of `byte_count` bytes may be of a sensor of Ouster, whatever its metadata says.
-pub(in super::super) fn may_be(byte_count: usize) -> bool {
+pub(super) fn may_be(byte_count: usize) -> bool {
     let shapes = PROFILES.iter().flat_map(|profile| {
         [16, 32, 64, 128].into_iter().map(move |pixels| PacketShape {
             profile,

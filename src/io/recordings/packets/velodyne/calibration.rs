@@ -13,7 +13,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 pub(super) const LASERS: usize = 2 * SHOTS;
 
 /// A calibration has some ten numbers a laser.
-pub(in super::super) const MOST_BYTES: u64 = 4 << 20;
+pub(super) const MOST_BYTES: u64 = 4 << 20;
 
 /// Elements of a file; more are none of a calibration.
 const MOST_NODES: u32 = 100_000;
@@ -42,13 +42,13 @@ pub(super) struct Corrected {
 
 /// The lasers of a sensor, and metres of a unit of its distances.
 #[derive(Debug, Clone, PartialEq)]
-pub(in super::super) struct Calibration {
+pub(super) struct Calibration {
     pub(super) lasers: Vec<Corrected>,
     pub(super) unit_m: f64,
 }
 
 /// Whether `text` is a calibration, or was meant as one.
-pub(in super::super) fn is_calibration(text: &str) -> bool {
+pub(super) fn is_calibration(text: &str) -> bool {
     text.contains("boost_serialization") && text.contains("vertCorrection_")
 }
 
@@ -56,7 +56,7 @@ pub(in super::super) fn is_calibration(text: &str) -> bool {
 ///
 /// # Errors
 /// What is wrong with it.
-pub(in super::super) fn parse(text: &str) -> Result<Calibration, Fault> {
+pub(super) fn parse(text: &str) -> Result<Calibration, Fault> {
     if text.len() as u64 > MOST_BYTES {
         return Err(Fault::header(format!(
             "it has {}, a calibration has less than {}",

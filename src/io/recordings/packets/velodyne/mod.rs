@@ -13,20 +13,20 @@
 mod calibration;
 mod model;
 mod packet;
+mod sensor;
 mod tables;
 
-pub(super) use calibration::{Calibration, MOST_BYTES as MOST_CALIBRATION_BYTES, is_calibration, parse};
-pub(super) use model::Model;
-pub(super) use packet::DataPacket;
+pub(super) use sensor::MAKER;
 
 use super::points::{MOST_VALUES, Measured, Points};
 use super::seam::{Seam, TURN};
-use model::Laser;
-use packet::{BLOCKS, SHOTS};
+use calibration::Calibration;
+use model::{Laser, Model};
+use packet::{BLOCKS, DataPacket, SHOTS};
 use std::ops::Range;
 
 /// The names of what is known of a point beside its place.
-pub(super) const NAMES: &[&str] = &["intensity"];
+const NAMES: &[&str] = &["intensity"];
 
 /// The azimuth grows by less between cycles, at 20 turns a second and with two echoes; more is a gap.
 const MOST_STEP: i32 = 200;
@@ -36,7 +36,7 @@ const HOUR_US: i64 = 3_600_000_000;
 
 /// A sensor whose lasers are known.
 #[derive(Debug)]
-pub(super) struct Scanner {
+struct Scanner {
     model: Model,
     lasers: Lasers,
     /// Of each laser, its place from the lowest.
@@ -53,7 +53,7 @@ enum Lasers {
 impl Scanner {
     /// A sensor of a model whose lasers all look alike, or one with its own calibration. Precondition: a HDL-64E has
     /// one.
-    pub(super) fn new(model: Model, calibration: Option<Calibration>) -> Self {
+    fn new(model: Model, calibration: Option<Calibration>) -> Self {
         let (lasers, unit_m) = match calibration {
             Some(calibration) if model == Model::Hdl64 => {
                 let unit_m = calibration.unit_m;
@@ -104,7 +104,7 @@ fn cycles(model: Model, packet: DataPacket<'_>) -> (usize, usize) {
 
 /// Finds where turns begin, packet by packet.
 #[derive(Debug)]
-pub(super) struct Turning {
+struct Turning {
     model: Model,
     seam: Seam,
     /// Of the cycle before, from the seam on.
@@ -112,7 +112,7 @@ pub(super) struct Turning {
 }
 
 impl Turning {
-    pub(super) fn new(model: Model) -> Self {
+    fn new(model: Model) -> Self {
         Self {
             model,
             seam: Seam::default(),
@@ -121,20 +121,20 @@ impl Turning {
     }
 
     /// Revolutions begin at `seam` from the next packet on.
-    pub(super) fn set_seam(&mut self, seam: Seam) {
+    fn set_seam(&mut self, seam: Seam) {
         self.seam = seam;
         self.azimuth = None;
     }
 
     /// The azimuths of the cycles of `packet` that measured.
-    pub(super) fn azimuths(&self, packet: DataPacket<'_>) -> impl Iterator<Item = i32> {
+    fn azimuths(&self, packet: DataPacket<'_>) -> impl Iterator<Item = i32> {
         let (blocks, count) = cycles(self.model, packet);
         let blocks = (0..count).map(move |cycle| packet.block(cycle * blocks));
         blocks.filter(|block| block.bank.is_some()).map(|block| block.azimuth)
     }
 
     /// The cycle of `packet` at which a turn begins; `None` where it goes on, 0 for the first packet.
-    pub(super) fn begins_at(&mut self, packet: DataPacket<'_>) -> Option<u8> {
+    fn begins_at(&mut self, packet: DataPacket<'_>) -> Option<u8> {
         let (blocks, count) = cycles(self.model, packet);
         let mut found = None;
         for cycle in 0..count {
@@ -153,7 +153,7 @@ impl Turning {
 
 /// Makes points of the packets of a turn, one after the other.
 #[derive(Debug)]
-pub(super) struct Unpacking<'a> {
+struct Unpacking<'a> {
     scanner: &'a Scanner,
     /// The first azimuth of the cycle before, and the last step that was one.
     azimuth: Option<i32>,
@@ -163,7 +163,7 @@ pub(super) struct Unpacking<'a> {
 }
 
 impl<'a> Unpacking<'a> {
-    pub(super) fn new(scanner: &'a Scanner) -> Self {
+    fn new(scanner: &'a Scanner) -> Self {
         Self {
             scanner,
             azimuth: None,
@@ -173,7 +173,7 @@ impl<'a> Unpacking<'a> {
     }
 
     /// Appends the points of the cycles `wanted` of `packet`.
-    pub(super) fn packet(&mut self, packet: DataPacket<'_>, wanted: Range<usize>, points: &mut Points) {
+    fn packet(&mut self, packet: DataPacket<'_>, wanted: Range<usize>, points: &mut Points) {
         let model = self.scanner.model;
         let (blocks, count) = cycles(model, packet);
         let time_us = self.time_us(packet.time_us()) as f64;

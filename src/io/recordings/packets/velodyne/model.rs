@@ -20,7 +20,7 @@ pub(super) struct Laser {
 
 /// A model, told by its packets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in super::super) enum Model {
+pub(super) enum Model {
     /// VLP-16, Puck, Puck LITE.
     Vlp16,
     /// The same with lasers that are closer together.
@@ -40,7 +40,7 @@ impl Model {
     ///
     /// # Errors
     /// The byte that tells of it, where it is of none that is known.
-    pub(in super::super) fn of(packet: DataPacket<'_>) -> Result<Self, u8> {
+    pub(super) fn of(packet: DataPacket<'_>) -> Result<Self, u8> {
         // The HDL-64E has other things where others tell their model, but names its banks.
         let has_bank = |bank: usize| (0..4).any(|index| packet.block(index).bank == Some(bank));
         match packet.product() {

@@ -5,7 +5,7 @@
 use super::super::seam::TURN;
 
 /// All data packets are as long.
-pub(in super::super) const PACKET_BYTES: usize = 1206;
+pub(super) const PACKET_BYTES: usize = 1206;
 
 /// Blocks of a packet.
 pub(super) const BLOCKS: usize = 12;
@@ -20,7 +20,7 @@ const BANKS: [[u8; 2]; 4] = [[0xff, 0xee], [0xff, 0xdd], [0xff, 0xcc], [0xff, 0x
 
 /// A data packet.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct DataPacket<'a>(&'a [u8; PACKET_BYTES]);
+pub(super) struct DataPacket<'a>(&'a [u8; PACKET_BYTES]);
 
 /// A block of a packet.
 #[derive(Debug, Clone, Copy)]
@@ -43,7 +43,7 @@ pub(super) struct Shot {
 
 impl<'a> DataPacket<'a> {
     /// A data packet, if `bytes` are one.
-    pub(in super::super) fn of(bytes: &'a [u8]) -> Option<Self> {
+    pub(super) fn of(bytes: &'a [u8]) -> Option<Self> {
         let bytes: &[u8; PACKET_BYTES] = bytes.try_into().ok()?;
         bytes.starts_with(&BANKS[0]).then_some(Self(bytes))
     }
@@ -59,7 +59,7 @@ impl<'a> DataPacket<'a> {
     }
 
     /// Microseconds since the hour, of the first shot.
-    pub(in super::super) fn time_us(self) -> u32 {
+    pub(super) fn time_us(self) -> u32 {
         u32::from_le_bytes([self.0[1200], self.0[1201], self.0[1202], self.0[1203]])
     }
 

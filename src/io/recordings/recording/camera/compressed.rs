@@ -5,8 +5,7 @@
 
 use super::super::bytes::Bytes;
 use super::messages::PackedImage;
-use super::rvl;
-use crate::io::raster::{self, Raster, Samples};
+use crate::raster::{self, Raster, Samples, rvl};
 
 /// The pixels of an image; the error is the end of a sentence.
 pub(super) fn raster(image: &PackedImage<'_>, most_bytes: u64) -> Result<Raster, String> {

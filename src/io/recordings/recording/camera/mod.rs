@@ -7,7 +7,6 @@ mod bayer;
 mod compressed;
 mod messages;
 mod pixels;
-pub(crate) mod rvl;
 mod topics;
 mod yuv;
 
@@ -15,7 +14,7 @@ pub(crate) use messages::{CameraInfo, ImageHead, Link, Window, camera_info, extr
 pub(crate) use topics::{CameraMessage, CameraTopic, CameraTopics};
 
 use super::message::Message;
-use crate::io::raster::Raster;
+use crate::raster::Raster;
 
 /// The image of a message; the error is the end of a sentence.
 pub(super) fn image(bytes: &[u8], message: &Message, kind: CameraMessage, most_bytes: u64) -> Result<Raster, String> {

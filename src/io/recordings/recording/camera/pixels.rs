@@ -3,7 +3,7 @@
 use super::bayer::Mosaic;
 use super::messages::RawImage;
 use super::yuv::Yuv;
-use crate::io::raster::{Raster, Samples};
+use crate::raster::{Raster, Samples};
 
 /// What the bytes of a pixel are.
 #[derive(Debug, Clone, Copy)]

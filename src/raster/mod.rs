@@ -1,36 +1,33 @@
 //! Images as cameras record them: distances in 16 bits or in floats, and colours.
 //!
 //! PNG, JPEG, PNM, WebP and others are read by `image`, TIFF by `tiff` (which has single floats, where `image` refuses
-//! them), arrays of numpy by `arrays.rs`, the images of PCL's grabbers here: `PCLZF`, width, height, kind, packed and
-//! unpacked length, then LZF.
+//! them), arrays of numpy by `arrays.rs`, the images of PCL's grabbers by `pclzf.rs`. [`rvl`] packs distances alone and
+//! has no first bytes to be known by: whoever has such bytes says so.
+//!
+//! Nothing here reads files: recordings, streams and files of other programs hand over bytes.
 
 mod arrays;
+mod lzf;
+mod pclzf;
 mod pixels;
+pub(crate) mod rvl;
 
-use super::error::mebibytes;
-use crate::io::files::unpack::unpack_lzf;
 pub(crate) use arrays::members_of_npz;
-use image::{DynamicImage, ImageError, ImageReader, Limits};
+pub(crate) use lzf::unpack_lzf;
 pub(crate) use pixels::{DEPTH_PIXEL_BYTES, Raster, Samples};
-use pixels::{MOST_EDGE_PX, checked_bytes, checked_size};
+
+use crate::memory::mebibytes;
+use image::{DynamicImage, ImageError, ImageReader, Limits};
+use pixels::{MOST_EDGE_PX, checked_size};
 use std::io::Cursor;
-
-/// First bytes of images of PCL.
-const PCLZF: &[u8] = b"PCLZF";
-
-/// Bytes of an image of PCL before the packed ones.
-const PCLZF_HEADER_BYTES: usize = 37;
-
-/// The most that LZF can reach: 264 bytes out of three.
-const MOST_LZF_RATIO: u64 = 88;
 
 /// The image in `bytes`, which takes no more than `most_bytes`.
 ///
 /// # Errors
 /// What is wrong with it, as the end of a sentence.
 pub(crate) fn decode(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
-    let raster = if bytes.starts_with(PCLZF) {
-        decode_pclzf(bytes, most_bytes)?
+    let raster = if bytes.starts_with(pclzf::MAGIC) {
+        pclzf::decode(bytes, most_bytes)?
     } else if bytes.starts_with(arrays::NPY) {
         arrays::decode_npy(bytes, most_bytes)?
     } else if bytes.starts_with(arrays::NPZ) {
@@ -53,8 +50,8 @@ pub(crate) fn decode(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
 /// # Errors
 /// As [`decode`].
 pub(crate) fn size_px(bytes: &[u8]) -> Result<[u32; 2], String> {
-    if bytes.starts_with(PCLZF) {
-        return Ok(PclzfHeader::of(bytes)?.size_px);
+    if bytes.starts_with(pclzf::MAGIC) {
+        return pclzf::size_px(bytes);
     }
     if bytes.starts_with(arrays::NPY) {
         return arrays::npy_size_px(bytes);
@@ -138,93 +135,6 @@ fn decode_tiff(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
     Ok(Raster { size_px, samples })
 }
 
-/// What is before the packed bytes of an image of PCL.
-struct PclzfHeader {
-    size_px: [u32; 2],
-    kind: String,
-    packed_bytes: u64,
-    bytes: u64,
-}
-
-impl PclzfHeader {
-    fn of(file: &[u8]) -> Result<Self, String> {
-        let header: &[u8; PCLZF_HEADER_BYTES] = file
-            .first_chunk()
-            .ok_or_else(|| format!("it ends within its header of {PCLZF_HEADER_BYTES} bytes"))?;
-        let number = |at: usize| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
-        Ok(Self {
-            size_px: checked_size([number(5), number(9)])?,
-            kind: String::from_utf8_lossy(&header[13..29])
-                .trim_end_matches([' ', '\0'])
-                .to_ascii_lowercase(),
-            packed_bytes: number(29).into(),
-            bytes: number(33).into(),
-        })
-    }
-}
-
-fn decode_pclzf(file: &[u8], most_bytes: u64) -> Result<Raster, String> {
-    let header = PclzfHeader::of(file)?;
-    let packed = &file[PCLZF_HEADER_BYTES..];
-    if packed.len() as u64 != header.packed_bytes {
-        return Err(format!(
-            "it has {} packed bytes and claims {}: it may not have been written to its end",
-            packed.len(),
-            header.packed_bytes
-        ));
-    }
-    let pixels = header.size_px.map(u64::from).iter().product::<u64>();
-    let bytes_per_pixel = match header.kind.as_str() {
-        "depth16" | "yuv422" => 2,
-        "rgb24" => 3,
-        kind => {
-            return Err(format!(
-                "its pixels are of kind `{}`: depth16, rgb24 and yuv422 are read",
-                kind.escape_default()
-            ));
-        }
-    };
-    if header.bytes != pixels * bytes_per_pixel || header.bytes > header.packed_bytes * MOST_LZF_RATIO {
-        return Err(format!("it claims {} bytes for {pixels} pixels", header.bytes));
-    }
-    checked_bytes(header.bytes, most_bytes)?;
-    let bytes = unpack_lzf(packed, header.bytes as usize)
-        .ok()
-        .filter(|bytes| bytes.len() as u64 == header.bytes)
-        .ok_or("its packed bytes are damaged")?;
-    let samples = match header.kind.as_str() {
-        "depth16" => {
-            let samples = bytes.as_chunks().0.iter();
-            Samples::Gray16(samples.map(|&sample| u16::from_le_bytes(sample)).collect())
-        }
-        "rgb24" => {
-            // All of red, all of green, all of blue.
-            let (red, rest) = bytes.split_at(pixels as usize);
-            let (green, blue) = rest.split_at(pixels as usize);
-            let pixels = red.iter().zip(green).zip(blue);
-            Samples::Rgb8(pixels.map(|((&r, &g), &b)| [r, g, b]).collect())
-        }
-        _ => Samples::Rgb8(colors_of_yuv422(&bytes)),
-    };
-    Ok(Raster {
-        size_px: header.size_px,
-        samples,
-    })
-}
-
-/// The colours of all U, then all Y, then all V, of which U and V are of two pixels (ITU-R BT.601, full range).
-fn colors_of_yuv422(bytes: &[u8]) -> Vec<[u8; 3]> {
-    let pairs = bytes.len() / 4;
-    let (u, rest) = bytes.split_at(pairs);
-    let (y, v) = rest.split_at(2 * pairs);
-    let color = |(at, &y): (usize, &u8)| {
-        let [u, v] = [u[at / 2], v[at / 2]].map(|difference| f32::from(difference) - 128.0);
-        let y = f32::from(y);
-        [y + 1.402 * v, y - 0.344_14 * u - 0.714_14 * v, y + 1.772 * u].map(|channel| channel.round() as u8)
-    };
-    y.iter().enumerate().map(color).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -240,7 +150,7 @@ mod tests {
         let mut packed = vec![0; lzf_rust::max_compressed_size(unpacked.len())];
         let count = lzf_rust::compress(unpacked, &mut packed).unwrap();
         packed.truncate(count);
-        let mut bytes = PCLZF.to_vec();
+        let mut bytes = super::pclzf::MAGIC.to_vec();
         bytes.extend(size.into_iter().flat_map(u32::to_le_bytes));
         bytes.extend(format!("{kind:16}").into_bytes());
         bytes.extend((packed.len() as u32).to_le_bytes());

@@ -1,6 +1,6 @@
 //! Pixels of images, and how many may be read.
 
-use super::super::error::mebibytes;
+use crate::memory::mebibytes;
 
 /// Most pixels along an edge.
 pub(super) const MOST_EDGE_PX: u32 = 1 << 15;

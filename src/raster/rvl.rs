@@ -4,19 +4,19 @@
 //! fill words of 32 bits from the top, which are written little endian. Differences have their sign in the lowest bit,
 //! and go on over holes. Width and height stand before the words.
 
-use super::super::bytes::Bytes;
-use crate::io::raster::{DEPTH_PIXEL_BYTES, Raster, Samples};
+use super::pixels::{DEPTH_PIXEL_BYTES, MOST_EDGE_PX, Raster, Samples};
 
 /// Nibbles that hold 16 bits, a sign, or the pixels of the largest image.
 const MOST_NIBBLES: u32 = 11;
-/// Most pixels along an edge.
-const MOST_EDGE_PX: u32 = 1 << 15;
 
 /// The image in `bytes`, which takes no more than `most_bytes`; the error is the end of a sentence.
 pub(crate) fn decode(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
-    let mut head = Bytes::new(bytes);
-    let size = head.u32().zip(head.u32());
-    let (width, height) = size.ok_or("it is shorter than its width and height")?;
+    let (&[width, height], words) = bytes
+        .as_chunks()
+        .0
+        .split_first_chunk()
+        .ok_or("it is shorter than its width and height")?;
+    let [width, height] = [width, height].map(u32::from_le_bytes);
     let edges = 1..=MOST_EDGE_PX;
     let pixels = u64::from(width) * u64::from(height);
     if !edges.contains(&width) || !edges.contains(&height) || DEPTH_PIXEL_BYTES * pixels > most_bytes {
@@ -27,7 +27,7 @@ pub(crate) fn decode(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
         ));
     }
     let mut nibbles = Nibbles {
-        words: head,
+        words,
         word: 0,
         left: 0,
     };
@@ -41,7 +41,8 @@ pub(crate) fn decode(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
 }
 
 struct Nibbles<'a> {
-    words: Bytes<'a>,
+    /// Those that were not begun.
+    words: &'a [[u8; 4]],
     word: u32,
     /// Nibbles of it that were not read.
     left: u32,
@@ -52,7 +53,8 @@ impl Nibbles<'_> {
         let mut number = 0;
         for place in 0..MOST_NIBBLES {
             if self.left == 0 {
-                self.word = self.words.u32()?;
+                let (&word, words) = self.words.split_first()?;
+                (self.word, self.words) = (u32::from_le_bytes(word), words);
                 self.left = 8;
             }
             let nibble = self.word >> 28;

@@ -1,4 +1,13 @@
-//! Numbers of the frames of a sensor.
+//! What of some packets is one turn's.
+
+/// What of the packets of a turn is the turn's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum TurnPart {
+    /// From this cycle of the first packet to before that cycle of the last one.
+    Cycles { first: u8, end: u8 },
+    /// The columns of a frame.
+    Frame(FrameId),
+}
 
 /// A frame of a sensor that numbers them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
