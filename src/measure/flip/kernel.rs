@@ -1,8 +1,8 @@
 //! Separable filters whose borders repeat the outermost pixels.
 //!
 //! How it works: a row (or column) is convolved by adding it up shifted, once for each tap, which is one multiplication
-//! and addition on neighbouring numbers, eight at once. Rows are shared out among threads; each is written by one, so that the answer
-//! does not depend on how many there are.
+//! and addition on neighbouring numbers, eight at once. Rows are shared out among threads; each is written by one, so
+//! that the answer does not depend on how many there are.
 
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
