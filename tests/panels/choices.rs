@@ -92,7 +92,8 @@ fn presets_are_applied_saved_and_deleted() {
     let style = harness.state().style;
     harness.run();
     click(&mut harness, "Presets");
-    click(&mut harness, "Save settings…");
+    harness.get_by_label_contains("Save settings…").click();
+    harness.run();
     harness
         .get_by_role_and_label(Role::TextInput, "Name of the preset")
         .type_text("mine");

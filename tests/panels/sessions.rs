@@ -303,7 +303,8 @@ fn window_of(options: StateOptions, file: &Path) -> Harness<'static, State> {
 
 fn told(state: &State) -> String {
     let notices = state.notices.list().iter();
-    notices.map(|notice| format!("{}; ", notice.text)).collect()
+    let texts: Vec<&str> = notices.map(|notice| notice.text.as_str()).collect();
+    texts.join("; ")
 }
 
 #[test]

@@ -17,6 +17,7 @@ pub(super) use file::opens_example;
 
 use super::command::{Act, Command, CommandRow};
 use super::features::Features;
+use super::features::feature::Feature;
 use super::open_panels::PanelId;
 use super::state::State;
 
@@ -24,7 +25,7 @@ use super::state::State;
 pub fn commands() -> impl Iterator<Item = &'static CommandRow<State>> {
     let own = [playing::ROWS, view::ROWS, file::ROWS, window::ROWS, values::ROWS];
     let of_features = Features::rows::<State>().into_iter();
-    let of_features = of_features.map(|feature| feature.commands());
+    let of_features = of_features.map(Feature::commands);
     own.into_iter().chain(of_features).flatten()
 }
 

@@ -4,6 +4,7 @@ use super::colors::colors_ui;
 use super::depth_filters::depth_filters_ui;
 use super::style::{section_rows, section_ui, word};
 use crate::app::features::Features;
+use crate::app::features::feature::Feature;
 use crate::app::settings_row::SettingsPart;
 pub(super) use crate::app::widgets::rows::{choice, choice_among, heading, note_below, row, rows};
 use crate::app::widgets::sought;
@@ -90,9 +91,7 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
 
 /// The sections of features that are in a part of the panel.
 fn sections(ui: &mut Ui, state: &mut State, part: SettingsPart) {
-    let rows = Features::rows::<State>()
-        .into_iter()
-        .flat_map(|feature| feature.settings());
+    let rows = Features::rows::<State>().into_iter().flat_map(Feature::settings);
     let mut rows: Vec<_> = rows.filter(|row| row.part == part).collect();
     rows.sort_by_key(|row| row.rank);
     for row in rows {

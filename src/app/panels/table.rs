@@ -9,6 +9,7 @@ use super::question::session_question_ui;
 use super::settings::settings_ui;
 use super::statistics::statistics_ui;
 use crate::app::features::Features;
+use crate::app::features::feature::Feature;
 use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::{PanelId, State};
 
@@ -40,7 +41,7 @@ const WINDOWS: &[PanelRow<State>] = &[
 /// All but menu and picture, in the order in which they are laid out.
 pub(super) fn panels() -> impl Iterator<Item = &'static PanelRow<State>> {
     let of_features = Features::rows::<State>().into_iter();
-    let of_features = of_features.flat_map(|feature| feature.panels());
+    let of_features = of_features.flat_map(Feature::panels);
     BESIDE.iter().chain(of_features).chain(WINDOWS)
 }
 

@@ -18,6 +18,9 @@ enum Picks {
     NewFile,
 }
 
+/// What becomes of the paths that were chosen.
+type Answer<S> = Box<dyn FnOnce(&mut S, Vec<PathBuf>) + Send>;
+
 /// A dialog of a window with the state `S`: what it asks for, and what becomes of the answer. Who needs one makes it;
 /// nothing else lists them.
 pub(in crate::app) struct Dialog<S> {
@@ -27,7 +30,7 @@ pub(in crate::app) struct Dialog<S> {
     file_name: Option<String>,
     without: &'static str,
     is_of_own_work: bool,
-    answer: Box<dyn FnOnce(&mut S, Vec<PathBuf>) + Send>,
+    answer: Answer<S>,
 }
 
 impl<S> fmt::Debug for Dialog<S> {

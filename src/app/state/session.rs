@@ -9,7 +9,7 @@ use super::opened::{Opened, SavedSession};
 use crate::app::side::Side;
 use crate::app::work::files::with_extension;
 use crate::app::work::tasks::TaskFailed;
-use crate::document::{Document, EXTENSION, ReadSession, TextHash, Unsaved, UnsavedPlace};
+use crate::document::{Document, EXTENSION, ReadSession, Reading, TextHash, Unsaved, UnsavedPlace};
 use crate::playback::Player;
 use crate::sequence::{OpenOptions, Sequence};
 use crate::source::SessionReach;
@@ -180,13 +180,17 @@ impl State {
             document,
             warnings,
             text_hash,
-            unsaved,
+            mut unsaved,
         } = read;
         self.keep_document();
-        let changes = match &unsaved {
-            Unsaved::Restored(saved) => document.changes_from(saved),
-            _ => String::new(),
-        };
+        let mut changes = String::new();
+        if let Unsaved::Restored(saved) = &mut unsaved {
+            // As the window would have written it.
+            let read = Reading::of(&saved.reading.over(&self.shared.options.open));
+            let topic = read.topic.clone().or_else(|| document.reading.topic.clone());
+            saved.reading = Reading { topic, ..read };
+            changes = document.changes_from(saved);
+        }
         let before = self.new_style();
         let chosen = document.style();
         if !self.show(sequence, chosen) {
