@@ -10,8 +10,8 @@ use crate::sequence::{FrameError, Needs, PreparedFrame, Sequence};
 use std::fmt;
 use std::sync::Arc;
 
-/// Other frames and photographs: without a window they are waited for, with one they are those in memory. There are none
-/// but for what is said.
+/// Other frames and photographs: without a window they are waited for, with one they are those in memory. By default
+/// there are none.
 pub trait Frames: fmt::Debug {
     /// Number of frames of the sequence.
     fn frame_count(&self) -> usize {
