@@ -1,12 +1,14 @@
 //! What a row of the table of formats can do.
 
-use super::contents::{Entry, Part};
+use super::contents::{Contents, Entry, Part};
 use super::error::{Fault, IoError};
 use super::format::Format;
 use super::write::Encoder;
 use crate::cloud::RawCloud;
 use crate::io::columns::fixed_rows::FixedRows;
 use crate::io::options::ReadOptions;
+use crate::io::recordings::recording;
+use crate::io::recordings::recording::camera::CameraTopics;
 use crate::progress::Progress;
 use std::path::Path;
 
@@ -25,6 +27,12 @@ pub(super) struct Encoded<'a> {
 
 type Decode = fn(&Encoded<'_>) -> Result<RawCloud, Fault>;
 
+/// The frames in a file of a format that are read one by one, of the topic that is named.
+type ContentsOf = fn(&Path, Format, Option<&str>, &ReadOptions) -> Result<Contents, IoError>;
+
+/// What cameras have published in a file of a format; also where it has point clouds, if asked for.
+type CamerasOf = fn(&Path, Format, bool, &ReadOptions) -> Result<CameraTopics, IoError>;
+
 /// The frames in a file.
 type List = fn(&Path, &ReadOptions) -> Result<Vec<Entry>, IoError>;
 
@@ -37,6 +45,10 @@ pub(super) struct Codec {
     pub(super) decode: Decode,
     /// `None` where a file is one frame, or its frames are files or messages within it.
     pub(super) list: Option<List>,
+    /// Where frames lie in a file as whole files, messages or packets.
+    pub(super) contents: Option<ContentsOf>,
+    /// Where a file may have images of cameras.
+    pub(super) cameras: Option<CamerasOf>,
     /// Where points are rows with named columns.
     pub(super) columns: Option<NamedColumns>,
     /// The ways to write it.
@@ -60,18 +72,31 @@ impl Codec {
             format,
             decode,
             list: None,
+            contents: None,
+            cameras: None,
             columns: None,
             encoders: &[],
         }
     }
 
     /// A format of which the frames are read one by one.
-    pub(super) const fn container(format: Format) -> Self {
-        Self::reading(format, |file| {
-            Err(Fault::header(format!(
-                "a {} file within another file is not read: unpack the outer one first",
-                file.format
-            )))
-        })
+    pub(super) const fn container(format: Format, contents: ContentsOf) -> Self {
+        Self {
+            contents: Some(contents),
+            ..Self::reading(format, |file| {
+                Err(Fault::header(format!(
+                    "a {} file within another file is not read: unpack the outer one first",
+                    file.format
+                )))
+            })
+        }
+    }
+
+    /// A format of messages, which may be those of cameras.
+    pub(super) const fn recording(format: Format) -> Self {
+        Self {
+            cameras: Some(recording::cameras),
+            ..Self::container(format, recording::list)
+        }
     }
 }

@@ -44,12 +44,8 @@ pub(super) enum Holding {
     Layers,
     /// Rows of text, which may be those of several frames.
     Blocks,
-    /// Files.
-    Members,
-    /// Messages with clouds among others.
-    Messages,
-    /// Packets of laser scanners, of which each turn is a frame.
-    Turns,
+    /// Files, messages or packets, of which some are a frame.
+    Parts,
 }
 
 /// Bytes that a file has at a place.
@@ -127,11 +123,6 @@ impl Format {
         self.0.convention
     }
 
-    /// What a file of it may hold.
-    pub(super) fn holds(self) -> Holding {
-        self.0.holds
-    }
-
     /// Whether a file of this format may hold more than one frame.
     pub fn holds_many(self) -> bool {
         self.0.holds != Holding::Cloud
@@ -150,7 +141,7 @@ impl Format {
     /// Whether frames lie in a file of this format as whole files, messages or packets: each is read alone, as the file
     /// may be larger than the memory.
     pub fn is_container(self) -> bool {
-        matches!(self.0.holds, Holding::Members | Holding::Messages | Holding::Turns)
+        self.0.holds == Holding::Parts
     }
 
     /// Whether files of this format are surfaces of which the vertices alone show little.

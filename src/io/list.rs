@@ -2,10 +2,9 @@
 
 use super::contents::{Contents, Entry};
 use super::error::IoError;
-use super::format::{Format, Holding};
+use super::format::Format;
 use crate::io::options::ReadOptions;
 use crate::io::recordings::recording::camera::CameraTopics;
-use crate::io::recordings::{archive, packets, recording};
 use crate::regular_file;
 use std::fs::File;
 use std::io::Read as _;
@@ -29,10 +28,12 @@ pub fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
 /// What cameras have published in the recording at `path`: nothing where it is no recording, and where it has point
 /// clouds, unless cameras are asked for `beside_clouds`.
 pub(crate) fn cameras(path: &Path, beside_clouds: bool, options: &ReadOptions) -> Result<CameraTopics, IoError> {
-    match Format::detect(path, &first_bytes(path)?) {
-        Some(format) if format.holds() == Holding::Messages => recording::cameras(path, format, beside_clouds, options),
-        _ => Ok(CameraTopics::default()),
-    }
+    let format = Format::detect(path, &first_bytes(path)?);
+    let cameras = format.and_then(|format| Some((format, format.codec()?.cameras?)));
+    cameras.map_or_else(
+        || Ok(CameraTopics::default()),
+        |(format, cameras)| cameras(path, format, beside_clouds, options),
+    )
 }
 
 /// What is in a file of `format`.
@@ -42,16 +43,13 @@ pub(super) fn list_format(
     topic: Option<&str>,
     options: &ReadOptions,
 ) -> Result<Contents, IoError> {
-    let entries = match format.holds() {
-        Holding::Messages => return recording::list(path, format, topic, options),
-        Holding::Turns => return packets::list(path, topic, options),
-        Holding::Members => return archive::list(path, format, options),
-        Holding::Cloud | Holding::Scans | Holding::Moments | Holding::Layers | Holding::Blocks => {
-            match format.codec().and_then(|codec| codec.list) {
-                Some(list) => list(path, options)?,
-                None => vec![Entry::whole()],
-            }
-        }
+    let codec = format.codec();
+    if let Some(contents) = codec.and_then(|codec| codec.contents) {
+        return contents(path, format, topic, options);
+    }
+    let entries = match codec.and_then(|codec| codec.list) {
+        Some(list) => list(path, options)?,
+        None => vec![Entry::whole()],
     };
     Ok(Contents::of_entries(entries))
 }

@@ -84,8 +84,8 @@ const OPENERS: &[Opener] = &[
     }),
 ];
 
-/// The source that `inputs` name: frames that are made (`demo:`), standard input (`-`), a sensor ([`LiveScanner`]), a stream
-/// ([`LiveStream`]) or what was recorded of one ([`RecordedStream`]), a sequence file ([`Reel`]), calibrated
+/// The source that `inputs` name: frames that are made (`demo:`), standard input (`-`), a sensor ([`LiveScanner`]), a
+/// stream ([`LiveStream`]) or what was recorded of one ([`RecordedStream`]), a sequence file ([`Reel`]), calibrated
 /// photographs of one moment ([`PhotoScene`]) or of many ([`PhotoVideo`]), a recording of depth images
 /// ([`RgbdRecording`]), else files, folders and patterns. `progress` counts the files that were looked at, and may be
 /// cancelled.

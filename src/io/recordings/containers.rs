@@ -4,7 +4,7 @@ use crate::cloud::{AxisConvention, LengthUnit};
 use crate::io::format::{Format, Holding, Magic, Traits};
 
 const RECORDING: Traits = Traits {
-    holds: Holding::Messages,
+    holds: Holding::Parts,
     // REP 103, and the documents of Foxglove.
     unit: Some(LengthUnit::Metre),
     ..Traits::PLAIN
@@ -47,7 +47,7 @@ pub(in crate::io) const CAPTURE: Format = Format::new(&Traits {
         Magic::start(b"\x34\xcd\xb2\xa1"),
         Magic::start(b"\x0a\x0d\x0d\x0a"),
     ],
-    holds: Holding::Turns,
+    holds: Holding::Parts,
     // As the manuals of the sensors have it.
     convention: Some(AxisConvention::UsuallyZUp),
     unit: Some(LengthUnit::Metre),
@@ -59,7 +59,7 @@ pub(in crate::io) const ZIP: Format = Format::new(&Traits {
     name: "ZIP",
     extensions: &["zip"],
     magic: &[Magic::start(b"PK\x03\x04"), Magic::start(b"PK\x05\x06")],
-    holds: Holding::Members,
+    holds: Holding::Parts,
     ..Traits::PLAIN
 });
 
@@ -75,6 +75,6 @@ pub(in crate::io) const TAR: Format = Format::new(&Traits {
             bytes: b"ustar",
         },
     ],
-    holds: Holding::Members,
+    holds: Holding::Parts,
     ..Traits::PLAIN
 });

@@ -10,10 +10,16 @@ use super::codec::Codec;
 
 /// Files that hold others.
 pub(super) const TABLE: &[Codec] = &[
-    Codec::container(containers::MCAP),
-    Codec::container(containers::BAG),
-    Codec::container(containers::DB3),
-    Codec::container(containers::CAPTURE),
-    Codec::container(containers::ZIP),
-    Codec::container(containers::TAR),
+    Codec::recording(containers::MCAP),
+    Codec::recording(containers::BAG),
+    Codec::recording(containers::DB3),
+    Codec::container(containers::CAPTURE, |path, _, sensor, options| {
+        packets::list(path, sensor, options)
+    }),
+    Codec::container(containers::ZIP, |path, format, _, options| {
+        archive::list(path, format, options)
+    }),
+    Codec::container(containers::TAR, |path, format, _, options| {
+        archive::list(path, format, options)
+    }),
 ];

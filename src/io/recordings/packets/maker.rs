@@ -1,7 +1,8 @@
 //! Makers of sensors whose packets are read: what a row of the table of makers ([`super::makers`]) has.
 //!
 //! A [`Recogniser`] says of a datagram how certain it is of a sensor of the maker, and opens that [`Sensor`], which
-//! finds where turns begin. Its [`Scanner`] is all that is needed to make points of the packets of a turn, by [`Unpack`].
+//! finds where turns begin. Its [`Scanner`] is all that is needed to make points of the packets of a turn, by
+//! [`Unpack`].
 
 use super::companions::Companions;
 use super::link::Datagram;

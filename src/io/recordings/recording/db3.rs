@@ -4,11 +4,9 @@
 //! virtual tables, generated columns), so plain tables are asked for; and a damaged one that leads in circles is left
 //! when it yields more rows than the file has bytes for.
 
-use super::super::containers;
 use super::found::{FoundMessages, Wanted};
 use super::message::MessagePlace;
 use crate::io::error::Fault;
-use crate::io::format::Format;
 use crate::io::options::ReadOptions;
 use crate::io::refused::foreign::{self, Foreign};
 use rusqlite::{Connection, OpenFlags};
@@ -52,10 +50,7 @@ pub(super) fn find(path: &Path, wanted: Wanted) -> Result<FoundMessages, Fault> 
 }
 
 /// The kind of the database at `path`, where its tables are those of a program that is known.
-pub(super) fn foreign_kind(path: &Path, format: Format) -> Option<&'static Foreign> {
-    if format != containers::DB3 {
-        return None;
-    }
+pub(super) fn foreign_kind(path: &Path) -> Option<&'static Foreign> {
     let names = table_names(path).unwrap_or_default();
     if has_bag_tables(&names) {
         return None;

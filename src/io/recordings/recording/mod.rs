@@ -15,6 +15,7 @@ mod db3;
 mod encoding;
 mod found;
 mod foxglove;
+mod kind;
 mod livox;
 mod mcap;
 mod message;
@@ -37,11 +38,31 @@ use crate::raster::Raster;
 use camera::{CameraMessage, CameraTopics};
 use encoding::Encoding;
 use found::{FoundMessages, Wanted};
+use kind::{Find, Kind};
 use message::MessagePlace;
 use serialisation::Serialisation;
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::Path;
+
+/// Kinds of recordings.
+const KINDS: &[Kind] = &[
+    Kind {
+        format: containers::MCAP,
+        find: Find::Walk(mcap::find),
+        foreign_kind: |_| None,
+    },
+    Kind {
+        format: containers::BAG,
+        find: Find::Walk(bag::find),
+        foreign_kind: |_| None,
+    },
+    Kind {
+        format: containers::DB3,
+        find: Find::Ask(db3::find),
+        foreign_kind: db3::foreign_kind,
+    },
+];
 
 /// The topics of the recording at `path`, and the point clouds of `topic` (of the one that has the most, if `None`) in
 /// the order of their time.
@@ -74,17 +95,17 @@ fn find(path: &Path, format: Format, wanted: Wanted, options: &ReadOptions) -> R
         path: path.to_owned(),
         source,
     };
-    let found = if format == containers::DB3 {
-        db3::find(path, wanted)
-    } else {
-        let mut walk = walk::Walk::new(File::open(path).map_err(failed)?, path).map_err(failed)?;
-        if format == containers::MCAP {
-            mcap::find(&mut walk, wanted, options)
-        } else {
-            bag::find(&mut walk, wanted, options)
+    let Some(kind) = KINDS.iter().find(|kind| kind.format == format) else {
+        return Ok(FoundMessages::new(wanted));
+    };
+    let found = match kind.find {
+        Find::Ask(find) => find(path, wanted),
+        Find::Walk(find) => {
+            let file = File::open(path).map_err(failed)?;
+            find(&mut walk::Walk::new(file, path).map_err(failed)?, wanted, options)
         }
     };
-    found.map_err(|fault| match db3::foreign_kind(path, format) {
+    found.map_err(|fault| match (kind.foreign_kind)(path) {
         Some(kind) => IoError::Foreign {
             path: path.to_owned(),
             kind,

@@ -2,7 +2,6 @@
 
 use super::found::{FoundMessages, Wanted};
 use crate::io::error::Fault;
-use crate::io::format::Format;
 use crate::io::options::ReadOptions;
 use crate::io::refused::foreign::Foreign;
 use std::path::Path;
@@ -15,7 +14,7 @@ pub(super) fn find(_path: &Path, _wanted: Wanted) -> Result<FoundMessages, Fault
 }
 
 /// Nothing is known of the tables of a database.
-pub(super) fn foreign_kind(_path: &Path, _format: Format) -> Option<&'static Foreign> {
+pub(super) fn foreign_kind(_path: &Path) -> Option<&'static Foreign> {
     None
 }
 

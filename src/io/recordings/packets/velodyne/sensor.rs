@@ -65,9 +65,9 @@ impl Recogniser for OfVelodyne {
         let packet = DataPacket::of(datagram.bytes).ok_or("it has no packet of Velodyne")?;
         let model = Model::of(packet).map_err(|byte| {
             format!(
-                "it has packets of a sensor of Velodyne whose model is {byte:#04x}, expected one of VLP-16 (0x22), Puck \
-                 Hi-Res (0x24), HDL-32E (0x21), VLP-32C (0x28), VLS-128 (0xa1), or an HDL-64E; other makers, such as \
-                 LSLiDAR, send packets of the same form: convert the capture to PCD with their program"
+                "it has packets of a sensor of Velodyne whose model is {byte:#04x}, expected one of VLP-16 (0x22), \
+                 Puck Hi-Res (0x24), HDL-32E (0x21), VLP-32C (0x28), VLS-128 (0xa1), or an HDL-64E; other makers, such \
+                 as LSLiDAR, send packets of the same form: convert the capture to PCD with their program"
             )
         })?;
         let calibration = (model == Model::Hdl64).then(|| self.calibration()).transpose()?;
