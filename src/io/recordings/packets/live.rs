@@ -76,7 +76,9 @@ impl Companion {
         let text = String::from_utf8_lossy(&bytes);
         let told = |fault: Fault| format!("{}, {}: {}", path.display(), fault.place, fault.problem);
         // What is none of any kind is told what the last one has.
-        let kind = kinds().find(|kind| (kind.is_one)(&text)).or_else(|| kinds().last());
+        let kind = kinds()
+            .find(|kind| (kind.is_one)(&text))
+            .or_else(|| kinds().next_back());
         kind.map_or(Ok(()), |kind| (kind.check)(&text)).map_err(told)?;
         Ok(Self(text.into()))
     }

@@ -13,7 +13,7 @@ pub(super) struct Kind {
     pub(super) format: Format,
     pub(super) find: Find,
     /// The kind of a file in which no messages are found, where it is known as one of another program.
-    pub(super) foreign_kind: fn(&Path) -> Option<&'static Foreign>,
+    pub(super) known_as: fn(&Path) -> Option<&'static Foreign>,
 }
 
 /// How messages are found.

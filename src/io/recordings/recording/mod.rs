@@ -50,17 +50,17 @@ const KINDS: &[Kind] = &[
     Kind {
         format: containers::MCAP,
         find: Find::Walk(mcap::find),
-        foreign_kind: |_| None,
+        known_as: |_| None,
     },
     Kind {
         format: containers::BAG,
         find: Find::Walk(bag::find),
-        foreign_kind: |_| None,
+        known_as: |_| None,
     },
     Kind {
         format: containers::DB3,
         find: Find::Ask(db3::find),
-        foreign_kind: db3::foreign_kind,
+        known_as: db3::foreign_kind,
     },
 ];
 
@@ -105,7 +105,7 @@ fn find(path: &Path, format: Format, wanted: Wanted, options: &ReadOptions) -> R
             find(&mut walk::Walk::new(file, path).map_err(failed)?, wanted, options)
         }
     };
-    found.map_err(|fault| match (kind.foreign_kind)(path) {
+    found.map_err(|fault| match (kind.known_as)(path) {
         Some(kind) => IoError::Foreign {
             path: path.to_owned(),
             kind,
