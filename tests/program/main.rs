@@ -14,6 +14,7 @@ mod fields;
 mod hostile;
 mod memory_limits;
 mod outputs;
+mod pages;
 mod serve;
 mod session_files;
 mod stdout;
