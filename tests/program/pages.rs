@@ -102,7 +102,7 @@ fn problems(page: &Path) -> Vec<String> {
 fn pages() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut pages = vec![root.join("README.md"), root.join("ARCHITECTURE.md")];
-    for folder in ["docs", "docs/design", "docs/quickstart"] {
+    for folder in ["docs", "docs/design", "docs/notebook", "docs/quickstart"] {
         let entries = fs::read_dir(root.join(folder))
             .unwrap()
             .map(|entry| entry.unwrap().path());
