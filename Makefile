@@ -33,6 +33,10 @@ features-docs-deny:
 	$(MAKE) --no-print-directory features docs; status=$$?; \
 	wait $$deny && exit $$status
 
+.PHONY: check
+check: fmt-check ## formatting and clippy of the program: while you write
+	$(CARGO) clippy --locked --lib --bins -- -D warnings
+
 .PHONY: fmt
 fmt: ## format the code
 	$(CARGO) fmt
