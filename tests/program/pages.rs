@@ -1,8 +1,8 @@
 //! Pages say what the program does: their commands are run, and answer what stands below them.
 //!
-//! Commands are the lines of `console` blocks that begin with `$ `. Those of a page run one after the other in a folder of
-//! their own. The lines below a command are to be found in its answer (stdout and stderr) in this order; `…` stands for
-//! any text, alone on a line for any lines.
+//! Commands are the lines of `console` blocks that begin with `$ `. Those of a page run one after the other in a folder
+//! of their own. The lines below a command are to be found in its answer (stdout and stderr) in this order; `…` stands
+//! for any text, alone on a line for any lines.
 
 use std::fs;
 use std::path::{Path, PathBuf};
