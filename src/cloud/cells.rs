@@ -1,6 +1,7 @@
-//! Points that lie in one cell become one: the mean of all that they have.
+//! Points that lie in one cell become one: the mean of all that they have, of categories the most frequent.
 
-use super::{Attributes, Positions, RawCloud, ScalarField};
+use super::cell_scalars::CellScalars;
+use super::{Attributes, Positions, RawCloud};
 use glam::{DVec3, I64Vec3, Vec3};
 use std::collections::HashMap;
 
@@ -42,8 +43,8 @@ pub struct Cells {
     /// Where the cells of each block stand in `sums`.
     places: Vec<[u32; BLOCK_CELLS]>,
     sums: Vec<CellSums>,
-    /// One entry a cell, of each field that the first cloud had.
-    scalars: Vec<(ScalarField, Vec<f64>)>,
+    /// Of each field that the first cloud had.
+    scalars: Vec<CellScalars>,
     kinds: Option<Kinds>,
 }
 
@@ -114,10 +115,7 @@ impl Cells {
         let attributes = &cloud.attributes;
         if self.kinds.is_none() {
             self.origin = min;
-            let fields = attributes.scalars.iter();
-            self.scalars = fields
-                .map(|field| (field.with_values(Vec::new()), Vec::new()))
-                .collect();
+            self.scalars = attributes.scalars.iter().map(CellScalars::new).collect();
         }
         let all = self.kinds.unwrap_or(Kinds {
             colors: true,
@@ -155,8 +153,8 @@ impl Cells {
         if let Some(radii) = &attributes.radii {
             sums.radius += f64::from(radii[index]);
         }
-        for ((_, sums), field) in self.scalars.iter_mut().zip(&attributes.scalars) {
-            sums[place] += f64::from(field.values[index]);
+        for (of_cells, field) in self.scalars.iter_mut().zip(&attributes.scalars) {
+            of_cells.add(place, field.values[index]);
         }
     }
 
@@ -175,8 +173,8 @@ impl Cells {
         if *place == NOWHERE {
             *place = self.sums.len() as u32;
             self.sums.push(CellSums::default());
-            for (_, sums) in &mut self.scalars {
-                sums.push(0.0);
+            for of_cells in &mut self.scalars {
+                of_cells.push_cell();
             }
         }
         *place as usize
@@ -196,12 +194,12 @@ impl Cells {
         self.last_block = None;
         self.edge *= 2.0;
         let fine = std::mem::take(&mut self.sums);
-        let fine_scalars: Vec<Vec<f64>> = self.scalars.iter_mut().map(|(_, sums)| std::mem::take(sums)).collect();
+        let fine_scalars: Vec<CellScalars> = self.scalars.iter_mut().map(CellScalars::take).collect();
         for (index, (cell, fine)) in cells.into_iter().zip(fine).enumerate() {
             let place = self.place(cell >> 1);
             self.sums[place].add(&fine);
-            for ((_, sums), fine) in self.scalars.iter_mut().zip(&fine_scalars) {
-                sums[place] += fine[index];
+            for (of_cells, fine) in self.scalars.iter_mut().zip(&fine_scalars) {
+                of_cells.add_cell(place, fine, index);
             }
         }
     }
@@ -212,16 +210,17 @@ impl Cells {
         let kinds = self.kinds.filter(|_| !sums.is_empty());
         let has = |kind: fn(Kinds) -> bool| kinds.is_some_and(kind);
         let position = |sums: &CellSums| (self.origin + sums.position / f64::from(sums.count)).to_array();
-        let scalar = |(field, of_cells): &(ScalarField, Vec<f64>)| {
-            let mean = |(sum, sums): (&f64, &CellSums)| (sum / f64::from(sums.count)) as f32;
-            field.with_values(of_cells.iter().zip(sums).map(mean).collect())
-        };
+        let counts = || sums.iter().map(|sums| sums.count);
         let attributes = Attributes {
             colors: has(|kinds| kinds.colors).then(|| sums.iter().map(CellSums::mean_color).collect()),
             normals: has(|kinds| kinds.normals).then(|| sums.iter().map(CellSums::mean_normal).collect()),
             radii: has(|kinds| kinds.radii).then(|| sums.iter().map(|sums| sums.joined_radius(self.edge)).collect()),
             ellipses: None,
-            scalars: self.scalars.iter().map(scalar).collect(),
+            scalars: self
+                .scalars
+                .into_iter()
+                .map(|field| field.into_field(counts()))
+                .collect(),
         };
         (Positions::F64(sums.iter().map(position).collect()), attributes)
     }
@@ -265,6 +264,7 @@ impl CellSums {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cloud::ScalarField;
     use proptest::prelude::*;
 
     fn cloud(positions: &[[f64; 3]]) -> RawCloud {
@@ -310,6 +310,26 @@ mod tests {
         assert_eq!(attributes.scalars[0].values, [0.75, -0.5]);
         // Cells are at least covered.
         assert_eq!(attributes.radii, Some(vec![0.75, 0.5]));
+    }
+
+    #[test]
+    fn categories_of_a_cell_become_the_most_frequent_of_them() {
+        let mut cloud = cloud(&[
+            [0.1, 0.0, 0.0],
+            [0.2, 0.0, 0.0],
+            [0.3, 0.0, 0.0],
+            [1.5, 0.0, 0.0],
+            [1.6, 0.0, 0.0],
+        ]);
+        cloud.attributes.scalars = vec![
+            ScalarField::new("Classification", vec![2.0, 6.0, 6.0, 9.0, 5.0]),
+            ScalarField::new("intensity", vec![1.0, 2.0, 6.0, 4.0, 4.0]),
+        ];
+        for (doubled, classes, intensities) in [(0, vec![6.0, 5.0], vec![3.0, 4.0]), (1, vec![6.0], vec![3.4])] {
+            let (_, attributes) = joined(std::slice::from_ref(&cloud), 1.0, doubled);
+            assert_eq!(attributes.scalars[0].values, classes, "doubled {doubled} times");
+            assert_eq!(attributes.scalars[1].values, intensities, "doubled {doubled} times");
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! One pose of a sequence: what a decoder read, the validated frame, and the records a renderer draws.
 
 mod attributes;
+mod cell_scalars;
 mod cells;
 pub(crate) mod codes;
 mod ellipse;

@@ -32,7 +32,7 @@ pub(super) fn note_of_group(path: &Path, directory: &Directory, first: usize, mi
             of_frame.points
         ));
         if let [.., (last, ..)] = rest {
-            said.push(format!("{} are drawn coarsely too", frames(index + 1, *last)));
+            said.push(format!("{} drawn coarsely too", are(index + 1, last - index)));
         }
     }
     if missing > 0 {

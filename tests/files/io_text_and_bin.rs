@@ -179,6 +179,27 @@ fn statistics_tell_how_many_numbers_a_point_has() {
 }
 
 #[test]
+fn a_few_coordinates_that_are_nearly_zero_change_nothing() {
+    let mut rows = street(false);
+    let mut read_with_tiny = |tiny: std::ops::Range<usize>| {
+        for row in &mut rows[tiny] {
+            row[1] = 1.08e-15;
+        }
+        let rows: Vec<&[f32]> = rows.iter().map(|row| &row[..4]).collect();
+        read("scan.bin", &records(&rows))
+    };
+    let cloud = read_with_tiny(5..12).unwrap();
+    assert_eq!(cloud.positions.len(), 12_000, "{:?}", cloud.assumptions);
+    assert!(
+        cloud.assumptions[0].value.starts_with("4 values per point"),
+        "{:?}",
+        cloud.assumptions
+    );
+    // Integers that are read as floats are tiny, all of them.
+    assert!(read_with_tiny(0..12_000).is_err());
+}
+
+#[test]
 fn a_person_says_how_many_numbers_a_point_has() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("scan.bin");

@@ -83,7 +83,12 @@ pub(in crate::cli) fn run(arguments: &ServeArgs) -> anyhow::Result<()> {
 fn run_file(path: &Path, arguments: &ServeArgs) -> anyhow::Result<()> {
     let mut begin = [0; MAGIC.len()];
     let read = regular_file::open(path).and_then(|mut file| file.read_exact(&mut begin));
-    read.with_context(|| format!("{} cannot be read", path.display()))?;
+    read.with_context(|| {
+        format!(
+            "{} cannot be read as a sequence file: name a .reel file, or add --live to play any input as a stream",
+            path.display()
+        )
+    })?;
     if begin != MAGIC {
         bail!(
             "{} is no sequence file: make one with pointreel convert INPUT {}, or add --live to play it as a stream",
