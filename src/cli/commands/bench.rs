@@ -24,34 +24,34 @@ pub(in crate::cli) struct BenchArgs {
     #[arg(value_name = "SUITE", value_parser = suites::named, help = help_of_suites())]
     suite: &'static Suite,
 
-    /// Folders, patterns or files, each a sequence of its own; `demo:` is the built-in one, `sphere:`, `torus:`,
-    /// `cube:` and `saddle:` are sampled shapes of which `error` knows the truth (`sphere:20000` has 20,000 points
-    /// instead of 100,000)
+    /// Folders, patterns or files, each a sequence of its own; `demo:` is built in, and `sphere:`, `torus:`, `cube:` and
+    /// `saddle:` are sampled shapes whose ground truth `error` knows (`sphere:20000` has 20,000 points instead of
+    /// 100,000)
     #[arg(default_value = DEMO_INPUT, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 
-    /// JSON file to write the report to; without a name it is printed in place of the table
+    /// Write the report to this JSON file; without a name, print it instead of the table
     #[arg(long, value_name = "FILE.json", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
 
-    /// CSV file to write the rows to
+    /// Write the rows to this CSV file
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
 
     #[arg(long, value_name = "FILE.html", help = format!(
-        "Self-contained page to write the points of time and error to, with their pictures ({} only)",
+        "Write time and error, with images, to this self-contained page ({} only)",
         names(OptionGroup::Modes)
     ))]
     html: Option<PathBuf>,
 
     #[arg(long, value_name = "MODES", help = format!(
-        "Ways to draw that {} compares, with commas between: cpu, gpu, surfel, voxel, point, two-pass, vertex …",
+        "Render modes that {} compares, comma-separated: cpu, gpu, surfel, voxel, point, two-pass, vertex …",
         names(OptionGroup::Modes)
     ))]
     modes: Option<Modes>,
 
     #[arg(long, value_name = "N,…", value_parser = count, value_delimiter = ',', help = format!(
-        "Points of the clouds that {} makes beside the inputs [default: {}]",
+        "Points of the clouds that {} generates in addition to the inputs [default: {}]",
         names(OptionGroup::Clouds),
         cloud_points()
     ))]
@@ -64,49 +64,49 @@ pub(in crate::cli) struct BenchArgs {
     ))]
     frames: Option<usize>,
 
-    #[arg(long, value_name = "N", help = format!(
-        "Frame that {} begins with, counted from 0 [default: 0]",
+    #[arg(long, alias = "frame", value_name = "N", help = format!(
+        "First frame of {}, counted from 0 [default: 0]",
         names(OptionGroup::FirstFrame)
     ))]
     first_frame: Option<usize>,
 
     #[arg(long, value_name = "N,…|every:K", help = format!(
-        "Photographs that {} leaves out to compare with, counted from 0 [default: every:8]",
+        "Input images that {} holds out for comparison, counted from 0 [default: every:8]",
         names(OptionGroup::Photographs)
     ))]
     leave_out: Option<LeaveOut>,
 
     #[arg(long, value_name = "FPS", value_parser = frame_rate, help = format!(
-        "Frames a second at which {} play, in place of those of the sequence",
+        "Frames per second of {}, instead of those of the sequence",
         names(OptionGroup::Playing)
     ))]
     fps: Option<f64>,
 
     #[arg(long, value_name = "SIZE", value_parser = byte_count, help = format!(
-        "Memory in which {} keep prepared frames: bytes, or a number with MB, MiB, GB or GiB",
+        "Memory for prepared frames in {}: bytes, or a number with MB, MiB, GB or GiB",
         names(OptionGroup::Playing)
     ))]
     budget: Option<u64>,
 
     #[arg(long, value_name = "WxH", value_parser = size_px, help = format!(
-        "Picture size in pixels; for {}, of the window itself [default: {}]",
+        "Image size in pixels; for {}, of the window itself [default: {}]",
         names(OptionGroup::Window),
         defaults(|suite| suite.defaults.viewport_px.map(|side_px| side_px.to_string()).join("x"))
     ))]
     size: Option<[u32; 2]>,
 
-    #[arg(long, value_name = "WHO", help = format!(
-        "Who paints the window that {} measures: auto, gpu or cpu",
+    #[arg(long, value_name = "auto|gpu|cpu", help = format!(
+        "Paint the window that {} measures on the GPU or the CPU",
         names(OptionGroup::Window)
     ))]
     present: Option<PresentChoice>,
 
-    /// Who draws the pictures in it: auto, gpu or cpu
-    #[arg(long, value_name = "RENDERER")]
+    /// Render the images in it on the GPU or the CPU
+    #[arg(long, value_name = "auto|gpu|cpu")]
     renderer: Option<Choice<RendererChoice>>,
 
     #[arg(long, value_name = "N", value_parser = count, help = format!(
-        "Directions from which each frame is seen [default: {}]",
+        "Viewpoints per frame [default: {}]",
         defaults(|suite| suite.defaults.viewpoints.to_string())
     ))]
     viewpoints: Option<usize>,
