@@ -140,7 +140,7 @@ const TOPICS: &[Topic] = &[
         ],
         examples: &[
             "pointreel serve demo: --live --listen 0.0.0.0:8089",
-            "pointreel tcp://127.0.0.1:8089 --record take1.reel-live",
+            "pointreel tcp://127.0.0.1:8089 --record take1.pointreel-stream",
         ],
     },
     Topic {

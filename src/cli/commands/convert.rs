@@ -34,7 +34,7 @@ pub(in crate::cli) struct ConvertArgs {
     format: Option<WriteFormat>,
 
     /// Frame or inclusive range A..B, counted from 0; last or -1 is the last one [default: all]
-    #[arg(long, value_name = "N|A..B", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N|A..B", allow_hyphen_values = true)]
     frames: Option<FrameChoice>,
 
     /// Voxel-downsample with this voxel size (file units)

@@ -50,11 +50,11 @@ pub(in crate::cli) struct ViewArgs {
     #[arg(long, value_name = "FPS", value_parser = frame_rate)]
     fps: Option<f64>,
 
-    /// Play at a multiple of the speed of the sequence [default: as before, at first 1]
+    /// Play at a multiple of the speed of the sequence [default: as last time]
     #[arg(long, value_name = "FACTOR", value_parser = positive_f64)]
     speed: Option<f64>,
 
-    /// Loop the sequence, or stop after the last frame [default: as before, at first on]
+    /// Loop the sequence, or stop after the last frame [default: as last time]
     #[arg(long = "loop", value_name = "on|off", num_args = 0..=1, require_equals = true, default_missing_value = "on",
         value_parser = KnownValues::<bool>::new(ON_OFF, on_or_off))]
     loops: Option<bool>,

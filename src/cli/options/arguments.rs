@@ -39,12 +39,12 @@ pub(in crate::cli) struct ReadArgs {
     #[arg(long, value_name = "SIZE", value_parser = byte_count, hide_short_help = true)]
     max_memory: Option<u64>,
 
-    /// Sample N points uniformly on meshes, and at most N points of clouds [default: 100000 on meshes that are shown]
+    /// Sample N points uniformly on meshes; of clouds, take N at most [default: 100000 on meshes that are shown]
     #[arg(long, value_name = "N")]
     sample: Option<NonZeroUsize>,
 
-    /// Assign the columns of text and .bin files by number (from 0) or name, such as x=3,y=4,z=5,intensity=7; of .bin
-    /// files their number, such as 7 or 7:x=0,y=1,z=2; frame=2 for a column of frames, frame=none for one frame
+    /// Columns of text and .bin files by number or name, such as x=3,y=4,z=5,intensity=7; counted from 0, of .bin files
+    /// also their count, such as 7 or 7:x=0,y=1,z=2; frame=2 for a column of frames, frame=none for one frame
     /// [default: by names and values]
     #[arg(long, value_name = "COLUMNS")]
     columns: Option<ColumnMap>,
@@ -70,11 +70,11 @@ pub(in crate::cli) struct ReadArgs {
     merge_scans: bool,
 
     /// Read this topic of a recording (MCAP, ROS bag); `pointreel info` lists them
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", hide_short_help = true)]
     topic: Option<String>,
 
     /// Read only the files of a folder that match, such as 'body_*'
-    #[arg(long, value_name = "PATTERN")]
+    #[arg(long, value_name = "PATTERN", hide_short_help = true)]
     only: Option<String>,
 
     /// Limit the bandwidth for a remote sequence file (http://), in Mbit/s
@@ -180,7 +180,7 @@ impl ReadArgs {
 
 /// How a picture looks; what is not given is as usual: in a window as it was left, else as in a new one.
 #[derive(Debug, Clone, Default, Args)]
-#[command(next_help_heading = "Picture")]
+#[command(next_help_heading = "Rendering")]
 pub(in crate::cli) struct PictureArgs {
     #[command(flatten)]
     style: StyleArgs,

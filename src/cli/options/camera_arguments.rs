@@ -29,7 +29,7 @@ pub(in crate::cli) struct CameraArgs {
     elevation: Option<f64>,
 
     /// Distance from the centre of the cloud to the camera, in scene units
-    #[arg(long, value_name = "LENGTH", value_parser = positive_f64)]
+    #[arg(long, value_name = "LENGTH", hide_short_help = true, value_parser = positive_f64)]
     distance: Option<f64>,
 
     /// Vertical field of view, in degrees

@@ -29,7 +29,7 @@ pub(in crate::cli) struct RenderArgs {
     pub(in crate::cli) output: Option<PathBuf>,
 
     /// Frame or inclusive range A..B, counted from 0; last or -1 is the last one [default: 0, for videos all]
-    #[arg(long, value_name = "N|A..B", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N|A..B", allow_hyphen_values = true)]
     pub(in crate::cli) frame: Option<FrameChoice>,
 
     #[command(flatten)]
@@ -40,7 +40,7 @@ pub(in crate::cli) struct RenderArgs {
     pub(super) legend: bool,
 
     /// Draw a scale bar (exact at the focus distance)
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(super) scale_bar: bool,
 
     /// Write counters and timings to this JSON file

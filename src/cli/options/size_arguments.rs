@@ -6,7 +6,7 @@ use clap::Args;
 /// Width and height in pixels.
 #[derive(Debug, Clone, Default, Args)]
 pub(in crate::cli) struct SizeArgs {
-    /// Image size in pixels
+    /// Size of the image or window in pixels [default: 1280x720, for the window as last time]
     #[arg(long, value_name = "WxH", value_parser = size_px)]
     size: Option<[u32; 2]>,
 

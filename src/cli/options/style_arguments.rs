@@ -86,7 +86,7 @@ pub(super) fn with_default(help: &str, default: Option<&str>) -> String {
 
 /// The words of an option in place of its value, if they are few and short; else `name`.
 pub(super) fn placeholder(words: &[&'static str], name: &'static str) -> String {
-    const MAX_CHARACTERS: usize = 22;
+    const MAX_CHARACTERS: usize = 16;
     let list = words.join("|");
     if words.len() > 1 && list.len() <= MAX_CHARACTERS {
         list

@@ -40,7 +40,7 @@ pub(in crate::cli) struct VideoArgs {
     pub(in crate::cli) speed: Option<f64>,
 
     /// Duration of the video, instead of --fps or the duration of the path
-    #[arg(long, alias = "duration", value_name = "SECONDS", requires = "video", conflicts_with = "output", value_parser = seconds)]
+    #[arg(long, alias = "duration", hide_short_help = true, value_name = "SECONDS", requires = "video", conflicts_with = "output", value_parser = seconds)]
     pub(in crate::cli) seconds: Option<f64>,
 }
 

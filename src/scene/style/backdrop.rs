@@ -10,7 +10,7 @@ group! {
         background: Background = Background::default(), "background" BACKGROUND {
             // The option takes what no style has: `transparent`.
             value_name: "COLOR",
-            help: "Background: a preset, #rrggbb, or a gradient #rrggbb-#rrggbb; transparent in image files",
+            help: "Background: a preset, #rrggbb or a gradient #rrggbb-#rrggbb (transparent: for image files)",
             everyday: true,
             title: "Preset",
             hint: "What is behind the cloud",

@@ -7,7 +7,7 @@ pub const COLORS: Described = Described {
     key: "colors",
     flag: "colors",
     value_name: "SOURCE",
-    help: "Source of the colours; also scalar:NAME, height:AXIS, distance:X,Y,Z",
+    help: "Source of the colours (also scalar:NAME, height:AXIS, distance:X,Y,Z)",
     everyday: true,
     heading: HEADING,
     title: "Colours",

@@ -258,7 +258,6 @@ group! {
             flag: "splat-scale",
             value_name: "FACTOR",
             help: "Scale the radius of all splats",
-            everyday: true,
             title: "Splat scale",
             hint: "Factor on every splat's radius (+ and -)",
             section: Section::Look,

@@ -48,7 +48,7 @@ impl Described {
         value_name: "",
         help: "",
         everyday: false,
-        heading: "Picture",
+        heading: "Rendering",
         title: "",
         hint: "",
         section: Section::Picture,
