@@ -69,9 +69,10 @@ impl Text {
         let values = if takes_value { listed_values(option) } else { Vec::new() };
         let placeholder = option.get_value_names().and_then(|names| names.first());
         let are_in_placeholder = placeholder.is_some_and(|name| name.as_str() == values.join("|"));
-        let values = match values.is_empty() || are_in_placeholder {
-            true => String::new(),
-            false => format!(" [values: {}]", values.join(", ")),
+        let values = if values.is_empty() || are_in_placeholder {
+            String::new()
+        } else {
+            format!(" [values: {}]", values.join(", "))
         };
         Self {
             help: help.to_owned(),

@@ -25,6 +25,7 @@ use std::sync::Arc;
 
 /// What to show and how.
 #[derive(Debug, Clone, Default, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub(in crate::cli) struct ViewArgs {
     /// Folder, pattern, files or session (.pointreel); without any, the start screen
     #[arg(value_name = "INPUT")]

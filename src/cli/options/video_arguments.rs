@@ -8,7 +8,8 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Video")]
 pub(in crate::cli) struct VideoArgs {
-    /// Video to write: .mp4 (by ffmpeg), .gif, .webp, or PNG files named with {frame}; existing files are replaced
+    /// Video to write: .mp4, .gif, .webp, or PNG files named with {frame}; .mp4 needs ffmpeg; existing files are
+    /// replaced
     #[arg(long, value_name = "OUT")]
     pub(in crate::cli) video: Option<PathBuf>,
 
@@ -21,7 +22,7 @@ pub(in crate::cli) struct VideoArgs {
     #[arg(skip)]
     pub(in crate::cli) path_of_session: Option<CameraPath>,
 
-    /// Orbit the cloud once in N video frames, while the sequence plays or --frame stands still
+    /// Orbit the cloud once in N video frames; meanwhile the sequence plays, or --frame stands still
     #[arg(long, value_name = "N", requires = "video", conflicts_with = "output",
         value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(in crate::cli) turntable: Option<u32>,

@@ -63,7 +63,11 @@ impl Described {
         match self.values {
             Values::Words(words) => {
                 let words = words.list.iter().chain(self.shorthands.iter().map(|short| &short.word));
-                words.map(|word| word.word).collect()
+                let mut words: Vec<_> = words.map(|word| word.word).collect();
+                // People say: on or off.
+                let is_switch = words.contains(&"on");
+                words.sort_by_key(|word| ["on", "off"].iter().position(|it| is_switch && it == word).unwrap_or(2));
+                words
             }
             Values::Environment => Environment::BUILT_IN.iter().map(|word| word.word).collect(),
             Values::Switch(_) => vec!["on", "off"],
