@@ -7,10 +7,13 @@ use crate::spelling::is_same_word;
 use clap::builder::PossibleValue;
 use clap::{Arg, ArgAction, Command};
 use std::ffi::{OsStr, OsString};
+use std::path::Path;
 
 /// Options that other programs call otherwise, told apart by their values.
-const BY_VALUE: [(&str, fn(&str) -> bool, &str); 2] =
-    [("resolution", is_size, "size"), ("camera", is_path_of_camera, "path")];
+const BY_VALUE: [(&str, IsMeant, &str); 2] = [("resolution", is_size, "size"), ("camera", is_path_of_camera, "path")];
+
+/// True for values of the option that is meant.
+type IsMeant = fn(&str) -> bool;
 
 fn is_size(value: &str) -> bool {
     let edges = value.split_once(['x', 'X']);
@@ -18,7 +21,9 @@ fn is_size(value: &str) -> bool {
 }
 
 fn is_path_of_camera(value: &str) -> bool {
-    value.ends_with(".json")
+    Path::new(value)
+        .extension()
+        .is_some_and(|extension| extension == "json")
 }
 
 /// `words` of a command line, with the name of the program, as `command` spells its options.
@@ -82,8 +87,7 @@ fn option_of<'a>(name: &str, value: Option<&str>, options: &[&'a Arg]) -> Option
             .flat_map(|option| names_of(option).map(move |it| (it, *option)))
     };
     let exact = names().find(|(it, _)| it == name);
-    let found = exact.or_else(|| names().find(|(it, _)| is_same_word(it, name)));
-    found.map(|(it, option)| (it, option))
+    exact.or_else(|| names().find(|(it, _)| is_same_word(it, name)))
 }
 
 /// Every long name of an option.
@@ -145,7 +149,7 @@ pub(super) fn unknown_command(words: &[OsString], command: &Command) -> Option<S
         && word
             .chars()
             .all(|letter| letter.is_ascii_alphanumeric() || letter == '-' || letter == '_');
-    if !is_name || command.find_subcommand(word).is_some() || word == "help" || std::path::Path::new(word).exists() {
+    if !is_name || command.find_subcommand(word).is_some() || word == "help" || Path::new(word).exists() {
         return None;
     }
     let synonym = SYNONYMS.iter().find(|(synonym, _)| is_same_word(synonym, word));

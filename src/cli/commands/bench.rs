@@ -24,8 +24,8 @@ pub(in crate::cli) struct BenchArgs {
     #[arg(value_name = "SUITE", value_parser = suites::named, help = help_of_suites())]
     suite: &'static Suite,
 
-    /// Folders, patterns or files, each a sequence of its own; `demo:` is built in, and `sphere:`, `torus:`, `cube:` and
-    /// `saddle:` are sampled shapes whose ground truth `error` knows (`sphere:20000` has 20,000 points instead of
+    /// Folders, patterns or files, each a sequence of its own; `demo:` is built in, and `sphere:`, `torus:`, `cube:`
+    /// and `saddle:` are sampled shapes whose ground truth `error` knows (`sphere:20000` has 20,000 points instead of
     /// 100,000)
     #[arg(default_value = DEMO_INPUT, value_name = "INPUT")]
     inputs: Vec<PathBuf>,

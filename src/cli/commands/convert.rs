@@ -61,7 +61,11 @@ pub(in crate::cli) struct ConvertArgs {
     overwrite: bool,
 
     /// Concatenate sequence files, such as shards, into OUTPUT; without an INPUT, the parts next to OUTPUT
-    #[arg(long, hide_short_help = true, conflicts_with_all = ["format", "frames", "voxel", "transform", "estimate_normals", "shard"])]
+    #[arg(
+        long,
+        hide_short_help = true,
+        conflicts_with_all = ["format", "frames", "voxel", "transform", "estimate_normals", "shard"],
+    )]
     join: bool,
 
     #[command(flatten)]

@@ -45,7 +45,11 @@ pub(in crate::cli) struct CameraArgs {
     frame_all: bool,
 
     /// Render from the pose of the depth camera; at its image size, pixels coincide
-    #[arg(long, hide_short_help = true, conflicts_with_all = ["view", "azimuth", "elevation", "distance", "fov", "orthographic", "frame_all"])]
+    #[arg(
+        long,
+        hide_short_help = true,
+        conflicts_with_all = ["view", "azimuth", "elevation", "distance", "fov", "orthographic", "frame_all"],
+    )]
     from_sensor: bool,
 
     /// Render from the pose of input image N, counted from 0; at its image size, pixels coincide

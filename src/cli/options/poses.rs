@@ -21,7 +21,13 @@ pub(in crate::cli) struct PosesArgs {
     change: Option<i64>,
 
     /// Distance of the last colour of --change [default: the 99th percentile]
-    #[arg(long, hide_short_help = true, value_name = "LENGTH", requires = "change", value_parser = super::values::not_negative_f64)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "LENGTH",
+        requires = "change",
+        value_parser = super::values::not_negative_f64,
+    )]
     change_range: Option<f64>,
 
     /// Draw N frames before and after as ghosts (onion skin)
@@ -29,7 +35,13 @@ pub(in crate::cli) struct PosesArgs {
     onion: Option<u8>,
 
     /// Frames between ghosts [default: 1]
-    #[arg(long, hide_short_help = true, value_name = "N", requires = "onion", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "N",
+        requires = "onion",
+        value_parser = clap::value_parser!(u16).range(1..),
+    )]
     onion_step: Option<u16>,
 
     /// Draw the trajectories of the points with these indices

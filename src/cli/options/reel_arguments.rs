@@ -39,7 +39,8 @@ pub(in crate::cli) struct ReelArgs {
     #[arg(long, value_name = "N", hide_short_help = true, value_parser = clap::value_parser!(u32).range(1..))]
     keyframes: Option<u32>,
 
-    /// Encode compactly, or for fast decoding: at least six times as fast at 1.1 to 1.5 times the size [default: compact]
+    /// Encode compactly, or for fast decoding: at least six times as fast at 1.1 to 1.5 times the size [default:
+    /// compact]
     #[arg(long, value_name = "compact|fast")]
     coding: Option<ReelCoding>,
 

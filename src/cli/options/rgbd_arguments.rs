@@ -40,7 +40,13 @@ pub(super) struct RgbdArgs {
     merge_frames: Option<FrameRange>,
 
     /// Voxel size for merging, in metres; 0 keeps all points [default: auto above 8 M points]
-    #[arg(long, hide_short_help = true, value_name = "METRES", value_parser = not_negative_f64, requires = "merge_frames")]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "METRES",
+        value_parser = not_negative_f64,
+        requires = "merge_frames",
+    )]
     merge_cells: Option<f64>,
 
     /// Depth filters: near, median, bilateral, flying, temporal (comma-separated) or none, with parameters such as

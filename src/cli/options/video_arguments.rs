@@ -28,7 +28,14 @@ pub(in crate::cli) struct VideoArgs {
     pub(in crate::cli) turntable: Option<u32>,
 
     /// Revolutions of the turntable; negative ones turn the other way [default: 1]
-    #[arg(long, value_name = "N", hide_short_help = true, requires = "turntable", allow_negative_numbers = true, value_parser = turns)]
+    #[arg(
+        long,
+        value_name = "N",
+        hide_short_help = true,
+        requires = "turntable",
+        allow_negative_numbers = true,
+        value_parser = turns,
+    )]
     pub(in crate::cli) turns: Option<f64>,
 
     /// Frames per second [default: 30, or that of the sequence]
@@ -41,7 +48,15 @@ pub(in crate::cli) struct VideoArgs {
     pub(in crate::cli) speed: Option<f64>,
 
     /// Duration of the video, instead of --fps or the duration of the path
-    #[arg(long, alias = "duration", hide_short_help = true, value_name = "SECONDS", requires = "video", conflicts_with = "output", value_parser = seconds)]
+    #[arg(
+        long,
+        alias = "duration",
+        hide_short_help = true,
+        value_name = "SECONDS",
+        requires = "video",
+        conflicts_with = "output",
+        value_parser = seconds,
+    )]
     pub(in crate::cli) seconds: Option<f64>,
 }
 
