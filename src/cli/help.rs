@@ -2,6 +2,7 @@
 
 use super::line::listed_values;
 use super::topics;
+use super::wrap::wrapped;
 use clap::{Arg, Command};
 
 /// Characters of a text in a line of `-h`, next to the options, and of `--help`, below them.
@@ -99,35 +100,5 @@ impl Text {
         } else {
             clause.to_owned() + &self.values
         }
-    }
-}
-
-/// `text` in lines of at most `width` characters, unless a word is longer.
-pub(super) fn wrapped(text: &str, width: usize) -> String {
-    let mut lines = vec![String::new()];
-    for word in text.split_whitespace() {
-        let mut line = lines.pop().unwrap_or_default();
-        let characters = line.chars().count() + 1 + word.chars().count();
-        if !line.is_empty() && characters > width {
-            lines.push(line);
-            line = String::new();
-        } else if !line.is_empty() {
-            line.push(' ');
-        }
-        line.push_str(word);
-        lines.push(line);
-    }
-    lines.join("\n")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn texts_are_wrapped_at_words() {
-        assert_eq!(wrapped("a bb ccc", 4), "a bb\nccc");
-        assert_eq!(wrapped("longer", 4), "longer");
-        assert_eq!(wrapped("", 4), "");
     }
 }

@@ -182,11 +182,11 @@ fn edit_distance(left: &str, right: &str) -> usize {
         let mut row = vec![i + 1];
         for (j, other) in right.iter().enumerate() {
             let replaced = rows[i][j] + usize::from(letter != other);
-            let mut least = replaced.min(rows[i][j + 1] + 1).min(row[j] + 1);
+            let mut best = replaced.min(rows[i][j + 1] + 1).min(row[j] + 1);
             if i > 0 && j > 0 && *letter == right[j - 1] && left[i - 1] == *other {
-                least = least.min(rows[i - 1][j - 1] + 1);
+                best = best.min(rows[i - 1][j - 1] + 1);
             }
-            row.push(least);
+            row.push(best);
         }
         rows.push(row);
     }

@@ -10,6 +10,7 @@ mod options;
 mod session;
 mod terminal;
 mod topics;
+mod wrap;
 
 use crate::{signals, temporary};
 use clap::{Command, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};

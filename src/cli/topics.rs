@@ -1,6 +1,6 @@
 //! `pointreel help TOPIC`: short pages across commands, each with its options and examples.
 
-use super::help::wrapped;
+use super::wrap::wrapped;
 use crate::spelling::is_same_word;
 use clap::{Arg, Command};
 use std::fmt::Write as _;

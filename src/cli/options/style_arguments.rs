@@ -84,7 +84,7 @@ pub(super) fn with_default(help: &str, default: Option<&str>) -> String {
     }
 }
 
-/// The words of an option in place of its value, if they are few and short; else `name`.
+/// The words of an option instead of a placeholder, if they are few and short; else `name`.
 pub(super) fn placeholder(words: &[&'static str], name: &'static str) -> String {
     const MAX_CHARACTERS: usize = 16;
     let list = words.join("|");
