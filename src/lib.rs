@@ -95,6 +95,7 @@ pub mod sequence;
 pub mod serve;
 mod signals;
 pub mod source;
+mod spelling;
 pub mod stereo;
 mod stopwatch;
 mod temporary;

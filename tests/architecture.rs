@@ -50,6 +50,7 @@ const ORDER: &[&[&str]] = &[
         "locks",
         "messages",
         "natural",
+        "spelling",
         "priority",
         "progress",
         "signals",

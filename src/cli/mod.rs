@@ -1,29 +1,33 @@
-//! The command line: one file a verb. Exit code 0, 2 for wrong usage, 1 for any failure with one sentence
+//! The command line: one file per command. Exit code 0, 2 for wrong usage, 1 for any failure with one sentence
 //! on stderr (also where the answer cannot be written to stdout), 3 where `check` found something. What a signal has
 //! ended dies by it.
 
 mod commands;
+mod help;
 mod info_parts;
+mod line;
 mod options;
 mod session;
 mod terminal;
+mod topics;
+mod wrap;
 
 use crate::{signals, temporary};
-use clap::{Parser, Subcommand};
+use clap::{Command, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::Write as _;
 use std::process::ExitCode;
-use terminal::output::{check_answers, say};
+use terminal::output::{answer, check_answers, say};
 use terminal::warnings::When;
 
-/// A viewer for time-varying point clouds: surfels, voxels, level of detail.
+/// Viewer and renderer for time-varying point clouds (4D scans).
 #[derive(Debug, Parser)]
 #[command(name = "pointreel", version, args_conflicts_with_subcommands = true)]
 struct Arguments {
     #[command(subcommand)]
     verb: Option<Verb>,
 
-    /// Say each warning and finding, not only the first one of each kind
+    /// Print every warning and finding, not only the first of each kind
     #[arg(long, global = true)]
     verbose: bool,
 
@@ -34,24 +38,23 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    /// Plays a sequence in a window (the default); without INPUT offers what was opened lately, at first the demo
+    /// Play a sequence in a window (the default command); without INPUT, show the start screen
     View(Box<commands::view::ViewArgs>),
-    /// Renders frames to pictures, or a video of them, without a window
+    /// Render frames to images, or to a video, without a window
     Render(Box<options::render_arguments::RenderArgs>),
-    /// Measures drawing and octrees by the protocol of the paper, and errors beside times
+    /// Benchmark speed and accuracy of rendering, level of detail and compression
     Bench(Box<commands::bench::BenchArgs>),
-    /// Says what is in a sequence
+    /// Print the contents of a sequence: frames, points, attributes, time stamps
     Info(commands::info::InfoArgs),
-    /// Checks a sequence for problems: exit code 3 for errors and warnings, 0 for notes
+    /// Check a sequence for problems (exits with 3 if there are errors or warnings)
     Check(commands::check::CheckArgs),
-    /// Writes frames in another format, moved, thinned out, with normals
+    /// Convert frames; optionally transform, downsample, add normals
     Convert(Box<commands::convert::ConvertArgs>),
-    /// Serves a sequence file by HTTP, or, with --live, any input as a live stream: what it says is an INPUT of all
-    /// verbs, on this machine or, with --listen, others
+    /// Serve a .reel over HTTP, or any input as a live stream (--live); print the URL to open
     Serve(Box<commands::serve::ServeArgs>),
-    /// Says how far a picture is from another one: PSNR, FLIP, SSIM, pixels that differ
+    /// Compare two images: PSNR, SSIM, FLIP, number of different pixels
     Compare(commands::compare::CompareArgs),
-    /// Says how far the points of one frame are from another frame: mean, quantiles, maximum, share above a threshold
+    /// Compare two frames by cloud-to-cloud (C2C) distance: mean, quantiles, maximum
     CompareFrames(commands::compare_frames::CompareFramesArgs),
 }
 
@@ -83,7 +86,17 @@ impl Drop for RemovesAll {
 /// Runs the verb of a command line, whose first word is the name of the program, and says what went wrong. A process
 /// may do so many times: tests that try thousands of files start no program for each.
 pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
-    match Arguments::try_parse_from(line) {
+    let command = command();
+    let words = line::spelt(line.into_iter().collect(), &command);
+    if let Some(page) = topics::page(&words, &command) {
+        answer(page.trim_end());
+        return ended_with(check_answers().map(done));
+    }
+    if let Some(question) = line::unknown_command(&words, &command) {
+        return ended_with(Err(options::usage::UsageError(question).into()));
+    }
+    let parsed = command.try_get_matches_from(words);
+    match parsed.and_then(|matches| Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => run_verb(arguments),
         Err(usage) if usage.use_stderr() => {
             // Nobody is left to be told where this fails.
@@ -95,6 +108,11 @@ pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
             ended_with(check_answers().map(done))
         }
     }
+}
+
+/// The command line in clap's terms, with the texts of the help.
+fn command() -> Command {
+    help::laid_out(Arguments::command())
 }
 
 fn run_verb(arguments: Arguments) -> ExitCode {

@@ -32,6 +32,6 @@ pub use open::open_sink;
 pub use overlay::draw_labels;
 pub use picture::{Picture, PictureSize, check_size, draw_picture, write_picture, write_picture_observed, write_png};
 pub use picture_format::{PictureFormat, encode_picture};
-pub use png_files::{FRAME_PLACEHOLDER, numbered, picture_names};
+pub use png_files::{FRAME_PLACEHOLDER, has_placeholder, numbered, picture_names};
 pub use sink::{FrameSink, VideoStream};
 pub use video::{PictureDone, Video, export_video, render_path};

@@ -5,7 +5,7 @@ use super::format::VideoFormat;
 use super::gif::GifFile;
 use super::limits::MAX_EDGE_PX;
 use super::mp4::Mp4File;
-use super::png_files::{FRAME_PLACEHOLDER, PngFiles};
+use super::png_files::{PngFiles, has_placeholder};
 use super::sink::{FrameSink, VideoStream};
 use super::webp::WebpFile;
 use std::path::Path;
@@ -21,7 +21,7 @@ impl VideoFormat {
             None if path.as_os_str() == "-" => Err(ExportError::UnknownFormat { path: path.to_owned() }),
             _ if path.is_dir() => Ok(Self::PngFiles),
             None => Ok(Self::PngFiles),
-            Some("png") if path.to_string_lossy().contains(FRAME_PLACEHOLDER) => Ok(Self::PngFiles),
+            Some("png") if has_placeholder(path) => Ok(Self::PngFiles),
             Some("gif") => Ok(Self::Gif),
             Some("webp") => Ok(Self::Webp),
             Some("mp4") => Ok(Self::Mp4),

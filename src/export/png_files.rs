@@ -13,18 +13,41 @@ use std::path::{Path, PathBuf};
 /// Where the number goes in the name of a file a picture.
 pub const FRAME_PLACEHOLDER: &str = "{frame}";
 
+/// The same with the number of digits, as format strings of other languages have it: `{frame:04}`.
+const PADDED_PLACEHOLDER: &str = "{frame:0";
+
+/// The place of the number in a name: its first byte, its length, and its number of digits if that is said.
+fn placeholder(name: &str) -> Option<(usize, usize, Option<usize>)> {
+    if let Some(start) = name.find(FRAME_PLACEHOLDER) {
+        return Some((start, FRAME_PLACEHOLDER.len(), None));
+    }
+    let start = name.find(PADDED_PLACEHOLDER)?;
+    let after = &name[start + PADDED_PLACEHOLDER.len()..];
+    let digits = after.split('}').next().filter(|digits| digits.len() < after.len())?;
+    let length = PADDED_PLACEHOLDER.len() + digits.len() + 1;
+    let digits = digits.strip_suffix('d').unwrap_or(digits);
+    Some((start, length, Some(digits.parse().ok().filter(|digits| *digits <= 20)?)))
+}
+
+/// True if a name has a place for the number of a frame.
+pub fn has_placeholder(name: &Path) -> bool {
+    placeholder(&name.to_string_lossy()).is_some()
+}
+
 /// A name with [`FRAME_PLACEHOLDER`] replaced by a number, padded so that the names of so many files sort.
 pub fn numbered(name: &Path, index: usize, count: usize) -> PathBuf {
-    let digits = count.saturating_sub(1).to_string().len().max(4);
-    PathBuf::from(
-        name.to_string_lossy()
-            .replace(FRAME_PLACEHOLDER, &format!("{index:0digits$}")),
-    )
+    let default_digits = count.saturating_sub(1).to_string().len().max(4);
+    let mut name = name.to_string_lossy().into_owned();
+    while let Some((start, length, digits)) = placeholder(&name) {
+        let digits = digits.unwrap_or(default_digits);
+        name.replace_range(start..start + length, &format!("{index:0digits$}"));
+    }
+    PathBuf::from(name)
 }
 
 /// The name, with a place for the number, of the pictures of a video to `output`: a folder, or such a name.
 pub fn picture_names(output: &Path) -> PathBuf {
-    if !output.is_dir() && output.to_string_lossy().contains(FRAME_PLACEHOLDER) {
+    if !output.is_dir() && has_placeholder(output) {
         output.to_owned()
     } else {
         output.join("{frame}.png")

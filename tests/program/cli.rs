@@ -40,10 +40,10 @@ fn small_sequence() -> tempfile::TempDir {
 
 #[test]
 fn help_has_headings_and_short_lines() {
-    let usual = ["Options:", "Reading:", "Picture:", "Level of detail:", "View:"];
+    let usual = ["Options:", "Reading:", "Rendering:", "Level of detail:", "View:"];
     let of_verbs = [
         ("view", usual.to_vec()),
-        ("render", [&usual[..], &["Video:", "Other poses:"]].concat()),
+        ("render", [&usual[..], &["Video:", "Other frames:"]].concat()),
     ];
     for (verb, headings) in of_verbs {
         let output = pointreel(&[verb, "--help"]);
@@ -378,7 +378,7 @@ fn failures_exit_with_1_and_wrong_usage_with_2() {
     let folder = small_sequence();
     let empty = tempfile::tempdir().unwrap();
     let sequence = text(folder.path());
-    let cases: [(i32, &[&str], &str); 12] = [
+    let cases: [(i32, &[&str], &str); 14] = [
         (1, &["info", "/no/such/place"], "/no/such/place does not exist"),
         (1, &["info", text(empty.path())], "no point cloud is in the folder"),
         (
@@ -405,7 +405,7 @@ fn failures_exit_with_1_and_wrong_usage_with_2() {
         (
             2,
             &["render", sequence, "-o", "o.png", "--splatting", "best"],
-            "`best` is no splatting mode",
+            "invalid value 'best' for '--splatting <MODE>'",
         ),
         (
             2,
@@ -419,6 +419,12 @@ fn failures_exit_with_1_and_wrong_usage_with_2() {
         ),
         (2, &["info"], "INPUT"),
         (2, &["frobnicate", "--hard"], "unexpected argument"),
+        (2, &["inof", sequence], "did you mean `pointreel info`?"),
+        (
+            2,
+            &["render", sequence, "-o", "o.png", "--lighting", "lamber"],
+            "a similar value exists: 'lambert'",
+        ),
     ];
     for (code, arguments, expected) in cases {
         let output = pointreel(arguments);

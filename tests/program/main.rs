@@ -11,6 +11,8 @@ mod compare_frames;
 #[path = "../common/data.rs"]
 mod data;
 mod fields;
+#[cfg(all(feature = "window", feature = "bench", feature = "gpu", feature = "sqlite"))]
+mod help;
 mod hostile;
 mod memory_limits;
 mod outputs;

@@ -84,7 +84,9 @@ pub(super) const ROWS: &[Row] = &[
 /// Gives a setting the value that the command line would.
 fn set(state: &mut State, text: &str) -> Result<(), String> {
     let (name, value) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
-    let is_it = |described: &Described| described.key == name || described.flag == name;
+    let is_it = |described: &Described| {
+        described.key == name || described.flag == name || described.other_flags.contains(&name)
+    };
     let settings = state.style.settings();
     let Some((described, _)) = settings.into_iter().find(|(described, _)| is_it(described)) else {
         return Err(format!(

@@ -58,6 +58,9 @@ impl State {
         }
         document.clip = chosen.clip;
         document.settings = chosen.with(|style| style.clip = None);
+        if self.player.is_none() {
+            document.frame = self.shared.options.frame.unwrap_or(document.frame);
+        }
         let end = document.range.of(sequence.len()).end;
         if !self.shared.options.paused && document.frame + 1 >= end {
             // What plays would end at once.

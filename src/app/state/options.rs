@@ -61,6 +61,8 @@ pub struct StateOptions {
     pub follow: bool,
     /// Do not play what is opened.
     pub paused: bool,
+    /// Frame to show first, of the first sequence.
+    pub frame: Option<usize>,
     /// Memory for prepared frames; the loader's default if `None`.
     pub budget_bytes: Option<usize>,
     /// What was opened lately.
@@ -87,6 +89,7 @@ impl Default for StateOptions {
             open: OpenOptions::default(),
             follow: false,
             paused: false,
+            frame: None,
             budget_bytes: None,
             recent: Recent::default(),
             reading_choices: ReadingChoices::default(),

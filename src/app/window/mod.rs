@@ -31,7 +31,7 @@ use winit::application::ApplicationHandler;
 use winit::dpi::{LogicalSize, PhysicalSize};
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
-use winit::window::{Window, WindowId};
+use winit::window::{Fullscreen, Window, WindowId};
 
 /// Size of a new window, logical pixels.
 const DEFAULT_SIZE: LogicalSize<f64> = LogicalSize::new(1280.0, 800.0);
@@ -76,6 +76,8 @@ pub struct Options {
     pub preferences_file: PreferencesFile,
     /// Size of the window in pixels, which goes before the preferred one.
     pub size_px: Option<[u32; 2]>,
+    /// Open the window in full screen.
+    pub is_full_screen: bool,
     /// Write the 3-D picture to this file and end.
     pub screenshot: Option<PathBuf>,
     /// How many frames are shown before the screenshot; at least 1.
@@ -302,8 +304,9 @@ impl App {
             Some([width, height]) => attributes.with_inner_size(PhysicalSize::new(width, height)),
             None => attributes.with_inner_size(within_screen(event_loop, left.unwrap_or(DEFAULT_SIZE))),
         };
+        let full_screen = self.options.is_full_screen.then_some(Fullscreen::Borderless(None));
         event_loop
-            .create_window(attributes)
+            .create_window(attributes.with_fullscreen(full_screen))
             .map(Arc::new)
             .map_err(|error| AppError::NoWindow {
                 reason: error.to_string(),
@@ -317,6 +320,7 @@ impl App {
         window: Arc<Window>,
         before: &mut Option<EguiBefore>,
     ) -> Result<OpenWindow, AppError> {
+        self.state.appearance.full_screen = window.fullscreen().is_some();
         let choice = self.state.appearance.present;
         let presenter = present::open(choice, &window)?;
         let egui = egui::Context::default();

@@ -55,7 +55,7 @@ const COLUMNS: &[Column] = &[
 /// Drawing surfels by each instancing strategy.
 pub const SURFELS: &Suite = &Suite {
     name: "surfels",
-    brief: "Table II of the paper",
+    brief: "surfel rendering: Table II of the paper",
     title: "Surfels × strategies",
     hint: "Time a frame of each instancing strategy drawing surfels (paper, Table II)",
     description: "drawing surfels, two-pass-enlarged (2x), by instancing strategy",
@@ -76,7 +76,7 @@ pub const SURFELS: &Suite = &Suite {
 /// Drawing voxels by each instancing strategy.
 pub const VOXELS: &Suite = &Suite {
     name: "voxels",
-    brief: "Table IV of the paper",
+    brief: "voxel rendering: Table IV of the paper",
     title: "Voxels × strategies",
     hint: "Time a frame of each instancing strategy drawing voxels (paper, Table IV)",
     description: "drawing voxels of the visible set by instancing strategy",

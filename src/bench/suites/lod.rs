@@ -63,7 +63,7 @@ const COLUMNS: &[Column] = &[
 /// Structures of levels of detail from three distances.
 pub const LOD: &Suite = &Suite {
     name: "lod",
-    brief: "Table 2 of paper 002",
+    brief: "level-of-detail structures: Table 2 of paper 002",
     title: "LOD structures",
     hint: "Cutting and drawing each structure of levels of detail, from three distances (paper 002, Table 2)",
     description: "structures of levels of detail, surfels, from three distances, turning by 2° a picture",

@@ -89,7 +89,7 @@ const COLUMNS: &[Column] = &[
 /// Building and traversing octrees of three depths.
 pub const OCTREE: &Suite = &Suite {
     name: "octree",
-    brief: "Table III of the paper",
+    brief: "octree construction: Table III of the paper",
     title: "Octree by δ",
     hint: "Loss, depth, nodes, build and traversal time at δ of 2, 10 and 50 % (paper, Table III)",
     description: "building and traversing octrees by acceptable loss",

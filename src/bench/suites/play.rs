@@ -45,7 +45,7 @@ const COLUMNS: &[Column] = &[
 /// Playing by the clock: what rate is held, with how many points, in how much memory.
 pub const PLAY: &Suite = &Suite {
     name: "play",
-    brief: "rate held by the clock, nothing presented",
+    brief: "achieved playback rate, without a window",
     title: "Playing",
     hint: "Play 300 frames by the clock, drawn but not presented: frames a second held, share of points shown, \
         memory",

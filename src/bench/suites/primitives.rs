@@ -66,7 +66,7 @@ const COLUMNS: &[Column] = &[
 /// Drawing each primitive, from three distances.
 pub const PRIMITIVES: &Suite = &Suite {
     name: "primitives",
-    brief: "Fig. 5 and Table 1 of paper 002",
+    brief: "render primitives: Fig. 5 and Table 1 of paper 002",
     title: "Primitives",
     hint: "Points a second of each primitive, from three distances, and how much work its shaders are (paper 002, \
            Fig. 5 and Table 1)",

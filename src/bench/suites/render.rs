@@ -37,7 +37,7 @@ const COLUMNS: &[Column] = &[
 /// Drawing on the processor and on the adapter, from three distances.
 pub const RENDER: &Suite = &Suite {
     name: "render",
-    brief: "processor beside adapter",
+    brief: "CPU compared with GPU",
     title: "CPU × GPU",
     hint: "Time a picture by the software renderer and by the graphics card, from three distances",
     description: "drawing on the processor and on the adapter, from three distances",

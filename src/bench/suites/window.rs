@@ -52,7 +52,7 @@ const COLUMNS: &[Column] = &[
 /// A real window that plays, is turned and scrubbed: what it presents, how late, and what that costs.
 pub const WINDOW: &Suite = &Suite {
     name: "window",
-    brief: "rate presented, latency and cost of a real window",
+    brief: "frame rate, latency and cost of a real window",
     title: "Window",
     hint: "Play, turn and scrub in a window of its own: pictures a second presented, latency, processor time by \
         part",

@@ -19,11 +19,11 @@ const FOUND: u8 = 3;
 /// Arguments of `pointreel check`.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct CheckArgs {
-    /// A folder, a pattern, or files; `demo:` and `example:lidar`, `depth` or `model` are built in
+    /// Folder, pattern or files; `demo:` and `example:lidar`, `depth` or `model` are built in
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 
-    /// Answer in JSON
+    /// Print JSON
     #[arg(long)]
     json: bool,
 

@@ -23,19 +23,19 @@ const MAX_DECODER_BYTES: u64 = 16 * MAX_PIXELS;
 /// Arguments of `pointreel compare`.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct CompareArgs {
-    /// PNG file that is right; pictures that differ are no failure
+    /// Reference PNG (differences do not affect the exit code)
     #[arg(value_name = "REFERENCE.png")]
     reference: PathBuf,
 
-    /// PNG file of the same size to compare with it; both are read as 8-bit RGBA, and alpha is ignored
+    /// PNG of the same size to compare with it; both are read as 8-bit RGBA, and alpha is ignored
     #[arg(value_name = "TEST.png")]
     test: PathBuf,
 
-    /// Answer in JSON; `psnr_db` is null where it is infinite (equal pictures), `ssim` for pictures below 11x11
+    /// Print JSON; `psnr_db` is null for equal images, `ssim` for images below 11x11
     #[arg(long)]
     json: bool,
 
-    /// Picture (.png, .jpg, .webp or .tif) to write the FLIP error of each pixel to, from black (0) to pale yellow (1)
+    /// Write the FLIP error of each pixel to this image (.png, .jpg, .webp or .tif), black (0) to pale yellow (1)
     #[arg(long, value_name = "OUT.png")]
     heatmap: Option<PathBuf>,
 }

@@ -1,7 +1,7 @@
 //! `pointreel compare-frames`: how far the points of one frame are from another frame.
 
-use crate::cli::options::arguments::{FrameRange, ReadArgs, open_sequence_and_tell};
-use crate::cli::options::values::not_negative_f64;
+use crate::cli::options::arguments::{ReadArgs, open_sequence_and_tell};
+use crate::cli::options::values::{FrameChoice, not_negative_f64};
 use crate::cli::terminal::output::answer;
 use crate::cli::terminal::warnings;
 use crate::measure::Change;
@@ -14,23 +14,23 @@ use std::path::PathBuf;
 /// Arguments of `pointreel compare-frames`.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct CompareFramesArgs {
-    /// A folder, a pattern, or files; `demo:` and `example:lidar`, `depth` or `model` are built in
+    /// Folder, pattern or files; `demo:` and `example:lidar`, `depth` or `model` are built in
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 
-    /// The frame whose points are measured, counted from 0
-    #[arg(long, value_name = "A")]
-    from: usize,
+    /// Frame whose points are measured, counted from 0; last or -1 is the last one
+    #[arg(long, value_name = "A", allow_negative_numbers = true)]
+    from: FrameChoice,
 
-    /// The frame that they are measured to, counted from 0
-    #[arg(long, value_name = "B")]
-    to: usize,
+    /// Frame to measure the distances to, counted from 0
+    #[arg(long, value_name = "B", allow_negative_numbers = true)]
+    to: FrameChoice,
 
-    /// Count points that are farther away than this, scene units
-    #[arg(long, value_name = "D", default_value = "0", value_parser = not_negative_f64)]
+    /// Count points farther away than this, in scene units
+    #[arg(long, value_name = "LENGTH", default_value = "0", value_parser = not_negative_f64)]
     threshold: f64,
 
-    /// Answer in JSON
+    /// Print JSON
     #[arg(long)]
     json: bool,
 
@@ -59,8 +59,8 @@ pub(in crate::cli) fn run(arguments: &CompareFramesArgs) -> anyhow::Result<()> {
         from, to, threshold, ..
     } = *arguments;
     let count = sequence.len();
-    FrameRange::one(from).check("--from", count)?;
-    FrameRange::one(to).check("--to", count)?;
+    let from = from.one_of("--from", count)?;
+    let to = to.one_of("--to", count)?;
     let [pose, other] = [sequence.frame(from)?, sequence.frame(to)?];
     for warning in pose.warnings().iter().chain(other.warnings()) {
         warnings::warn_of_frame(warning);

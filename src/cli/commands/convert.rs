@@ -4,6 +4,7 @@ use crate::assumption::Subject;
 use crate::cli::info_parts::reel_info::ReelInfo;
 use crate::cli::options::arguments::{FrameRange, ReadArgs, open_sequence_and_tell};
 use crate::cli::options::reel_arguments::ReelArgs;
+use crate::cli::options::values::FrameChoice;
 use crate::cli::terminal::output::{answer, say};
 use crate::cli::terminal::progress::Bar;
 use crate::cli::terminal::{assumptions, warnings};
@@ -23,46 +24,48 @@ use std::sync::Arc;
 /// Arguments of `pointreel convert`.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct ConvertArgs {
-    /// A folder, a pattern, or files; `demo:` and `example:lidar` are built in; the last one is the OUTPUT: a file for
-    /// one frame, a sequence file (.reel) for all, or a folder, which is made: a name without extension or with a slash
-    /// at its end. Files in it keep the names of those that they were made from
+    /// Folder, pattern or files, and the OUTPUT as the last one: a file for one frame, a sequence file (.reel) for all,
+    /// or a folder (a name without extension or with a slash at its end), in which files keep their names
     #[arg(required = true, num_args = 1.., value_name = "INPUT… OUTPUT")]
     paths: Vec<PathBuf>,
 
-    /// ply, ply-ascii, pcd, las, laz, xyz or npy [default: by the extension of OUTPUT, else ply]
+    /// Output format: ply, ply-ascii, pcd, las, laz, xyz or npy [default: by the extension of OUTPUT, else ply]
     #[arg(long, value_name = "FORMAT")]
     format: Option<WriteFormat>,
 
-    /// A frame, or a range A..B with both ends included; counted from 0
-    #[arg(long, value_name = "N|A..B")]
-    frames: Option<FrameRange>,
+    /// Frame or inclusive range A..B, counted from 0; last or -1 is the last one [default: all]
+    #[arg(long, value_name = "N|A..B", allow_hyphen_values = true)]
+    frames: Option<FrameChoice>,
 
-    /// Join the points in each cell of this edge, in file units
+    /// Voxel-downsample with this voxel size (file units)
     #[arg(long, value_name = "SIZE", value_parser = edge)]
     voxel: Option<f64>,
 
-    /// Move the points: a file with 16 numbers (4 x 4, row by row, as `CloudCompare` writes it), or the numbers with
-    /// commas between
+    /// Transform the points: a file with a 4 x 4 matrix (row by row, as `CloudCompare` writes it), or its 16 numbers
+    /// separated by commas
     #[arg(long, value_name = "MATRIX", value_parser = matrix, allow_hyphen_values = true)]
     transform: Option<DMat4>,
 
-    /// Estimate normals and radii of frames that have no normals
+    /// Estimate missing normals and radii
     #[arg(long)]
     estimate_normals: bool,
 
-    /// Convert the i-th of n shares of the frames, i from 1 to n: for several machines at once; of a sequence file
-    /// `walk.reel` it is written to `walk.part-i-of-n.reel`
-    #[arg(long, value_name = "i/n", value_parser = shard)]
+    /// Convert shard i of n (i from 1), for several machines at once; of a sequence file `walk.reel` it is written to
+    /// `walk.part-i-of-n.reel`
+    #[arg(long, hide_short_help = true, value_name = "i/n", value_parser = shard)]
     shard: Option<Shard>,
 
-    /// Replace files that are in OUTPUT already. Without it frames that this very conversion has written before are
-    /// left as they are, and any other file in the way is an error
+    /// Replace existing files in OUTPUT; without it, frames that this conversion has already written are skipped, and
+    /// any other existing file is an error
     #[arg(long)]
     overwrite: bool,
 
-    /// Join sequence files, those of shards, into the OUTPUT, one behind the other; without an INPUT the parts of
-    /// OUTPUT that are next to it
-    #[arg(long, conflicts_with_all = ["format", "frames", "voxel", "transform", "estimate_normals", "shard"])]
+    /// Concatenate sequence files, such as shards, into OUTPUT; without an INPUT, the parts next to OUTPUT
+    #[arg(
+        long,
+        hide_short_help = true,
+        conflicts_with_all = ["format", "frames", "voxel", "transform", "estimate_normals", "shard"],
+    )]
     join: bool,
 
     #[command(flatten)]
@@ -84,10 +87,8 @@ pub(in crate::cli) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     }
     let open = arguments.read.open_options();
     let sequence = open_sequence_and_tell(inputs, &open)?;
-    if let Some(frames) = arguments.frames {
-        frames.check("--frames", sequence.len())?;
-    }
-    let frames = arguments.frames.map(FrameRange::bounds);
+    let frames = arguments.frames.map(|frames| frames.of("--frames", sequence.len()));
+    let frames = frames.transpose()?.map(FrameRange::bounds);
     let frame_count = frames.clone().map_or(sequence.len(), Iterator::count);
     let (output, format) = outputs(arguments, output, &sequence, frame_count)?;
     let conversion = Conversion {

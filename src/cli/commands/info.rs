@@ -23,11 +23,11 @@ use std::path::PathBuf;
 /// Arguments of `pointreel info`.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct InfoArgs {
-    /// A folder, a pattern, or files; `demo:` and `example:lidar`, `depth` or `model` are built in
+    /// Folder, pattern or files; `demo:` and `example:lidar`, `depth` or `model` are built in
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 
-    /// Answer in JSON
+    /// Print JSON
     #[arg(long)]
     json: bool,
 

@@ -6,11 +6,12 @@ use crate::cli::options::arguments::FrameRange;
 use crate::cli::options::colors::check_source;
 use crate::cli::options::render_arguments::RenderArgs;
 use crate::cli::options::sources::{OutputKind, check_outputs, check_replaced, write_text};
+use crate::cli::options::values::FrameChoice;
 use crate::cli::session::{OpenedInputs, open_inputs_and_tell};
 use crate::cli::terminal::output::{BytesAnswer, note};
 use crate::cli::terminal::{assumptions, warnings};
 use crate::document::Document;
-use crate::export::{FRAME_PLACEHOLDER, Picture, PictureFormat, numbered, write_picture, write_png};
+use crate::export::{FRAME_PLACEHOLDER, Picture, PictureFormat, has_placeholder, numbered, write_picture, write_png};
 use crate::headless::{Headless, PictureStats};
 use crate::messages::frame_with_index;
 use crate::render::AnyRenderer;
@@ -39,10 +40,7 @@ pub(super) fn fill(arguments: &mut RenderArgs, session: &Document, frame_count: 
     arguments.camera.take_view(session.view, session.up);
     if arguments.video.video.is_none() {
         let frame = session.frame.min(last);
-        arguments.frame.get_or_insert(FrameRange {
-            first: frame,
-            last: frame,
-        });
+        arguments.frame.get_or_insert(FrameRange::one(frame).into());
         return;
     }
     let moves_by_itself = arguments.video.path.is_some() || arguments.video.turntable.is_some();
@@ -50,10 +48,11 @@ pub(super) fn fill(arguments: &mut RenderArgs, session: &Document, frame_count: 
         arguments.video.path_of_session = session.path.path().cloned();
         let range = session.range.of(frame_count);
         if session.path.path().is_none() && !range.is_empty() {
-            arguments.frame = Some(FrameRange {
+            let range = FrameRange {
                 first: range.start,
                 last: range.end - 1,
-            });
+            };
+            arguments.frame = Some(range.into());
         }
     }
 }
@@ -71,8 +70,8 @@ pub(in crate::cli) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         fill(&mut arguments, session, sequence.len());
     }
     let arguments = &arguments;
-    let range = arguments.frame.unwrap_or(FrameRange { first: 0, last: 0 });
-    range.check("--frame", sequence.len())?;
+    let choice = arguments.frame.unwrap_or(FrameRange::one(0).into());
+    let range = choice.of("--frame", sequence.len())?;
     if let Some(output) = &arguments.output {
         let names = range.bounds().map(|frame| numbered(output, frame, sequence.len()));
         let names = names.filter(|name| name.as_os_str() != STDOUT);
@@ -101,7 +100,7 @@ pub(in crate::cli) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     }
     let mut stats = Stats {
         adapter: headless.renderer().summary(),
-        size: arguments.size,
+        size: arguments.size_px(),
         primitive: style.primitive.to_string(),
         splatting: style.surfels.splatting.to_string(),
         instancing: style.drawing.strategy.to_string(),
@@ -140,8 +139,8 @@ const STDOUT: &str = "-";
 
 /// Refuses what cannot be written, before anything is read.
 fn check_picture(arguments: &RenderArgs, output: &Path) -> anyhow::Result<()> {
-    if let Some(range) = arguments.frame {
-        check_names(output, range)?;
+    if let Some(frames) = arguments.frame {
+        check_names(output, frames)?;
     }
     if output.as_os_str() == STDOUT {
         if std::io::stdout().is_terminal() {
@@ -155,10 +154,10 @@ fn check_picture(arguments: &RenderArgs, output: &Path) -> anyhow::Result<()> {
 }
 
 /// Several frames need several names.
-fn check_names(output: &Path, FrameRange { first, last }: FrameRange) -> anyhow::Result<()> {
-    if first != last && !output.to_string_lossy().contains(FRAME_PLACEHOLDER) {
+fn check_names(output: &Path, frames: FrameChoice) -> anyhow::Result<()> {
+    if !frames.is_one() && !has_placeholder(output) {
         bail!(
-            "frames {first}..{last} would all be written to {}: put {FRAME_PLACEHOLDER} into its name, or make a \
+            "frames {frames} would all be written to {}: put {FRAME_PLACEHOLDER} into its name, or make a \
              --video",
             output.display()
         );
@@ -168,7 +167,7 @@ fn check_names(output: &Path, FrameRange { first, last }: FrameRange) -> anyhow:
 
 /// Makes the folder that pictures of several frames go to; it goes again when nothing is written to it.
 fn make_folder(output: &Path, frame_count: usize) -> anyhow::Result<Option<Temporary>> {
-    if !output.to_string_lossy().contains(FRAME_PLACEHOLDER) {
+    if !has_placeholder(output) {
         return Ok(None);
     }
     let first = numbered(output, 0, frame_count);
@@ -213,7 +212,7 @@ fn render_frames(
         };
         let camera = match &mut camera {
             Some(camera) => camera,
-            none => none.insert(arguments.camera.camera(&look, &sequence, index, arguments.size)?),
+            none => none.insert(arguments.camera.camera(&look, &sequence, index, arguments.size_px())?),
         };
         if style.primitive == Primitive::Mesh && !frame.frame.has_faces() {
             let named = frame_with_index(index, count);

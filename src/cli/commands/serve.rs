@@ -1,6 +1,8 @@
 //! `pointreel serve`: a sequence for those who play it over the network, as a file or live.
 
 use crate::cli::options::arguments::{ReadArgs, frame_rate, open_sequence_and_tell};
+use crate::cli::options::known_values::KnownValues;
+use crate::cli::options::values::{ON_OFF, on_or_off};
 use crate::cli::terminal::output::{answer, check_answers, say};
 use crate::reel::MAGIC;
 use crate::sequence::{OpenOptions, Sequence};
@@ -21,37 +23,55 @@ const USUAL_ADDRESS: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST
 /// Arguments of `pointreel serve`.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct ServeArgs {
-    /// A sequence file (.reel); `pointreel convert` writes them. With --live any INPUT of `view`
+    /// Sequence file (.reel, written by `pointreel convert`); with --live any INPUT of `view`
     #[arg(value_name = "INPUT", required = true)]
     inputs: Vec<PathBuf>,
 
-    /// Where to listen: an address of this machine and a port, 0 for any that is free
+    /// Address and port to listen on; port 0 picks a free one, address 0.0.0.0 admits other machines
     #[arg(long, value_name = "ADDRESS:PORT", default_value_t = USUAL_ADDRESS)]
     listen: SocketAddr,
 
-    /// Play it as a live stream, which `pointreel tcp://ADDRESS:PORT` shows
+    /// Stream live: watch with `pointreel tcp://ADDRESS:PORT`
     #[arg(long)]
     live: bool,
 
-    /// Frames a second of the stream (usually as their time stamps say, else 24 or 30)
+    /// Frames per second of the stream [default: by time stamps, else 24 or 30]
     #[arg(long, value_name = "FPS", value_parser = frame_rate, requires = "live")]
     fps: Option<f64>,
 
-    /// End with the sequence, in place of playing it over and over
+    /// Stop after the last frame instead of looping
     #[arg(long, requires = "live")]
     once: bool,
 
-    /// How depth images are sent: rvl is packed without loss, raw is not packed
-    #[arg(long, value_name = "CODING", default_value = "rvl", requires = "live")]
+    /// Loop the sequence [default: on]
+    #[arg(long = "loop", value_name = "on|off", requires = "live", conflicts_with = "once", num_args = 0..=1,
+        require_equals = true, default_missing_value = "on", hide_short_help = true,
+        value_parser = KnownValues::<bool>::new(ON_OFF, on_or_off))]
+    loops: Option<bool>,
+
+    /// Encoding of depth images: rvl (lossless) or raw
+    #[arg(
+        long,
+        value_name = "rvl|raw",
+        default_value = "rvl",
+        hide_short_help = true,
+        requires = "live"
+    )]
     depth_coding: Depths,
 
-    /// How colour images are sent: jpeg, or raw without loss
-    #[arg(long, value_name = "CODING", default_value = "jpeg", requires = "live")]
+    /// Encoding of colour images: jpeg, or raw (lossless)
+    #[arg(
+        long,
+        value_name = "jpeg|raw",
+        default_value = "jpeg",
+        hide_short_help = true,
+        requires = "live"
+    )]
     color_coding: Colors,
 
-    /// Web pages that may read the file: those of an ORIGIN such as `https://example.org`, or `*` for all; may be
-    /// repeated (default: none)
-    #[arg(long, value_name = "ORIGIN", conflicts_with = "live")]
+    /// Allow web pages of this origin to read the file, such as `https://example.org`, or `*` for all; repeatable
+    /// [default: none]
+    #[arg(long, hide_short_help = true, value_name = "ORIGIN", conflicts_with = "live")]
     cors: Vec<CorsOrigin>,
 
     #[command(flatten)]
@@ -125,7 +145,7 @@ fn run_live(arguments: &ServeArgs) -> anyhow::Result<()> {
                 Colors::Raw => ColorCoding::Raw,
             },
         },
-        repeats: !arguments.once,
+        repeats: arguments.loops.unwrap_or(!arguments.once),
         most_bytes: open.read.max_memory_bytes,
     };
     let source = Arc::clone(sequence.source());

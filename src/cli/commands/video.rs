@@ -35,7 +35,7 @@ pub(super) fn render_video(
     };
     let frame_count = headless.sequence().len();
     let last = frame_count - 1;
-    let range = arguments.frame.unwrap_or(FrameRange { first: 0, last });
+    let range = frames(arguments, frame_count)?.unwrap_or(FrameRange { first: 0, last });
     let options = arguments.poses.options(range, headless, style)?;
     let video = Video {
         path: &path,
@@ -83,6 +83,11 @@ pub(super) fn render_video(
         .collect())
 }
 
+/// The frames that are chosen, in a sequence of `count`.
+fn frames(arguments: &RenderArgs, count: usize) -> anyhow::Result<Option<FrameRange>> {
+    arguments.frame.map(|frames| frames.of("--frame", count)).transpose()
+}
+
 /// A path of a file, its pictures a second, and its speed.
 fn written_path(video: &VideoArgs, path: &CameraPath) -> anyhow::Result<(CameraPath, f64, f64)> {
     let speed = match video.seconds {
@@ -90,7 +95,7 @@ fn written_path(video: &VideoArgs, path: &CameraPath) -> anyhow::Result<(CameraP
             bail!("a path of one keyframe lasts no time: leave out --seconds")
         }
         Some(seconds) => path.duration_s() / seconds,
-        None => 1.0,
+        None => video.speed.unwrap_or(1.0),
     };
     Ok((path.clone(), video.fps.unwrap_or(DEFAULT_RATE), speed))
 }
@@ -102,7 +107,8 @@ fn path_around(arguments: &RenderArgs, headless: &Headless) -> anyhow::Result<(C
     if video.fps.is_some() && video.seconds.is_some() {
         bail!("--fps and --seconds contradict each other here: the number of pictures is given");
     }
-    let range = arguments.frame;
+    let range = frames(arguments, sequence.len())?;
+    let speed = video.speed.unwrap_or(1.0);
     let first = range.map_or(0, |range| range.first);
     let last = range.map_or(sequence.len() - 1, |range| range.last);
     let pictures = match video.turntable {
@@ -114,14 +120,14 @@ fn path_around(arguments: &RenderArgs, headless: &Headless) -> anyhow::Result<(C
     };
     let usual = match video.turntable {
         Some(_) => DEFAULT_RATE,
-        None => sequence.fps(),
+        None => sequence.fps() * speed,
     };
     let per_second = video
         .seconds
         .map_or(video.fps.unwrap_or(usual), |seconds| pictures / seconds);
     let frames_per_picture = match video.turntable {
         Some(_) if range.is_some() || sequence.len() == 1 => 0.0,
-        Some(_) => sequence.fps() / per_second,
+        Some(_) => sequence.fps() * speed / per_second,
         None => 1.0,
     };
     let turns = match video.turntable {

@@ -4,9 +4,12 @@ use crate::app::{
     GivenStyle, Options, Preferences, PreferencesFile, PresentChoice, Presets, ReadingChoices, Recent, Script,
     StateOptions, open_as_chosen,
 };
-use crate::cli::options::arguments::{PictureArgs, ReadArgs, VIEW, byte_count, frame_rate, size_px};
+use crate::cli::options::arguments::{PictureArgs, ReadArgs, VIEW, byte_count, frame_rate};
 use crate::cli::options::colors::check_source;
+use crate::cli::options::known_values::KnownValues;
+use crate::cli::options::size_arguments::SizeArgs;
 use crate::cli::options::sources::{OutputKind, check_replaced, check_sources};
+use crate::cli::options::values::{FrameChoice, ON_OFF, on_or_off, positive_f64};
 use crate::cli::session::{OpenedInputs, open_inputs};
 use crate::document::{DocumentFolder, ReadSession, session_of};
 use crate::export::PictureFormat;
@@ -14,6 +17,7 @@ use crate::progress::Progress;
 use crate::scene::{Camera, Settings, UpAxis};
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use crate::source;
+use crate::timeline::LoopMode;
 use anyhow::{Context as _, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -21,69 +25,92 @@ use std::sync::Arc;
 
 /// What to show and how.
 #[derive(Debug, Clone, Default, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub(in crate::cli) struct ViewArgs {
-    /// Folder, files, pattern, or session (.pointreel); without any, what was opened lately is offered
+    /// Folder, pattern, files or session (.pointreel); without any, the start screen
     #[arg(value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 
-    /// Folder, file or pattern to show beside it by the same camera and clock
+    /// Folder, pattern or file to compare with, side by side with the same camera and clock
     #[arg(long, value_name = "INPUT")]
     compare: Vec<PathBuf>,
 
-    /// Topic of a recording in --compare (usually that of --topic)
-    #[arg(long, value_name = "NAME", requires = "compare")]
+    /// Topic of a recording in --compare [default: that of --topic]
+    #[arg(long, hide_short_help = true, value_name = "NAME", requires = "compare")]
     compare_topic: Option<String>,
 
-    /// Which axis is up: x, y, z, -x, -y or -z; guessed when not given
+    /// Up axis: x, y, z, -x, -y or -z [default: estimated]
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = VIEW)]
     up: Option<UpAxis>,
 
-    /// Begin with a view as the window copies it (Ctrl+C)
-    #[arg(long, value_name = "TEXT", help_heading = VIEW)]
+    /// Start with a camera view copied in the window (Ctrl+C)
+    #[arg(long, alias = "camera", value_name = "TEXT", help_heading = VIEW)]
     view: Option<Camera>,
 
-    /// Frames a second, all equally long (usually as their time stamps say, else 24)
+    /// Frames per second, evenly spaced [default: by time stamps, else 24]
     #[arg(long, value_name = "FPS", value_parser = frame_rate)]
     fps: Option<f64>,
 
-    /// Show the newest frame of a folder as it comes; an empty folder is waited for
-    #[arg(long)]
+    /// Play at a multiple of the speed of the sequence [default: as last time]
+    #[arg(long, value_name = "FACTOR", value_parser = positive_f64)]
+    speed: Option<f64>,
+
+    /// Loop the sequence, or stop after the last frame [default: as last time]
+    #[arg(long = "loop", value_name = "on|off", num_args = 0..=1, require_equals = true, default_missing_value = "on",
+        value_parser = KnownValues::<bool>::new(ON_OFF, on_or_off))]
+    loops: Option<bool>,
+
+    /// Show this frame, paused; counted from 0, last or -1 is the last one
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    frame: Option<FrameChoice>,
+
+    /// Follow a growing folder: show the newest frame as it arrives
+    #[arg(long, hide_short_help = true)]
     follow: bool,
 
-    /// Write what arrives of a live stream (tcp://) to this file, which is an INPUT again
-    #[arg(long, value_name = "FILE")]
+    /// Record a live stream (tcp://) to this file, which can be opened again
+    #[arg(long, hide_short_help = true, value_name = "FILE")]
     record: Option<PathBuf>,
 
-    /// Do not play
+    /// Start paused
     #[arg(long)]
     paused: bool,
 
-    /// Begin from defaults, whatever the window has kept of INPUT
-    #[arg(long, visible_alias = "no-document")]
+    /// Start from defaults, ignoring what was stored about INPUT
+    #[arg(long, hide_short_help = true, visible_alias = "no-document")]
     fresh: bool,
 
     /// Memory for prepared frames, such as 2GB
-    #[arg(long, value_name = "SIZE", value_parser = byte_count)]
+    #[arg(long, value_name = "SIZE", value_parser = byte_count, hide_short_help = true)]
     memory: Option<u64>,
 
-    /// Who paints the window: auto (a real GPU, else the processor), gpu or cpu
-    #[arg(long, value_name = "WHO")]
+    /// Paint the window on the GPU or the CPU (auto: a hardware GPU if there is one) [default: auto]
+    #[arg(long, value_name = "auto|gpu|cpu", hide_short_help = true)]
     present: Option<PresentChoice>,
 
-    /// Size of the window in pixels
-    #[arg(long, value_name = "WxH", value_parser = size_px)]
-    size: Option<[u32; 2]>,
+    #[command(flatten)]
+    size: SizeArgs,
 
-    /// Write the 3-D picture of the window to this file (.png, .jpg, .webp or .tif) and end
-    #[arg(long, value_name = "FILE")]
+    /// Start in full screen
+    #[arg(long, alias = "full-screen")]
+    fullscreen: bool,
+
+    /// Write the 3D view to this image (.png, .jpg, .webp or .tif) and exit
+    #[arg(long, hide_short_help = true, value_name = "FILE")]
     screenshot: Option<PathBuf>,
 
-    /// How many frames are shown before the screenshot
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "screenshot")]
+    /// Show N frames before the screenshot
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "N",
+        default_value_t = 1,
+        requires = "screenshot"
+    )]
     after_frames: u64,
 
-    /// Run the commands of this file, one per line, by title or word; `wait SECONDS|shown|done`
-    #[arg(long, value_name = "FILE")]
+    /// Run the commands of this file, one per line, by title or word; also `wait SECONDS|shown|done`
+    #[arg(long, hide_short_help = true, value_name = "FILE")]
     script: Option<PathBuf>,
 
     /// End the GPU device after this many pictures, as a crashed driver would
@@ -96,6 +123,9 @@ pub(in crate::cli) struct ViewArgs {
     #[command(flatten)]
     picture: PictureArgs,
 }
+
+/// Aspect ratio of a window of which only one edge is given.
+const WINDOW_SIZE_PX: [u32; 2] = [1280, 720];
 
 /// Opens the window and returns when it is closed.
 pub(in crate::cli) fn run(args: &ViewArgs) -> anyhow::Result<()> {
@@ -137,7 +167,12 @@ pub(in crate::cli) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     } else {
         FirstOpened::of(args, &open, &reading_choices, documents.as_ref())?
     };
+    let frame = match (&args.frame, &sequence) {
+        (Some(frame), Some(sequence)) => Some(frame.one_of("--frame", sequence.len())?),
+        _ => None,
+    };
     if let Some(read) = &mut session {
+        read.document.frame = frame.unwrap_or(read.document.frame);
         give_precedence(args, read);
     }
     if let (Some(screenshot), Some(sequence)) = (&args.screenshot, &sequence) {
@@ -167,7 +202,8 @@ pub(in crate::cli) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             view: args.view,
             open,
             follow: args.follow,
-            paused: args.paused,
+            paused: args.paused || frame.is_some(),
+            frame,
             budget_bytes: args.memory.map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX)),
             recent,
             reading_choices,
@@ -190,7 +226,8 @@ pub(in crate::cli) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             .collect(),
         warnings,
         preferences_file,
-        size_px: args.size,
+        size_px: args.size.of(WINDOW_SIZE_PX),
+        is_full_screen: args.fullscreen,
         screenshot: args.screenshot.clone(),
         after_frames: args.after_frames,
         script,
@@ -314,6 +351,12 @@ fn load_preferences(args: &ViewArgs, has_settings: bool) -> (PreferencesFile, Pr
     let preferences = Preferences {
         settings,
         present: args.present.unwrap_or(kept.present),
+        speed: args.speed.unwrap_or(kept.speed),
+        loop_mode: match args.loops {
+            Some(false) => LoopMode::Off,
+            Some(true) if kept.loop_mode == LoopMode::Off => LoopMode::Loop,
+            _ => kept.loop_mode,
+        },
         ..kept
     };
     (file, preferences)

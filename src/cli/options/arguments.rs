@@ -1,8 +1,9 @@
 //! Arguments that several verbs share.
 
 use super::colors::ColorArgs;
+use super::known_values::KnownValues;
 use super::rgbd_arguments::RgbdArgs;
-use super::style_arguments::StyleArgs;
+use super::style_arguments::{StyleArgs, with_default};
 use super::values::number_in;
 pub(in crate::cli) use super::values::{FrameRange, positive_f64};
 use crate::cli::session::open_inputs_and_tell;
@@ -34,70 +35,70 @@ pub(in crate::cli) fn open_sequence_and_tell(inputs: &[PathBuf], options: &OpenO
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 #[command(next_help_heading = "Reading")]
 pub(in crate::cli) struct ReadArgs {
-    /// Most memory that reading one frame may take, such as 2GB (usually half of all)
-    #[arg(long, value_name = "SIZE", value_parser = byte_count)]
+    /// Limit the memory for reading one frame, such as 2GB [default: half of all]
+    #[arg(long, value_name = "SIZE", value_parser = byte_count, hide_short_help = true)]
     max_memory: Option<u64>,
 
-    /// Sample so many points evenly from the faces of a mesh (in pictures usually 100,000)
+    /// Sample N points uniformly on meshes; of clouds, take N at most [default: 100000 on meshes that are shown]
     #[arg(long, value_name = "N")]
     sample: Option<NonZeroUsize>,
 
-    /// Columns of text and .bin files by number from 0 or by name, such as x=3,y=4,z=5,intensity=7; of .bin
-    /// their count, such as 7, or both, such as 7:x=0,y=1,z=2; frame=2 for the column of frames, frame=none
-    /// for one frame (default: names and values decide)
-    #[arg(long, value_name = "COLUMNS", verbatim_doc_comment)]
+    /// Columns of text and .bin files by number or name, such as x=3,y=4,z=5,intensity=7; counted from 0, of .bin files
+    /// also their count, such as 7 or 7:x=0,y=1,z=2; frame=2 for a column of frames, frame=none for one frame
+    /// [default: by names and values]
+    #[arg(long, value_name = "COLUMNS")]
     columns: Option<ColumnMap>,
 
-    /// Missing points: auto (constants such as 0 0 0 or -9999 away from the rest), none, the number that
-    /// stands for a missing coordinate, or the place of missing points, such as -1,-1,-1
+    /// Ignore points with this value: auto (constants such as 0 0 0 or -9999 far from the rest), none, a number that
+    /// stands for a missing coordinate, or the position of missing points, such as -1,-1,-1
     #[arg(
         long,
         value_name = "VALUE|X,Y,Z|auto|none",
         default_value_t = NoData::Auto,
         allow_hyphen_values = true,
-        verbatim_doc_comment
+        hide_short_help = true
     )]
     no_data: NoData,
 
-    /// Range of colours that could have several: unit (0 to 1), 8 (0 to 255) or 16 (0 to 65535), or more if
-    /// there are larger values (default: the values of all frames decide)
-    #[arg(long, value_name = "BITS", verbatim_doc_comment)]
+    /// Range of ambiguous colours: unit (0 to 1), 8 (0 to 255) or 16 (0 to 65535), or more if there are larger values
+    /// [default: by the values of all frames]
+    #[arg(long, value_name = "unit|8|16", hide_short_help = true)]
     color_depth: Option<ColorDepth>,
 
-    /// All scans of an E57 file are one frame, not a frame each
-    #[arg(long)]
+    /// Merge the scans of an E57 file into one frame instead of one frame per scan
+    #[arg(long, hide_short_help = true)]
     merge_scans: bool,
 
-    /// Topic of a recording (MCAP, ROS bag) that has the frames; `info` lists them
-    #[arg(long, value_name = "NAME")]
+    /// Read this topic of a recording (MCAP, ROS bag); `pointreel info` lists them
+    #[arg(long, value_name = "NAME", hide_short_help = true)]
     topic: Option<String>,
 
-    /// Files of a folder that are frames, by a pattern of their names such as 'body_*'
-    #[arg(long, value_name = "PATTERN")]
+    /// Read only the files of a folder that match, such as 'body_*'
+    #[arg(long, value_name = "PATTERN", hide_short_help = true)]
     only: Option<String>,
 
-    /// Read a sequence file on the web (http://) with at most so many Mbit a second
-    #[arg(long, value_name = "MBIT", value_parser = positive_f64)]
+    /// Limit the bandwidth for a remote sequence file (http://), in Mbit/s
+    #[arg(long, value_name = "MBIT", value_parser = positive_f64, hide_short_help = true)]
     bandwidth: Option<f64>,
 
-    /// Make the points of photographs by stereo, also where sparse ones came with them
-    #[arg(long)]
+    /// Reconstruct a dense cloud from posed images by stereo, even if they have a sparse one
+    #[arg(long, hide_short_help = true)]
     dense: bool,
 
-    /// Keep so many seconds of a live stream (tcp://) to go back to (usually 10)
-    #[arg(long, value_name = "SECONDS", value_parser = positive_f64)]
+    /// Seconds of live stream (tcp://) to keep for rewinding [default: 10]
+    #[arg(long, value_name = "SECONDS", value_parser = positive_f64, hide_short_help = true)]
     live_seconds: Option<f64>,
 
-    /// Ask a live stream (tcp://) for frames, or for the points that the window shows, with normals
-    #[arg(long, value_name = "WHAT", value_enum, default_value_t = StreamOf::Frames)]
+    /// Request whole frames from a live stream (tcp://), or only the surfels that the window shows
+    #[arg(long, value_name = "frames|surfels", value_enum, default_value_t = StreamOf::Frames, hide_short_help = true)]
     stream: StreamOf,
 
-    /// Let a session (.pointreel) connect to the addresses that it names, and listen at its ports
-    #[arg(long)]
+    /// Allow a session (.pointreel) to connect to the addresses that it names, and to listen on its ports
+    #[arg(long, hide_short_help = true)]
     allow_network: bool,
 
-    /// Let a session (.pointreel) open files outside of its own folder
-    #[arg(long)]
+    /// Allow a session (.pointreel) to open files outside its own folder
+    #[arg(long, hide_short_help = true)]
     allow_outside: bool,
 
     #[command(flatten)]
@@ -179,24 +180,30 @@ impl ReadArgs {
 
 /// How a picture looks; what is not given is as usual: in a window as it was left, else as in a new one.
 #[derive(Debug, Clone, Default, Args)]
-#[command(next_help_heading = "Picture")]
+#[command(next_help_heading = "Rendering")]
 pub(in crate::cli) struct PictureArgs {
     #[command(flatten)]
     style: StyleArgs,
 
-    #[arg(long, value_name = Backdrop::BACKGROUND.value_name, help = Backdrop::BACKGROUND.help)]
+    #[arg(
+        long,
+        alias = "bg",
+        value_name = Backdrop::BACKGROUND.value_name,
+        help = with_default(Backdrop::BACKGROUND.help, Some(Background::PRESETS[0].0)),
+        value_parser = KnownValues::<Behind>::of(backgrounds()),
+    )]
     background: Option<Behind>,
 
-    /// The same as --back-faces drawn
-    #[arg(long, conflicts_with = SurfelSettings::BACK_FACES.flag)]
+    /// Short for --back-faces drawn
+    #[arg(long, conflicts_with = SurfelSettings::BACK_FACES.flag, hide_short_help = true)]
     two_sided: bool,
 
-    /// Draw only points from the first to the second corner, coordinates of the file
-    #[arg(long, value_name = "X,Y,Z,X,Y,Z", allow_hyphen_values = true, value_parser = clip_box)]
+    /// Crop to a bounding box: minimum and maximum, in file coordinates
+    #[arg(long, alias = "crop", value_name = "X,Y,Z,X,Y,Z", allow_hyphen_values = true, value_parser = clip_box)]
     clip_box: Option<ClipShape>,
 
-    /// Draw what is outside of --clip-box instead
-    #[arg(long, requires = "clip_box")]
+    /// Draw the points outside --clip-box instead
+    #[arg(long, requires = "clip_box", hide_short_help = true)]
     clip_outside: bool,
 
     #[command(flatten)]
@@ -209,6 +216,12 @@ enum Behind {
     Colors(Background),
     /// The picture is transparent there.
     Nothing,
+}
+
+/// The words for a background.
+fn backgrounds() -> impl Iterator<Item = &'static str> {
+    let presets = Background::PRESETS.iter().map(|(word, ..)| *word);
+    presets.chain(["transparent"])
 }
 
 impl FromStr for Behind {

@@ -12,45 +12,51 @@ use clap::Args;
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = VIEW)]
 pub(in crate::cli) struct CameraArgs {
-    /// A view as the window copies it (Ctrl+C), of which other options change parts
-    #[arg(long, value_name = "TEXT")]
+    /// Start from a camera view copied in the window (Ctrl+C); the other options change parts of it
+    #[arg(long, alias = "camera", value_name = "TEXT")]
     view: Option<Camera>,
 
-    /// Which axis is up: x, y, z, -x, -y or -z; guessed when not given
+    /// Up axis: x, y, z, -x, -y or -z [default: estimated]
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
     up: Option<UpAxis>,
 
-    /// Turn about the up axis in degrees; 0 is the front
+    /// Orbit about the up axis, in degrees; 0 is the front
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = finite)]
     azimuth: Option<f64>,
 
-    /// Height above the horizon in degrees, -90 to 90
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = elevation)]
+    /// Elevation above the horizon, in degrees
+    #[arg(long, value_name = "-90..90", allow_negative_numbers = true, value_parser = elevation)]
     elevation: Option<f64>,
 
-    /// From the middle of the cloud to the eye in scene units
-    #[arg(long, value_name = "D", value_parser = positive_f64)]
+    /// Distance from the centre of the cloud to the camera, in scene units
+    #[arg(long, value_name = "LENGTH", hide_short_help = true, value_parser = positive_f64)]
     distance: Option<f64>,
 
-    /// Vertical field of view in degrees, 1 to 170
-    #[arg(long, value_name = "DEG", value_parser = field_of_view)]
+    /// Vertical field of view, in degrees
+    #[arg(long, value_name = "1..170", value_parser = field_of_view, hide_short_help = true)]
     fov: Option<f64>,
 
-    /// Draw by parallel rays: what is farther away is as large
-    #[arg(long)]
+    /// Orthographic projection
+    #[arg(long, hide_short_help = true)]
     orthographic: bool,
 
-    /// Show all points, outliers and what is far away as well
-    #[arg(long, conflicts_with = "view")]
+    /// Fit all points into the image, outliers included
+    #[arg(long, alias = "fit-all", conflicts_with = "view", hide_short_help = true)]
     frame_all: bool,
 
-    /// Look from the depth camera; its image has the pixels of a picture of its size
-    #[arg(long, conflicts_with_all = ["view", "azimuth", "elevation", "distance", "fov", "orthographic", "frame_all"])]
-    from_sensor: bool,
-
-    /// Look from photograph N, counted from 0; its image has the pixels of a picture of its size
+    /// Render from the pose of the depth camera; at its image size, pixels coincide
     #[arg(
         long,
+        hide_short_help = true,
+        conflicts_with_all = ["view", "azimuth", "elevation", "distance", "fov", "orthographic", "frame_all"],
+    )]
+    from_sensor: bool,
+
+    /// Render from the pose of input image N, counted from 0; at its image size, pixels coincide
+    #[arg(
+        long,
+        alias = "image-camera",
+        hide_short_help = true,
         value_name = "N",
         conflicts_with_all = [
             "from_sensor", "view", "azimuth", "elevation", "distance", "fov", "orthographic", "frame_all",

@@ -1,10 +1,14 @@
 //! How points are coloured, as several verbs take it.
 
+use super::known_values::KnownValues;
+use super::style_arguments::with_default;
 use super::usage::UsageError;
+use super::values::{ON_OFF, on_or_off};
 use crate::analysis::ColorMap;
 use crate::cli::terminal::warnings;
 use crate::cloud::ScalarField;
-use crate::scene::coloring::{COLORS, LOGARITHM, MAP, RANGE};
+use crate::scene::coloring::{COLORS, LOGARITHM, MAP, MAPS, RANGE, SOURCES};
+use crate::scene::describe::Words;
 use crate::sequence::{ColorRange, ColorSource, Coloring, Sequence};
 use clap::Args;
 
@@ -12,17 +16,46 @@ use clap::Args;
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Colours")]
 pub(super) struct ColorArgs {
-    #[arg(long, value_name = COLORS.value_name, help = COLORS.help)]
+    #[arg(
+        long,
+        value_name = COLORS.value_name,
+        help = with_default(COLORS.help, Some(ColorSource::default().name())),
+        value_parser = KnownValues::<ColorSource>::of(words_of(SOURCES)),
+    )]
     colors: Option<ColorSource>,
 
-    #[arg(long, value_name = MAP.value_name, help = MAP.help_line())]
+    #[arg(
+        long,
+        aliases = MAP.other_flags,
+        value_name = MAP.value_name,
+        help = with_default(MAP.help, Some(ColorMap::default().name())),
+        value_parser = KnownValues::<ColorMap>::of(words_of(MAPS)),
+    )]
     color_map: Option<ColorMap>,
 
-    #[arg(long, value_name = RANGE.value_name, help = RANGE.help, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = RANGE.value_name,
+        help = with_default(RANGE.help, Some(&ColorRange::default().to_string())),
+        allow_hyphen_values = true,
+    )]
     color_range: Option<ColorRange>,
 
-    #[arg(long, help = LOGARITHM.help)]
-    color_log: bool,
+    #[arg(
+        long,
+        value_name = "on|off",
+        help = with_default(LOGARITHM.help, Some("off")),
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "on",
+        value_parser = KnownValues::<bool>::new(ON_OFF, on_or_off),
+        hide_short_help = true,
+    )]
+    color_log: Option<bool>,
+}
+
+fn words_of(words: &'static Words) -> impl Iterator<Item = &'static str> {
+    words.list.iter().map(|word| word.word)
 }
 
 impl ColorArgs {
@@ -40,7 +73,7 @@ impl ColorArgs {
             source: self.colors.unwrap_or(default.source),
             map: self.color_map.unwrap_or(default.map),
             range: self.color_range.unwrap_or(range),
-            is_logarithmic: self.color_log || (is_same && default.is_logarithmic),
+            is_logarithmic: self.color_log.unwrap_or(is_same && default.is_logarithmic),
             one_color: default.one_color,
         }
     }

@@ -14,30 +14,48 @@ use std::sync::Arc;
 
 /// Which other poses.
 #[derive(Debug, Clone, Default, Args)]
-#[command(next_help_heading = "Other poses")]
+#[command(next_help_heading = "Other frames")]
 pub(in crate::cli) struct PosesArgs {
-    /// Colour points by their distance to the frame that is K later (negative: earlier)
-    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    /// Colour points by their distance to the frame K later (negative: earlier), cloud to cloud
+    #[arg(long, hide_short_help = true, value_name = "K", allow_negative_numbers = true)]
     change: Option<i64>,
 
-    /// Distance in the last colour of --change (usually what 99 % do not exceed)
-    #[arg(long, value_name = "D", requires = "change", value_parser = super::values::not_negative_f64)]
+    /// Distance of the last colour of --change [default: the 99th percentile]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "LENGTH",
+        requires = "change",
+        value_parser = super::values::not_negative_f64,
+    )]
     change_range: Option<f64>,
 
-    /// Draw so many frames before and after as ghosts, 0 to 8
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=8))]
+    /// Draw N frames before and after as ghosts (onion skin)
+    #[arg(long, hide_short_help = true, value_name = "0..8", value_parser = clap::value_parser!(u8).range(0..=8))]
     onion: Option<u8>,
 
-    /// Frames from one ghost to the next
-    #[arg(long, value_name = "N", requires = "onion", value_parser = clap::value_parser!(u16).range(1..))]
+    /// Frames between ghosts [default: 1]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "N",
+        requires = "onion",
+        value_parser = clap::value_parser!(u16).range(1..),
+    )]
     onion_step: Option<u16>,
 
-    /// Draw the ways of the points of these indices through the frames
-    #[arg(long, value_name = "INDEX,…", value_delimiter = ',')]
+    /// Draw the trajectories of the points with these indices
+    #[arg(long, hide_short_help = true, value_name = "INDEX,…", value_delimiter = ',')]
     trail: Vec<u32>,
 
-    /// Photographs that are not put on surfaces, by their numbers, counted from 0
-    #[arg(long, value_name = "N,…", value_delimiter = ',')]
+    /// Exclude input images from texturing, by number, counted from 0
+    #[arg(
+        long,
+        alias = "exclude-images",
+        hide_short_help = true,
+        value_name = "N,…",
+        value_delimiter = ','
+    )]
     leave_out: Vec<usize>,
 }
 

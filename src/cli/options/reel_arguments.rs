@@ -10,42 +10,41 @@ use clap::{Args, ValueEnum};
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Sequence files (.reel)")]
 pub(in crate::cli) struct ReelArgs {
-    /// Largest error of a coordinate, such as 0.001 in units of the files or 1mm, or `lossless` [default: every point
-    /// within an eighth of the distance between the points around it]
+    /// Maximum error of a coordinate, such as 0.001 (file units) or 1mm, or `lossless` [default: an eighth of the local
+    /// point spacing]
     #[arg(long, value_name = "LENGTH|lossless", conflicts_with_all = ["bits", "merge"])]
     precision: Option<ReelPrecision>,
 
-    /// Merge the points in each cell about as large as points are far apart into one: fewer points, a smaller file;
-    /// what it costs and saves is said before it is done
+    /// Voxel-downsample to about the point spacing: fewer points, a smaller file; cost and savings are printed first
     #[arg(long, conflicts_with = "bits")]
     merge: bool,
 
-    /// Keep one point in each of 2^N cells along the longest side, as --merge does with cells of its own choice
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=21))]
+    /// Voxel-downsample to 2^N cells along the longest side; --merge chooses the cell size itself
+    #[arg(long, value_name = "1..21", value_parser = clap::value_parser!(u8).range(1..=21))]
     bits: Option<u8>,
 
-    /// Bits of a normal: 13, 15 or 17; 0 for the numbers of the file, with --precision
-    #[arg(long, value_name = "N")]
+    /// Bits per normal: 13, 15 or 17; 0 stores them as in the file, with --precision
+    #[arg(long, value_name = "BITS", hide_short_help = true)]
     normal_bits: Option<u8>,
 
-    /// With --merge: write no normals that the files do not have [default: those of a surface are estimated]
-    #[arg(long)]
+    /// With --merge: do not estimate missing normals
+    #[arg(long, hide_short_help = true)]
     no_normals: bool,
 
-    /// Largest error of a channel of a colour, of 255; 0 keeps colours as they are [default: 2]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=100))]
+    /// Maximum error per colour channel (0–255); 0 is lossless [default: 2]
+    #[arg(long, value_name = "0..100", value_parser = clap::value_parser!(u8).range(0..=100))]
     color_error: Option<u8>,
 
-    /// Frames of a group: they share a cube, and may be told by one another [default: 10]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    /// Frames per group: they share a bounding cube and may be predicted from each other [default: 10]
+    #[arg(long, value_name = "N", hide_short_help = true, value_parser = clap::value_parser!(u32).range(1..))]
     keyframes: Option<u32>,
 
-    /// Few bits, or fast to decode, for weak machines: six times as fast or more at 1.1 to 1.5 times the bits [default:
+    /// Encode compactly, or for fast decoding: at least six times as fast at 1.1 to 1.5 times the size [default:
     /// compact]
-    #[arg(long, value_name = "WHAT")]
+    #[arg(long, value_name = "compact|fast")]
     coding: Option<ReelCoding>,
 
-    /// Keep the order of the points, as trails need it; not with --merge or --bits
+    /// Preserve the order of the points, for trajectories; not with --merge or --bits
     #[arg(long)]
     keep_order: bool,
 }

@@ -1,8 +1,10 @@
 //! What `pointreel render` is told.
 
-use super::arguments::{FrameRange, PictureArgs, ReadArgs, size_px};
+use super::arguments::{PictureArgs, ReadArgs};
 use super::camera_arguments::CameraArgs;
 use super::poses::PosesArgs;
+use super::size_arguments::SizeArgs;
+use super::values::FrameChoice;
 use super::video_arguments::VideoArgs;
 use crate::export::PictureSize;
 use clap::Args;
@@ -11,39 +13,38 @@ use std::path::PathBuf;
 /// Arguments of `pointreel render`.
 #[derive(Debug, Clone, Args)]
 pub(in crate::cli) struct RenderArgs {
-    /// A folder, a pattern, files, or a session (.pointreel); `demo:` and `example:lidar` are built in
+    /// Folder, pattern, files or session (.pointreel); `demo:` and `example:lidar` are built in
     #[arg(required = true, value_name = "INPUT")]
     pub(in crate::cli) inputs: Vec<PathBuf>,
 
-    /// Picture to write: .png, .jpg, .webp or .tif, or - for a PNG on stdout; of a range of frames the name
-    /// must contain {frame}. Pictures that are there are replaced
+    /// Image to write: .png, .jpg, .webp or .tif, or - for a PNG on stdout; name a range of frames with {frame} or
+    /// {frame:04}. Existing images are replaced
     #[arg(
         short,
         long,
-        verbatim_doc_comment,
         value_name = "OUT",
         required_unless_present = "video",
         conflicts_with = "video"
     )]
     pub(in crate::cli) output: Option<PathBuf>,
 
-    /// Frame, or range A..B with both ends included, counted from 0 [default: 0, of a video all]
-    #[arg(long, value_name = "N|A..B")]
-    pub(in crate::cli) frame: Option<FrameRange>,
+    /// Frame or inclusive range A..B, counted from 0; last or -1 is the last one [default: 0, for videos all]
+    #[arg(long, value_name = "N|A..B", allow_hyphen_values = true)]
+    pub(in crate::cli) frame: Option<FrameChoice>,
 
-    /// Picture size in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size_px)]
-    pub(in crate::cli) size: [u32; 2],
+    #[command(flatten)]
+    pub(in crate::cli) size: SizeArgs,
 
-    /// Draw what the colours mean over the picture
+    /// Draw the colour legend
     #[arg(long)]
     pub(super) legend: bool,
-    /// Draw a bar of a round length, true at the distance of what the camera looks at
-    #[arg(long)]
+
+    /// Draw a scale bar (exact at the focus distance)
+    #[arg(long, hide_short_help = true)]
     pub(super) scale_bar: bool,
 
-    /// JSON file to write counters and times to
-    #[arg(long, value_name = "STATS.json")]
+    /// Write counters and timings to this JSON file
+    #[arg(long, value_name = "FILE.json", hide_short_help = true)]
     pub(in crate::cli) stats: Option<PathBuf>,
 
     #[command(flatten)]
@@ -62,14 +63,22 @@ pub(in crate::cli) struct RenderArgs {
     pub(in crate::cli) camera: CameraArgs,
 }
 
+/// Size of images where none is given.
+const DEFAULT_SIZE_PX: [u32; 2] = [1280, 720];
+
 impl RenderArgs {
+    /// Width and height of images.
+    pub(in crate::cli) fn size_px(&self) -> [u32; 2] {
+        self.size.of(DEFAULT_SIZE_PX).unwrap_or(DEFAULT_SIZE_PX)
+    }
+
     /// How large pictures are, and what is behind the cloud.
     pub(in crate::cli) fn picture_size(&self) -> PictureSize {
         PictureSize {
             is_transparent: self.picture.is_transparent(),
             has_legend: self.legend,
             has_scale_bar: self.scale_bar,
-            ..PictureSize::opaque(self.size)
+            ..PictureSize::opaque(self.size_px())
         }
     }
 }

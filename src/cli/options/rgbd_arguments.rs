@@ -10,40 +10,48 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Depth images (RGB-D)")]
 pub(super) struct RgbdArgs {
-    /// Names of depth images in the folder INPUT, such as 'depth/*.png'
-    #[arg(long, value_name = "PATTERN")]
+    /// Names of the depth images in the folder INPUT, such as 'depth/*.png' [default: detected]
+    #[arg(long, hide_short_help = true, value_name = "PATTERN")]
     depth_images: Option<String>,
 
-    /// Pattern of the names of their colour images
-    #[arg(long, value_name = "PATTERN", requires = "depth_images")]
+    /// Names of their colour images [default: detected]
+    #[arg(long, hide_short_help = true, value_name = "PATTERN", requires = "depth_images")]
     color_images: Option<String>,
 
-    /// fx,fy,cx,cy (pixels) or a file: a matrix, JSON of Open3D, XML of PCL
-    #[arg(long, value_name = "FILE|fx,fy,cx,cy")]
+    /// Camera intrinsics in pixels, or a file: a matrix, JSON of Open3D, XML of PCL [default: detected]
+    #[arg(long, hide_short_help = true, value_name = "FILE|fx,fy,cx,cy")]
     intrinsics: Option<String>,
 
-    /// Units of the depth images that are a metre, such as 1000 or 5000
-    #[arg(long, value_name = "N", value_parser = positive_f64)]
+    /// Depth units per metre, such as 1000 or 5000 [default: detected]
+    #[arg(long, hide_short_help = true, value_name = "N", value_parser = positive_f64)]
     depth_scale: Option<f64>,
 
-    /// Poses, sensor to world (TUM, KITTI, Redwood, Open3D, matrices); none: ignore those found
-    #[arg(long, value_name = "FILE|none")]
+    /// Camera poses, sensor to world (TUM, KITTI, Redwood, Open3D, matrices); none ignores those found [default:
+    /// detected]
+    #[arg(long, hide_short_help = true, value_name = "FILE|none")]
     poses: Option<PathBuf>,
 
-    /// Poses lead from the world to the sensor, as extrinsics do
-    #[arg(long)]
+    /// Invert the poses: they are extrinsics, world to sensor
+    #[arg(long, hide_short_help = true)]
     invert_poses: bool,
 
-    /// Frames A to B, both included, counted from 0, as one cloud, by their poses
-    #[arg(long, value_name = "A..B")]
+    /// Merge frames A to B (inclusive, counted from 0) into one cloud by their poses
+    #[arg(long, hide_short_help = true, value_name = "A..B")]
     merge_frames: Option<FrameRange>,
 
-    /// Edge of cells in which points of merged frames are joined; 0: all stay (else up to 8 million)
-    #[arg(long, value_name = "METRES", value_parser = not_negative_f64, requires = "merge_frames")]
+    /// Voxel size for merging, in metres; 0 keeps all points [default: auto above 8 M points]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "METRES",
+        value_parser = not_negative_f64,
+        requires = "merge_frames",
+    )]
     merge_cells: Option<f64>,
 
-    /// near,median,bilateral,flying,temporal or none (pictures: the first 4), with numbers: near:from=0.3:to=4
-    #[arg(long, value_name = "NAMES")]
+    /// Depth filters: near, median, bilateral, flying, temporal (comma-separated) or none, with parameters such as
+    /// near:from=0.3:to=4 [default: the first four for images, none for info, check and convert]
+    #[arg(long, hide_short_help = true, value_name = "NAMES")]
     rgbd_filters: Option<Filters>,
 }
 

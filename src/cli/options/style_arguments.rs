@@ -1,8 +1,8 @@
 //! Options for the settings of a picture, made of their descriptions.
 
+use super::known_values::KnownValues;
 use crate::scene::Settings;
 use crate::scene::describe::{Described, Given, Value, Values};
-use clap::builder::ValueParser;
 use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, Error, FromArgMatches};
 
 /// The settings that are given, by their names in files.
@@ -28,29 +28,41 @@ fn all() -> Vec<(&'static Described, Value)> {
     Settings::default().settings()
 }
 
-fn with_options(command: Command, described: &'static Described) -> Command {
-    let heading = described.heading;
-    let option = |flag: &'static str| Arg::new(flag).long(flag).help_heading(heading);
+fn with_options(command: Command, described: &'static Described, default: Value) -> Command {
+    let option = |flag: &'static str| {
+        let option = Arg::new(flag).long(flag).help_heading(described.heading);
+        option.hide_short_help(!described.everyday)
+    };
     match &described.values {
         // Colours belong together, and a background can be transparent: they are options of their own.
         Values::Colors | Values::Background => command,
-        Values::Switch(_) => command.arg(option(described.flag).help(described.help).action(ArgAction::SetTrue)),
-        Values::Words(_) | Values::Number(_) | Values::Environment => command.arg(
-            option(described.flag)
-                .aliases(
-                    [described.former_flag, described.other_flag]
-                        .into_iter()
-                        .filter(|flag| !flag.is_empty()),
-                )
-                .help(described.help_line())
-                .value_name(described.value_name)
-                .value_parser(parser(described)),
-        ),
+        Values::Words(_) | Values::Number(_) | Values::Environment | Values::Switch(_) => {
+            let words = described.words();
+            let default = described.typed(default);
+            let option = option(described.flag)
+                .aliases(described.other_flags)
+                .help(with_default(described.help, default.as_deref()))
+                .value_name(placeholder(&words, described.value_name))
+                .value_parser(KnownValues::<Given>::new(words, |text| described.parse(text)));
+            command.arg(if described.is_switch() {
+                option.num_args(0..=1).require_equals(true).default_missing_value("on")
+            } else {
+                option
+            })
+        }
         Values::Kinds(kinds) => {
             let flags = kinds.iter().map(|kind| kind.flag);
             let group = ArgGroup::new(described.title).args(flags).multiple(false);
             let options = kinds.iter().enumerate().map(|(place, kind)| {
-                let option = option(kind.flag).help(kind.help);
+                let default = match default {
+                    Value::Kind(chosen, number) if chosen == place => Some((number as f32).to_string()),
+                    _ => None,
+                };
+                let help = match (&kind.number, &default) {
+                    (None, Some(_)) => format!("{} [default]", kind.help),
+                    (_, default) => with_default(kind.help, default.as_deref()),
+                };
+                let option = option(kind.flag).help(help);
                 match &kind.number {
                     None => option.action(ArgAction::SetTrue),
                     Some(told) => option.value_name(told.value_name).value_parser(move |text: &str| {
@@ -64,13 +76,28 @@ fn with_options(command: Command, described: &'static Described) -> Command {
     }
 }
 
-fn parser(described: &'static Described) -> ValueParser {
-    ValueParser::new(move |text: &str| described.parse(text))
+/// A text of the help with a default, as clap writes it.
+pub(super) fn with_default(help: &str, default: Option<&str>) -> String {
+    match default {
+        Some(default) => format!("{help} [default: {default}]"),
+        None => help.to_owned(),
+    }
+}
+
+/// The words of an option instead of a placeholder, if they are few and short; else `name`.
+pub(super) fn placeholder(words: &[&'static str], name: &'static str) -> String {
+    const MAX_CHARACTERS: usize = 16;
+    let list = words.join("|");
+    if words.len() > 1 && list.len() <= MAX_CHARACTERS {
+        list
+    } else {
+        name.to_owned()
+    }
 }
 
 /// What is given of a setting, and of others for which a word of it is short.
 fn given(matches: &ArgMatches, described: &Described) -> Given {
-    if let Values::Words(_) | Values::Number(_) | Values::Environment = described.values {
+    if let Values::Words(_) | Values::Number(_) | Values::Environment | Values::Switch(_) = described.values {
         return matches.get_one::<Given>(described.flag).cloned().unwrap_or_default();
     }
     let given = given_value(matches, described);
@@ -81,8 +108,12 @@ fn given(matches: &ArgMatches, described: &Described) -> Given {
 fn given_value(matches: &ArgMatches, described: &Described) -> Option<Value> {
     let value = |flag| matches.get_one::<Value>(flag).copied();
     match &described.values {
-        Values::Colors | Values::Background | Values::Words(_) | Values::Number(_) | Values::Environment => None,
-        Values::Switch(_) => matches.get_flag(described.flag).then_some(Value::Switch(true)),
+        Values::Colors
+        | Values::Background
+        | Values::Words(_)
+        | Values::Number(_)
+        | Values::Environment
+        | Values::Switch(_) => None,
         Values::Kinds(kinds) => kinds.iter().enumerate().find_map(|(place, kind)| {
             let is_chosen = |flag| matches.get_flag(flag).then_some(Value::Kind(place, 0.0));
             match kind.number {
@@ -96,7 +127,9 @@ fn given_value(matches: &ArgMatches, described: &Described) -> Option<Value> {
 impl Args for StyleArgs {
     fn augment_args(command: Command) -> Command {
         let settings = all().into_iter();
-        settings.fold(command, |command, (described, _)| with_options(command, described))
+        settings.fold(command, |command, (described, default)| {
+            with_options(command, described, default)
+        })
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -120,7 +153,7 @@ impl FromArgMatches for StyleArgs {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{EyeDome, LevelStructure, Lighting, Primitive, SplatFilter};
+    use crate::scene::{EyeDome, LevelStructure, Lighting, OnOff, Primitive, SplatFilter};
 
     fn style_of(arguments: &[&str]) -> Settings {
         let command = StyleArgs::augment_args(Command::new("pointreel"));
@@ -138,9 +171,25 @@ mod tests {
         for flag in ["--lighting", "--shading"] {
             assert_eq!(style_of(&[flag, "lambert"]).light.lighting, Lighting::Lambert);
         }
-        for flag in ["--eye-dome", "--edl"] {
-            assert_eq!(style_of(&[flag, "on"]).light.eye_dome, EyeDome::On);
+        for flag in ["--eye-dome", "--edl", "--edl=on"] {
+            assert_eq!(style_of(&[flag]).light.eye_dome, EyeDome::On);
         }
+    }
+
+    #[test]
+    fn a_switch_needs_no_word_and_others_are_misspelt() {
+        assert!(style_of(&["--grid"]).backdrop.grid);
+        assert!(!style_of(&["--grid=off"]).backdrop.grid);
+        assert_eq!(style_of(&["--shadows"]).light.shadows, OnOff::On);
+        assert_eq!(
+            style_of(&["--normals", "neighbors"]).surfels,
+            Settings::default().surfels
+        );
+        let command = StyleArgs::augment_args(Command::new("pointreel"));
+        let error = command
+            .try_get_matches_from(["pointreel", "--lighting", "lamber"])
+            .unwrap_err();
+        assert!(error.to_string().contains("'lambert'"), "{error}");
     }
 
     #[test]

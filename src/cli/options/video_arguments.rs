@@ -8,12 +8,13 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Video")]
 pub(in crate::cli) struct VideoArgs {
-    /// Video to write: .mp4 (by ffmpeg), .gif, .webp, or PNG files named by {frame}; what is there is replaced
+    /// Video to write: .mp4, .gif, .webp, or PNG files named with {frame}; .mp4 needs ffmpeg; existing files are
+    /// replaced
     #[arg(long, value_name = "OUT")]
     pub(in crate::cli) video: Option<PathBuf>,
 
-    /// Camera path: a JSON file of keyframes, saved in the window or written by hand
-    #[arg(long, value_name = "PATH.json", requires = "video",
+    /// Move the camera along the keyframes of this file, saved in the window or written by hand
+    #[arg(long, value_name = "FILE.json", hide_short_help = true, requires = "video",
         conflicts_with_all = ["output", "turntable", "frame", "up", "azimuth", "elevation", "distance", "fov"])]
     pub(in crate::cli) path: Option<PathBuf>,
 
@@ -21,21 +22,41 @@ pub(in crate::cli) struct VideoArgs {
     #[arg(skip)]
     pub(in crate::cli) path_of_session: Option<CameraPath>,
 
-    /// Turn once about the up axis in so many pictures, while frames play or --frame is held
-    #[arg(long, value_name = "PICTURES", requires = "video", conflicts_with = "output",
+    /// Orbit the cloud once in N video frames; meanwhile the sequence plays, or --frame stands still
+    #[arg(long, value_name = "N", requires = "video", conflicts_with = "output",
         value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(in crate::cli) turntable: Option<u32>,
 
-    /// Turns of the turntable, negative ones the other way round (usually 1)
-    #[arg(long, value_name = "N", requires = "turntable", allow_negative_numbers = true, value_parser = turns)]
+    /// Revolutions of the turntable; negative ones turn the other way [default: 1]
+    #[arg(
+        long,
+        value_name = "N",
+        hide_short_help = true,
+        requires = "turntable",
+        allow_negative_numbers = true,
+        value_parser = turns,
+    )]
     pub(in crate::cli) turns: Option<f64>,
 
-    /// Pictures a second (usually 30, or as the sequence plays)
-    #[arg(long, value_name = "F", requires = "video", conflicts_with = "output", value_parser = rate)]
+    /// Frames per second [default: 30, or that of the sequence]
+    #[arg(long, value_name = "FPS", requires = "video", conflicts_with = "output", value_parser = rate)]
     pub(in crate::cli) fps: Option<f64>,
 
-    /// How long the video lasts, in place of --fps or of the time of the path
-    #[arg(long, value_name = "S", requires = "video", conflicts_with = "output", value_parser = seconds)]
+    /// Play the sequence at a multiple of its speed [default: 1]
+    #[arg(long, value_name = "FACTOR", requires = "video", conflicts_with_all = ["output", "seconds"],
+        hide_short_help = true, value_parser = super::values::positive_f64)]
+    pub(in crate::cli) speed: Option<f64>,
+
+    /// Duration of the video, instead of --fps or the duration of the path
+    #[arg(
+        long,
+        alias = "duration",
+        hide_short_help = true,
+        value_name = "SECONDS",
+        requires = "video",
+        conflicts_with = "output",
+        value_parser = seconds,
+    )]
     pub(in crate::cli) seconds: Option<f64>,
 }
 
@@ -54,7 +75,7 @@ fn number(text: &str, range: std::ops::RangeInclusive<f64>, expected: &str) -> R
 }
 
 fn rate(text: &str) -> Result<f64, String> {
-    number(text, 0.1..=1000.0, "pictures a second from 0.1 to 1000")
+    number(text, 0.1..=1000.0, "frames per second from 0.1 to 1000")
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

@@ -10,7 +10,8 @@ group! {
         background: Background = Background::default(), "background" BACKGROUND {
             // The option takes what no style has: `transparent`.
             value_name: "COLOR",
-            help: "dusk, black, gray, white, sky, transparent (in files), #rrggbb or #rrggbb-#rrggbb",
+            help: "Background: a preset, #rrggbb or a gradient #rrggbb-#rrggbb (transparent: for image files)",
+            everyday: true,
             title: "Preset",
             hint: "What is behind the cloud",
             section: Section::Background,
@@ -19,7 +20,8 @@ group! {
         /// Whether lines show the ground.
         grid: bool = false, "grid" GRID {
             flag: "grid",
-            help: "Draw lines on the ground",
+            help: "Draw a ground grid",
+            everyday: true,
             title: "Ground",
             hint: "Lines on the plane below the cloud; a cell is a power of ten wide (G)",
             section: Section::Background,

@@ -1,6 +1,7 @@
 //! What is behind the cloud.
 
 use super::parse_error::ParseChoiceError;
+use crate::spelling::is_same_word;
 use std::str::FromStr;
 
 /// What is behind the cloud: a vertical gradient between two colours, or one colour when they are equal.
@@ -89,7 +90,7 @@ impl FromStr for Background {
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let preset = Self::PRESETS
             .iter()
-            .find(|(word, ..)| *word == text)
+            .find(|(word, ..)| is_same_word(word, text))
             .map(|&(.., preset)| preset);
         let parsed = preset.or_else(|| match text.split_once('-') {
             Some((top, bottom)) => Some(Self {

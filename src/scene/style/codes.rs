@@ -65,7 +65,7 @@ group! {
         footprint: Footprint = Footprint::Disks, "footprint" FOOTPRINT {
             flag: "footprint",
             value_name: "FOOTPRINT",
-            help: "What the CPU draws surfels from (codes but for disks)",
+            help: "Footprint of surfels on the CPU: exact disks, or masks or pixels from byte codes",
             title: "Footprint",
             hint: "What the CPU renderer draws surfels from; the GPU draws exact disks",
             section: Section::Footprints,
@@ -77,7 +77,7 @@ group! {
         normal_bits: NormalBits = NormalBits::Thirteen, "normal_bits" NORMAL_BITS {
             flag: "normal-bits",
             value_name: "BITS",
-            help: "Bits of the normals of byte codes",
+            help: "Bits per normal in byte codes",
             title: "Normals",
             hint: "Bits of a normal of the byte code; light is worked out once for each direction",
             section: Section::Footprints,
@@ -88,7 +88,7 @@ group! {
         offset_bits: OffsetBits = OffsetBits::Three, "offset_bits" OFFSET_BITS {
             flag: "offset-bits",
             value_name: "BITS",
-            help: "Bits of the offsets along normals of byte codes",
+            help: "Bits per offset along the normal in byte codes",
             title: "Offsets",
             hint: "Bits of the way from the middle of a cell to the surface, along the normal",
             section: Section::Footprints,

@@ -7,7 +7,8 @@ pub const COLORS: Described = Described {
     key: "colors",
     flag: "colors",
     value_name: "SOURCE",
-    help: "auto, file, scalar[:NAME], height[:z], normal, distance, time, class or uniform",
+    help: "Source of the colours (also scalar:NAME, height:AXIS, distance:X,Y,Z)",
+    everyday: true,
     heading: HEADING,
     title: "Colours",
     hint: "Where the colours of points come from",
@@ -19,8 +20,10 @@ pub const COLORS: Described = Described {
 /// Its map.
 pub const MAP: Described = Described {
     flag: "color-map",
+    other_flags: &["colormap", "cmap"],
     value_name: "MAP",
-    help: "How numbers become colours",
+    help: "Colour map for scalars",
+    everyday: true,
     heading: HEADING,
     title: "Colour map",
     hint: "How numbers become colours",
@@ -32,8 +35,9 @@ pub const MAP: Described = Described {
 /// Its range.
 pub const RANGE: Described = Described {
     flag: "color-range",
-    value_name: "RANGE",
-    help: "Numbers in the first and last colour, A..B, or percentiles (usually p1..p99)",
+    value_name: "A..B",
+    help: "Value range of the colour map, or percentiles such as p5..p95",
+    everyday: true,
     heading: HEADING,
     title: "Colour range",
     hint: "Which values have the first and the last colour. What is beyond has the colour of the nearer end",
@@ -44,7 +48,7 @@ pub const RANGE: Described = Described {
 /// Whether its steps are factors.
 pub const LOGARITHM: Described = Described {
     flag: "color-log",
-    help: "Colours by the logarithms of numbers",
+    help: "Map values logarithmically",
     heading: HEADING,
     title: "Logarithm",
     hint: "Equal steps of colour are equal factors; evenly where no value is above zero",

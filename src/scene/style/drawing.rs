@@ -107,7 +107,8 @@ group! {
         renderer: Choice<RendererChoice> = Choice::Auto, "renderer" RENDERER {
             flag: "renderer",
             value_name: "RENDERER",
-            help: "Who draws (auto: a real GPU, else the processor)",
+            help: "Render on the GPU or the CPU (auto: a hardware GPU if there is one)",
+            everyday: true,
             title: "Renderer",
             hint: "Who draws. Both draw the same picture",
             label: Label::Always(Place::Who, "{title}"),
@@ -117,7 +118,7 @@ group! {
         strategy: Strategy = Strategy::Storage, "strategy" STRATEGY {
             flag: "instancing",
             value_name: "STRATEGY",
-            help: "How instances reach the GPU",
+            help: "Pass instances to the GPU in this way (same image, different speed)",
             title: "Instancing",
             hint: "How instances reach the GPU's vertex stage. All strategies draw the same picture; their speed \
                    differs",
@@ -127,9 +128,10 @@ group! {
         /// Edge of the picture that is drawn, as a share of the one that is shown: below 1 fewer pixels are drawn and
         /// scaled up.
         resolution: f32 = 1.0, "resolution" RESOLUTION {
-            flag: "resolution",
-            value_name: "SHARE",
-            help: "Draw a picture of this share of its edges, 0.25 to 1, and scale it up",
+            flag: "render-scale",
+            other_flags: &["resolution"],
+            value_name: "0.25..1",
+            help: "Render at a fraction of the image size and upscale",
             title: "Resolution",
             hint: "Edge of the picture that is drawn, as a share of the one that is shown: at 50 % a quarter of the \
                    pixels are drawn and scaled up",
@@ -145,8 +147,9 @@ group! {
         /// What is done about the steps of edges.
         antialiasing: Antialiasing = Antialiasing::None, "antialiasing" ANTIALIASING {
             flag: "antialiasing",
-            value_name: "HOW",
-            help: "What is done about the steps of edges",
+            value_name: "METHOD",
+            help: "Antialiasing method",
+            everyday: true,
             title: "Antialiasing",
             hint: "What is done about the steps of edges: supersampling draws four times the pixels, FXAA smooths the \
                    finished picture",

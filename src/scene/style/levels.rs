@@ -59,7 +59,7 @@ const LEVELS: Numbers = Numbers {
 const STOPS: &[Kind] = &[
     Kind {
         flag: "spacing",
-        help: "Divide the octree down to the spacing of the points: closed surfaces (usual)",
+        help: "Subdivide the octree down to the point spacing: closed surfaces",
         title: "By spacing",
         hint: "Until voxels would be smaller than the spacing of the points in them: closed surfaces",
         label: "by spacing",
@@ -67,12 +67,12 @@ const STOPS: &[Kind] = &[
     },
     Kind {
         flag: "delta",
-        help: "Divide it until this share of the points has no leaf of its own (paper: 0.05)",
+        help: "Subdivide the octree until at most this fraction of the points shares leaves, such as 0.05",
         title: "By loss",
         hint: "Until few enough points share a voxel; all voxels have one size",
         label: "δ {}",
         number: Some(KindNumber {
-            value_name: "D",
+            value_name: "0..0.6",
             title: "Detail lost (δ)",
             hint: "The share of points that may share a voxel at the deepest level, percent",
             // That of the paper.
@@ -89,12 +89,12 @@ const STOPS: &[Kind] = &[
     },
     Kind {
         flag: "depth",
-        help: "Divide the octree down to this level, 0 to 21",
+        help: "Subdivide the octree down to this level",
         title: "To a level",
         hint: "Down to a level of the octree; all voxels have one size",
         label: "to level {}",
         number: Some(KindNumber {
-            value_name: "LEVEL",
+            value_name: "0..21",
             title: "Leaf level",
             hint: "Level of all leaves; an edge of the octree's cube is 2 to the power of it voxels long",
             usual: 9.0,
@@ -103,7 +103,7 @@ const STOPS: &[Kind] = &[
     },
     Kind {
         flag: "octant-points",
-        help: "Divide cells of the octree that hold more than so many points",
+        help: "Subdivide octree nodes that hold more than N points",
         title: "By points",
         hint: "While a cell holds more than so many points; voxels have several sizes",
         label: "by {} points",
@@ -153,7 +153,7 @@ impl Setting for StopCriterion {
 const LODS: &[Kind] = &[
     Kind {
         flag: "lod",
-        help: "Draw octree cells below this many pixels as one (usually 1)",
+        help: "Merge octree nodes smaller than this on the screen",
         title: "Pixel threshold",
         hint: "Cells that are small on the screen are drawn as one voxel or surfel",
         label: "τ {}",
@@ -174,12 +174,12 @@ const LODS: &[Kind] = &[
     },
     Kind {
         flag: "lod-level",
-        help: "Draw all octree cells of this level, 0 to 21",
+        help: "Draw all octree nodes of this level",
         title: "Fixed level",
         hint: "All cells of one level",
         label: "level {}",
         number: Some(KindNumber {
-            value_name: "LEVEL",
+            value_name: "0..21",
             title: "Level",
             hint: "Level of the octree whose cells are drawn; 0 is the cube around the cloud",
             usual: 7.0,
@@ -188,7 +188,7 @@ const LODS: &[Kind] = &[
     },
     Kind {
         flag: "lod-budget",
-        help: "Draw the finest octree cells that are at most so many",
+        help: "Draw at most N octree nodes, the finest possible",
         title: "Budget",
         hint: "The finest picture of at most so many voxels or surfels",
         label: "at most {}",
@@ -208,7 +208,7 @@ const LODS: &[Kind] = &[
     },
     Kind {
         flag: "lod-time",
-        help: "Draw as many octree cells as this many milliseconds allow",
+        help: "Draw the number of octree nodes that fits this frame time",
         title: "Frame time",
         hint: "As many voxels or surfels as this machine draws in the time asked for",
         label: "in {} ms",
@@ -300,7 +300,7 @@ group! {
         /// are drawn.
         surfel_lod: bool = false, "surfel_lod" SURFEL_LOD {
             flag: "surfel-lod",
-            help: "Draw surfels, or adaptive points, of octree cells, as --lod… says",
+            help: "Draw surfels and adaptive points by level of detail, as chosen by the --lod… options",
             heading: HEADING,
             title: "Surfel detail",
             hint: "One surfel for all points of an octree's cell that is small on the screen: fewer are drawn from \
@@ -312,9 +312,9 @@ group! {
         /// What surfels that stand for others are taken from.
         structure: LevelStructure = LevelStructure::Octree, "level_structure" STRUCTURE {
             flag: "lod-structure",
-            former_flag: "levels",
+            other_flags: &["levels"],
             value_name: "STRUCTURE",
-            help: "What --surfel-lod draws from",
+            help: "Data structure of --surfel-lod",
             heading: HEADING,
             title: "Structure",
             hint: "What levels of detail are taken from",
@@ -347,7 +347,7 @@ group! {
         metric: LodMetric = LodMetric::Edge, "lod_metric" METRIC {
             flag: "lod-metric",
             value_name: "METRIC",
-            help: "What of a cell or a sphere is held against the threshold in pixels",
+            help: "Screen-space size to compare with --lod",
             heading: HEADING,
             title: "Metric",
             hint: "What of a cell or a sphere is held against the threshold in pixels",

@@ -73,9 +73,10 @@ group! {
         /// How surfaces are lit.
         lighting: Choice<Lighting> = Choice::Auto, "lighting" LIGHTING {
             flag: "lighting",
-            other_flag: "shading",
-            value_name: "HOW",
-            help: "Light",
+            other_flags: &["shading"],
+            value_name: "MODEL",
+            help: "Lighting model",
+            everyday: true,
             title: "Lighting",
             hint: "Where the head light is evaluated, or how the blended surface is lit",
             section: Section::Shading,
@@ -87,7 +88,7 @@ group! {
         rig: Choice<LightRig> = Choice::Auto, "lights" RIG {
             flag: "lights",
             value_name: "RIG",
-            help: "Lights of deferred lighting",
+            help: "Lights for the deferred models (lambert, blinn-phong, physical)",
             title: "Lights",
             hint: "Which lights fall on the blended surface; they move with the camera",
             section: Section::Shading,
@@ -98,8 +99,8 @@ group! {
         /// How much of a metal a surface is.
         metallic: f32 = 0.0, "metallic" METALLIC {
             flag: "metallic",
-            value_name: "SHARE",
-            help: "How much of a metal surfaces are in physical light, 0 to 1 (usually 0)",
+            value_name: "0..1",
+            help: "Metalness of surfaces in physical lighting",
             title: "Metallic",
             hint: "How much of a metal surfaces are: metals mirror in their colour, others scatter it",
             section: Section::Shading,
@@ -113,8 +114,8 @@ group! {
         /// How rough a surface is; the roughness of microfacets is its square.
         roughness: f32 = 0.5, "roughness" ROUGHNESS {
             flag: "roughness",
-            value_name: "SHARE",
-            help: "How rough surfaces are in physical light, 0 to 1 (usually 0.5)",
+            value_name: "0..1",
+            help: "Roughness of surfaces in physical lighting",
             title: "Roughness",
             hint: "How rough surfaces are: what they mirror is sharp at 0 and blurred at 1",
             section: Section::Shading,
@@ -128,8 +129,8 @@ group! {
         /// What is around the scene.
         environment: Environment = Environment::Studio, "environment" ENVIRONMENT {
             flag: "environment",
-            value_name: "NAME",
-            help: "What lights physical surfaces",
+            value_name: "NAME|FILE",
+            help: "Environment map for physical lighting: a name, or the path of an image",
             title: "Environment",
             hint: "What is around the scene, and lights it from all sides; it turns with the scene",
             section: Section::Shading,
@@ -141,7 +142,8 @@ group! {
         shadows: OnOff = OnOff::Off, "shadows" SHADOWS {
             flag: "shadows",
             value_name: "WHETHER",
-            help: "Shadows of the first of the lights three-point and colored",
+            help: "Cast shadows from the key light of three-point and colored",
+            everyday: true,
             title: "Shadows",
             hint: "Whether the first of several lights that are far away casts shadows",
             section: Section::Shading,
@@ -153,7 +155,8 @@ group! {
         ao: OnOff = OnOff::Off, "ao" AO {
             flag: "ao",
             value_name: "WHETHER",
-            help: "Darken creases of the blended surface (ambient occlusion)",
+            help: "Darken creases of the surface (ambient occlusion)",
+            everyday: true,
             title: "Ambient occlusion",
             hint: "Darkens creases and hollows of the blended surface: what is near a place keeps light from it",
             section: Section::Shading,
@@ -164,8 +167,8 @@ group! {
         /// How much of that light is lost; 1 is as much as is kept away.
         ao_strength: f32 = 1.0, "ao_strength" AO_STRENGTH {
             flag: "ao-strength",
-            value_name: "S",
-            help: "How much --ao darkens (usually 1)",
+            value_name: "FACTOR",
+            help: "Strength of --ao",
             title: "Occlusion strength",
             hint: "How much ambient occlusion darkens; 1 is as much as light is kept away",
             section: Section::Shading,
@@ -181,8 +184,8 @@ group! {
         /// How far what keeps light away is at most: 1 is a fifth of the cloud's radius.
         ao_radius: f32 = 1.0, "ao_radius" AO_RADIUS {
             flag: "ao-radius",
-            value_name: "R",
-            help: "How far --ao looks (1: a fifth of the cloud's radius)",
+            value_name: "FACTOR",
+            help: "Radius of --ao; 1 is a fifth of the radius of the cloud",
             title: "Occlusion radius",
             hint: "How far away what keeps light from a place may be; 1 is a fifth of the cloud's radius",
             section: Section::Shading,
@@ -197,10 +200,11 @@ group! {
         }
         /// Whether depths shade the picture as well (eye-dome lighting).
         eye_dome: Choice<EyeDome> = Choice::Auto, "eye_dome" EYE_DOME {
-            flag: "eye-dome",
-            other_flag: "edl",
+            flag: "edl",
+            other_flags: &["eye-dome"],
             value_name: "WHETHER",
-            help: "Shade by depths (eye-dome lighting)",
+            help: "Shade by depth (eye-dome lighting; auto: for points without other light)",
+            everyday: true,
             title: "Eye-dome light",
             hint: "Darkens what stands behind its neighbours: depths show shapes without any normals",
             section: Section::Shading,
@@ -209,9 +213,10 @@ group! {
         }
         /// How much they do; 1 is usual.
         eye_dome_strength: f32 = 1.0, "eye_dome_strength" EYE_DOME_STRENGTH {
-            flag: "eye-dome-strength",
-            value_name: "S",
-            help: "How much --eye-dome shades (usually 1)",
+            flag: "edl-strength",
+            other_flags: &["eye-dome-strength"],
+            value_name: "FACTOR",
+            help: "Strength of --edl",
             title: "Strength",
             hint: "How much the eye-dome light darkens; 1 is usual",
             section: Section::Shading,
@@ -227,8 +232,8 @@ group! {
         /// How bright the finished picture is between black and white, which stay; 1 leaves it as it is.
         gamma: f32 = 1.0, "gamma" GAMMA {
             flag: "gamma",
-            value_name: "G",
-            help: "Brighten the picture above 1, darken it below; black and white stay (default: 1)",
+            value_name: "GAMMA",
+            help: "Brighten the image (above 1) or darken it (below 1); black and white are unchanged",
             title: "Gamma",
             hint: "Brightens the finished picture above 1 and darkens it below; black and white stay",
             section: Section::Shading,

@@ -58,7 +58,7 @@ group! {
         mode: PhotoMode = PhotoMode::Vdts, "photos" MODE {
             flag: "photos",
             value_name: "MODE",
-            help: "Colours where there are photographs",
+            help: "Colour surfaces from the input images: view-dependent blending, the nearest image, or not at all",
             title: "Colours from",
             hint: "What surfaces have their colours from where there are photographs of them",
             section: Section::Photographs,
@@ -69,8 +69,8 @@ group! {
         /// How many photographs are blended at a place.
         views: f32 = 4.0, "photo_views" VIEWS {
             flag: "photo-views",
-            value_name: "K",
-            help: "Photographs that are blended at a place, 1 to 8 (usually 4)",
+            value_name: "1..8",
+            help: "Number of images blended at a surface point",
             title: "Blended",
             hint: "How many photographs are blended at a place",
             section: Section::Photographs,
@@ -86,8 +86,8 @@ group! {
         /// Angle at which the weight of a photograph has fallen to 1/e, as a factor on what is between neighbours.
         angle: f32 = 2.0, "photo_angle" ANGLE {
             flag: "photo-angle",
-            value_name: "F",
-            help: "How far photographs reach, in angles between neighbours (usually 2)",
+            value_name: "FACTOR",
+            help: "Angular reach of an image, relative to the angle between neighbouring images",
             title: "Reach",
             hint: "How fast the weight of a photograph falls with its angle to you: σ, as a factor on the angle \
                    between neighbouring photographs",
@@ -105,7 +105,7 @@ group! {
         clipping: PhotoClipping = PhotoClipping::Vote, "photo_clipping" CLIPPING {
             flag: "clipping",
             value_name: "HOW",
-            help: "Leave out what photographs see through",
+            help: "Carve points that images see through",
             title: "Silhouettes",
             hint: "What becomes of places where photographs show something that is nearer or farther",
             section: Section::Photographs,
@@ -115,8 +115,8 @@ group! {
         /// What places look like that no photograph sees.
         holes: PhotoHoles = PhotoHoles::Points, "photo_holes" HOLES {
             flag: "holes",
-            value_name: "HOW",
-            help: "Places that no photograph sees",
+            value_name: "MODE",
+            help: "Fill surface points that no image sees",
             title: "Holes",
             hint: "What places look like that no photograph sees",
             section: Section::Photographs,
@@ -127,7 +127,7 @@ group! {
         gaps: f32 = 5.0, "photo_gaps" GAPS {
             flag: "photo-gaps",
             value_name: "PERCENT",
-            help: "Close gaps in a surface up to this width, of the picture's height; 0: none (usually 5)",
+            help: "Close gaps in surfaces up to this width, in percent of the image height; 0 closes none",
             title: "Gaps",
             hint: "How wide gaps in a surface are that are closed where photographs show something there, in percent \
                    of the height of the picture; 0: they stay open",
@@ -146,7 +146,7 @@ group! {
         relight: PhotoRelight = PhotoRelight::Off, "photo_relight" RELIGHT {
             flag: "relight",
             value_name: "WHAT",
-            help: "Let light fall on normals of the depths of photographs",
+            help: "Relight by depth-map normals: the images, or a white surface",
             title: "Relighting",
             hint: "Whether light falls on what photographs show, by normals of their depths",
             section: Section::Photographs,
@@ -158,7 +158,7 @@ group! {
         gains: PhotoGains = PhotoGains::On, "photo_gains" GAINS {
             flag: "photo-gains",
             value_name: "WHETHER",
-            help: "Make photographs as bright as each other",
+            help: "Compensate exposure differences between images",
             title: "Gains",
             hint: "Whether photographs are made as bright as each other, by what shared points look like in them",
             section: Section::Photographs,

@@ -41,7 +41,7 @@ group! {
         sizing: PointSizing = PointSizing::Pixels, "point_size_mode" SIZING {
             flag: "point-size-mode",
             value_name: "MODE",
-            help: "What the size of points is measured in",
+            help: "Unit of the point size: pixels, or lengths in the scene (attenuated with distance)",
             title: "Size",
             hint: "What the size of points is measured in: pixels of the picture, or lengths in the scene",
             section: Section::Look,
@@ -53,7 +53,8 @@ group! {
         size_px: f32 = 2.0, "point_size_px" SIZE_PX {
             flag: "point-size",
             value_name: "PX",
-            help: "Edge of a point in pixels",
+            help: "Point size in pixels",
+            everyday: true,
             title: "Point size",
             hint: "Edge of the square drawn for a point, pixels (+ and -)",
             section: Section::Look,
@@ -70,8 +71,8 @@ group! {
         /// Factor on the edge of points that are sized in the scene; at 1 points just close a surface.
         scale: f32 = 1.0, "point_scale" SCALE {
             flag: "point-scale",
-            value_name: "S",
-            help: "Factor on the size of projected and adaptive points",
+            value_name: "FACTOR",
+            help: "Scale projected and adaptive points",
             title: "Point scale",
             hint: "Factor on the size of points in the scene; at 1 they just close a surface (+ and -)",
             section: Section::Look,
@@ -89,7 +90,7 @@ group! {
         shape: PointShape = PointShape::Square, "point_shape" SHAPE {
             flag: "point-shape",
             value_name: "SHAPE",
-            help: "What points are on the screen",
+            help: "Shape of points on the screen",
             title: "Shape",
             hint: "What a point is on the screen: a square, or round",
             section: Section::Look,
@@ -101,7 +102,7 @@ group! {
         light: PointLight = PointLight::None, "point_light" LIGHT {
             flag: "point-light",
             value_name: "WHAT",
-            help: "What the light of points falls on",
+            help: "Light points by their normals",
             title: "Light on",
             hint: "What the light of points falls on",
             section: Section::Shading,

@@ -169,6 +169,7 @@ group! {
         splatting: Splatting = Splatting::TwoPass, "splatting" SPLATTING {
             flag: "splatting",
             value_name: "MODE",
+            help: "Combine overlapping surfels into one surface",
             title: "Splatting",
             hint: "How overlapping surfels become one surface (six modes of the paper's Fig. 3, and hard disks)",
             when: |drawn| drawn.draws_surfels(),
@@ -179,7 +180,7 @@ group! {
         filter: SplatFilter = SplatFilter::Off, "splat_filter" FILTER {
             flag: "splat-filter",
             value_name: "FILTER",
-            help: "Filter blended splats to the pixels",
+            help: "Filter blended splats to the pixel grid (EWA: no flicker far away)",
             title: "Filter",
             hint: "Whether blended splats are filtered to the pixels that they are seen in",
             section: Section::Surfels,
@@ -191,7 +192,7 @@ group! {
         geometry: SplatGeometry = SplatGeometry::Quad, "splat_geometry" GEOMETRY {
             flag: "splat-geometry",
             value_name: "SHAPE",
-            help: "What the GPU draws a splat as",
+            help: "Geometry of a splat on the GPU (same image, different speed)",
             title: "Geometry",
             hint: "What the GPU draws a splat as. The picture is the same, its speed differs; the software renderer \
                    needs none",
@@ -204,7 +205,7 @@ group! {
         kernel: Kernel = Kernel::Gaussian, "kernel" KERNEL {
             flag: "kernel",
             value_name: "KERNEL",
-            help: "How splats fall off towards their rims",
+            help: "Falloff of splats from centre to edge",
             title: "Kernel",
             hint: "How splats fall off from their middles to their rims; filtered ones are Gaussian",
             section: Section::Surfels,
@@ -215,9 +216,10 @@ group! {
         /// Whether what lies behind their rims shines through these, and not the background
         /// ([`rim_px`](crate::scene::rim_px)).
         rims: OnOff = OnOff::On, "rims" RIMS {
-            flag: "rims",
+            flag: "soft-edges",
+            other_flags: &["rims"],
             value_name: "WHETHER",
-            help: "Let what lies behind rims of splats shine through, not the background (usually on)",
+            help: "Blend the edges of splats with the surface behind them instead of the background",
             title: "Behind rims",
             hint: "What lies behind the rims of splats shines through, and not the background, which would be a line \
                    around whatever stands before something",
@@ -230,7 +232,7 @@ group! {
         normals: NormalSource = NormalSource::Neighbours, "surfel_normals" NORMALS {
             flag: "normals",
             value_name: "FROM",
-            help: "What normals and radii of surfels are told by",
+            help: "Source of the normals and radii of surfels: estimated from neighbours, or in screen space",
             title: "Normals from",
             hint: "What normals and radii of surfels are told by. Those of the screen need no estimation before a \
                    frame is seen; hidden points have none",
@@ -243,7 +245,7 @@ group! {
         shown: SurfelColors = SurfelColors::Points, "surfel_colors" SHOWN {
             flag: "show",
             value_name: "WHAT",
-            help: "What the colours of surfels show",
+            help: "Show the colours of the points, or errors of screen-space normals",
             title: "Show",
             hint: "What the colours of surfels show: those of the points, or errors of normals of the screen",
             section: Section::Surfels,
@@ -254,8 +256,8 @@ group! {
         /// Factor on every splat radius.
         splat_scale: f32 = 1.0, "splat_scale" SPLAT_SCALE {
             flag: "splat-scale",
-            value_name: "S",
-            help: "Factor on every splat radius",
+            value_name: "FACTOR",
+            help: "Scale the radius of all splats",
             title: "Splat scale",
             hint: "Factor on every splat's radius (+ and -)",
             section: Section::Look,
@@ -272,8 +274,8 @@ group! {
         /// Further factor of the enlarged passes; the paper uses 2.
         enlargement: f32 = 2.0, "enlargement" ENLARGEMENT {
             flag: "enlargement",
-            value_name: "S",
-            help: "Further factor of the enlarged passes",
+            value_name: "FACTOR",
+            help: "Scale splats further in the enlarged passes",
             title: "Enlargement",
             hint: "Further factor on the radius in the enlarged passes; the paper uses 2",
             section: Section::Surfels,
@@ -289,8 +291,8 @@ group! {
         #[serde(deserialize_with = "stored_back_faces")]
         back_faces: Choice<BackFaces> = Choice::Auto, "cull_back_faces" BACK_FACES {
             flag: "back-faces",
-            value_name: "FACES",
-            help: "Surfels that face away (auto: left out if closed)",
+            value_name: "MODE",
+            help: "Draw surfels that face away from the camera (auto: culled on closed surfaces)",
             title: "Back faces",
             hint: "Surfels that face away from the eye",
             section: Section::Surfels,

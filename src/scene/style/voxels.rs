@@ -20,7 +20,7 @@ group! {
         light: VoxelLight = VoxelLight::Normals, "voxel_light" LIGHT {
             flag: "voxel-light",
             value_name: "WHAT",
-            help: "What the light of voxels falls on",
+            help: "Light voxels by the normals of their points, or by the faces of the cubes",
             title: "Light on",
             hint: "What the light of voxels falls on",
             section: Section::Shading,

@@ -2,6 +2,7 @@
 
 use super::parse_error::ParseColoringError;
 use crate::analysis::ColorMap;
+use crate::spelling::is_same_word;
 use std::fmt;
 use std::str::FromStr;
 
@@ -74,7 +75,7 @@ impl FromStr for ColorMap {
     type Err = ParseColoringError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let found = Self::ALL.into_iter().find(|map| map.name() == text);
+        let found = Self::ALL.into_iter().find(|map| is_same_word(map.name(), text));
         found.ok_or_else(|| ParseColoringError {
             what: "map of colours",
             text: text.to_owned(),

@@ -1,6 +1,7 @@
 //! What colours show.
 
 use super::{FieldName, ParseColoringError};
+use crate::spelling::is_same_word;
 use glam::DVec3;
 use std::fmt;
 use std::str::FromStr;
@@ -68,6 +69,21 @@ impl ColorSource {
         Self::Uniform,
     ];
 
+    /// The source that other programs have under a word.
+    fn of_synonym(word: &str) -> Option<Self> {
+        const SYNONYMS: [(&str, ColorSource); 7] = [
+            ("rgb", ColorSource::File),
+            ("intensity", ColorSource::Scalar(None)),
+            ("elevation", ColorSource::Height(HeightAxis::Auto)),
+            ("x", ColorSource::Height(HeightAxis::Axis(0, false))),
+            ("y", ColorSource::Height(HeightAxis::Axis(1, false))),
+            ("z", ColorSource::Height(HeightAxis::Axis(2, false))),
+            ("classification", ColorSource::Class),
+        ];
+        let found = SYNONYMS.iter().find(|(synonym, _)| is_same_word(synonym, word));
+        found.map(|(_, source)| *source)
+    }
+
     /// The first word of it on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
@@ -128,7 +144,10 @@ impl FromStr for ColorSource {
                     let source = Self::Distance(DistanceFrom::Place(place));
                     place.is_finite().then_some(source)
                 }
-                (word, None) => Self::ALL.into_iter().find(|source| source.name() == word),
+                (word, None) => Self::ALL
+                    .into_iter()
+                    .find(|source| is_same_word(source.name(), word))
+                    .or_else(|| Self::of_synonym(word)),
                 _ => None,
             }
         };

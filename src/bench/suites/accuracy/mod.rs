@@ -25,7 +25,7 @@ use crate::sequence::Needs;
 /// Errors of normals, octrees and levels of detail.
 pub const ACCURACY: &Suite = &Suite {
     name: "accuracy",
-    brief: "errors of stages beside times",
+    brief: "error and time of each stage",
     title: "Accuracy",
     hint: "Errors beside times: normals of known shapes, octree leaves by δ, pictures by LOD threshold",
     description: "errors of normals, octree leaves and levels of detail, beside their times",

@@ -71,7 +71,7 @@ const COLUMNS: &[Column] = &[
 /// Errors of pictures beside their times, for every way to draw.
 pub const ERROR: &Suite = &Suite {
     name: "error",
-    brief: "errors of pictures beside times, for every way to draw",
+    brief: "image error and time of every render mode",
     title: "Time × error",
     hint: "Time and error of every way to draw, against the truth; a click on a point draws as it does",
     description: "errors of pictures against the truth beside their times, for every way to draw",

@@ -58,7 +58,7 @@ const COLUMNS: &[Column] = &[
 /// Sequence files of consecutive frames.
 pub const REEL: &Suite = &Suite {
     name: "reel",
-    brief: "sequence files",
+    brief: "size and decoding of sequence files",
     title: "Sequence files",
     hint: "Bits a point, times and errors of sequence files with several options",
     description: "bits a point of sequence files by stream, times to encode and decode, distortion; Draco beside",

@@ -40,7 +40,7 @@ const COLUMNS: &[Column] = &[
 /// Rate and distortion of one frame.
 pub const RATE: &Suite = &Suite {
     name: "rate",
-    brief: "bits and errors of sequence files, by their options",
+    brief: "bits and errors of sequence files by option",
     title: "Rate × distortion",
     hint: "Bits a point and errors of the shown frame for the options of sequence files; a click on a point shows it",
     description: "bits a point of a frame beside its errors, for the options of sequence files",

@@ -46,7 +46,7 @@ const POINTS_OF_TREE: usize = 145_000;
 /// Photographs that are left out, drawn by the others.
 pub const VDTS: &Suite = &Suite {
     name: "vdts",
-    brief: "photographs on points",
+    brief: "view-dependent texturing",
     title: "Photographs",
     hint: "How near pictures by photographs are to photographs that were left out",
     description: "views of photographs that were left out, drawn by the others: view-dependent, by the nearest one, \

@@ -4,6 +4,7 @@ use super::conditions::Conditions;
 use super::shorthand::{Given, Shorthand};
 use super::values::{Value, Values};
 use crate::scene::environment::Environment;
+use crate::spelling::is_same_word;
 
 /// One setting in words.
 #[derive(Debug)]
@@ -12,14 +13,14 @@ pub struct Described {
     pub key: &'static str,
     /// Its option on the command line, without dashes; empty where its kinds have options, or it has one of its own.
     pub flag: &'static str,
-    /// An earlier name of the option, which is understood as well; empty where there is none.
-    pub former_flag: &'static str,
-    /// Another name of the option, as others call it; empty where there is none.
-    pub other_flag: &'static str,
-    /// What the option is given, in capitals.
+    /// Other names of the option: earlier ones, and those of other programs.
+    pub other_flags: &'static [&'static str],
+    /// Placeholder of the option's value, where it has no short list of words.
     pub value_name: &'static str,
-    /// What the option does, before the words that it takes.
+    /// What the option does; its words and its default are added.
     pub help: &'static str,
+    /// Shown by `-h` as well as by `--help`.
+    pub everyday: bool,
     /// The heading of its option.
     pub heading: &'static str,
     /// Its name in the window.
@@ -43,11 +44,11 @@ impl Described {
     pub const USUAL: Self = Self {
         key: "",
         flag: "",
-        former_flag: "",
-        other_flag: "",
+        other_flags: &[],
         value_name: "",
         help: "",
-        heading: "Picture",
+        everyday: false,
+        heading: "Rendering",
         title: "",
         hint: "",
         section: Section::Picture,
@@ -57,28 +58,48 @@ impl Described {
         shorthands: &[],
     };
 
-    /// The line of its option in a list of options.
-    pub fn help_line(&self) -> String {
-        let words: Vec<&str> = match self.values {
+    /// The words that the option takes: all, or the best known ones.
+    pub fn words(&self) -> Vec<&'static str> {
+        match self.values {
             Values::Words(words) => {
                 let words = words.list.iter().chain(self.shorthands.iter().map(|short| &short.word));
-                words.map(|word| word.word).collect()
+                let mut words: Vec<_> = words.map(|word| word.word).collect();
+                // People say: on or off.
+                let is_switch = words.contains(&"on");
+                words.sort_by_key(|word| ["on", "off"].iter().position(|it| is_switch && it == word).unwrap_or(2));
+                words
             }
-            Values::Environment => environment_words(),
-            _ => return self.help.to_owned(),
-        };
-        let list = list_of(&words);
-        if self.help.is_empty() {
-            list
-        } else {
-            format!("{}: {list}", self.help)
+            Values::Environment => Environment::BUILT_IN.iter().map(|word| word.word).collect(),
+            Values::Switch(_) => vec!["on", "off"],
+            _ => Vec::new(),
+        }
+    }
+
+    /// True if the option alone, without a word, means `on`.
+    pub fn is_switch(&self) -> bool {
+        matches!(self.values, Values::Switch(_))
+            || matches!(self.values, Values::Words(_)) && {
+                let words = self.words();
+                words.contains(&"on") && words.contains(&"off")
+            }
+    }
+
+    /// A value as the option takes it; `None` for values that are not a word or a number.
+    pub fn typed(&self, value: Value) -> Option<String> {
+        match (&self.values, value) {
+            (Values::Words(words), Value::Word(place)) => Some(words.list.get(place)?.word.to_owned()),
+            (Values::Number(_), Value::Number(number)) => Some((number as f32).to_string()),
+            (Values::Switch(_), Value::Switch(is_on)) => Some(if is_on { "on" } else { "off" }.to_owned()),
+            (Values::Environment, Value::Environment(environment)) => Some(environment.to_string()),
+            (Values::Colors, Value::Colors(colors)) => Some(colors.source.to_string()),
+            _ => None,
         }
     }
 
     /// What a word or a number of the command line gives: a value of this setting, and of others where it is short for
     /// them. `Err` says what was expected.
     pub fn parse(&self, text: &str) -> Result<Given, String> {
-        if let Some(shorthand) = self.shorthands.iter().find(|short| short.word.word == text) {
+        if let Some(shorthand) = self.shorthands.iter().find(|short| is_same_word(short.word.word, text)) {
             return Ok(shorthand.given.to_vec());
         }
         let value = match &self.values {
@@ -90,7 +111,12 @@ impl Described {
             Values::Number(numbers) => Value::Number(numbers.parse(text)?),
             Values::Environment => match text.parse::<Environment>() {
                 Ok(environment) => Value::Environment(environment),
-                Err(error) => return Err(format!("{error}, nor one of {}", list_of(&environment_words()))),
+                Err(error) => return Err(format!("{error}; built in: {}", self.words().join(", "))),
+            },
+            Values::Switch(_) => match text {
+                "on" | "true" | "yes" | "1" => Value::Switch(true),
+                "off" | "false" | "no" | "0" => Value::Switch(false),
+                _ => return Err("expected on or off".to_owned()),
             },
             _ => return Err("expected no text".to_owned()),
         };
@@ -110,20 +136,6 @@ impl Described {
             _ => value,
         }
     }
-}
-
-/// Words in a sentence.
-fn list_of(words: &[&str]) -> String {
-    match words {
-        [others @ .., last] if !others.is_empty() => format!("{} or {last}", others.join(", ")),
-        words => words.concat(),
-    }
-}
-
-/// What the option of an environment takes.
-fn environment_words() -> Vec<&'static str> {
-    let built_in = Environment::BUILT_IN.iter().map(|word| word.word);
-    built_in.chain(["the path of a picture"]).collect()
 }
 
 /// A part of the panel.

@@ -5,6 +5,7 @@ use crate::scene::ParseChoiceError;
 use crate::scene::environment::Environment;
 use crate::scene::style::background::Background;
 use crate::sequence::Coloring;
+use crate::spelling::is_same_word;
 use std::iter;
 
 /// The value of any setting.
@@ -66,7 +67,7 @@ impl Words {
         text: &str,
         others: impl Iterator<Item = &'a str>,
     ) -> Result<usize, ParseChoiceError> {
-        let place = self.list.iter().position(|word| word.word == text);
+        let place = self.list.iter().position(|word| is_same_word(word.word, text));
         place.ok_or_else(|| {
             let words = self.list.iter().map(|word| word.word);
             ParseChoiceError::new(self.what, text, words.chain(others))
