@@ -2,6 +2,7 @@
 
 use super::keys::{Chord, Keys};
 use super::kinds::Command;
+use super::offer::Offer;
 use std::borrow::Cow;
 
 /// A menu that lists commands by itself.
@@ -44,6 +45,8 @@ pub struct CommandRow<S: 'static> {
     pub(in crate::app) title_now: Option<fn(&S) -> Cow<'static, str>>,
     pub(in crate::app) is_on: Option<fn(&S) -> bool>,
     pub(in crate::app) applies: fn(&S) -> Result<(), &'static str>,
+    /// The values that the palette offers, for a query with this number.
+    pub(in crate::app) offers: Option<fn(&S, Option<f64>) -> Vec<Offer>>,
     pub(in crate::app) act: Act<S>,
 }
 
@@ -75,6 +78,7 @@ impl<S: 'static> CommandRow<S> {
             title_now: None,
             is_on: None,
             applies: |_| Ok(()),
+            offers: None,
             act,
         }
     }
@@ -94,6 +98,12 @@ impl<S: 'static> CommandRow<S> {
     /// The same with words of other programs.
     pub(in crate::app) const fn also(mut self, synonyms: &'static [&'static str]) -> Self {
         self.synonyms = synonyms;
+        self
+    }
+
+    /// The same with values that the palette offers.
+    pub(in crate::app) const fn offers(mut self, offers: fn(&S, Option<f64>) -> Vec<Offer>) -> Self {
+        self.offers = Some(offers);
         self
     }
 

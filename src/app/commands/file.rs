@@ -15,8 +15,8 @@ pub(super) const ROWS: &[Row] = &[
     Row::new(Command::OPEN_FILES, "Open files…", |state| {
         state.ask(of_point_clouds(Dialog::files("Open point clouds", State::open_paths)));
     })
-    .what("Open files")
-    .also(&["load", "import"])
+    .what("Open files…")
+    .also(&["load", "import", "add data", "browse"])
     .keys(group::FILE, "Ctrl+O", &[Chord::ctrl(Key::O)]),
     Row::new(Command::OPEN_FOLDER, "Open folder…", |state| {
         state.ask(Dialog::folder(
@@ -26,49 +26,58 @@ pub(super) const ROWS: &[Row] = &[
             },
         ));
     })
-    .what("Open a folder")
-    .also(&["load", "import"]),
+    .what("Open a folder…")
+    .also(&["load", "import", "directory", "image sequence", "dataset"]),
     Row::new(Command::OPEN_DEMO, "Demo", |state| {
         state.open(Arc::new(Sequence::demo()));
     })
-    .what("Open the demo"),
+    .what("Open the demo")
+    .also(&["sample data", "example"]),
     Row::new(Command::EXAMPLE_LIDAR, "LiDAR survey", |state| {
         state.open_example(Example::Lidar);
     })
-    .what("Open an example: LiDAR survey"),
+    .what("Open an example: LiDAR survey")
+    .also(&["sample data"]),
     Row::new(Command::EXAMPLE_DEPTH, "Depth image", |state| {
         state.open_example(Example::Depth);
     })
-    .what("Open an example: depth image"),
+    .what("Open an example: depth image")
+    .also(&["sample data", "rgbd"]),
     Row::new(Command::EXAMPLE_MODEL, "Animated model", |state| {
         state.open_example(Example::Model);
     })
-    .what("Open an example: animated model"),
+    .what("Open an example: animated model")
+    .also(&["sample data", "mesh"]),
     Row::new(Command::SAVE_PRESET, "Save settings…", |state| {
         state.kept.preset_name = Some(String::new());
     })
-    .what("Save settings as a preset")
+    .what("Save settings as a preset…")
+    .also(&["store look", "new preset"])
     .hint("Keeps the present settings under a name"),
     Row::new(Command::CLOSE_SEQUENCE, "Close", |state| {
         state.end_comparison(Side::A);
         state.close_sequence();
     })
     .what("Close the sequence")
+    .also(&["unload", "close file", "close all"])
     .applies(needs_sequence),
     Row::new(Command::SAVE_SESSION, "Save session…", |state| {
         state.save_session(false);
     })
-    .what("Save the session: files, view, settings, labels")
+    .what("Save the session…")
+    .also(&["save project", "save workspace", "save state"])
     .hint("Files, view, settings, clip, measurements, labels, markers and camera path, as a text file")
     .keys(group::FILE, "Ctrl+S", &[Chord::ctrl(Key::S)])
     .applies(needs_sequence),
     Row::new(Command::SAVE_SESSION_AS, "Save session as…", |state| {
         state.save_session(true);
     })
-    .what("Save the session as a file of a name")
+    .what("Save the session as…")
+    .also(&["save project", "save workspace"])
     .applies(needs_sequence),
     Row::new(Command::TOGGLE_RECORDING, "Record…", State::toggle_recording)
-        .what("Record the live stream, or end that")
+        .what("Record the live stream…")
+        .also(&["capture"])
         .hint("Writes what arrives of a live stream to a file, as it comes; the file opens as any other")
         .titled(|state| match state.is_recording() {
             Some(true) => "Stop recording".into(),
@@ -81,16 +90,24 @@ pub(super) const ROWS: &[Row] = &[
     Row::new(Command::SCREENSHOT, "Save picture", |state| {
         state.request(WindowRequest::Screenshot(None));
     })
-    .what("Save a picture")
-    .also(&["screenshot", "image", "snapshot"])
+    .what("Save picture (screenshot)")
+    .also(&[
+        "image",
+        "snapshot",
+        "photo",
+        "screen capture",
+        "png",
+        "render to file",
+        "grab",
+    ])
     .keys(group::FILE, "P", &[Chord::plain(Key::P)])
     .applies(needs_sequence),
     Row::new(Command::SAVE_SCREENSHOT_AS, "Save picture as…", |state| {
         let name = format!("{}.png", state.picture_stem());
         state.ask(picture_dialog(name));
     })
-    .what("Save a picture as a file of a name")
-    .also(&["screenshot", "image", "snapshot"])
+    .what("Save picture as…")
+    .also(&["screenshot", "image", "snapshot", "png"])
     .applies(needs_sequence),
 ];
 

@@ -1,11 +1,11 @@
 //! Every choice about the picture, with its term and unit in a tooltip. Only what the chosen primitive uses is listed.
 
-use super::colors::colors_ui;
-use super::depth_filters::depth_filters_ui;
+use super::colors::{self, colors_ui};
+use super::depth_filters::{self, depth_filters_ui};
 use super::style::{section_rows, section_ui, word};
 use crate::app::features::Features;
 use crate::app::features::feature::Feature;
-use crate::app::settings_row::SettingsPart;
+use crate::app::settings_row::{NamedRow, SettingsPart};
 pub(super) use crate::app::widgets::rows::{choice, choice_among, heading, note_below, row, rows};
 use crate::app::widgets::sought;
 use crate::app::{PanelId, PresentChoice, State, Turntable};
@@ -23,6 +23,45 @@ const PART_SIZE: f32 = 16.5;
 
 /// A narrower slider cannot be dragged well, points.
 const LEAST_SLIDER_WIDTH: f32 = 60.0;
+
+/// Rows of no feature that the palette brings into view; see [`own_rows`].
+const NAMED: [NamedRow; 5] = [
+    NamedRow {
+        title: "Up axis",
+        text: "Up axis…",
+        hint: "The axis of the file that points up in the picture",
+        also: &["axes", "orientation", "upside down", "vertical axis", "rotate model"],
+    },
+    NamedRow {
+        title: "Projection",
+        text: "Projection…",
+        hint: "Perspective or orthographic projection",
+        also: &["perspective", "orthographic", "isometric"],
+    },
+    NamedRow {
+        title: "Field of view",
+        text: "Field of view…",
+        hint: "Vertical opening angle of the camera, degrees",
+        also: &["fov", "focal length", "lens"],
+    },
+    NamedRow {
+        title: "Speed",
+        text: "Turntable speed…",
+        hint: "Speed of the turntable, degrees per second; negative in the other direction",
+        also: &["rotation speed", "orbit speed", "spin"],
+    },
+    NamedRow {
+        title: "Painted by",
+        text: "Painted by…",
+        hint: "The GPU or the CPU paints the window",
+        also: &["window backend", "present", "software rendering"],
+    },
+];
+
+/// Rows of the panel of no feature that the palette brings into view.
+pub(in crate::app) fn own_rows() -> impl Iterator<Item = &'static NamedRow> {
+    NAMED.iter().chain(colors::NAMED).chain(depth_filters::NAMED)
+}
 
 /// What settings ask of the window, once they are shown.
 enum SettingsRequest {
@@ -252,8 +291,8 @@ fn camera(ui: &mut Ui, camera: &mut Camera, turntable: &mut Turntable) {
         .suffix(" °/s");
     row(
         ui,
-        "Pace",
-        "How fast the turntable turns, degrees a second; negative the other way",
+        "Speed",
+        "Speed of the turntable, degrees per second; negative in the other direction",
         pace,
     );
 }

@@ -14,6 +14,8 @@ group! {
             title: "Preset",
             hint: "What is behind the cloud",
             section: Section::Background,
+            full_name: "Background",
+            also: &["backdrop", "clear colour", "canvas"],
             values: Values::Background,
         }
         /// Whether lines show the ground.
@@ -23,6 +25,8 @@ group! {
             title: "Ground",
             hint: "Lines on the plane below the cloud; a cell is a power of ten wide (G)",
             section: Section::Background,
+            full_name: "Grid on the ground",
+            also: &["ground plane", "floor", "axes"],
             values: Values::Switch("Grid"),
         }
     }

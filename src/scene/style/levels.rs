@@ -63,6 +63,7 @@ const STOPS: &[Kind] = &[
         title: "By spacing",
         hint: "Until voxels would be smaller than the spacing of the points in them: closed surfaces",
         label: "by spacing",
+        also: &[],
         number: None,
     },
     Kind {
@@ -71,6 +72,7 @@ const STOPS: &[Kind] = &[
         title: "By loss",
         hint: "Until few enough points share a voxel; all voxels have one size",
         label: "δ {}",
+        also: &[],
         number: Some(KindNumber {
             value_name: "D",
             title: "Detail lost (δ)",
@@ -93,6 +95,7 @@ const STOPS: &[Kind] = &[
         title: "To a level",
         hint: "Down to a level of the octree; all voxels have one size",
         label: "to level {}",
+        also: &["octree depth"],
         number: Some(KindNumber {
             value_name: "LEVEL",
             title: "Leaf level",
@@ -107,6 +110,7 @@ const STOPS: &[Kind] = &[
         title: "By points",
         hint: "While a cell holds more than so many points; voxels have several sizes",
         label: "by {} points",
+        also: &["leaf size"],
         number: Some(KindNumber {
             value_name: "N",
             title: "Points a leaf",
@@ -157,6 +161,7 @@ const LODS: &[Kind] = &[
         title: "Pixel threshold",
         hint: "Cells that are small on the screen are drawn as one voxel or surfel",
         label: "τ {}",
+        also: &["pixel error", "screen-space error", "quality"],
         number: Some(KindNumber {
             value_name: "PX",
             title: "Smallest cell (τ)",
@@ -178,6 +183,7 @@ const LODS: &[Kind] = &[
         title: "Fixed level",
         hint: "All cells of one level",
         label: "level {}",
+        also: &[],
         number: Some(KindNumber {
             value_name: "LEVEL",
             title: "Level",
@@ -192,6 +198,7 @@ const LODS: &[Kind] = &[
         title: "Budget",
         hint: "The finest picture of at most so many voxels or surfels",
         label: "at most {}",
+        also: &["point budget", "maximum points", "limit points"],
         number: Some(KindNumber {
             value_name: "N",
             title: "Voxels",
@@ -212,6 +219,7 @@ const LODS: &[Kind] = &[
         title: "Frame time",
         hint: "As many voxels or surfels as this machine draws in the time asked for",
         label: "in {} ms",
+        also: &["frame budget", "target frame rate"],
         number: Some(KindNumber {
             value_name: "MS",
             title: "Time",
@@ -263,12 +271,14 @@ const METRICS: &Words = &Words {
             word: "edge",
             title: "Edge",
             hint: "The edge of the cell, or of the cube that the sphere is around",
+            also: &[],
         },
         Word {
             word: "area",
             title: "Area",
             hint: "The area of the disk, against the threshold squared; smaller where it is seen from the side (paper \
                    002)",
+            also: &[],
         },
     ],
 };
@@ -307,6 +317,7 @@ group! {
                    afar",
             section: Section::Surfels,
             when: |drawn| drawn.has_surfel_radii(),
+            also: &["lod", "simplify", "level of detail"],
             values: Values::Switch("Simplify far surfels"),
         }
         /// What surfels that stand for others are taken from.
@@ -321,6 +332,8 @@ group! {
             section: Section::Surfels,
             when: |drawn| drawn.has_surfel_levels(),
             label: Label::Unusual(Place::HowFine, "of {}"),
+            full_name: "Level-of-detail structure",
+            also: &["lod", "octree", "point tree"],
             values: Values::Words(LevelStructure::WORDS),
         }
         /// How deep the octree goes: as far as voxels are closed, or as is said.
@@ -331,6 +344,8 @@ group! {
             section: Section::Octree,
             when: |style| style.draws_cells() || style.draws_codes(),
             label: Label::If(|drawn| drawn.draws_voxels(), Place::What, "{}"),
+            full_name: "Octree: divide",
+            also: &["octree depth", "leaf"],
             values: Values::Kinds(STOPS),
         }
         /// Which of its cells are drawn.
@@ -341,6 +356,7 @@ group! {
             section: Section::LevelOfDetail,
             when: |style| style.draws_cells() || style.draws_codes(),
             label: Label::Always(Place::HowFine, "{}"),
+            also: &["lod", "point budget", "detail", "decimate", "performance"],
             values: Values::Kinds(LODS),
         }
         /// What of them is held against the threshold in pixels.
@@ -353,6 +369,8 @@ group! {
             hint: "What of a cell or a sphere is held against the threshold in pixels",
             section: Section::LevelOfDetail,
             when: |style| style.draws_cells() || style.draws_codes(),
+            full_name: "Level-of-detail metric",
+            also: &["lod", "screen-space error"],
             values: Values::Words(METRICS),
         }
     }

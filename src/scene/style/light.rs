@@ -12,14 +12,19 @@ choices! {
     Lighting, "lighting", auto PerFragment = "Automatic",
         "Smooth; none where cameras took the colours, which have light in them"
     {
-        Unlit = "none", "None", "Plain colours";
+        Unlit = "none", "None", "Plain colours",
+            also ["unlit", "flat", "off"];
         PerSurfel = "surfel", "Per surfel or face", "Once for each surfel or voxel face";
         PerVertex = "vertex", "Per vertex", "At each corner, interpolated between";
-        PerFragment = "fragment", "Smooth", "At each pixel (per fragment)";
-        Lambert = "lambert", "Matt", "At each pixel of the blended surface, without highlights";
-        BlinnPhong = "blinn-phong", "Shiny", "At each pixel of the blended surface, with highlights";
+        PerFragment = "fragment", "Smooth", "At each pixel (per fragment)",
+            also ["phong", "gouraud"];
+        Lambert = "lambert", "Matt", "At each pixel of the blended surface, without highlights",
+            also ["diffuse", "matte"];
+        BlinnPhong = "blinn-phong", "Shiny", "At each pixel of the blended surface, with highlights",
+            also ["specular", "glossy", "highlights"];
         /// Metallic–roughness, with an environment; see [`PhysicalLight`](crate::scene::PhysicalLight).
-        Physical = "physical", "Physical", "At each pixel of the blended surface: metal or not, smooth or rough";
+        Physical = "physical", "Physical", "At each pixel of the blended surface: metal or not, smooth or rough",
+            also ["pbr"];
     }
 }
 
@@ -81,6 +86,7 @@ group! {
             section: Section::Shading,
             when: |drawn| drawn.is_lit(),
             label: Label::Unusual(Place::What, "{} light"),
+            also: &["shading", "illumination", "relight"],
             values: Values::Words(Choice::<Lighting>::WORDS),
         }
         /// Which lights there are where shading is deferred.
@@ -93,6 +99,7 @@ group! {
             section: Section::Shading,
             when: |drawn| drawn.is_lit_deferred(),
             label: Label::Unusual(Place::What, "{} lights"),
+            also: &["light rig", "lamps", "light source"],
             values: Values::Words(Choice::<LightRig>::WORDS),
         }
         /// How much of a metal a surface is.
@@ -105,6 +112,7 @@ group! {
             section: Section::Shading,
             when: |drawn| drawn.is_lit_physically(),
             label: Label::If(|drawn| drawn.is_lit_physically(), Place::What, "metallic {}"),
+            also: &["metalness", "pbr", "material"],
             values: Values::Number(Numbers {
                 typed: Typed::Kept("a number from 0 to 1"),
                 ..Numbers::USUAL
@@ -120,6 +128,7 @@ group! {
             section: Section::Shading,
             when: |drawn| drawn.is_lit_physically(),
             label: Label::If(|drawn| drawn.is_lit_physically(), Place::What, "roughness {}"),
+            also: &["glossiness", "pbr", "material"],
             values: Values::Number(Numbers {
                 typed: Typed::Kept("a number from 0 to 1"),
                 ..Numbers::USUAL
@@ -135,6 +144,7 @@ group! {
             section: Section::Shading,
             when: |drawn| drawn.is_lit_physically(),
             label: Label::If(|drawn| drawn.is_lit_physically(), Place::What, "in {}"),
+            also: &["environment map", "hdri", "image-based lighting", "skybox"],
             values: Values::Environment,
         }
         /// Whether the first lamp casts shadows.
@@ -147,6 +157,7 @@ group! {
             section: Section::Shading,
             when: |drawn| drawn.has_key_light(),
             label: Label::If(|drawn| drawn.has_shadows(), Place::What, "with shadows"),
+            also: &["cast shadows"],
             values: Values::Words(OnOff::WORDS),
         }
         /// Whether what is near a place keeps light from it (ambient occlusion).
@@ -159,6 +170,7 @@ group! {
             section: Section::Shading,
             when: |drawn| drawn.is_shaded_with_depths(),
             label: Label::If(|drawn| drawn.is_occluded(), Place::What, "with ambient occlusion"),
+            also: &["ssao", "ao", "pcv", "sky visibility", "contact shadows"],
             values: Values::Words(OnOff::WORDS),
         }
         /// How much of that light is lost; 1 is as much as is kept away.
@@ -170,6 +182,7 @@ group! {
             hint: "How much ambient occlusion darkens; 1 is as much as light is kept away",
             section: Section::Shading,
             when: |drawn| drawn.is_occluded(),
+            also: &["ao strength", "ssao strength"],
             values: Values::Number(Numbers {
                 kept: [0.0, 4.0],
                 offered: [0.0, 2.0],
@@ -187,6 +200,7 @@ group! {
             hint: "How far away what keeps light from a place may be; 1 is a fifth of the cloud's radius",
             section: Section::Shading,
             when: |drawn| drawn.is_occluded(),
+            also: &["ao radius", "ssao radius"],
             values: Values::Number(Numbers {
                 kept: [0.05, 4.0],
                 offered: [0.1, 4.0],
@@ -205,6 +219,8 @@ group! {
             hint: "Darkens what stands behind its neighbours: depths show shapes without any normals",
             section: Section::Shading,
             when: |drawn| drawn.leaves_depths(),
+            full_name: "Eye-dome lighting (EDL)",
+            also: &["edl", "depth shading", "outline"],
             values: Values::Words(Choice::<EyeDome>::WORDS),
         }
         /// How much they do; 1 is usual.
@@ -216,6 +232,8 @@ group! {
             hint: "How much the eye-dome light darkens; 1 is usual",
             section: Section::Shading,
             when: |drawn| drawn.has_eye_dome(),
+            full_name: "Eye-dome strength",
+            also: &["edl strength"],
             values: Values::Number(Numbers {
                 kept: [0.0, 4.0],
                 offered: [0.0, 4.0],
@@ -232,6 +250,7 @@ group! {
             title: "Gamma",
             hint: "Brightens the finished picture above 1 and darkens it below; black and white stay",
             section: Section::Shading,
+            also: &["brightness", "exposure", "contrast", "tone"],
             values: Values::Number(Numbers {
                 kept: [0.1, 10.0],
                 offered: [0.25, 4.0],

@@ -64,6 +64,8 @@ group! {
             section: Section::Photographs,
             when: |drawn| drawn.has_photographs(),
             label: Label::Unusual(Place::What, "{} photographs"),
+            full_name: "Image colours",
+            also: &["view-dependent texturing", "projective texturing", "texture", "image-based rendering", "photographs"],
             values: Values::Words(PhotoMode::WORDS),
         }
         /// How many photographs are blended at a place.
@@ -75,6 +77,8 @@ group! {
             hint: "How many photographs are blended at a place",
             section: Section::Photographs,
             when: |drawn| drawn.draws_view_dependent_textures(),
+            full_name: "Blended images",
+            also: &["number of cameras"],
             values: Values::Number(Numbers {
                 kept: [1.0, PhotoStyle::MOST_VIEWS as f32],
                 offered: [1.0, PhotoStyle::MOST_VIEWS as f32],
@@ -93,6 +97,7 @@ group! {
                    between neighbouring photographs",
             section: Section::Photographs,
             when: |drawn| drawn.draws_view_dependent_textures(),
+            full_name: "Reach of images",
             values: Values::Number(Numbers {
                 kept: [0.05, 10.0],
                 offered: [0.1, 5.0],
@@ -110,6 +115,8 @@ group! {
             hint: "What becomes of places where photographs show something that is nearer or farther",
             section: Section::Photographs,
             when: |drawn| drawn.draws_photographs(),
+            full_name: "Silhouettes of images",
+            also: &["carve", "space carving"],
             values: Values::Words(PhotoClipping::WORDS),
         }
         /// What places look like that no photograph sees.
@@ -121,6 +128,8 @@ group! {
             hint: "What places look like that no photograph sees",
             section: Section::Photographs,
             when: |drawn| drawn.draws_photographs(),
+            full_name: "Holes between images",
+            also: &["hole filling", "inpainting", "push-pull"],
             values: Values::Words(PhotoHoles::WORDS),
         }
         /// How wide gaps in a surface are that are closed, in percent of the height of a picture.
@@ -133,6 +142,8 @@ group! {
                    of the height of the picture; 0: they stay open",
             section: Section::Photographs,
             when: |drawn| drawn.draws_photographs(),
+            full_name: "Gaps between images",
+            also: &["hole filling"],
             values: Values::Number(Numbers {
                 kept: [0.0, 20.0],
                 offered: [0.0, 10.0],
@@ -152,6 +163,7 @@ group! {
             section: Section::Photographs,
             when: |drawn| drawn.draws_photographs(),
             label: Label::Unusual(Place::What, "relit: {}"),
+            also: &["clay", "relit"],
             values: Values::Words(PhotoRelight::WORDS),
         }
         /// Whether photographs are made as bright as each other.
@@ -163,6 +175,8 @@ group! {
             hint: "Whether photographs are made as bright as each other, by what shared points look like in them",
             section: Section::Photographs,
             when: |drawn| drawn.draws_photographs(),
+            full_name: "Exposure compensation",
+            also: &["gains", "white balance", "exposure"],
             values: Values::Words(PhotoGains::WORDS),
         }
     }

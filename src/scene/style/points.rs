@@ -8,9 +8,11 @@ choices! {
     PointShape, "shape of points" {
         Square = "square", "Square", "All pixels of a square of this size";
         /// A pixel is covered where its middle is in the circle, and the pixel that the point is in.
-        Disk = "disk", "Disk", "The pixels of the square that are in the circle in it: round points";
+        Disk = "disk", "Disk", "The pixels of the square that are in the circle in it: round points",
+            also ["circle", "round"];
         /// Blended in two passes as surfels are, without normals.
-        Gaussian = "gaussian", "Gaussian", "Round, fading towards the rim: points that overlap blend into a surface";
+        Gaussian = "gaussian", "Gaussian", "Round, fading towards the rim: points that overlap blend into a surface",
+            also ["soft", "blurred"];
     }
 }
 
@@ -47,6 +49,8 @@ group! {
             section: Section::Look,
             when: |drawn| drawn.is_of_points(),
             label: Label::Unusual(Place::What, "{}"),
+            full_name: "Point size mode",
+            also: &["attenuation", "perspective size", "adaptive point size", "fixed size"],
             values: Values::Words(PointSizing::WORDS),
         }
         /// Edge of a drawn point in pixels.
@@ -59,6 +63,7 @@ group! {
             section: Section::Look,
             when: |drawn| drawn.has_points_of_pixels(),
             label: Label::If(|drawn| drawn.has_points_of_pixels(), Place::What, "{} px"),
+            also: &["size of points", "thickness"],
             values: Values::Number(Numbers {
                 kept: [1.0, 32.0],
                 offered: [1.0, 32.0],
@@ -77,6 +82,7 @@ group! {
             section: Section::Look,
             when: |drawn| drawn.has_points_of_lengths(),
             label: Label::Unusual(Place::What, "×{}"),
+            also: &["size of points", "point size factor"],
             values: Values::Number(Numbers {
                 kept: [0.1, 10.0],
                 offered: [0.1, 10.0],
@@ -95,6 +101,8 @@ group! {
             section: Section::Look,
             when: |drawn| drawn.draws_points(),
             label: Label::Unusual(Place::What, "{}"),
+            full_name: "Point shape",
+            also: &["round points", "circles", "square points", "point style"],
             values: Values::Words(PointShape::WORDS),
         }
         /// What light falls on.
@@ -107,6 +115,8 @@ group! {
             section: Section::Shading,
             when: |drawn| drawn.is_of_points(),
             label: Label::Unusual(Place::What, "lit by {}"),
+            full_name: "Light on points",
+            also: &["shade points"],
             values: Values::Words(PointLight::WORDS),
         }
     }

@@ -62,12 +62,22 @@ impl Settings {
         hint: "What points become",
         section: Section::Own,
         label: Label::Always(Place::What, "{}"),
+        also: &[
+            "hide points",
+            "show points",
+            "visibility",
+            "render mode",
+            "representation",
+            "draw as",
+            "renderer",
+        ],
         values: Values::Words(Choice::<Primitive>::WORDS),
         shorthands: &[Shorthand {
             word: Word {
                 word: "ewa",
                 title: "EWA",
                 hint: "Surfels that are filtered to the pixels: far surfaces are smooth and still",
+                also: &["anti-aliased splats", "smooth splats"],
             },
             given: &[
                 ("primitive", Value::Word(Primitive::Surfel as usize + 1)),

@@ -211,7 +211,15 @@ const COMMANDS: &[Row] = &[
     Row::new(Command::panel(PanelId::CAMERA_PATH), "Camera path…", |state| {
         state.panels.toggle(PanelId::CAMERA_PATH);
     })
-    .what("Camera path")
+    .what("Camera path…")
+    .also(&[
+        "fly-through",
+        "animation",
+        "keyframes",
+        "trajectory",
+        "path editor",
+        "camera animation",
+    ])
     .keys(group::VIEW, "F4", &[Chord::plain(Key::F4)])
     .on_if(|state| state.panels.has(PanelId::CAMERA_PATH)),
     Row::new(
@@ -219,12 +227,14 @@ const COMMANDS: &[Row] = &[
         "Add a keyframe of what is shown",
         State::add_keyframe,
     )
+    .also(&["record view", "bookmark view", "save viewpoint"])
     .keys(group::VIEW, "K", &[Chord::plain(Key::K)]),
     Row::new(
         Command::TOGGLE_PREVIEW,
         "Play the camera path, or stop",
         State::toggle_preview,
     )
+    .also(&["preview", "animate", "fly-through"])
     .keys(group::VIEW, "Shift+K", &[Chord::shift(Key::K)])
     .applies(needs_path),
     Row::new(Command::NEW_PATH, "New camera path", |state| {

@@ -107,7 +107,7 @@ impl State {
 const COMMANDS: &[Row] = &[Row::new(Command::PUT_LABELS, "Label", State::toggle_label_tool)
     .what("Put labels at points")
     .hint("Clicks put texts at points, in the window, in pictures and in videos")
-    .also(&["annotate", "annotation"])
+    .also(&["annotate", "annotation", "text", "callout", "add label", "tag", "pin"])
     .keys(group::POINTS, "N", &[Chord::plain(Key::N)])
     .in_menu(Menu::Tools)
     .on_if(|state| state.features.inspection.tool == Tool::Label)];
@@ -137,7 +137,8 @@ impl Feature<State> for FeatureOf<Labels> {
     }
 
     fn panels(&self) -> &'static [PanelRow<State>] {
-        const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PANEL, "Labels…", labels)];
+        const PANELS: &[PanelRow<State>] =
+            &[PanelRow::in_menu(PANEL, "Labels…", labels).also(&["annotations", "list of labels", "markers"])];
         PANELS
     }
 
