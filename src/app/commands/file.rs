@@ -53,7 +53,7 @@ pub(super) const ROWS: &[Row] = &[
     })
     .what("Save settings as a preset…")
     .also(&["store look", "new preset"])
-    .hint("Keeps the present settings under a name"),
+    .hint("Saves the current settings under a name"),
     Row::new(Command::CLOSE_SEQUENCE, "Close", |state| {
         state.end_comparison(Side::A);
         state.close_sequence();
@@ -78,7 +78,7 @@ pub(super) const ROWS: &[Row] = &[
     Row::new(Command::TOGGLE_RECORDING, "Record…", State::toggle_recording)
         .what("Record the live stream…")
         .also(&["capture"])
-        .hint("Writes what arrives of a live stream to a file, as it comes; the file opens as any other")
+        .hint("Records the live stream to a file that opens like any other")
         .titled(|state| match state.is_recording() {
             Some(true) => "Stop recording".into(),
             _ => "Record…".into(),
@@ -87,10 +87,10 @@ pub(super) const ROWS: &[Row] = &[
             Some(_) => Ok(()),
             None => Err("Only live streams (tcp://…) are recorded, and none is open"),
         }),
-    Row::new(Command::SCREENSHOT, "Save picture", |state| {
+    Row::new(Command::SCREENSHOT, "Save image", |state| {
         state.request(WindowRequest::Screenshot(None));
     })
-    .what("Save picture (screenshot)")
+    .what("Save image (screenshot)")
     .also(&[
         "image",
         "snapshot",
@@ -102,11 +102,11 @@ pub(super) const ROWS: &[Row] = &[
     ])
     .keys(group::FILE, "P", &[Chord::plain(Key::P)])
     .applies(needs_sequence),
-    Row::new(Command::SAVE_SCREENSHOT_AS, "Save picture as…", |state| {
+    Row::new(Command::SAVE_SCREENSHOT_AS, "Save image as…", |state| {
         let name = format!("{}.png", state.picture_stem());
         state.ask(picture_dialog(name));
     })
-    .what("Save picture as…")
+    .what("Save image as…")
     .also(&["screenshot", "image", "snapshot", "png"])
     .applies(needs_sequence),
 ];
@@ -116,8 +116,8 @@ fn picture_dialog(name: String) -> Dialog<State> {
     let save = |state: &mut State, file| {
         state.request(WindowRequest::Screenshot(Some(with_extension(file, "png"))));
     };
-    let dialog = Dialog::new_file("Save the picture", name, save)
-        .without("Save picture (P) asks for no name, and Export… has a field for it");
+    let dialog = Dialog::new_file("Save the image", name, save)
+        .without("Save image (P) needs no name, and Export… has a field for it");
     PictureFormat::filters().fold(dialog, |dialog, (name, extensions)| {
         dialog.filter(format!("{name} image"), extensions.iter().copied())
     })

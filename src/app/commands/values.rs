@@ -145,7 +145,7 @@ pub(super) const ROWS: &[Row] = &[
     .offers(|_, _| {
         let offer = |&(word, axis): &(&'static str, UpAxis)| {
             Offer::new(format!("Up axis: {}", axis.label()), word)
-                .hint("The axis of the file that points up in the picture")
+                .hint("The axis of the file that points up on screen")
                 .also(&["axes", "orientation", "upside down", "vertical axis", "flip"])
         };
         UpAxis::ALL.iter().map(offer).collect()
@@ -182,7 +182,7 @@ pub(super) const ROWS: &[Row] = &[
     }),
     Row::taking(
         Command::new("picture"),
-        "Save picture to a file",
+        "Save image to a file",
         "FILE",
         |state, file| {
             state.request(WindowRequest::Screenshot(Some(PathBuf::from(file))));

@@ -63,10 +63,10 @@ pub(super) const ROWS: &[Row] = &[
         State::look_from_sensor,
     )
     .also(&["camera view", "sensor pose", "viewpoint"])
-    .hint("As the depth camera saw what is shown: in the size of its image, pixel by pixel")
+    .hint("The view of the depth camera, in the size of its image, pixel by pixel")
     .applies(|state| match state.sensor() {
         Some(_) => Ok(()),
-        None => Err("Nothing says which camera took this: depth images have one, files of points do not"),
+        None => Err("No camera is known: depth images have one, point files do not"),
     }),
     Row::new(Command::TOGGLE_ORTHOGRAPHIC, "Orthographic", State::toggle_projection)
         .what("Orthographic or perspective projection")
@@ -93,7 +93,7 @@ pub(super) const ROWS: &[Row] = &[
     .on_if(|state| state.appearance.shows_scale_bar),
     Row::new(
         Command::new("focus"),
-        "Focus on what the pointer is over",
+        "Focus on the point under the pointer",
         State::focus_at_pointer,
     )
     .also(&["centre on point", "pivot", "look at", "rotation centre", "orbit centre"])

@@ -29,7 +29,7 @@ pub(super) const ROWS: &[Row] = &[
         "Revert to saved session",
         State::revert_session,
     )
-    .what("Revert the open session to what was saved")
+    .what("Revert the session to its saved state")
     .also(&["discard changes", "undo all"])
     .applies(|state| match state.session_file() {
         Some(_) if state.is_unsaved() => Ok(()),
@@ -59,21 +59,21 @@ pub(super) const ROWS: &[Row] = &[
     })
     .what("Theme: as the system")
     .also(&["dark mode", "appearance"])
-    .hint("Light or dark as the system is; dark where it does not say")
+    .hint("Follows the system; dark if unknown")
     .on_if(|state| state.appearance.theme == ThemePreference::System),
     Row::new(Command::LIGHT_THEME, "Light", |state| {
         state.appearance.theme = ThemePreference::Light;
     })
     .what("Theme: light")
     .also(&["light mode", "bright mode", "appearance"])
-    .hint("Light, whatever the system is")
+    .hint("Light, regardless of the system")
     .on_if(|state| state.appearance.theme == ThemePreference::Light),
     Row::new(Command::DARK_THEME, "Dark", |state| {
         state.appearance.theme = ThemePreference::Dark;
     })
     .what("Theme: dark")
     .also(&["dark mode", "night mode", "appearance"])
-    .hint("Dark, whatever the system is")
+    .hint("Dark, regardless of the system")
     .on_if(|state| state.appearance.theme == ThemePreference::Dark),
     Row::new(Command::panel(PanelId::HELP), "Keys and mouse", |state| {
         state.panels.toggle(PanelId::HELP);
@@ -94,7 +94,7 @@ pub(super) const ROWS: &[Row] = &[
     })
     .what("About pointreel: version, GPU, folders")
     .also(&["license", "system information", "adapter", "log"]),
-    Row::new(Command::ESCAPE, "Close what is open", State::escape)
+    Row::new(Command::ESCAPE, "Close panel or tool", State::escape)
         .what("Stop, close this list, clear points, leave full screen")
         .keys(group::FILE, "Esc", &[Chord::plain(Key::Escape)]),
     Row::new(Command::QUIT, "Quit", State::quit)

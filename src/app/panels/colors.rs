@@ -76,7 +76,7 @@ pub(super) fn colors_ui(
             row(
                 ui,
                 "Legend",
-                "What the colours mean, over the picture at the right",
+                "The colour legend, at the right of the view",
                 Checkbox::new(has_legend, "Shown"),
             );
         });
@@ -117,7 +117,7 @@ fn found(paint: &Paint) -> String {
 
 fn height_axis(ui: &mut Ui, coloring: &mut Coloring) {
     let mut axes = vec![(
-        "As the picture",
+        "As the view",
         ColorSource::Height(HeightAxis::Auto),
         "The axis of the file that points up",
     )];

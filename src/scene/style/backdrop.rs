@@ -12,7 +12,7 @@ group! {
             value_name: "COLOR",
             help: "dusk, black, gray, white, sky, transparent (in files), #rrggbb or #rrggbb-#rrggbb",
             title: "Preset",
-            hint: "What is behind the cloud",
+            hint: "Background behind the cloud",
             section: Section::Background,
             full_name: "Background",
             also: &["backdrop", "clear colour", "canvas"],

@@ -30,9 +30,9 @@ choices! {
 
 choices! {
     /// Who draws.
-    RendererChoice, "renderer", auto Cpu = "Automatic", "The GPU if there is a real one, else the processor" {
-        Gpu = "gpu", "GPU", "The adapter of the graphics library, be it a software one";
-        Cpu = "cpu", "CPU", "The processor, without instancing: what Instancing says has no effect";
+    RendererChoice, "renderer", auto Cpu = "Automatic", "The GPU if there is a hardware one, else the CPU" {
+        Gpu = "gpu", "GPU", "The adapter of the graphics library, even a software one";
+        Cpu = "cpu", "CPU", "The CPU, without instancing";
     }
 }
 
@@ -68,10 +68,10 @@ choices! {
 choices! {
     /// What is done about the steps of edges.
     Antialiasing, "way of antialiasing" {
-        None = "none", "None", "Pixels show what is in their middle";
+        None = "none", "None", "One sample per pixel, at its centre";
         /// Lottes 2009.
-        Fxaa = "fxaa", "FXAA", "Edges are found in the finished picture and smoothed";
-        Supersample = "supersample", "Supersampling", "Four pixels are drawn for each and averaged",
+        Fxaa = "fxaa", "FXAA", "Smooths edges in the finished image";
+        Supersample = "supersample", "Supersampling", "Renders four pixels for each and averages them",
             also ["ssaa", "msaa"];
     }
 }
@@ -116,7 +116,7 @@ group! {
             value_name: "RENDERER",
             help: "Who draws (auto: a real GPU, else the processor)",
             title: "Renderer",
-            hint: "Who draws. Both draw the same picture",
+            hint: "Renderer: both draw the same image",
             label: Label::Always(Place::Who, "{title}"),
             also: &["rasterizer", "software rendering", "backend", "hardware acceleration", "graphics card"],
             values: Values::Words(Choice::<RendererChoice>::WORDS),
@@ -157,8 +157,7 @@ group! {
             value_name: "HOW",
             help: "What is done about the steps of edges",
             title: "Antialiasing",
-            hint: "What is done about the steps of edges: supersampling draws four times the pixels, FXAA smooths the \
-                   finished picture",
+            hint: "Smooths jaggies: supersampling renders four times the pixels, FXAA filters the finished image",
             label: Label::Unusual(Place::HowFine, "with {title}"),
             also: &["aa", "msaa", "smooth edges", "jaggies", "aliasing"],
             values: Values::Words(Antialiasing::WORDS),

@@ -76,7 +76,7 @@ const STOPS: &[Kind] = &[
         number: Some(KindNumber {
             value_name: "D",
             title: "Detail lost (δ)",
-            hint: "The share of points that may share a voxel at the deepest level, percent",
+            hint: "Percentage of points that may share a voxel at the deepest level",
             // That of the paper.
             usual: 0.05_f32 as f64,
             numbers: Numbers {
@@ -108,13 +108,13 @@ const STOPS: &[Kind] = &[
         flag: "octant-points",
         help: "Divide cells of the octree that hold more than so many points",
         title: "By points",
-        hint: "While a cell holds more than so many points; voxels have several sizes",
+        hint: "While a cell holds more than N points; voxels have several sizes",
         label: "by {} points",
         also: &["leaf size"],
         number: Some(KindNumber {
             value_name: "N",
-            title: "Points a leaf",
-            hint: "Most points in a leaf of the octree",
+            title: "Points per leaf",
+            hint: "Maximum points in a leaf of the octree",
             usual: 8.0,
             numbers: Numbers {
                 kept: [1.0, u32::MAX as f32],
@@ -196,13 +196,13 @@ const LODS: &[Kind] = &[
         flag: "lod-budget",
         help: "Draw the finest octree cells that are at most so many",
         title: "Budget",
-        hint: "The finest picture of at most so many voxels or surfels",
+        hint: "The finest image of at most N voxels or surfels",
         label: "at most {}",
         also: &["point budget", "maximum points", "limit points"],
         number: Some(KindNumber {
             value_name: "N",
             title: "Voxels",
-            hint: "Most voxels a picture",
+            hint: "Maximum voxels per image",
             usual: 50_000.0,
             numbers: Numbers {
                 kept: [100.0, 50_000_000.0],
@@ -217,13 +217,13 @@ const LODS: &[Kind] = &[
         flag: "lod-time",
         help: "Draw as many octree cells as this many milliseconds allow",
         title: "Frame time",
-        hint: "As many voxels or surfels as this machine draws in the time asked for",
+        hint: "The most voxels or surfels that this machine draws in the requested time",
         label: "in {} ms",
         also: &["frame budget", "target frame rate"],
         number: Some(KindNumber {
             value_name: "MS",
             title: "Time",
-            hint: "Time that a picture should take, milliseconds",
+            hint: "Target time per image, milliseconds",
             usual: 16.0,
             numbers: Numbers {
                 kept: [1.0, 1000.0],
@@ -328,7 +328,7 @@ group! {
             help: "What --surfel-lod draws from",
             heading: HEADING,
             title: "Structure",
-            hint: "What levels of detail are taken from",
+            hint: "Source of the levels of detail",
             section: Section::Surfels,
             when: |drawn| drawn.has_surfel_levels(),
             label: Label::Unusual(Place::HowFine, "of {}"),
@@ -340,7 +340,7 @@ group! {
         stop: StopCriterion = StopCriterion::default(), "stop" STOP {
             heading: HEADING,
             title: "Divide",
-            hint: "When cells of the octree are no longer divided (its stop criterion)",
+            hint: "Stop criterion of the octree",
             section: Section::Octree,
             when: |style| style.draws_cells() || style.draws_codes(),
             label: Label::If(|drawn| drawn.draws_voxels(), Place::What, "{}"),
@@ -352,7 +352,7 @@ group! {
         lod: Lod = Lod::default(), "lod" LOD {
             heading: HEADING,
             title: "Level of detail",
-            hint: "Which cells of the octree are drawn",
+            hint: "Selection of the octree's cells to draw",
             section: Section::LevelOfDetail,
             when: |style| style.draws_cells() || style.draws_codes(),
             label: Label::Always(Place::HowFine, "{}"),
@@ -366,7 +366,7 @@ group! {
             help: "What of a cell or a sphere is held against the threshold in pixels",
             heading: HEADING,
             title: "Metric",
-            hint: "What of a cell or a sphere is held against the threshold in pixels",
+            hint: "Screen-space size of a cell or a sphere that is compared with the threshold",
             section: Section::LevelOfDetail,
             when: |style| style.draws_cells() || style.draws_codes(),
             full_name: "Level-of-detail metric",

@@ -38,9 +38,9 @@ impl Lighting {
 choices! {
     /// Which lights there are where shading is deferred; see [`Lights`](crate::scene::Lights).
     LightRig, "rig of lights", auto Head = "Automatic",
-        "The head light, or the environment alone where there is one"
+        "The headlight, or the environment alone where there is one"
     {
-        Head = "head", "Head light", "One from the eye";
+        Head = "head", "Headlight", "One from the eye";
         ThreePoint = "three-point", "Three-point", "A warm key light, a cool one that fills, and one from behind";
         /// Paper 002 §5.
         Paper = "paper", "Two lamps", "Two lamps near the cloud, left and right above it";
@@ -82,7 +82,7 @@ group! {
             value_name: "HOW",
             help: "Light",
             title: "Lighting",
-            hint: "Where the head light is evaluated, or how the blended surface is lit",
+            hint: "Evaluation of the headlight, or lighting of the blended surface",
             section: Section::Shading,
             when: |drawn| drawn.is_lit(),
             label: Label::Unusual(Place::What, "{} light"),
@@ -108,7 +108,7 @@ group! {
             value_name: "SHARE",
             help: "How much of a metal surfaces are in physical light, 0 to 1 (usually 0)",
             title: "Metallic",
-            hint: "How much of a metal surfaces are: metals mirror in their colour, others scatter it",
+            hint: "Metalness: metals reflect in their colour, other materials scatter it",
             section: Section::Shading,
             when: |drawn| drawn.is_lit_physically(),
             label: Label::If(|drawn| drawn.is_lit_physically(), Place::What, "metallic {}"),
@@ -124,7 +124,7 @@ group! {
             value_name: "SHARE",
             help: "How rough surfaces are in physical light, 0 to 1 (usually 0.5)",
             title: "Roughness",
-            hint: "How rough surfaces are: what they mirror is sharp at 0 and blurred at 1",
+            hint: "Roughness: reflections are sharp at 0 and blurred at 1",
             section: Section::Shading,
             when: |drawn| drawn.is_lit_physically(),
             label: Label::If(|drawn| drawn.is_lit_physically(), Place::What, "roughness {}"),
@@ -140,7 +140,7 @@ group! {
             value_name: "NAME",
             help: "What lights physical surfaces",
             title: "Environment",
-            hint: "What is around the scene, and lights it from all sides; it turns with the scene",
+            hint: "Surroundings that light the scene from all sides; they rotate with the scene",
             section: Section::Shading,
             when: |drawn| drawn.is_lit_physically(),
             label: Label::If(|drawn| drawn.is_lit_physically(), Place::What, "in {}"),
@@ -215,8 +215,8 @@ group! {
             other_flag: "edl",
             value_name: "WHETHER",
             help: "Shade by depths (eye-dome lighting)",
-            title: "Eye-dome light",
-            hint: "Darkens what stands behind its neighbours: depths show shapes without any normals",
+            title: "Eye-dome lighting",
+            hint: "Darkens points behind their neighbours: depth alone shows shapes, without normals",
             section: Section::Shading,
             when: |drawn| drawn.leaves_depths(),
             full_name: "Eye-dome lighting (EDL)",
@@ -229,7 +229,7 @@ group! {
             value_name: "S",
             help: "How much --eye-dome shades (usually 1)",
             title: "Strength",
-            hint: "How much the eye-dome light darkens; 1 is usual",
+            hint: "Strength of eye-dome lighting; 1 is the default",
             section: Section::Shading,
             when: |drawn| drawn.has_eye_dome(),
             full_name: "Eye-dome strength",
@@ -248,7 +248,7 @@ group! {
             value_name: "G",
             help: "Brighten the picture above 1, darken it below; black and white stay (default: 1)",
             title: "Gamma",
-            hint: "Brightens the finished picture above 1 and darkens it below; black and white stay",
+            hint: "Brightens the finished image above 1 and darkens it below; black and white stay",
             section: Section::Shading,
             also: &["brightness", "exposure", "contrast", "tone"],
             values: Values::Number(Numbers {

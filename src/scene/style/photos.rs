@@ -7,8 +7,10 @@ choices! {
     /// What surfaces have their colours from where there are photographs of them.
     PhotoMode, "way to use photographs" {
         /// Paper 004 §3.2.
-        Vdts = "vdts", "View-dependent", "Blends the photographs that see a place from about where you stand";
-        Single = "single", "Nearest photograph", "At each place the photograph that sees it most as you do";
+        Vdts = "vdts", "View-dependent", "Blends the images whose cameras are closest to your viewpoint, per \
+            surface point";
+        Single = "single", "Nearest image", "Uses the image whose camera is closest to your viewpoint, per \
+            surface point";
         Colored = "colored", "Colours of points", "The points' own colours";
     }
 }
@@ -16,9 +18,9 @@ choices! {
 choices! {
     /// What becomes of places of which photographs show something else.
     PhotoClipping, "way of clipping" {
-        Vote = "vote", "Vote", "Left out where more photographs see through a place than see it";
+        Vote = "vote", "Vote", "Carves points that most images see through";
         /// Paper 004 §4.1.
-        Paper = "paper", "Any photograph", "Left out where a blended photograph sees something nearer or farther";
+        Paper = "paper", "Any image", "Carves points where a blended image sees something nearer or farther";
         Off = "off", "Off", "Drawn nevertheless";
     }
 }
@@ -36,10 +38,11 @@ choices! {
 choices! {
     /// Whether light falls on what photographs show.
     PhotoRelight, "way of relighting" {
-        Off = "off", "Off", "Normals are those of points; without a choice of light, photographs keep theirs";
-        Photos = "photos", "Colours of photographs",
-            "Light falls on colours of photographs, by normals of their depths";
-        DepthOnly = "depth-only", "White", "Light falls on a white surface, by normals of depths of photographs";
+        Off = "off", "Off", "Uses the normals of points; without lighting, images keep the light they were taken \
+            in";
+        Photos = "photos", "Colours of images",
+            "Lights the colours of images with depth-map normals";
+        DepthOnly = "depth-only", "White", "Clay render lit with depth-map normals";
     }
 }
 
@@ -60,7 +63,7 @@ group! {
             value_name: "MODE",
             help: "Colours where there are photographs",
             title: "Colours from",
-            hint: "What surfaces have their colours from where there are photographs of them",
+            hint: "Source of the colours of surfaces that have images",
             section: Section::Photographs,
             when: |drawn| drawn.has_photographs(),
             label: Label::Unusual(Place::What, "{} photographs"),
@@ -74,7 +77,7 @@ group! {
             value_name: "K",
             help: "Photographs that are blended at a place, 1 to 8 (usually 4)",
             title: "Blended",
-            hint: "How many photographs are blended at a place",
+            hint: "Number of images blended per surface point",
             section: Section::Photographs,
             when: |drawn| drawn.draws_view_dependent_textures(),
             full_name: "Blended images",
@@ -93,8 +96,8 @@ group! {
             value_name: "F",
             help: "How far photographs reach, in angles between neighbours (usually 2)",
             title: "Reach",
-            hint: "How fast the weight of a photograph falls with its angle to you: σ, as a factor on the angle \
-                   between neighbouring photographs",
+            hint: "Falloff of an image's weight with the angle to your view: σ, as a factor on the angle between \
+                   neighbouring cameras",
             section: Section::Photographs,
             when: |drawn| drawn.draws_view_dependent_textures(),
             full_name: "Reach of images",
@@ -112,7 +115,7 @@ group! {
             value_name: "HOW",
             help: "Leave out what photographs see through",
             title: "Silhouettes",
-            hint: "What becomes of places where photographs show something that is nearer or farther",
+            hint: "Treatment of points where images show something nearer or farther",
             section: Section::Photographs,
             when: |drawn| drawn.draws_photographs(),
             full_name: "Silhouettes of images",
@@ -125,7 +128,7 @@ group! {
             value_name: "HOW",
             help: "Places that no photograph sees",
             title: "Holes",
-            hint: "What places look like that no photograph sees",
+            hint: "Colours of points that no image sees",
             section: Section::Photographs,
             when: |drawn| drawn.draws_photographs(),
             full_name: "Holes between images",
@@ -159,7 +162,7 @@ group! {
             value_name: "WHAT",
             help: "Let light fall on normals of the depths of photographs",
             title: "Relighting",
-            hint: "Whether light falls on what photographs show, by normals of their depths",
+            hint: "Lights what images show with depth-map normals",
             section: Section::Photographs,
             when: |drawn| drawn.draws_photographs(),
             label: Label::Unusual(Place::What, "relit: {}"),
@@ -172,7 +175,7 @@ group! {
             value_name: "WHETHER",
             help: "Make photographs as bright as each other",
             title: "Gains",
-            hint: "Whether photographs are made as bright as each other, by what shared points look like in them",
+            hint: "Exposure compensation: makes images equally bright, by the points that they share",
             section: Section::Photographs,
             when: |drawn| drawn.draws_photographs(),
             full_name: "Exposure compensation",

@@ -11,7 +11,7 @@ choices! {
         Disk = "disk", "Disk", "The pixels of the square that are in the circle in it: round points",
             also ["circle", "round"];
         /// Blended in two passes as surfels are, without normals.
-        Gaussian = "gaussian", "Gaussian", "Round, fading towards the rim: points that overlap blend into a surface",
+        Gaussian = "gaussian", "Gaussian", "Round with a soft falloff: overlapping points blend into a surface",
             also ["soft", "blurred"];
     }
 }
@@ -28,7 +28,7 @@ choices! {
 choices! {
     /// What the size of a point is measured in.
     PointSizing, "size mode of points" {
-        Pixels = "pixels", "Fixed", "As many pixels wherever a point is";
+        Pixels = "pixels", "Fixed", "The same size in pixels at any distance";
         /// *Attenuated* in other viewers.
         Projected = "projected", "Attenuated", "As wide in the scene as points are apart: smaller from afar";
         /// The radius of a point is that of its surfel, or of the node of a level of detail that it stands for.
@@ -45,7 +45,7 @@ group! {
             value_name: "MODE",
             help: "What the size of points is measured in",
             title: "Size",
-            hint: "What the size of points is measured in: pixels of the picture, or lengths in the scene",
+            hint: "Unit of the point size: pixels, or lengths in the scene",
             section: Section::Look,
             when: |drawn| drawn.is_of_points(),
             label: Label::Unusual(Place::What, "{}"),
@@ -97,7 +97,7 @@ group! {
             value_name: "SHAPE",
             help: "What points are on the screen",
             title: "Shape",
-            hint: "What a point is on the screen: a square, or round",
+            hint: "Shape of a point on screen",
             section: Section::Look,
             when: |drawn| drawn.draws_points(),
             label: Label::Unusual(Place::What, "{}"),
@@ -111,7 +111,7 @@ group! {
             value_name: "WHAT",
             help: "What the light of points falls on",
             title: "Light on",
-            hint: "What the light of points falls on",
+            hint: "Surfaces that lighting of points uses",
             section: Section::Shading,
             when: |drawn| drawn.is_of_points(),
             label: Label::Unusual(Place::What, "lit by {}"),

@@ -59,7 +59,7 @@ impl Settings {
         value_name: "PRIMITIVE",
         help: "What points become",
         title: "Primitive",
-        hint: "What points become",
+        hint: "Render mode of the points",
         section: Section::Own,
         label: Label::Always(Place::What, "{}"),
         also: &[

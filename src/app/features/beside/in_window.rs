@@ -182,7 +182,7 @@ impl State {
             let place = failure.index() + 1;
             let (count, name) = (sequence.len(), &beside.name);
             self.notices
-                .error(format!("Frame {place} of {count} of B ({name}) is left out. {failure}"));
+                .error(format!("Frame {place} of {count} of B ({name}) is skipped. {failure}"));
         }
         for warning in change.new_warnings {
             self.notices.warn(format!("B: {warning}"));

@@ -31,8 +31,7 @@ impl State {
         self.panels.set(PanelId::CAMERA_PATH, true);
         let frame = self.frame_for_path();
         if let Err(reason) = self.features.path.set_keyframe(self.camera, frame) {
-            self.notices
-                .error(format!("There is no keyframe of this view: {reason}"));
+            self.notices.error(format!("No keyframe can be set here: {reason}"));
         }
     }
 
@@ -80,7 +79,7 @@ impl State {
         if !self.features.path.play(self.camera, self.shared.now, resumes) {
             return self
                 .notices
-                .warn("The camera path has no keyframes yet: K sets one of what is shown");
+                .warn("The camera path has no keyframes yet: press K to set one");
         }
         if resumes {
             self.play_with(Player::toggle);
@@ -224,7 +223,7 @@ const COMMANDS: &[Row] = &[
     .on_if(|state| state.panels.has(PanelId::CAMERA_PATH)),
     Row::new(
         Command::ADD_KEYFRAME,
-        "Add a keyframe of what is shown",
+        "Add a keyframe of the current view",
         State::add_keyframe,
     )
     .also(&["record view", "bookmark view", "save viewpoint"])
@@ -258,7 +257,7 @@ const COMMANDS: &[Row] = &[
 fn needs_path(state: &State) -> Result<(), &'static str> {
     match state.features.path.draft.path() {
         Some(_) => Ok(()),
-        None => Err("The camera path has no keyframes yet: K sets one of what is shown"),
+        None => Err("The camera path has no keyframes yet: press K to set one"),
     }
 }
 

@@ -91,7 +91,7 @@ impl State {
             (ExportSubject::Picture, _) => to_file("png"),
             (_, VideoFormat::PngFiles) => {
                 let take = |state: &mut Self, place: PathBuf| state.features.export.take_place(true, &place);
-                Dialog::folder("Folder of the pictures", take).named(name)
+                Dialog::folder("Folder of the images", take).named(name)
             }
             (_, VideoFormat::Gif) => to_file("gif"),
             (_, VideoFormat::Webp) => to_file("webp"),
@@ -110,7 +110,7 @@ impl State {
             let name = job.output.display();
             return self
                 .notices
-                .error(format!("{name} is a file of what is open: choose another name"));
+                .error(format!("{name} is a file of the open sequence: choose another name"));
         }
         let name = job.output.file_name().unwrap_or_default();
         let name = format!("Exporting {}", name.to_string_lossy());
@@ -197,7 +197,7 @@ impl State {
                 let place = exported.output.display();
                 self.notices.info(match exported.pictures {
                     1 => format!("Exported {place}"),
-                    count => format!("Exported {count} pictures: {place}"),
+                    count => format!("Exported {count} images: {place}"),
                 });
                 for failure in exported.failed.into_iter().take(3) {
                     self.notices.warn(failure);

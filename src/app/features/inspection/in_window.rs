@@ -36,7 +36,7 @@ const COMMANDS: &[Row] = &[
         "attributes",
         "select point",
     ])
-    .hint("A click on a point shows all that its file says of it")
+    .hint("A click on a point shows all of its attributes")
     .keys(group::POINTS, "I", &[Chord::plain(Key::I)])
     .in_menu(Menu::Tools)
     .on_if(|state| state.features.inspection.tool == Tool::Point),

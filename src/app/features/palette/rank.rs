@@ -5,7 +5,7 @@
 //! description than in a title. A word that no entry has lowers the rank of all and excludes none; what is below
 //! [`MIN_SCORE`], or far below the best entry, is not listed.
 
-use super::words::{Word, likeness, words_of};
+use super::words::{Word, is_mistyped, likeness, words_of};
 
 /// An entry with a lower score is unrelated to the query.
 const MIN_SCORE: f32 = 0.4;
@@ -154,10 +154,9 @@ fn phrase_likeness(query: &[Word], phrase: &[Word]) -> Vec<f32> {
         })
         .collect();
     for (place, pair) in query.windows(2).enumerate() {
-        if phrase.iter().any(|word| is_joined(pair, word)) {
-            words[place] = words[place].max(0.95);
-            words[place + 1] = words[place + 1].max(0.95);
-        }
+        let joined = phrase.iter().map(|word| pair_likeness(pair, word)).fold(0.0, f32::max);
+        words[place] = words[place].max(joined);
+        words[place + 1] = words[place + 1].max(joined);
     }
     words
 }
@@ -168,9 +167,21 @@ fn exact_likeness(query: &[Word], phrase: &[Word]) -> Vec<f32> {
     query.iter().map(|word| f32::from(is_in(word))).collect()
 }
 
-fn is_joined(pair: &[Word], word: &Word) -> bool {
-    let [first, second] = pair else { return false };
-    word.text.strip_prefix(first.text.as_str()) == Some(second.text.as_str())
+/// Likeness of two words of a query to one word.
+fn pair_likeness(pair: &[Word], word: &Word) -> f32 {
+    let [first, second] = pair else { return 0.0 };
+    let length = first.text.len() + second.text.len();
+    if word.text.len().abs_diff(length) > 1 {
+        return 0.0;
+    }
+    let joined = format!("{}{}", first.text, second.text);
+    if joined == word.text {
+        0.95
+    } else if is_mistyped(&joined, &word.text) {
+        0.5
+    } else {
+        0.0
+    }
 }
 
 fn joined_likeness(word: &Word, pair: &[Word]) -> f32 {
@@ -186,7 +197,7 @@ fn joined_likeness(word: &Word, pair: &[Word]) -> f32 {
 fn uncovered(query: &[Word], phrase: &[Word]) -> usize {
     let is_covered = |other: &&Word| {
         let single = query.iter().any(|word| likeness(word, other) > 0.0);
-        let joined = |pair: &[Word]| is_joined(pair, other);
+        let joined = |pair: &[Word]| pair_likeness(pair, other) > 0.0;
         single || query.windows(2).any(joined)
     };
     let of_pairs = phrase.windows(2);

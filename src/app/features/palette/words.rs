@@ -45,7 +45,7 @@ const ENDINGS: &[&str] = &[
 pub(super) fn words_of(text: &str) -> Vec<Word> {
     let is_apart = |letter: char| !(letter.is_alphanumeric() || "./%°×".contains(letter));
     let parts = text.split(is_apart);
-    let parts = parts.map(|part| part.trim_matches(['.', '/']).to_lowercase());
+    let parts = parts.map(|part| part.trim_matches('/').trim_end_matches('.').to_lowercase());
     let mut words = Vec::new();
     for part in parts.filter(|part| !part.is_empty()) {
         match number_of(&part) {
@@ -64,9 +64,7 @@ impl Word {
     fn new(text: &str) -> Self {
         let mut text = text.to_owned();
         for (american, british) in SPELLINGS {
-            if !text.contains(british) {
-                text = text.replace(american, british);
-            }
+            text = text.replace(american, british);
         }
         let weight = if FILLERS.contains(&text.as_str()) {
             FILLER_WEIGHT
@@ -140,14 +138,15 @@ pub(super) fn likeness(word: &Word, other: &Word) -> f32 {
     } else if length >= MIN_MISTYPED && is_mistyped(typed, other_text) {
         0.5
     } else if is_abbreviated(typed, other_text) {
-        0.45
+        // Three of four letters are any short word: they need other words.
+        if other_length < MIN_MISTYPED { 0.38 } else { 0.45 }
     } else {
         0.0
     }
 }
 
 /// Whether one letter is wrong, missing or too much, or two are exchanged. The first letter is right.
-fn is_mistyped(typed: &str, other: &str) -> bool {
+pub(super) fn is_mistyped(typed: &str, other: &str) -> bool {
     let (typed, other): (Vec<char>, Vec<char>) = (typed.chars().collect(), other.chars().collect());
     if typed.first() != other.first() || typed.len().abs_diff(other.len()) > 1 {
         return false;
