@@ -25,6 +25,9 @@ pub(in crate::app) enum Act<S> {
     Take(&'static str, fn(&mut S, &str) -> Result<(), String>),
 }
 
+/// Values that the palette offers, for a query with this number.
+pub(in crate::app) type Offers<S> = fn(&S, Option<f64>) -> Vec<Offer>;
+
 /// A row of the table of commands of a window with the state `S`.
 #[derive(Debug)]
 pub struct CommandRow<S: 'static> {
@@ -46,7 +49,7 @@ pub struct CommandRow<S: 'static> {
     pub(in crate::app) is_on: Option<fn(&S) -> bool>,
     pub(in crate::app) applies: fn(&S) -> Result<(), &'static str>,
     /// The values that the palette offers, for a query with this number.
-    pub(in crate::app) offers: Option<fn(&S, Option<f64>) -> Vec<Offer>>,
+    pub(in crate::app) offers: Option<Offers<S>>,
     pub(in crate::app) act: Act<S>,
 }
 
@@ -102,7 +105,7 @@ impl<S: 'static> CommandRow<S> {
     }
 
     /// The same with values that the palette offers.
-    pub(in crate::app) const fn offers(mut self, offers: fn(&S, Option<f64>) -> Vec<Offer>) -> Self {
+    pub(in crate::app) const fn offers(mut self, offers: Offers<S>) -> Self {
         self.offers = Some(offers);
         self
     }

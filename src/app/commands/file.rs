@@ -92,6 +92,8 @@ pub(super) const ROWS: &[Row] = &[
     })
     .what("Save image (screenshot)")
     .also(&[
+        "picture",
+        "take picture",
         "image",
         "snapshot",
         "photo",

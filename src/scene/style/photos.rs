@@ -68,7 +68,13 @@ group! {
             when: |drawn| drawn.has_photographs(),
             label: Label::Unusual(Place::What, "{} photographs"),
             full_name: "Image colours",
-            also: &["view-dependent texturing", "projective texturing", "texture", "image-based rendering", "photographs"],
+            also: &[
+                "view-dependent texturing",
+                "projective texturing",
+                "texture",
+                "image-based rendering",
+                "photos",
+            ],
             values: Values::Words(PhotoMode::WORDS),
         }
         /// How many photographs are blended at a place.
@@ -179,7 +185,7 @@ group! {
             section: Section::Photographs,
             when: |drawn| drawn.draws_photographs(),
             full_name: "Exposure compensation",
-            also: &["gains", "white balance", "exposure"],
+            also: &["white balance", "exposure"],
             values: Values::Words(PhotoGains::WORDS),
         }
     }

@@ -91,7 +91,7 @@ fn subject(ui: &mut Ui, export: &mut Export, of: &Exportable) {
         "Content of the image or the video, rendered as on screen",
         &mut subject,
         &[
-            ("Picture", ExportSubject::Picture, "The current view, in any size"),
+            ("Image", ExportSubject::Picture, "The current view, in any size"),
             (
                 "Turntable",
                 ExportSubject::Turntable,
@@ -140,7 +140,7 @@ fn size(ui: &mut Ui, export: &mut Export, of: &Exportable) {
 fn turntable(ui: &mut Ui, export: &mut Export) {
     row(
         ui,
-        "Pictures",
+        "Images",
         "Number of images of all revolutions; the last one leads to the first",
         DragValue::new(&mut export.pictures).range(2..=100_000),
     );

@@ -6,7 +6,8 @@ use egui::{Align2, Button, Key, Modifiers, Response, ScrollArea, TextEdit, Ui, W
 /// Size of the window, points.
 const SIZE: [f32; 2] = [460.0, 320.0];
 
-/// A field and what it finds, while the palette is open. Enter runs, arrows choose, Esc closes. Returns the chosen entry.
+/// A field and what it finds, while the palette is open. Enter runs, arrows choose, Esc closes. Returns the chosen
+/// entry.
 pub(in crate::app) fn palette_ui(
     ui: &Ui,
     open: &mut Option<Search>,
@@ -40,7 +41,10 @@ pub(in crate::app) fn palette_ui(
             if field.changed() {
                 search.chosen = 0;
             }
-            field.on_hover_text("Words of a command, a setting or its value, and numbers: frame 12, point size 4. Enter runs, arrows choose, Esc closes");
+            field.on_hover_text(
+                "Words of a command, a setting or its value, and numbers: frame 12, point size 4. Enter runs, arrows \
+                 choose, Esc closes",
+            );
             let found = find(&search.query, all, recent);
             let last = found.len().saturating_sub(1);
             let place = (search.chosen + usize::from(down)).saturating_sub(usize::from(up));

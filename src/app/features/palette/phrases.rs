@@ -173,7 +173,6 @@ fn phrases_of_people_find_what_they_ask_for() {
     for (name, phrases) in [("people", PHRASES), ("other programs", OF_OTHER_PROGRAMS)] {
         let failures = failures(&state, phrases);
         let right = phrases.len() - failures.len();
-        println!("{name}: {right} of {}\n{}", phrases.len(), failures.join("\n"));
         assert!(
             10 * right >= 9 * phrases.len(),
             "{name}: {right} of {}: {failures:#?}",

@@ -37,9 +37,7 @@ const SPELLINGS: &[(&str, &str)] = &[
 ];
 
 /// Endings that words of the same stem differ in.
-const ENDINGS: &[&str] = &[
-    "ations", "ation", "ions", "ings", "ing", "ion", "ies", "ed", "es", "e", "s", "y",
-];
+const ENDINGS: &[&str] = &["ions", "ings", "ing", "ion", "ies", "ed", "es", "e", "s", "y"];
 
 /// The words of a text.
 pub(super) fn words_of(text: &str) -> Vec<Word> {

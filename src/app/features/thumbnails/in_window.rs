@@ -15,7 +15,7 @@ const COMMANDS: &[Row] = &[
         state.features.thumbnails.is_on ^= true;
     })
     .what("Thumbnails: show or hide over the timeline")
-    .also(&["preview images", "film strip"])
+    .also(&["preview images", "filmstrip"])
     .on_if(|state| state.features.thumbnails.is_on),
     Row::new(Command::REDO_THUMBNAILS, "Regenerate thumbnails", |state| {
         state.features.thumbnails.redo();
@@ -56,7 +56,7 @@ impl Feature<State> for FeatureOf<Thumbnails> {
                 title: "Thumbnails",
                 text: "Thumbnails: settings…",
                 hint: "Small images of the frames over the timeline",
-                also: &["preview images", "film strip"],
+                also: &["preview images", "filmstrip"],
             }],
             show: thumbnails,
         }];
