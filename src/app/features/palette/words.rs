@@ -204,7 +204,7 @@ mod tests {
         for (typed, other) in [
             ("screen", "screenshot"),
             ("turntabel", "turntable"),
-            ("orthografic", "orthographc"),
+            ("orthograpic", "orthographic"),
             ("frm", "frame"),
             ("bckgrnd", "background"),
             ("measurement", "measure"),
