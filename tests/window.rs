@@ -291,7 +291,7 @@ fn a_machine_without_vulkan_has_a_window() {
         assert_eq!(code, Some(0), "{painter} {renderer}: {said}");
         assert!(has_a_cloud(picture.unwrap().as_raw()), "{painter} {renderer}");
         // Who wants a GPU is told that there is none.
-        assert_eq!(said.contains("The processor draws now"), renderer == "gpu", "{said}");
+        assert_eq!(said.contains("The CPU draws now"), renderer == "gpu", "{said}");
     }
     let (code, said, _) = run("gpu", "auto");
     assert_eq!(code, Some(1), "{said}");
@@ -446,7 +446,7 @@ fn a_lost_device_is_opened_again() {
         assert!(output.status.success(), "{renderer}: {said}");
         assert!(said.contains("device was lost"), "{renderer}: {said}");
         // Who drew with the graphics card goes on with the processor, and is told.
-        let falls_back = said.contains("The processor draws now");
+        let falls_back = said.contains("The CPU draws now");
         assert_eq!(falls_back, renderer == "gpu", "{renderer}: {said}");
         let picture = image::open(file).unwrap().to_rgba8();
         assert!(has_a_cloud(picture.as_raw()), "{renderer}");

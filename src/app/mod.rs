@@ -16,6 +16,7 @@
 //! untouched window has none of these: it draws nothing, traverses nothing, uploads nothing. [`Counters`] prove it.
 
 mod appearance;
+mod color_sources;
 mod command;
 mod commands;
 mod drawing;

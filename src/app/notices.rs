@@ -193,10 +193,10 @@ mod tests {
         let mut notices = Notices::default();
         notices.error("Frame 1 of 1 is left out. /a/f_0.ply is empty");
         notices.error("Frame 11 of 12 is left out. /a/f_10.ply is empty");
-        notices.dismiss_begun("Frame 1 of ", " is left out.");
+        notices.dismiss_begun("Frame 1 of ", " is skipped.");
         assert_eq!(notices.list().len(), 1);
         assert!(notices.list()[0].text.starts_with("Frame 11"), "{:?}", notices.list());
-        notices.dismiss_begun("Frame 11 of ", " is left out.");
+        notices.dismiss_begun("Frame 11 of ", " is skipped.");
         assert!(notices.list().is_empty());
     }
 

@@ -11,6 +11,8 @@ pub(in crate::app) struct PanelRow<S> {
     pub(in crate::app) id: Option<PanelId>,
     /// Its item of the menu View; `None` of one that is opened from elsewhere.
     pub(in crate::app) menu: Option<&'static str>,
+    /// Words of people and of other programs that find it in the palette.
+    pub(in crate::app) also: &'static [&'static str],
     pub(in crate::app) place: Dock<S>,
     /// Shows it. A window is asked in each pass, and knows whether it is open.
     pub(in crate::app) show: fn(&mut Ui, &mut S),
@@ -41,9 +43,16 @@ impl<S> PanelRow<S> {
         Self {
             id: Some(id),
             menu: Some(menu),
+            also: &[],
             place: Dock::Window,
             show,
         }
+    }
+
+    /// The same with words of people and of other programs.
+    pub(in crate::app) const fn also(mut self, also: &'static [&'static str]) -> Self {
+        self.also = also;
+        self
     }
 
     /// A window that is opened from elsewhere than the menu View.
@@ -51,6 +60,7 @@ impl<S> PanelRow<S> {
         Self {
             id: Some(id),
             menu: None,
+            also: &[],
             place: Dock::Window,
             show,
         }
@@ -61,6 +71,7 @@ impl<S> PanelRow<S> {
         Self {
             id: None,
             menu: None,
+            also: &[],
             place: Dock::Window,
             show,
         }

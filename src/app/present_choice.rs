@@ -7,8 +7,8 @@ choices! {
     #[derive(Default)]
     PresentChoice, "way to present" {
         #[default]
-        Auto = "auto", "Automatic", "The GPU if there is a real one, else the processor";
+        Auto = "auto", "Automatic", "The GPU if there is a hardware one, else the CPU";
         Gpu = "gpu", "GPU", "The adapter of the graphics library, be it a software one";
-        Cpu = "cpu", "CPU", "The processor, without any driver: only what has changed is painted";
+        Cpu = "cpu", "CPU", "The CPU, without any driver: only changed parts are painted";
     }
 }

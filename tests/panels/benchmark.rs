@@ -314,7 +314,7 @@ fn a_slider_leads_from_fast_to_exact() {
     let points: Vec<LabPoint> = points().iter().map(|point| (**point).clone()).collect();
     harness.state_mut().features.quality.known = Quality::of(&points);
     harness.run();
-    assert!(harness.query_by_label("Drawn in a way of your own").is_some());
+    assert!(harness.query_by_label("Custom settings").is_some());
     // The slider's arrow keys, as a person without a mouse has them.
     let slider = harness.get_by_role_and_label(egui::accesskit::Role::Slider, "Fast to exact");
     slider.focus();

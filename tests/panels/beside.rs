@@ -299,7 +299,7 @@ fn a_broken_frame_of_b_is_told_and_named() {
     go_to(&mut harness, 1);
     assert!(harness.query_by_label("B  right: frame 2 cannot be shown").is_some());
     let text = &harness.state().notices.list()[0].text;
-    assert!(text.starts_with("Frame 2 of 24 of B (right) is left out."), "{text}");
+    assert!(text.starts_with("Frame 2 of 24 of B (right) is skipped."), "{text}");
     go_to(&mut harness, 2);
     assert!(harness.query_by_label("B  right_02.ply").is_some());
 }

@@ -21,12 +21,12 @@ fn the_palette_finds_chooses_and_runs() {
     press(&mut harness, Modifiers::NONE, Key::ArrowDown);
     press(&mut harness, Modifiers::NONE, Key::ArrowUp);
     press(&mut harness, Modifiers::NONE, Key::Enter);
-    assert!(harness.state().features.palette.is_none());
+    assert!(harness.state().features.palette.search.is_none());
     assert_eq!(frame(&harness), 1, "Next frame is the first that is found");
 
     press(&mut harness, Modifiers::COMMAND, Key::P);
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert!(harness.state().features.palette.is_none());
+    assert!(harness.state().features.palette.search.is_none());
     assert_eq!(frame(&harness), 1);
 }
 

@@ -102,8 +102,8 @@ fn edges_of_the_box_are_dragged_in_the_picture() {
     choose(&mut harness, "Clipping", "To a box");
     tap(&mut harness, "This frame");
     let camera = harness.state().camera;
-    pull(&mut harness, "X to in the picture", DVec3::new(0.2, 0.0, 0.0));
-    pull(&mut harness, "Y from in the picture", DVec3::new(-0.15, -0.1, 0.0));
+    pull(&mut harness, "X to in the view", DVec3::new(0.2, 0.0, 0.0));
+    pull(&mut harness, "Y from in the view", DVec3::new(-0.15, -0.1, 0.0));
     let ClipShape::Box { min, max } = harness.state().style.clip.unwrap().shape else {
         panic!("it is a box");
     };
@@ -111,7 +111,7 @@ fn edges_of_the_box_are_dragged_in_the_picture() {
     assert!((min - DVec3::new(-0.5, -0.1, -0.5)).length() < 0.01, "{min}");
     assert_eq!(harness.state().camera, camera, "the picture was not dragged");
     // One edge does not go beyond the other.
-    pull(&mut harness, "X to in the picture", DVec3::new(-0.9, 0.2, 0.0));
+    pull(&mut harness, "X to in the view", DVec3::new(-0.9, 0.2, 0.0));
     let ClipShape::Box { min, max } = harness.state().style.clip.unwrap().shape else {
         panic!("it is a box");
     };
@@ -121,7 +121,7 @@ fn edges_of_the_box_are_dragged_in_the_picture() {
     harness.run();
     harness.get_by_role_and_label(Role::CheckBox, "Outline").click();
     harness.run();
-    assert!(harness.query_by_label("X to in the picture").is_none());
+    assert!(harness.query_by_label("X to in the view").is_none());
 }
 
 #[test]
@@ -129,7 +129,7 @@ fn a_plane_is_dragged_along_its_normal() {
     let mut harness = window();
     choose(&mut harness, "Clipping", "At a plane");
     choose(&mut harness, "Keep", "\u{2212}X side");
-    pull(&mut harness, "Plane in the picture", DVec3::new(0.3, 0.0, 0.0));
+    pull(&mut harness, "Plane in the view", DVec3::new(0.3, 0.0, 0.0));
     let clip = harness.state().style.clip.unwrap();
     assert!(clip.keeps_outside);
     let ClipShape::Plane { normal, offset } = clip.shape else {

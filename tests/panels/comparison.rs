@@ -89,7 +89,7 @@ fn pictures_that_rest_are_compared() {
     harness.run();
     harness.state_mut().next_packet();
     harness.state_mut().next_other_packet();
-    assert!(harness.query_by_label("Compared when the pictures rest").is_some());
+    assert!(harness.query_by_label("Compared when the view is still").is_some());
     let at = |millis| Duration::from_millis(millis);
     harness.state_mut().update(at(100));
     assert_eq!(harness.state_mut().take_requests(), []);
@@ -116,7 +116,7 @@ fn pictures_that_rest_are_compared() {
     harness.state_mut().style.surfels.splat_scale = 2.0;
     assert!(harness.state_mut().next_packet().is_some());
     harness.run();
-    assert!(harness.query_by_label("Compared when the pictures rest").is_some());
+    assert!(harness.query_by_label("Compared when the view is still").is_some());
 }
 
 #[test]

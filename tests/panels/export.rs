@@ -76,8 +76,8 @@ fn a_turntable_becomes_a_gif_while_the_window_lives() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = exporting(folder.path());
     choose(&mut harness, "What", "Turntable");
-    set(&mut harness, "Pictures", 6.0);
-    assert!(harness.query_by_label("6 pictures of 48 × 32, 0.2 s").is_some());
+    set(&mut harness, "Images", 6.0);
+    assert!(harness.query_by_label("6 images of 48 × 32, 0.2 s").is_some());
     click(&mut harness, "Export");
     assert!(!harness.state().panels.has(PanelId::EXPORT));
     // It draws what was chosen when it began.
@@ -140,7 +140,7 @@ fn the_camera_path_is_offered_once_it_has_keyframes() {
         harness.state_mut().camera.orbit(30.0, 0.0);
     }
     harness.run();
-    let text = "61 pictures of 48 × 32, 2.0 s";
+    let text = "61 images of 48 × 32, 2.0 s";
     assert!(harness.query_by_label(text).is_some());
     assert!(is_offered(&harness, Role::Button, "Export"));
 }
@@ -164,7 +164,7 @@ fn what_a_format_has_not_is_not_offered() {
     assert!(!is_offered(&harness, Role::Button, "Export"));
     choose(&mut harness, "Size", "1280 × 720");
     assert_eq!(harness.state().export_size_px(), [1280, 720]);
-    choose(&mut harness, "What", "Picture");
+    choose(&mut harness, "What", "Image");
     set(&mut harness, "Height", 1e9);
     assert_eq!(harness.state().export_size_px(), [1280, 65_536]);
     harness.state_mut().features.export.name = Some("a/b".to_owned());
@@ -225,7 +225,7 @@ fn a_cancelled_export_leaves_nothing() {
     harness.state_mut().update(Duration::from_secs(1));
     harness.run();
     assert!(
-        harness.query_by_label("pictures 3 of 24, …").is_some(),
+        harness.query_by_label("image 3 of 24, …").is_some(),
         "nothing was seen done before: the pace is not known"
     );
     assert!(!harness.state_mut().may_close(), "closing would lose the export");

@@ -80,7 +80,7 @@ fn a_broken_frame_is_marked_told_once_and_played_over() {
     assert_eq!(notices.len(), 1);
     assert_eq!((notices[0].severity, notices[0].count), (Severity::Error, 1));
     assert!(
-        notices[0].text.starts_with("Frame 6 of 24 is left out. "),
+        notices[0].text.starts_with("Frame 6 of 24 is skipped. "),
         "{}",
         notices[0].text
     );

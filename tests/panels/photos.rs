@@ -147,7 +147,7 @@ fn points_are_points_until_photographs_are_on_a_surface() {
             // Whoever has chosen disks has them once their radii are known.
             assert!(drawn == Primitive::Point || chosen == Primitive::Surfel, "{drawn}");
         }
-        assert!(harness.query_by_label_contains("Finding the surface").is_none());
+        assert!(harness.query_by_label_contains("Reconstructing the surface").is_none());
     }
 }
 
@@ -160,7 +160,7 @@ fn photographs_are_put_on_points_left_out_and_stood_at() {
     until_drawn(&mut harness, 2);
     harness.state_mut().panels.set(PanelId::new("photographs"), true);
     harness.run();
-    assert!(harness.query_by_label("2 photographs").is_some());
+    assert!(harness.query_by_label("2 images").is_some());
     let used = harness.get_by_role_and_label(Role::CheckBox, "Use right.png");
     used.click();
     harness.run();
@@ -177,14 +177,14 @@ fn photographs_are_put_on_points_left_out_and_stood_at() {
     let moved = second.eye_in_world() - first.eye_in_world();
     assert!((moved.length() - 0.5).abs() < 1e-9, "{moved}");
     harness
-        .get_by_role_and_label(Role::CheckBox, "Cameras in the picture")
+        .get_by_role_and_label(Role::CheckBox, "Show camera frusta")
         .click();
     harness.run();
     // From behind both of them, without the list over the picture.
     harness.state_mut().panels.set(PanelId::new("photographs"), false);
     harness.state_mut().camera.zoom(2.0);
     harness.run();
-    click(&mut harness, "Stand at left.png");
+    click(&mut harness, "View from left.png");
     assert!((harness.state().camera.eye_in_world() - first.eye_in_world()).length() < 1e-9);
     harness.state_mut().style.photos.mode = PhotoMode::Colored;
     assert_eq!(drawn(&mut harness), 0);

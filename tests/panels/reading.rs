@@ -140,7 +140,7 @@ fn a_later_frame_that_is_given_up_is_left_out() {
     click(&mut harness, "Cancel");
     until(&mut harness, |state| !state.notices.list().is_empty());
     let text = &harness.state().notices.list()[0].text;
-    assert!(text.starts_with("Frame 2 of 11 is left out."), "{text}");
+    assert!(text.starts_with("Frame 2 of 11 is skipped."), "{text}");
     assert!(text.contains("cancelled: open it again"), "{text}");
     harness.state_mut().step_frames(1);
     until(&mut harness, |state| shown(state) == Some(2));

@@ -195,7 +195,7 @@ fn frames_become_files_of_a_folder() {
     assert!(harness.query_by_label("Colour error").is_none(), "files keep all");
     wait_for_estimate(&mut harness, 4);
     assert!(
-        harness.query_by_label_contains("could not be judged").is_some(),
+        harness.query_by_label_contains("could not be evaluated").is_some(),
         "frame 2 is broken"
     );
     let (estimate, _) = harness.state().features.save.estimates.estimate().unwrap();
@@ -285,7 +285,7 @@ fn what_cannot_be_saved_says_why() {
     assert!(!state.shared.works.has(WorkKind::Save));
 
     let mut harness = saving_of(sequence(&[]), &folder.path().join("missing"));
-    assert!(harness.query_by_label_contains("There is no folder").is_some());
+    assert!(harness.query_by_label_contains("does not exist").is_some());
     assert!(!save_button_is_offered(&harness, "Save"));
     harness.state_mut().start_save();
     assert_eq!(harness.state().notices.list()[0].severity, Severity::Error);

@@ -114,7 +114,7 @@ fn every_setting_can_be_changed_and_reset() {
     assert_eq!(harness.state().style.surfels.splat_scale, 2.5);
     choose(&mut harness, "Back faces", "Drawn");
     assert_eq!(harness.state().style.surfels.back_faces, BackFaces::Drawn);
-    choose(&mut harness, "Eye-dome light", "On");
+    choose(&mut harness, "Eye-dome lighting", "On");
     assert_eq!(harness.state().style.light.eye_dome, EyeDome::On);
     slide(&mut harness, "Strength", 1.5);
     assert_eq!(harness.state().style.light.eye_dome_strength, 1.5);
@@ -141,7 +141,7 @@ fn every_setting_can_be_changed_and_reset() {
     slide(&mut harness, "Leaf level", 9.0);
     assert_eq!(harness.state().style.levels.stop, StopCriterion::Depth(9));
     choose(&mut harness, "Divide", "By points");
-    slide(&mut harness, "Points a leaf", 16.0);
+    slide(&mut harness, "Points per leaf", 16.0);
     assert_eq!(harness.state().style.levels.stop, StopCriterion::PointsPerOctant(16));
     choose(&mut harness, "Divide", "By spacing");
     assert_eq!(harness.state().style.levels.stop, StopCriterion::Spacing);

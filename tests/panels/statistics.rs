@@ -69,7 +69,7 @@ fn parts_of_a_redraw_are_no_more_than_the_whole_and_unknown_times_are_not_shown(
     press(&mut harness, Modifiers::NONE, Key::F3);
     assert!(has_row(&harness, "CPU", "3.03 ms") && has_row(&harness, "  panels", "2.03 ms"));
     // A picture that took longer than the redraw was of an earlier one: it is no part of this one.
-    assert!(harness.query_by_label("Time of the last picture").is_some());
+    assert!(harness.query_by_label("Time of the last render").is_some());
     assert!(has_row(&harness, "Drawing", "8.67 ms"));
     assert!(harness.query_by_label("  encoding").is_none());
     assert!(has_row(&harness, "Drawn", "8,334") && has_row(&harness, "In tiles", "30,208"));

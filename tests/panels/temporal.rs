@@ -114,9 +114,9 @@ fn ghosts_are_a_share_of_the_poses_around() {
     let mut harness = window();
     check(&mut harness, "Onion skin");
     for (label, value) in [
-        ("Poses before", 3.0),
-        ("Poses after", 1.0),
-        ("Pose step", 2.0),
+        ("Frames before", 3.0),
+        ("Frames after", 1.0),
+        ("Frame step", 2.0),
         ("Ghost strength", 1.0),
     ] {
         slide(&mut harness, label, value);

@@ -3,9 +3,11 @@
 
 mod keys;
 mod kinds;
+mod offer;
 mod row;
 
 pub use keys::{Chord, GESTURES, Keys};
 pub use kinds::Command;
+pub(super) use offer::{Offer, OfferNumber};
 pub(super) use row::Act;
 pub use row::{CommandRow, Menu};

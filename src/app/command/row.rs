@@ -2,6 +2,7 @@
 
 use super::keys::{Chord, Keys};
 use super::kinds::Command;
+use super::offer::Offer;
 use std::borrow::Cow;
 
 /// A menu that lists commands by itself.
@@ -24,6 +25,9 @@ pub(in crate::app) enum Act<S> {
     Take(&'static str, fn(&mut S, &str) -> Result<(), String>),
 }
 
+/// Values that the palette offers, for a query with this number.
+pub(in crate::app) type Offers<S> = fn(&S, Option<f64>) -> Vec<Offer>;
+
 /// A row of the table of commands of a window with the state `S`.
 #[derive(Debug)]
 pub struct CommandRow<S: 'static> {
@@ -44,6 +48,8 @@ pub struct CommandRow<S: 'static> {
     pub(in crate::app) title_now: Option<fn(&S) -> Cow<'static, str>>,
     pub(in crate::app) is_on: Option<fn(&S) -> bool>,
     pub(in crate::app) applies: fn(&S) -> Result<(), &'static str>,
+    /// The values that the palette offers, for a query with this number.
+    pub(in crate::app) offers: Option<Offers<S>>,
     pub(in crate::app) act: Act<S>,
 }
 
@@ -75,6 +81,7 @@ impl<S: 'static> CommandRow<S> {
             title_now: None,
             is_on: None,
             applies: |_| Ok(()),
+            offers: None,
             act,
         }
     }
@@ -94,6 +101,12 @@ impl<S: 'static> CommandRow<S> {
     /// The same with words of other programs.
     pub(in crate::app) const fn also(mut self, synonyms: &'static [&'static str]) -> Self {
         self.synonyms = synonyms;
+        self
+    }
+
+    /// The same with values that the palette offers.
+    pub(in crate::app) const fn offers(mut self, offers: Offers<S>) -> Self {
+        self.offers = Some(offers);
         self
     }
 

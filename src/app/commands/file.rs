@@ -15,8 +15,8 @@ pub(super) const ROWS: &[Row] = &[
     Row::new(Command::OPEN_FILES, "Open files…", |state| {
         state.ask(of_point_clouds(Dialog::files("Open point clouds", State::open_paths)));
     })
-    .what("Open files")
-    .also(&["load", "import"])
+    .what("Open files…")
+    .also(&["load", "import", "add data", "browse"])
     .keys(group::FILE, "Ctrl+O", &[Chord::ctrl(Key::O)]),
     Row::new(Command::OPEN_FOLDER, "Open folder…", |state| {
         state.ask(Dialog::folder(
@@ -26,50 +26,59 @@ pub(super) const ROWS: &[Row] = &[
             },
         ));
     })
-    .what("Open a folder")
-    .also(&["load", "import"]),
+    .what("Open a folder…")
+    .also(&["load", "import", "directory", "image sequence", "dataset"]),
     Row::new(Command::OPEN_DEMO, "Demo", |state| {
         state.open(Arc::new(Sequence::demo()));
     })
-    .what("Open the demo"),
+    .what("Open the demo")
+    .also(&["sample data", "example"]),
     Row::new(Command::EXAMPLE_LIDAR, "LiDAR survey", |state| {
         state.open_example(Example::Lidar);
     })
-    .what("Open an example: LiDAR survey"),
+    .what("Open an example: LiDAR survey")
+    .also(&["sample data"]),
     Row::new(Command::EXAMPLE_DEPTH, "Depth image", |state| {
         state.open_example(Example::Depth);
     })
-    .what("Open an example: depth image"),
+    .what("Open an example: depth image")
+    .also(&["sample data", "rgbd"]),
     Row::new(Command::EXAMPLE_MODEL, "Animated model", |state| {
         state.open_example(Example::Model);
     })
-    .what("Open an example: animated model"),
+    .what("Open an example: animated model")
+    .also(&["sample data", "mesh"]),
     Row::new(Command::SAVE_PRESET, "Save settings…", |state| {
         state.kept.preset_name = Some(String::new());
     })
-    .what("Save settings as a preset")
-    .hint("Keeps the present settings under a name"),
+    .what("Save settings as a preset…")
+    .also(&["store look", "new preset"])
+    .hint("Saves the current settings under a name"),
     Row::new(Command::CLOSE_SEQUENCE, "Close", |state| {
         state.end_comparison(Side::A);
         state.close_sequence();
     })
     .what("Close the sequence")
+    .also(&["unload", "close file", "close all"])
     .applies(needs_sequence),
     Row::new(Command::SAVE_SESSION, "Save session…", |state| {
         state.save_session(false);
     })
-    .what("Save the session: files, view, settings, labels")
+    .what("Save the session…")
+    .also(&["save project", "save workspace", "save state"])
     .hint("Files, view, settings, clip, measurements, labels, markers and camera path, as a text file")
     .keys(group::FILE, "Ctrl+S", &[Chord::ctrl(Key::S)])
     .applies(needs_sequence),
     Row::new(Command::SAVE_SESSION_AS, "Save session as…", |state| {
         state.save_session(true);
     })
-    .what("Save the session as a file of a name")
+    .what("Save the session as…")
+    .also(&["save project", "save workspace"])
     .applies(needs_sequence),
     Row::new(Command::TOGGLE_RECORDING, "Record…", State::toggle_recording)
-        .what("Record the live stream, or end that")
-        .hint("Writes what arrives of a live stream to a file, as it comes; the file opens as any other")
+        .what("Record the live stream…")
+        .also(&["capture"])
+        .hint("Records the live stream to a file that opens like any other")
         .titled(|state| match state.is_recording() {
             Some(true) => "Stop recording".into(),
             _ => "Record…".into(),
@@ -78,19 +87,29 @@ pub(super) const ROWS: &[Row] = &[
             Some(_) => Ok(()),
             None => Err("Only live streams (tcp://…) are recorded, and none is open"),
         }),
-    Row::new(Command::SCREENSHOT, "Save picture", |state| {
+    Row::new(Command::SCREENSHOT, "Save image", |state| {
         state.request(WindowRequest::Screenshot(None));
     })
-    .what("Save a picture")
-    .also(&["screenshot", "image", "snapshot"])
+    .what("Save image (screenshot)")
+    .also(&[
+        "picture",
+        "take picture",
+        "image",
+        "snapshot",
+        "photo",
+        "screen capture",
+        "png",
+        "render to file",
+        "grab",
+    ])
     .keys(group::FILE, "P", &[Chord::plain(Key::P)])
     .applies(needs_sequence),
-    Row::new(Command::SAVE_SCREENSHOT_AS, "Save picture as…", |state| {
+    Row::new(Command::SAVE_SCREENSHOT_AS, "Save image as…", |state| {
         let name = format!("{}.png", state.picture_stem());
         state.ask(picture_dialog(name));
     })
-    .what("Save a picture as a file of a name")
-    .also(&["screenshot", "image", "snapshot"])
+    .what("Save image as…")
+    .also(&["screenshot", "image", "snapshot", "png"])
     .applies(needs_sequence),
 ];
 
@@ -99,8 +118,8 @@ fn picture_dialog(name: String) -> Dialog<State> {
     let save = |state: &mut State, file| {
         state.request(WindowRequest::Screenshot(Some(with_extension(file, "png"))));
     };
-    let dialog = Dialog::new_file("Save the picture", name, save)
-        .without("Save picture (P) asks for no name, and Export… has a field for it");
+    let dialog = Dialog::new_file("Save the image", name, save)
+        .without("Save image (P) needs no name, and Export… has a field for it");
     PictureFormat::filters().fold(dialog, |dialog, (name, extensions)| {
         dialog.filter(format!("{name} image"), extensions.iter().copied())
     })

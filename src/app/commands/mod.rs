@@ -4,6 +4,7 @@
 //! Those of a feature are in its folder; those of no feature are here. A panel that a menu opens is a command without a
 //! row. [`State::run`] does what a command says; what does not apply says so itself, or does nothing.
 
+mod colors;
 pub(super) mod common;
 mod dispatch;
 mod file;
@@ -23,7 +24,14 @@ use super::state::State;
 
 /// All commands but the panels of menus.
 pub fn commands() -> impl Iterator<Item = &'static CommandRow<State>> {
-    let own = [playing::ROWS, view::ROWS, file::ROWS, window::ROWS, values::ROWS];
+    let own = [
+        playing::ROWS,
+        view::ROWS,
+        file::ROWS,
+        window::ROWS,
+        values::ROWS,
+        colors::ROWS,
+    ];
     let of_features = Features::rows::<State>().into_iter();
     let of_features = of_features.map(Feature::commands);
     own.into_iter().chain(of_features).flatten()

@@ -11,6 +11,7 @@ use std::time::Duration;
 pub(super) const ROWS: &[Row] = &[
     Row::new(Command::TOGGLE_PLAY, "Play", |state| state.play_with(Player::toggle))
         .what("Play or pause")
+        .also(&["start", "stop", "resume", "playback"])
         .keys(group::PLAYING, "Space", &[Chord::plain(Key::Space)])
         .titled(|state| match &state.player {
             Some(player) if player.is_playing() => "Pause".into(),
@@ -18,33 +19,39 @@ pub(super) const ROWS: &[Row] = &[
         })
         .applies(needs_sequence),
     Row::new(Command::NEXT_FRAME, "Next frame", |state| state.step_frames(1))
+        .also(&["step forward", "advance"])
         .keys(group::PLAYING, "Right", &[Chord::plain(Key::ArrowRight)])
         .repeating()
         .applies(needs_sequence),
     Row::new(Command::PREVIOUS_FRAME, "Previous frame", |state| state.step_frames(-1))
+        .also(&["step backward", "step back"])
         .keys(group::PLAYING, "Left", &[Chord::plain(Key::ArrowLeft)])
         .repeating()
         .applies(needs_sequence),
     Row::new(Command::new("ten frames on"), "Ten frames on", |state| {
         state.step_frames(10);
     })
+    .also(&["skip forward", "jump forward"])
     .keys(group::PLAYING, "Shift+Right", &[Chord::shift(Key::ArrowRight)])
     .repeating()
     .applies(needs_sequence),
     Row::new(Command::new("ten frames back"), "Ten frames back", |state| {
         state.step_frames(-10);
     })
+    .also(&["skip back", "jump back"])
     .keys(group::PLAYING, "Shift+Left", &[Chord::shift(Key::ArrowLeft)])
     .repeating()
     .applies(needs_sequence),
     Row::new(Command::FIRST, "First frame", |state| {
         state.play_with(|player, now| player.seek(0, now));
     })
+    .also(&["start", "beginning", "go to start", "rewind"])
     .keys(group::PLAYING, "Home", &[Chord::plain(Key::Home)])
     .applies(needs_sequence),
     Row::new(Command::LAST, "Last frame", |state| {
         state.play_with(|player, now| player.seek(usize::MAX, now));
     })
+    .also(&["end", "go to end"])
     .keys(group::PLAYING, "End", &[Chord::plain(Key::End)])
     .applies(needs_sequence),
     Row::new(
@@ -54,6 +61,7 @@ pub(super) const ROWS: &[Row] = &[
             state.play_with(|player, now| player.follow_newest(!player.follows_newest(), now));
         },
     )
+    .also(&["live", "watch", "tail", "latest"])
     .keys(group::PLAYING, "Shift+End", &[Chord::shift(Key::End)])
     .applies(needs_sequence),
     Row::new(Command::NEXT_LOOP_MODE, "Once, loop or ping-pong", |state| {
@@ -62,8 +70,8 @@ pub(super) const ROWS: &[Row] = &[
             player.set_loop_mode(next, now);
         });
     })
-    .what("Loop mode: off, loop, ping-pong")
-    .also(&["repeat"])
+    .what("Loop mode: once, loop, ping-pong")
+    .also(&["repeat", "cycle", "bounce"])
     .keys(group::PLAYING, "L", &[Chord::plain(Key::L)])
     .applies(needs_sequence),
     Row::new(Command::SLOWER, "Slower", |state| {
@@ -72,7 +80,8 @@ pub(super) const ROWS: &[Row] = &[
             change_speed(player, now, next);
         });
     })
-    .also(&["speed"])
+    .what("Slower: lower speed")
+    .also(&["slow motion", "slow down", "playback speed"])
     .keys(group::PLAYING, "[", &[Chord::any_shift(Key::OpenBracket)])
     .repeating()
     .applies(needs_sequence),
@@ -82,15 +91,16 @@ pub(super) const ROWS: &[Row] = &[
             change_speed(player, now, next);
         });
     })
-    .also(&["speed"])
+    .what("Faster: higher speed")
+    .also(&["fast forward", "speed up", "playback speed"])
     .keys(group::PLAYING, "]", &[Chord::any_shift(Key::CloseBracket)])
     .repeating()
     .applies(needs_sequence),
     Row::new(Command::REVERSE, "Reverse", |state| {
         state.play_with(|player, now| player.set_speed(-player.clock().speed(), now));
     })
-    .what("Play the other way")
-    .also(&["rewind"])
+    .what("Reverse: play backward")
+    .also(&["rewind", "backwards"])
     .keys(group::PLAYING, "Backspace", &[Chord::plain(Key::Backspace)])
     .applies(needs_sequence),
 ];
@@ -103,7 +113,7 @@ impl State {
 }
 
 /// The speeds that the keys step through.
-const SPEEDS: [f64; 9] = [0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 4.0, 10.0];
+pub(super) const SPEEDS: [f64; 9] = [0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 4.0, 10.0];
 
 fn change_speed(player: &mut Player, now: Duration, next: impl Fn(f64) -> Option<f64>) {
     let speed = player.clock().speed();

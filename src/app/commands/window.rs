@@ -11,11 +11,13 @@ pub(super) const ROWS: &[Row] = &[
     Row::new(Command::UNDO, "Undo", State::undo)
         .titled(|state| titled("Undo", state.history.undo_name()))
         .what("Undo the last change of settings, path or labels")
+        .also(&["revert"])
         .keys(group::FILE, "Ctrl+Z", &[Chord::ctrl(Key::Z)])
         .applies(|state| state.history.undo_name().map(|_| ()).ok_or("Nothing was changed")),
     Row::new(Command::REDO, "Redo", State::redo)
         .titled(|state| titled("Redo", state.history.redo_name()))
-        .what("Redo it")
+        .what("Redo the change that was undone")
+        .also(&["repeat"])
         .keys(
             group::FILE,
             "Ctrl+Y, Ctrl+Shift+Z",
@@ -27,7 +29,7 @@ pub(super) const ROWS: &[Row] = &[
         "Revert to saved session",
         State::revert_session,
     )
-    .what("Revert the open session to what was saved")
+    .what("Revert the session to its saved state")
     .also(&["discard changes", "undo all"])
     .applies(|state| match state.session_file() {
         Some(_) if state.is_unsaved() => Ok(()),
@@ -36,52 +38,67 @@ pub(super) const ROWS: &[Row] = &[
     }),
     Row::new(Command::BEGIN_AGAIN, "Begin again from defaults", State::begin_again)
         .what("Begin the open document again from defaults")
+        .also(&["reset settings", "reset all", "factory settings", "restore defaults"])
         .applies(needs_sequence),
     Row::new(
         Command::USE_AS_DEFAULTS,
         "Use this look for new files",
         State::use_as_defaults,
     )
-    .what("Begin new documents with the look of the open one")
+    .what("Use this look for new files")
+    .also(&["default settings", "save as default"])
     .applies(needs_sequence),
     Row::new(Command::FULL_SCREEN, "Full screen", |state| {
         state.request(WindowRequest::FullScreen);
     })
+    .also(&["maximize", "kiosk", "presentation mode"])
     .keys(group::VIEW, "F11", &[Chord::plain(Key::F11)])
     .on_if(|state| state.appearance.full_screen),
     Row::new(Command::THEME_OF_SYSTEM, "System", |state| {
         state.appearance.theme = ThemePreference::System;
     })
-    .what("Theme of the system")
-    .hint("Light or dark as the system is; dark where it does not say")
+    .what("Theme: as the system")
+    .also(&["dark mode", "appearance"])
+    .hint("Follows the system; dark if unknown")
     .on_if(|state| state.appearance.theme == ThemePreference::System),
     Row::new(Command::LIGHT_THEME, "Light", |state| {
         state.appearance.theme = ThemePreference::Light;
     })
-    .what("Light theme")
-    .hint("Light, whatever the system is")
+    .what("Theme: light")
+    .also(&["light mode", "bright mode", "appearance"])
+    .hint("Light, regardless of the system")
     .on_if(|state| state.appearance.theme == ThemePreference::Light),
     Row::new(Command::DARK_THEME, "Dark", |state| {
         state.appearance.theme = ThemePreference::Dark;
     })
-    .what("Dark theme")
-    .hint("Dark, whatever the system is")
+    .what("Theme: dark")
+    .also(&["dark mode", "night mode", "appearance"])
+    .hint("Dark, regardless of the system")
     .on_if(|state| state.appearance.theme == ThemePreference::Dark),
     Row::new(Command::panel(PanelId::HELP), "Keys and mouse", |state| {
         state.panels.toggle(PanelId::HELP);
     })
-    .what("This list of keys")
-    .also(&["shortcuts", "hotkeys", "help"])
+    .what("Keys and mouse")
+    .also(&[
+        "keyboard shortcuts",
+        "hotkeys",
+        "help",
+        "controls",
+        "keybindings",
+        "manual",
+        "navigation",
+    ])
     .keys(group::FILE, "F1", &[Chord::plain(Key::F1)]),
     Row::new(Command::panel(PanelId::ABOUT), "About pointreel", |state| {
         state.panels.toggle(PanelId::ABOUT);
     })
-    .what("About pointreel: version, adapter, folders"),
-    Row::new(Command::ESCAPE, "Close what is open", State::escape)
+    .what("About pointreel: version, GPU, folders")
+    .also(&["license", "system information", "adapter", "log"]),
+    Row::new(Command::ESCAPE, "Close panel or tool", State::escape)
         .what("Stop, close this list, clear points, leave full screen")
         .keys(group::FILE, "Esc", &[Chord::plain(Key::Escape)]),
     Row::new(Command::QUIT, "Quit", State::quit)
-        .also(&["exit"])
+        .also(&["exit", "close window", "end"])
         .keys(group::FILE, "Ctrl+Q", &[Chord::ctrl(Key::Q)]),
 ];
 

@@ -43,8 +43,8 @@ macro_rules! features {
 }
 
 features! {
-    /// Commands by their names, while they are looked for.
-    palette: Option<Palette>,
+    /// Commands by their names.
+    palette: Palette,
     /// Markers and curve of the open sequence.
     timeline: Timeline,
     /// Another way to draw beside the one of the settings.

@@ -59,14 +59,14 @@ fn lines(rows: &[(&'static str, String)]) -> String {
 fn rows(state: &State) -> Vec<(&'static str, String)> {
     let graphics = &state.graphics;
     let adapter = match (graphics.adapter.as_str(), graphics.is_software) {
-        ("", _) => "none: the processor draws".to_owned(),
-        (name, true) => format!("{name}, a program that draws on the processor"),
+        ("", _) => "none: the CPU draws".to_owned(),
+        (name, true) => format!("{name}, software rendering on the CPU"),
         (name, false) => name.to_owned(),
     };
     let painter = if graphics.paints_on_processor {
-        "the processor"
+        "the CPU"
     } else {
-        "the graphics card"
+        "the GPU"
     };
     let processors = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let settings = kept::place_of("settings.json").map_or_else(

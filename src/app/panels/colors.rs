@@ -3,19 +3,45 @@
 use super::settings::{choice, choice_among, heading, note_below, row, rows};
 use super::style::word;
 use crate::analysis::{ColorMap, ColorScale};
+use crate::app::color_sources::{fields, lack_of, sources};
+use crate::app::settings_row::NamedRow;
 use crate::app::widgets::ramp::{handles_ui, ramp_ui};
 use crate::cloud::Frame;
-use crate::scene::describe::{Described, Word};
+use crate::scene::describe::Described;
 use crate::scene::{Legend, coloring, field_title};
-use crate::sequence::{
-    ColorRange, ColorSource, Coloring, FieldName, HeightAxis, Paint, PaintValues, PreparedFrame, plain_field_name,
-    value_kind,
-};
+use crate::sequence::{ColorRange, ColorSource, Coloring, HeightAxis, Paint, PaintValues, PreparedFrame, value_kind};
 use egui::{Checkbox, DragValue, Ui};
 use std::sync::Arc;
 
-/// Fields that the list has room for.
-const MAX_FIELDS: usize = 64;
+/// Rows that the palette brings into view.
+pub(super) const NAMED: &[NamedRow] = &[
+    NamedRow {
+        title: coloring::COLORS.title,
+        text: "Colours…",
+        hint: coloring::COLORS.hint,
+        also: &["colour by", "colour source", "scalar field", "histogram"],
+    },
+    NamedRow {
+        title: coloring::RANGE.title,
+        text: "Colour range and histogram…",
+        hint: coloring::RANGE.hint,
+        also: &[
+            "percentiles",
+            "min max",
+            "clamp",
+            "scale limits",
+            "saturation",
+            "colour limits",
+            "distribution",
+        ],
+    },
+    NamedRow {
+        title: coloring::LOGARITHM.title,
+        text: "Colour logarithm…",
+        hint: coloring::LOGARITHM.hint,
+        also: &["log scale", "logarithmic scale"],
+    },
+];
 
 /// The section of the settings: colours of the `shown` frame, and whether their legend is open.
 pub(super) fn colors_ui(
@@ -50,7 +76,7 @@ pub(super) fn colors_ui(
             row(
                 ui,
                 "Legend",
-                "What the colours mean, over the picture at the right",
+                "The colour legend, at the right of the view",
                 Checkbox::new(has_legend, "Shown"),
             );
         });
@@ -73,72 +99,6 @@ fn source(ui: &mut Ui, coloring: &mut Coloring, shown: Option<&Arc<PreparedFrame
     }
 }
 
-/// Why a frame cannot be coloured so, if it cannot.
-fn lack_of(source: ColorSource, frame: &Frame) -> Option<&'static str> {
-    let has_field = |name: FieldName| {
-        frame
-            .scalar_fields()
-            .iter()
-            .any(|field| FieldName::new(&field.name) == name)
-    };
-    match source {
-        ColorSource::File if frame.colors().is_none() => Some("The file has no colours"),
-        ColorSource::Scalar(None) if frame.scalar_fields().is_empty() => Some("The file has no scalar"),
-        ColorSource::Scalar(Some(name)) if !has_field(name) => Some("The file has no scalar of this name"),
-        ColorSource::Time if !source.is_of(frame) => Some("The file does not say when points were measured"),
-        ColorSource::Class if !source.is_of(frame) => Some("The file has no classes"),
-        _ => None,
-    }
-}
-
-/// All that a frame can be coloured by. Axis and place of the chosen source stay as they are.
-fn sources(chosen: ColorSource, named: &[(String, FieldName)]) -> Vec<(&str, ColorSource, &str)> {
-    let tooltip = "A scalar field of the file through a colour map";
-    let fields = named
-        .iter()
-        .map(|(title, name)| (title.as_str(), ColorSource::Scalar(Some(*name)), tooltip));
-    let mut listed = Vec::new();
-    for (source, word) in ColorSource::ALL.into_iter().zip(coloring::SOURCES.list) {
-        // A frame has its fields by their names.
-        let is_named = matches!(source, ColorSource::Scalar(_)) && !named.is_empty();
-        let is_detailed = matches!(source, ColorSource::Height(_) | ColorSource::Distance(_));
-        let source = if is_detailed && source.name() == chosen.name() {
-            chosen
-        } else {
-            source
-        };
-        if !is_named || source == chosen {
-            listed.push((word.title, source, word.hint));
-        }
-        if matches!(source, ColorSource::Scalar(_)) {
-            listed.extend(fields.clone());
-        }
-    }
-    listed
-}
-
-/// The fields of a frame with their titles.
-fn fields(frame: Option<&Frame>) -> Vec<(String, FieldName)> {
-    let fields = frame.map_or(&[][..], Frame::scalar_fields);
-    let fields = fields.iter().take(MAX_FIELDS);
-    let mut named: Vec<(String, FieldName)> = fields
-        .map(|field| (field_title(&field.name), FieldName::new(&field.name)))
-        .collect();
-    // Titles are told apart by what they were made from.
-    let is_twice = |title: &str, all: &[(String, FieldName)]| {
-        let is_taken = |word: &Word| word.title == title && word.word != "scalar";
-        let of_sources = coloring::SOURCES.list.iter().any(is_taken);
-        of_sources || all.iter().filter(|(other, _)| other == title).count() > 1
-    };
-    let all = named.clone();
-    for (title, name) in &mut named {
-        if is_twice(title, &all) {
-            *title = format!("Field {}", plain_field_name(name.as_str()));
-        }
-    }
-    named
-}
-
 /// What the automatic choice found.
 fn found(paint: &Paint) -> String {
     match paint {
@@ -157,7 +117,7 @@ fn found(paint: &Paint) -> String {
 
 fn height_axis(ui: &mut Ui, coloring: &mut Coloring) {
     let mut axes = vec![(
-        "As the picture",
+        "As the view",
         ColorSource::Height(HeightAxis::Auto),
         "The axis of the file that points up",
     )];

@@ -1,8 +1,27 @@
 //! Filters of depth images, in the order in which they are applied.
 
 use super::settings::{note_below, row, rows};
+use crate::app::settings_row::NamedRow;
 use crate::rgbd::{FilterParameter, Filters};
 use egui::{Checkbox, DragValue, Id, Ui};
+
+/// Rows that the palette brings into view, while depth images are open.
+pub(super) const NAMED: &[NamedRow] = &[NamedRow {
+    title: "Depth images",
+    text: "Depth images: filters…",
+    hint: "Range, median, bilateral and temporal filters of depth images, before they become points",
+    also: &[
+        "noise",
+        "denoise",
+        "smooth",
+        "depth filter",
+        "median filter",
+        "bilateral filter",
+        "temporal filter",
+        "flying pixels",
+        "depth range",
+    ],
+}];
 
 /// Whole numbers are dragged on by one in so many points of the screen.
 const POINTS_PER_ONE: f64 = 20.0;

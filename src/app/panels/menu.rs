@@ -166,7 +166,7 @@ fn recent_menu(ui: &mut Ui, state: &mut State) {
     }
     let chosen = recent_items(ui, state);
     ui.separator();
-    if ui.button("Clear the list").clicked() {
+    if ui.button("Clear list").clicked() {
         if let Err(problem) = state.kept.recent.clear() {
             state.notices.warn(problem);
         }

@@ -25,8 +25,8 @@ use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::widgets::tool_window::{note_room, room, tool_window};
 use egui::{CentralPanel, Context, Frame, Margin, Panel, ScrollArea, ThemePreference, Ui};
 use menu::menu_ui;
-pub(in crate::app) use table::menu_panels;
-use table::panels;
+pub(in crate::app) use settings::own_rows;
+pub(in crate::app) use table::{menu_panels, panels};
 use viewport::viewport_ui;
 
 /// The picture is never narrower because of a panel beside it, points.

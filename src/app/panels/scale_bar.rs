@@ -50,8 +50,8 @@ pub(super) fn scale_bar_ui(ui: &mut Ui, rect: Rect, state: &State) {
     let response = ui.interact(area, ui.scope_id().with("scale bar"), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("Scale bar: {text}")));
     response.on_hover_text(
-        "How long this is at the distance of the middle of the orbit. In perspective, what is nearer looks longer, and \
-         what is farther away shorter",
+        "Length at the distance of the orbit's centre. In perspective, nearer things look longer and farther \
+            things shorter",
     );
 }
 

@@ -1,11 +1,11 @@
 //! Every choice about the picture, with its term and unit in a tooltip. Only what the chosen primitive uses is listed.
 
-use super::colors::colors_ui;
-use super::depth_filters::depth_filters_ui;
+use super::colors::{self, colors_ui};
+use super::depth_filters::{self, depth_filters_ui};
 use super::style::{section_rows, section_ui, word};
 use crate::app::features::Features;
 use crate::app::features::feature::Feature;
-use crate::app::settings_row::SettingsPart;
+use crate::app::settings_row::{NamedRow, SettingsPart};
 pub(super) use crate::app::widgets::rows::{choice, choice_among, heading, note_below, row, rows};
 use crate::app::widgets::sought;
 use crate::app::{PanelId, PresentChoice, State, Turntable};
@@ -23,6 +23,45 @@ const PART_SIZE: f32 = 16.5;
 
 /// A narrower slider cannot be dragged well, points.
 const LEAST_SLIDER_WIDTH: f32 = 60.0;
+
+/// Rows of no feature that the palette brings into view; see [`own_rows`].
+const NAMED: [NamedRow; 5] = [
+    NamedRow {
+        title: "Up axis",
+        text: "Up axis…",
+        hint: "The axis of the file that points up on screen",
+        also: &["axes", "orientation", "upside down", "vertical axis", "rotate model"],
+    },
+    NamedRow {
+        title: "Projection",
+        text: "Projection…",
+        hint: "Perspective or orthographic projection",
+        also: &["perspective", "orthographic", "isometric"],
+    },
+    NamedRow {
+        title: "Field of view",
+        text: "Field of view…",
+        hint: "Vertical opening angle of the camera, degrees",
+        also: &["fov", "focal length", "lens"],
+    },
+    NamedRow {
+        title: "Speed",
+        text: "Turntable speed…",
+        hint: "Speed of the turntable, degrees per second; negative in the other direction",
+        also: &["rotation speed", "orbit speed", "spin"],
+    },
+    NamedRow {
+        title: "Painted by",
+        text: "Painted by…",
+        hint: "The GPU or the CPU paints the window",
+        also: &["window backend", "present", "software rendering"],
+    },
+];
+
+/// Rows of the panel of no feature that the palette brings into view.
+pub(in crate::app) fn own_rows() -> impl Iterator<Item = &'static NamedRow> {
+    NAMED.iter().chain(colors::NAMED).chain(depth_filters::NAMED)
+}
 
 /// What settings ask of the window, once they are shown.
 enum SettingsRequest {
@@ -75,7 +114,7 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
         ui.add_space(12.0);
         if ui
             .button("Reset to defaults")
-            .on_hover_text("Every setting of the picture as it is at first; the camera stays")
+            .on_hover_text("Resets all render settings; the camera stays")
             .clicked()
         {
             request = Some(SettingsRequest::Reset);
@@ -124,7 +163,7 @@ fn look(ui: &mut Ui, state: &mut State, drawn: &Style) -> Option<SettingsRequest
     colors_ui(ui, &mut style.colors, shown, &mut has_legend);
     state.panels.set(PanelId::LEGEND, has_legend);
     if drawn.of_sequence.has_photographs {
-        section_ui(ui, style, drawn, "Photographs", Section::Photographs);
+        section_ui(ui, style, drawn, "Images", Section::Photographs);
     }
     for (title, section) in [("Light", Section::Shading), ("Background", Section::Background)] {
         section_ui(ui, style, drawn, title, section);
@@ -150,7 +189,7 @@ fn advanced_ui(ui: &mut Ui, state: &mut State, drawn: &Style) {
     }
     heading(ui, "Window");
     rows(ui, "window", |ui| {
-        let hint = "Who paints the panels and brings the window onto the screen";
+        let hint = "Whether the GPU or the CPU paints the panels and presents the window";
         let (all, words) = (PresentChoice::ALL, PresentChoice::WORDS);
         word(ui, "Painted by", hint, &mut state.appearance.present, all, words);
     });
@@ -205,13 +244,13 @@ fn primitive(ui: &mut Ui, style: &mut Settings, guessed: Option<(Primitive, &str
 fn up_axis(ui: &mut Ui, before: UpAxis, why: Option<&'static str>) -> Option<UpAxis> {
     let axes = UpAxis::ALL
         .iter()
-        .map(|&(_, axis)| (axis.label(), axis, "The axis of the file that points up in the picture"));
+        .map(|&(_, axis)| (axis.label(), axis, "The axis of the file that points up on screen"));
     let axes: Vec<_> = axes.collect();
     let mut up = before;
     choice(
         ui,
         "Up axis",
-        "The axis of the file that points up in the picture, kept for this sequence",
+        "The axis of the file that points up on screen; saved with this sequence",
         &mut up,
         &axes,
     );
@@ -223,7 +262,7 @@ fn up_axis(ui: &mut Ui, before: UpAxis, why: Option<&'static str>) -> Option<UpA
 
 /// The rows of the camera.
 fn camera(ui: &mut Ui, camera: &mut Camera, turntable: &mut Turntable) {
-    let hint = "Whether what is farther away is smaller (O)";
+    let hint = "Perspective or orthographic projection (O)";
     let (all, words) = (Projection::ALL, Projection::WORDS);
     word(ui, "Projection", hint, &mut camera.projection, all, words);
     if camera.projection == Projection::Perspective {
@@ -244,7 +283,7 @@ fn camera(ui: &mut Ui, camera: &mut Camera, turntable: &mut Turntable) {
     row(
         ui,
         "Turntable",
-        "The camera turns about the up axis until the picture is dragged (T)",
+        "Orbits about the up axis until the view is dragged (T)",
         Checkbox::new(&mut turntable.is_on, "Turning"),
     );
     let pace = Slider::new(&mut turntable.deg_per_sec, Turntable::PACES)
@@ -252,8 +291,8 @@ fn camera(ui: &mut Ui, camera: &mut Camera, turntable: &mut Turntable) {
         .suffix(" °/s");
     row(
         ui,
-        "Pace",
-        "How fast the turntable turns, degrees a second; negative the other way",
+        "Speed",
+        "Speed of the turntable, degrees per second; negative in the other direction",
         pace,
     );
 }

@@ -56,8 +56,8 @@ fn live_stream(ui: &mut Ui, live: &dyn Live, shown: Option<usize>) {
             || "not yet".to_owned(),
             |(delay_s, wrong_s)| format!("{:.1} ± {:.1} ms", 1e3 * delay_s, 1e3 * wrong_s),
         );
-        let tooltip = "How long after it was served the newest frame had come. The clocks of two machines differ: what \
-            pings tell of that is uncertain by half of the time that they take";
+        let tooltip = "Latency of the newest frame, from sending to arrival. Clocks of two machines differ: the \
+            offset estimated by pings is uncertain by half of their round trip";
         row(ui, "Delay", delay, tooltip);
         let rate = format!("{:.1} MB/s, {:.1} fps", status.bytes_per_s * 1e-6, status.frames_per_s);
         row(ui, "Arriving", rate, "In the last two seconds");
@@ -73,12 +73,7 @@ fn live_stream(ui: &mut Ui, live: &dyn Live, shown: Option<usize>) {
             "Frames that the server dropped for newer ones, or did not make in time",
         );
         let kept = format!("{:.1} s, {}", status.kept_s, bytes(status.kept_bytes as u64));
-        row(
-            ui,
-            "Kept",
-            kept,
-            "What can be gone back to; --live-seconds says how much",
-        );
+        row(ui, "Kept", kept, "Length of the rewind buffer; set by --live-seconds");
         if let Some(recording) = &status.recording {
             let recorded = format!("{} frames, {}", grouped(recording.frames), bytes(recording.bytes));
             row(ui, "Recording", recorded, &recording.path.display().to_string());
@@ -112,8 +107,8 @@ fn milliseconds(value: f64) -> String {
 fn parts(redraw: &Redraw) -> [(&'static str, Duration, &'static str); 5] {
     [
         ("  panels", redraw.panels, "Moving on, and running the panels"),
-        ("  picture", redraw.drawing, "Drawing the 3-D picture"),
-        ("  painting", redraw.painting, "Painting what has changed"),
+        ("  picture", redraw.drawing, "Rendering the 3D view"),
+        ("  painting", redraw.painting, "Painting the changed parts"),
         (
             "  presenting",
             redraw.presenting,
@@ -135,15 +130,15 @@ fn redraw(ui: &mut Ui, state: &State) {
             ui,
             "CPU",
             milliseconds(graphics.frame_ms),
-            "The last redraw on the processor, of which the parts are below. A redraw that nothing of the picture has \
-             changed for draws none",
+            "CPU time of the last redraw, with its parts below. A redraw without changes of the view renders \
+                nothing",
         );
         for (name, part, tooltip) in parts(&graphics.redraw) {
             row(ui, name, milliseconds(part.as_secs_f64() * 1e3), tooltip);
         }
         let held = state.player.as_ref().and_then(Player::fps_held);
         let held = held.map_or_else(|| "paused".to_owned(), |fps| format!("{fps:.1} fps"));
-        row(ui, "Rate held", held, "Frames a second shown in the last second");
+        row(ui, "Rate held", held, "Frames per second shown in the last second");
         let skipped = state.player.as_ref().map_or(0, |player| player.clock().skipped());
         row(
             ui,
@@ -161,24 +156,24 @@ fn picture_times(ui: &mut Ui, state: &State) {
         return;
     }
     let draws_on_gpu = !state.draws_on_processor();
-    section(ui, "Time of the last picture", |ui| {
+    section(ui, "Time of the last render", |ui| {
         row(
             ui,
             "Preparing",
             milliseconds(render.prepare_ms),
-            "Bringing what the picture needed to where it is drawn",
+            "Uploading data for the render",
         );
         let (name, tooltip) = if draws_on_gpu {
-            ("Encoding", "Writing and submitting the commands of the picture")
+            ("Encoding", "Recording and submitting GPU commands")
         } else {
-            ("Drawing", "Drawing it on all cores of the processor")
+            ("Drawing", "Rendering on all CPU cores")
         };
         row(ui, name, milliseconds(render.encode_ms), tooltip);
         if !draws_on_gpu {
             return;
         }
         if let Some(gpu_ms) = render.gpu_ms {
-            let tooltip = "The last measured picture on the graphics card, by timestamp queries";
+            let tooltip = "GPU time of the last measured render, by timestamp queries";
             row(ui, "GPU", milliseconds(gpu_ms), tooltip);
         }
         for time in render.gpu_passes.iter() {
@@ -188,7 +183,7 @@ fn picture_times(ui: &mut Ui, state: &State) {
         }
         for time in render.image_passes.iter() {
             if let Some(gpu_ms) = time.gpu_ms {
-                let tooltip = "This pass over the images of a depth camera, once a frame";
+                let tooltip = "This pass over the images of a depth camera, once per frame";
                 row(ui, &format!("  {}", time.pass), milliseconds(gpu_ms), tooltip);
             }
         }
@@ -204,16 +199,16 @@ fn picture(ui: &mut Ui, state: &mut State) {
             ui,
             "Size",
             format!("{width} × {height} px"),
-            "Physical pixels of the 3-D picture",
+            "Physical pixels of the 3D view",
         );
         row(
             ui,
             "Drawn",
             grouped(render.records),
-            "Points, surfels, voxels or triangles of the last picture, each counted once",
+            "Points, surfels, voxels or triangles of the last render, each counted once",
         );
         if draws_on_processor {
-            let tooltip = "The same, counted in each tile of the picture that is looked through for them";
+            let tooltip = "The same, counted in each tile that they overlap";
             row(ui, "In tiles", grouped(render.drawn_instances), tooltip);
         } else {
             let tooltip = "The same, counted in each pass that draws them";
@@ -222,14 +217,14 @@ fn picture(ui: &mut Ui, state: &mut State) {
                 ui,
                 "Draw calls",
                 grouped(u64::from(render.draw_calls)),
-                "Draw calls of the last picture",
+                "Draw calls of the last render",
             );
         }
         row(
             ui,
             "Pictures",
             grouped(render.frames),
-            "Pictures drawn so far; none while nothing changes",
+            "Renders so far; none while nothing changes",
         );
         if !draws_on_processor {
             row(ui, "Passes", grouped(render.passes), "Render and compute passes so far");
@@ -247,8 +242,7 @@ fn picture(ui: &mut Ui, state: &mut State) {
                 "Points and voxels in GPU memory now",
             );
             let mut budget_mib = state.graphics.budget_bytes as f64 / f64::from(1 << 20);
-            let tooltip = "Most memory of the graphics card for points and voxels, MiB. What was not drawn for longest \
-                makes room";
+            let tooltip = "GPU memory limit for points and voxels, MiB. The least recently drawn data is evicted";
             if budget_row(ui, "GPU budget", &mut budget_mib, tooltip) {
                 state.graphics.budget_bytes = (budget_mib * f64::from(1 << 20)) as u64;
             }
@@ -269,13 +263,13 @@ fn shown_frame(ui: &mut Ui, state: &State, frame: &PreparedFrame) {
             ui,
             "Points",
             grouped(frame.points.len() as u64),
-            "Points of the frame in the picture",
+            "Points of the current frame",
         );
         let dropped = frame.frame.dropped_points() as u64;
         if dropped > 0 {
             row(
                 ui,
-                "Left out",
+                "Skipped",
                 grouped(dropped),
                 "Points of the file without finite coordinates",
             );
@@ -326,7 +320,7 @@ fn screen_rows(ui: &mut Ui, screen: &ScreenStats) {
         ui,
         "Visible points",
         grouped(screen.visible as u64),
-        "Points that no other one hides in the picture",
+        "Visible points: not hidden by others",
     );
     if let Some(cull_ms) = screen.cull_ms {
         row(
@@ -371,7 +365,7 @@ fn octree_ui(ui: &mut Ui, octree: &Octree, build_ms: f32, scene: &SceneStats) {
             ui,
             "Loss",
             format!("{:.2} %", octree.loss() * 100.0),
-            "Share of points that share a leaf with another",
+            "Percentage of points that share a leaf with another one",
         );
         traversal_rows(ui, build_ms, scene);
     });
@@ -379,14 +373,19 @@ fn octree_ui(ui: &mut Ui, octree: &Octree, build_ms: f32, scene: &SceneStats) {
 
 /// A structure without an octree.
 fn levels_rows(ui: &mut Ui, structure: LevelStructure, size: LevelsSize) {
-    row(ui, "Structure", structure.name(), "What surfels are taken from");
+    row(ui, "Structure", structure.name(), "Source of the surfels");
     row(
         ui,
         "Nodes",
         grouped(size.nodes as u64),
-        "Points, and nodes that stand for them",
+        "Points, and nodes that represent them",
     );
-    row(ui, "Memory", bytes(size.bytes as u64), "Beside the points themselves");
+    row(
+        ui,
+        "Memory",
+        bytes(size.bytes as u64),
+        "In addition to the points themselves",
+    );
 }
 
 /// What was last drawn of levels of detail.
@@ -396,7 +395,7 @@ fn traversal_rows(ui: &mut Ui, build_ms: f32, scene: &SceneStats) {
         ui,
         "Traverse",
         milliseconds(scene.traverse_time.as_secs_f64() * 1e3),
-        "Finding the cells to be drawn, and writing what stands for them",
+        "Selecting the cells to draw, and writing their representatives",
     );
     row(
         ui,

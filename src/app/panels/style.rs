@@ -125,10 +125,7 @@ fn environment_row(ui: &mut Ui, described: &Described, environment: &mut Environ
     };
     let built_in = Environment::BUILT_IN.iter();
     let mut choices: Vec<_> = built_in.map(|word| (word.title, word.environment, word.hint)).collect();
-    choices.extend(
-        name.as_deref()
-            .map(|name| (name, *environment, "A picture of your own")),
-    );
+    choices.extend(name.as_deref().map(|name| (name, *environment, "Custom image")));
     choice(ui, described.title, described.hint, environment, &choices);
 }
 
@@ -141,12 +138,12 @@ fn background_rows(ui: &mut Ui, described: &Described, background: &mut Backgrou
     for (name, tooltip, color) in [
         (
             "Top colour",
-            "Colour at the upper edge of the picture",
+            "Colour at the upper edge of the view",
             &mut background.top,
         ),
         (
             "Bottom colour",
-            "Colour at the lower edge of the picture",
+            "Colour at the lower edge of the view",
             &mut background.bottom,
         ),
     ] {

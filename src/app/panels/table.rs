@@ -18,12 +18,14 @@ const BESIDE: &[PanelRow<State>] = &[
     PanelRow {
         id: Some(PanelId::SETTINGS),
         menu: Some("Settings"),
+        also: &[],
         place: Dock::Right(312.0, 280.0..=460.0),
         show: settings_ui,
     },
     PanelRow {
         id: Some(PanelId::STATISTICS),
         menu: Some("Statistics"),
+        also: &[],
         place: Dock::Left(272.0, 240.0..=420.0),
         show: statistics_ui,
     },
@@ -39,7 +41,7 @@ const WINDOWS: &[PanelRow<State>] = &[
 ];
 
 /// All but menu and picture, in the order in which they are laid out.
-pub(super) fn panels() -> impl Iterator<Item = &'static PanelRow<State>> {
+pub(in crate::app) fn panels() -> impl Iterator<Item = &'static PanelRow<State>> {
     let of_features = Features::rows::<State>().into_iter();
     let of_features = of_features.flat_map(Feature::panels);
     BESIDE.iter().chain(of_features).chain(WINDOWS)

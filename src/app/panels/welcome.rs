@@ -26,8 +26,8 @@ const PICTURE: [f32; 2] = [140.0, 105.0];
 /// What to know of keys and mouse before the list of all.
 const KEYS: [(&str, &str); 5] = [
     ("Space", "play or pause"),
-    ("Left drag", "turn; with Shift move, the wheel zooms"),
-    ("F", "focus on what the pointer is over"),
+    ("Left drag", "orbit; with Shift pan, scroll to zoom"),
+    ("F", "focus on the point under the pointer"),
     ("Ctrl+P", "find anything by its name"),
     ("F1", "all keys"),
 ];
@@ -121,12 +121,12 @@ fn recent_ui(ui: &mut Ui, state: &mut State) {
         return;
     }
     ui.add_space(12.0);
-    ui.label(RichText::new("Opened lately").strong());
+    ui.label(RichText::new("Recent").strong());
     let mut chosen = None;
     ui.horizontal_wrapped(|ui| {
         for inputs in state.kept.recent.entries() {
             let file = state.kept.recent.picture_of(inputs);
-            let picture = file.and_then(|file| texture(ui, ("opened lately", &file), || image::open(&file)));
+            let picture = file.and_then(|file| texture(ui, ("recent", &file), || image::open(&file)));
             let name = entry_name(inputs);
             let short = inputs.first().and_then(|path| path.file_name());
             let short = short.map_or_else(|| name.clone(), |short| short.to_string_lossy().into_owned());

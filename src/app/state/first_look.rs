@@ -203,7 +203,7 @@ impl State {
         let looked = self.opening.looked.look.as_deref().zip(self.player.as_ref());
         let Some(((look, player), sensor)) = looked.zip(self.sensor()) else {
             self.notices
-                .info("Nothing says which camera took this: depth images have one, files of points do not");
+                .info("No camera is known: depth images have one, point files do not");
             return;
         };
         self.camera = look.camera_of_sensor(&sensor, player.sequence().origin());

@@ -235,13 +235,13 @@ impl State {
                 feature.forget_frame(self, frame);
             }
             self.notices
-                .dismiss_begun(&format!("Frame {} of ", frame + 1), " is left out.");
+                .dismiss_begun(&format!("Frame {} of ", frame + 1), " is skipped.");
             self.opening.looked.is_outdated |= self.opening.looked.first.is_some_and(|(index, _)| index == frame);
         }
         if let Some(failure) = change.new_failure {
             let place = failure.index() + 1;
             self.notices
-                .error(format!("Frame {place} of {count} is left out. {failure}"));
+                .error(format!("Frame {place} of {count} is skipped. {failure}"));
         }
         let texts = change.other_attributes.into_iter();
         for text in texts.chain(change.new_warnings) {

@@ -54,7 +54,7 @@ impl State {
             return Ok(self.opening.opened.inputs.clone());
         }
         inputs_of(player.sequence())
-            .ok_or_else(|| "What is open is no file: a session of it could not be opened again".to_owned())
+            .ok_or_else(|| "The open sequence is not a file: its session could not be reopened".to_owned())
     }
 
     /// Looks for what the document has next to the open sequence.
@@ -107,7 +107,7 @@ impl State {
             Err(reason) => return self.notices.error(reason),
         };
         if let left_out @ 1.. = self.features.inspection.undocumented() {
-            let text = format!("Not in the session: {left_out} measured with the sequence beside the open one");
+            let text = format!("Not in the session: {left_out} measured on the compared sequence");
             self.notices.warn(text);
         }
         let path = Arc::clone(&self.features.path.draft);

@@ -33,10 +33,10 @@ impl App {
         self.rebuilt_at.push(now);
         let what_now = if is_given_up {
             self.state.appearance.present = PresentChoice::Cpu;
-            "The processor paints the window now; choose who does in the settings to try again"
+            "The CPU paints the window now; choose another painter in the settings to try again"
         } else if screen.presenter.was_drawn_by_gpu() {
             self.state.draw_without_gpu();
-            "The processor draws now; choose a renderer in the settings to try again"
+            "The CPU draws now; choose a renderer in the settings to try again"
         } else {
             "It was opened again"
         };
@@ -85,7 +85,7 @@ impl App {
         self.state.draw_without_gpu();
         self.state.notices.post(
             Severity::Warning,
-            format!("{error}. The processor draws now; choose a renderer in the settings to try again."),
+            format!("{error}. The CPU draws now; choose a renderer in the settings to try again."),
         );
     }
 }

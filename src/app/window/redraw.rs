@@ -160,7 +160,7 @@ impl App {
                 match shown {
                     PictureStage::SomePoints => "some points are shown",
                     PictureStage::AllPoints => "all points are shown",
-                    PictureStage::SurfelsInView => "surfels of what is in view are shown",
+                    PictureStage::SurfelsInView => "surfels of the visible part are shown",
                     PictureStage::Whole => "the frame is shown as it is to be",
                 },
                 since_start.as_secs_f64()
@@ -243,7 +243,7 @@ impl App {
                 WindowRequest::Copy(text) => screen.input.set_clipboard_text(text),
                 WindowRequest::PasteView => match screen.input.clipboard_text() {
                     Some(text) => self.state.paste_view(&text),
-                    None => self.state.notices.warn("There is no text to paste"),
+                    None => self.state.notices.warn("No text to paste"),
                 },
                 WindowRequest::FullScreen => {
                     // The window system may have ended it meanwhile: the window itself knows.

@@ -44,7 +44,7 @@ pub(in crate::app) fn bar(ui: &mut Ui, work: &Work, now: Duration) {
     let so_far = match work.kind {
         WorkKind::Open => format!("files {done} of {of}"),
         WorkKind::Read => format!("{:.0} %", (100.0 * share).floor()),
-        WorkKind::Export => format!("pictures {done} of {of}"),
+        WorkKind::Export => format!("image {done} of {of}"),
         WorkKind::Save => format!("frames {done} of {of}"),
         WorkKind::Benchmark => format!("{done} of {of}"),
     };
@@ -58,7 +58,7 @@ pub(in crate::app) fn cancel_button(ui: &mut Ui, work: &Work) {
     let progress = work.progress();
     let tooltip = match work.kind {
         WorkKind::Save => "Stops this; saving the same again goes on from here",
-        _ => "Stops this; what is not whole is removed",
+        _ => "Cancels; incomplete files are removed",
     };
     if progress.is_cancelled() {
         ui.weak("Stopping…");

@@ -13,8 +13,10 @@ group! {
             help: "Background: a preset, #rrggbb or a gradient #rrggbb-#rrggbb (transparent: for image files)",
             everyday: true,
             title: "Preset",
-            hint: "What is behind the cloud",
+            hint: "Background behind the cloud",
             section: Section::Background,
+            full_name: "Background",
+            also: &["backdrop", "clear colour", "canvas"],
             values: Values::Background,
         }
         /// Whether lines show the ground.
@@ -25,6 +27,8 @@ group! {
             title: "Ground",
             hint: "Lines on the plane below the cloud; a cell is a power of ten wide (G)",
             section: Section::Background,
+            full_name: "Grid on the ground",
+            also: &["ground plane", "floor", "axes"],
             values: Values::Switch("Grid"),
         }
     }

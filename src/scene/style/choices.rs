@@ -6,12 +6,13 @@
 macro_rules! choices {
     (
         $(#[$doc:meta])* $name:ident, $what:literal, auto $usual:ident = $auto_title:literal, $auto_hint:literal {
-            $($(#[$variant_doc:meta])* $variant:ident = $word:literal, $title:literal, $hint:literal;)+
+            $($(#[$variant_doc:meta])* $variant:ident = $word:literal, $title:literal, $hint:literal
+                $(, also [$($also:literal),+])?;)+
         }
     ) => {
         $crate::scene::style::choices! {
             $(#[$doc])* $name, $what {
-                $($(#[$variant_doc])* $variant = $word, $title, $hint;)+
+                $($(#[$variant_doc])* $variant = $word, $title, $hint $(, also [$($also),+])?;)+
             }
         }
 
@@ -21,15 +22,20 @@ macro_rules! choices {
             const OPEN_WORDS: &'static $crate::scene::describe::Words = &$crate::scene::describe::Words {
                 what: $what,
                 list: &[
-                    $crate::scene::describe::Word { word: "auto", title: $auto_title, hint: $auto_hint },
-                    $($crate::scene::describe::Word { word: $word, title: $title, hint: $hint }),+
+                    $crate::scene::describe::Word {
+                        word: "auto", title: $auto_title, hint: $auto_hint, also: &[],
+                    },
+                    $($crate::scene::describe::Word {
+                        word: $word, title: $title, hint: $hint, also: &[$($($also),+)?],
+                    }),+
                 ],
             };
         }
     };
     (
         $(#[$doc:meta])* $name:ident, $what:literal {
-            $($(#[$variant_doc:meta])* $variant:ident = $word:literal, $title:literal, $hint:literal;)+
+            $($(#[$variant_doc:meta])* $variant:ident = $word:literal, $title:literal, $hint:literal
+                $(, also [$($also:literal),+])?;)+
         }
     ) => {
         $(#[$doc])*
@@ -43,7 +49,9 @@ macro_rules! choices {
             /// What each is called, in the same order.
             pub const WORDS: &'static $crate::scene::describe::Words = &$crate::scene::describe::Words {
                 what: $what,
-                list: &[$($crate::scene::describe::Word { word: $word, title: $title, hint: $hint }),+],
+                list: &[$($crate::scene::describe::Word {
+                        word: $word, title: $title, hint: $hint, also: &[$($($also),+)?],
+                    }),+],
             };
 
             /// The word for it on the command line and in reports.

@@ -82,6 +82,8 @@ group! {
             hint: "Bits of a normal of the byte code; light is worked out once for each direction",
             section: Section::Footprints,
             when: |drawn| drawn.asks_for_codes(),
+            full_name: "Normal bits",
+            also: &["quantization"],
             values: Values::Words(NormalBits::WORDS),
         }
         /// Precision of offsets along normals.
@@ -93,6 +95,8 @@ group! {
             hint: "Bits of the way from the middle of a cell to the surface, along the normal",
             section: Section::Footprints,
             when: |drawn| drawn.asks_for_codes(),
+            full_name: "Offset bits",
+            also: &["quantization"],
             values: Values::Words(OffsetBits::WORDS),
         }
     }

@@ -76,47 +76,56 @@ pub const SOURCES: &Words = &Words {
             title: "Automatic",
             hint: "The file's colours if they differ, else its intensity, its classes, the height of a \
             scanned scene or the normal",
+            also: &[],
         },
         Word {
             word: "file",
             title: "From the file",
             hint: "Red, green and blue of the file",
+            also: &["rgb", "true colour", "original colours", "texture"],
         },
         Word {
             word: "scalar",
             title: "Scalar",
             hint: "Intensity or another scalar of the file through a colour map",
+            also: &["scalar field", "attribute", "value"],
         },
         Word {
             word: "height",
             title: "Height",
             hint: "How high a point is, through a colour map",
+            also: &["elevation", "altitude", "z", "depth"],
         },
         Word {
             word: "normal",
             title: "Normal",
             hint: "The direction of the normal as a colour (the paper's fake colour)",
+            also: &["normals", "normal map", "direction"],
         },
         Word {
             word: "distance",
             title: "Distance",
             hint: "How far a point is from the sensor, or from the origin of the file where it names none, \
             through a colour map",
+            also: &["range", "depth", "from the sensor"],
         },
         Word {
             word: "time",
             title: "Time",
             hint: "When a point was measured, through a colour map",
+            also: &["timestamp"],
         },
         Word {
             word: "class",
             title: "Class",
             hint: "What a point is: the standard classes of LAS in their usual colours",
+            also: &["classification", "categories", "labels", "segmentation", "semantic"],
         },
         Word {
             word: "uniform",
             title: "One colour",
             hint: "The same for all points",
+            also: &["solid", "single colour", "flat", "plain", "white points"],
         },
     ],
 };
@@ -129,26 +138,31 @@ pub const MAPS: &Words = &Words {
             word: "viridis",
             title: "Viridis",
             hint: "Dark violet to yellow, evenly lighter, also for the colour-blind",
+            also: &["perceptual", "colour blind"],
         },
         Word {
             word: "turbo",
             title: "Turbo",
             hint: "Blue over green to red: many colours, so that details are told apart",
+            also: &["rainbow", "jet", "spectral"],
         },
         Word {
             word: "magma",
             title: "Magma",
             hint: "Black over purple to pale yellow, evenly lighter",
+            also: &["inferno", "plasma", "heat", "hot"],
         },
         Word {
             word: "grey",
             title: "Grey",
             hint: "Black to white",
+            also: &["greyscale", "black and white", "monochrome"],
         },
         Word {
             word: "diverging",
             title: "Diverging",
             hint: "Blue over grey to red: for values on both sides of a middle",
+            also: &["blue red", "cool warm", "coolwarm"],
         },
     ],
 };

@@ -9,24 +9,30 @@ choices! {
     /// Which it is where nobody chooses, [`FirstLook`](crate::scene::FirstLook) says.
     Primitive, "primitive", auto Surfel = "Auto", "Surfels where the points sample a surface, else points" {
         /// Paper 000 §V.
-        Surfel = "surfel", "Surfels", "Oriented disks with a Gaussian mask, blended where they overlap";
+        Surfel = "surfel", "Surfels", "Oriented disks with a Gaussian mask, blended where they overlap",
+            also ["splats", "disks", "surface splats"];
         /// Paper 002 §4.
-        Ellipse = "ellipse", "Ellipses", "Oriented ellipses: as surfels, but longer where points are farther apart";
+        Ellipse = "ellipse", "Ellipses", "Oriented ellipses: as surfels, but longer where points are farther apart",
+            also ["ellipsoids", "gaussian splats", "anisotropic"];
         /// Paper 002 §5.1.
-        Sprite = "sprite", "Sprites", "The disks of surfels on squares that face the screen: exact in every pixel";
+        Sprite = "sprite", "Sprites", "The disks of surfels on squares that face the screen: exact in every pixel",
+            also ["billboards", "impostors"];
         /// Paper 002, Figs. 5 and 6.
-        Mesh = "mesh", "Mesh", "The triangles of the file, where it has some, and the points between them";
+        Mesh = "mesh", "Mesh", "The triangles of the file, where it has some, and the points between them",
+            also ["wireframe", "triangles", "surface", "faces", "polygons"];
         /// Paper 000 §VI.
-        Voxel = "voxel", "Voxels", "Cubes of the octree's cells, as fine as the picture needs";
-        Point = "point", "Points", "Squares or disks that face the screen; plain ones are the fastest";
+        Voxel = "voxel", "Voxels", "Cubes of the octree's cells, as fine as the picture needs",
+            also ["cubes", "octree", "blocks"];
+        Point = "point", "Points", "Squares or disks that face the screen; plain ones are the fastest",
+            also ["dots", "vertices", "point cloud"];
     }
 }
 
 choices! {
     /// Who draws.
-    RendererChoice, "renderer", auto Cpu = "Automatic", "The GPU if there is a real one, else the processor" {
-        Gpu = "gpu", "GPU", "The adapter of the graphics library, be it a software one";
-        Cpu = "cpu", "CPU", "The processor, without instancing: what Instancing says has no effect";
+    RendererChoice, "renderer", auto Cpu = "Automatic", "The GPU if there is a hardware one, else the CPU" {
+        Gpu = "gpu", "GPU", "The adapter of the graphics library, even a software one";
+        Cpu = "cpu", "CPU", "The CPU, without instancing";
     }
 }
 
@@ -62,10 +68,11 @@ choices! {
 choices! {
     /// What is done about the steps of edges.
     Antialiasing, "way of antialiasing" {
-        None = "none", "None", "Pixels show what is in their middle";
+        None = "none", "None", "One sample per pixel, at its centre";
         /// Lottes 2009.
-        Fxaa = "fxaa", "FXAA", "Edges are found in the finished picture and smoothed";
-        Supersample = "supersample", "Supersampling", "Four pixels are drawn for each and averaged";
+        Fxaa = "fxaa", "FXAA", "Smooths edges in the finished image";
+        Supersample = "supersample", "Supersampling", "Renders four pixels for each and averages them",
+            also ["ssaa", "msaa"];
     }
 }
 
@@ -110,8 +117,9 @@ group! {
             help: "Render on the GPU or the CPU (auto: a hardware GPU if there is one)",
             everyday: true,
             title: "Renderer",
-            hint: "Who draws. Both draw the same picture",
+            hint: "Renderer: both draw the same image",
             label: Label::Always(Place::Who, "{title}"),
+            also: &["rasterizer", "software rendering", "backend", "hardware acceleration", "graphics card"],
             values: Values::Words(Choice::<RendererChoice>::WORDS),
         }
         /// How instances reach the GPU.
@@ -136,6 +144,7 @@ group! {
             hint: "Edge of the picture that is drawn, as a share of the one that is shown: at 50 % a quarter of the \
                    pixels are drawn and scaled up",
             label: Label::Unusual(Place::HowFine, "at {}"),
+            also: &["render scale", "pixel ratio", "quality", "downscale"],
             values: Values::Number(Numbers {
                 kept: [0.25, 1.0],
                 offered: [0.25, 1.0],
@@ -151,9 +160,9 @@ group! {
             help: "Antialiasing method",
             everyday: true,
             title: "Antialiasing",
-            hint: "What is done about the steps of edges: supersampling draws four times the pixels, FXAA smooths the \
-                   finished picture",
+            hint: "Smooths jaggies: supersampling renders four times the pixels, FXAA filters the finished image",
             label: Label::Unusual(Place::HowFine, "with {title}"),
+            also: &["aa", "msaa", "smooth edges", "jaggies", "aliasing"],
             values: Values::Words(Antialiasing::WORDS),
         }
     }

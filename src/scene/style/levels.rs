@@ -63,6 +63,7 @@ const STOPS: &[Kind] = &[
         title: "By spacing",
         hint: "Until voxels would be smaller than the spacing of the points in them: closed surfaces",
         label: "by spacing",
+        also: &[],
         number: None,
     },
     Kind {
@@ -71,10 +72,11 @@ const STOPS: &[Kind] = &[
         title: "By loss",
         hint: "Until few enough points share a voxel; all voxels have one size",
         label: "δ {}",
+        also: &[],
         number: Some(KindNumber {
             value_name: "0..0.6",
             title: "Detail lost (δ)",
-            hint: "The share of points that may share a voxel at the deepest level, percent",
+            hint: "Percentage of points that may share a voxel at the deepest level",
             // That of the paper.
             usual: 0.05_f32 as f64,
             numbers: Numbers {
@@ -93,6 +95,7 @@ const STOPS: &[Kind] = &[
         title: "To a level",
         hint: "Down to a level of the octree; all voxels have one size",
         label: "to level {}",
+        also: &["octree depth"],
         number: Some(KindNumber {
             value_name: "0..21",
             title: "Leaf level",
@@ -105,12 +108,13 @@ const STOPS: &[Kind] = &[
         flag: "octant-points",
         help: "Subdivide octree nodes that hold more than N points",
         title: "By points",
-        hint: "While a cell holds more than so many points; voxels have several sizes",
+        hint: "While a cell holds more than N points; voxels have several sizes",
         label: "by {} points",
+        also: &["leaf size"],
         number: Some(KindNumber {
             value_name: "N",
-            title: "Points a leaf",
-            hint: "Most points in a leaf of the octree",
+            title: "Points per leaf",
+            hint: "Maximum points in a leaf of the octree",
             usual: 8.0,
             numbers: Numbers {
                 kept: [1.0, u32::MAX as f32],
@@ -157,6 +161,7 @@ const LODS: &[Kind] = &[
         title: "Pixel threshold",
         hint: "Cells that are small on the screen are drawn as one voxel or surfel",
         label: "τ {}",
+        also: &["pixel error", "screen-space error", "quality"],
         number: Some(KindNumber {
             value_name: "PX",
             title: "Smallest cell (τ)",
@@ -178,6 +183,7 @@ const LODS: &[Kind] = &[
         title: "Fixed level",
         hint: "All cells of one level",
         label: "level {}",
+        also: &[],
         number: Some(KindNumber {
             value_name: "0..21",
             title: "Level",
@@ -190,12 +196,13 @@ const LODS: &[Kind] = &[
         flag: "lod-budget",
         help: "Draw at most N octree nodes, the finest possible",
         title: "Budget",
-        hint: "The finest picture of at most so many voxels or surfels",
+        hint: "The finest image of at most N voxels or surfels",
         label: "at most {}",
+        also: &["point budget", "maximum points", "limit points"],
         number: Some(KindNumber {
             value_name: "N",
             title: "Voxels",
-            hint: "Most voxels a picture",
+            hint: "Maximum voxels per image",
             usual: 50_000.0,
             numbers: Numbers {
                 kept: [100.0, 50_000_000.0],
@@ -210,12 +217,13 @@ const LODS: &[Kind] = &[
         flag: "lod-time",
         help: "Draw the number of octree nodes that fits this frame time",
         title: "Frame time",
-        hint: "As many voxels or surfels as this machine draws in the time asked for",
+        hint: "The most voxels or surfels that this machine draws in the requested time",
         label: "in {} ms",
+        also: &["frame budget", "target frame rate"],
         number: Some(KindNumber {
             value_name: "MS",
             title: "Time",
-            hint: "Time that a picture should take, milliseconds",
+            hint: "Target time per image, milliseconds",
             usual: 16.0,
             numbers: Numbers {
                 kept: [1.0, 1000.0],
@@ -263,12 +271,14 @@ const METRICS: &Words = &Words {
             word: "edge",
             title: "Edge",
             hint: "The edge of the cell, or of the cube that the sphere is around",
+            also: &[],
         },
         Word {
             word: "area",
             title: "Area",
             hint: "The area of the disk, against the threshold squared; smaller where it is seen from the side (paper \
                    002)",
+            also: &[],
         },
     ],
 };
@@ -307,6 +317,7 @@ group! {
                    afar",
             section: Section::Surfels,
             when: |drawn| drawn.has_surfel_radii(),
+            also: &["lod", "simplify", "level of detail"],
             values: Values::Switch("Simplify far surfels"),
         }
         /// What surfels that stand for others are taken from.
@@ -317,30 +328,35 @@ group! {
             help: "Data structure of --surfel-lod",
             heading: HEADING,
             title: "Structure",
-            hint: "What levels of detail are taken from",
+            hint: "Source of the levels of detail",
             section: Section::Surfels,
             when: |drawn| drawn.has_surfel_levels(),
             label: Label::Unusual(Place::HowFine, "of {}"),
+            full_name: "Level-of-detail structure",
+            also: &["lod", "octree", "point tree"],
             values: Values::Words(LevelStructure::WORDS),
         }
         /// How deep the octree goes: as far as voxels are closed, or as is said.
         stop: StopCriterion = StopCriterion::default(), "stop" STOP {
             heading: HEADING,
             title: "Divide",
-            hint: "When cells of the octree are no longer divided (its stop criterion)",
+            hint: "Stop criterion of the octree",
             section: Section::Octree,
             when: |style| style.draws_cells() || style.draws_codes(),
             label: Label::If(|drawn| drawn.draws_voxels(), Place::What, "{}"),
+            full_name: "Octree: divide",
+            also: &["octree depth", "leaf"],
             values: Values::Kinds(STOPS),
         }
         /// Which of its cells are drawn.
         lod: Lod = Lod::default(), "lod" LOD {
             heading: HEADING,
             title: "Level of detail",
-            hint: "Which cells of the octree are drawn",
+            hint: "Selection of the octree's cells to draw",
             section: Section::LevelOfDetail,
             when: |style| style.draws_cells() || style.draws_codes(),
             label: Label::Always(Place::HowFine, "{}"),
+            also: &["lod", "point budget", "detail", "decimate", "performance"],
             values: Values::Kinds(LODS),
         }
         /// What of them is held against the threshold in pixels.
@@ -350,9 +366,11 @@ group! {
             help: "Screen-space size to compare with --lod",
             heading: HEADING,
             title: "Metric",
-            hint: "What of a cell or a sphere is held against the threshold in pixels",
+            hint: "Screen-space size of a cell or a sphere that is compared with the threshold",
             section: Section::LevelOfDetail,
             when: |style| style.draws_cells() || style.draws_codes(),
+            full_name: "Level-of-detail metric",
+            also: &["lod", "screen-space error"],
             values: Values::Words(METRICS),
         }
     }

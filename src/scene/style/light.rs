@@ -12,14 +12,19 @@ choices! {
     Lighting, "lighting", auto PerFragment = "Automatic",
         "Smooth; none where cameras took the colours, which have light in them"
     {
-        Unlit = "none", "None", "Plain colours";
+        Unlit = "none", "None", "Plain colours",
+            also ["unlit", "flat", "off"];
         PerSurfel = "surfel", "Per surfel or face", "Once for each surfel or voxel face";
         PerVertex = "vertex", "Per vertex", "At each corner, interpolated between";
-        PerFragment = "fragment", "Smooth", "At each pixel (per fragment)";
-        Lambert = "lambert", "Matt", "At each pixel of the blended surface, without highlights";
-        BlinnPhong = "blinn-phong", "Shiny", "At each pixel of the blended surface, with highlights";
+        PerFragment = "fragment", "Smooth", "At each pixel (per fragment)",
+            also ["phong", "gouraud"];
+        Lambert = "lambert", "Matt", "At each pixel of the blended surface, without highlights",
+            also ["diffuse", "matte"];
+        BlinnPhong = "blinn-phong", "Shiny", "At each pixel of the blended surface, with highlights",
+            also ["specular", "glossy", "highlights"];
         /// Metallic–roughness, with an environment; see [`PhysicalLight`](crate::scene::PhysicalLight).
-        Physical = "physical", "Physical", "At each pixel of the blended surface: metal or not, smooth or rough";
+        Physical = "physical", "Physical", "At each pixel of the blended surface: metal or not, smooth or rough",
+            also ["pbr"];
     }
 }
 
@@ -33,9 +38,9 @@ impl Lighting {
 choices! {
     /// Which lights there are where shading is deferred; see [`Lights`](crate::scene::Lights).
     LightRig, "rig of lights", auto Head = "Automatic",
-        "The head light, or the environment alone where there is one"
+        "The headlight, or the environment alone where there is one"
     {
-        Head = "head", "Head light", "One from the eye";
+        Head = "head", "Headlight", "One from the eye";
         ThreePoint = "three-point", "Three-point", "A warm key light, a cool one that fills, and one from behind";
         /// Paper 002 §5.
         Paper = "paper", "Two lamps", "Two lamps near the cloud, left and right above it";
@@ -78,10 +83,11 @@ group! {
             help: "Lighting model",
             everyday: true,
             title: "Lighting",
-            hint: "Where the head light is evaluated, or how the blended surface is lit",
+            hint: "Evaluation of the headlight, or lighting of the blended surface",
             section: Section::Shading,
             when: |drawn| drawn.is_lit(),
             label: Label::Unusual(Place::What, "{} light"),
+            also: &["shading", "illumination", "relight"],
             values: Values::Words(Choice::<Lighting>::WORDS),
         }
         /// Which lights there are where shading is deferred.
@@ -94,6 +100,7 @@ group! {
             section: Section::Shading,
             when: |drawn| drawn.is_lit_deferred(),
             label: Label::Unusual(Place::What, "{} lights"),
+            also: &["light rig", "lamps", "light source"],
             values: Values::Words(Choice::<LightRig>::WORDS),
         }
         /// How much of a metal a surface is.
@@ -102,10 +109,11 @@ group! {
             value_name: "0..1",
             help: "Metalness of surfaces in physical lighting",
             title: "Metallic",
-            hint: "How much of a metal surfaces are: metals mirror in their colour, others scatter it",
+            hint: "Metalness: metals reflect in their colour, other materials scatter it",
             section: Section::Shading,
             when: |drawn| drawn.is_lit_physically(),
             label: Label::If(|drawn| drawn.is_lit_physically(), Place::What, "metallic {}"),
+            also: &["metalness", "pbr", "material"],
             values: Values::Number(Numbers {
                 typed: Typed::Kept("a number from 0 to 1"),
                 ..Numbers::USUAL
@@ -117,10 +125,11 @@ group! {
             value_name: "0..1",
             help: "Roughness of surfaces in physical lighting",
             title: "Roughness",
-            hint: "How rough surfaces are: what they mirror is sharp at 0 and blurred at 1",
+            hint: "Roughness: reflections are sharp at 0 and blurred at 1",
             section: Section::Shading,
             when: |drawn| drawn.is_lit_physically(),
             label: Label::If(|drawn| drawn.is_lit_physically(), Place::What, "roughness {}"),
+            also: &["glossiness", "pbr", "material"],
             values: Values::Number(Numbers {
                 typed: Typed::Kept("a number from 0 to 1"),
                 ..Numbers::USUAL
@@ -132,10 +141,11 @@ group! {
             value_name: "NAME|FILE",
             help: "Environment map for physical lighting: a name, or the path of an image",
             title: "Environment",
-            hint: "What is around the scene, and lights it from all sides; it turns with the scene",
+            hint: "Surroundings that light the scene from all sides; they rotate with the scene",
             section: Section::Shading,
             when: |drawn| drawn.is_lit_physically(),
             label: Label::If(|drawn| drawn.is_lit_physically(), Place::What, "in {}"),
+            also: &["environment map", "hdri", "image-based lighting", "skybox"],
             values: Values::Environment,
         }
         /// Whether the first lamp casts shadows.
@@ -149,6 +159,7 @@ group! {
             section: Section::Shading,
             when: |drawn| drawn.has_key_light(),
             label: Label::If(|drawn| drawn.has_shadows(), Place::What, "with shadows"),
+            also: &["cast shadows"],
             values: Values::Words(OnOff::WORDS),
         }
         /// Whether what is near a place keeps light from it (ambient occlusion).
@@ -162,6 +173,7 @@ group! {
             section: Section::Shading,
             when: |drawn| drawn.is_shaded_with_depths(),
             label: Label::If(|drawn| drawn.is_occluded(), Place::What, "with ambient occlusion"),
+            also: &["ssao", "ao", "pcv", "sky visibility", "contact shadows"],
             values: Values::Words(OnOff::WORDS),
         }
         /// How much of that light is lost; 1 is as much as is kept away.
@@ -173,6 +185,7 @@ group! {
             hint: "How much ambient occlusion darkens; 1 is as much as light is kept away",
             section: Section::Shading,
             when: |drawn| drawn.is_occluded(),
+            also: &["ao strength", "ssao strength"],
             values: Values::Number(Numbers {
                 kept: [0.0, 4.0],
                 offered: [0.0, 2.0],
@@ -190,6 +203,7 @@ group! {
             hint: "How far away what keeps light from a place may be; 1 is a fifth of the cloud's radius",
             section: Section::Shading,
             when: |drawn| drawn.is_occluded(),
+            also: &["ao radius", "ssao radius"],
             values: Values::Number(Numbers {
                 kept: [0.05, 4.0],
                 offered: [0.1, 4.0],
@@ -205,10 +219,12 @@ group! {
             value_name: "WHETHER",
             help: "Shade by depth (eye-dome lighting; auto: for points without other light)",
             everyday: true,
-            title: "Eye-dome light",
-            hint: "Darkens what stands behind its neighbours: depths show shapes without any normals",
+            title: "Eye-dome lighting",
+            hint: "Darkens points behind their neighbours: depth alone shows shapes, without normals",
             section: Section::Shading,
             when: |drawn| drawn.leaves_depths(),
+            full_name: "Eye-dome lighting (EDL)",
+            also: &["edl", "depth shading", "outline"],
             values: Values::Words(Choice::<EyeDome>::WORDS),
         }
         /// How much they do; 1 is usual.
@@ -218,9 +234,11 @@ group! {
             value_name: "FACTOR",
             help: "Strength of --edl",
             title: "Strength",
-            hint: "How much the eye-dome light darkens; 1 is usual",
+            hint: "Strength of eye-dome lighting; 1 is the default",
             section: Section::Shading,
             when: |drawn| drawn.has_eye_dome(),
+            full_name: "Eye-dome strength",
+            also: &["edl strength"],
             values: Values::Number(Numbers {
                 kept: [0.0, 4.0],
                 offered: [0.0, 4.0],
@@ -235,8 +253,9 @@ group! {
             value_name: "GAMMA",
             help: "Brighten the image (above 1) or darken it (below 1); black and white are unchanged",
             title: "Gamma",
-            hint: "Brightens the finished picture above 1 and darkens it below; black and white stay",
+            hint: "Brightens the finished image above 1 and darkens it below; black and white stay",
             section: Section::Shading,
+            also: &["brightness", "exposure", "contrast", "tone"],
             values: Values::Number(Numbers {
                 kept: [0.1, 10.0],
                 offered: [0.25, 4.0],

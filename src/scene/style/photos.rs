@@ -7,8 +7,10 @@ choices! {
     /// What surfaces have their colours from where there are photographs of them.
     PhotoMode, "way to use photographs" {
         /// Paper 004 §3.2.
-        Vdts = "vdts", "View-dependent", "Blends the photographs that see a place from about where you stand";
-        Single = "single", "Nearest photograph", "At each place the photograph that sees it most as you do";
+        Vdts = "vdts", "View-dependent", "Blends the images whose cameras are closest to your viewpoint, per \
+            surface point";
+        Single = "single", "Nearest image", "Uses the image whose camera is closest to your viewpoint, per \
+            surface point";
         Colored = "colored", "Colours of points", "The points' own colours";
     }
 }
@@ -16,9 +18,9 @@ choices! {
 choices! {
     /// What becomes of places of which photographs show something else.
     PhotoClipping, "way of clipping" {
-        Vote = "vote", "Vote", "Left out where more photographs see through a place than see it";
+        Vote = "vote", "Vote", "Carves points that most images see through";
         /// Paper 004 §4.1.
-        Paper = "paper", "Any photograph", "Left out where a blended photograph sees something nearer or farther";
+        Paper = "paper", "Any image", "Carves points where a blended image sees something nearer or farther";
         Off = "off", "Off", "Drawn nevertheless";
     }
 }
@@ -36,10 +38,11 @@ choices! {
 choices! {
     /// Whether light falls on what photographs show.
     PhotoRelight, "way of relighting" {
-        Off = "off", "Off", "Normals are those of points; without a choice of light, photographs keep theirs";
-        Photos = "photos", "Colours of photographs",
-            "Light falls on colours of photographs, by normals of their depths";
-        DepthOnly = "depth-only", "White", "Light falls on a white surface, by normals of depths of photographs";
+        Off = "off", "Off", "Uses the normals of points; without lighting, images keep the light they were taken \
+            in";
+        Photos = "photos", "Colours of images",
+            "Lights the colours of images with depth-map normals";
+        DepthOnly = "depth-only", "White", "Clay render lit with depth-map normals";
     }
 }
 
@@ -60,10 +63,18 @@ group! {
             value_name: "MODE",
             help: "Colour surfaces from the input images: view-dependent blending, the nearest image, or not at all",
             title: "Colours from",
-            hint: "What surfaces have their colours from where there are photographs of them",
+            hint: "Source of the colours of surfaces that have images",
             section: Section::Photographs,
             when: |drawn| drawn.has_photographs(),
             label: Label::Unusual(Place::What, "{} photographs"),
+            full_name: "Image colours",
+            also: &[
+                "view-dependent texturing",
+                "projective texturing",
+                "texture",
+                "image-based rendering",
+                "photos",
+            ],
             values: Values::Words(PhotoMode::WORDS),
         }
         /// How many photographs are blended at a place.
@@ -72,9 +83,11 @@ group! {
             value_name: "1..8",
             help: "Number of images blended at a surface point",
             title: "Blended",
-            hint: "How many photographs are blended at a place",
+            hint: "Number of images blended per surface point",
             section: Section::Photographs,
             when: |drawn| drawn.draws_view_dependent_textures(),
+            full_name: "Blended images",
+            also: &["number of cameras"],
             values: Values::Number(Numbers {
                 kept: [1.0, PhotoStyle::MOST_VIEWS as f32],
                 offered: [1.0, PhotoStyle::MOST_VIEWS as f32],
@@ -89,10 +102,11 @@ group! {
             value_name: "FACTOR",
             help: "Angular reach of an image, relative to the angle between neighbouring images",
             title: "Reach",
-            hint: "How fast the weight of a photograph falls with its angle to you: σ, as a factor on the angle \
-                   between neighbouring photographs",
+            hint: "Falloff of an image's weight with the angle to your view: σ, as a factor on the angle between \
+                   neighbouring cameras",
             section: Section::Photographs,
             when: |drawn| drawn.draws_view_dependent_textures(),
+            full_name: "Reach of images",
             values: Values::Number(Numbers {
                 kept: [0.05, 10.0],
                 offered: [0.1, 5.0],
@@ -107,9 +121,11 @@ group! {
             value_name: "HOW",
             help: "Carve points that images see through",
             title: "Silhouettes",
-            hint: "What becomes of places where photographs show something that is nearer or farther",
+            hint: "Treatment of points where images show something nearer or farther",
             section: Section::Photographs,
             when: |drawn| drawn.draws_photographs(),
+            full_name: "Silhouettes of images",
+            also: &["carve", "space carving"],
             values: Values::Words(PhotoClipping::WORDS),
         }
         /// What places look like that no photograph sees.
@@ -118,9 +134,11 @@ group! {
             value_name: "MODE",
             help: "Fill surface points that no image sees",
             title: "Holes",
-            hint: "What places look like that no photograph sees",
+            hint: "Colours of points that no image sees",
             section: Section::Photographs,
             when: |drawn| drawn.draws_photographs(),
+            full_name: "Holes between images",
+            also: &["hole filling", "inpainting", "push-pull"],
             values: Values::Words(PhotoHoles::WORDS),
         }
         /// How wide gaps in a surface are that are closed, in percent of the height of a picture.
@@ -133,6 +151,8 @@ group! {
                    of the height of the picture; 0: they stay open",
             section: Section::Photographs,
             when: |drawn| drawn.draws_photographs(),
+            full_name: "Gaps between images",
+            also: &["hole filling"],
             values: Values::Number(Numbers {
                 kept: [0.0, 20.0],
                 offered: [0.0, 10.0],
@@ -148,10 +168,11 @@ group! {
             value_name: "WHAT",
             help: "Relight by depth-map normals: the images, or a white surface",
             title: "Relighting",
-            hint: "Whether light falls on what photographs show, by normals of their depths",
+            hint: "Lights what images show with depth-map normals",
             section: Section::Photographs,
             when: |drawn| drawn.draws_photographs(),
             label: Label::Unusual(Place::What, "relit: {}"),
+            also: &["clay", "relit"],
             values: Values::Words(PhotoRelight::WORDS),
         }
         /// Whether photographs are made as bright as each other.
@@ -160,9 +181,11 @@ group! {
             value_name: "WHETHER",
             help: "Compensate exposure differences between images",
             title: "Gains",
-            hint: "Whether photographs are made as bright as each other, by what shared points look like in them",
+            hint: "Exposure compensation: makes images equally bright, by the points that they share",
             section: Section::Photographs,
             when: |drawn| drawn.draws_photographs(),
+            full_name: "Exposure compensation",
+            also: &["white balance", "exposure"],
             values: Values::Words(PhotoGains::WORDS),
         }
     }

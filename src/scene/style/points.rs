@@ -8,9 +8,11 @@ choices! {
     PointShape, "shape of points" {
         Square = "square", "Square", "All pixels of a square of this size";
         /// A pixel is covered where its middle is in the circle, and the pixel that the point is in.
-        Disk = "disk", "Disk", "The pixels of the square that are in the circle in it: round points";
+        Disk = "disk", "Disk", "The pixels of the square that are in the circle in it: round points",
+            also ["circle", "round"];
         /// Blended in two passes as surfels are, without normals.
-        Gaussian = "gaussian", "Gaussian", "Round, fading towards the rim: points that overlap blend into a surface";
+        Gaussian = "gaussian", "Gaussian", "Round with a soft falloff: overlapping points blend into a surface",
+            also ["soft", "blurred"];
     }
 }
 
@@ -26,7 +28,7 @@ choices! {
 choices! {
     /// What the size of a point is measured in.
     PointSizing, "size mode of points" {
-        Pixels = "pixels", "Fixed", "As many pixels wherever a point is";
+        Pixels = "pixels", "Fixed", "The same size in pixels at any distance";
         /// *Attenuated* in other viewers.
         Projected = "projected", "Attenuated", "As wide in the scene as points are apart: smaller from afar";
         /// The radius of a point is that of its surfel, or of the node of a level of detail that it stands for.
@@ -43,10 +45,12 @@ group! {
             value_name: "MODE",
             help: "Unit of the point size: pixels, or lengths in the scene (attenuated with distance)",
             title: "Size",
-            hint: "What the size of points is measured in: pixels of the picture, or lengths in the scene",
+            hint: "Unit of the point size: pixels, or lengths in the scene",
             section: Section::Look,
             when: |drawn| drawn.is_of_points(),
             label: Label::Unusual(Place::What, "{}"),
+            full_name: "Point size mode",
+            also: &["attenuation", "perspective size", "adaptive point size", "fixed size"],
             values: Values::Words(PointSizing::WORDS),
         }
         /// Edge of a drawn point in pixels.
@@ -60,6 +64,7 @@ group! {
             section: Section::Look,
             when: |drawn| drawn.has_points_of_pixels(),
             label: Label::If(|drawn| drawn.has_points_of_pixels(), Place::What, "{} px"),
+            also: &["size of points", "thickness"],
             values: Values::Number(Numbers {
                 kept: [1.0, 32.0],
                 offered: [1.0, 32.0],
@@ -78,6 +83,7 @@ group! {
             section: Section::Look,
             when: |drawn| drawn.has_points_of_lengths(),
             label: Label::Unusual(Place::What, "×{}"),
+            also: &["size of points", "point size factor"],
             values: Values::Number(Numbers {
                 kept: [0.1, 10.0],
                 offered: [0.1, 10.0],
@@ -92,10 +98,12 @@ group! {
             value_name: "SHAPE",
             help: "Shape of points on the screen",
             title: "Shape",
-            hint: "What a point is on the screen: a square, or round",
+            hint: "Shape of a point on screen",
             section: Section::Look,
             when: |drawn| drawn.draws_points(),
             label: Label::Unusual(Place::What, "{}"),
+            full_name: "Point shape",
+            also: &["round points", "circles", "square points", "point style"],
             values: Values::Words(PointShape::WORDS),
         }
         /// What light falls on.
@@ -104,10 +112,12 @@ group! {
             value_name: "WHAT",
             help: "Light points by their normals",
             title: "Light on",
-            hint: "What the light of points falls on",
+            hint: "Surfaces that lighting of points uses",
             section: Section::Shading,
             when: |drawn| drawn.is_of_points(),
             label: Label::Unusual(Place::What, "lit by {}"),
+            full_name: "Light on points",
+            also: &["shade points"],
             values: Values::Words(PointLight::WORDS),
         }
     }

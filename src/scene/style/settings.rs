@@ -60,15 +60,25 @@ impl Settings {
         help: "Draw points as this primitive (auto: surfels where they sample a surface)",
         everyday: true,
         title: "Primitive",
-        hint: "What points become",
+        hint: "Render mode of the points",
         section: Section::Own,
         label: Label::Always(Place::What, "{}"),
+        also: &[
+            "hide points",
+            "show points",
+            "visibility",
+            "render mode",
+            "representation",
+            "draw as",
+            "renderer",
+        ],
         values: Values::Words(Choice::<Primitive>::WORDS),
         shorthands: &[Shorthand {
             word: Word {
                 word: "ewa",
                 title: "EWA",
                 hint: "Surfels that are filtered to the pixels: far surfaces are smooth and still",
+                also: &["anti-aliased splats", "smooth splats"],
             },
             given: &[
                 ("primitive", Value::Word(Primitive::Surfel as usize + 1)),

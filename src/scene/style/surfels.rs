@@ -174,6 +174,7 @@ group! {
             hint: "How overlapping surfels become one surface (six modes of the paper's Fig. 3, and hard disks)",
             when: |drawn| drawn.draws_surfels(),
             label: Label::Always(Place::What, "{}"),
+            also: &["blending", "splat mode", "visibility pass"],
             values: Values::Words(Splatting::WORDS),
         }
         /// Whether splats are filtered to the pixels.
@@ -186,6 +187,8 @@ group! {
             section: Section::Surfels,
             when: |drawn| drawn.blends_surfels(),
             label: Label::Unusual(Place::What, "{}"),
+            full_name: "Splat filter",
+            also: &["ewa", "mip", "anti-aliasing"],
             values: Values::Words(SplatFilter::WORDS),
         }
         /// What carries a splat through the GPU.
@@ -199,6 +202,7 @@ group! {
             section: Section::Surfels,
             when: |drawn| drawn.draws_disks_on_gpu(),
             label: Label::Unusual(Place::What, "as {}"),
+            full_name: "Splat geometry",
             values: Values::Words(SplatGeometry::WORDS),
         }
         /// How splats fall off towards their rims.
@@ -211,6 +215,7 @@ group! {
             section: Section::Surfels,
             when: |drawn| drawn.has_masks(),
             label: Label::Unusual(Place::What, "{}"),
+            also: &["falloff", "gaussian", "weights"],
             values: Values::Words(Kernel::WORDS),
         }
         /// Whether what lies behind their rims shines through these, and not the background
@@ -239,6 +244,8 @@ group! {
             section: Section::Surfels,
             when: |drawn| drawn.draws_whole_surfels(),
             label: Label::Unusual(Place::What, "{} normals"),
+            full_name: "Surfel normals from",
+            also: &["estimate normals", "compute normals"],
             values: Values::Words(NormalSource::WORDS),
         }
         /// What their colours show.
@@ -251,6 +258,8 @@ group! {
             section: Section::Surfels,
             when: |drawn| drawn.draws_whole_surfels(),
             label: Label::Unusual(Place::What, "{}"),
+            full_name: "Surfel colours",
+            also: &["normal error"],
             values: Values::Words(SurfelColors::WORDS),
         }
         /// Factor on every splat radius.
@@ -263,6 +272,7 @@ group! {
             section: Section::Look,
             when: |drawn| drawn.draws_surfels(),
             label: Label::Unusual(Place::What, "×{}"),
+            also: &["splat size", "surfel size", "disk radius"],
             values: Values::Number(Numbers {
                 kept: [0.1, 10.0],
                 offered: [0.1, 10.0],
@@ -297,6 +307,7 @@ group! {
             hint: "Surfels that face away from the eye",
             section: Section::Surfels,
             when: |drawn| drawn.draws_surfels(),
+            also: &["culling", "two-sided", "double-sided"],
             values: Values::Words(Choice::<BackFaces>::WORDS),
         }
     }

@@ -26,6 +26,8 @@ group! {
             section: Section::Shading,
             when: |drawn| drawn.draws_voxels(),
             label: Label::Unusual(Place::What, "lit by {}"),
+            full_name: "Light on voxels",
+            also: &["voxel shading"],
             values: Values::Words(VoxelLight::WORDS),
         }
     }

@@ -148,7 +148,7 @@ fn with_up(mut group: Group, given: &Given<'_>) -> Group {
     }];
     let axes = UpAxis::ALL.iter().map(|&(_, axis)| Alternative {
         label: axis.label().to_owned(),
-        hint: "The axis of the file that points up in the picture".to_owned(),
+        hint: "The axis of the file that points up on screen".to_owned(),
         change: Change::Up(Some(axis)),
         is_current: given.chosen_up == Some(axis),
         lack: None,

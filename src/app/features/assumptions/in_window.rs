@@ -237,10 +237,22 @@ impl Feature<State> for FeatureOf<Assumptions> {
 
     fn panels(&self) -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[
-            PanelRow::in_menu(PANEL, "Assumptions…", assumptions),
+            PanelRow::in_menu(PANEL, "Assumptions…", assumptions).also(&[
+                "guesses",
+                "guessed",
+                "depth scale",
+                "columns",
+                "intrinsics",
+                "no-data",
+                "import options",
+                "units",
+                "coordinate system",
+                "detected",
+            ]),
             PanelRow {
                 id: None,
                 menu: None,
+                also: &[],
                 place: Dock::Chip(CHIP_WIDTH),
                 show: chip,
             },

@@ -38,11 +38,11 @@ pub(in crate::app) fn chip_ui(ui: &mut Ui, groups: &[Group], is_open: bool) -> b
     let (text, hint) = match evidence_of_chip(groups) {
         Some(Evidence::Fallback) => (
             text.strong().color(ODD),
-            "Some of what is shown was guessed without evidence: see the list",
+            "Some settings were guessed without evidence: see the list",
         ),
         Some(Evidence::Statistics) => (
             text.strong(),
-            "Some of what is shown was guessed from the data: see the list",
+            "Some settings were estimated from the data: see the list",
         ),
         _ => (
             text,
@@ -63,7 +63,7 @@ pub(in crate::app) fn assumptions_ui(ui: &mut Ui, is_open: &mut bool, groups: &[
         .default_pos(corner + vec2(-12.0, 12.0))
         .show(ui, |ui| {
             if groups.is_empty() {
-                ui.weak("Nothing was assumed about what is open.");
+                ui.weak("Nothing was assumed about the open sequence.");
                 return;
             }
             ui.weak("Decided in your place. A choice is remembered for these inputs.");

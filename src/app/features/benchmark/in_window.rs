@@ -3,7 +3,7 @@
 use super::BenchmarkEnded;
 use super::ReportFormat;
 use super::panel::{BenchmarkRequest, benchmark_ui};
-use crate::app::command::Command;
+use crate::app::command::{Command, Offer};
 use crate::app::commands::common::Row;
 use crate::app::features::benchmark::{Benchmark, BenchmarkJob, benchmark_job};
 use crate::app::features::feature::{Feature, FeatureOf};
@@ -60,6 +60,14 @@ const COMMANDS: &[Row] = &[
         state.start_benchmark(suite.ok_or_else(|| format!("there is no benchmark {name}"))?);
         Ok(())
     })
+    .offers(|_, _| {
+        let offer = |suite: &'static Suite| {
+            Offer::new(format!("Benchmark: {}", suite.title), suite.name())
+                .hint(suite.hint)
+                .also(&["performance test", "measure speed", "profiling"])
+        };
+        suites::all().map(offer).collect()
+    })
     .applies(|state| match (&state.player, state.features.benchmark.is_running()) {
         (None, _) => Err("Nothing is open yet"),
         (_, true) => Err("A benchmark is under way"),
@@ -68,7 +76,7 @@ const COMMANDS: &[Row] = &[
     Row::new(Command::panel(PanelId::BENCHMARK), "Show the last result", |state| {
         state.panels.toggle(PanelId::BENCHMARK);
     })
-    .what("Show the last benchmark")
+    .what("Benchmark: show the last result")
     .applies(|state| match state.features.benchmark {
         Benchmark::Idle => Err("Nothing was measured yet"),
         _ => Ok(()),

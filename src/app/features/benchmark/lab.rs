@@ -101,7 +101,7 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<
         .allow_scroll(false)
         .legend(Legend::default().position(Corner::RightTop))
         .include_y(0.0)
-        .x_axis_label("milliseconds a picture")
+        .x_axis_label("milliseconds per frame")
         .y_axis_label("Visible error 0–1 (FLIP)")
         .x_grid_spacer(|input| decades(input.bounds.0, input.bounds.1))
         .x_axis_formatter(|mark, _| milliseconds(mark.value))

@@ -167,7 +167,7 @@ fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<ReportFormat> {
         let csv = ui.button("Export CSV…").on_hover_text("The table, for spreadsheets");
         let html = (!table.html.is_empty()).then(|| {
             ui.button("Export page…")
-                .on_hover_text("A page with the plot and the pictures, for browsers")
+                .on_hover_text("A page with the plot and the images, for browsers")
         });
         if json.clicked() {
             Some(ReportFormat::Json)

@@ -40,7 +40,7 @@ impl Loss {
             Self::D1 => "PSNR of distances from point to point: higher is better",
             Self::D2 => "PSNR of distances along normals: higher is better",
             Self::Colors => "PSNR of the colours of points: higher is better",
-            Self::Flip => "FLIP of the picture beside that of the original, over the object: lower is better",
+            Self::Flip => "FLIP against the image of the original, over the object: lower is better",
         }
     }
 
@@ -83,7 +83,7 @@ pub(super) fn rates_ui(ui: &mut Ui, points: &[Arc<RatePoint>]) -> Option<Arc<Rat
             ui.selectable_value(&mut loss, choice, choice.name())
                 .on_hover_text(choice.tooltip());
         }
-        ui.weak("over the bits of a point of the original");
+        ui.weak("over the bits per point of the original");
     });
     let mut clicked = plot(ui, points, loss, chosen);
     beside_or_below(ui, |ui| {
@@ -93,7 +93,7 @@ pub(super) fn rates_ui(ui: &mut Ui, points: &[Arc<RatePoint>]) -> Option<Arc<Rat
             ui.vertical(|ui| pictures_ui(ui, &point.label, key, images));
         }
         ui.vertical(|ui| {
-            ui.weak("A click shows the frame as it is then, beside the original:");
+            ui.weak("A click shows the frame at that rate next to the original:");
             let list = ScrollArea::both().id_salt("rates").auto_shrink([false, true]);
             let list = list.max_height(LIST_HEIGHT);
             // The window scrolls as well, and would leave it less.
@@ -162,7 +162,7 @@ fn plot(ui: &mut Ui, points: &[Arc<RatePoint>], loss: Loss, chosen: Option<usize
         .allow_scroll(false)
         .include_x(0.0)
         .legend(Legend::default().position(loss.free_corner()))
-        .x_axis_label("bits a point")
+        .x_axis_label("bits per point")
         .y_axis_label(loss.axis())
         .label_formatter(|_| None);
     let response = plot.show(ui, |plot| {

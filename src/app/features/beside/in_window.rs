@@ -120,7 +120,7 @@ impl State {
             }
             None => self
                 .notices
-                .hint("One sequence is open: File, Compare with… opens another beside it"),
+                .hint("One sequence is open: File, Compare with… opens another next to it"),
         }
     }
 
@@ -182,7 +182,7 @@ impl State {
             let place = failure.index() + 1;
             let (count, name) = (sequence.len(), &beside.name);
             self.notices
-                .error(format!("Frame {place} of {count} of B ({name}) is left out. {failure}"));
+                .error(format!("Frame {place} of {count} of B ({name}) is skipped. {failure}"));
         }
         for warning in change.new_warnings {
             self.notices.warn(format!("B: {warning}"));
@@ -304,18 +304,19 @@ impl Beside {
 
 const COMMANDS: &[Row] = &[
     Row::new(Command::NEXT_LAYOUT, "Side by side, or a line", State::next_layout)
-        .what("Two sequences: side by side, or a line over the same view")
+        .what("Compared sequences: side by side, or split by a line")
+        .also(&["swipe", "split view", "layout", "dual view"])
         .keys(group::VIEW, "Shift+C", &[Chord::shift(Key::C)])
         .applies(|state| match state.features.beside {
             Some(_) => Ok(()),
-            None => Err("One sequence is open: File, Compare with… opens another beside it"),
+            None => Err("One sequence is open: File, Compare with… opens another next to it"),
         }),
     Row::new(Command::COMPARE_FILES, "Compare with files…", |state| {
         let dialog = Dialog::files("Compare with point clouds", State::compare_paths);
         state.ask(of_point_clouds(dialog));
     })
-    .what("Compare with files")
-    .also(&["diff"])
+    .what("Compare with files…")
+    .also(&["diff", "side by side", "second cloud"])
     .keys(group::FILE, "Ctrl+Shift+O", &[Chord::ctrl_shift(Key::O)])
     .applies(needs_sequence),
     Row::new(Command::COMPARE_FOLDER, "Compare with a folder…", |state| {
@@ -326,8 +327,8 @@ const COMMANDS: &[Row] = &[
             },
         ));
     })
-    .what("Compare with a folder")
-    .also(&["diff"])
+    .what("Compare with a folder…")
+    .also(&["diff", "side by side"])
     .applies(needs_sequence),
     Row::new(Command::CLOSE_COMPARISON, "Close comparison", |state| {
         state.opening.opened.compared = None;
@@ -363,6 +364,7 @@ impl Feature<State> for FeatureOf<Option<Beside>> {
         const PANELS: &[PanelRow<State>] = &[PanelRow {
             id: None,
             menu: None,
+            also: &[],
             place: Dock::Top("beside", |state: &State| state.features.beside.is_some()),
             show: bar,
         }];

@@ -48,7 +48,7 @@ pub(in crate::app) fn beside_ui(ui: &mut Ui, beside: &mut Beside, player: &Playe
             let is_possible = beside.whole_frames(player).is_some();
             let button = ui
                 .add_enabled(is_possible, button)
-                .on_hover_text("From each point to the nearest of the other frame, both ways")
+                .on_hover_text("From each point to the nearest one of the other frame, in both directions")
                 .on_disabled_hover_text("Both frames have to be here with all their points: pause");
             if button.clicked() {
                 request = Some(BesideRequest::Measure);
@@ -118,7 +118,7 @@ fn pairing_ui(ui: &mut Ui, beside: &mut Beside) {
         ui.ctx().request_repaint();
     }
     let mut offset = companion.offset_frames();
-    let tooltip = "So many frames later are those of B; negative for earlier";
+    let tooltip = "Offset of the frames of B; negative for earlier";
     let label = ui.label("Offset").on_hover_text(tooltip);
     let drag = frames_drag(DragValue::new(&mut offset).range(-MAX_OFFSET..=MAX_OFFSET).speed(0.1));
     let is_changed = ui.add(drag).labelled_by(label.id).on_hover_text(tooltip).changed();

@@ -31,8 +31,7 @@ impl State {
         self.panels.set(PanelId::CAMERA_PATH, true);
         let frame = self.frame_for_path();
         if let Err(reason) = self.features.path.set_keyframe(self.camera, frame) {
-            self.notices
-                .error(format!("There is no keyframe of this view: {reason}"));
+            self.notices.error(format!("No keyframe can be set here: {reason}"));
         }
     }
 
@@ -80,7 +79,7 @@ impl State {
         if !self.features.path.play(self.camera, self.shared.now, resumes) {
             return self
                 .notices
-                .warn("The camera path has no keyframes yet: K sets one of what is shown");
+                .warn("The camera path has no keyframes yet: press K to set one");
         }
         if resumes {
             self.play_with(Player::toggle);
@@ -211,20 +210,30 @@ const COMMANDS: &[Row] = &[
     Row::new(Command::panel(PanelId::CAMERA_PATH), "Camera path…", |state| {
         state.panels.toggle(PanelId::CAMERA_PATH);
     })
-    .what("Camera path")
+    .what("Camera path…")
+    .also(&[
+        "fly-through",
+        "animation",
+        "keyframes",
+        "trajectory",
+        "path editor",
+        "camera animation",
+    ])
     .keys(group::VIEW, "F4", &[Chord::plain(Key::F4)])
     .on_if(|state| state.panels.has(PanelId::CAMERA_PATH)),
     Row::new(
         Command::ADD_KEYFRAME,
-        "Add a keyframe of what is shown",
+        "Add a keyframe of the current view",
         State::add_keyframe,
     )
+    .also(&["record view", "bookmark view", "save viewpoint"])
     .keys(group::VIEW, "K", &[Chord::plain(Key::K)]),
     Row::new(
         Command::TOGGLE_PREVIEW,
         "Play the camera path, or stop",
         State::toggle_preview,
     )
+    .also(&["preview", "animate", "fly-through"])
     .keys(group::VIEW, "Shift+K", &[Chord::shift(Key::K)])
     .applies(needs_path),
     Row::new(Command::NEW_PATH, "New camera path", |state| {
@@ -248,7 +257,7 @@ const COMMANDS: &[Row] = &[
 fn needs_path(state: &State) -> Result<(), &'static str> {
     match state.features.path.draft.path() {
         Some(_) => Ok(()),
-        None => Err("The camera path has no keyframes yet: K sets one of what is shown"),
+        None => Err("The camera path has no keyframes yet: press K to set one"),
     }
 }
 

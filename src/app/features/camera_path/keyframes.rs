@@ -106,7 +106,7 @@ fn row(ui: &mut Ui, draft: &Draft, index: usize, is_present: bool, fps: f64) -> 
             .max_decimals(2);
         let response = ui.add_sized(frame, drag);
         named(&response, format!("Frame of keyframe {number}"));
-        response.on_hover_text("The frame that is shown then; beyond the last one the sequence begins anew");
+        response.on_hover_text("The frame at this time; past the last one the sequence starts over");
         if shown != key.frame + 1.0 {
             asked = Some(Asked::Frame(shown - 1.0));
         }
@@ -157,7 +157,7 @@ fn pace_choice(ui: &mut Ui, number: usize, width: f32, pace: f64) -> Option<f64>
         })
         .response;
     named(&response, format!("After keyframe {number}"));
-    response.on_hover_text("What the sequence does until the next keyframe");
+    response.on_hover_text("Playback of the sequence until the next keyframe");
     chosen
 }
 

@@ -74,7 +74,7 @@ fn time_ui(ui: &mut Ui, path: &mut PathEditor) -> Option<PathRequest> {
         for (text, tooltip, command) in [
             (
                 "Add keyframe",
-                "What is shown becomes the view of the path at this time",
+                "Sets the view of the path at this time to the current one",
                 Command::ADD_KEYFRAME,
             ),
             if path.is_playing() {
@@ -158,7 +158,7 @@ fn file_ui(ui: &mut Ui, path: &mut PathEditor) -> Option<Command> {
         ] {
             let button = ui.add_enabled(is_offered, Button::new(text));
             let button = button.on_hover_text(tooltip);
-            let button = button.on_disabled_hover_text("There are no keyframes yet");
+            let button = button.on_disabled_hover_text("No keyframes yet");
             named(&button, name);
             if button.clicked() {
                 asked = Some(command);

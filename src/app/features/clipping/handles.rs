@@ -86,7 +86,7 @@ fn handles(shape: ClipShape, frames: &ClippedFrames) -> Vec<Handle> {
                 place[axis] = end[axis];
                 let (name, color) = AXES[axis];
                 Handle {
-                    name: format!("{name} {} in the picture", if is_max { "to" } else { "from" }),
+                    name: format!("{name} {} in the view", if is_max { "to" } else { "from" }),
                     place,
                     direction: DVec3::AXES[axis],
                     value: end[axis],
@@ -102,7 +102,7 @@ fn handles(shape: ClipShape, frames: &ClippedFrames) -> Vec<Handle> {
             let place = foot(direction, offset / normal.length(), frames.corners());
             let axis = DVec3::AXES.iter().position(|axis| *axis == direction);
             vec![Handle {
-                name: "Plane in the picture".to_owned(),
+                name: "Plane in the view".to_owned(),
                 place,
                 direction,
                 value: offset,

@@ -5,7 +5,7 @@ use super::handles::handles_ui;
 use super::panel::{ClipContext, clip_ui};
 use crate::app::features::clipping::{ClippedFrames, KnownBounds};
 use crate::app::features::feature::{Feature, FeatureOf};
-use crate::app::settings_row::{SettingsPart, SettingsRow};
+use crate::app::settings_row::{NamedRow, SettingsPart, SettingsRow};
 use crate::app::state::State;
 use crate::app::widgets::overlay::PictureOverlay;
 use crate::math::Aabb;
@@ -66,6 +66,28 @@ impl Feature<State> for FeatureOf<Clipping> {
         const SETTINGS: &[SettingsRow<State>] = &[SettingsRow {
             part: SettingsPart::Clip,
             rank: 0,
+            named: &[NamedRow {
+                title: "Clip",
+                text: "Clip to a box or a plane…",
+                hint: "Hides everything outside of a box, or on one side of a plane, in one frame or in all",
+                also: &[
+                    "crop",
+                    "bounding box",
+                    "show bounds",
+                    "section",
+                    "slice",
+                    "cross section",
+                    "cut",
+                    "cutting plane",
+                    "clipping plane",
+                    "clip box",
+                    "trim",
+                    "region of interest",
+                    "roi",
+                    "isolate",
+                    "cull",
+                ],
+            }],
             show: clip,
         }];
         SETTINGS

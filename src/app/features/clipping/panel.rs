@@ -54,8 +54,7 @@ pub(super) fn clip_ui(ui: &mut Ui, context: &mut ClipContext<'_>) {
                 ClipShape::Box { min, max } => edges(ui, [min, max], speed),
                 ClipShape::Plane { .. } => plane(ui, &mut clip.shape, &frames, speed),
             }
-            let tooltip = "The edges of the box, or where the plane is, over the picture, with handles to drag; never \
-                in what is exported";
+            let tooltip = "Shows the box or the plane over the view, with handles to drag; never exported";
             row(
                 ui,
                 "Outline",
@@ -80,14 +79,14 @@ fn fits(ui: &mut Ui, clip: &mut Clip, clipping: &mut Clipping, frames: &ClippedF
             (
                 ClipFit::ThisFrame,
                 "This frame",
-                "The box around the frame that is shown, or the plane through its middle: parts of others may be cut \
-                 off",
+                "Fits the box to the current frame, or puts the plane through its centre; other frames may be cut \
+                    off",
             ),
             (
                 ClipFit::AllFrames,
                 "All frames",
-                "The box around all frames, or the plane through their middle: a box grows with frames that are read \
-                 later, until it is changed",
+                "Fits the box to all frames, or puts the plane through their centre; a box grows with frames that \
+                    are read later, until it is changed",
             ),
         ] {
             if ui.button(text).on_hover_text(tooltip).clicked() {
@@ -124,13 +123,13 @@ fn kind(ui: &mut Ui, clip: &mut Option<Clip>, clipping: &mut Clipping, frames: &
     choice(
         ui,
         "Clipping",
-        "Draws a part of the cloud: a point, splat or voxel stays where its middle is inside. Byte codes cannot be \
-         cut: their surfels are drawn as disks meanwhile",
+        "Draws a part of the cloud: points, splats and voxels whose centre is inside. Byte codes cannot be \
+            clipped: their surfels are drawn as disks",
         &mut chosen,
         &[
             ("Off", ClipKind::Off, "All is drawn"),
-            ("To a box", ClipKind::Box, "What is between two corners"),
-            ("At a plane", ClipKind::Plane, "What is on one side of a plane"),
+            ("To a box", ClipKind::Box, "The inside of a box"),
+            ("At a plane", ClipKind::Plane, "One side of a plane"),
         ],
     );
     if chosen == before {
@@ -191,7 +190,7 @@ fn plane(ui: &mut Ui, shape: &mut ClipShape, frames: &ClippedFrames, speed: f64)
         return;
     };
     let before = *normal;
-    let axes = AXES.map(|(name, axis)| (name, axis, "The plane stands across this axis of the file"));
+    let axes = AXES.map(|(name, axis)| (name, axis, "The plane is perpendicular to this axis of the file"));
     choice(
         ui,
         "Plane across",

@@ -16,8 +16,8 @@ use std::time::Duration;
 
 const COMMANDS: &[Row] = &[
     Row::new(Command::TOGGLE_COMPARISON, "Compare A/B", State::toggle_comparison)
-        .what("Compare two ways to draw")
-        .also(&["split", "diff"])
+        .what("Compare A/B: two render modes")
+        .also(&["split screen", "diff", "side by side", "before and after"])
         .keys(group::VIEW, "C", &[Chord::plain(Key::C)])
         .on_if(|state| state.features.comparison.is_some()),
 ];
@@ -53,6 +53,7 @@ impl Feature<State> for FeatureOf<Option<Comparison>> {
         const PANELS: &[PanelRow<State>] = &[PanelRow {
             id: None,
             menu: None,
+            also: &[],
             place: Dock::Top("comparison", |state: &State| state.features.comparison.is_some()),
             show: bar,
         }];

@@ -38,8 +38,8 @@ pub(in crate::app) fn comparison_ui(ui: &mut Ui, comparison: &mut Comparison) ->
         difference_ui(ui, &comparison.pictures);
         ui.separator();
         for (side, text, tooltip) in [
-            (Side::B, "Use B", "Back to one picture, with the settings of B"),
-            (Side::A, "Close", "Back to one picture, with the settings of A (C)"),
+            (Side::B, "Use B", "Ends the comparison and keeps the settings of B"),
+            (Side::A, "Close", "Ends the comparison and keeps the settings of A (C)"),
         ] {
             if ui.button(text).on_hover_text(tooltip).clicked() {
                 used = Some(side);
@@ -53,9 +53,7 @@ pub(in crate::app) fn comparison_ui(ui: &mut Ui, comparison: &mut Comparison) ->
 /// Whether the pictures are shown, or where they differ.
 pub(in crate::app) fn error_map_ui(ui: &mut Ui, pictures: &mut PicturePair) {
     ui.add(Checkbox::new(&mut pictures.shows_difference, "Error map"))
-        .on_hover_text(
-            "FLIP of each pixel, A being the truth: black where nobody sees a difference, pale where it is largest",
-        );
+        .on_hover_text("FLIP per pixel with A as the reference: black is no visible difference, pale is the largest");
 }
 
 /// How far the pictures are from each other.
@@ -65,12 +63,12 @@ pub(in crate::app) fn difference_ui(ui: &mut Ui, pictures: &PicturePair) {
         Some(difference) => {
             let numbers = numbers(difference.flip, difference.psnr_db, difference.ssim);
             ui.monospace(numbers).on_hover_text(
-                "Of the whole pictures. FLIP: 0 equal, 1 as different as can be. PSNR: infinite for equal pictures. \
-                 SSIM: 1 for equal pictures",
+                "Of the whole images. FLIP: 0 is equal, 1 the largest difference. PSNR: infinite for equal images. \
+                    SSIM: 1 for equal images",
             );
         }
         None => {
-            ui.weak("Compared when the pictures rest");
+            ui.weak("Compared when the view is still");
         }
     }
 }

@@ -41,6 +41,12 @@ impl State {
         }
     }
 
+    /// Shows the choices of a video in this format.
+    fn export_video(&mut self, subject: ExportSubject, format: VideoFormat) {
+        self.toggle_export(Some(subject));
+        self.features.export.format = format;
+    }
+
     /// Chooses what is exported; the rate becomes the usual one of that.
     pub fn choose_export(&mut self, subject: ExportSubject) {
         let clock = self.player.as_ref().map(Player::clock);
@@ -85,7 +91,7 @@ impl State {
             (ExportSubject::Picture, _) => to_file("png"),
             (_, VideoFormat::PngFiles) => {
                 let take = |state: &mut Self, place: PathBuf| state.features.export.take_place(true, &place);
-                Dialog::folder("Folder of the pictures", take).named(name)
+                Dialog::folder("Folder of the images", take).named(name)
             }
             (_, VideoFormat::Gif) => to_file("gif"),
             (_, VideoFormat::Webp) => to_file("webp"),
@@ -104,7 +110,7 @@ impl State {
             let name = job.output.display();
             return self
                 .notices
-                .error(format!("{name} is a file of what is open: choose another name"));
+                .error(format!("{name} is a file of the open sequence: choose another name"));
         }
         let name = job.output.file_name().unwrap_or_default();
         let name = format!("Exporting {}", name.to_string_lossy());
@@ -191,7 +197,7 @@ impl State {
                 let place = exported.output.display();
                 self.notices.info(match exported.pictures {
                     1 => format!("Exported {place}"),
-                    count => format!("Exported {count} pictures: {place}"),
+                    count => format!("Exported {count} images: {place}"),
                 });
                 for failure in exported.failed.into_iter().take(3) {
                     self.notices.warn(failure);
@@ -205,14 +211,68 @@ impl State {
 
 const COMMANDS: &[Row] = &[
     Row::new(Command::TOGGLE_EXPORT, "Export…", |state| state.toggle_export(None))
-        .what("Export a picture or a video")
-        .hint("Pictures of any size, turntables, camera paths and the sequence as videos")
-        .also(&["render", "record"])
+        .what("Export an image or a video…")
+        .hint("Images of any size, turntables, camera paths and the sequence as videos")
+        .also(&[
+            "render",
+            "record screen",
+            "screen recording",
+            "make movie",
+            "animation",
+            "save video",
+            "render image",
+            "high resolution image",
+            "poster",
+            "4k",
+            "png",
+        ])
         .keys(group::FILE, "Shift+P", &[Chord::shift(Key::P)])
         .applies(needs_sequence),
     Row::new(Command::EXPORT_PATH, "Export the camera path", |state| {
         state.toggle_export(Some(ExportSubject::Path));
-    }),
+    })
+    .what("Export the camera path as a video…")
+    .also(&["fly-through", "animation", "flight", "movie"]),
+    Row::new(Command::new("export mp4"), "Export as MP4…", |state| {
+        state.export_video(ExportSubject::Sequence, VideoFormat::Mp4);
+    })
+    .what("Export video as MP4…")
+    .also(&["movie", "record", "h264", "avi", "render animation"])
+    .applies(needs_sequence),
+    Row::new(Command::new("export gif"), "Export as GIF…", |state| {
+        state.export_video(ExportSubject::Sequence, VideoFormat::Gif);
+    })
+    .what("Export video as GIF…")
+    .also(&["animated image", "record"])
+    .applies(needs_sequence),
+    Row::new(Command::new("export webp"), "Export as WebP…", |state| {
+        state.export_video(ExportSubject::Sequence, VideoFormat::Webp);
+    })
+    .what("Export video as WebP…")
+    .applies(needs_sequence),
+    Row::new(Command::new("export images"), "Export as numbered images…", |state| {
+        state.export_video(ExportSubject::Sequence, VideoFormat::PngFiles);
+    })
+    .what("Export every frame as a PNG image…")
+    .also(&["image sequence", "png files", "frames to images"])
+    .applies(needs_sequence),
+    Row::new(Command::new("export turntable"), "Export a turntable…", |state| {
+        state.toggle_export(Some(ExportSubject::Turntable));
+    })
+    .what("Export a turntable video…")
+    .also(&["spin video", "360", "orbit video", "rotating gif"])
+    .applies(needs_sequence),
+    Row::new(
+        Command::new("export transparent"),
+        "Export with transparent background…",
+        |state| {
+            state.toggle_export(Some(ExportSubject::Picture));
+            state.features.export.is_transparent = true;
+        },
+    )
+    .what("Background: transparent, in an exported image…")
+    .also(&["alpha channel", "no background", "remove background", "cut out"])
+    .applies(needs_sequence),
 ];
 
 impl Feature<State> for FeatureOf<Export> {

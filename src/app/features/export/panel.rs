@@ -18,7 +18,7 @@ const SIZES: [(&str, [u32; 2], &str); 6] = [
     (
         "16384 × 16384",
         [16_384, 16_384],
-        "A poster, drawn in parts: as wide as videos can be, pictures can be larger",
+        "A poster, rendered in tiles: the maximum of videos; images can be larger",
     ),
 ];
 
@@ -64,14 +64,14 @@ pub(in crate::app) fn export_ui(
                 row(
                     ui,
                     "Legend",
-                    "What the colours mean is drawn over the pictures, where they show numbers or classes",
+                    "Draws the colour legend over the images, where colours show numbers or classes",
                     Checkbox::new(&mut export.has_legend, "Drawn"),
                 );
                 row(
                     ui,
                     "Scale bar",
-                    "A bar of a round length at the lower left; in perspective it is true at the distance of the \
-                     middle of the orbit",
+                    "Draws a scale bar at the lower left; in perspective it is exact at the distance of the \
+                        orbit's centre",
                     Checkbox::new(&mut export.has_scale_bar, "Drawn"),
                 );
                 request = place(ui, export, of);
@@ -88,24 +88,24 @@ fn subject(ui: &mut Ui, export: &mut Export, of: &Exportable) {
     choice(
         ui,
         "What",
-        "What the picture or the video shows, drawn as on the screen",
+        "Content of the image or the video, rendered as on screen",
         &mut subject,
         &[
-            ("Picture", ExportSubject::Picture, "What is on the screen, in any size"),
+            ("Image", ExportSubject::Picture, "The current view, in any size"),
             (
                 "Turntable",
                 ExportSubject::Turntable,
-                "The camera turns about the up axis, from where it is",
+                "The camera orbits about the up axis, from its current position",
             ),
             (
                 "Camera path",
                 ExportSubject::Path,
-                "The camera path from its first keyframe to its last",
+                "The camera path from the first keyframe to the last",
             ),
             (
                 "Sequence",
                 ExportSubject::Sequence,
-                "The frames from in to out point, as they play, from where the camera is",
+                "The frames from in to out point, as they play, from the current viewpoint",
             ),
         ],
     );
@@ -115,12 +115,12 @@ fn subject(ui: &mut Ui, export: &mut Export, of: &Exportable) {
 }
 
 fn size(ui: &mut Ui, export: &mut Export, of: &Exportable) {
-    let mut choices = vec![("As the window", None, "The size of the picture now")];
+    let mut choices = vec![("As the window", None, "The current size of the view")];
     choices.extend(SIZES.map(|(text, size_px, tooltip)| (text, Some(size_px), tooltip)));
     choice(
         ui,
         "Size",
-        "Width and height of the pictures",
+        "Width and height of the images",
         &mut export.size_px,
         &choices,
     );
@@ -128,7 +128,7 @@ fn size(ui: &mut Ui, export: &mut Export, of: &Exportable) {
     let mut size_px = before;
     let range = 1..=export.max_edge_px();
     for (name, edge) in ["Width", "Height"].into_iter().zip(&mut size_px) {
-        let tooltip = "Pixels; what is larger than a texture is drawn in parts";
+        let tooltip = "Pixels; images larger than a texture are rendered in tiles";
         let drag = DragValue::new(edge).range(range.clone()).suffix(" px");
         row(ui, name, tooltip, drag);
     }
@@ -140,20 +140,20 @@ fn size(ui: &mut Ui, export: &mut Export, of: &Exportable) {
 fn turntable(ui: &mut Ui, export: &mut Export) {
     row(
         ui,
-        "Pictures",
-        "How many pictures the turns take; the last one leads to the first",
+        "Images",
+        "Number of images of all revolutions; the last one leads to the first",
         DragValue::new(&mut export.pictures).range(2..=100_000),
     );
     row(
         ui,
-        "Turns",
-        "About the up axis; negative the other way",
+        "Revolutions",
+        "Revolutions about the up axis; negative in the other direction",
         DragValue::new(&mut export.turns).range(-1000.0..=1000.0).speed(0.02),
     );
     row(
         ui,
         "Frame",
-        "The frame that is shown stays, in place of playing the sequence meanwhile",
+        "Holds the current frame instead of playing the sequence",
         Checkbox::new(&mut export.holds_frame, "Held"),
     );
 }
@@ -162,7 +162,7 @@ fn video(ui: &mut Ui, export: &mut Export) {
     row(
         ui,
         "Rate",
-        "Pictures a second; GIF shows at most 50",
+        "Frames per second (fps); at most 50 in GIF",
         Slider::new(&mut export.per_second, 1.0..=120.0)
             .clamping(egui::SliderClamping::Edits)
             .suffix(" /s"),
@@ -171,7 +171,7 @@ fn video(ui: &mut Ui, export: &mut Export) {
 }
 
 fn format(ui: &mut Ui, export: &mut Export) {
-    let tooltip = "What the video is written as";
+    let tooltip = "File format of the video";
     let label = ui.label("Format").on_hover_text(tooltip);
     let list = ComboBox::from_id_salt("format")
         .selected_text(format_name(export.format))
@@ -181,9 +181,9 @@ fn format(ui: &mut Ui, export: &mut Export) {
                     VideoFormat::Mp4,
                     "H.264, for players and slides: small, nearly the same colours",
                 ),
-                (VideoFormat::Gif, "Runs everywhere; 255 colours a picture"),
+                (VideoFormat::Gif, "Runs everywhere; 255 colours per image"),
                 (VideoFormat::Webp, "Lossless and transparent, for browsers"),
-                (VideoFormat::PngFiles, "A numbered file a picture, for other programs"),
+                (VideoFormat::PngFiles, "One numbered file per image, for other programs"),
             ] {
                 let is_there = format != VideoFormat::Mp4 || export.has_ffmpeg;
                 let button = Button::selectable(export.format == format, format_name(format));
@@ -210,7 +210,7 @@ fn format_name(format: VideoFormat) -> &'static str {
 }
 
 fn background(ui: &mut Ui, export: &mut Export) {
-    let tooltip = "Nothing is behind the cloud, in place of the background of the settings";
+    let tooltip = "Transparent instead of the background of the settings";
     let label = ui.label("Background").on_hover_text(tooltip);
     let mut has_alpha = export.has_alpha();
     let check = ui.add_enabled(export.can_have_alpha(), Checkbox::new(&mut has_alpha, "Transparent"));
@@ -229,7 +229,7 @@ fn background(ui: &mut Ui, export: &mut Export) {
 
 fn place(ui: &mut Ui, export: &mut Export, of: &Exportable) -> Option<ExportRequest> {
     let mut request = None;
-    let tooltip = "The folder that it is written to";
+    let tooltip = "Output folder";
     let label = ui.label("Folder").on_hover_text(tooltip);
     ui.horizontal(|ui| {
         let field = TextEdit::singleline(&mut export.folder).desired_width(FIELD_WIDTH);
@@ -240,7 +240,7 @@ fn place(ui: &mut Ui, export: &mut Export, of: &Exportable) -> Option<ExportRequ
         }
     });
     ui.end_row();
-    let tooltip = "The name of the file; pictures of a video as PNG files get numbers";
+    let tooltip = "File name; images of a video as PNG files are numbered";
     let label = ui.label("Name").on_hover_text(tooltip);
     ui.horizontal(|ui| {
         let mut name = export.file_stem(&of.stem);
@@ -262,12 +262,12 @@ fn start(ui: &mut Ui, export: &mut Export, of: &Exportable) -> Option<ExportRequ
     } else {
         ui.weak(summary(export, of));
         if export.replaces(of) {
-            ui.label(RichText::new("A file of this name is there: it is replaced").color(ui.visuals().warn_fg_color));
+            ui.label(RichText::new("A file of this name exists: it is replaced").color(ui.visuals().warn_fg_color));
         }
     }
     let button = ui.add_enabled(problem.is_none(), Button::new("Export"));
     if button
-        .on_hover_text("Begins it, with everything as it is now; the window stays free")
+        .on_hover_text("Starts the export with the current settings, in the background")
         .clicked()
     {
         return Some(ExportRequest::Start);
@@ -280,7 +280,7 @@ fn summary(export: &Export, of: &Exportable) -> String {
     let count = export.picture_count(of);
     let seconds = count as f64 / export.per_second;
     match export.subject {
-        ExportSubject::Picture => format!("A picture of {width} × {height}"),
-        _ => format!("{count} pictures of {width} × {height}, {seconds:.1} s"),
+        ExportSubject::Picture => format!("1 image of {width} × {height}"),
+        _ => format!("{count} images of {width} × {height}, {seconds:.1} s"),
     }
 }

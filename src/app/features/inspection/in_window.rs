@@ -25,8 +25,18 @@ const COMMANDS: &[Row] = &[
     Row::new(Command::PICK_POINTS, "Point values", |state| {
         state.features.inspection.toggle(Tool::Point);
     })
-    .what("Show the values of points")
-    .hint("A click on a point shows all that its file says of it")
+    .what("Point values: show on click")
+    .also(&[
+        "pick",
+        "query",
+        "probe",
+        "inspect",
+        "info",
+        "coordinates",
+        "attributes",
+        "select point",
+    ])
+    .hint("A click on a point shows all of its attributes")
     .keys(group::POINTS, "I", &[Chord::plain(Key::I)])
     .in_menu(Menu::Tools)
     .on_if(|state| state.features.inspection.tool == Tool::Point),
@@ -34,7 +44,7 @@ const COMMANDS: &[Row] = &[
         state.features.inspection.toggle(Tool::Measure);
     })
     .hint("Clicks on points measure distances, angles and heights")
-    .also(&["ruler", "distance"])
+    .also(&["ruler", "distance", "angle", "height", "length", "dimension", "tape"])
     .keys(group::POINTS, "M", &[Chord::plain(Key::M)])
     .in_menu(Menu::Tools)
     .on_if(|state| state.features.inspection.tool == Tool::Measure),

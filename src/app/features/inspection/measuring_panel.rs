@@ -59,8 +59,8 @@ fn list(ui: &mut Ui, measurements: &mut Vec<Measurement>, up: DVec3, unit: Optio
                 let value = value_text(measurement.gauge, measurement.value(up), unit);
                 ui.label(measurement.gauge.name());
                 ui.label(RichText::new(value).monospace()).on_hover_text(
-                    "Lengths in the unit of the file, angles in degrees; points are followed through frames of as many \
-                        points",
+                    "Lengths in the units of the file, angles in degrees; points are followed through frames with \
+                        the same number of points",
                 );
                 let delete = ui
                     .add(Button::new("Delete").small())

@@ -160,7 +160,7 @@ fn color_rows(values: &Pick) -> Vec<ValueRow> {
     rows.push(ValueRow::new(
         "Drawn as",
         drawn,
-        "Red, green and blue of the picture without light, 0 to 255",
+        "Red, green and blue without lighting, 0 to 255",
     ));
     rows
 }
@@ -183,18 +183,18 @@ fn trail_rows(measure: &TrailMeasure, unit: Option<LengthUnit>) -> Vec<ValueRow>
         (
             "Travelled",
             measure.length,
-            "The length of the trail from in to out point, scene units; what lies across breaks is left out",
+            "Length of the trail from in to out point, scene units, without its breaks",
         ),
         (
             "Mean speed",
             measure.mean_speed,
-            "The length of the trail by its time, scene units a second: by time stamps, else at the frame rate of the \
-             timeline",
+            "Mean speed along the trail, scene units per second: by timestamps, else at the frame rate of the \
+                timeline",
         ),
         (
             "Largest speed",
             measure.max_speed,
-            "The largest speed from one frame to the next, scene units a second",
+            "Maximum speed from one frame to the next, scene units per second",
         ),
     ];
     let row = |(name, value, tooltip): (&str, f64, &str)| {

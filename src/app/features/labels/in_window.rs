@@ -26,7 +26,7 @@ impl State {
     /// Puts a label at a point of `frame`, which is of the sequence `side`.
     pub(in crate::app) fn put_label(&mut self, side: Side, pick: &Pick, frame: &PreparedFrame) {
         if side == Side::B {
-            let text = "Labels are put at points of the open sequence, not of the one beside it";
+            let text = "Labels are put at points of the open sequence, not of the compared one";
             return self.notices.hint(text);
         }
         let label = Label {
@@ -106,8 +106,8 @@ impl State {
 
 const COMMANDS: &[Row] = &[Row::new(Command::PUT_LABELS, "Label", State::toggle_label_tool)
     .what("Put labels at points")
-    .hint("Clicks put texts at points, in the window, in pictures and in videos")
-    .also(&["annotate", "annotation"])
+    .hint("Clicks put labels at points, shown in the window, in images and in videos")
+    .also(&["annotate", "annotation", "text", "callout", "add label", "tag", "pin"])
     .keys(group::POINTS, "N", &[Chord::plain(Key::N)])
     .in_menu(Menu::Tools)
     .on_if(|state| state.features.inspection.tool == Tool::Label)];
@@ -137,7 +137,8 @@ impl Feature<State> for FeatureOf<Labels> {
     }
 
     fn panels(&self) -> &'static [PanelRow<State>] {
-        const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PANEL, "Labels…", labels)];
+        const PANELS: &[PanelRow<State>] =
+            &[PanelRow::in_menu(PANEL, "Labels…", labels).also(&["annotations", "list of labels", "markers"])];
         PANELS
     }
 

@@ -56,12 +56,12 @@ pub(in crate::app) fn labels_ui(
                 if button.on_hover_text(tooltip).clicked() {
                     request = Some(LabelsRequest::ToggleTool);
                 }
-                let tooltip = "In the window, in exported pictures and in videos";
+                let tooltip = "In the window, in exported images and in videos";
                 ui.add(Checkbox::new(&mut labels.is_shown, "Show labels"))
                     .on_hover_text(tooltip);
             });
             if labels.list.is_empty() {
-                ui.weak("Click on a point of the picture. Labels follow it through frames of as many points.");
+                ui.weak("Click on a point. Labels follow it through frames with the same number of points.");
             } else {
                 request = list_ui(ui, labels, frame_count).or(request);
             }

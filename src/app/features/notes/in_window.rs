@@ -9,7 +9,8 @@ use egui::Ui;
 
 impl Feature<State> for FeatureOf<Notes> {
     fn panels(&self) -> &'static [PanelRow<State>] {
-        const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PANEL, "Notes…", notes)];
+        const PANELS: &[PanelRow<State>] =
+            &[PanelRow::in_menu(PANEL, "Notes…", notes).also(&["comment", "description", "metadata"])];
         PANELS
     }
 }

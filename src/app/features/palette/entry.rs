@@ -1,39 +1,13 @@
-//! What the palette offers, and what choosing it does.
+//! Entries of the palette, and the effect of choosing one.
 
-use crate::app::command::Command;
-use crate::app::presets::built_in;
-use crate::bench::suites;
-use crate::scene::describe::{Described, Shorthand, Value, Values};
+use super::rank::{NumberUse, Text};
+use crate::app::command::{Command, Offer, OfferNumber};
+use crate::app::settings_row::NamedRow;
+use crate::scene::describe::{Described, Kind, Numbers, Shorthand, Unit, Value, Values};
 use crate::scene::{Background, Settings};
 use std::borrow::Cow;
 
-/// What is in the panel of settings and is no setting of drawing: its name, what it does, and the title of its row.
-const IN_PANEL: &[(&str, &str, &str)] = &[
-    (
-        "Clip to a box or a plane…",
-        "What is outside is left out, of one frame or of all",
-        "Clip",
-    ),
-    ("Up axis…", "Which axis of the file is up", "Up axis"),
-    (
-        "Change map…",
-        "Points in the colours of their distances to another frame",
-        "Change map",
-    ),
-    ("Onion skin…", "Ghosts of the frames before and after", "Onion skin"),
-    (
-        "Quality: measure…",
-        "Draws the sequence in every way, for the fastest below an error",
-        "Quality",
-    ),
-    (
-        "Painted by…",
-        "Whether the graphics card or the processor paints the window",
-        "Painted by",
-    ),
-];
-
-/// What choosing an entry does.
+/// Effect of choosing an entry.
 #[derive(Debug, Clone)]
 pub(in crate::app) enum Action {
     /// Runs a command.
@@ -46,36 +20,39 @@ pub(in crate::app) enum Action {
     Give(Command, Cow<'static, str>),
     /// Shows the row of this title in the panel of settings.
     ShowSetting(&'static str),
+    /// Begins another query with this text.
+    Type(Cow<'static, str>),
 }
 
-/// What the palette offers.
+/// An entry of the palette.
 #[derive(Debug, Clone)]
 pub(in crate::app) struct Entry {
     pub(in crate::app) text: Cow<'static, str>,
-    /// What it does, where a name does not say enough; found as well, behind what has the words in its name.
+    /// A sentence about it; found as well, behind what has the words in its name.
     pub(in crate::app) hint: &'static str,
-    /// As a person reads them; empty without any.
+    /// Its keys for people; empty without any.
     pub(in crate::app) keys: &'static str,
     pub(in crate::app) action: Action,
-    /// More of what it does; found as its name is.
-    pub(in crate::app) what: &'static str,
-    /// Words of other programs that find it.
-    pub(in crate::app) synonyms: &'static [&'static str],
-    /// Why it cannot be chosen now.
+    /// Another name, found as its text is.
+    pub(in crate::app) other_name: Cow<'static, str>,
+    /// Words of people and of other programs that find it: of its row, and of its value.
+    pub(in crate::app) also: [&'static [&'static str]; 2],
+    /// The reason why it cannot be chosen now.
     pub(in crate::app) why_not: Option<&'static str>,
+    pub(super) number: NumberUse,
 }
 
 impl Entry {
     fn new(text: impl Into<Cow<'static, str>>, hint: &'static str, action: Action) -> Self {
-        let text = text.into();
         Self {
-            text,
+            text: text.into(),
             hint,
             keys: "",
             action,
-            what: "",
-            synonyms: &[],
+            other_name: "".into(),
+            also: [&[], &[]],
             why_not: None,
+            number: NumberUse::None,
         }
     }
 
@@ -83,73 +60,175 @@ impl Entry {
     pub(super) fn of_command(text: impl Into<Cow<'static, str>>, command: Command) -> Self {
         Self::new(text, "", Action::Run(command))
     }
+
+    /// A value that a command takes.
+    pub(super) fn of_offer(offer: Offer, command: Command) -> Self {
+        let number = match offer.number {
+            OfferNumber::None => NumberUse::None,
+            OfferNumber::WithWords => NumberUse::WithWords,
+            OfferNumber::Alone => NumberUse::Alone,
+        };
+        let action = if offer.is_begun {
+            Action::Type(offer.value)
+        } else {
+            Action::Give(command, offer.value)
+        };
+        Self {
+            also: [offer.also, &[]],
+            why_not: offer.why_not,
+            number,
+            ..Self::new(offer.text, offer.hint, action)
+        }
+    }
+
+    /// A row of the panel of settings.
+    pub(super) fn of_row(row: &NamedRow) -> Self {
+        Self {
+            also: [row.also, &[]],
+            other_name: row.title.into(),
+            ..Self::new(row.text, row.hint, Action::ShowSetting(row.title))
+        }
+    }
+
+    fn also(self, row: &'static [&'static str], value: &'static [&'static str]) -> Self {
+        Self {
+            also: [row, value],
+            ..self
+        }
+    }
+
+    /// Texts to rank it by.
+    pub(super) fn texts(&self, bonus: f32) -> Text<'_> {
+        Text {
+            title: &self.text,
+            other_title: &self.other_name,
+            also: self.also,
+            hint: self.hint,
+            number: self.number,
+            bonus,
+        }
+    }
 }
 
-/// All that there is to find but commands: values of settings, presets and benchmarks.
-pub(super) fn entries(presets: &[String]) -> Vec<Entry> {
-    let settings = Settings::default().settings();
-    let settings = settings.into_iter().flat_map(|(described, _)| values_of(described));
-    let built_in = built_in().into_iter().map(|(name, what, _)| {
-        let action = Action::Give(Command::BUILT_IN_PRESET, name.into());
-        Entry::new(format!("Preset: {name}"), what, action)
-    });
-    let presets = presets.iter().map(|name| {
-        let action = Action::Give(Command::PRESET, name.clone().into());
-        Entry::new(format!("Preset: {name}"), "", action)
-    });
-    let measured = suites::all().map(|suite| {
-        let action = Action::Give(Command::RUN_BENCHMARK, suite.name().into());
-        Entry::new(format!("Benchmark: {}", suite.title), suite.hint, action)
-    });
-    let in_panel = IN_PANEL.iter();
-    let in_panel = in_panel.map(|&(text, hint, title)| Entry::new(text, hint, Action::ShowSetting(title)));
-    in_panel
-        .chain(settings)
-        .chain(built_in)
-        .chain(presets)
-        .chain(measured)
-        .collect()
+/// Entries of all settings; `number` is the one in the query.
+pub(super) fn of_settings(number: Option<f64>) -> impl Iterator<Item = Entry> {
+    let settings = Settings::default().settings().into_iter();
+    settings.flat_map(move |(described, _)| {
+        let with_number = number.and_then(|number| number_of(described, number));
+        let kinds = number.into_iter().flat_map(|number| kinds_of(described, number));
+        let named = values_of(described).into_iter();
+        kinds.chain(with_number).chain(named).collect::<Vec<_>>()
+    })
 }
 
 /// An entry for each value of a setting; one for the setting, where its values are numbers, colours or fields.
 fn values_of(described: &'static Described) -> Vec<Entry> {
-    let named = |value: &str| format!("{}: {value}", described.title);
+    let named = |value: &str| format!("{}: {value}", described.name());
     let set = |value| Action::Set(described.key, value);
     match &described.values {
         Values::Words(words) => {
             let list = words.list.iter().enumerate();
-            let list = list.map(|(place, word)| Entry::new(named(word.title), word.hint, set(Value::Word(place))));
+            let list = list.map(|(place, word)| {
+                let entry = Entry::new(named(word.title), word.hint, set(Value::Word(place)));
+                entry.also(described.also, word.also)
+            });
             let shorthands = described.shorthands.iter();
-            let shorthands =
-                shorthands.map(|short| Entry::new(named(short.word.title), short.word.hint, Action::Take(short)));
+            let shorthands = shorthands.map(|short| {
+                let entry = Entry::new(named(short.word.title), short.word.hint, Action::Take(short));
+                entry.also(described.also, short.word.also)
+            });
             list.chain(shorthands).collect()
         }
         Values::Switch(_) => [("on", true), ("off", false)]
-            .map(|(text, is_on)| Entry::new(named(text), described.hint, set(Value::Switch(is_on))))
+            .map(|(text, is_on)| {
+                let entry = Entry::new(named(text), described.hint, set(Value::Switch(is_on)));
+                entry.also(described.also, &[])
+            })
             .into(),
         Values::Kinds(kinds) => {
             let kinds = kinds.iter().enumerate();
             kinds
                 .map(|(place, kind)| {
                     let number = kind.number.as_ref().map_or(0.0, |number| number.usual);
-                    Entry::new(named(kind.title), kind.hint, set(Value::Kind(place, number)))
+                    let entry = Entry::new(named(kind.title), kind.hint, set(Value::Kind(place, number)));
+                    entry.also(described.also, kind.also)
                 })
                 .collect()
         }
-        // Its title is one of a list of backgrounds in a section of the panel.
         Values::Background => Background::PRESETS
             .iter()
             .map(|&(_, title, preset)| {
-                let text = format!("Background: {title}");
-                Entry::new(text, "What is behind the cloud", set(Value::Background(preset)))
+                let entry = Entry::new(named(title), described.hint, set(Value::Background(preset)));
+                entry.also(described.also, &[])
             })
             .collect(),
-        Values::Number(_) | Values::Colors | Values::Environment => {
-            vec![Entry::new(
-                named("…").replace(": …", "…"),
-                described.hint,
-                Action::ShowSetting(described.title),
-            )]
+        Values::Number(_) | Values::Environment => {
+            let show = Action::ShowSetting(described.title);
+            let entry = Entry::new(format!("{}…", described.name()), described.hint, show);
+            vec![entry.also(described.also, &[])]
         }
+        // A command offers them: they depend on what is open.
+        Values::Colors => Vec::new(),
+    }
+}
+
+/// The entry that gives a setting a number.
+fn number_of(described: &'static Described, number: f64) -> Option<Entry> {
+    let Values::Number(numbers) = &described.values else {
+        return None;
+    };
+    let number = taken(numbers, number)?;
+    let text = format!("Set {} to {}", begun_small(described.name()), shown(numbers, number));
+    let action = Action::Set(described.key, Value::Number(number));
+    Some(Entry {
+        number: NumberUse::WithWords,
+        ..Entry::new(text, described.hint, action).also(described.also, &[])
+    })
+}
+
+/// The entries that give a setting a kind of value with a number.
+fn kinds_of(described: &'static Described, number: f64) -> Vec<Entry> {
+    let Values::Kinds(kinds) = &described.values else {
+        return Vec::new();
+    };
+    let entry = |(place, kind): (usize, &'static Kind)| {
+        let told = kind.number.as_ref()?;
+        let number = taken(&told.numbers, number)?;
+        let number_text = shown(&told.numbers, number);
+        let text = format!("{}: {} {number_text}", described.name(), kind.title);
+        let action = Action::Set(described.key, Value::Kind(place, number));
+        Some(Entry {
+            number: NumberUse::WithWords,
+            other_name: told.title.into(),
+            ..Entry::new(text, kind.hint, action).also(described.also, kind.also)
+        })
+    };
+    kinds.iter().enumerate().filter_map(entry).collect()
+}
+
+/// A number that a setting takes. People write fractions as percentages, too.
+fn taken(numbers: &Numbers, number: f64) -> Option<f64> {
+    let is_fraction = matches!(numbers.unit, Unit::Share | Unit::Percent);
+    let number = if is_fraction && number > 1.0 {
+        number / 100.0
+    } else {
+        number
+    };
+    numbers.parse(&number.to_string()).ok()
+}
+
+fn shown(numbers: &Numbers, number: f64) -> String {
+    match numbers.unit {
+        Unit::Is(unit) => format!("{}{unit}", number as f32),
+        Unit::Share | Unit::Percent => numbers.told(number),
+    }
+}
+
+/// A title in a sentence: its first letter is small, if it does not begin with an abbreviation.
+fn begun_small(title: &str) -> String {
+    let mut letters = title.chars();
+    match (letters.next(), letters.clone().next()) {
+        (Some(first), Some(second)) if second.is_lowercase() => first.to_lowercase().chain(letters).collect(),
+        _ => title.to_owned(),
     }
 }

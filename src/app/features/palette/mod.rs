@@ -1,107 +1,77 @@
-//! All that a person can ask for, found by its name: commands, values of settings, presets, benchmarks and panels.
+//! The palette: all that a person can ask for, found by words: commands, the values that they take, values and rows of
+//! settings, panels.
 //!
-//! **How it works.** Each word of the query has to be in the name of an entry, letter after letter, or as it is in what
-//! the entry does; a word that other programs use for the same thing (*screenshot*) is there where ours is (*picture*).
-//! Entries that have the words as they are in their names come first.
+//! **How it works.** Rows of commands, panels and settings bring their names, their synonyms and their offers
+//! (`entry.rs`, `in_window.rs`); [`rank`] compares them with the query. Nothing is named here.
 
 mod entry;
 mod in_window;
 pub(in crate::app) mod panel;
+#[cfg(test)]
+mod phrases;
+mod rank;
+mod words;
 
 pub(in crate::app) use entry::{Action, Entry};
 
 use crate::app::command::Command;
+use rank::Text;
 
-/// Words of other programs, and ours for the same.
-const SYNONYMS: &[(&str, &str)] = &[
-    ("gif", "video"),
-    ("mp4", "video"),
-    ("movie", "video"),
-    ("animation", "video"),
-    ("record", "video"),
-    ("render", "export"),
-    ("sky", "background"),
-    ("colour", "color"),
-    ("color", "colour"),
-    ("splats", "surfels"),
-    ("cubes", "voxels"),
-    ("octree", "cells"),
-    ("shadow", "shadows"),
-    ("edl", "eye-dome"),
-    ("ssao", "occlusion"),
-    ("ao", "occlusion"),
-    ("performance", "benchmark"),
-    ("crop", "clip"),
-    ("section", "clip"),
-    ("slice", "clip"),
-    ("cut", "clip"),
-    ("ghosts", "onion skin"),
-    ("guesses", "assumptions"),
-    ("guessed", "assumptions"),
-    ("depth", "assumptions"),
-    ("scale", "assumptions"),
-    ("columns", "assumptions"),
-    ("intrinsics", "assumptions"),
-    ("no-data", "assumptions"),
-    ("upside", "up axis"),
-    ("orientation", "up axis"),
-];
+/// Recent commands that are listed, and their rank is raised.
+const MAX_RECENT: usize = 8;
+
+/// Most that a recent command is raised by.
+const RECENT_BONUS: f32 = 0.05;
+
+/// The palette of a window.
+#[derive(Debug, Clone, Default)]
+pub struct Palette {
+    /// The query, while the palette is open.
+    pub search: Option<Search>,
+    /// Texts of the entries that were chosen, the last one first.
+    pub(in crate::app) recent: Vec<String>,
+}
 
 /// An open palette.
 #[derive(Debug, Clone, Default)]
-pub struct Palette {
+pub struct Search {
     pub(in crate::app) query: String,
     /// Place of the chosen one among those found.
     pub(in crate::app) chosen: usize,
 }
 
-/// What `query` finds among `commands`, settings, and `presets` of this person.
-pub(in crate::app) fn find(query: &str, presets: &[String], commands: &[Entry]) -> Vec<Entry> {
-    let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
-    let all = commands.iter().cloned().chain(entry::entries(presets));
-    let mut found: Vec<(usize, Entry)> = all
-        .filter(|entry| !matches!(entry.action, Action::Run(Command::TOGGLE_PALETTE)))
-        .filter_map(|entry| {
-            let text = format!("{} {}", entry.text, entry.what).to_lowercase();
-            let hint = entry.hint.to_lowercase();
-            let distances = words.iter().map(|word| distance(word, &text, &hint, entry.synonyms));
-            let distance = distances.sum::<Option<usize>>()?;
-            Some((distance, entry))
-        })
-        .collect();
-    found.sort_by_key(|&(distance, _)| distance);
-    // Letters in their order are in many names by chance: they are for words that are found in no other way.
-    if found.first().is_some_and(|&(distance, _)| distance < LETTERS) {
-        found.retain(|&(distance, _)| distance < LETTERS);
-    }
-    found.into_iter().map(|(_, entry)| entry).collect()
-}
-
-/// The distance of a word that is in a name by its letters alone; beyond the sums of all others.
-const LETTERS: usize = 1 << 16;
-
-/// How far a word is from a name and what the thing of that name does; `None` if it is in neither.
-fn distance(word: &str, text: &str, hint: &str, own_synonyms: &[&str]) -> Option<usize> {
-    // A few letters may begin anything.
-    let is_begun = |theirs: &str| word.len() >= 3 && theirs.starts_with(word) || theirs == word;
-    let mut synonyms = SYNONYMS.iter().filter(|(theirs, _)| is_begun(theirs));
-    if text.contains(word) {
-        Some(0)
-    } else if synonyms.any(|(_, ours)| text.contains(ours)) || own_synonyms.iter().any(|theirs| is_begun(theirs)) {
-        Some(1)
-    } else if word.len() >= 3 && hint.contains(word) {
-        Some(2)
-    } else if is_subsequence(word, text) {
-        Some(LETTERS)
-    } else {
-        None
+impl Search {
+    /// The number in the query.
+    fn number(&self) -> Option<f64> {
+        words::words_of(&self.query).iter().find_map(|word| word.number)
     }
 }
 
-/// Whether the letters of `word` are in `text` in their order.
-fn is_subsequence(word: &str, text: &str) -> bool {
-    let mut letters = text.chars();
-    word.chars().all(|wanted| letters.any(|letter| letter == wanted))
+impl Palette {
+    /// Remembers the entry that was chosen.
+    fn remember(&mut self, text: &str) {
+        self.recent.retain(|other| other != text);
+        self.recent.insert(0, text.to_owned());
+        self.recent.truncate(MAX_RECENT);
+    }
+}
+
+/// Entries for `query` among `all`, best first; all of them, recent ones first, where nothing was typed.
+pub(in crate::app) fn find(query: &str, all: Vec<Entry>, recent: &[String]) -> Vec<Entry> {
+    let words = words::words_of(query);
+    let age = |entry: &Entry| recent.iter().position(|text| *text == entry.text).unwrap_or(MAX_RECENT);
+    let mut all = all;
+    all.retain(|entry| !matches!(entry.action, Action::Run(Command::TOGGLE_PALETTE)));
+    if words.is_empty() {
+        all.sort_by_key(age);
+        return all;
+    }
+    let bonus = |entry: &Entry| RECENT_BONUS * (1.0 - age(entry) as f32 / MAX_RECENT as f32);
+    let texts: Vec<Text<'_>> = all.iter().map(|entry| entry.texts(bonus(entry))).collect();
+    rank::rank(&words, &texts)
+        .into_iter()
+        .map(|place| all[place].clone())
+        .collect()
 }
 
 #[cfg(test)]
@@ -111,44 +81,39 @@ mod tests {
     use crate::scene::Settings;
     use crate::scene::describe::Values;
 
-    fn texts(query: &str) -> Vec<String> {
-        let commands = in_window::commands_of(&State::new(StateOptions::default()));
-        let found = find(query, &["Mine".to_owned()], &commands);
+    pub(super) fn texts_of(state: &State, query: &str) -> Vec<String> {
+        let search = Search {
+            query: query.to_owned(),
+            chosen: 0,
+        };
+        let all = in_window::entries(state, search.number());
+        let found = find(query, all, &state.features.palette.recent);
         found.into_iter().map(|entry| entry.text.into_owned()).collect()
     }
 
-    #[test]
-    fn words_are_found_by_their_letters() {
-        assert!(is_subsequence("orth", "orthographic, perspective"));
-        assert!(is_subsequence("ogc", "orthographic"));
-        assert!(!is_subsequence("gog", "orthographic"));
-        assert!(is_subsequence("", ""));
-        assert_eq!(texts("next mark")[0], "Next marker");
-        assert_eq!(texts("MARK next")[0], "Next marker");
-        assert_eq!(texts("frme nxt")[0], "Next frame");
-        assert!(texts("gif").iter().all(|text| text != "Relighting: Off"));
-        assert_eq!(texts("no such thing at all"), [""; 0]);
-        // As they are before letters scattered over the text.
-        assert_eq!(texts("left")[0], "Left");
+    fn texts(query: &str) -> Vec<String> {
+        texts_of(&State::new(StateOptions::default()), query)
     }
 
     #[test]
-    fn words_of_other_programs_find_ours() {
-        for (query, expected) in [
-            ("gif", "Export…"),
-            ("movie", "Export…"),
-            ("voxels", "Primitive: Voxels"),
-            ("mine", "Preset: Mine"),
-            ("clip", "Clip to a box or a plane…"),
-            ("crop", "Clip to a box or a plane…"),
-            ("up axis", "Up axis…"),
-            ("shortc", "Keys and mouse"),
-        ] {
-            let found = texts(query);
-            assert!(found.iter().take(4).any(|text| text == expected), "{query}: {found:?}");
-        }
-        assert_eq!(texts("background white")[0], "Background: White");
+    fn commands_are_found_by_parts_of_their_words() {
+        assert_eq!(texts("next mark")[0], "Next marker");
+        assert_eq!(texts("MARK next")[0], "Next marker");
+        assert_eq!(texts("frme nxt")[0], "Next frame");
+        assert_eq!(texts("no such thing at all"), [""; 0]);
+        assert_eq!(texts("left")[0], "Left view");
         assert!(texts("benchmark").len() >= crate::bench::suites::all().count());
+    }
+
+    #[test]
+    fn recent_ones_come_first() {
+        let mut state = State::new(StateOptions::default());
+        state.features.palette.remember("Background: White");
+        state.features.palette.remember("Background: Sky");
+        let recent = ["Background: Sky", "Background: White"];
+        assert_eq!(texts_of(&state, "")[..2], recent);
+        assert_eq!(texts_of(&state, "background")[..2], recent);
+        assert_eq!(texts_of(&state, "background black")[0], "Background: Black");
     }
 
     #[test]
@@ -158,18 +123,14 @@ mod tests {
                 Values::Words(words) => words.list.iter().map(|word| word.title).collect(),
                 Values::Kinds(kinds) => kinds.iter().map(|kind| kind.title).collect(),
                 Values::Switch(_) => vec!["on", "off"],
-                Values::Background => continue,
+                Values::Background | Values::Colors => continue,
                 _ => vec![""],
             };
+            let title = described.name();
             for name in names {
-                let found = texts(&format!("{} {name}", described.title));
-                let is_it = |text: &String| text.starts_with(described.title) && text.ends_with(name);
-                let is_field = |text: &String| name.is_empty() && text.starts_with(described.title);
-                assert!(
-                    found.iter().any(|text| is_it(text) || is_field(text)),
-                    "{} {name}",
-                    described.title
-                );
+                let found = texts(&format!("{title} {name}"));
+                let is_it = |text: &String| text.starts_with(title) && (name.is_empty() || text.ends_with(name));
+                assert!(found.iter().any(is_it), "{title} {name}: {found:?}");
             }
         }
     }

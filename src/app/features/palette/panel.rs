@@ -1,19 +1,20 @@
 //! The window that finds what there is by its name.
 
-use super::{Action, Entry, Palette, find};
+use super::{Entry, Search, find};
 use egui::{Align2, Button, Key, Modifiers, Response, ScrollArea, TextEdit, Ui, Window};
 
 /// Size of the window, points.
 const SIZE: [f32; 2] = [460.0, 320.0];
 
-/// A field and what it finds, while the palette is open. Enter runs, arrows choose, Esc closes. Returns what to do.
+/// A field and what it finds, while the palette is open. Enter runs, arrows choose, Esc closes. Returns the chosen
+/// entry.
 pub(in crate::app) fn palette_ui(
     ui: &Ui,
-    open: &mut Option<Palette>,
-    presets: &[String],
-    commands: &[Entry],
-) -> Option<Action> {
-    let palette = open.as_mut()?;
+    open: &mut Option<Search>,
+    all: Vec<Entry>,
+    recent: &[String],
+) -> Option<Entry> {
+    let search = open.as_mut()?;
     let ctx = ui.ctx();
     // Taken before the field sees them: it would move its cursor or lose its focus by them.
     let pressed = |key| ctx.input_mut(|input| input.consume_key(Modifiers::NONE, key));
@@ -30,7 +31,7 @@ pub(in crate::app) fn palette_ui(
         .fixed_pos([screen.center().x, screen.top() + 60.0])
         .show(ctx, |ui| {
             ui.set_width(SIZE[0]);
-            let field = TextEdit::singleline(&mut palette.query)
+            let field = TextEdit::singleline(&mut search.query)
                 .hint_text("Command")
                 .desired_width(f32::INFINITY);
             let field = ui.add(field);
@@ -38,38 +39,39 @@ pub(in crate::app) fn palette_ui(
             ctx.accesskit_node_builder(field.id, |node| node.set_label(label));
             field.request_focus();
             if field.changed() {
-                palette.chosen = 0;
+                search.chosen = 0;
             }
-            field.on_hover_text("Some letters of each word. Enter runs, arrows choose, Esc closes");
-            let found = find(&palette.query, presets, commands);
+            field.on_hover_text(
+                "Words of a command, a setting or its value, and numbers: frame 12, point size 4. Enter runs, arrows \
+                 choose, Esc closes",
+            );
+            let found = find(&search.query, all, recent);
             let last = found.len().saturating_sub(1);
-            let place = (palette.chosen + usize::from(down)).saturating_sub(usize::from(up));
-            palette.chosen = place.min(last);
-            let entry = found.get(palette.chosen);
-            chosen = entry
-                .filter(|entry| entry.why_not.is_none())
-                .map(|entry| entry.action.clone());
+            let place = (search.chosen + usize::from(down)).saturating_sub(usize::from(up));
+            search.chosen = place.min(last);
+            let entry = found.get(search.chosen);
+            chosen = entry.filter(|entry| entry.why_not.is_none()).cloned();
             if found.is_empty() {
-                ui.weak("Nothing has these words");
+                ui.weak("No matches");
             }
             ScrollArea::vertical().max_height(SIZE[1]).show(ui, |ui| {
                 for (place, entry) in found.iter().enumerate() {
-                    let is_chosen = place == palette.chosen;
+                    let is_chosen = place == search.chosen;
                     let response = row(ui, entry, is_chosen);
                     if is_chosen && (up || down) {
                         response.scroll_to_me(None);
                     }
                     if response.clicked() {
-                        clicked = Some(entry.action.clone());
+                        clicked = Some(entry.clone());
                     }
                 }
             });
         });
-    let action = clicked.or(chosen.filter(|_| is_run));
-    if is_closed || action.is_some() {
+    let entry = clicked.or(chosen.filter(|_| is_run));
+    if is_closed || entry.is_some() {
         *open = None;
     }
-    action
+    entry
 }
 
 /// One of those that are found.
@@ -82,10 +84,9 @@ fn row(ui: &mut Ui, entry: &Entry, is_chosen: bool) -> Response {
         Some(reason) => response.on_disabled_hover_text(reason),
         None => response,
     };
-    let told = if entry.hint.is_empty() { entry.what } else { entry.hint };
-    if told.is_empty() {
+    if entry.hint.is_empty() {
         response
     } else {
-        response.on_hover_text(told)
+        response.on_hover_text(entry.hint)
     }
 }

@@ -57,7 +57,7 @@ pub(in crate::app) fn frusta_ui(
             .interact(area, ui.scope_id().with(("photograph", number)), Sense::click())
             .on_hover_cursor(CursorIcon::PointingHand)
             .on_hover_text(&photo.name);
-        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Stand at {}", photo.name)));
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("View from {}", photo.name)));
         if response.clicked() {
             clicked = Some(number);
         }

@@ -41,7 +41,15 @@ impl Feature<State> for FeatureOf<Photos> {
     }
 
     fn panels(&self) -> &'static [PanelRow<State>] {
-        const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PANEL, "Photographs…", photos)];
+        const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PANEL, "Images and cameras…", photos).also(&[
+            "photographs",
+            "photos",
+            "camera frusta",
+            "camera poses",
+            "colmap",
+            "frustum",
+            "input views",
+        ])];
         PANELS
     }
 }

@@ -265,10 +265,10 @@ impl Photos {
         let count = set.photos.len();
         let (done, of) = (progress.done(), progress.of().unwrap_or(count));
         Some(if of <= count {
-            format!("Loading {done} of {of} photographs")
+            format!("Loading image {done} of {of}")
         } else {
             let percent = 100 * done / of;
-            format!("Finding the surface of {count} photographs, {percent}\u{2009}%")
+            format!("Reconstructing the surface from {count} images, {percent}\u{2009}%")
         })
     }
 

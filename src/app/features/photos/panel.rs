@@ -27,14 +27,14 @@ pub(in crate::app) fn photos_ui(
     corner: Pos2,
 ) -> Option<PhotosRequest> {
     let mut request = None;
-    tool_window(ui.ctx(), PANEL.name(), "Photographs")
+    tool_window(ui.ctx(), PANEL.name(), "Images")
         .open(is_open)
         .default_size(vec2(360.0, 320.0))
         .pivot(Align2::LEFT_TOP)
         .default_pos(corner + vec2(12.0, 12.0))
         .show(ui, |ui| {
             let Some(set) = set else {
-                ui.label("What is open has no photographs: open a folder of COLMAP, Meshroom, Bundler or the like");
+                ui.label("The open sequence has no images: open a COLMAP, Meshroom or Bundler project");
                 return;
             };
             head_ui(ui, photos, set);
@@ -51,16 +51,16 @@ fn head_ui(ui: &mut Ui, photos: &mut Photos, set: &ViewSet) {
     let count = set.photos.len();
     let text = match photos.loading() {
         Some(text) => text,
-        None if count == 1 => "1 photograph".to_owned(),
-        None => format!("{count} photographs"),
+        None if count == 1 => "1 image".to_owned(),
+        None => format!("{count} images"),
     };
     ui.horizontal_wrapped(|ui| {
         ui.label(text);
-        ui.add(Checkbox::new(&mut photos.shows_frusta, "Cameras in the picture"))
-            .on_hover_text("A pyramid where each was taken; a click on one stands there");
+        ui.add(Checkbox::new(&mut photos.shows_frusta, "Show camera frusta"))
+            .on_hover_text("Draws the frustum of each camera; a click on one jumps to that view");
         let has_off = !photos.left_out().is_empty();
         let all = ui.add_enabled(has_off, egui::Button::new("Use all"));
-        if all.on_hover_text("Puts all photographs on the surface again").clicked() {
+        if all.on_hover_text("Uses all images for texturing again").clicked() {
             (0..count).for_each(|number| photos.set_used(number, true));
         }
     });
@@ -68,46 +68,45 @@ fn head_ui(ui: &mut Ui, photos: &mut Photos, set: &ViewSet) {
 
 fn list_ui(ui: &mut Ui, photos: &mut Photos, set: &ViewSet) -> Option<PhotosRequest> {
     let mut request = None;
-    Grid::new("table of photographs").num_columns(5).striped(true).show(ui, |ui| {
-        for (title, tooltip) in [
-            ("", "Whether it is put on the surface"),
-            ("Photograph", "A click looks from where it was taken"),
-            ("Pixels", "Width and height of its file"),
-            (
-                "Error",
-                "How far the places at which its points were found are from where its camera shows them: root of the \
-                 mean square, pixels",
-            ),
-            (
-                "Gain",
-                "What red, green and blue are multiplied with, so that all photographs agree",
-            ),
-        ] {
-            ui.label(RichText::new(title).strong()).on_hover_text(tooltip);
-        }
-        ui.end_row();
-        for (number, photo) in set.photos.iter().enumerate() {
-            let mut is_used = photos.is_used(number);
-            let used = ui.add(Checkbox::without_text(&mut is_used));
-            let used = used.on_hover_text("Put on the surface");
-            named(&used, format!("Use {}", photo.name));
-            if used.changed() {
-                photos.set_used(number, is_used);
+    Grid::new("table of photographs")
+        .num_columns(5)
+        .striped(true)
+        .show(ui, |ui| {
+            for (title, tooltip) in [
+                ("", "Used for texturing"),
+                ("Image", "A click jumps to the view of its camera"),
+                ("Pixels", "Width and height of the file"),
+                (
+                    "Error",
+                    "Reprojection error of the points of this image: root mean square, pixels",
+                ),
+                ("Gain", "Exposure compensation: factors on red, green and blue"),
+            ] {
+                ui.label(RichText::new(title).strong()).on_hover_text(tooltip);
             }
-            let place = photo.path.display().to_string();
-            if ui.link(&photo.name).on_hover_text(place).clicked() {
-                request = Some(PhotosRequest::StandAt(number));
-            }
-            let [width, height] = photo.camera.size_px();
-            ui.label(format!("{width} × {height}"));
-            let error = photos.reprojection_error(number);
-            ui.label(error.map_or_else(String::new, |error| format!("{} px", significant(error.rms_px))));
-            let gain = photos
-                .gain(number)
-                .map(|gain| gain.to_array().map(|gain| format!("{gain:.2}")).join(" "));
-            ui.label(gain.unwrap_or_default());
             ui.end_row();
-        }
-    });
+            for (number, photo) in set.photos.iter().enumerate() {
+                let mut is_used = photos.is_used(number);
+                let used = ui.add(Checkbox::without_text(&mut is_used));
+                let used = used.on_hover_text("Used for texturing");
+                named(&used, format!("Use {}", photo.name));
+                if used.changed() {
+                    photos.set_used(number, is_used);
+                }
+                let place = photo.path.display().to_string();
+                if ui.link(&photo.name).on_hover_text(place).clicked() {
+                    request = Some(PhotosRequest::StandAt(number));
+                }
+                let [width, height] = photo.camera.size_px();
+                ui.label(format!("{width} × {height}"));
+                let error = photos.reprojection_error(number);
+                ui.label(error.map_or_else(String::new, |error| format!("{} px", significant(error.rms_px))));
+                let gain = photos
+                    .gain(number)
+                    .map(|gain| gain.to_array().map(|gain| format!("{gain:.2}")).join(" "));
+                ui.label(gain.unwrap_or_default());
+                ui.end_row();
+            }
+        });
     request
 }

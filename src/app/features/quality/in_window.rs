@@ -4,7 +4,7 @@
 use super::MeasuredQuality;
 use super::panel::{QualityRequest, quality_ui};
 use crate::app::features::feature::{Feature, FeatureOf};
-use crate::app::settings_row::{SettingsPart, SettingsRow};
+use crate::app::settings_row::{NamedRow, SettingsPart, SettingsRow};
 use crate::app::side::Side;
 use crate::app::state::{MeasuredWay, State};
 use crate::bench::suites;
@@ -51,6 +51,18 @@ impl Feature<State> for FeatureOf<MeasuredQuality> {
         const SETTINGS: &[SettingsRow<State>] = &[SettingsRow {
             part: SettingsPart::Advanced,
             rank: 0,
+            named: &[NamedRow {
+                title: "Quality",
+                text: "Quality: benchmark render modes…",
+                hint: "Benchmarks all render modes and picks the fastest within an error limit",
+                also: &[
+                    "automatic quality",
+                    "performance",
+                    "fast",
+                    "level of detail",
+                    "optimize",
+                ],
+            }],
             show: quality,
         }];
         SETTINGS

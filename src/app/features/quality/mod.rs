@@ -56,7 +56,7 @@ impl MeasuredQuality {
         if let Some(key) = &self.key
             && let Err(reason) = quality.write(key)
         {
-            log::warn!("what was measured is not kept: {reason}");
+            log::warn!("the benchmark result could not be saved: {reason}");
         }
         self.known = Some(quality);
     }

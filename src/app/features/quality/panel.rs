@@ -22,8 +22,8 @@ pub(super) fn quality_ui(ui: &mut Ui, quality: &mut MeasuredQuality, style: &Set
         let way = choose(ui, known, &mut quality.limits, style);
         return way.map(|way| QualityRequest::DrawAs(Box::new(way)));
     }
-    let tooltip = "Draws the first frame in every way and compares it with the truth, which takes a minute or more. \
-        Then one slider chooses from fast to exact. What was measured is kept for this sequence";
+    let tooltip = "Benchmarks all render modes on the first frame against the reference, which takes a minute or \
+        more. Then one slider chooses from fast to exact. The result is saved with this sequence";
     let button = ui.add(Button::new("Measure…")).on_hover_text(tooltip);
     button.clicked().then_some(QualityRequest::Measure)
 }
@@ -42,7 +42,7 @@ fn choose(ui: &mut Ui, quality: &Quality, limits: &mut QualityLimits, style: &Se
         row(
             ui,
             "Fast to exact",
-            "The ways to draw that no other beats in time and error, as measured on this machine",
+            "Render modes that no other beats in both time and error, as measured on this machine",
             Slider::new(&mut place, 0..=choices.len() - 1).show_value(false),
         );
         if current.unwrap_or(choices.len() - 1) != place {
@@ -66,7 +66,7 @@ fn choose(ui: &mut Ui, quality: &Quality, limits: &mut QualityLimits, style: &Se
         row(
             ui,
             "Time within",
-            "Draws in the way with the least error that takes at most this for a picture",
+            "Uses the render mode with the smallest error that takes at most this time per image",
             time,
         );
     });
@@ -77,7 +77,7 @@ fn choose(ui: &mut Ui, quality: &Quality, limits: &mut QualityLimits, style: &Se
         wanted = place_of(quality.best_within(limits.draw_ms));
     }
     let Some(choice) = wanted.and_then(|place| choices.get(place)) else {
-        ui.weak("Drawn in a way of your own");
+        ui.weak("Custom settings");
         return None;
     };
     ui.weak(format!(

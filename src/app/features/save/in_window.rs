@@ -180,7 +180,31 @@ impl State {
 }
 
 const COMMANDS: &[Row] = &[Row::new(Command::TOGGLE_SAVE, "Save as…", State::toggle_save)
-    .what("Save the sequence as a file or a folder")
+    .what("Save as… (convert to another format)")
+    .also(&[
+        "convert",
+        "transform",
+        "downsample",
+        "subsample",
+        "voxel downsample",
+        "decimate",
+        "thin",
+        "reduce points",
+        "compress",
+        "remove outliers",
+        "save file",
+        "write",
+        "export point cloud",
+        "export mesh",
+        "ply",
+        "las",
+        "laz",
+        "pcd",
+        "xyz",
+        "e57",
+        "reel",
+        "file format",
+    ])
     .hint("One sequence file, or a folder of files; sizes and errors are shown before")
     .keys(group::FILE, "Ctrl+Shift+S", &[Chord::ctrl_shift(Key::S)])
     .applies(needs_sequence)];

@@ -83,17 +83,11 @@ fn format(ui: &mut Ui, save: &mut Save) {
     let mut choices = vec![("Sequence file (.reel)", SaveFormat::Reel, hint)];
     let files = WriteFormat::all().zip(&names);
     choices.extend(files.map(|(format, name)| {
-        let hint = "A folder with a file a frame, for other programs";
+        let hint = "A folder with one file per frame, for other programs";
         (name.as_str(), SaveFormat::Files(format), hint)
     }));
     let before = save.format;
-    choice(
-        ui,
-        "Format",
-        "As what the frames are written",
-        &mut save.format,
-        &choices,
-    );
+    choice(ui, "Format", "File format of the frames", &mut save.format, &choices);
     if save.format != before {
         save.found = None;
     }
@@ -115,7 +109,7 @@ fn precision(ui: &mut Ui, save: &mut Save, of: &Savable) {
             (
                 "Bits",
                 PrecisionKind::Bits,
-                "Cells of so many bits along the longest side; the points in a cell become one",
+                "Grid cells, bits along the longest side; points in one cell are merged",
             ),
             (
                 "Length",
@@ -171,7 +165,7 @@ fn merging(ui: &mut Ui, save: &mut Save, of: &Savable) {
     ui.label("");
     ui.scope(|ui| {
         ui.set_max_width(WIDTH - VALUE_INDENT);
-        let text = price.unwrap_or_else(|| "What it costs is being estimated…".to_owned());
+        let text = price.unwrap_or_else(|| "Estimating size and error…".to_owned());
         ui.add(Label::new(RichText::new(text).weak()).wrap());
     });
     ui.end_row();
@@ -213,7 +207,7 @@ fn attributes(ui: &mut Ui, save: &mut Save, of: &Savable) {
         row(
             ui,
             "Colour error",
-            "Most that red, green or blue of a point is off by, of 255; 0 keeps colours as they are",
+            "Maximum error per colour channel (0–255); 0 is lossless",
             Slider::new(&mut save.color_error, 0..=MOST_COLOR_ERROR).clamping(egui::SliderClamping::Edits),
         );
     }
@@ -229,7 +223,7 @@ fn attributes(ui: &mut Ui, save: &mut Save, of: &Savable) {
 
 fn place(ui: &mut Ui, save: &mut Save, of: &Savable) -> Option<SaveRequest> {
     let mut request = None;
-    let tooltip = "The folder that it is written to";
+    let tooltip = "Output folder";
     let label = ui.label("Folder").on_hover_text(tooltip);
     ui.horizontal(|ui| {
         let field = TextEdit::singleline(&mut save.folder).desired_width(FIELD_WIDTH);
@@ -280,7 +274,7 @@ fn numbers(ui: &mut Ui, save: &Save, of: &Savable) -> Option<SaveRequest> {
         if save.format == SaveFormat::Reel && of.sequence.is_some() {
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 let compare = ui.button("Compare");
-                let tooltip = "Shows what would be written beside what is open, in the same view";
+                let tooltip = "Shows the result next to the open sequence, in the same view";
                 if compare.on_hover_text(tooltip).clicked() {
                     request = Some(SaveRequest::Compare);
                 }
@@ -288,7 +282,7 @@ fn numbers(ui: &mut Ui, save: &Save, of: &Savable) -> Option<SaveRequest> {
         }
     });
     if let Some(problem) = estimates.problem() {
-        let text = format!("A frame could not be judged: {problem}");
+        let text = format!("A frame could not be evaluated: {problem}");
         ui.add(Label::new(RichText::new(text).color(ui.visuals().warn_fg_color)).wrap());
     }
     let Some((estimate, is_old)) = estimate else {
@@ -335,7 +329,7 @@ fn start(ui: &mut Ui, save: &mut Save, of: &Savable) -> Option<SaveRequest> {
         match save.place(of) {
             Place::Taken => {
                 word = "Replace";
-                let text = "A file of this name is there: it is replaced";
+                let text = "A file of this name exists: it is replaced";
                 ui.label(RichText::new(text).color(ui.visuals().warn_fg_color));
             }
             Place::Interrupted => {
@@ -343,11 +337,11 @@ fn start(ui: &mut Ui, save: &mut Save, of: &Savable) -> Option<SaveRequest> {
                 ui.weak("A part of it is there: it goes on from that, unless frames have changed since");
             }
             _ => {
-                ui.weak("It is written meanwhile, and can be cancelled and gone on with");
+                ui.weak("Saves in the background; can be cancelled and resumed");
             }
         }
     }
     let button = ui.add_enabled(problem.is_none(), Button::new(word));
-    let tooltip = "Begins it, with everything as it is now; the window stays free";
+    let tooltip = "Starts the export with the current settings, in the background";
     button.on_hover_text(tooltip).clicked().then_some(SaveRequest::Start)
 }

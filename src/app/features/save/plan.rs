@@ -163,8 +163,8 @@ impl Save {
             return Some(problem.to_string());
         }
         match self.place(of) {
-            Place::Source => Some("This is what is open: choose another name".to_owned()),
-            Place::NoFolder => Some(format!("There is no folder {}", self.folder)),
+            Place::Source => Some("This is the open sequence: choose another name".to_owned()),
+            Place::NoFolder => Some(format!("Folder {} does not exist", self.folder)),
             Place::Occupied => Some("There are other files in this folder: choose another name".to_owned()),
             Place::Free | Place::Interrupted | Place::Taken => None,
         }

@@ -18,17 +18,17 @@ pub(super) fn lines(estimate: &Estimate, frames: usize, source_bytes: Option<u64
     let kept = 100.0 * estimate.kept_points / estimate.points.max(1.0);
     let [points, kept_points] = [estimate.points, estimate.kept_points].map(|points| grouped(points.round() as u64));
     let of_points = if points == kept_points {
-        format!("{points} a frame, all of them")
+        format!("{points} per frame, all of them")
     } else {
-        format!("{kept_points} of {points} a frame ({kept:.0} %)")
+        format!("{kept_points} of {points} per frame ({kept:.0} %)")
     };
     lines.push(("Points", of_points, "Points in one cell become one"));
     lines.push((
-        "Bits a point",
+        "Bits per point",
         rounded_to(estimate.bits_per_point(), 3),
-        "All bytes of a frame, over the points that are left",
+        "All bytes of a frame, divided by its remaining points",
     ));
-    lines.extend(streams(estimate).map(|streams| ("By stream", streams, "Bits a point of each stream of the file")));
+    lines.extend(streams(estimate).map(|streams| ("By stream", streams, "Bits per point of each stream of the file")));
     if let Some(errors) = &estimate.errors {
         lines.extend(error_lines(errors, of));
     }
@@ -96,7 +96,7 @@ fn error_lines(errors: &EstimatedErrors, of: &Savable) -> Vec<Line> {
         } else {
             format!("largest {}, RMS {}", length(errors.largest), length(errors.rms))
         },
-        "Distance of a point to the nearest of the other cloud, from both",
+        "Distance of a point to the nearest one of the other cloud, in both directions",
     )];
     lines.extend(errors.d1_psnr_db.map(|psnr| {
         let what = "PSNR from point to point, in relation to the longest edge of the cloud's box";

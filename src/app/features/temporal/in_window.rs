@@ -4,7 +4,7 @@ use super::panel::{change_ui, poses_ui};
 use super::{ComposedFrame, Temporal};
 use crate::app::features::feature::{Feature, FeatureOf};
 use crate::app::panel_row::PanelRow;
-use crate::app::settings_row::{SettingsPart, SettingsRow};
+use crate::app::settings_row::{NamedRow, SettingsPart, SettingsRow};
 use crate::app::state::State;
 use crate::app::work::outcome::Outcome;
 use egui::Ui;
@@ -52,6 +52,38 @@ impl Feature<State> for FeatureOf<Temporal> {
         const SETTINGS: &[SettingsRow<State>] = &[SettingsRow {
             part: SettingsPart::Time,
             rank: 2,
+            named: &[
+                NamedRow {
+                    title: "Change map",
+                    text: "Change map…",
+                    hint: "Colours each point by its distance to another frame",
+                    also: &[
+                        "change detection",
+                        "cloud-to-cloud distance",
+                        "c2c",
+                        "difference",
+                        "deviation",
+                        "compare frames",
+                        "distance between frames",
+                        "hausdorff",
+                    ],
+                },
+                NamedRow {
+                    title: "Onion skin",
+                    text: "Onion skin…",
+                    hint: "Ghosts of the frames before and after, over the current one",
+                    also: &[
+                        "ghosts",
+                        "accumulate",
+                        "merge frames",
+                        "overlay frames",
+                        "trails of frames",
+                        "persistence",
+                        "previous frames",
+                        "decay",
+                    ],
+                },
+            ],
             show: poses,
         }];
         SETTINGS

@@ -36,8 +36,7 @@ pub(in crate::app) fn poses_ui(ui: &mut Ui, temporal: &mut Temporal) {
         row(
             ui,
             "Onion skin",
-            "Ghosts of neighbouring poses, as far as they are in memory: a part of their points, past ones warm, later \
-             ones cool",
+            "Ghosts of the neighbouring frames in memory: some of their points, earlier ones warm, later ones cool",
             Checkbox::new(is_on, "Shown"),
         );
         if !*is_on {
@@ -46,19 +45,19 @@ pub(in crate::app) fn poses_ui(ui: &mut Ui, temporal: &mut Temporal) {
         let poses = 0..=OnionSkin::MAX_GHOSTS;
         row(
             ui,
-            "Poses before",
-            "How many earlier poses are shown",
+            "Frames before",
+            "Number of earlier frames that are shown",
             Slider::new(before, poses.clone()),
         );
         row(
             ui,
-            "Poses after",
-            "How many later poses are shown",
+            "Frames after",
+            "Number of later frames that are shown",
             Slider::new(after, poses),
         );
         row(
             ui,
-            "Pose step",
+            "Frame step",
             "Frames from one ghost to the next",
             frames_slider(Slider::new(step, 1..=50).logarithmic(true)),
         );
@@ -66,7 +65,7 @@ pub(in crate::app) fn poses_ui(ui: &mut Ui, temporal: &mut Temporal) {
         row(
             ui,
             "Ghost strength",
-            "The share of their points that is drawn of the nearest ghosts; it falls off to the farthest",
+            "Percentage of the points of the nearest ghosts; it falls off to the farthest",
             Slider::new(strength, 0.05..=1.0).custom_formatter(percent),
         );
     });
@@ -121,15 +120,14 @@ fn choices(ui: &mut Ui, map: &mut ChangeMap, range: f64) {
     row(
         ui,
         "Compared with",
-        "How many frames later the other pose is; negative for earlier ones",
+        "Offset of the other frame; negative for earlier ones",
         frames_drag(DragValue::new(&mut map.step).range(STEPS).speed(0.1)),
     );
     let mut is_automatic = map.range.is_none();
     row(
         ui,
         "Range",
-        "The distance in the last colour: that which 99 % of the points do not exceed, or a fixed one, with which \
-         poses can be compared",
+        "Distance of the last colour: the 99th percentile, or a fixed one to compare frames with",
         Checkbox::new(&mut is_automatic, "Automatic"),
     );
     if is_automatic {
@@ -199,14 +197,14 @@ fn numbers(ui: &mut Ui, change: &Change, [from, to]: [usize; 2], threshold: f64)
                 .on_hover_text(tooltip);
             ui.end_row();
         }
-        let tooltip = "The share of the points that are farther away than the threshold";
+        let tooltip = "Percentage of the points beyond the threshold";
         ui.label("Above threshold").on_hover_text(tooltip);
         ui.label(RichText::new(format!("{:.2} %", 100.0 * share)).monospace())
             .on_hover_text(tooltip);
         ui.end_row();
     });
     let copy = ui.button("Copy numbers");
-    let tooltip = "All numbers with all digits, a line each";
+    let tooltip = "All numbers with all digits, one per line";
     if copy.on_hover_text(tooltip).clicked() {
         let mut text = format!("frames\t{from}\t{to}\npoints\t{}\n", change.distances.len());
         for (name, value, _) in rows {

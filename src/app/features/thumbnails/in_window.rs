@@ -5,7 +5,7 @@ use super::{Delivery, Thumbnails};
 use crate::app::command::Command;
 use crate::app::commands::common::{Row, needs_sequence};
 use crate::app::features::feature::{Feature, FeatureOf};
-use crate::app::settings_row::{SettingsPart, SettingsRow};
+use crate::app::settings_row::{NamedRow, SettingsPart, SettingsRow};
 use crate::app::state::State;
 use crate::app::work::outcome::Outcome;
 use egui::Ui;
@@ -14,9 +14,10 @@ const COMMANDS: &[Row] = &[
     Row::new(Command::TOGGLE_THUMBNAILS, "Thumbnails", |state| {
         state.features.thumbnails.is_on ^= true;
     })
-    .what("Show or hide thumbnails over the timeline")
+    .what("Thumbnails: show or hide over the timeline")
+    .also(&["preview images", "filmstrip"])
     .on_if(|state| state.features.thumbnails.is_on),
-    Row::new(Command::REDO_THUMBNAILS, "Make thumbnails anew", |state| {
+    Row::new(Command::REDO_THUMBNAILS, "Regenerate thumbnails", |state| {
         state.features.thumbnails.redo();
     })
     .applies(needs_sequence),
@@ -51,6 +52,12 @@ impl Feature<State> for FeatureOf<Thumbnails> {
         const SETTINGS: &[SettingsRow<State>] = &[SettingsRow {
             part: SettingsPart::Time,
             rank: 0,
+            named: &[NamedRow {
+                title: "Thumbnails",
+                text: "Thumbnails: settings…",
+                hint: "Small images of the frames over the timeline",
+                also: &["preview images", "filmstrip"],
+            }],
             show: thumbnails,
         }];
         SETTINGS

@@ -10,8 +10,8 @@ pub(in crate::app) fn thumbnails_ui(ui: &mut Ui, thumbnails: &mut Thumbnails) {
         row(
             ui,
             "Thumbnails",
-            "Small pictures of the frames over the timeline and in its tooltips, all from one view. They are made \
-             while there is time for them",
+            "Small images of the frames over the timeline and in its tooltips, all from one view; rendered when \
+                idle",
             Checkbox::new(&mut thumbnails.is_on, "Shown"),
         );
     });

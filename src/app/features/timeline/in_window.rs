@@ -62,15 +62,15 @@ const COMMANDS: &[Row] = &[
     Row::new(Command::SET_IN, "Set in point", |state| {
         state.set_range(PlayRange::beginning_at);
     })
-    .what("In point: play from here")
-    .also(&["trim"])
+    .what("Set in point: play from here")
+    .also(&["trim", "range start", "mark in"])
     .keys(group::PLAYING, "Shift+I", &[Chord::shift(Key::I)])
     .applies(needs_sequence),
     Row::new(Command::SET_OUT, "Set out point", |state| {
         state.set_range(PlayRange::ending_at);
     })
-    .what("Out point: play to here")
-    .also(&["trim"])
+    .what("Set out point: play to here")
+    .also(&["trim", "range end", "mark out"])
     .keys(group::PLAYING, "Shift+O", &[Chord::shift(Key::O)])
     .applies(needs_sequence),
     Row::new(Command::CLEAR_RANGE, "Clear in and out point", |state| {
@@ -121,6 +121,7 @@ impl Feature<State> for FeatureOf<Timeline> {
         const PANELS: &[PanelRow<State>] = &[PanelRow {
             id: None,
             menu: None,
+            also: &[],
             place: Dock::Bottom("timeline"),
             show: timeline,
         }];

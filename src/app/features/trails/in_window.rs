@@ -5,7 +5,7 @@ use super::{Traced, Trails};
 use crate::app::command::{Chord, Command};
 use crate::app::commands::common::{Row, group};
 use crate::app::features::feature::{Feature, FeatureOf};
-use crate::app::settings_row::{SettingsPart, SettingsRow};
+use crate::app::settings_row::{NamedRow, SettingsPart, SettingsRow};
 use crate::app::state::State;
 use crate::app::widgets::overlay::PictureOverlay;
 use crate::app::work::outcome::Outcome;
@@ -75,6 +75,20 @@ impl Feature<State> for FeatureOf<Trails> {
         const SETTINGS: &[SettingsRow<State>] = &[SettingsRow {
             part: SettingsPart::Time,
             rank: 1,
+            named: &[NamedRow {
+                title: "Trails",
+                text: "Trails…",
+                hint: "Trajectories of points that are spread over the file, over the last frames",
+                also: &[
+                    "trajectories",
+                    "motion",
+                    "paths",
+                    "flow",
+                    "tracks",
+                    "motion vectors",
+                    "velocity",
+                ],
+            }],
             show: field,
         }];
         SETTINGS

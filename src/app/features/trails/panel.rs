@@ -21,8 +21,8 @@ const TO_COME: f32 = 0.6;
 pub(in crate::app) fn trail_ui(ui: &mut Ui, trails: &mut Trails, anchor: Anchor) {
     ui.horizontal(|ui| {
         let trail = Button::selectable(trails.is_on, "Trail");
-        let tooltip = "The way that the point of this index takes from in to out point, and the ways of points that \
-            were kept or measured with. Before the shown frame it is bright (Shift+T)";
+        let tooltip = "Trajectory of the point of this index from in to out point, and of pinned and measured \
+            points. It is bright before the current frame (Shift+T)";
         if ui.add(trail).on_hover_text(tooltip).clicked() {
             trails.is_on ^= true;
         }
@@ -41,7 +41,7 @@ pub(in crate::app) fn trail_ui(ui: &mut Ui, trails: &mut Trails, anchor: Anchor)
         if has_kept
             && ui
                 .add(forget)
-                .on_hover_text("Only the picked point has a trail then")
+                .on_hover_text("Keeps only the trail of the picked point")
                 .clicked()
         {
             trails.kept.clear();
@@ -58,7 +58,7 @@ fn status_ui(ui: &mut Ui, trails: &mut Trails) {
         ui.horizontal(|ui| {
             ui.weak(format!("Looking at frame {} of {all}…", (done + 1).min(all)));
             let cancel = ui.add(Button::new("Cancel trails").small());
-            if cancel.on_hover_text("Look no further").clicked() {
+            if cancel.on_hover_text("Stop looking for trails").clicked() {
                 trails.cancel();
             }
         });
@@ -87,7 +87,7 @@ fn status_ui(ui: &mut Ui, trails: &mut Trails) {
         frames.all(|frame| trails.place(trail, frame).is_none())
     };
     if (0..trails.trail_count()).all(is_nowhere) {
-        ui.label("There is no trail between in and out point");
+        ui.label("No trail between in and out point");
     }
 }
 
@@ -98,8 +98,8 @@ pub(in crate::app) fn field_ui(ui: &mut Ui, trails: &mut Trails) {
         row(
             ui,
             "Trails",
-            "The ways of points that are spread evenly over the file, over the last frames; only where frames have as \
-             many points",
+            "Trajectories over the last frames, of points spread evenly over the file; needs frames with the same \
+                number of points",
             Checkbox::new(is_on, "Shown"),
         );
         if !*is_on {
@@ -108,13 +108,13 @@ pub(in crate::app) fn field_ui(ui: &mut Ui, trails: &mut Trails) {
         row(
             ui,
             "Trail points",
-            "How many points have trails",
+            "Number of points with trails",
             Slider::new(points, 1..=TrailField::MAX_POINTS).logarithmic(true),
         );
         row(
             ui,
             "Trail length",
-            "Over how many frames before the shown one",
+            "Number of frames before the current one",
             frames_slider(Slider::new(length, 1..=TrailField::MAX_LENGTH).logarithmic(true)),
         );
     });

@@ -47,8 +47,8 @@ const POINTS_OF_TREE: usize = 145_000;
 pub const VDTS: &Suite = &Suite {
     name: "vdts",
     brief: "view-dependent texturing",
-    title: "Photographs",
-    hint: "How near pictures by photographs are to photographs that were left out",
+    title: "View-dependent texturing",
+    hint: "Error of rendered views against held-out images",
     description: "views of photographs that were left out, drawn by the others: view-dependent, by the nearest one, \
         and in the colours of the points (paper 004); what bytes, clipping and filtering do (Table 2, Figs. 5 and 10)",
     measured: "error beside the photograph that was left out, without its lens and times its gain, of the pixels in \

@@ -25,6 +25,10 @@ pub struct Described {
     pub heading: &'static str,
     /// Its name in the window.
     pub title: &'static str,
+    /// Its name outside of its section; empty where that is its title.
+    pub full_name: &'static str,
+    /// Words of people and of other programs that find it.
+    pub also: &'static [&'static str],
     /// What it does, in the window.
     pub hint: &'static str,
     /// Where it is in the window.
@@ -50,6 +54,8 @@ impl Described {
         everyday: false,
         heading: "Rendering",
         title: "",
+        full_name: "",
+        also: &[],
         hint: "",
         section: Section::Picture,
         when: |_| true,
@@ -57,6 +63,15 @@ impl Described {
         values: Values::Switch(""),
         shorthands: &[],
     };
+
+    /// Its name outside of its section.
+    pub fn name(&self) -> &'static str {
+        if self.full_name.is_empty() {
+            self.title
+        } else {
+            self.full_name
+        }
+    }
 
     /// The words that the option takes: all, or the best known ones.
     pub fn words(&self) -> Vec<&'static str> {

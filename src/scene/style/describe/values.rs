@@ -84,6 +84,8 @@ pub struct Word {
     pub title: &'static str,
     /// What it means, in the window.
     pub hint: &'static str,
+    /// Words of people and of other programs that find it.
+    pub also: &'static [&'static str],
 }
 
 /// A kind of values.
@@ -99,6 +101,8 @@ pub struct Kind {
     pub hint: &'static str,
     /// How the label of a way to draw tells it; `{}` stands for the number.
     pub label: &'static str,
+    /// Words of people and of other programs that find it.
+    pub also: &'static [&'static str],
     /// Its number, if it has one.
     pub number: Option<KindNumber>,
 }

@@ -27,7 +27,7 @@ pub(super) fn legend_ui(ui: &mut Ui) {
         ui.label("Wheel: fewer or more frames. Drag the lines of in and out point");
     });
     named(&menu.response, "Legend of the timeline");
-    menu.response.on_hover_text("What the colours of the bar mean");
+    menu.response.on_hover_text("Legend of the bar");
 }
 
 /// As what is outside of in and out point.

@@ -98,7 +98,7 @@ fn name_ui(ui: &Ui, timeline: &mut Timeline) -> bool {
             if !is_done && !edit.has_focus() {
                 edit.request_focus();
             }
-            edit.on_hover_text("What the marker is called; Enter keeps it, Esc leaves it as it was");
+            edit.on_hover_text("Name of the marker; Enter accepts, Esc cancels");
         });
     if ui.input(|input| input.key_pressed(Key::Escape)) {
         timeline.renaming = None;

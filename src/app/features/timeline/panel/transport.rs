@@ -205,7 +205,7 @@ fn pace(ui: &mut Ui, context: &mut TimelineContext<'_>) {
         .max_decimals(2)
         .suffix(" fps");
     if named(ui.add(rate), "Frame rate")
-        .on_hover_text("Frames a second at speed 1 (fps)")
+        .on_hover_text("Frames per second (fps) at speed 1")
         .changed()
     {
         player.set_fps(fps, now);
@@ -241,7 +241,7 @@ fn pace(ui: &mut Ui, context: &mut TimelineContext<'_>) {
             }
         })
         .response
-        .on_hover_text("What happens at the ends of the sequence (L)");
+        .on_hover_text("Loop mode (L)");
     if mode != player.clock().loop_mode() {
         player.set_loop_mode(mode, now);
     }
@@ -263,8 +263,8 @@ fn held_ui(ui: &mut Ui, player: &Player) {
     let text = format!("{:.0} of {asked:.0} fps", held.min(asked));
     ui.label(RichText::new(text).monospace().color(color))
         .on_hover_text(format!(
-            "Frames a second shown in the last second, of those that are asked for ({held:.1} of {asked:.1}).\n\
-         Since opening: {} shown, {} of them with fewer points, {} late, {} skipped",
+            "Achieved and requested frames per second ({held:.1} of {asked:.1}).\nSince opening: {} shown, {} of \
+                them with fewer points, {} late, {} skipped",
             player.frames_shown(),
             player.coarse_frames_shown(),
             player.late_frames(),
