@@ -191,8 +191,8 @@ mod tests {
     #[test]
     fn what_was_said_of_a_frame_is_taken_back_when_it_is_read_anew() {
         let mut notices = Notices::default();
-        notices.error("Frame 1 of 1 is left out. /a/f_0.ply is empty");
-        notices.error("Frame 11 of 12 is left out. /a/f_10.ply is empty");
+        notices.error("Frame 1 of 1 is skipped. /a/f_0.ply is empty");
+        notices.error("Frame 11 of 12 is skipped. /a/f_10.ply is empty");
         notices.dismiss_begun("Frame 1 of ", " is skipped.");
         assert_eq!(notices.list().len(), 1);
         assert!(notices.list()[0].text.starts_with("Frame 11"), "{:?}", notices.list());
@@ -216,14 +216,14 @@ mod tests {
     fn a_hundred_frames_with_one_fault_are_one_notice() {
         let mut notices = Notices::default();
         for frame in (0..100).chain(0..100) {
-            notices.error(format!("Frame {frame} is left out. /a/f_{frame}.ply is empty"));
+            notices.error(format!("Frame {frame} is skipped. /a/f_{frame}.ply is empty"));
         }
-        notices.error("Frame 3 is left out. /a/f_3.ply cannot be read");
+        notices.error("Frame 3 is skipped. /a/f_3.ply cannot be read");
         let [empty, unreadable] = notices.list() else {
             panic!("{:?}", notices.list())
         };
         assert_eq!((empty.count, empty.others.len()), (2, 99));
-        assert_eq!(empty.others[98], "Frame 99 is left out. /a/f_99.ply is empty");
+        assert_eq!(empty.others[98], "Frame 99 is skipped. /a/f_99.ply is empty");
         assert_eq!(unreadable.others, [""; 0]);
         notices.info("1 is saved");
         notices.info("2 is saved");

@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn what_is_no_mode_is_said() {
-        for wrong in ["auto", "", "cpu,", "surfels"] {
+        for wrong in ["auto", "", "cpu,", "disks of surfels"] {
             let error = wrong.parse::<Modes>().unwrap_err().to_string();
             assert!(error.contains("is no mode: expected cpu, gpu"), "{error}");
         }

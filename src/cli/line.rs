@@ -31,7 +31,9 @@ pub(super) fn spelt(words: Vec<OsString>, command: &Command) -> Vec<OsString> {
     let is_option = |word: &&OsString| word.as_encoded_bytes().starts_with(b"-");
     let first = words.iter().skip(1).find(|word| !is_option(word));
     let of_command = first.and_then(|name| command.find_subcommand(name)).unwrap_or(command);
-    let options: Vec<&Arg> = of_command.get_opts().chain(command.get_opts()).collect();
+    // Of the options without a command only the global ones are those of a command as well.
+    let global = command.get_opts().filter(|option| option.is_global_set());
+    let options: Vec<&Arg> = of_command.get_opts().chain(global).collect();
     let mut words = words.into_iter().peekable();
     let mut spelt = Vec::new();
     while let Some(word) = words.next() {

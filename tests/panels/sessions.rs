@@ -250,7 +250,7 @@ fn what_is_wrong_with_a_session_is_said_and_nothing_of_it_is_lost() {
     let mut harness = window();
     harness.state_mut().save_session_to(file);
     harness.run();
-    assert!(harness.state().notices.list()[0].text.contains("no file"));
+    assert!(harness.state().notices.list()[0].text.contains("not a file"));
 }
 
 #[test]

@@ -291,7 +291,7 @@ fn camera(ui: &mut Ui, camera: &mut Camera, turntable: &mut Turntable) {
         .suffix(" °/s");
     row(
         ui,
-        "Speed",
+        "Turntable speed",
         "Speed of the turntable, degrees per second; negative in the other direction",
         pace,
     );

@@ -220,7 +220,7 @@ mod tests {
         assert!(save.problem(&of).unwrap().contains("above zero"));
         save.length = 0.1;
         save.folder = folder.path().join("missing").display().to_string();
-        assert!(save.problem(&of).unwrap().contains("no folder"));
+        assert!(save.problem(&of).unwrap().contains("does not exist"));
         of.is_busy = true;
         assert!(save.problem(&of).unwrap().contains("Another sequence"));
         let live = savable(Sequence::of(Spin::new(Shape::Torus, 100)));

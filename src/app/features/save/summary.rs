@@ -187,8 +187,8 @@ mod tests {
             told,
             [
                 "Size: about 1.2 MiB, the source has 24.4 MiB (1/20)",
-                "Points: 1,000 of 2,000 a frame (50 %)",
-                "Bits a point: 10",
+                "Points: 1,000 of 2,000 per frame (50 %)",
+                "Bits per point: 10",
                 "By stream: color 5.60, geometry 4.00",
                 "Position error: largest 0.0123 mm, RMS 0.001 mm",
                 "D1: 71.2 dB",
@@ -250,8 +250,8 @@ mod tests {
             told,
             [
                 "Size: about 1.2 KiB",
-                "Points: 2,000 a frame, all of them",
-                "Bits a point: 5"
+                "Points: 2,000 per frame, all of them",
+                "Bits per point: 5"
             ]
         );
         assert_eq!(streams(&bare), None);
