@@ -72,7 +72,7 @@ fn the_turntable_turns_until_the_picture_is_dragged() {
     assert!((turned - 2.0).abs() < 1e-9, "{turned} degrees at 20 a second");
     assert!(state.next_packet().is_some());
     harness
-        .get_by_role_and_label(Role::Slider, "Speed")
+        .get_by_role_and_label(Role::Slider, "Turntable speed")
         .set_value_accesskit(-90.0);
     harness.run();
     harness.state_mut().update(at(1100));

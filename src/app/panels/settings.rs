@@ -45,7 +45,7 @@ const NAMED: [NamedRow; 5] = [
         also: &["fov", "focal length", "lens"],
     },
     NamedRow {
-        title: "Speed",
+        title: "Turntable speed",
         text: "Turntable speed…",
         hint: "Speed of the turntable, degrees per second; negative in the other direction",
         also: &["rotation speed", "orbit speed", "spin"],
