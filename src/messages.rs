@@ -47,6 +47,12 @@ pub(crate) fn missing_frames(option: &str, first: usize, last: usize, count: usi
     })
 }
 
+/// A count with its noun: `1 frame`, `-3 frames`.
+pub(crate) fn counted(count: i64, noun: &str) -> String {
+    let plural = if count.abs() == 1 { "" } else { "s" };
+    format!("{count} {noun}{plural}")
+}
+
 /// Names with commas between them and `last` before the last.
 pub(crate) fn listed(names: &[String], last: &str) -> String {
     match names {
@@ -211,6 +217,13 @@ mod tests {
         let messages = ["b 1", "a 1", "b 2", "c", "b 3", "a 2"];
         assert_eq!(by_kind(messages), [("b 1", 2), ("a 1", 1), ("c", 0)]);
         assert_eq!(by_kind([]), []);
+    }
+
+    #[test]
+    fn nouns_follow_their_counts() {
+        assert_eq!(counted(1, "frame"), "1 frame");
+        assert_eq!(counted(-1, "frame"), "-1 frame");
+        assert_eq!(counted(0, "frame"), "0 frames");
     }
 
     #[test]

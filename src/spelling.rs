@@ -1,4 +1,27 @@
-//! British and American spelling, singular and plural: one word, however it is typed.
+//! British and American spelling, singular and plural, errors of typing: one word, however it is typed.
+
+/// American spellings and the British ones: parts of words.
+const SPELLINGS: [(&str, &str); 7] = [
+    ("color", "colour"),
+    ("center", "centre"),
+    ("gray", "grey"),
+    ("meter", "metre"),
+    ("neighbor", "neighbour"),
+    ("iz", "is"),
+    ("yz", "ys"),
+];
+
+/// A lower-case word in British spelling.
+pub(crate) fn british(word: &str) -> String {
+    let mut word = word.to_owned();
+    for (american, british) in SPELLINGS {
+        // Most words have none of them, and a replacement is a copy.
+        if word.contains(american) {
+            word = word.replace(american, british);
+        }
+    }
+    word
+}
 
 /// True if two words differ at most in case, in `_` for `-`, in British for American spelling, or in a plural `s`.
 pub(crate) fn is_same_word(left: &str, right: &str) -> bool {
@@ -7,22 +30,31 @@ pub(crate) fn is_same_word(left: &str, right: &str) -> bool {
 
 /// The spelling that stands for all spellings of a word.
 fn folded(word: &str) -> String {
-    const AMERICAN: [(&str, &str); 5] = [
-        ("_", "-"),
-        ("colour", "color"),
-        ("grey", "gray"),
-        ("neighbour", "neighbor"),
-        ("centre", "center"),
-    ];
-    let lower = word.to_ascii_lowercase();
-    let folded = AMERICAN
-        .iter()
-        .fold(lower, |word, (british, american)| word.replace(british, american));
+    let folded = british(&word.to_ascii_lowercase().replace('_', "-"));
     let parts = folded.split('-').map(|part| match part.strip_suffix('s') {
         Some(singular) if singular.len() > 2 => singular,
         _ => part,
     });
     parts.collect::<Vec<_>>().join("-")
+}
+
+/// Letters to insert, to remove, to replace or to swap with the next one (Damerau and Levenshtein, restricted).
+pub(crate) fn edit_distance(left: &str, right: &str) -> usize {
+    let (left, right): (Vec<char>, Vec<char>) = (left.chars().collect(), right.chars().collect());
+    let mut rows = vec![(0..=right.len()).collect::<Vec<_>>()];
+    for (i, letter) in left.iter().enumerate() {
+        let mut row = vec![i + 1];
+        for (j, other) in right.iter().enumerate() {
+            let replaced = rows[i][j] + usize::from(letter != other);
+            let mut best = replaced.min(rows[i][j + 1] + 1).min(row[j] + 1);
+            if i > 0 && j > 0 && *letter == right[j - 1] && left[i - 1] == *other {
+                best = best.min(rows[i - 1][j - 1] + 1);
+            }
+            row.push(best);
+        }
+        rows.push(row);
+    }
+    rows[left.len()][right.len()]
 }
 
 #[cfg(test)]

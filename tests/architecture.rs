@@ -36,6 +36,7 @@ use sources::Sources;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 /// Rooms that may import those of earlier rows, and nothing of each other within a row that holds whole programs.
 const ORDER: &[&[&str]] = &[
@@ -142,9 +143,10 @@ fn src() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
 }
 
-fn sources() -> Sources {
-    Sources::read(&|file| fs::read_to_string(src().join(file)).ok())
-}
+/// Read once for all tests.
+static SOURCES: LazyLock<Sources> = LazyLock::new(|| Sources::read(&|file| fs::read_to_string(src().join(file)).ok()));
+
+static IMPORTS: LazyLock<knots::Imports> = LazyLock::new(|| knots::imports(&SOURCES));
 
 /// By their names below `src`.
 fn rust_files() -> BTreeMap<String, String> {
@@ -175,7 +177,7 @@ fn row(room: &str) -> Option<usize> {
 
 #[test]
 fn every_file_is_read() {
-    let sources = sources();
+    let sources = &*SOURCES;
     let read: BTreeSet<&str> = sources.modules.values().map(|module| module.file.as_str()).collect();
     let unread: Vec<String> = rust_files()
         .into_keys()
@@ -188,7 +190,7 @@ fn every_file_is_read() {
 fn imports_go_one_way() {
     let mut violations = BTreeSet::new();
     let mut imports = 0;
-    for (path, module) in &sources().modules {
+    for (path, module) in &SOURCES.modules {
         let Some(own) = path.first() else { continue };
         let own_row = row(own).unwrap_or_else(|| panic!("room {own} has no place in the order"));
         for mention in &module.mentions {
@@ -214,7 +216,7 @@ fn imports_go_one_way() {
 
 /// Holds a list of files and folders against those that name a crate.
 fn assert_named_only_in(allowed: &[(&str, &str)], is_the_crate: impl Fn(&str) -> bool) {
-    let sources = sources();
+    let sources = &*SOURCES;
     let naming: BTreeSet<&str> = sources
         .modules
         .values()
@@ -263,7 +265,7 @@ fn egui_is_named_by_the_window_alone() {
 
 #[test]
 fn parts_of_a_room_import_those_before_them() {
-    let imports = knots::imports(&sources());
+    let imports = &*IMPORTS;
     let mut wrong = BTreeSet::new();
     for (room, rows) in PARTS {
         let part_of = |file: &str| -> Option<(usize, String)> {
@@ -272,7 +274,7 @@ fn parts_of_a_room_import_those_before_them() {
             Some((row, part.to_owned()))
         };
         let mut files = 0;
-        for (file, imported) in &imports {
+        for (file, imported) in imports {
             let Some((own_row, own)) = part_of(file) else { continue };
             files += 1;
             for (other, path) in imported {
@@ -296,9 +298,9 @@ fn parts_of_a_room_import_those_before_them() {
 #[test]
 #[expect(clippy::print_stdout, reason = "sizes are asked for with --nocapture")]
 fn no_knot_of_files_grows() {
-    let imports = knots::imports(&sources());
+    let imports = &*IMPORTS;
     let mut sizes: BTreeMap<String, Vec<usize>> = BTreeMap::new();
-    for knot in knots::knots(&imports) {
+    for knot in knots::knots(imports) {
         let room = knot.first().unwrap().split(['/', '.']).next().unwrap();
         sizes.entry(room.into()).or_default().push(knot.len());
     }
@@ -306,7 +308,7 @@ fn no_knot_of_files_grows() {
     for (room, sizes) in sizes {
         println!("{room:10} {sizes:?}");
     }
-    let wrong = knots::differences(&imports, KNOTS);
+    let wrong = knots::differences(imports, KNOTS);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
@@ -334,8 +336,8 @@ fn foreign_features(imports: &knots::Imports) -> BTreeMap<&str, BTreeSet<&str>> 
 
 #[test]
 fn a_feature_is_named_in_its_folder_and_in_the_table() {
-    let imports = knots::imports(&sources());
-    let foreign = foreign_features(&imports);
+    let imports = &*IMPORTS;
+    let foreign = foreign_features(imports);
     let known: BTreeMap<&str, BTreeSet<&str>> = FEATURES_NAMED_ELSEWHERE
         .iter()
         .map(|(file, features)| (*file, features.iter().copied().collect()))
@@ -356,7 +358,7 @@ fn a_feature_is_named_in_its_folder_and_in_the_table() {
 
 /// Rust files that are not tests.
 fn spoken_files() -> BTreeMap<String, String> {
-    let sources = sources();
+    let sources = &*SOURCES;
     let (mut tests, mut others) = (BTreeSet::new(), BTreeSet::new());
     for module in sources.modules.values() {
         let files = if module.is_test { &mut tests } else { &mut others };

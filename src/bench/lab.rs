@@ -4,13 +4,13 @@
 //! error, best within a time, and a slider from fast to exact all choose from the front alone.
 
 use super::Environment;
+use crate::binary::hex;
 use crate::kept;
 use crate::scene::Settings;
 use crate::sequence::Sequence;
 use image::RgbaImage;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 /// A way to draw with what it takes and how wrong it is.
@@ -149,16 +149,6 @@ impl QualityKey {
     fn place(&self) -> Option<PathBuf> {
         kept::cached_place_of(&format!("quality/{}.json", self.0))
     }
-}
-
-/// Bytes as lower-case digits.
-pub(super) fn hex(bytes: &[u8]) -> String {
-    let mut digits = String::with_capacity(2 * bytes.len());
-    for byte in bytes {
-        // Writing to a String cannot fail.
-        let _ = write!(digits, "{byte:02x}");
-    }
-    digits
 }
 
 #[cfg(test)]

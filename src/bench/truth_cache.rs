@@ -5,7 +5,7 @@
 //! are three PNG files, the latter with the bytes of an f32 in the channels of a pixel. What cannot be read is made
 //! again. The oldest files go when there are too many bytes of them.
 
-use super::lab::hex;
+use crate::binary::hex;
 use crate::kept;
 use crate::measure::DepthImage;
 use crate::render::truth::{Truth, TruthKey};

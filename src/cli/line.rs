@@ -3,7 +3,7 @@
 //! Options have one spelling in clap; here they get it. `--edl on` and `--edl` are both meant: clap would take the next
 //! word, be it an INPUT, for a value, so that only a known value is joined to its switch.
 
-use crate::spelling::is_same_word;
+use crate::spelling::{edit_distance, is_same_word};
 use clap::builder::PossibleValue;
 use clap::{Arg, ArgAction, Command};
 use std::ffi::{OsStr, OsString};
@@ -174,25 +174,6 @@ fn similar<'a>(word: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a s
     names
         .filter(|name| edits(name) <= max_edits && edits(name) < name.len().min(word.len()))
         .min_by_key(edits)
-}
-
-/// Letters to insert, to remove, to replace or to swap with the next one (Damerau and Levenshtein, restricted).
-fn edit_distance(left: &str, right: &str) -> usize {
-    let (left, right): (Vec<char>, Vec<char>) = (left.chars().collect(), right.chars().collect());
-    let mut rows = vec![(0..=right.len()).collect::<Vec<_>>()];
-    for (i, letter) in left.iter().enumerate() {
-        let mut row = vec![i + 1];
-        for (j, other) in right.iter().enumerate() {
-            let replaced = rows[i][j] + usize::from(letter != other);
-            let mut best = replaced.min(rows[i][j + 1] + 1).min(row[j] + 1);
-            if i > 0 && j > 0 && *letter == right[j - 1] && left[i - 1] == *other {
-                best = best.min(rows[i - 1][j - 1] + 1);
-            }
-            row.push(best);
-        }
-        rows.push(row);
-    }
-    rows[left.len()][right.len()]
 }
 
 /// The values that a help lists.

@@ -259,10 +259,7 @@ impl Topic {
 }
 
 fn option_of<'a>(command: &'a Command, long: &str) -> Option<&'a Arg> {
-    command
-        .get_opts()
-        .chain(command.get_arguments())
-        .find(|option| option.get_long() == Some(long))
+    command.get_arguments().find(|option| option.get_long() == Some(long))
 }
 
 /// An option and its text.

@@ -4,6 +4,7 @@
 //! Inputs, frame and view are none: who looks around has made nothing.
 
 use super::model::{Document, Measured, MeasuredPoint, ShownTrails};
+use crate::messages;
 use crate::scene::Settings;
 
 /// A part of a document.
@@ -193,11 +194,7 @@ fn named(is_there: bool, name: &str) -> Option<String> {
 }
 
 fn counted(count: usize, one: &str) -> Option<String> {
-    match count {
-        0 => None,
-        1 => Some(format!("1 {one}")),
-        count => Some(format!("{count} {one}s")),
-    }
+    (count > 0).then(|| messages::counted(count as i64, one))
 }
 
 /// The name of a change of one thing, or of more.

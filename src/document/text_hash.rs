@@ -1,7 +1,7 @@
 //! Hashes of texts, for names of files and to know a text again.
 
+use crate::binary::hex;
 use sha2::{Digest, Sha256};
-use std::fmt::Write as _;
 
 /// Hash of the text of a session.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -20,10 +20,5 @@ impl TextHash {
 
 /// The first half of the SHA-256, in hexadecimal digits.
 pub(super) fn hex_hash(bytes: &[u8]) -> String {
-    let mut text = String::new();
-    for byte in &Sha256::digest(bytes)[..16] {
-        // Writing to a String cannot fail.
-        let _ = write!(text, "{byte:02x}");
-    }
-    text
+    hex(&Sha256::digest(bytes)[..16])
 }

@@ -80,11 +80,8 @@ impl DocumentFolder {
 /// Gives a file a name that is not taken.
 fn set_aside(file: &Path) -> std::io::Result<PathBuf> {
     let stem = file.file_stem().and_then(OsStr::to_str).unwrap_or_default();
-    let free = (1..).map(|number| file.with_file_name(format!("{stem}-{number}.{EXTENSION}")));
-    let aside = free
-        .into_iter()
-        .find(|aside| !aside.exists())
-        .unwrap_or_else(|| file.to_owned());
+    let mut names = (1..).map(|number| file.with_file_name(format!("{stem}-{number}.{EXTENSION}")));
+    let aside = names.find(|aside| !aside.exists()).unwrap_or_else(|| file.to_owned());
     std::fs::rename(file, &aside)?;
     Ok(aside)
 }

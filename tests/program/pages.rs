@@ -4,11 +4,10 @@
 //! of their own. The lines below a command are to be found in its answer (stdout and stderr) in this order; `…` stands
 //! for any text, alone on a line for any lines.
 
+use rayon::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A command of a page and what stands below it.
 #[derive(Debug, PartialEq, Eq)]
@@ -116,19 +115,7 @@ fn pages() -> Vec<PathBuf> {
 fn commands_of_pages_answer_what_stands_below_them() {
     let pages = pages();
     assert!(pages.len() > 20, "{pages:?}");
-    let (next, wrong) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-    let threads = std::thread::available_parallelism().map_or(2, |threads| threads.get().min(4));
-    std::thread::scope(|scope| {
-        for _ in 0..threads {
-            scope.spawn(|| {
-                while let Some(page) = pages.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let problems = problems(page);
-                    wrong.lock().unwrap().extend(problems);
-                }
-            });
-        }
-    });
-    let wrong = wrong.into_inner().unwrap();
+    let wrong: Vec<String> = pages.par_iter().flat_map(|page| problems(page)).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 

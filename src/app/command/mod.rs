@@ -8,6 +8,6 @@ mod row;
 
 pub use keys::{Chord, GESTURES, Keys};
 pub use kinds::Command;
-pub(super) use offer::{Offer, OfferNumber};
+pub(super) use offer::{NumberUse, Offer};
 pub(super) use row::Act;
 pub use row::{CommandRow, Menu};

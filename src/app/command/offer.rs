@@ -15,20 +15,20 @@ pub(in crate::app) struct Offer {
     pub also: &'static [&'static str],
     /// The reason why it cannot be chosen now.
     pub why_not: Option<&'static str>,
-    /// Whether the value is the number that was typed.
-    pub number: OfferNumber,
+    /// Its use of the number that was typed.
+    pub number: NumberUse,
     /// Whether the value is only begun: a person goes on typing.
     pub is_begun: bool,
 }
 
-/// The part of a typed number in an offer.
+/// Use of the number that was typed, by an entry of the palette.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::app) enum OfferNumber {
-    /// None.
+pub(in crate::app) enum NumberUse {
+    /// None: the number is a word.
     None,
-    /// It is the value; other words have to ask for the command.
+    /// Its value, if other words ask for the entry.
     WithWords,
-    /// It is the value, also where it is all that was typed.
+    /// Its value, also where the number is all that was typed.
     Alone,
 }
 
@@ -41,7 +41,7 @@ impl Offer {
             hint: "",
             also: &[],
             why_not: None,
-            number: OfferNumber::None,
+            number: NumberUse::None,
             is_begun: false,
         }
     }
@@ -68,7 +68,7 @@ impl Offer {
 
     /// The same as one that takes the number that was typed.
     #[must_use]
-    pub(in crate::app) fn of_number(self, number: OfferNumber) -> Self {
+    pub(in crate::app) fn of_number(self, number: NumberUse) -> Self {
         Self { number, ..self }
     }
 }

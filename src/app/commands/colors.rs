@@ -7,7 +7,7 @@ use crate::app::command::{Command, Offer};
 use crate::app::state::State;
 use crate::playback::Player;
 use crate::scene::coloring::{MAP, MAPS, SOURCES};
-use crate::sequence::{ColorRange, ColorSource};
+use crate::sequence::ColorSource;
 
 pub(super) const ROWS: &[Row] = &[
     Row::taking(
@@ -15,14 +15,8 @@ pub(super) const ROWS: &[Row] = &[
         "Colour by a source",
         "SOURCE",
         |state, source| {
-            let source = source.parse::<ColorSource>().map_err(|error| format!("{error}"))?;
-            let colors = &mut state.style.colors;
-            if colors.source != source {
-                // Numbers of one source mean nothing for another.
-                colors.range = ColorRange::USUAL;
-                colors.is_logarithmic = false;
-            }
-            colors.source = source;
+            let source = source.parse().map_err(|error| format!("{error}"))?;
+            state.style.colors.choose(source);
             Ok(())
         },
     )

@@ -2,7 +2,7 @@
 
 use super::common::{Row, needs_sequence};
 use super::playing::SPEEDS;
-use crate::app::command::{Command, Offer, OfferNumber};
+use crate::app::command::{Command, NumberUse, Offer};
 use crate::app::presets::built_in;
 use crate::app::recent::entry_name;
 use crate::app::state::{State, WindowRequest};
@@ -49,7 +49,7 @@ pub(super) const ROWS: &[Row] = &[
         let to_it = place.map(|place| {
             Offer::new(format!("Go to frame {place}"), place.to_string())
                 .also(FRAME_WORDS)
-                .of_number(OfferNumber::Alone)
+                .of_number(NumberUse::Alone)
         });
         let begun = Offer::begun("Go to frame…", "go to frame ").also(FRAME_WORDS);
         to_it.into_iter().chain([begun]).collect()
@@ -67,7 +67,7 @@ pub(super) const ROWS: &[Row] = &[
     })
     .offers(|_, number| {
         let typed = number.filter(|speed| (MIN_SPEED..=MAX_SPEED).contains(speed));
-        let typed = typed.map(|speed| speed_of(speed).of_number(OfferNumber::Alone));
+        let typed = typed.map(|speed| speed_of(speed).of_number(NumberUse::Alone));
         let listed = SPEEDS.iter().filter(|speed| number != Some(**speed));
         typed.into_iter().chain(listed.map(|&speed| speed_of(speed))).collect()
     })
@@ -92,7 +92,7 @@ pub(super) const ROWS: &[Row] = &[
         let typed = number.filter(|fps| RATES.contains(fps)).map(|fps| {
             Offer::new(format!("Frames per second: {fps}"), fps.to_string())
                 .also(RATE_WORDS)
-                .of_number(OfferNumber::WithWords)
+                .of_number(NumberUse::WithWords)
         });
         let begun = Offer::begun("Frames per second (fps)…", "frames per second ").also(RATE_WORDS);
         typed.into_iter().chain([begun]).collect()
@@ -133,7 +133,7 @@ pub(super) const ROWS: &[Row] = &[
         let offer = |angle| {
             Offer::new(format!("Field of view: {angle} °"), f64::to_string(&angle))
                 .also(&["fov", "focal length", "lens", "zoom"])
-                .of_number(OfferNumber::WithWords)
+                .of_number(NumberUse::WithWords)
         };
         typed.map(offer).into_iter().collect()
     }),

@@ -51,7 +51,7 @@ pub(super) fn colors_ui(
     has_legend: &mut bool,
 ) {
     heading(ui, "Colours");
-    let before = *coloring;
+    let before = coloring.source;
     rows(ui, "colours", |ui| {
         source(ui, coloring, shown);
         match coloring.source {
@@ -60,11 +60,8 @@ pub(super) fn colors_ui(
             _ => {}
         }
     });
-    if coloring.source != before.source {
-        // Numbers of one source mean nothing for another.
-        coloring.range = ColorRange::USUAL;
-        coloring.is_logarithmic = false;
-    }
+    let source = std::mem::replace(&mut coloring.source, before);
+    coloring.choose(source);
     let paint = shown.map(|frame| *frame.paint());
     if let (Some(frame), Some(Paint::Scale { values, scale, .. })) = (shown, paint) {
         rows(ui, "colour map", |ui| map(ui, coloring));

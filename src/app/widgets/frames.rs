@@ -1,6 +1,7 @@
 //! Controls for numbers of frames, which say "1 frame" and "2 frames".
 
-use super::numbers::{counted, parse_counted};
+use super::numbers::parse_counted;
+use crate::messages::counted;
 use egui::{DragValue, Slider};
 
 /// A slider of so many frames.

@@ -15,13 +15,7 @@ pub(in crate::app) fn grouped(number: u64) -> String {
     text
 }
 
-/// `1 frame`, `-3 frames`: so many of what is called so.
-pub(in crate::app) fn counted(count: i64, noun: &str) -> String {
-    let plural = if count.abs() == 1 { "" } else { "s" };
-    format!("{count} {noun}{plural}")
-}
-
-/// Reads what [`counted`] has written, or a bare number.
+/// Reads what [`counted`](crate::messages::counted) has written, or a bare number.
 pub(in crate::app) fn parse_counted(text: &str) -> Option<f64> {
     text.split_whitespace().next()?.parse().ok()
 }
@@ -87,9 +81,6 @@ mod tests {
         assert_eq!(grouped(999), "999");
         assert_eq!(grouped(1_000), "1,000");
         assert_eq!(grouped(12_345_678), "12,345,678");
-        assert_eq!(counted(1, "frame"), "1 frame");
-        assert_eq!(counted(-1, "frame"), "-1 frame");
-        assert_eq!(counted(0, "frame"), "0 frames");
         assert_eq!(parse_counted("-12 frames"), Some(-12.0));
         assert_eq!(bytes(1023), "1023 B");
         assert_eq!(bytes(1024), "1.0 KiB");

@@ -36,6 +36,15 @@ impl Coloring {
             one_color: UNIFORM_RGB,
         }
     }
+
+    /// Changes the source. Numbers of one source mean nothing for another: the range is the default one then.
+    pub fn choose(&mut self, source: ColorSource) {
+        if self.source != source {
+            self.source = source;
+            self.range = ColorRange::USUAL;
+            self.is_logarithmic = false;
+        }
+    }
 }
 
 impl Default for Coloring {

@@ -5,9 +5,9 @@ use super::groups::{Alternative, Group, Line};
 use crate::app::open_panels::PanelId;
 use crate::app::theme::ODD;
 use crate::app::widgets::names::named;
-use crate::app::widgets::numbers::counted;
 use crate::app::widgets::tool_window::tool_window;
 use crate::assumption::Evidence;
+use crate::messages::counted;
 use egui::style::ScrollStyle;
 use egui::{Align2, Button, Id, Key, Label, Pos2, RichText, ScrollArea, TextEdit, Ui, vec2};
 

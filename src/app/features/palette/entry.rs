@@ -1,7 +1,7 @@
 //! Entries of the palette, and the effect of choosing one.
 
-use super::rank::{NumberUse, Text};
-use crate::app::command::{Command, Offer, OfferNumber};
+use super::rank::Text;
+use crate::app::command::{Command, NumberUse, Offer};
 use crate::app::settings_row::NamedRow;
 use crate::scene::describe::{Described, Kind, Numbers, Shorthand, Unit, Value, Values};
 use crate::scene::{Background, Settings};
@@ -63,11 +63,6 @@ impl Entry {
 
     /// A value that a command takes.
     pub(super) fn of_offer(offer: Offer, command: Command) -> Self {
-        let number = match offer.number {
-            OfferNumber::None => NumberUse::None,
-            OfferNumber::WithWords => NumberUse::WithWords,
-            OfferNumber::Alone => NumberUse::Alone,
-        };
         let action = if offer.is_begun {
             Action::Type(offer.value)
         } else {
@@ -76,7 +71,7 @@ impl Entry {
         Self {
             also: [offer.also, &[]],
             why_not: offer.why_not,
-            number,
+            number: offer.number,
             ..Self::new(offer.text, offer.hint, action)
         }
     }

@@ -6,6 +6,7 @@
 //! [`MIN_SCORE`], or far below the best entry, is not listed.
 
 use super::words::{Word, is_mistyped, likeness, words_of};
+use crate::app::command::NumberUse;
 
 /// An entry with a lower score is unrelated to the query.
 const MIN_SCORE: f32 = 0.4;
@@ -42,17 +43,6 @@ pub(super) struct Text<'a> {
     pub(super) number: NumberUse,
     /// Added to the score of what is related.
     pub(super) bonus: f32,
-}
-
-/// Use of the number of a query by an entry.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum NumberUse {
-    /// None: the number is a word.
-    None,
-    /// Its value, if other words ask for the entry.
-    WithWords,
-    /// Its value, also where the number is all that was typed.
-    Alone,
 }
 
 /// Places of the related ones among `texts`, best first; of equal ones the first comes first.

@@ -1,5 +1,7 @@
 //! Words of a query and of what it is compared with: spelling, stems, typing errors and numbers.
 
+use crate::spelling::{british, edit_distance};
+
 /// A word, spelled in one way.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Word {
@@ -25,16 +27,8 @@ const MIN_MISTYPED: usize = 5;
 /// Units after numbers.
 const UNITS: &[&str] = &["px", "x", "×", "%", "°", "fps", "s", "ms", "deg"];
 
-/// American spellings and the British ones: parts of words.
-const SPELLINGS: &[(&str, &str)] = &[
-    ("color", "colour"),
-    ("center", "centre"),
-    ("gray", "grey"),
-    ("meter", "metre"),
-    ("neighbor", "neighbour"),
-    ("iz", "is"),
-    ("yz", "ys"),
-];
+/// Bytes of a letter in UTF-8.
+const MAX_BYTES_OF_LETTER: usize = 4;
 
 /// Endings that words of the same stem differ in.
 const ENDINGS: &[&str] = &["ions", "ings", "ing", "ion", "ies", "ed", "es", "e", "s", "y"];
@@ -60,10 +54,7 @@ pub(super) fn words_of(text: &str) -> Vec<Word> {
 
 impl Word {
     fn new(text: &str) -> Self {
-        let mut text = text.to_owned();
-        for (american, british) in SPELLINGS {
-            text = text.replace(american, british);
-        }
+        let text = british(text);
         let weight = if FILLERS.contains(&text.as_str()) {
             FILLER_WEIGHT
         } else {
@@ -145,19 +136,8 @@ pub(super) fn likeness(word: &Word, other: &Word) -> f32 {
 
 /// Whether one letter is wrong, missing or too much, or two are exchanged. The first letter is right.
 pub(super) fn is_mistyped(typed: &str, other: &str) -> bool {
-    let (typed, other): (Vec<char>, Vec<char>) = (typed.chars().collect(), other.chars().collect());
-    if typed.first() != other.first() || typed.len().abs_diff(other.len()) > 1 {
-        return false;
-    }
-    let same = typed.iter().zip(&other).take_while(|(a, b)| a == b).count();
-    let (typed, other) = (&typed[same..], &other[same..]);
-    match (typed, other) {
-        ([_, typed @ ..], [_, other @ ..]) if typed == other => true,
-        ([a, b, typed @ ..], [c, d, other @ ..]) if typed == other && a == d && b == c => true,
-        ([_, typed @ ..], other) if typed == other => true,
-        (typed, [_, other @ ..]) => typed == other,
-        _ => false,
-    }
+    let is_near = typed.len().abs_diff(other.len()) <= MAX_BYTES_OF_LETTER;
+    is_near && typed.chars().next() == other.chars().next() && edit_distance(typed, other) == 1
 }
 
 /// Whether the letters of `typed` are in `other` in their order, from its first one: either only vowels are missing

@@ -8,6 +8,7 @@ use super::link::Datagram;
 use super::maker::{Confidence, Maker, Recogniser, Sensor, Sort};
 use super::unread::{Unread, unread};
 use super::{ouster, velodyne};
+use crate::messages::listed;
 
 /// Of those that are as certain of a datagram, the first has it.
 pub(super) const MAKERS: &[Maker] = &[velodyne::MAKER, ouster::MAKER];
@@ -64,9 +65,6 @@ impl Makers {
 
 /// The makers whose packets are read, for people.
 pub(super) fn all_packets() -> String {
-    let packets: Vec<&str> = MAKERS.iter().map(|maker| maker.packets).collect();
-    match packets.split_last() {
-        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
-        _ => packets.concat(),
-    }
+    let packets: Vec<String> = MAKERS.iter().map(|maker| maker.packets.to_owned()).collect();
+    listed(&packets, "and")
 }
