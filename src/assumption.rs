@@ -65,7 +65,7 @@ pub enum Subject {
     FrameTimes,
     /// Points, surfels, a mesh.
     Primitive,
-    /// What points are coloured by.
+    /// Colour source of points.
     Colors,
     /// Points that a filter removed.
     FilteredPoints,
@@ -75,7 +75,7 @@ pub enum Subject {
     Projection,
 }
 
-/// How a subject is named and changed.
+/// Name of a subject, and the option that changes it.
 #[derive(Debug)]
 struct Row {
     subject: Subject,
@@ -211,7 +211,7 @@ pub struct Assumption {
     pub value: String,
     /// The reason, a clause without a full stop.
     pub why: String,
-    /// How strong the reason is.
+    /// Strength of the evidence.
     pub evidence: Evidence,
     /// The command-line option that changes it.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -235,7 +235,7 @@ impl Assumption {
         }
     }
 
-    /// The same, changed by another option; `None` where none changes it.
+    /// Sets the option that changes this assumption; `None` where none changes it.
     #[must_use]
     pub fn with_option(self, option: Option<&'static str>) -> Self {
         let window = option.and(self.window);
@@ -244,13 +244,15 @@ impl Assumption {
 }
 
 impl Assumption {
-    /// Whether one entry tells of both: frames with the same no-data value have it a different number of times.
+    /// Returns true if one entry covers both assumptions: frames with the same no-data value have it a different number
+    /// of times.
     fn is_of_same(&self, other: &Self) -> bool {
         let is_no_data = self.subject == Subject::NoData && other.subject == Subject::NoData;
         self == other || (is_no_data && self.value == other.value)
     }
 
-    /// Of reasons with a count the one with the larger one: it has more digits, or larger ones.
+    /// Returns true if the reason is the longer one, which among reasons with a count is that with the larger count: it
+    /// has more digits, or larger ones.
     fn has_longer_why_than(&self, other: &Self) -> bool {
         (self.why.len(), &self.why) > (other.why.len(), &other.why)
     }

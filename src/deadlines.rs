@@ -1,8 +1,8 @@
-//! How long other machines are waited for: the numbers of all clients and servers.
+//! Network timeouts: the deadlines of all clients and servers.
 //!
-//! **How it works.** A limit of silence alone is no limit: a peer that sends a byte per second is never silent. So
-//! every transfer also has a least rate, which counts from its first moment, after a grace period. What takes longer
-//! than both allow is ended, with a sentence. Tests hand in shorter ones.
+//! **How it works.** An idle timeout alone is not a limit: a peer that sends a byte per second is never silent. So
+//! every transfer also has a minimum rate, which counts from its start, after a grace period. A transfer that takes
+//! longer than both allow is ended, with an error message. Tests pass in shorter deadlines.
 //!
 //! | who waits | for what | at most |
 //! |---|---|---|
@@ -27,7 +27,7 @@ pub struct LeastRate {
 }
 
 impl LeastRate {
-    /// How long may be waited for more than `bytes`, since the beginning.
+    /// Returns the total time allowed for more than `bytes` to arrive, since the start of the transfer.
     pub fn time_for(&self, bytes: u64) -> Duration {
         let seconds = bytes as f64 / self.bytes_per_s;
         Duration::try_from_secs_f64(seconds)
@@ -35,14 +35,15 @@ impl LeastRate {
             .max(self.grace)
     }
 
-    /// How long may be waited for more than `bytes` yet, `elapsed` after the beginning; `None` where it is too late.
+    /// Returns the time that may still be waited for more than `bytes`, `elapsed` after the start of the transfer;
+    /// `None` if it is too late.
     pub fn time_left(&self, bytes: u64, elapsed: Duration) -> Option<Duration> {
         let left = self.time_for(bytes).saturating_sub(elapsed);
         (!left.is_zero()).then_some(left)
     }
 }
 
-/// How long clients wait.
+/// Timeouts of clients.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClientDeadlines {
     /// For a connection.
@@ -76,7 +77,7 @@ impl Default for ClientDeadlines {
     }
 }
 
-/// How long servers wait.
+/// Timeouts of servers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServerDeadlines {
     /// For a request, on a connection that is open.
@@ -89,7 +90,7 @@ pub struct ServerDeadlines {
     pub message: LeastRate,
     /// A client that is sent something and has taken nothing of it for so long gives way where all places are taken.
     pub stuck: Duration,
-    /// How long a client waits for a place before it is sent away.
+    /// Timeout of a client waiting for a free slot before it is sent away.
     pub place: Duration,
 }
 

@@ -44,11 +44,11 @@ pub struct CameraChoice {
     pub azimuth_deg: Option<f64>,
     /// Height above the horizon, degrees.
     pub elevation_deg: Option<f64>,
-    /// From the middle of the cloud to the eye, scene units.
+    /// Distance from the centre of the cloud to the eye, in scene units.
     pub distance: Option<f64>,
     /// Vertical field of view, degrees.
     pub fov_deg: Option<f64>,
-    /// How depth becomes size; perspective when not given.
+    /// Camera projection; perspective when not given.
     pub projection: Option<Projection>,
     /// Shows all points, outliers and what is far away as well.
     pub frames_all: bool,
@@ -80,7 +80,7 @@ impl CameraChoice {
     }
 }
 
-/// What one picture took, for `--stats`.
+/// Render statistics of one image, for `--stats`.
 #[derive(Debug, Clone, Serialize)]
 pub struct PictureStats {
     /// Index of the frame in the sequence.
@@ -158,13 +158,13 @@ pub struct Headless {
     look: OnceLock<Arc<FirstLook>>,
     /// Texts over pictures.
     labels: Arc<Vec<Label>>,
-    /// The photographs that were loaded last.
+    /// Input images that were loaded last.
     photographs: Mutex<Option<(Arc<ViewSet>, Arc<LoadedPhotographs>)>>,
-    /// Those of one scene that have a surface of their own.
+    /// Input images of one static scene that have a surface of their own.
     surfaced: Mutex<Option<Surfaced>>,
 }
 
-/// Photographs of one scene with the surface that was made of them.
+/// Input images of one static scene with the surface reconstructed from them.
 #[derive(Debug)]
 struct Surfaced {
     of: Arc<LoadedPhotographs>,
@@ -192,8 +192,8 @@ impl Headless {
         self.labels = labels;
     }
 
-    /// Where labels are in a picture of `size_px` that is drawn from `packet`, and what they say. Frame `index` is
-    /// shown; ghosts in the packet are of others.
+    /// Returns the positions and texts of the labels in an image of `size_px` that is drawn from `packet`. Frame
+    /// `index` is shown; ghosts in the packet are of other frames.
     pub fn labels_on(
         &self,
         index: usize,
@@ -215,12 +215,13 @@ impl Headless {
         placed.into_iter().map(|label| (label.clone(), text(&label))).collect()
     }
 
-    /// What draws.
+    /// Returns the renderer.
     pub fn renderer(&self) -> &AnyRenderer {
         &self.renderer
     }
 
-    /// What to make of the sequence where nothing is chosen, told by its first readable frame and some others.
+    /// Returns the default view and appearance of the sequence where nothing is chosen, determined by its first
+    /// readable frame and some others.
     pub fn first_look(&self) -> Result<Arc<FirstLook>, FrameError> {
         if let Some(look) = self.look.get() {
             return Ok(Arc::clone(look));
@@ -268,7 +269,7 @@ impl Headless {
         self.loader.wait(index, &self.needs(style))
     }
 
-    /// The photographs of what frame `index` shows, if there are some. They are loaded once.
+    /// Returns the input images of the scene that frame `index` shows, if there are any. They are loaded once.
     fn loaded_photographs(&self, index: usize) -> Option<Arc<LoadedPhotographs>> {
         let set = self.sequence.source().photographs(index)?;
         let mut known = lock(&self.photographs);
@@ -282,7 +283,8 @@ impl Headless {
         Some(loaded)
     }
 
-    /// Those that are not left out, on the surface that is made of them if they are of one scene.
+    /// Returns the input images that are not excluded, on the surface reconstructed from them if they are of one static
+    /// scene.
     fn photographs_without(&self, index: usize, left_out: &[usize]) -> Option<Arc<Photographs>> {
         let loaded = self.loaded_photographs(index)?;
         let set = self.sequence.source().photographs(index)?;
@@ -337,7 +339,7 @@ impl Headless {
         Ok((composed, problems))
     }
 
-    /// What a frame must have to be drawn here with these settings.
+    /// Returns the needs of a frame: the data it must have to be drawn here with these settings.
     pub fn needs(&self, style: &Style) -> Needs {
         Scene::needs(&style.drawn_by(self.renderer.is_processor()))
     }
@@ -378,12 +380,12 @@ impl Headless {
         self.renderer.read_image()
     }
 
-    /// What was done for normals of the screen, if the last packet has such.
+    /// Returns the statistics of screen-space normals, if the last packet has any.
     pub fn screen_stats(&self) -> Option<ScreenStats> {
         self.scene.screen_stats().or(self.renderer.stats().screen)
     }
 
-    /// What the last [`Headless::draw`] of `frame` took.
+    /// Returns the render statistics of the last [`Headless::draw`] of `frame`.
     pub fn stats(&self, frame: &PreparedFrame) -> PictureStats {
         let traversal = self.scene.stats();
         let traverse_ms = traversal.traverse_time.as_secs_f64() * 1e3;

@@ -1,51 +1,51 @@
 //! pointreel: a viewer for time-varying point clouds (4D scans).
 //!
-//! A picture is made along one road, and each module only knows those before it:
+//! An image is rendered along one pipeline, and each module only knows those before it:
 //!
-//! | module | what it does |
+//! | module | purpose |
 //! |---|---|
-//! | [`memory`] | the allocator of the program, how long it keeps what is freed, sizes of memory for people |
-//! | `temporary` | what is on the disk only until a command ends |
-//! | `signals` | signals that ask the program to end |
+//! | [`memory`] | the global allocator, its retention of freed memory, human-readable memory sizes |
+//! | `temporary` | temporary files, kept on disk only until a command ends |
+//! | `signals` | termination signals |
 //! | `kept` | files that are kept between runs |
-//! | [`deadlines`] | how long other machines are waited for |
-//! | [`waiting`] | what other machines are waited for |
-//! | `locks` | locks that go on after a panic elsewhere |
-//! | [`progress`] | how much of long work is done, and whether it is still wanted |
-//! | `messages` | which messages are of one kind |
-//! | `binary` | types of binary numbers, headers of the arrays of numpy |
+//! | [`deadlines`] | timeouts for other machines |
+//! | [`waiting`] | pending waits for other machines |
+//! | `locks` | locks that continue after a panic elsewhere |
+//! | [`progress`] | progress and cancellation of long-running work |
+//! | `messages` | grouping of messages by kind |
+//! | `binary` | binary number types, numpy array headers |
 //! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
-//! | `raster` | images as cameras record them: distances and colours out of bytes |
+//! | `raster` | camera images: distances and colours decoded from bytes |
 //! | [`rgbd`] | depth images: cameras, points, colours, filters |
-//! | [`wire`] | what live streams are made of: messages, images, points |
-//! | [`photos`] | calibrated photographs with sparse points, and their textures |
-//! | [`stereo`] | depth from photographs: pairs, many views, dense points |
+//! | [`wire`] | live stream wire format: messages, images, points |
+//! | [`photos`] | calibrated images with sparse points, and their textures |
+//! | [`stereo`] | multi-view stereo, i.e. depth from images: pairs, many views, dense points |
 //! | [`io`] | files of other programs, decoded into [`cloud::RawCloud`] |
 //! | [`analysis`] | neighbours, normals, splat radii, colours |
-//! | [`measure`] | errors of pictures (PSNR, FLIP, SSIM, holes), clouds (D1, D2) and normals (angles) |
+//! | [`measure`] | errors of images (PSNR, FLIP, SSIM, holes), clouds (D1, D2) and normals (angles) |
 //! | [`levels`] | levels of detail: the sparse voxel octree: build, byte code, visible set |
-//! | [`reel`] | sequence files: a 4D scan in a few bits a point, any prefix of a frame a coarser picture |
-//! | [`source`] | where frames come from: files in order, recordings, shapes, streams |
-//! | [`timeline`] | which frame is due when: the clock, its pace and the range that plays |
+//! | [`reel`] | sequence files: a 4D scan in a few bits per point, with any prefix of a frame giving a coarser image |
+//! | [`source`] | frame sources: files in order, recordings, shapes, streams |
+//! | [`timeline`] | schedule of the frames: the clock, its speed and the playback range |
 //! | [`sequence`] | frames prepared ahead of the playhead within a byte budget |
-//! | [`scene`] | camera, settings, the [`scene::ScenePacket`] that holds all that one picture needs, and what is under its pixels |
-//! | [`composition`] | the stages from a frame to the packet of its picture: other poses, photographs, levels |
-//! | [`document`] | what is open and all that was made around it: session files, what is kept, undo |
-//! | [`playback`] | the playhead: which frame is due, which is shown, with how many points |
-//! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
-//! | [`headless`] | pictures without a window |
-//! | [`export`] | pictures of any size, videos of camera paths |
+//! | [`scene`] | camera, settings, the [`scene::ScenePacket`] that holds everything for one rendered frame, and picking of the content under its pixels |
+//! | [`composition`] | the stages from a frame to its scene packet: derived frames, images, levels |
+//! | [`document`] | the open document and everything created around it: session files, kept state, undo |
+//! | [`playback`] | the playhead: the frame that is due, the frame that is shown, and its number of points |
+//! | [`render`] | rendering of packets into pixels: five instancing strategies, surfels, voxels and points |
+//! | [`headless`] | rendering without a window |
+//! | [`export`] | images of any size, videos of camera paths |
 //! | [`mod@bench`] | the paper's tables, measured here |
-//! | [`mod@check`] | what may be wrong with a sequence |
-//! | [`mod@convert`] | frames written anew |
+//! | [`mod@check`] | validation of a sequence |
+//! | [`mod@convert`] | conversion of frames to other files |
 //! | [`serve`] | a sequence file by HTTP, any sequence as a live stream |
 //! | [`app`] | the window |
 //! | [`cli`] | the command line |
 //! | `fuzzing` | readers for the targets in `fuzz/` |
 //!
 //! Features of the package: `window` brings [`app`], `bench` [`mod@bench`], `gpu` [`render::gpu`], `sqlite` recordings
-//! in `SQLite`. What is absent from a build has a stand-in (`no_*.rs`) that says so.
+//! in `SQLite`. Features absent from a build have a stand-in (`no_*.rs`) that reports so.
 
 #![cfg_attr(
     not(all(feature = "sqlite", feature = "window")),

@@ -4,18 +4,18 @@
 //! Two of them are of one kind if they differ in nothing else: in numbers, in names of files, in what is quoted from a
 //! file.
 
-/// How people are told of a frame, wherever that is: by its place among all, as the timeline has it, "frame 3 of 24".
-/// Options, names of files and JSON have its index, which counts from 0.
+/// Formats the frame number for user-facing messages: the position among all frames, as in the timeline, "frame 3 of
+/// 24". Options, names of files and JSON use its index, which counts from 0.
 pub(crate) fn frame_place(index: usize, count: usize) -> String {
     format!("frame {} of {count}", index + 1)
 }
 
-/// The same with the index, for who may have to type it: "frame 3 of 24 (index 2)".
+/// Formats the frame number together with the index, for users who may have to type it: "frame 3 of 24 (index 2)".
 pub(crate) fn frame_with_index(index: usize, count: usize) -> String {
     format!("{} (index {index})", frame_place(index, count))
 }
 
-/// The same of a frame whose sequence is not known, or grows: "frame 3 (index 2)".
+/// Formats the frame number of a sequence that is unknown or growing: "frame 3 (index 2)".
 pub(crate) fn frame_by_index(index: usize) -> String {
     format!("frame {} (index {index})", index + 1)
 }
@@ -63,8 +63,8 @@ pub(crate) fn listed(names: &[String], last: &str) -> String {
     }
 }
 
-/// What `message` says apart from numbers, names of files and what stands between grave accents. Messages of one kind
-/// have the same.
+/// Returns the kind of `message`: its text apart from numbers, file names and anything between grave accents. Messages
+/// of one kind have the same.
 pub(crate) fn kind_of(message: &str) -> String {
     let mut kind = String::with_capacity(message.len());
     for (place, part) in message.split('`').enumerate() {
@@ -107,7 +107,7 @@ fn push_kind_of_word(word: &str, kind: &mut String) {
     kind.push_str(after);
 }
 
-/// Whether a word is a path, or ends like the name of a file.
+/// Returns true if a word is a path, or ends like a file name.
 fn names_a_file(word: &str) -> bool {
     let has_extension = word.rsplit_once('.').is_some_and(|(stem, extension)| {
         !stem.is_empty() && (1..=4).contains(&extension.len()) && extension.chars().all(|c| c.is_ascii_alphanumeric())

@@ -8,7 +8,7 @@
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
-/// Whether a terminal may act on it, or turn what stands around it.
+/// Returns true for a control character that a terminal may act on, or that may reorder the surrounding text.
 fn is_acting(c: char) -> bool {
     let is_direction = matches!(
         c,
@@ -44,7 +44,7 @@ pub(crate) fn text(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The name of something in a file: a frame, a field. It has one line.
+/// Sanitises the single-line name of something in a file, such as a frame or field.
 pub(crate) fn name(name: String) -> String {
     escaped(&name, |_| false).unwrap_or(name)
 }

@@ -1,13 +1,14 @@
-//! Which threads go first where there are more than processors, and who shares the work of the first thread.
+//! Thread priorities: which threads run first when there are more than CPU cores, and which share the work of the first
+//! thread.
 
 use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_priority};
 
-/// Below the middle, which is 50, in the crate's hundred steps: niceness 10 on Linux, a tenth of the time of a thread
-/// that draws.
+/// Thread priority of background work, in the crate's hundred steps; below the medium one, which is 50: niceness 10 on
+/// Linux, a tenth of the time of a thread that draws.
 const BEHIND_DRAWING: u8 = 25;
 
-/// Lets other threads of the program go before this one: it prepares what is drawn later. A picture that waits for
-/// threads which prepare others is late; those have until they are due.
+/// Lowers the priority of the current thread below other threads of the program: it prepares what is drawn later. A
+/// rendered frame that waits for threads which prepare others is late; those have until they are due.
 pub(crate) fn go_behind_drawing() {
     let lowered = ThreadPriorityValue::try_from(BEHIND_DRAWING)
         .ok()

@@ -1,10 +1,9 @@
-//! How much of some long work is done, and whether it is still wanted: what a thread that works shares with those who
-//! wait for it.
+//! Progress and cancellation of long work, shared between the thread that does the work and those that wait for it.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// How much of some work is done, and whether it is still wanted. Clones are of the same work.
+/// Progress and cancellation state of some work. Clones refer to the same work.
 #[derive(Debug, Clone, Default)]
 pub struct Progress(Arc<Shared>);
 
@@ -32,7 +31,8 @@ impl std::fmt::Debug for Shared {
 }
 
 impl Progress {
-    /// Of work of which `tell` hears whenever something is said of it, on the thread that says it. It must not block.
+    /// Creates the progress of work with a callback: `tell` is called whenever progress is reported, on the reporting
+    /// thread. It must not block.
     pub fn told_to(tell: impl Fn(&Self) + Send + Sync + 'static) -> Self {
         Self(Arc::new(Shared {
             tell: Some(Box::new(tell)),
@@ -60,17 +60,17 @@ impl Progress {
         }
     }
 
-    /// Whether anything was ever said of it.
+    /// Returns true if any progress was ever reported.
     pub fn has_begun(&self) -> bool {
         self.0.has_begun.load(Ordering::Relaxed)
     }
 
-    /// How many steps are done.
+    /// Returns the number of completed steps.
     pub fn done(&self) -> usize {
         self.0.done.load(Ordering::Relaxed)
     }
 
-    /// How many steps there are; `None` while nobody knows.
+    /// Returns the total number of steps; `None` while it is unknown.
     pub fn of(&self) -> Option<usize> {
         Some(self.0.of.load(Ordering::Relaxed)).filter(|&of| of > 0)
     }
@@ -85,12 +85,12 @@ impl Progress {
         self.0.is_cancelled.load(Ordering::Relaxed)
     }
 
-    /// Whether both are of the same work.
+    /// Returns true if both track the progress of the same work.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
 
-    /// Whether nobody else has to do with the work any more.
+    /// Returns true if no other clone of the progress exists any more.
     pub(crate) fn is_alone(&self) -> bool {
         Arc::strong_count(&self.0) == 1
     }

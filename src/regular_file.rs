@@ -51,8 +51,8 @@ pub(crate) fn check(path: &Path) -> Result<()> {
     ))
 }
 
-/// What tells the file at `path` from all others, whatever its names: device and number on it; `None` where the system
-/// does not say.
+/// Returns the identity of the file at `path`, independent of its names: device and file number on it; `None` if the
+/// system does not report it.
 pub(crate) fn id(path: &Path) -> Option<(u64, u64)> {
     fs::metadata(path).ok().as_ref().and_then(id_of)
 }
@@ -71,7 +71,7 @@ pub(crate) fn id_of(_: &Metadata) -> Option<(u64, u64)> {
     None
 }
 
-/// Whether both are one file, by links of whatever kind.
+/// Returns true if both paths refer to the same file, through links of any kind.
 pub(crate) fn are_same(a: &Path, b: &Path) -> bool {
     match (id(a), id(b)) {
         (Some(a), Some(b)) => a == b,
@@ -79,7 +79,7 @@ pub(crate) fn are_same(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// A new file at `path`, in place of a file or link of that name: links are not followed.
+/// Creates a new file at `path`, replacing a file or link of that name: links are not followed.
 pub(crate) fn create(path: &Path) -> Result<File> {
     match fs::remove_file(path) {
         Err(reason) if reason.kind() != ErrorKind::NotFound => return Err(reason),
@@ -100,7 +100,7 @@ pub(crate) fn sync_folder_of(file: &Path) {
     }
 }
 
-/// What it is, with its article.
+/// Returns the file type as text, with its article.
 pub(crate) fn kind_of(metadata: &Metadata) -> &'static str {
     if metadata.is_dir() {
         return "a folder";

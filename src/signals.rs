@@ -40,7 +40,7 @@ type Stop = Arc<dyn Fn() + Send + Sync>;
 struct State {
     /// The first one that came.
     received: Option<Signal>,
-    /// How the command that runs is asked to end, and how long it may take for it.
+    /// Stop callback of the running command, and the time limit it has for ending.
     stop: Option<(Stop, Option<Duration>)>,
 }
 
@@ -60,7 +60,7 @@ pub(crate) fn watch() {
     }
 }
 
-/// While this is there, the first signal asks the command to end in place of ending it.
+/// Guard for graceful shutdown: while it exists, the first signal asks the command to end instead of terminating it.
 #[derive(Debug)]
 pub(crate) struct EndsWell(());
 

@@ -1,4 +1,4 @@
-//! How long things took.
+//! Stopwatch: measures durations.
 
 use std::time::Instant;
 

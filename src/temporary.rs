@@ -1,11 +1,11 @@
-//! What is on the disk only until a command ends: hidden files that are being written, locks, new folders, and helpers
-//! that write.
+//! Temporary files, on disk only until a command ends: hidden files that are being written, locks, new folders, and
+//! helper processes that write.
 //!
-//! **How it works.** One list of the process names them all. Each is removed by whoever made it ([`Temporary`] is
-//! dropped), by a signal that ends the process, and at the end of the program, whichever comes first ([`remove_all`]).
-//! A file gets its final name while the list is locked, so a signal finds either the hidden file or the finished one.
-//! After [`remove_all`] the list stays locked: nothing new comes to the disk while the process ends. What a process
-//! that is killed outright (SIGKILL, power) leaves is not removed.
+//! **How it works.** One list of the process names them all. Each is removed by its creator ([`Temporary`] is dropped),
+//! by a signal that ends the process, or at the end of the program, whichever comes first ([`remove_all`]). A file gets
+//! its final name while the list is locked, so a signal finds either the hidden file or the finished one. After
+//! [`remove_all`] the list stays locked: nothing new is written to disk while the process ends. Files that a process
+//! leaves when it is killed outright (SIGKILL, power) are not removed.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -16,10 +16,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// How often is looked whether a helper has ended.
+/// Polling interval for the end of a helper process.
 const LOOK_INTERVAL: Duration = Duration::from_millis(5);
 
-/// How often a process without memory asks for the list that another thread holds, each [`LOOK_INTERVAL`].
+/// Number of attempts by an out-of-memory process to lock the list that another thread holds, one per
+/// [`LOOK_INTERVAL`].
 const LOCK_TRIES: u32 = 20;
 
 static LISTED: Mutex<List> = Mutex::new(List {
@@ -59,7 +60,7 @@ impl Entry {
     }
 }
 
-/// What another thread's panic leaves of a list of paths is still a list of paths.
+/// Locks a mutex, ignoring poisoning: a list of paths is still valid after another thread's panic.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -157,7 +158,7 @@ impl Temporary {
         &self.path
     }
 
-    /// Gives the file the name `target`, in place of a file that has it now: it is temporary no longer.
+    /// Renames the file to `target`, replacing any existing file of that name: it is temporary no longer.
     pub(crate) fn rename(&self, target: &Path) -> io::Result<()> {
         let mut list = locked(&LISTED);
         fs::rename(&self.path, target)?;

@@ -1,7 +1,7 @@
-//! Waits for other machines at this moment, so that a person sees them.
+//! Waits for other machines that are currently in progress, so that they can be shown to the user.
 //!
-//! **How it works.** Whoever waits on a network holds a `Waiting`; there are few, as there are few connections. The
-//! command line says what has been waited for longer than a moment, and the window shows it.
+//! **How it works.** Code that waits on a network holds a `Waiting`; there are few, as there are few connections. The
+//! command line reports waits that take longer than an instant, and the window shows them.
 
 use crate::locks::lock;
 use std::sync::Mutex;

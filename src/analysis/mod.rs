@@ -48,8 +48,9 @@ pub enum Orientation {
     Sensor,
     /// They agree over the neighbourhood graph of all points, and each connected component faces outwards.
     Neighbours,
-    /// The same of one point in 64, with which those around it agree: right nearly everywhere on smooth surfaces, by
-    /// chance where two sheets are nearer to each other than these points.
+    /// Orientation propagated from representatives, one point in 64, with which the normals of those around it agree:
+    /// right nearly everywhere on smooth surfaces, by chance where two sheets are nearer to each other than these
+    /// points.
     Representatives,
 }
 
@@ -76,7 +77,7 @@ pub struct Planes {
     pub without_plane: Vec<u32>,
 }
 
-/// How a plane is fitted to neighbours.
+/// Method of fitting a plane to neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum PlaneFit {
     /// Principal components: all points count alike (Hoppe et al. 1992). Fastest, and best against noise that all have.
@@ -126,16 +127,16 @@ pub const MOST_JOINED: usize = 1 << 21;
 ///
 /// Normals point to `sensor` if it is given; else they are made consistent over the neighbourhood graph, and each
 /// connected component faces outwards: of all points up to [`MOST_JOINED`], beyond it of representatives. Positions
-/// must be finite. Every number of points is fine: a point without a surface around it (fewer than three distinct
-/// points nearby, or all in a line) gets a normal across what there is, and +Z where there is nothing.
+/// must be finite. Any number of points is valid: a point without a surface around it (fewer than three distinct points
+/// nearby, or all in a line) gets a normal across what there is, and +Z where there is nothing.
 ///
-/// Takes some 70 bytes a point at most beside the positions and the answer; 130 where all points are joined.
+/// Takes at most some 70 bytes per point in addition to the positions and the result; 130 where all points are joined.
 pub fn estimate_surface(positions: &[Vec3], sensor: Option<Vec3>) -> Surface {
     estimate_surface_observed(positions, sensor, &Progress::default())
 }
 
-/// [`estimate_surface`], which advances `progress` by [`surface_steps`]. Once that is cancelled, the rest is left out
-/// and the answer is of no use.
+/// [`estimate_surface`], which advances `progress` by [`surface_steps`]. Once that is cancelled, the rest is skipped
+/// and the result is not usable.
 pub fn estimate_surface_observed(positions: &[Vec3], sensor: Option<Vec3>, progress: &Progress) -> Surface {
     let orientation = orientation_of(positions.len(), sensor);
     surface_oriented_by(orientation, positions, sensor, progress)

@@ -1,4 +1,4 @@
-//! How far normals are from true ones, in numbers and as colours (paper 003, Figs. 5 and 6).
+//! Error of estimated normals against ground truth, in numbers and as colours (paper 003, Figs. 5 and 6).
 
 use crate::cloud::{ShapeRecord, oct_decode};
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ const POINTS_PER_TASK: usize = 1 << 13;
 /// Errors of normals in numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct NormalErrors {
-    /// How many normals.
+    /// Number of normals.
     pub points: usize,
     /// Share of errors of at most one degree.
     pub below_1_deg: f64,

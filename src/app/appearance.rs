@@ -1,23 +1,23 @@
-//! How the window looks, the picture and the panels aside.
+//! Appearance of the window, except the rendered image and the panels.
 
 use super::preferences::Preferences;
 use super::present_choice::PresentChoice;
 use egui::{Rect, ThemePreference, pos2};
 
-/// How the window looks.
+/// Appearance of the window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Appearance {
-    /// Whether it is light or dark.
+    /// Light or dark theme.
     pub theme: ThemePreference,
-    /// Who paints it.
+    /// Presentation method that paints the window.
     pub present: PresentChoice,
-    /// Whether the picture has a scale bar.
+    /// Visibility of the scale bar in the image.
     pub shows_scale_bar: bool,
     /// True while it fills the screen.
     pub full_screen: bool,
-    /// Whether the settings that few have a use for are shown.
+    /// Visibility of the advanced settings, which few need.
     pub shows_advanced: bool,
-    /// Where the window of benchmarks was left, points.
+    /// Last position of the benchmark window, points.
     pub benchmark_place: Option<Rect>,
 }
 

@@ -1,21 +1,21 @@
-//! What is known of the open sequence.
+//! First look of the open sequence: derived data about it.
 
 use crate::math::Aabb;
 use crate::scene::{Camera, FirstLook};
 use crate::sequence::Sequence;
 use std::sync::{Arc, Weak};
 
-/// What is known of the open sequence.
+/// Known properties of the open sequence.
 #[derive(Debug, Default)]
 pub(in crate::app) struct SequenceLook {
     pub(in crate::app) look: Option<Arc<FirstLook>>,
-    /// The same without the user's choice of the up axis.
+    /// First look without the user's choice of the up axis.
     pub(in crate::app) guessed: Option<Arc<FirstLook>>,
     /// The frame that was looked at first: its index and its content, as `PreparedFrame::id`.
     pub(in crate::app) first: Option<(usize, u64)>,
     /// The file of that frame has changed since, as it was half-written.
     pub(in crate::app) is_outdated: bool,
-    /// Frames beside the first one have been looked at, or there are none.
+    /// True if frames other than the first one have been examined, or there are none.
     pub(in crate::app) is_complete: bool,
     /// The view that followed from it.
     pub(in crate::app) view: Option<FirstView>,
@@ -25,9 +25,9 @@ pub(in crate::app) struct SequenceLook {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::app) struct FirstView {
     pub(in crate::app) camera: Camera,
-    /// Of the picture that it fills.
+    /// Size of the image that it fills.
     pub(in crate::app) size_px: [u32; 2],
-    /// What it shows beside the open sequence.
+    /// Bounding box of what it shows alongside the open sequence.
     pub(in crate::app) beside: Aabb,
 }
 
@@ -37,8 +37,8 @@ impl SequenceLook {
         self.view.filter(|view| view.camera == *camera)
     }
 
-    /// Whether `frame` with the content `id` is to be looked at in place of the first one, whose file has changed: it
-    /// is another content of that, or another frame.
+    /// Returns true if `frame` with the content `id` is to be examined instead of the first one, whose file has
+    /// changed: it is another content of that, or another frame.
     pub(in crate::app) fn is_mended_by(&self, frame: usize, id: u64) -> bool {
         self.is_outdated && self.first != Some((frame, id))
     }
@@ -52,7 +52,7 @@ impl SequenceLook {
     }
 }
 
-/// What a thread has made of several frames.
+/// Look refined by a thread from several frames.
 #[derive(Debug)]
 pub struct RefinedLook {
     pub(in crate::app) sequence: Weak<Sequence>,

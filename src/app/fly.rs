@@ -23,7 +23,7 @@ const BOOST: f64 = 4.0;
 /// After a pause in drawing the camera does not jump farther than in this time.
 const MAX_STEP_SECS: f64 = 0.1;
 
-/// Which keys are held.
+/// Fly navigation: the keys held.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Fly {
     held: [bool; DIRECTIONS.len()],

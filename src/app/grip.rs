@@ -1,9 +1,9 @@
-//! The 3-D picture in the hand: from a button that goes down on it until that button is let go.
+//! Dragging of the 3-D view: from a button press on it until that button is released.
 //!
-//! **How it works.** egui knows of a drag only where it sees the button down at the end of a pass, and drops what the
-//! pointer moved between the last pass and letting go: at 10 pictures a second a short, fast drag is lost as a whole,
-//! and long ones end short. So the pointer's events are followed one by one, all of them that came since the last pass.
-//! A pointer that trembles during a click is no drag: the first [`Grip::SLACK`] points are held back, and are made up
+//! **How it works.** egui detects a drag only where it sees the button down at the end of a pass, and drops the pointer
+//! motion between the last pass and the release: at 10 frames per second a short, fast drag is lost as a whole, and
+//! long ones end short. So the pointer's events are followed one by one, all of them that came since the last pass. A
+//! pointer that trembles during a click is not a drag: the first [`Grip::SLACK`] points are held back, and are made up
 //! for once they are left.
 
 use egui::{Event, Modifiers, PointerButton, Pos2, Vec2};
@@ -18,7 +18,7 @@ pub(super) struct Grip {
     is_dragging: bool,
 }
 
-/// How far a pointer has dragged the picture.
+/// Drag displacement of the pointer on the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pull {
     /// The button that is held.

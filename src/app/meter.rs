@@ -1,4 +1,4 @@
-//! How long the parts of a redraw took, and what the graphics card had to do for it.
+//! Redraw timing: durations of the parts of a redraw, and the GPU work it needed.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use std::time::Duration;
 pub struct Redraw {
     /// Moving on and running the panels.
     pub panels: Duration,
-    /// Drawing the 3-D pictures; on a graphics card, handing them over.
+    /// Time to draw the 3-D images; on a GPU, to submit them.
     pub drawing: Duration,
     /// Painting the window.
     pub painting: Duration,
@@ -17,13 +17,13 @@ pub struct Redraw {
     pub waiting: Duration,
     /// All of it.
     pub whole: Duration,
-    /// Pixels of the window that were painted anew.
+    /// Number of pixels of the window that were repainted.
     pub painted_px: u64,
-    /// What was asked of the graphics card.
+    /// GPU work requested.
     pub gpu: GpuWork,
 }
 
-/// What a redraw asked of a graphics card. All is zero where the processor does everything.
+/// GPU work of a redraw. All is zero where the CPU does everything.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct GpuWork {
     /// Submissions to its queue.
@@ -36,7 +36,7 @@ pub struct GpuWork {
 }
 
 impl GpuWork {
-    /// Adds what was asked beside it.
+    /// Adds the work that was requested in addition.
     pub fn add(&mut self, other: Self) {
         self.submissions += other.submissions;
         self.passes += other.passes;

@@ -1,11 +1,11 @@
-//! What moves the camera. By itself it moves gliding to another view, and turning about the up axis as on a turntable.
+//! Camera motion. By itself the camera moves gliding to another view, and turning about the up axis as on a turntable.
 
 use super::fly::Fly;
 use super::grip::Grip;
 use crate::scene::Camera;
 use std::time::Duration;
 
-/// What moves the camera beside the panels.
+/// Camera motion sources other than the panels.
 #[derive(Debug, Default)]
 pub struct CameraMotion {
     /// Keys that fly.
@@ -18,7 +18,7 @@ pub struct CameraMotion {
     pub(super) grip: Option<Grip>,
 }
 
-/// How long a glide takes.
+/// Duration of a glide.
 const GLIDE_TIME: Duration = Duration::from_millis(250);
 
 /// After a pause in drawing a turntable does not jump farther than in this time.
@@ -30,7 +30,7 @@ pub(super) struct Glide {
     from: Camera,
     to: Camera,
     begin: Duration,
-    /// Where it put the camera last.
+    /// Camera set last.
     last: Camera,
 }
 
@@ -71,7 +71,7 @@ impl Glide {
 /// The camera on its orbit, at an even pace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turntable {
-    /// Whether it turns.
+    /// True if the turntable is turning.
     pub is_on: bool,
     /// Pace, degrees a second; negative the other way.
     pub deg_per_sec: f64,

@@ -5,12 +5,12 @@ use crate::messages::kind_of;
 
 use std::time::Duration;
 
-/// How bad it is.
+/// Severity of a notice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Severity {
     /// Something was done.
     Info,
-    /// What to do for that which was asked for.
+    /// Hint on what to do for the requested action.
     Hint,
     /// Something was not as expected; the program goes on.
     Warning,
@@ -19,7 +19,7 @@ pub enum Severity {
 }
 
 impl Severity {
-    /// Whether messages go by themselves.
+    /// Returns true if messages disappear by themselves.
     fn is_brief(self) -> bool {
         matches!(self, Self::Info | Self::Hint)
     }
@@ -30,15 +30,15 @@ impl Severity {
 pub struct Notice {
     /// Number within the session.
     pub id: u64,
-    /// How bad it is.
+    /// Severity of the notice.
     pub severity: Severity,
     /// The full text.
     pub text: String,
-    /// How often it came up.
+    /// Number of occurrences.
     pub count: u64,
     /// Other messages of its kind, each once, in the order in which they came up.
     pub others: Vec<String>,
-    /// What it says apart from numbers and names of files.
+    /// Text without numbers and file names, which identifies its kind.
     kind: String,
     /// When it goes by itself.
     until: Option<Duration>,
@@ -51,7 +51,7 @@ pub struct Notices {
     next_id: u64,
 }
 
-/// How long a confirmation or a hint is shown.
+/// Display time of a confirmation or a hint.
 const INFO_TIME: Duration = Duration::from_secs(6);
 
 /// More than these hide the picture: the oldest go.
@@ -178,7 +178,7 @@ impl Notices {
         self.notices.iter().filter_map(|notice| notice.until).min()
     }
 
-    /// What is to be shown, oldest first.
+    /// Returns the notices to be shown, oldest first.
     pub fn list(&self) -> &[Notice] {
         &self.notices
     }

@@ -1,4 +1,4 @@
-//! Which panels are open.
+//! Panel visibility: the open panels.
 
 use super::widgets::tool_window::tool_id;
 use egui::{Context, Id};
@@ -14,7 +14,7 @@ impl PanelId {
     pub const SETTINGS: Self = Self("settings");
     /// The statistics at the left.
     pub const STATISTICS: Self = Self("statistics");
-    /// What the colours mean, over the picture.
+    /// Colour legend, over the image.
     pub const LEGEND: Self = Self("legend");
     /// The list of keys.
     pub const HELP: Self = Self("help");
@@ -22,9 +22,9 @@ impl PanelId {
     pub const BENCHMARK: Self = Self("benchmark");
     /// The camera path.
     pub const CAMERA_PATH: Self = Self("camera path");
-    /// What is exported.
+    /// Export panel.
     pub const EXPORT: Self = Self("export");
-    /// What this program is, and where it runs.
+    /// About panel: the program, and where it runs.
     pub const ABOUT: Self = Self("about");
     /// As what the sequence is saved.
     pub const SAVE: Self = Self("save");
@@ -49,7 +49,7 @@ pub struct OpenPanels {
 }
 
 impl OpenPanels {
-    /// Whether `panel` is open.
+    /// Returns true if `panel` is open.
     pub fn has(&self, panel: PanelId) -> bool {
         self.open.contains(&panel)
     }
@@ -113,7 +113,7 @@ pub struct RememberedPanels {
     /// The statistics at the left.
     #[serde(rename = "statistics_panel")]
     pub statistics: bool,
-    /// What the colours mean, over the picture.
+    /// Visibility of the colour legend, over the image.
     pub legend: bool,
 }
 

@@ -23,7 +23,7 @@ impl Sight {
     }
 }
 
-/// What may be due.
+/// Agenda of work that may be due.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Agenda {
     /// Something that can be seen has changed.
@@ -38,7 +38,7 @@ pub(super) struct Agenda {
     pub(super) is_hidden: bool,
 }
 
-/// What to do.
+/// Work to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Pace {
     /// Draw now.

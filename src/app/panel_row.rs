@@ -18,12 +18,12 @@ pub(in crate::app) struct PanelRow<S> {
     pub(in crate::app) show: fn(&mut Ui, &mut S),
 }
 
-/// Where a panel is.
+/// Dock position of a panel.
 #[derive(Debug)]
 pub(in crate::app) enum Dock<S> {
-    /// Beside the picture, at the left; how wide at first, and how wide it can be, points.
+    /// Left side panel, next to the image; initial width and width range, points.
     Left(f32, RangeInclusive<f32>),
-    /// The same at the right.
+    /// Right side panel; initial width and width range, points.
     Right(f32, RangeInclusive<f32>),
     /// A bar of this name above the picture, while it is to be seen.
     Top(&'static str, fn(&S) -> bool),
@@ -49,7 +49,7 @@ impl<S> PanelRow<S> {
         }
     }
 
-    /// The same with words of people and of other programs.
+    /// Adds synonyms: words of users and of other programs.
     pub(in crate::app) const fn also(mut self, also: &'static [&'static str]) -> Self {
         self.also = also;
         self

@@ -1,9 +1,9 @@
-//! How a picture that the processor drew comes onto the screen.
+//! Presentation of CPU-rendered images on the screen.
 
 use crate::scene::choices;
 
 choices! {
-    /// Who brings the window's picture onto the screen.
+    /// Presentation backend of the window: the renderer that brings its image onto the screen.
     #[derive(Default)]
     PresentChoice, "way to present" {
         #[default]

@@ -32,7 +32,7 @@ struct Entry {
     reading: Reading,
 }
 
-/// What messages call the contents of the file.
+/// Name of the file's contents in messages.
 const WHAT: &str = "the choices of reading";
 
 /// The name of the list in the file.
@@ -119,8 +119,9 @@ fn entries_of(stored: &Fields, unread: &mut Vec<String>) -> Vec<Entry> {
     entries
 }
 
-/// Opens `inputs` as `chosen` says, over the `usual` options. `Err` is a text for a notice: files that were written
-/// anew may not fit a choice that was made for them before, and are opened as usual then.
+/// Opens `inputs` with the options in `chosen`, applied over the `usual` options. `Err` is a text for a notice: files
+/// that have been rewritten may not fit a choice that was made for them before, and are then opened with the usual
+/// options.
 ///
 /// # Errors
 /// As [`Sequence::open`], or no frame can be decoded.

@@ -1,4 +1,4 @@
-//! What was opened lately, kept between runs in a small JSON file. Several windows share it: each puts what it opens
+//! Recently opened inputs, kept between runs in a small JSON file. Several windows share it: each puts what it opens
 //! first in the list as it is then.
 
 use crate::kept::{self, Fields};
@@ -22,7 +22,7 @@ pub struct Recent {
 /// The name of the list in the file.
 const LIST: &str = "recent";
 
-/// What messages call it.
+/// Name of the list in messages.
 const WHAT: &str = "the list of recent files";
 
 impl Recent {
@@ -67,8 +67,8 @@ impl Recent {
         self.change(Vec::clear)
     }
 
-    /// Where a small picture of these inputs is kept, whether it is there or not; `None` if nothing is kept, or they
-    /// are not in the list.
+    /// Returns the thumbnail path of these inputs, regardless of whether the file exists; `None` if nothing is kept, or
+    /// they are not in the list.
     pub(super) fn picture_of(&self, inputs: &[PathBuf]) -> Option<PathBuf> {
         let inputs = absolute(inputs);
         let is_listed = self.entries.contains(&inputs);

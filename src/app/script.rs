@@ -15,7 +15,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// How often is looked whether what a script waits for has come.
+/// Polling interval for the conditions that a script waits for.
 const LOOK_INTERVAL: Duration = Duration::from_millis(30);
 
 /// Why a script could not be read, or not go on.
@@ -27,7 +27,7 @@ pub enum ScriptError {
     Unreadable {
         /// Its name.
         file: PathBuf,
-        /// What the system says.
+        /// Error message of the system.
         reason: String,
     },
     /// A line of it.
@@ -37,12 +37,12 @@ pub enum ScriptError {
         file: PathBuf,
         /// The number of the line, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// Description of the problem.
         reason: String,
     },
 }
 
-/// What a line asks for.
+/// Script step requested by a line.
 #[derive(Debug, Clone, PartialEq)]
 enum Step {
     Run(Command),
@@ -141,7 +141,7 @@ impl Script {
     }
 }
 
-/// Whether what was asked for is in the picture, whole, or cannot be.
+/// Returns true if the requested content is in the rendered image, complete, or cannot be.
 fn is_shown(state: &State) -> bool {
     let is_opening = state.shared.works.has(WorkKind::Open);
     let is_whole = state.player.as_ref().is_none_or(|player| {
@@ -151,7 +151,7 @@ fn is_shown(state: &State) -> bool {
     !is_opening && is_whole && (state.player.is_none() || state.is_drawn())
 }
 
-/// Whether nothing is under way that ends by itself.
+/// Returns true if no task that ends by itself is in progress.
 fn is_done(state: &State) -> bool {
     state.shared.requests.is_empty() && state.shared.tasks.are_done()
 }

@@ -1,4 +1,4 @@
-//! What a person calls a sequence.
+//! Display name of a sequence.
 
 use crate::sequence::Sequence;
 use crate::source::FrameEntry;

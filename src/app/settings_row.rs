@@ -29,9 +29,9 @@ pub(in crate::app) struct NamedRow {
 /// Parts of the panel that have sections of features.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::app) enum SettingsPart {
-    /// How the sequence goes on.
+    /// Playback of the sequence.
     Time,
-    /// What of the cloud is drawn.
+    /// Clipping: the part of the cloud that is drawn.
     Clip,
     /// The rest, which opens as it was left.
     Advanced,

@@ -4,20 +4,20 @@
 
 use egui::{Color32, Context, CornerRadius, Painter, Pos2, Rect, Shape, Stroke, Theme, ThemePreference, Visuals, vec2};
 
-/// What is chosen, and the playhead.
+/// Accent colour of the selection and the playhead.
 pub(super) const ACCENT: Color32 = Color32::from_rgb(86, 156, 255);
 
-/// Of x, y and z, wherever axes are shown.
+/// Colours of the x, y and z axes, wherever axes are shown.
 pub(super) const AXIS_COLORS: [Color32; 3] = [
     Color32::from_rgb(235, 100, 100),
     Color32::from_rgb(120, 200, 110),
     Color32::from_rgb(100, 150, 250),
 ];
-/// What failed.
+/// Colour of failures.
 pub(super) const BAD: Color32 = Color32::from_rgb(236, 92, 92);
-/// What is odd.
+/// Colour of anomalies.
 pub(super) const ODD: Color32 = Color32::from_rgb(240, 180, 80);
-/// What was done.
+/// Colour of completed actions.
 pub(super) const GOOD: Color32 = Color32::from_rgb(98, 190, 130);
 /// Frames in memory with fewer points than in the file.
 pub(super) const COARSE: Color32 = Color32::from_rgb(62, 116, 112);
@@ -42,7 +42,7 @@ pub fn apply_theme(ctx: &Context) {
     ctx.set_visuals_of(Theme::Light, shaped(light()));
 }
 
-/// What both have in common.
+/// Applies the visuals shared by both themes.
 fn shaped(mut visuals: Visuals) -> Visuals {
     visuals.window_corner_radius = CornerRadius::same(8);
     visuals.menu_corner_radius = CornerRadius::same(6);
@@ -113,7 +113,7 @@ fn light() -> Visuals {
     visuals
 }
 
-/// What a transport button shows.
+/// Icon of a transport button.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Icon {
     /// To the first frame.

@@ -1,10 +1,10 @@
-//! Which pixels of a picture an object covers, and where in it a closer look covers more.
+//! Pixel coverage of an object in an image, and the closer view within it that covers more.
 //!
-//! How it works: the same picture is drawn on two backgrounds, and a pixel is free only where it shows both of them, so
-//! that no colour of the object can pass for background. Covered pixels are kept as a summed-area table (Crow 1984):
-//! the covered share of any rectangle is four look-ups. [`Cover::closer_view`] tries rectangles of the picture's shape,
-//! largest first, until one is covered as wanted: what a camera would see that aims at its middle and comes closer by
-//! its scale.
+//! How it works: the same image is drawn on two backgrounds, and a pixel is free only where it shows both of them, so
+//! that no colour of the object can pass for background. Covered pixels are stored as a summed-area table (Crow 1984):
+//! the covered fraction of any rectangle is four look-ups. [`Cover::closer_view`] tries rectangles of the image's
+//! aspect ratio, largest first, until one has the requested coverage: what a camera would see that aims at its centre
+//! and comes closer by its scale.
 
 use image::RgbaImage;
 
@@ -22,7 +22,7 @@ pub(super) struct Cover {
 /// A part of a picture with its shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct CloserView {
-    /// From the middle of the picture to that of the part, pixels to the right and down.
+    /// Offset from the centre of the image to that of the part, pixels to the right and down.
     pub(super) offset_px: [f64; 2],
     /// Its size as a part of that of the picture, up to 1.
     pub(super) scale: f64,
@@ -65,8 +65,8 @@ impl Cover {
         f64::from(covered) / pixels.max(1) as f64
     }
 
-    /// The largest part of the picture that is covered to `wanted_share`, or, if there is none down to `min_scale`,
-    /// the most covered one of that scale. Of equals the one nearest to the middle.
+    /// Returns the largest part of the image whose coverage reaches `wanted_share`, or, if there is none down to
+    /// `min_scale`, the most covered one of that scale. Ties go to the one nearest to the centre.
     pub(super) fn closer_view(&self, wanted_share: f64, min_scale: f64) -> CloserView {
         let mut scale = 1.0;
         loop {

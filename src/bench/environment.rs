@@ -12,7 +12,7 @@ pub struct Environment {
     pub is_debug_build: bool,
     /// Name, type and driver of the adapter; where there is none, the software renderer.
     pub adapter: String,
-    /// Whether the adapter measures GPU time.
+    /// True if the adapter measures GPU time with timestamp queries.
     pub has_timestamps: bool,
     /// Model of the CPU, or its architecture where the system does not name it.
     pub cpu: String,
@@ -23,7 +23,7 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// What this program runs on, drawing with `context` or without any driver.
+    /// Detects the environment of this program, drawing with `context` or without any driver.
     pub fn detect(context: Option<&Context>) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION"),

@@ -20,7 +20,7 @@ pub enum BenchError {
     NoFrame {
         /// Name of the sequence.
         sequence: String,
-        /// What is wrong with the first of them.
+        /// Description of the problem with the first of them.
         reason: String,
     },
     /// A window measures itself.

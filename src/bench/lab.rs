@@ -1,7 +1,7 @@
-//! Ways to draw as points of time and error, and which of them is best for a person who says what may be spent.
+//! Render modes as points of time and error, and the selection of the best one for a given budget.
 //!
-//! How it works: a way is on the *front* (Pareto) when no other is at once as fast and as right. Fastest below an
-//! error, best within a time, and a slider from fast to exact all choose from the front alone.
+//! How it works: a mode is on the *front* (Pareto) if no other is both as fast and as accurate. Fastest below an error,
+//! best within a time, and a slider from fast to exact all choose from the front alone.
 
 use super::Environment;
 use crate::binary::hex;
@@ -13,12 +13,12 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::path::PathBuf;
 
-/// A way to draw with what it takes and how wrong it is.
+/// Render mode with its cost and its error.
 #[derive(Debug, Clone)]
 pub struct LabPoint {
     /// Name of the sequence.
     pub sequence: String,
-    /// How it was drawn; names who drew.
+    /// Render style it was drawn with; names the renderer.
     pub style: Settings,
     /// The settings in a few words.
     pub label: String,
@@ -26,7 +26,7 @@ pub struct LabPoint {
     pub draw_ms: f64,
     /// Mean FLIP of the pixels that show the object in the picture or in the truth, 0 to 1.
     pub flip: f64,
-    /// Whether no other way is at once as fast and as right.
+    /// True if it is on the Pareto front: no other mode is both as fast and as accurate.
     pub is_on_front: bool,
     /// The first view, small.
     pub picture: RgbaImage,
@@ -35,7 +35,8 @@ pub struct LabPoint {
 }
 
 impl LabPoint {
-    /// Whether another way to draw the same sequence is at least as fast and as right, and one of them more so.
+    /// Returns true if another render mode for the same sequence dominates it: at least as fast and as accurate, and
+    /// strictly better in one of the two.
     pub fn is_beaten_by(&self, other: &Self) -> bool {
         let is_no_worse = other.draw_ms <= self.draw_ms && other.flip <= self.flip;
         let is_better = other.draw_ms < self.draw_ms || other.flip < self.flip;
@@ -57,14 +58,14 @@ pub struct Quality {
     choices: Vec<QualityChoice>,
 }
 
-/// One way to draw.
+/// A render mode that can be chosen.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct QualityChoice {
     /// The settings in a few words.
     pub label: String,
-    /// How to draw.
+    /// Render settings of the choice.
     pub style: Settings,
-    /// What a picture took, milliseconds.
+    /// Draw time of an image, milliseconds.
     pub draw_ms: f64,
     /// FLIP of the object, 0 to 1.
     pub flip: f64,
@@ -125,7 +126,7 @@ impl Quality {
     }
 }
 
-/// What a [`Quality`] belongs to: a machine and a sequence.
+/// Key of a [`Quality`]: a machine and a sequence.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QualityKey(String);
 

@@ -1,14 +1,14 @@
-//! Which photographs are left out, to be compared with.
+//! Hold-out selection: images that are held out, to be compared with.
 
 use std::str::FromStr;
 
-/// Which photographs are left out.
+/// Selection of held-out images.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LeaveOut {
     /// The first, and every so many after it.
     Every(usize),
-    /// Those of these numbers, counted from 0.
+    /// Images with these numbers, counted from 0.
     Numbers(Vec<usize>),
 }
 
@@ -28,7 +28,7 @@ impl Default for LeaveOut {
     }
 }
 
-/// A text that names no photographs.
+/// Parse error for a text that names no images.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` names no photographs: expected numbers counted from 0 such as 2,5, or every:8")]
 pub struct ParseLeaveOutError(String);

@@ -1,13 +1,13 @@
-//! Which ways to draw are compared, in the words of the command line.
+//! Selection of the render modes to compare, in the words of the command line.
 //!
-//! Words of one group are alternatives, groups must all be met: who draws (cpu, gpu), what (surfel, voxel, point, or
-//! surfels of one splatting mode), and how instances reach the GPU (storage, uniform …). A group without words is no
+//! Words of one group are alternatives, groups must all be met: renderer (cpu, gpu), primitive (surfel, voxel, point,
+//! or surfels of one splatting mode), and how instances reach the GPU (storage, uniform …). A group without words is no
 //! condition.
 
 use crate::scene::{Primitive, RendererChoice, Splatting, Strategy, Style};
 use std::str::FromStr;
 
-/// A choice of ways to draw; the default is all.
+/// Selection of render modes; the default is all.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Modes {
     renderers: Vec<RendererChoice>,
@@ -16,7 +16,7 @@ pub struct Modes {
     strategies: Vec<Strategy>,
 }
 
-/// A word that names no way to draw.
+/// Parse error for a word that names no render mode.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{0}` is no mode: expected cpu, gpu, a primitive (surfel, voxel, point), a splatting mode (regular, \
@@ -33,7 +33,7 @@ impl Modes {
         }
     }
 
-    /// Whether `style`, which names who draws, are among them.
+    /// Returns true if `style`, which names the renderer, is among the selected modes.
     pub fn admit(&self, style: &Style) -> bool {
         let is_gpu = style.drawing.renderer == RendererChoice::Gpu;
         let is_surfel = style.draws_surfels();

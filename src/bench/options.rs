@@ -1,4 +1,4 @@
-//! How to measure, and what.
+//! Benchmark options: the subject and the method of measurement.
 
 use super::lab::LabPoint;
 use super::leave_out::LeaveOut;
@@ -10,10 +10,10 @@ use crate::sequence::{Sequence, Shape};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// How to measure.
+/// Options of a benchmark run.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct BenchOptions {
-    /// What to measure.
+    /// Suite to run.
     pub suite: &'static Suite,
     /// Picture size; at least 1×1.
     pub viewport_px: [u32; 2],
@@ -29,13 +29,13 @@ pub struct BenchOptions {
     pub warmup: usize,
     /// Rounds over all viewpoints that count; at least 1.
     pub repeat: usize,
-    /// Which ways to draw are compared, by the suite that compares them; all by default.
+    /// Render modes compared by the suite that compares them; all by default.
     pub modes: Modes,
-    /// Of how many points the clouds are that are made beside the inputs, by the suite that makes some.
+    /// Point counts of the clouds that are generated in addition to the inputs, by the suite that generates some.
     pub cloud_points: Vec<usize>,
-    /// Which photographs are left out, by the suite that compares with them.
+    /// Images held out by the suite that compares with them.
     pub leave_out: LeaveOut,
-    /// Where true pictures are kept for the next run; `None` keeps none.
+    /// Folder in which ground-truth images are kept for the next run; `None` keeps none.
     #[serde(skip)]
     pub truth_folder: Option<PathBuf>,
 }
@@ -96,23 +96,23 @@ impl Input {
     }
 }
 
-/// What a run says of itself.
+/// Progress report of a run.
 #[derive(Debug, Clone, Default)]
 pub struct Step {
     /// Steps done.
     pub done: usize,
     /// Steps of the whole run; 0 while unknown.
     pub total: usize,
-    /// What is being measured now.
+    /// Label of the current measurement.
     pub label: String,
-    /// What has just been measured, if this is said because of it.
+    /// Result that has just been measured, if it is the reason for this report.
     pub measured: Option<Measured>,
 }
 
-/// What can be seen before a run is over.
+/// Intermediate result that can be shown before a run is over.
 #[derive(Debug, Clone)]
 pub enum Measured {
-    /// A way to draw by time and error.
+    /// Render mode by time and error.
     Way(Arc<LabPoint>),
     /// A way to keep a frame by rate and distortion.
     Rate(Arc<RatePoint>),

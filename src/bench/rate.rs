@@ -4,10 +4,10 @@ use crate::measure::CloudError;
 use crate::reel::ReelOptions;
 use image::RgbaImage;
 
-/// Which option of sequence files is changed while the others are the usual ones.
+/// Swept option of sequence files, while the others keep their defaults.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sweep {
-    /// How precisely positions are kept.
+    /// Precision of stored positions.
     Positions,
     /// Bits of normals.
     Normals,
@@ -34,15 +34,15 @@ impl Sweep {
 pub struct RatePoint {
     /// Name of the sequence.
     pub sequence: String,
-    /// What is changed.
+    /// Swept option.
     pub sweep: Sweep,
     /// The choice in a few words.
     pub label: String,
-    /// How it was kept.
+    /// Options it was stored with.
     pub options: ReelOptions,
     /// Bits of the file, over the points of the original.
     pub bits_per_point: f64,
-    /// How far points, colours and normals are from the original.
+    /// Error of points, colours and normals against the original.
     pub error: CloudError,
     /// Mean FLIP of the pixels that show the object in its picture or in that of the original, 0 to 1.
     pub flip: f64,

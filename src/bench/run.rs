@@ -1,4 +1,4 @@
-//! What the suites share: choosing frames, placing viewpoints, progress, collecting rows.
+//! Shared parts of the suites: choosing frames, placing viewpoints, progress, collecting rows.
 
 use super::cover::Cover;
 use super::report::{Row, SequenceSummary};
@@ -80,7 +80,7 @@ impl<'a> Run<'a> {
         Ok(subjects)
     }
 
-    /// Counts steps beside those of frames.
+    /// Adds steps to the step count, in addition to those of frames.
     pub(super) fn add_steps(&mut self, count: usize) {
         self.steps_total += count;
     }
@@ -260,7 +260,7 @@ impl<'a> Run<'a> {
         self.report.rates.push(point);
     }
 
-    /// Adds ways to draw by time and error.
+    /// Adds render modes by time and error.
     pub(super) fn add_points(&mut self, points: impl IntoIterator<Item = LabPoint>) {
         self.report.points.extend(points);
     }

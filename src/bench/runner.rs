@@ -13,7 +13,7 @@ use image::RgbaImage;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What one picture took.
+/// Draw time of one image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DrawTime {
     /// From the packet to the finished picture, on the CPU's clock.
@@ -24,7 +24,7 @@ pub(super) struct DrawTime {
     pub(super) gpu_passes: PassTimes,
 }
 
-/// What one upload took.
+/// Cost of one upload.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Upload {
     pub(super) wall_ms: f64,
@@ -43,7 +43,7 @@ impl Runner {
         Self { renderer }
     }
 
-    /// Whether the processor draws.
+    /// Returns true if the CPU draws.
     pub(super) fn is_processor(&self) -> bool {
         self.renderer.is_processor()
     }
@@ -82,12 +82,13 @@ impl Runner {
         })
     }
 
-    /// What a graphics card takes to filter the images of a frame and to make points of them, where it makes those.
+    /// Returns the pass times that a GPU takes to filter the images of a frame and to create points from them, where it
+    /// creates those.
     pub(super) fn depth_image_times(&mut self, frame: &Arc<DepthFrame>) -> Result<Option<PassTimes>, RenderError> {
         self.renderer.depth_image_times(frame)
     }
 
-    /// Who draws.
+    /// Returns a description of the renderer.
     pub(super) fn summary(&self) -> String {
         self.renderer.summary()
     }

@@ -20,7 +20,7 @@ use std::ops::RangeInclusive;
 /// The share of covered pixels that the protocol asks for.
 pub const COVERAGE_BAND: RangeInclusive<f64> = 0.25..=0.85;
 
-/// What a correction aims at: as many times the lower end of the band as the upper end is of it.
+/// Target coverage of a correction: the geometric mean of the two ends of the band.
 const COVERAGE_TARGET: f64 = 0.46;
 
 /// Moves of one climb.
@@ -36,8 +36,8 @@ const LEAST_REACH: f64 = 1.05;
 /// A correction that gains less of the picture than this hardly helps: the next one is smaller.
 const LEAST_GAIN: f64 = 0.003;
 
-/// How far in and out the camera may go, as parts of the distance that frames the whole object. Closer than this the
-/// eye would stand inside it.
+/// Distance range of the camera, as multiples of the distance that frames the whole object. Closer than this the eye
+/// would be inside it.
 const DISTANCE_RANGE: RangeInclusive<f64> = 0.12..=4.0;
 
 /// Elevations that successive viewpoints take, degrees.

@@ -60,7 +60,7 @@ impl Subject<'_> {
     }
 }
 
-/// Middle of the mass of points; the origin without points.
+/// Returns the centroid of the points; the origin without points.
 pub(super) fn mean_position(positions: &[Vec3]) -> DVec3 {
     let sum: DVec3 = positions.iter().map(|position| position.as_dvec3()).sum();
     sum / positions.len().max(1) as f64

@@ -1,41 +1,41 @@
-//! What a suite says of itself: all that the command line, the menu and a report show of it.
+//! Description of a suite: all that the command line, the menu and a report show of it.
 
 use super::report::Column;
 use std::fmt;
 
-/// What can be measured: one row of the table of suites, all but its loop. Two are equal when their names are.
+/// Benchmark suite: one row of the table of suites, all but its loop. Two are equal when their names are.
 pub struct Suite {
     /// The word for it on the command line.
     pub(crate) name: &'static str,
-    /// What follows its name in the list of suites on the command line.
+    /// Brief description after its name in the list of suites on the command line.
     pub(crate) brief: &'static str,
     /// Its name in the Benchmark menu.
     pub(crate) title: &'static str,
-    /// What the menu says of it.
+    /// Hint shown in the menu.
     pub(crate) hint: &'static str,
-    /// What the head of a report says of it.
+    /// Description in the header of a report.
     pub(crate) description: &'static str,
-    /// What its numbers are, and what is in none of them.
+    /// Meaning of its numbers, and what is excluded from all of them.
     pub(crate) measured: &'static str,
     /// See [`Suite::measured`].
     pub(crate) not_measured: &'static str,
-    /// What covers the pixels whose share is reported.
+    /// Name of what covers the pixels whose coverage is reported.
     pub(crate) covered_by: &'static str,
-    /// What is measured unless somebody asks for something else.
+    /// Default options of the measurement, unless overridden.
     pub(crate) defaults: Defaults,
     /// Options that it alone takes, or with a few others.
     pub(crate) takes: &'static [OptionGroup],
-    /// Whether it is one of the paper's, whose protocol then holds.
+    /// True if it is one of the paper's suites, whose protocol then applies.
     pub(crate) is_of_paper: bool,
-    /// Whether a report begins with the paper's layout: a line a sequence, a column a strategy, the headline.
+    /// True if a report begins with the paper's layout: one line per sequence, one column per strategy, the headline.
     pub(crate) has_paper_layout: bool,
     /// In the order of the cells of a row.
     pub(crate) columns: &'static [Column],
     /// The column that a bar chart and the paper's layout show.
     pub(crate) headline: &'static str,
-    /// What the bars are.
+    /// Title of the bar chart.
     pub(crate) bars_title: &'static str,
-    /// How many of the first cells that people see tell the bars apart.
+    /// Number of leading user-visible cells that label the bars uniquely.
     pub(crate) bar_labels: usize,
 }
 
@@ -62,17 +62,17 @@ impl Defaults {
 /// Options that only some suites have a use for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OptionGroup {
-    /// Which ways to draw are compared; there is a page of them.
+    /// Selection of the render modes to compare; there is a page of them.
     Modes,
-    /// Frames a second and memory: it plays.
+    /// Frames per second and memory: it plays.
     Playing,
-    /// Who paints and draws a window: it opens one, and is measured by it.
+    /// Painter and renderer of a window: it opens one, and is measured by it.
     Window,
-    /// Of how many points the clouds are that it makes itself.
+    /// Point counts of the clouds that the suite generates itself.
     Clouds,
-    /// Which frame is measured first; in the window it is the shown one.
+    /// First frame to measure; in the window it is the shown one.
     FirstFrame,
-    /// Which photographs are left out.
+    /// Selection of the held-out images.
     Photographs,
 }
 
@@ -82,7 +82,7 @@ impl Suite {
         self.name
     }
 
-    /// Whether it has a use for these options.
+    /// Returns true if it uses these options.
     pub fn takes(&self, group: OptionGroup) -> bool {
         self.takes.contains(&group)
     }

@@ -6,22 +6,22 @@
 
 use super::scalar::Scalar;
 
-/// What every array begins with.
+/// Magic bytes at the beginning of every array.
 const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// What is known of an array before its numbers.
+/// Header of an array: what is known of it before its numbers.
 #[derive(Debug)]
 pub(crate) struct Header {
     /// Entries along each dimension.
     pub(crate) shape: Vec<usize>,
     pub(crate) layout: Layout,
-    /// Whether the first index changes fastest.
+    /// True if the first index changes fastest (Fortran order).
     pub(crate) is_fortran: bool,
     /// Byte of the file at which the entries begin.
     pub(crate) payload_at: usize,
 }
 
-/// What the entries are.
+/// Layout of the entries.
 #[derive(Debug)]
 pub(crate) enum Layout {
     /// Numbers.
@@ -37,7 +37,7 @@ pub(crate) struct Field {
     /// None for text and other things.
     pub(crate) number: Option<Number>,
     pub(crate) offset: usize,
-    /// How many numbers it is.
+    /// Number of values it consists of.
     pub(crate) length: usize,
 }
 
@@ -261,7 +261,7 @@ impl Dictionary<'_> {
     }
 }
 
-/// What `<f4` and its like mean, and the bytes that it takes.
+/// Parses an element type such as `<f4`, and returns its number type and byte size.
 fn element(name: &str) -> Option<(Option<Number>, usize)> {
     let (order, rest) = match name.chars().next()? {
         order @ ('<' | '>' | '|' | '=') => (order, &name[1..]),

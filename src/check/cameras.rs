@@ -11,7 +11,7 @@ use crate::sequence::{FrameError, Sequence};
 /// Share by which the focal length of one camera may change.
 const FOCUS: f64 = 0.05;
 
-/// What a frame was taken with.
+/// Camera that captured a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Taken {
     image_px: [u32; 2],

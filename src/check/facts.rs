@@ -1,4 +1,4 @@
-//! What is remembered of a frame after it was looked at.
+//! Frame facts: what is remembered of a frame after inspection.
 
 use crate::cloud::{Frame, MissingPoints, NoData, Positions, RawCloud, make_holes, most_radius};
 use crate::scene::{FirstLook, UpAxis};
@@ -23,17 +23,17 @@ pub struct FrameFacts {
     pub zero_normal_count: usize,
     /// Radii that are infinite, not a number, or far larger than the cloud.
     pub absurd_radius_count: usize,
-    /// Whether colours of 8 bits were found in wider fields.
+    /// True if 8-bit colours were found in wider fields.
     pub has_narrow_colors: bool,
-    /// Whether the file has coordinates of single precision.
+    /// True if the file has single-precision coordinates.
     pub is_single_precision: bool,
-    /// Which axis is probably up; `None` without a point.
+    /// Probable up axis; `None` without a point.
     pub probable_up: Option<UpAxis>,
     /// Size of the image whose pixels the points are.
     pub image_px: Option<[u32; 2]>,
-    /// What of the file is not read, as nothing is made of it.
+    /// Parts of the file that are not read, as nothing uses them.
     pub not_kept: Vec<String>,
-    /// What of the file could not be read although its points could.
+    /// Warnings about parts of the file that could not be read although its points could.
     pub warnings: Vec<String>,
 }
 
@@ -72,13 +72,13 @@ impl FrameFacts {
     }
 }
 
-/// What somebody who looks at the file wants to know.
+/// Returns the unread parts of interest to those who look at the file.
 fn noted(raw: &RawCloud) -> Vec<String> {
     let noted = raw.not_kept.iter().filter(|entry| entry.is_noted);
     noted.map(|entry| entry.what.clone()).collect()
 }
 
-/// How many radii cannot be drawn.
+/// Counts the radii that cannot be drawn.
 fn absurd_radii(raw: &RawCloud) -> usize {
     let Some(radii) = &raw.attributes.radii else { return 0 };
     let most = most_radius(raw.positions.len(), |index| raw.positions.get(index));
@@ -86,7 +86,7 @@ fn absurd_radii(raw: &RawCloud) -> usize {
     radii.iter().filter(is_absurd).count()
 }
 
-/// How many finite points lie exactly where another one does that comes before them.
+/// Counts duplicates: finite points at exactly the position of an earlier one.
 fn duplicates(positions: &Positions) -> usize {
     // Adding zero makes one of the two zeros of floating point.
     let bits = |value: f64| (value + 0.0).to_bits();
@@ -101,7 +101,7 @@ fn duplicates(positions: &Positions) -> usize {
     finite_count - keys.len()
 }
 
-/// What a window would take for up.
+/// Returns the up axis that a window would guess.
 fn probable_up(raw: RawCloud, bounds: Option<(DVec3, DVec3)>) -> Option<UpAxis> {
     const SAMPLE_POINTS: usize = 1 << 17;
     let (min, max) = bounds?;

@@ -1,8 +1,8 @@
-//! What a rule finds.
+//! Finding of a rule.
 
 use serde::Serialize;
 
-/// What kind of thing was found.
+/// Kind of finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -39,7 +39,7 @@ pub enum FindingKind {
     SuspiciousScale,
     /// Frames that look as if another axis was up.
     ChangedUpAxis,
-    /// A photograph whose camera does not fit the points that were found in it.
+    /// An image whose camera does not fit the points that were found in it.
     LooseCamera,
     /// Radii of splats that are infinite or far larger than the cloud.
     AbsurdRadii,
@@ -102,12 +102,12 @@ impl FindingKind {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct Finding {
-    /// What kind of thing it is.
+    /// Kind of the finding.
     pub kind: FindingKind,
     /// Its weight.
     pub severity: Severity,
     /// Indices of the frames in which it is.
     pub frames: Vec<usize>,
-    /// What was found and what to do, in a sentence.
+    /// Message that states what was found and what to do, in a sentence.
     pub message: String,
 }

@@ -1,9 +1,10 @@
-//! What may be wrong with a sequence: gaps, frames that fail, attributes that change, points that are no points.
+//! Checks for possible defects of a sequence: gaps, frames that fail, attributes that change, points that are not
+//! valid.
 //!
-//! **How it works.** Every frame is decoded once, on as many threads as there are cores, and shrinks to its
+//! **How it works.** Every frame is decoded once, on as many threads as there are cores, and reduced to its
 //! [`FrameFacts`] at once, so that a sequence of any length takes the memory of a few frames. Rules about one frame
-//! look at its facts, rules about the sequence at the facts of all. What a rule finds is a [`Finding`]: of which kind,
-//! in which frames, said in one sentence.
+//! look at its facts, rules about the sequence at the facts of all. The result of a rule is a [`Finding`]: its kind,
+//! the frames affected, and a message of one sentence.
 
 mod cameras;
 mod facts;
@@ -20,7 +21,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What is known of a sequence after all frames were looked at.
+/// Report on a sequence after all frames were inspected.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CheckReport {
     /// Number of frames, unreadable ones included.
@@ -29,13 +30,13 @@ pub struct CheckReport {
     pub point_count: u64,
     /// Attributes of the first readable frame.
     pub attributes: Vec<String>,
-    /// Which axis is probably up, of most frames.
+    /// Probable up axis, of most frames.
     pub probable_up: Option<&'static str>,
-    /// Frames a second by the time stamps; `None` without.
+    /// Frames per second according to the timestamps; `None` without.
     pub stamped_fps: Option<f64>,
     /// Smallest and largest corner of all frames in file coordinates.
     pub bounds: Option<[[f64; 3]; 2]>,
-    /// What should be looked at, the gravest first, then in the order of the frames.
+    /// Findings to look at, the gravest first, then in the order of the frames.
     pub findings: Vec<Finding>,
 }
 

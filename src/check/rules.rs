@@ -13,7 +13,8 @@ use std::sync::Arc;
 /// Facts of each frame, or why there are none.
 type Facts = [Result<FrameFacts, FrameError>];
 
-/// Of the diagonal: the centre of a cloud that moves further from one frame to the next has jumped.
+/// Jump threshold as a fraction of the diagonal: a cloud whose centre moves further from one frame to the next has
+/// jumped.
 const JUMP_IN_DIAGONALS: f64 = 0.5;
 
 /// The diagonal that grows or shrinks by more than this factor has jumped.
@@ -28,7 +29,7 @@ const COARSE_STEP: f64 = 1e-5;
 /// Median spacings after which a pause was made.
 const PAUSE_IN_SPACINGS: f64 = 8.0;
 
-/// Reprojection error of a photograph above which its camera is wrong: calibrations end well below a pixel. As a share
+/// Reprojection error of an image above which its camera is wrong: calibrations end well below a pixel. As a fraction
 /// of its longer edge, and in pixels.
 const LOOSE_SHARE: f64 = 1e-3;
 const LOOSE_PX: f64 = 2.0;
@@ -188,7 +189,8 @@ fn named(frames: &[usize]) -> String {
     }
 }
 
-/// Photographs whose points are far from where their cameras show them, of each set once.
+/// Finds images with a large reprojection error: their points are far from where their cameras show them. Each set is
+/// checked once.
 fn loose_cameras(sequence: &Sequence) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut before: Option<Arc<ViewSet>> = None;
@@ -308,7 +310,7 @@ fn unreadable_parts(facts: &Facts) -> Vec<Finding> {
     warnings.collect()
 }
 
-/// What of a sequence file is missing.
+/// Finds the missing parts of a sequence file.
 fn damaged_file(sequence: &Sequence) -> Option<Finding> {
     let file = sequence.source().reel()?;
     let damage = file.damage().join("; ");
@@ -326,7 +328,7 @@ fn damaged_file(sequence: &Sequence) -> Option<Finding> {
     })
 }
 
-/// Where recordings, captures and archives are cut.
+/// Finds truncated recordings, captures and archives.
 fn damaged_inputs(sequence: &Sequence) -> Vec<Finding> {
     let damage = sequence.source().damage().iter();
     damage
@@ -339,7 +341,7 @@ fn damaged_inputs(sequence: &Sequence) -> Vec<Finding> {
         .collect()
 }
 
-/// What files have and nothing is made of, once for all frames.
+/// Finds properties of files that nothing uses, once for all frames.
 fn unread_properties(facts: &Facts) -> Vec<Finding> {
     let mut frames_of: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     for (index, facts) in facts.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! How the help looks: `-h` has the options of every day, `--help` all of them, each with its values and its default.
+//! Help layout: `-h` has the everyday options, `--help` all of them, each with its values and its default.
 
 use super::line::listed_values;
 use super::topics;
@@ -86,7 +86,7 @@ impl Text {
         format!("{}{}{}", self.help, self.default, self.values)
     }
 
-    /// What fits on a line: the first clause, with a short default. Values are always there.
+    /// Returns the short help that fits on a line: the first clause, with a short default. Values are always there.
     fn short(&self, is_whole: bool) -> String {
         if is_whole {
             return self.long();

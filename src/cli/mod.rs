@@ -31,7 +31,7 @@ struct Arguments {
     #[arg(long, global = true)]
     verbose: bool,
 
-    /// Without a verb: what `pointreel view` takes.
+    /// Arguments of `pointreel view`, used without a subcommand.
     #[command(flatten)]
     view: commands::view::ViewArgs,
 }
@@ -61,7 +61,7 @@ enum Verb {
 /// Exit code of wrong usage, as of what the parser of the command line refuses.
 const WRONG_USAGE: u8 = 2;
 
-/// Runs the verb of this process's command line and says what went wrong. To be called once, as the last thing that a
+/// Runs the subcommand of this process's command line and reports errors. To be called once, as the last thing that a
 /// process does.
 pub fn main() -> ExitCode {
     // Dropped last.
@@ -83,7 +83,7 @@ impl Drop for RemovesAll {
     }
 }
 
-/// Runs the verb of a command line, whose first word is the name of the program, and says what went wrong. A process
+/// Runs the subcommand of a command line, whose first word is the name of the program, and reports errors. A process
 /// may do so many times: tests that try thousands of files start no program for each.
 pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
     let command = command();
@@ -165,7 +165,7 @@ fn ended_with(result: anyhow::Result<ExitCode>) -> ExitCode {
     }
 }
 
-/// What is logged is said like the warnings of a verb, unless somebody has asked for the log.
+/// Starts the log: messages are printed like the warnings of a subcommand, unless the user has requested the log.
 fn start_log() {
     const LEVELS: &str = "RUST_LOG";
     // What these libraries warn of is nothing that a person could mend.

@@ -1,4 +1,4 @@
-//! Sessions on the command line: their files are inputs of every verb; `render` and `view` take the rest as well.
+//! Sessions on the command line: their files are inputs of every subcommand; `render` and `view` take the rest as well.
 
 use crate::cli::terminal::stream::tell_of_connection;
 use crate::cli::terminal::warnings;
@@ -14,15 +14,15 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// What a person named, opened.
+/// Opened inputs, as named by the user.
 pub(super) struct OpenedInputs {
     pub(super) sequence: Sequence,
     /// The session that it is of.
     pub(super) session: Option<ReadSession>,
 }
 
-/// Opens what a person named; nothing is the built-in sequence. What is given goes before what a session says.
-/// Unsaved changes of a session are taken from `documents`.
+/// Opens the inputs named by the user; without inputs it is the built-in sequence. Given options override the contents
+/// of a session. Unsaved changes of a session are taken from `documents`.
 pub(super) fn open_inputs(
     inputs: &[PathBuf],
     options: &OpenOptions,
@@ -43,7 +43,7 @@ pub(super) fn open_inputs(
     Ok(OpenedInputs { sequence, session })
 }
 
-/// [`open_inputs`], which warns of what is left out. A window says that itself.
+/// Calls [`open_inputs`] and warns of what is skipped. A window reports that itself.
 pub(super) fn open_inputs_and_tell(inputs: &[PathBuf], options: &OpenOptions) -> anyhow::Result<OpenedInputs> {
     let opened = open_inputs(inputs, options, None)?;
     let of_session = opened.session.iter().flat_map(|read| &read.warnings);
@@ -54,12 +54,12 @@ pub(super) fn open_inputs_and_tell(inputs: &[PathBuf], options: &OpenOptions) ->
     Ok(opened)
 }
 
-/// What is in a session, for `info`.
+/// Contents of a session, for `info`.
 #[derive(Debug, Serialize)]
 pub(super) struct SessionInfo {
     file: String,
     files: Vec<String>,
-    /// What is beside them.
+    /// Inputs to compare with, shown next to them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     compare: Vec<String>,
     /// Counted from 0.
@@ -72,7 +72,7 @@ pub(super) struct SessionInfo {
     /// In and out point, as far as they are set; counted from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     range: Option<PlayRange>,
-    /// How the files are read, as far as that was chosen.
+    /// Read options of the files, as far as they were chosen.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     reading: BTreeMap<String, Value>,
     /// The settings that are not as by default.
@@ -83,7 +83,7 @@ pub(super) struct SessionInfo {
     measurements: usize,
     labels: Vec<String>,
     trails: TrailsInfo,
-    /// Of the camera path.
+    /// Number of keyframes of the camera path.
     keyframes: usize,
     #[serde(skip_serializing_if = "String::is_empty")]
     notes: String,
@@ -161,7 +161,7 @@ impl SessionInfo {
         text
     }
 
-    /// What has a line of its own, where there is some of it.
+    /// Returns the parts that have a line of their own, where there are any.
     fn parts(&self) -> [(&'static str, Vec<String>); 7] {
         let counted_from_1 = |frame: Option<usize>, name: &str| frame.map(|frame| format!("{name} {}", frame + 1));
         let range = self.range.unwrap_or_default();

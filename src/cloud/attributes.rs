@@ -1,4 +1,4 @@
-//! What points have beside their positions: one list, from which follows all that is done to every attribute alike.
+//! Point attributes in addition to positions: one list, from which follows all that is done to every attribute alike.
 
 use super::{Ellipse, ScalarField, even_places};
 use glam::{DVec3, Vec3};
@@ -10,7 +10,7 @@ const POINTS_PER_TASK: usize = 1 << 15;
 /// Defines [`Attributes`], and what visits all of its arrays, from a line an attribute: field, entry, name for people.
 macro_rules! attributes {
     ($($(#[$doc:meta])* $field:ident: $entry:ty = $name:literal,)*) => {
-        /// What points have beside their positions. Every array that is there has one entry a point.
+        /// Point attributes in addition to positions. Every array that is present has one entry per point.
         #[derive(Debug, Clone, PartialEq, Default)]
         pub struct Attributes {
             $($(#[$doc])* pub $field: Option<Vec<$entry>>,)*
@@ -99,9 +99,9 @@ impl Attributes {
         }
     }
 
-    /// Normals become unit vectors, or zero where there is no direction; radii such that can be drawn, 0 where there is
-    /// none; scalars finite or NaN. Ellipses stay beside a normal and a radius, and are circles otherwise.
-    /// Radii above `most_radius` are missing.
+    /// Sanitises attributes: normals become unit vectors, or zero where there is no direction; radii become drawable, 0
+    /// where there is none; scalars finite or NaN. Ellipses are kept next to a normal and a radius, and are circles
+    /// otherwise. Radii above `most_radius` are missing.
     pub(super) fn make_usable(&mut self, most_radius: f32) {
         for_each(self.normals.as_deref_mut(), |normal| *normal = unit_or_zero(*normal));
         for_each(self.radii.as_deref_mut(), |radius| {

@@ -39,7 +39,7 @@ pub(super) struct CellScalars {
 #[derive(Debug)]
 enum Values {
     Sums(Vec<f64>),
-    /// How often each value occurs, by its bits, which are in the order of the values from 0 on.
+    /// Number of occurrences of each value, keyed by its bits, which are in the order of the values from 0 on.
     Votes(Vec<BTreeMap<u32, u32>>),
 }
 
@@ -72,7 +72,7 @@ impl CellScalars {
         }
     }
 
-    /// The same field without its cells, which are returned.
+    /// Takes the field's cells, which are returned, and leaves the same field without any.
     pub(super) fn take(&mut self) -> Self {
         let empty = Self::new(&self.field);
         std::mem::replace(self, empty)

@@ -14,7 +14,7 @@ const BLOCK_EDGE: i64 = 1 << BLOCK_BITS;
 const BLOCK_BITS: i64 = 2;
 const BLOCK_CELLS: usize = 1 << (3 * BLOCK_BITS);
 
-/// Where a cell without points stands.
+/// Index of a cell without points.
 const NOWHERE: u32 = u32::MAX;
 
 /// Cells that a cloud has too many of.
@@ -35,15 +35,15 @@ pub struct TooManyCells {
 #[derive(Debug)]
 pub struct Cells {
     edge: f64,
-    /// What positions are counted from, so that sums of many stay small.
+    /// Origin of positions, so that sums of many stay small.
     origin: DVec3,
-    /// Where blocks stand in `places`, by their numbers along the axes.
+    /// Index of each block in `places`, by its numbers along the axes.
     blocks: HashMap<I64Vec3, u32>,
     last_block: Option<(I64Vec3, u32)>,
-    /// Where the cells of each block stand in `sums`.
+    /// Indices in `sums` of the cells of each block.
     places: Vec<[u32; BLOCK_CELLS]>,
     sums: Vec<CellSums>,
-    /// Of each field that the first cloud had.
+    /// Cell values of each scalar field that the first cloud had.
     scalars: Vec<CellScalars>,
     kinds: Option<Kinds>,
 }
@@ -58,7 +58,7 @@ struct CellSums {
     position: DVec3,
 }
 
-/// What all of the points have.
+/// Attributes that all of the points have.
 #[derive(Debug, Clone, Copy)]
 struct Kinds {
     colors: bool,
@@ -81,7 +81,7 @@ impl Cells {
         }
     }
 
-    /// How many have points.
+    /// Returns the number of cells with points.
     pub fn len(&self) -> usize {
         self.sums.len()
     }
@@ -158,7 +158,7 @@ impl Cells {
         }
     }
 
-    /// Where the cell with these numbers along the axes stands.
+    /// Returns the index of the cell with these numbers along the axes.
     fn place(&mut self, cell: I64Vec3) -> usize {
         let block = cell >> BLOCK_BITS;
         let at = match self.last_block {
@@ -180,7 +180,7 @@ impl Cells {
         *place as usize
     }
 
-    /// The same points in cells of twice the edge.
+    /// Merges the cells into cells of twice the edge, with the same points.
     pub fn coarsen(&mut self) {
         let mut cells = vec![I64Vec3::ZERO; self.sums.len()];
         for (block, at) in self.blocks.drain() {
@@ -255,7 +255,7 @@ impl CellSums {
         self.normal.normalize_or_zero().to_array()
     }
 
-    /// What one point covers, each of the joined ones covered in part.
+    /// Returns the radius of the merged point, which covers what each of its points covered in part.
     fn joined_radius(&self, edge: f64) -> f32 {
         (self.radius / f64::from(self.count)).max(0.5 * edge) as f32
     }

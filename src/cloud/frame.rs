@@ -20,7 +20,7 @@ pub enum CloudError {
     /// An attribute array does not have one entry a point.
     #[error("{attribute} has {found} entries for {expected} points")]
     LengthMismatch {
-        /// Which attribute.
+        /// Name of the attribute.
         attribute: String,
         /// Number of points.
         expected: usize,
@@ -35,12 +35,12 @@ pub enum CloudError {
     },
 }
 
-/// One pose: a structure of arrays, all of one length.
+/// One frame: a structure of arrays, all of one length.
 ///
-/// Invariants, held by [`Frame::from_raw`]: every position and scalar is finite; normals are of unit length, or zero
-/// where the file gave none that can be used; radii are finite and not negative; ellipses are there beside normals and
-/// radii alone; points stand in the order of their Morton codes in the [`Cube`] around them, those in one finest cell
-/// in the order of the file.
+/// Invariants, ensured by [`Frame::from_raw`]: every position and scalar is finite; normals are of unit length, or zero
+/// where the file gave none that can be used; radii are finite and not negative; ellipses are present only together
+/// with normals and radii; points are in the order of their Morton codes in the [`Cube`] around them, those in one
+/// finest cell in the order of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
     positions: Vec<Vec3>,
@@ -152,7 +152,7 @@ impl Frame {
         Ok(frame)
     }
 
-    /// The same, whose points have `places` in a file of `point_count` points.
+    /// Sets the indices `places` of its points in a file of `point_count` points.
     fn with_places(mut self, places: &[u32], point_count: usize) -> Self {
         for index in &mut self.file_index {
             *index = places[*index as usize];
@@ -255,7 +255,7 @@ impl Frame {
         self.grid
     }
 
-    /// What positions and colours were made from, where nothing was done to them since.
+    /// Returns the source of positions and colours, where they have not been changed since they were made from it.
     pub fn made_from(&self) -> Option<&MadeFrom> {
         self.made_from.as_ref()
     }
@@ -290,12 +290,12 @@ impl Frame {
         &self.attributes.scalars
     }
 
-    /// Where the sensor stood, relative to the sequence origin.
+    /// Returns the sensor position, relative to the sequence origin.
     pub fn sensor(&self) -> Option<Vec3> {
         self.sensor
     }
 
-    /// What the file says about its axes.
+    /// Returns the axis convention stated by the file.
     pub fn convention(&self) -> Option<AxisConvention> {
         self.convention
     }
@@ -310,12 +310,12 @@ impl Frame {
         self.bounds
     }
 
-    /// How many points of the file had no finite coordinates.
+    /// Returns the number of points of the file without finite coordinates.
     pub fn dropped_points(&self) -> usize {
         self.dropped_points
     }
 
-    /// Whether the file has triangles, of which these are vertices, or points that were sampled on them: see
+    /// Returns true if the file has triangles, of which these are vertices, or points that were sampled on them: see
     /// [`Mesh`](super::Mesh).
     pub fn has_faces(&self) -> bool {
         self.has_faces
@@ -326,7 +326,7 @@ impl Frame {
         self.len() + self.dropped_points + self.left_out
     }
 
-    /// Whether points of the file were left out to save time.
+    /// Returns true if the frame is a sample: points of the file were skipped to save time.
     pub fn is_sample(&self) -> bool {
         self.left_out > 0
     }
@@ -336,7 +336,8 @@ impl Frame {
         self.points_of_finer
     }
 
-    /// What of the file could not be read although its points could: see [`RawCloud::warnings`].
+    /// Returns the warnings about what could not be read of the file although its points could: see
+    /// [`RawCloud::warnings`].
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
@@ -353,7 +354,8 @@ impl Frame {
     }
 }
 
-/// Whether there are values, all of them as asked. Several are looked at together: a branch for each costs more.
+/// Returns true if there are values and all of them meet the condition. Several are tested together: a branch for each
+/// costs more.
 fn hold_for_all<T>(values: Option<&[T]>, holds: impl Fn(&T) -> bool) -> bool {
     let together = |values: &[T]| values.iter().fold(true, |all, value| all & holds(value));
     values.is_some_and(|values| values.chunks(64).all(together))

@@ -3,9 +3,9 @@
 use serde::Serialize;
 use std::fmt;
 
-/// How many points a line of the file has and how many lines there are, both more than one.
+/// Image grid of an organised cloud: number of points per line of the file and number of lines, both more than one.
 ///
-/// The cell of a point is told by its index in the file, holes without coordinates counted. The order in memory is
+/// The cell of a point is given by its index in the file, holes without coordinates counted. The order in memory is
 /// another one: `grid.cell(frame.file_index()[slot])` leads from a point of a [`super::Frame`] to its cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct ImageGrid {

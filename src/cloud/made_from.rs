@@ -1,9 +1,9 @@
-//! What the points of a cloud were made from, for whoever can make them anew.
+//! Source data of a cloud's points, for whoever can create them again.
 //!
-//! **How it works.** A graphics card makes the points of a depth image itself, from fewer bytes than these take. What
-//! it needs for that is known to rooms further right alone (`rgbd::DepthFrame`), and goes with the cloud through all
-//! that is done to it before. So its type is not named here; whoever asks for it names it. Whatever changes points,
-//! or leaves some out, drops it.
+//! **How it works.** A GPU creates the points of a depth image itself, from fewer bytes than these take. What it needs
+//! for that is known only to modules further right (`rgbd::DepthFrame`), and accompanies the cloud through all that is
+//! done to it before. So its type is not named here; whoever asks for it names it. Whatever changes or removes points
+//! drops it.
 
 use std::any::Any;
 use std::fmt;
@@ -17,12 +17,12 @@ pub struct MadeFrom {
 }
 
 impl MadeFrom {
-    /// `what` takes so many bytes beside the points.
+    /// Wraps source data `what`, which takes `byte_size` bytes in addition to the points.
     pub fn new<T: Any + Send + Sync>(what: Arc<T>, byte_size: usize) -> Self {
         Self { what, byte_size }
     }
 
-    /// The same allocation, if it is one of these.
+    /// Returns the shared allocation, if it is of type `T`.
     pub fn get<T: Any + Send + Sync>(&self) -> Option<Arc<T>> {
         Arc::downcast(Arc::clone(&self.what)).ok()
     }

@@ -106,7 +106,7 @@ impl Mesh {
     }
 }
 
-/// The same triangle, seen from the same side, from its smallest corner on.
+/// Rotates the corners of a triangle so that the smallest index comes first; its orientation is unchanged.
 fn first_corner_first([a, b, c]: [u32; 3]) -> [u32; 3] {
     let first = a.min(b).min(c);
     if first == a {

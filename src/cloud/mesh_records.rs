@@ -1,4 +1,4 @@
-//! What is drawn of a mesh.
+//! Draw records of a mesh.
 
 use super::{Textures, TriangleRecord, VertexRecord};
 use glam::Vec3;
@@ -11,7 +11,7 @@ pub struct MeshRecords {
     pub vertices: Arc<Vec<VertexRecord>>,
     /// One a triangle, or a vertex that belongs to none. Every corner is below the number of vertices.
     pub triangles: Arc<Vec<TriangleRecord>>,
-    /// What vertices name; none is needed where none is named.
+    /// Textures that vertices name; none is needed where none is named.
     pub textures: Arc<Textures>,
     has_points: bool,
 }
@@ -27,19 +27,20 @@ impl MeshRecords {
         }
     }
 
-    /// The same with pictures. Precondition: every vertex names one of them, or none.
+    /// Adds textures. Precondition: every vertex names one of them, or none.
     #[must_use]
     pub fn with_textures(self, textures: Arc<Textures>) -> Self {
         Self { textures, ..self }
     }
 
-    /// The same vertices with other triangles. Precondition: every corner is below the number of vertices.
+    /// Returns records of the same vertices with other triangles. Precondition: every corner is below the number of
+    /// vertices.
     #[must_use]
     pub fn with_triangles(&self, triangles: Vec<TriangleRecord>) -> Self {
         Self::new(Arc::clone(&self.vertices), Arc::new(triangles)).with_textures(Arc::clone(&self.textures))
     }
 
-    /// Whether a vertex belongs to no triangle.
+    /// Returns true if any vertex belongs to no triangle.
     pub fn has_points(&self) -> bool {
         self.has_points
     }
@@ -50,7 +51,7 @@ impl MeshRecords {
         corners.map(|corner| Vec3::from_array(self.vertices[corner as usize].position))
     }
 
-    /// The middle of a triangle.
+    /// Returns the centroid of a triangle.
     pub fn middle(&self, triangle: usize) -> Vec3 {
         let [a, b, c] = self.corners(triangle);
         // From the first corner on: nothing overflows, and a point is exactly where it is.

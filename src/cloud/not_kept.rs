@@ -1,11 +1,11 @@
-//! What of a file a cloud does not hold: said when the file is converted, where it would be lost.
+//! Contents of a file that a cloud does not store: reported when the file is converted, which would lose them.
 
 /// Something that was not read, or with fewer digits.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct NotKept {
     /// A clause, such as `lists of points are not read: neighbours`.
     pub what: String,
-    /// Whether somebody who looks at the file wants to know it, too, and not only who converts it.
+    /// True if it is of interest to those who look at the file, too, and not only to those who convert it.
     pub is_noted: bool,
 }
 

@@ -1,17 +1,17 @@
-//! Unit vectors as indices of 13, 15 or 17 bits: the faces of an octahedron that is refined again and again (paper 001
+//! Unit vectors as indices of 13, 15 or 17 bits: the faces of an octahedron that is refined repeatedly (paper 001
 //! §4.1).
 //!
 //! How it works: three bits name the octant (x, y, z negative). Its face is a spherical triangle; halving its edges,
-//! and putting the new corners back on the sphere, parts it into four, which two bits name: 0 is the one in the middle,
-//! 1 to 3 are those at its corners. Five refinements make 13 bits, six 15, seven 17. What is finer is told by lower
-//! bits, so an index with those dropped is that of the triangle around, and one index serves every precision.
+//! and putting the new corners back on the sphere, splits it into four, which two bits name: 0 is the central one, 1 to
+//! 3 are those at its corners. Five refinements make 13 bits, six 15, seven 17. Finer detail is encoded in lower bits,
+//! so an index with those dropped is that of the triangle around, and one index serves every precision.
 //!
-//! A triangle stands for the direction of its centroid. The normal of the flat triangle, which the paper takes, is the
-//! middle of its circumcircle, and at the corners of the octahedron, where triangles stay right-angled however small
-//! they are, that is a place on the edge to a neighbour.
+//! A triangle stands for the direction of its centroid. The normal of the flat triangle, which the paper takes, is its
+//! circumcentre, and at the corners of the octahedron, where triangles stay right-angled however small they are, that
+//! is a point on the edge to a neighbour.
 //!
-//! When it wins: where something is worked out for directions instead of points (light, footprints of splats), as a
-//! table of all of 13 bits has 8192 entries; and where normals are stored. The octahedral coordinates of
+//! When it wins: where something is computed for directions instead of points (light, footprints of splats), as a table
+//! of all of 13 bits has 8192 entries; and where normals are stored. The octahedral coordinates of
 //! [`super::oct_encode`] are quicker to decode, and more precise for their bits, but do not name the directions one by
 //! one.
 
@@ -65,7 +65,7 @@ fn triangles(level: u32) -> Vec<[Vec3; 3]> {
     triangles
 }
 
-/// Middles of the edges from the first corner to the second, on to the third, and back.
+/// Returns the midpoints of the edges from the first corner to the second, on to the third, and back.
 fn edge_middles([a, b, c]: &[Vec3; 3]) -> [Vec3; 3] {
     [(*a + *b).normalize(), (*b + *c).normalize(), (*c + *a).normalize()]
 }
@@ -104,7 +104,7 @@ pub fn quantise_normal(normal: Vec3) -> u32 {
     quantise_direction(normal, FINEST_LEVEL)
 }
 
-/// What a finest index is with `bits` bits.
+/// Reduces a finest index to `bits` bits.
 pub fn coarser_normal(index: u32, bits: u32) -> u32 {
     index >> (FINEST_NORMAL_BITS - bits.min(FINEST_NORMAL_BITS))
 }

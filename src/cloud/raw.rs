@@ -1,4 +1,4 @@
-//! What a decoder hands over: arrays in file order and file coordinates, not yet checked.
+//! Raw decoder output: arrays in file order and file coordinates, not yet checked.
 
 use super::attributes::gather;
 use super::{Attributes, ImageGrid, LengthUnit, MadeFrom, NotKept, Texturing};
@@ -77,7 +77,7 @@ impl Positions {
     }
 }
 
-/// Which way the axes of a file point, as its format or its header says.
+/// Axis convention of a file, according to its format or its header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AxisConvention {
     /// Y is up: glTF.
@@ -94,7 +94,7 @@ pub enum AxisConvention {
 }
 
 impl AxisConvention {
-    /// Whether a file that has other axes is wrong.
+    /// Returns true if a file with other axes is wrong.
     pub fn is_binding(self) -> bool {
         !matches!(self, Self::UsuallyZUp | Self::UsuallyYDown)
     }
@@ -151,36 +151,37 @@ impl FromStr for ColorDepth {
 pub struct RawCloud {
     /// Coordinates; holes of organised clouds are NaN.
     pub positions: Positions,
-    /// What the points have beside them.
+    /// Point attributes in addition to positions.
     pub attributes: Attributes,
     /// The image that the points are, line by line, in an organised cloud; of a sample, that of all points.
     pub grid: Option<ImageGrid>,
-    /// What positions and colours were made from, as long as these are as they were made.
+    /// Source data of positions and colours, as long as these are unchanged.
     pub made_from: Option<MadeFrom>,
-    /// Whether the colours were found as 0 to 255 in fields of 16 bits, which other programs may show black.
+    /// True if the colours were found as 0 to 255 in fields of 16 bits, which other programs may show black.
     pub has_narrow_colors: bool,
     /// The range that was concluded from the colours; `None` if their type says it.
     pub color_depth: Option<ColorDepth>,
     /// Triangles of a mesh: indices of three points each, all below the number of points. Empty where there is no mesh.
     pub faces: Vec<[u32; 3]>,
-    /// Triangles that the file has and `faces` has not: points were sampled on them, or vertices left out.
+    /// Triangles that the file has and `faces` has not: points were sampled on them, or vertices skipped.
     pub faces_left_out: usize,
     /// Pictures on the faces, where their colours are not those of the points already.
     pub texturing: Option<Texturing>,
-    /// Where the sensor stood, in file coordinates, if the file says so: normals are turned towards it.
+    /// Sensor position in file coordinates, if the file states it: normals are oriented towards it.
     pub sensor: Option<DVec3>,
     /// Smallest and largest coordinate along each axis that the integers of the file can hold, where it has integers:
     /// programs overflow to them.
     pub integer_limits: Option<[[f64; 2]; 3]>,
-    /// What the file says about its axes.
+    /// Axis convention stated by the file.
     pub convention: Option<AxisConvention>,
     /// Decisions of the reader about the meaning of the file.
     pub assumptions: Vec<Assumption>,
     /// The unit of coordinates, if format or file say it.
     pub unit: Option<LengthUnit>,
-    /// What of the file is not in the cloud, or with fewer digits, without being damaged.
+    /// Contents of the file that are not in the cloud, or with fewer digits, without being damaged.
     pub not_kept: Vec<NotKept>,
-    /// What of the file could not be read although its points could: a sentence each, with file and place.
+    /// Warnings about parts of the file that could not be read although its points could: a sentence each, with file
+    /// and location.
     pub warnings: Vec<String>,
 }
 
@@ -222,7 +223,7 @@ impl RawCloud {
         self.made_from = None;
     }
 
-    /// Reads the colours anew, as values of the wider range `depth`.
+    /// Reads the colours again, as values of the wider range `depth`.
     pub fn widen_colors(&mut self, depth: ColorDepth) {
         let Some(known) = self.color_depth.filter(|known| *known < depth) else {
             return;

@@ -4,7 +4,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec2Swizzles, Vec3};
 
-/// What every mode needs of a point.
+/// Point record with the data that every mode needs.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct PointRecord {
@@ -14,7 +14,7 @@ pub struct PointRecord {
     pub color: [u8; 4],
 }
 
-/// What surfels need beyond a [`PointRecord`].
+/// Shape record with the data that surfels need beyond a [`PointRecord`].
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct ShapeRecord {
@@ -33,7 +33,7 @@ pub struct ShapeRecord {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct VoxelRecord {
-    /// Middle of the cell, relative to the sequence origin.
+    /// Centre of the cell, relative to the sequence origin.
     pub center: [f32; 3],
     /// Mean 8-bit colour of the points inside.
     pub color: [u8; 3],
@@ -49,7 +49,7 @@ pub struct VertexRecord {
     pub position: [f32; 3],
     /// 8-bit red, green, blue, alpha.
     pub color: [u8; 4],
-    /// Where it is in its texture: 0 to 1 from left to right and from top to bottom; beyond, the picture repeats.
+    /// Texture coordinates: 0 to 1 from left to right and from top to bottom; beyond, the texture repeats.
     pub texture_place: [f32; 2],
     /// Unit normal on the octahedron, see [`oct_encode`], or [`VertexRecord::NO_NORMAL`].
     pub normal: [i16; 2],
@@ -75,7 +75,7 @@ pub struct TriangleRecord {
 }
 
 impl TriangleRecord {
-    /// Whether it is a vertex that belongs to no triangle.
+    /// Returns true if it is a vertex that belongs to no triangle.
     pub fn is_point(&self) -> bool {
         self.corners == [self.corners[0]; 3]
     }

@@ -10,7 +10,7 @@ pub struct ScalarField {
     pub name: String,
     /// One entry a point.
     pub values: Vec<f32>,
-    /// What is to be added to a value to get the number in the file: not zero where single precision would lose it, as
+    /// Offset to be added to a value to get the number in the file: not zero where single precision would lose it, as
     /// in GPS times.
     pub offset: f64,
 }

@@ -9,7 +9,7 @@ pub struct Textures {
     places: Vec<TexturePlace>,
 }
 
-/// Where a picture is among the texels, row by row.
+/// Location of a texture image among the texels, row by row.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct TexturePlace {
@@ -66,7 +66,7 @@ impl Textures {
         &self.texels
     }
 
-    /// Where each picture is.
+    /// Returns the location of each texture image.
     pub fn places(&self) -> &[TexturePlace] {
         &self.places
     }

@@ -1,22 +1,23 @@
-//! How pictures lie on the vertices of a mesh.
+//! Texture mapping of images onto the vertices of a mesh.
 
 use super::Textures;
 use super::attributes::gather;
 use std::sync::Arc;
 
-/// Where each vertex is in which picture.
+/// Texture mapping: the texture image of each vertex, and its texture coordinates there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texturing {
     /// The pictures.
     pub textures: Arc<Textures>,
     /// Index of the picture of each vertex; `None` for one without.
     pub texture_of_vertex: Vec<Option<u32>>,
-    /// Where each vertex is in its picture, 0 to 1 from left to right and from top to bottom.
+    /// Texture coordinates of each vertex in its image, 0 to 1 from left to right and from top to bottom.
     pub places: Vec<[f32; 2]>,
 }
 
 impl Texturing {
-    /// The same for the vertices at `indices`, in their order. Precondition: each is below the number of vertices.
+    /// Returns the texture mapping of the vertices at `indices`, in their order. Precondition: each is below the number
+    /// of vertices.
     pub(super) fn gathered(&self, indices: &[u32]) -> Self {
         Self {
             textures: Arc::clone(&self.textures),

@@ -1,4 +1,4 @@
-//! What one step of a coordinate means.
+//! Length units: the meaning of one step of a coordinate.
 
 /// The unit of coordinates, where a format or a file says it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

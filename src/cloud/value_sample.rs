@@ -22,7 +22,7 @@ const MAX_KEPT: usize = 32;
 pub enum ValueKind {
     /// A scalar field, by its place in [`ValueSample::scalars`]; [`ScalarField::offset`] is not added.
     Field(usize),
-    /// How far the point is along this vector from the origin of the sequence.
+    /// Signed distance of the point along this vector from the origin of the sequence.
     Along(Vec3),
     /// The distance from here, relative to the origin of the sequence.
     From(Vec3),
@@ -39,7 +39,7 @@ pub struct ValueSample {
     pub scalars: Vec<ScalarField>,
     /// Values of the same fields in other frames of the sequence.
     further: Vec<Vec<f32>>,
-    /// Where the sensor stood, relative to `origin`.
+    /// Sensor position, relative to `origin`.
     pub sensor: Option<Vec3>,
     /// The origin of the sequence in file coordinates.
     pub origin: DVec3,
@@ -117,8 +117,8 @@ impl ValueSample {
         }
     }
 
-    /// Whether the file's colours say anything: they are not all the same, nor all black or white, which is what
-    /// programs write that have none.
+    /// Returns true if the file's colours carry information: they are not all the same, nor all black or white, which
+    /// is what programs without colours write.
     pub fn has_telling_colors(&self) -> bool {
         *self.has_telling_colors.get_or_init(|| {
             let colors = self.colors.as_deref().unwrap_or_default();

@@ -13,11 +13,11 @@ pub struct Composed {
     pub frame: Arc<PreparedFrame>,
     /// The pose in it: the same, or what it was made from.
     pub pose: Arc<PreparedFrame>,
-    /// How far its points are from another frame, if that is in its colours.
+    /// Distances of its points to another frame, if its colours show them.
     pub change: Option<Measured>,
-    /// Its depths as photographs see it, if they were drawn ahead.
+    /// Depth maps of its points from the viewpoints of the images, if they were drawn ahead.
     pub depths: Option<Arc<PhotoDepths>>,
-    /// The same frame by fewer records, while the camera moves.
+    /// Coarse version of the frame with fewer records, while the camera moves.
     pub coarse: Option<Coarse>,
     /// Inputs that are missing or do not fit, in the order of the stages.
     pub problems: Vec<Problem>,
@@ -49,7 +49,7 @@ impl Composed {
 /// A frame with levels of detail, and settings that draw it by these.
 #[derive(Debug, Clone)]
 pub struct Coarse {
-    /// The same points as those of the frame that it stands for.
+    /// Coarse frame with the same points as the frame that it stands for.
     pub frame: Arc<PreparedFrame>,
     /// See [`in_cells`](super::in_cells).
     pub style: Style,
@@ -69,13 +69,13 @@ pub struct Measured {
 /// Something that could not be read or added.
 #[derive(Debug, Clone)]
 pub enum Problem {
-    /// A sentence about the file of a pose or about a photograph.
+    /// Sentence about the file of a frame or about an image.
     Note(String),
     /// No other frame to colour `frame` by.
     NoOtherFrame {
         /// The frame.
         frame: usize,
-        /// How many frames later the other one would be.
+        /// Offset of the other frame, in frames later.
         step: i64,
     },
     /// The other frame cannot be read.

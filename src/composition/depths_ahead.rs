@@ -1,15 +1,15 @@
-//! Depths that photographs see, drawn before pictures ask for them.
+//! Depth maps from the viewpoints of images, drawn before rendering asks for them.
 
 use super::composed::Composed;
 use crate::scene::{Camera, PhotoDepths, PhotoMode, Scene, ScenePacket, Style, UpAxis};
 use glam::DVec3;
 
-/// How the depths that photographs see of a frame are drawn.
+/// Parameters for drawing the depth maps of a frame from the viewpoints of the images.
 #[derive(Debug, Clone, Copy)]
 pub struct DepthsAhead {
     /// Disks are as large as this says.
     pub style: Style,
-    /// Of the positions of the frame.
+    /// Origin of the positions of the frame.
     pub origin: DVec3,
     /// A renderer.
     pub draw: fn(&ScenePacket) -> PhotoDepths,

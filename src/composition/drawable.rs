@@ -1,4 +1,4 @@
-//! What a frame has for a picture.
+//! Drawable data of a frame.
 
 use crate::scene::{Primitive, Style};
 use crate::sequence::PreparedFrame;

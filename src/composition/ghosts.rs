@@ -1,9 +1,10 @@
 //! Frames merged into one.
 //!
-//! **Ghosts.** Other poses become points of the same frame: some of their points, evenly taken, in
-//! a tint. Which share of them says how faint a ghost is: a screen door in place of blending, which every renderer and
+//! **Ghosts.** Other frames become points of the same frame: some of their points, evenly taken, in a tint. The
+//! fraction of points sets how faint a ghost is: screen-door transparency instead of blending, which every renderer and
 //! every primitive draws alike, as blended surfels have no order and voxels no transparency. The indices in the file of
-//! the merged frame lead back: those below the number of the pose's points are its slots, all others are ghosts.
+//! the merged frame lead back: those below the number of the original frame's points are its slots, all others are
+//! ghosts.
 
 use crate::cloud::{CloudError, Frame, Positions, RawCloud, ShapeRecord, decode_ellipse, oct_decode};
 use crate::sequence::{ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, prepare};
@@ -15,7 +16,7 @@ use std::sync::Arc;
 pub struct Ghost {
     /// The pose.
     pub frame: Arc<PreparedFrame>,
-    /// Which share of its points is drawn, 0 to 1.
+    /// Fraction of its points that is drawn, 0 to 1.
     pub share: f32,
     /// Its colour, 8-bit red, green and blue; points that are dark are drawn darker.
     pub tint: [u8; 3],
@@ -44,8 +45,8 @@ impl Ghost {
     }
 }
 
-/// The points of `pose` as they are drawn and those of `ghosts`, with what `needs` ask for but colours. Where surfels
-/// are asked for, ghosts without shapes are left out.
+/// Merges the points of `pose` as they are drawn and those of `ghosts`, with what `needs` ask for except colours. Where
+/// surfels are asked for, ghosts without shapes are skipped.
 pub fn with_ghosts(pose: &PreparedFrame, ghosts: &[Ghost], needs: &Needs) -> Result<PreparedFrame, CloudError> {
     let has_shapes = pose.shapes.is_some() && needs.shapes;
     let (mut positions, mut colors, mut shapes) = (Vec::new(), Vec::new(), Vec::new());

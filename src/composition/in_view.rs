@@ -58,7 +58,7 @@ impl ViewOfFrame {
     }
 }
 
-/// The part that is drawn in place of a frame.
+/// Visible part that is drawn instead of a frame.
 #[derive(Debug)]
 struct InViewStep(Arc<PreparedFrame>);
 

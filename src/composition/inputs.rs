@@ -10,8 +10,8 @@ use crate::sequence::{FrameError, Needs, PreparedFrame, Sequence};
 use std::fmt;
 use std::sync::Arc;
 
-/// Other frames and photographs: without a window they are waited for, with one they are those in memory. By default
-/// there are none.
+/// Source of other frames and images: without a window they are waited for, with one they are those in memory. By
+/// default there are none.
 pub trait Frames: fmt::Debug {
     /// Number of frames of the sequence.
     fn frame_count(&self) -> usize {
@@ -35,13 +35,14 @@ pub trait Frames: fmt::Debug {
         Ok(None)
     }
 
-    /// The photographs of frame `index` but for these numbers, on their surface if they are of one scene, and notes on
-    /// those that could not be loaded.
+    /// Returns the images of frame `index` except for these numbers, on their surface if they are of one scene, and
+    /// notes on those that could not be loaded.
     fn photographs(&self, _index: usize, _left_out: &[usize]) -> Option<LoadedPhotographs> {
         None
     }
 
-    /// How depths that photographs see are drawn ahead; else whoever draws the packet does that first.
+    /// Returns the parameters for drawing the depth maps of images ahead; otherwise whoever draws the packet does that
+    /// first.
     fn depths_ahead(&self) -> Option<DepthsAhead> {
         None
     }
@@ -94,7 +95,7 @@ struct NoFrames;
 impl Frames for NoFrames {}
 
 impl<'a> Inputs<'a> {
-    /// Those of [`Lane::Photographs`](super::Lane::Photographs), for a frame whose photographs are there.
+    /// Creates the inputs of [`Lane::Photographs`](super::Lane::Photographs), for a frame whose images are there.
     pub fn of_photographs(pose: &'a PreparedFrame, style: &'a Style, frames: &'a dyn Frames) -> Self {
         Self {
             pose,
@@ -105,7 +106,7 @@ impl<'a> Inputs<'a> {
         }
     }
 
-    /// Those of [`Lane::View`](super::Lane::View), for a pose that is composed but for that.
+    /// Creates the inputs of [`Lane::View`](super::Lane::View), for a frame that is composed except for that.
     pub fn of_view(pose: &'a PreparedFrame, style: &'a Style, stand_ins: StandIns) -> Self {
         Self {
             pose,

@@ -1,4 +1,4 @@
-//! Levels of detail in place of all points, while the camera moves.
+//! Levels of detail instead of all points, while the camera moves.
 
 use super::composed::{Coarse, Composed, Problem};
 use super::inputs::Inputs;
@@ -16,7 +16,7 @@ pub(super) const STAGE: Stage = Stage {
     step,
 };
 
-/// The same settings, by as many cells of the octree as can be drawn in `frame_ms`.
+/// Returns the settings changed to draw as many cells of the octree as can be drawn in `frame_ms`.
 #[must_use]
 pub fn in_cells(style: &Style, frame_ms: f32) -> Style {
     style.with(|style| {
@@ -25,8 +25,8 @@ pub fn in_cells(style: &Style, frame_ms: f32) -> Style {
     })
 }
 
-/// Whether pictures may be of fewer cells while the camera moves: points have none, and levels have normals of their
-/// own.
+/// Returns true if images may be of fewer cells while the camera moves: points have none, and levels have normals of
+/// their own.
 pub fn has_moving_levels(style: &Style) -> bool {
     !style.draws_points() && !style.has_screen_normals()
 }

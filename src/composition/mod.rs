@@ -1,22 +1,23 @@
-//! From the frame of a sequence to the packet of a picture: one ordered list of stages ([`STAGES`]), for all that draw.
+//! Composition from the frame of a sequence to the packet of an image: one ordered list of stages ([`STAGES`]), for all
+//! that draw.
 //!
 //! | stage | takes | applies | gives |
 //! |---|---|---|---|
-//! | frame | a pose of the sequence | always | the pose as it is ([`Composed::of`]) |
+//! | frame | a frame of the sequence | always | the frame as it is ([`Composed::of`]) |
 //! | change map | another frame | [`ComposeOptions::change`] | the same points in other colours |
-//! | onion skin | neighbouring frames | [`ComposeOptions::onion`] | the pose among ghosts |
-//! | trails | paths of points | [`ComposeOptions::trails`] | the pose among tubes |
-//! | photographs | photographs of the frame | [`photographs_apply`] | bent disks, stray points, depths |
-//! | in view | surfels of the visible points | [`StandIns::in_view`] | these in place of all points |
+//! | onion skin | neighbouring frames | [`ComposeOptions::onion`] | the frame among ghosts |
+//! | trails | paths of points | [`ComposeOptions::trails`] | the frame among tubes |
+//! | images | posed images of the frame | [`photographs_apply`] | curved splats, outliers, depths |
+//! | in view | surfels of the visible points | [`StandIns::in_view`] | these instead of all points |
 //! | levels | the frame with levels of detail | [`StandIns::coarse`] | fewer records while the camera moves |
 //! | packet | the camera | always | the packet ([`packet`]) |
 //!
 //! **How it works.** A stage looks at the [`Inputs`] and gives a [`Step`] where it applies: all that it takes for one
-//! frame, held by identity. Whoever waits ([`compose`]: headless pictures, exports, thumbnails) runs stage after stage.
+//! frame, held by identity. Whoever waits ([`compose`]: headless images, exports, thumbnails) runs stage after stage.
 //! The window gathers the steps of one [`Lane`] into a [`Request`], starts it on a task if it differs from the last
-//! one, and shows the plain pose meanwhile.
+//! one, and shows the plain frame meanwhile.
 //!
-//! A stage that is new is a file with its [`Step`], a row in `stages.rs`, and what it takes in [`ComposeOptions`].
+//! A new stage is a file with its [`Step`], a row in `stages.rs`, and what it takes in [`ComposeOptions`].
 
 mod change;
 mod composed;

@@ -7,11 +7,11 @@ const FUTURE_TINT: [u8; 3] = [70, 160, 255];
 /// Neighbouring poses in the same picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OnionSkin {
-    /// Whether they are shown.
+    /// Visibility of the onion skin.
     pub is_on: bool,
-    /// How many earlier ones.
+    /// Number of onion-skin frames before the shown one.
     pub before: usize,
-    /// How many later ones.
+    /// Number of onion-skin frames after the shown one.
     pub after: usize,
     /// Frames from one to the next.
     pub step: usize,

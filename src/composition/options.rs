@@ -13,7 +13,7 @@ pub struct ComposeOptions {
     pub onion: Option<OnionSkin>,
     /// The ways of points, and how each is drawn.
     pub trails: Option<(Arc<Trails>, Vec<TrailLook>)>,
-    /// Photographs that are not put on surfaces, by their numbers.
+    /// Indices of the input images that are excluded from view-dependent texturing.
     pub left_out_photos: Vec<usize>,
 }
 
@@ -30,7 +30,7 @@ impl ComposeOptions {
 /// Colours by the distance to another pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChangeColors {
-    /// How many frames later that is; negative for earlier.
+    /// Frame offset of the compared frame: positive for later frames, negative for earlier ones.
     pub step: i64,
     /// The distance in the last colour, scene units; that which 99 % of the points do not exceed if `None`.
     pub range: Option<f64>,
@@ -44,10 +44,10 @@ impl ChangeColors {
     }
 }
 
-/// How a trail is drawn.
+/// Appearance of a trail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TrailLook {
-    /// Which one.
+    /// Index of the trail.
     pub trail: usize,
     /// Its colour; what is still to come is half as bright.
     pub tint: [u8; 3],

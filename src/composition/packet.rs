@@ -22,7 +22,7 @@ pub struct PictureView<'a> {
 pub struct Drawn<'a> {
     /// The frame.
     pub frame: &'a PreparedFrame,
-    /// Its depths as photographs see it, if they were drawn ahead.
+    /// Depth maps of the frame as seen by the input images, if they were rendered ahead.
     pub depths: Option<&'a Arc<PhotoDepths>>,
 }
 

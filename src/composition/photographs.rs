@@ -1,5 +1,5 @@
-//! Photographs on the surface of a frame: its disks are bent, stray points hide nothing of them, and their depths are
-//! drawn ahead where pictures are not to wait for that.
+//! View-dependent texturing of a frame from posed images: its splats are curved, outliers occlude no image, and the
+//! depth maps of the images are rendered ahead where rendering is not to wait for them.
 
 use super::composed::{Composed, Problem};
 use super::depths_ahead::DepthsAhead;
@@ -14,7 +14,7 @@ use crate::sequence::Sequence;
 use crate::stereo::photo_surface;
 use std::sync::Arc;
 
-/// Texels of all photographs together, with their mip levels.
+/// Maximum number of bytes for the texels of all images together, including their mip levels.
 pub const PHOTOGRAPH_BYTES: u64 = 1 << 30;
 
 /// The row of the list.
@@ -24,13 +24,13 @@ pub(super) const STAGE: Stage = Stage {
     step,
 };
 
-/// Whether photographs are put on frames: not over the colours of a change map.
+/// Returns true if view-dependent texturing applies to the frames, which it does not over the colours of a change map.
 pub fn photographs_apply(options: &ComposeOptions, style: &Style) -> bool {
     options.change.is_none() && style.draws_photographs()
 }
 
-/// `photographs` on the surface that is made of them where they are of one scene: of what was filmed, each frame has a
-/// cloud of its own.
+/// Returns `photographs` with the surface reconstructed from them if they are of one static scene; in multi-view video,
+/// each frame has a point cloud of its own.
 #[must_use]
 pub fn on_surface(
     photographs: Arc<Photographs>,
@@ -45,7 +45,7 @@ pub fn on_surface(
     Arc::new(photographs.with_surface(surface))
 }
 
-/// Photographs for a frame.
+/// View-dependent texturing of a frame from its input images.
 #[derive(Debug)]
 struct PhotographsStep {
     photographs: Arc<Photographs>,

@@ -1,13 +1,13 @@
-//! Which points of a large cloud a picture shows, and how many of them it can tell apart.
+//! Visibility of the points of a large cloud in a rendered image, and the number of them that the image can resolve.
 //!
-//! **How it works.** Points stand in Morton order, so a run of them is a small piece of the cloud. The nearest point of
-//! each pixel says which pieces are seen. Each of these keeps as many points as the picture can tell apart, evenly
-//! along the Morton curve, so that they are equally dense in all directions along the surface. The nearest points
-//! themselves would not be: of a floor seen at a grazing angle they stand in rows, which define no plane, and of what
-//! is half hidden there would be too few.
+//! **How it works.** Points are stored in Morton order, so a run of them is a small piece of the cloud. The nearest
+//! point of each pixel determines which pieces are visible. Each visible piece keeps as many points as the image can
+//! resolve, evenly spaced along the Morton curve, so that they are equally dense in all directions along the surface.
+//! The nearest points themselves would not be: on a floor seen at a grazing angle they lie in rows, which define no
+//! plane, and of partly occluded surfaces there would be too few.
 //!
-//! **When it wins.** It costs one read of the positions, and what is estimated afterwards depends on the picture alone:
-//! surfels of a view take the same time for any number of points.
+//! **When it wins.** It costs one read of the positions, and what is estimated afterwards depends on the image alone:
+//! estimating the surfels of a view takes the same time for any number of points.
 
 use crate::cloud::even_places;
 use crate::scene::{Clip, ViewTransform};
@@ -15,13 +15,13 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Consecutive points that are kept or thinned out together: few enough that most are seen when one is.
+/// Number of consecutive points that are kept or subsampled together: few enough that most are visible when one is.
 const POINTS_PER_PIECE: usize = 256;
 
 /// Most points that are kept, about: their surface is estimated in a fifth of a second on two threads.
 const MOST_POINTS: f64 = (1 << 19) as f64;
 
-/// Most pixels that are told apart: larger pictures are looked at in coarser steps.
+/// Maximum number of pixels that are resolved: larger images are evaluated in coarser steps.
 const MOST_PIXELS: usize = 1 << 20;
 
 /// No point is seen there.
@@ -96,8 +96,8 @@ impl<'a> PixelGrid<'a> {
         self.size[0] * self.size[1]
     }
 
-    /// How many points, spread evenly over a piece of surface in `pixels`, are as close in its longer direction as
-    /// pixels are.
+    /// Returns the number of points at which the points, spread evenly over a piece of surface covering `pixels`, are
+    /// as close to each other in its longer direction as pixels are.
     fn detail_of(&self, mut pixels: Vec<usize>) -> f64 {
         let width = self.size[0];
         let steps = |place_of: fn(usize, usize) -> usize| {

@@ -13,7 +13,7 @@ use std::sync::Arc;
 pub enum Lane {
     /// Depends on other frames: a task per pose.
     Poses,
-    /// Depends on photographs: a task of a pool of its own, also for the frames that follow.
+    /// Depends on the input images: runs as a task in a pool of its own, also for the frames that follow.
     Photographs,
     /// Depends on the camera: for each picture, of what tasks have made ([`StandIns`](super::StandIns)).
     View,
@@ -40,7 +40,7 @@ impl fmt::Debug for Stage {
 
 /// A stage with all that it takes for one frame.
 pub trait Step: Any + fmt::Debug + Send + Sync {
-    /// Whether both make the same of a frame; other frames are compared by identity.
+    /// Returns true if both steps turn a frame into the same result; other frames are compared by identity.
     fn is_same(&self, other: &dyn Step) -> bool;
 
     /// Changes what is composed so far. What it leaves once `progress` is cancelled is not drawn.

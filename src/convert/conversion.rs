@@ -1,4 +1,4 @@
-//! What is to be converted, and how.
+//! Description of a conversion: its input and its options.
 
 use super::edit::Edit;
 use super::error::ConvertError;
@@ -10,22 +10,22 @@ use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-/// Which frames, what becomes of them, and where they go.
+/// Conversion job: the frames, the edits applied to them, and the output.
 #[derive(Debug, Clone)]
 pub struct Conversion {
     /// Frames, both ends included; all for `None`.
     pub frames: Option<RangeInclusive<usize>>,
     /// Every how many-th frame, and from which on: `(0, 1)` for all.
     pub shard: Shard,
-    /// What becomes of each.
+    /// Edits applied to each frame.
     pub edit: Edit,
     /// Format of the files, unless they are a sequence file.
     pub format: WriteFormat,
-    /// Where they go.
+    /// Output target.
     pub output: Output,
     /// Write frames that are there already, whoever wrote them with whatever options.
     pub overwrites: bool,
-    /// How the inputs are read, where that changes frames: words for people.
+    /// Human-readable description of how the inputs are read, where that changes frames.
     pub reading: String,
 }
 
@@ -53,9 +53,9 @@ impl Conversion {
 /// of as many runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// Which share, from 0.
+    /// Index of the shard, from 0.
     pub index: usize,
-    /// How many shares there are, at least 1.
+    /// Number of shards, at least 1.
     pub count: usize,
 }
 
@@ -73,7 +73,7 @@ impl Shard {
         output.with_file_name(format!("{stem}{}", self.suffix()))
     }
 
-    /// What the names of parts end in.
+    /// Returns the suffix of the file names of parts.
     fn suffix(self) -> String {
         format!(".part-{}-of-{}.reel", self.index + 1, self.count)
     }
@@ -91,7 +91,7 @@ impl Shard {
     }
 }
 
-/// Where frames go.
+/// Output target of the frames.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Output {
     /// One frame to this file.
@@ -103,7 +103,7 @@ pub enum Output {
     Reel(PathBuf, ReelOptions),
 }
 
-/// What came of a conversion.
+/// Result of a conversion.
 #[derive(Debug, Default)]
 pub struct Converted {
     /// Frames that were written.
@@ -114,15 +114,15 @@ pub struct Converted {
     pub failed: Vec<(usize, ConvertError)>,
     /// Frames that were written without a part of their files, and why.
     pub warnings: Vec<(usize, String)>,
-    /// What of the frames the target cannot hold.
+    /// Losses: the data of the frames that the target format cannot hold.
     pub losses: Losses,
-    /// What is to be known of all frames.
+    /// Notes that concern all frames.
     pub notes: Vec<String>,
     /// True if it was cancelled before the end.
     pub is_cancelled: bool,
 }
 
-/// Whether `output` is there and not older than what it was made from.
+/// Returns true if `output` exists and is not older than the source it was made from.
 pub(super) fn is_finished(output: &Path, entry: &FrameEntry) -> bool {
     let modified = |path: &Path| fs::metadata(path).and_then(|metadata| metadata.modified());
     let Ok(output) = modified(output) else {

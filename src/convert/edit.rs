@@ -1,4 +1,4 @@
-//! What becomes of a frame on its way: moved, joined in cells, thinned out, given normals; in this order.
+//! Edits of a frame during conversion: transform, voxel downsampling, subsampling, normal estimation; in this order.
 
 use crate::analysis::FileSurface;
 use crate::cloud::{Cells, Ellipse, Positions, RawCloud, TooManyCells};

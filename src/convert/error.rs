@@ -11,12 +11,12 @@ pub enum ConvertError {
     /// The frame cannot be read.
     #[error(transparent)]
     Frame(#[from] FrameError),
-    /// What was asked for cannot be done with this frame.
+    /// The requested edit cannot be applied to this frame.
     #[error("{}: {reason}", path.display())]
     Edit {
         /// The frame's file.
         path: PathBuf,
-        /// What stands in the way.
+        /// Reason why the edit is not possible.
         reason: EditError,
     },
     /// The output cannot be written.
@@ -53,7 +53,7 @@ pub enum ConvertError {
     Exists {
         /// The first file.
         path: PathBuf,
-        /// How many more there are.
+        /// Number of further ones.
         more: usize,
     },
     /// There are no such frames.
@@ -68,7 +68,7 @@ pub enum ConvertError {
     OtherPart {
         /// The file.
         path: PathBuf,
-        /// What is different.
+        /// Description of the difference.
         difference: String,
     },
     /// Another process writes the same file.
@@ -88,9 +88,9 @@ pub enum ConvertError {
     /// Files that cannot be joined.
     #[error("{} cannot be joined: {problem}", output.display())]
     Join {
-        /// What they were to become.
+        /// Output file that they were to be joined into.
         output: PathBuf,
-        /// What is missing or does not belong together.
+        /// Description of the parts that are missing or do not belong together.
         problem: String,
     },
     /// The folder holds frames that were converted otherwise.
@@ -103,7 +103,7 @@ pub enum ConvertError {
     OtherConversion {
         /// The folder.
         path: PathBuf,
-        /// What is different.
+        /// Description of the difference.
         difference: String,
     },
 }

@@ -1,8 +1,9 @@
-//! What a conversion would write, judged by a few frames: sizes and errors before anything is written.
+//! Estimate of the output of a conversion from a few sample frames: sizes and errors before anything is written.
 //!
 //! How it works: a frame is encoded in memory as the conversion would do it, and read back. In a sequence file it is
-//! encoded in a group with frames beside it. Each of them stands for the frames at its place in all groups; the mean of
-//! those behind the first one for places that the sample has not. Bytes of directories are shared out.
+//! encoded in a group with neighbouring frames. Each of them stands for the frames at its position in all groups; the
+//! mean of those behind the first one stands for positions that the sample does not cover. Bytes of directories are
+//! distributed over the frames.
 
 use super::error::ConvertError;
 use super::reel;
@@ -37,12 +38,12 @@ type BytesByStream = [f64; StreamKind::ALL.len()];
 pub enum Target {
     /// One sequence file.
     Reel(ReelOptions),
-    /// A file a frame.
+    /// One file per frame.
     Files(WriteFormat),
 }
 
 impl Target {
-    /// What it cannot hold of `cloud`.
+    /// Returns the losses: the data of `cloud` that the target cannot hold.
     pub fn losses(&self, cloud: &RawCloud) -> Losses {
         match self {
             Self::Reel(options) => reel::losses(cloud, options),
@@ -64,7 +65,7 @@ impl Target {
 pub struct SampleFrame {
     /// Its index.
     pub index: usize,
-    /// The frame and those beside it, in their order.
+    /// The frame and its neighbours, in their order.
     clouds: Vec<(RawCloud, Arc<FrameEntry>)>,
     /// The place of the frame among them.
     place: usize,
@@ -74,10 +75,10 @@ pub struct SampleFrame {
     reference: Option<ReferenceCloud>,
 }
 
-/// What becomes of a frame.
+/// Estimated conversion result of a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampleEstimate {
-    /// Which frame.
+    /// Index of the frame.
     pub index: usize,
     /// Points that it has.
     pub points: usize,
@@ -85,18 +86,18 @@ pub struct SampleEstimate {
     pub kept_points: usize,
     /// Bytes of such a frame in a long file.
     pub bytes: f64,
-    /// The same of each kind of stream, in the order of [`StreamKind::ALL`]; `None` of files without streams.
+    /// Bytes per kind of stream, in the order of [`StreamKind::ALL`]; `None` for files without streams.
     pub bytes_by_stream: Option<BytesByStream>,
-    /// What keeping every point comes to where points are merged, and the other way round; `None` where that is no
-    /// choice of its own.
+    /// Estimate for the alternative: keeping every point if points are merged, and vice versa; `None` where that is not
+    /// a separate choice.
     pub other_way: Option<OtherWay>,
-    /// How far what is left is from the original; `None` of a frame without points.
+    /// Error of the remaining points compared with the original; `None` for a frame without points.
     pub error: Option<CloudError>,
-    /// What of it the target cannot hold.
+    /// Losses: the data of the frame that the target cannot hold.
     pub losses: Losses,
 }
 
-/// What a frame comes to in the other way to keep its points: merged, or every one.
+/// Estimate of a frame for the alternative point treatment: points merged, or every point kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OtherWay {
     /// Points that are left.
@@ -138,8 +139,8 @@ impl SampleFrame {
         })
     }
 
-    /// The same of frames as `decode` hands them over, of which errors are not judged. Frames beside it that cannot be
-    /// read are left out.
+    /// Reads a sample like `read`, but from frames as `decode` returns them, and without evaluating errors.
+    /// Neighbouring frames that cannot be read are skipped.
     pub(super) fn read_with(
         sequence: &Sequence,
         index: usize,
@@ -187,10 +188,10 @@ impl SampleFrame {
         2 * clouds
     }
 
-    /// What `target` makes of it; `None` once `progress` is cancelled.
+    /// Estimates the result of converting the sample to `target`; `None` once `progress` is cancelled.
     ///
     /// # Errors
-    /// Options that cannot be meant, and what a format cannot hold.
+    /// Invalid options, and data that a format cannot hold.
     pub fn judge(&self, target: &Target, progress: &Progress) -> Result<Option<SampleEstimate>, ConvertError> {
         let (cloud, entry) = self.judged();
         let mut estimate = SampleEstimate {
@@ -287,15 +288,15 @@ impl SampleFrame {
     }
 }
 
-/// What a file takes beside its streams.
+/// Returns the bytes of a file that do not belong to its streams.
 fn other_bytes(file: &ReelFile) -> f64 {
     let frames = (0..file.frame_count()).filter_map(|index| file.frame(index));
     let of_streams: u64 = frames.flat_map(|frame| frame.bytes_by_stream).sum();
     file.byte_size().saturating_sub(of_streams) as f64
 }
 
-/// What a frame takes beside its streams: its own part of directory and index, and its share of what groups and files
-/// have once. Those are found by small files of none, one and two frames.
+/// Returns the overhead of a frame in bytes in addition to its streams: its own part of directory and index, and its
+/// share of what groups and files store once. The overhead is measured on small files of zero, one and two frames.
 fn shared_bytes(file: &ReelFile, options: &ReelOptions, frame_count: usize) -> Result<f64, ConvertError> {
     let point = RawCloud::from_positions(Positions::F32(vec![[0.0; 3]]));
     let frame = NewFrame {
@@ -325,7 +326,7 @@ fn groups_a_frame(options: &ReelOptions, frame_count: usize) -> f64 {
     count.div_ceil(options.keyframes as usize) as f64 / count as f64
 }
 
-/// What becomes of a sequence, by some of its frames.
+/// Estimated conversion result of a sequence, from some of its frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
     /// Frames that it is judged by.
@@ -336,13 +337,13 @@ pub struct Estimate {
     pub kept_points: f64,
     /// Mean bytes of a frame.
     pub frame_bytes: f64,
-    /// The same of each kind of stream.
+    /// Bytes per kind of stream.
     pub bytes_by_stream: Option<BytesByStream>,
     /// The mean of the other way to keep points, where that is known of every frame.
     pub other_way: Option<OtherWay>,
     /// Errors, where a frame has points.
     pub errors: Option<EstimatedErrors>,
-    /// What of the frames the target cannot hold, a line per kind.
+    /// Losses: the data of the frames that the target cannot hold, one line per kind.
     pub losses: Losses,
 }
 
@@ -395,7 +396,7 @@ impl Estimate {
         self.bits(self.frame_bytes)
     }
 
-    /// The same of each kind of stream that takes any.
+    /// Returns the bits per point of each kind of stream that takes any.
     pub fn bits_by_stream(&self) -> Vec<(StreamKind, f64)> {
         let bytes = self.bytes_by_stream.unwrap_or_default();
         let kinds = StreamKind::ALL.into_iter().zip(bytes);

@@ -1,4 +1,4 @@
-//! Estimates beside what files come to.
+//! Tests of estimates against the actual file sizes.
 
 use super::*;
 use crate::cloud::Attributes;

@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// A frame that was written.
 pub(super) struct WrittenFrame {
-    /// What could not be read of it.
+    /// Warnings about the parts of the frame that could not be read.
     warnings: Vec<String>,
     losses: Losses,
 }
@@ -23,7 +23,8 @@ impl Converted {
     }
 }
 
-/// Writes frame `index` to `path`; `before_named` is told its bytes when it is on the disk and has no name yet.
+/// Writes frame `index` to `path`; `before_named` is called with its byte size once it is on disk and before it has its
+/// final name.
 pub(super) fn write_frame(
     sequence: &Sequence,
     conversion: &Conversion,

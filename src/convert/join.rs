@@ -1,9 +1,9 @@
-//! The parts of a sequence file that several machines have written, as one file.
+//! Joining of the parts of a sequence file, written by several machines, into one file.
 //!
-//! How it works: each part says which share of which conversion it is. So what is missing, comes twice, was made
-//! otherwise or is not whole is found before anything is written, and the order of the names does not matter. Groups
-//! are written one behind the other without being encoded anew. Files that say nothing of a conversion are joined in
-//! the order in which they are named.
+//! How it works: each part records its share and the conversion it belongs to. Parts that are missing, duplicated, made
+//! with other options or incomplete are therefore found before anything is written, and the order of the names does not
+//! matter. Groups are appended one after the other without being re-encoded. Files that record no conversion are joined
+//! in the order in which they are named.
 
 use super::conversion::Shard;
 use super::error::ConvertError;
@@ -13,12 +13,12 @@ use crate::temporary::Temporary;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What joining came to.
+/// Result of joining.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Joined {
     /// Frames of the file.
     pub frames: usize,
-    /// What is to be known of it: a sentence each.
+    /// Notes about the result: one sentence each.
     pub notes: Vec<String>,
 }
 
@@ -50,10 +50,10 @@ pub fn parts_of(output: &Path) -> Result<Vec<PathBuf>, ConvertError> {
     Ok(parts.into_iter().map(|(_, _, path)| path).collect())
 }
 
-/// Joins sequence files into one, frame behind frame, without encoding anything anew.
+/// Joins sequence files into one, frame after frame, without re-encoding anything.
 ///
 /// # Errors
-/// Files that are not whole, and parts of a conversion that do not make up all of it.
+/// Files that are incomplete, and parts of a conversion that do not make up all of it.
 pub fn join(parts: &[PathBuf], output: &Path) -> Result<Joined, ConvertError> {
     let mut files = Vec::new();
     for path in parts {
@@ -100,7 +100,7 @@ fn refused(output: &Path, problem: String) -> ConvertError {
     }
 }
 
-/// Whether files, in the order of their parts, make up a conversion.
+/// Checks that files, in the order of their parts, make up a whole conversion.
 fn check_parts(files: &[ReelFile]) -> Result<(), String> {
     let mut known: Vec<(&ReelFile, &FilePart)> = Vec::new();
     for file in files {

@@ -1,9 +1,9 @@
-//! One writer an output: a file beside it that its writer locks, and that says who that is.
+//! Output lock, one writer per output: a companion file that the writer locks, and that identifies the writer.
 //!
-//! **How it works.** The system lets go of a lock when its process ends, however it does: what a killed one leaves is
-//! taken over, with a line. Some network disks have no locks: there what the file says counts, and only a process of
-//! this machine that has ended is replaced. A lock that was removed and made again while it was waited for is another
-//! file.
+//! **How it works.** The system releases a lock when its process ends, for whatever reason: a lock left by a killed
+//! process is taken over, with a message. Some network disks have no locks: there the content of the file counts, and
+//! only a process of this machine that has ended is replaced. A lock that was removed and created again while it was
+//! waited for is another file.
 
 use super::error::ConvertError;
 use crate::regular_file;
@@ -15,7 +15,7 @@ use std::io::{Read as _, Seek as _, Write as _};
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// What a holder says of itself is shorter.
+/// Upper bound of the size of the holder's record in the lock file.
 const MAX_BYTES: u64 = 4096;
 
 /// Held by the process that writes a file. What a killed one leaves is free for the next.
@@ -26,7 +26,7 @@ pub(super) struct Lock {
     _file: File,
 }
 
-/// Who writes an output.
+/// Process that holds the lock of an output.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct Holder {
     pid: u32,
@@ -63,7 +63,7 @@ impl Holder {
         file.write_all(&serde_json::to_vec(self).unwrap_or_default())
     }
 
-    /// Whether it has ended for certain.
+    /// Returns true if the process has certainly ended.
     fn has_ended(&self) -> bool {
         let processes = Path::new("/proc");
         self.host == host() && processes.join("self").exists() && !processes.join(self.pid.to_string()).exists()
@@ -79,7 +79,7 @@ fn host() -> String {
     }
 }
 
-/// Keeps other processes from writing `output` until the answer is dropped; `path` is the file beside it.
+/// Locks `output` against other processes until the returned lock is dropped; `path` is its companion lock file.
 pub(super) fn lock(path: &Path, output: &Path) -> Result<Lock, ConvertError> {
     let failed = |reason| ConvertError::Write {
         path: path.to_owned(),
@@ -129,7 +129,7 @@ pub(super) fn lock(path: &Path, output: &Path) -> Result<Lock, ConvertError> {
     })
 }
 
-/// Whether the file at `path` is still the one that is open.
+/// Returns true if the file at `path` is still the one that is open.
 fn is_at(file: &File, path: &Path) -> bool {
     let open = file.metadata().ok().as_ref().and_then(regular_file::id_of);
     match open {

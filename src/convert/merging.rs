@@ -1,7 +1,7 @@
-//! What merging points costs and saves, before anything is written.
+//! Cost and savings of merging points, before anything is written.
 //!
-//! How it works: a frame is encoded both ways in memory, with every point and as the options say. Points and bytes of
-//! it stand for those of all frames.
+//! How it works: a frame is encoded in memory both ways, with every point and as the options specify. Its points and
+//! bytes stand for those of all frames.
 
 use super::conversion::{Conversion, Output};
 use super::error::ConvertError;
@@ -10,7 +10,7 @@ use crate::reel::{Precision, ReelOptions};
 use crate::sequence::Sequence;
 use std::fmt;
 
-/// What merging comes to, by one frame.
+/// Cost and savings of merging, estimated from one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MergePrice {
     /// The frame.
@@ -23,12 +23,12 @@ pub struct MergePrice {
     pub left: f64,
     /// Bytes of all frames with their points merged.
     pub merged_bytes: f64,
-    /// The same with every point.
+    /// Bytes with every point kept.
     pub whole_bytes: f64,
 }
 
 impl MergePrice {
-    /// Of a conversion; `None` where it merges nothing, or writes no sequence file.
+    /// Estimates the cost of merging in a conversion; `None` where it merges nothing, or writes no sequence file.
     ///
     /// # Errors
     /// A frame that cannot be read or encoded.

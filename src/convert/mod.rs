@@ -1,15 +1,16 @@
-//! Frames of one sequence written anew: in another format, moved, thinned out, with normals.
+//! Conversion of the frames of a sequence: to another format, transformed, downsampled, with normals.
 //!
-//! **How it works.** Each frame is read, edited ([`Edit`]) and written by itself, as many at a time as there are cores,
-//! so that a sequence of any length takes the memory of a few frames. A frame is written under a hidden name and
-//! renamed when it is whole: what stands in the folder is finished. Files keep the names of those that they were made
-//! from (`convert::names`). Options and finished frames are recorded next to the frames ([`Record`]): who is
-//! interrupted and starts again goes on; a folder of another conversion, a file of somebody else, and an output that is
-//! the input are refused before anything is written. Shards take every n-th frame, whoever runs them.
+//! **How it works.** Each frame is read, edited ([`Edit`]) and written on its own, with as many frames in parallel as
+//! there are cores, so that a sequence of any length takes the memory of a few frames. A frame is written under a
+//! hidden name and renamed when it is complete: whatever is visible in the folder is finished. Files keep the names of
+//! their sources (`convert::names`). Options and finished frames are recorded next to the frames ([`Record`]): a
+//! conversion that was interrupted and is started again resumes; a folder of another conversion, a file of somebody
+//! else, and an output that is the input are refused before anything is written. Shards take every n-th frame, whoever
+//! runs them.
 //!
-//! Or all frames go into one sequence file (`convert::reel`). What either comes to is estimated beforehand, by a few
-//! frames (`convert::estimate`), and looked for where it would be written ([`Place`]). What a target cannot hold is
-//! counted ([`crate::io::Losses`]).
+//! Alternatively all frames go into one sequence file (`convert::reel`). The size and error of either is estimated
+//! beforehand, from a few frames (`convert::estimate`), and the output location is checked ([`Place`]). What a target
+//! cannot hold is counted ([`crate::io::Losses`]).
 
 mod conversion;
 mod edit;
@@ -59,7 +60,7 @@ pub fn convert(sequence: &Sequence, conversion: &Conversion, progress: &Progress
     Ok(converted)
 }
 
-/// What of a whole input no target holds.
+/// Returns a note about the data of a whole input that no target holds.
 fn cameras_note(sequence: &Sequence) -> Option<String> {
     let source = sequence.source();
     if sequence.is_empty() {

@@ -26,7 +26,7 @@ pub(super) struct FileNames {
 }
 
 impl FileNames {
-    /// Those of files with `extension`.
+    /// Returns the names of files with `extension`.
     pub(super) fn of(sequence: &Sequence, extension: &str) -> Self {
         Self::of_entries(&sequence.entries(), extension)
     }

@@ -1,4 +1,4 @@
-//! What is there already where a conversion would write, for who asks before writing.
+//! State of the output location of a conversion, for callers that ask before writing.
 
 use super::conversion::{Conversion, Output};
 use super::record::{Record, real};
@@ -10,18 +10,18 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf, absolute};
 use std::sync::Arc;
 
-/// What is at the place of an output.
+/// State of an output location.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
     /// Nothing in the way.
     Free,
-    /// What the same conversion has left when it was interrupted: it goes on from there.
+    /// Output of the same conversion, interrupted earlier: it resumes from there.
     Interrupted,
     /// A file that would be replaced.
     Taken,
     /// Files of something else, among which frames would be lost.
     Occupied,
-    /// What is to be converted.
+    /// The source of the conversion itself.
     Source,
     /// The folder that it would be in is not there.
     NoFolder,
@@ -86,7 +86,7 @@ pub struct SourceFiles {
 }
 
 impl SourceFiles {
-    /// Those of `sequence`.
+    /// Returns the source files of `sequence`.
     pub fn of(sequence: &Sequence) -> Self {
         let inputs = sequence.source().inputs().to_vec();
         let entries = sequence.entries();
@@ -107,7 +107,7 @@ impl SourceFiles {
         files
     }
 
-    /// Whether what is at `output`, through links of whatever kind, is one of them.
+    /// Returns true if the file at `output`, through links of whatever kind, is one of the source files.
     pub fn has(&self, output: &Path) -> bool {
         match regular_file::id(output) {
             Some(id) => self.ids.contains(&id),

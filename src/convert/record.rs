@@ -1,10 +1,10 @@
-//! What a folder of converted frames was made with and by, so that nobody mixes two conversions in it, and nobody takes
-//! a file of somebody else for a finished frame.
+//! Record of the options and inputs of a folder of converted frames, so that two conversions are never mixed in one
+//! folder, and no file of somebody else is taken for a finished frame.
 //!
-//! **How it works.** The options of the conversion and its inputs are one hidden file ([`Record`]). A second one has a
-//! line per frame that was written ([`Ledger`]): name, size, and of what file it was made, in which state. A frame
-//! counts as finished if a file of that name and size is there and its source is as it was. The line is written before
-//! the file has its name: whatever interrupts the conversion, a file without a line is not of this conversion. Each
+//! **How it works.** The options of the conversion and its inputs are one hidden file ([`Record`]). A second one has
+//! one line per written frame ([`Ledger`]): name, size, and the source file it was made from, with its state. A frame
+//! counts as finished if a file of that name and size exists and its source is unchanged. The line is written before
+//! the file gets its name: whatever interrupts the conversion, a file without a line is not of this conversion. Each
 //! shard appends to a ledger of its own, all of them are read.
 
 use super::conversion::{Conversion, Output, Shard};
@@ -25,7 +25,7 @@ use std::time::UNIX_EPOCH;
 /// Name of the file in the folder.
 const FILE_NAME: &str = ".pointreel-convert.json";
 
-/// What the names of ledgers begin and end with.
+/// Prefix and suffix of the file names of ledgers.
 const LEDGER_NAME: [&str; 2] = [".pointreel-convert.", ".jsonl"];
 
 /// The file that whoever writes the frames of `shard` to `folder` locks.
@@ -45,7 +45,7 @@ const MOST_INPUTS: usize = 16;
 pub struct Record {
     format: String,
     edit: String,
-    /// How the inputs were read.
+    /// Description of how the inputs were read.
     #[serde(default)]
     reading: String,
     /// Topics of recordings that are read.
@@ -72,7 +72,7 @@ impl Record {
         }
     }
 
-    /// The same as a text, with a number that stands for the names and times of what is read.
+    /// Returns the record as text, with a hash of the names and times of the frames that are read.
     pub(super) fn made_of(&self, frames: &[Arc<FrameEntry>]) -> String {
         let mut names = crc32fast::Hasher::new();
         for entry in frames {
@@ -83,7 +83,7 @@ impl Record {
         format!("{} frames {:08x} {options}", frames.len(), names.finalize())
     }
 
-    /// What a conversion has left in `folder`.
+    /// Reads the record that a conversion has left in `folder`.
     pub(super) fn read(folder: &Path) -> Option<Self> {
         let bytes = crate::regular_file::read(&folder.join(FILE_NAME)).ok()?;
         serde_json::from_slice(&bytes).ok()
@@ -100,7 +100,7 @@ impl Record {
         }
     }
 
-    /// Leaves itself in `folder`, in place of another one. Several shards may do so at once: they write the same.
+    /// Writes the record to `folder`, replacing any other. Several shards may do so at once: they write the same.
     pub(super) fn keep_in(&self, folder: &Path) -> Result<(), ConvertError> {
         if Self::read(folder).is_some_and(|known| known == *self) {
             return Ok(());
@@ -197,7 +197,7 @@ struct SourceState {
 }
 
 impl SourceState {
-    /// Of all files of a frame; zero where it has none.
+    /// Returns the state of all source files of a frame; zero where it has none.
     fn of(entry: &FrameEntry) -> Self {
         let files = std::iter::once(&entry.path).chain(&entry.normals);
         let mut state = Self {
@@ -215,7 +215,7 @@ impl SourceState {
     }
 }
 
-/// What is at the place of a frame.
+/// State of the output file of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FrameState {
     /// Nothing.
@@ -239,7 +239,7 @@ pub(super) struct Ledger {
 }
 
 impl Ledger {
-    /// What was written to `folder` with `record`, by whatever shard.
+    /// Reads the ledgers of what was written to `folder` with `record`, by any shard.
     pub(super) fn read(folder: &Path, record: &Record) -> Self {
         let record = record.hash();
         let mut lines: HashMap<String, Vec<Line>> = HashMap::new();
@@ -280,7 +280,7 @@ impl Ledger {
         Ok(())
     }
 
-    /// What is there under `name`, for the frame of `entry`.
+    /// Returns the state of the output file `name` for the frame of `entry`.
     pub(super) fn state(&self, name: &str, entry: &FrameEntry) -> FrameState {
         let Ok(metadata) = fs::symlink_metadata(self.folder.join(name)) else {
             return FrameState::Free;

@@ -1,10 +1,10 @@
-//! All frames of a conversion in one sequence file.
+//! Conversion of all frames into one sequence file.
 //!
-//! **How it works.** Frames are read, edited and encoded group by group, as many groups at a time as there are cores,
-//! and written in their order under a hidden name. Beside that file lies what it is made with and how far it has come
-//! ([`Ledger`]), so that an interrupted conversion goes on behind its last whole group. Frames that
-//! cannot be read are left out and said. Shards take runs of groups one after the other, so that their files are joined
-//! by writing one behind the other ([`super::join()`]); each says which frames it has ([`FilePart`]).
+//! **How it works.** Frames are read, edited and encoded group by group, with as many groups in parallel as there are
+//! cores, and written in order under a hidden name. A companion file records the options and the progress ([`Ledger`]),
+//! so that an interrupted conversion resumes after its last complete group. Frames that cannot be read are skipped and
+//! reported. Shards take consecutive runs of groups, so that their files are joined by concatenation
+//! ([`super::join()`]); each records which frames it has ([`FilePart`]).
 
 use super::conversion::{Conversion, Converted, Shard, is_finished};
 use super::error::ConvertError;
@@ -30,7 +30,7 @@ const GROUP_BYTES: usize = 256 << 20;
 
 pub(super) type Writer = ReelWriter<BufWriter<File>>;
 
-/// What is to be known of an unfinished file to go on with it.
+/// Ledger of an unfinished file: the state needed to resume it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct Ledger {
     record: Record,
@@ -86,21 +86,22 @@ impl Unfinished {
         told.ok()
     }
 
-    /// What is there, if it was made with `record`.
+    /// Returns the ledger of the unfinished file, if it was made with `record`.
     fn ledger_of(&self, record: &Record) -> Option<Ledger> {
         let ledger: Ledger = serde_json::from_slice(&crate::regular_file::read(&self.ledger).ok()?).ok()?;
         let is_file = self.file.symlink_metadata().is_ok_and(|there| there.is_file());
         (ledger.record == *record && is_file).then_some(ledger)
     }
 
-    /// The same, if none of its `sources` has changed since.
+    /// Returns the ledger of the unfinished file, if it was made with `record` and none of its `sources` has changed
+    /// since.
     fn ledger(&self, record: &Record, sources: &[Arc<FrameEntry>]) -> Option<Ledger> {
         let is_current = |_: &Ledger| sources.iter().all(|entry| is_finished(&self.file, entry));
         self.ledger_of(record).filter(is_current)
     }
 }
 
-/// Whether an interrupted conversion with this record into `output` would go on.
+/// Returns true if an interrupted conversion with this record into `output` would be resumed.
 pub(super) fn is_interrupted(output: &Path, record: &Record) -> bool {
     Unfinished::of(output).ledger_of(record).is_some()
 }
@@ -112,13 +113,13 @@ fn write_error(path: &Path) -> impl Fn(std::io::Error) -> ConvertError + Copy {
     }
 }
 
-/// What is converted, how, and into which sequence file.
+/// Work of a conversion into a sequence file: its frames, options and output.
 struct Work<'a> {
     sequence: &'a Sequence,
     conversion: &'a Conversion,
     output: &'a Path,
     options: &'a ReelOptions,
-    /// Those of this part.
+    /// Frame indices of this part.
     frames: &'a [usize],
     progress: &'a Progress,
 }
@@ -267,7 +268,8 @@ struct ConvertedGroup {
     is_cancelled: bool,
 }
 
-/// What a sequence file with `options` cannot hold of `cloud`, apart from the precision that they say.
+/// Returns the losses: the data of `cloud` that a sequence file with `options` cannot hold, apart from the precision
+/// that they specify.
 pub(super) fn losses(cloud: &RawCloud, options: &ReelOptions) -> Losses {
     let keeps_points = options.keeps_points();
     let mut losses = Losses::default();
@@ -352,7 +354,7 @@ fn bounds(count: usize, shard: Shard) -> Range<usize> {
     bound(shard.index)..bound(shard.index + 1)
 }
 
-/// What the file of a shard says of itself.
+/// Returns the part description that a shard stores in its file.
 fn part_of(sequence: &Sequence, record: &Record, frames: &[usize], shard: Shard) -> FilePart {
     let entries: Vec<Arc<FrameEntry>> = frames.iter().map(|&frame| sequence.entry(frame)).collect();
     let bounds = bounds(frames.len(), shard);

@@ -1,10 +1,10 @@
-//! What a session names beyond its folder: addresses, and files elsewhere.
+//! External references of a session, beyond its folder: addresses, and files elsewhere.
 //!
-//! **How it works.** Inputs, what is beside them, poses, intrinsics and the picture around the scene are looked at
-//! before any of them is opened. A word with `://` is an address. Of other paths the longest part that is there is
-//! followed through all links, and compared with the folder of the session as it really is; what is behind that part (a
-//! pattern, a file that is not there) must not lead up. So are all files of a pattern, and all links in or below a
-//! folder. Words such as `demo:` are no files.
+//! **How it works.** Inputs, compared sequences, poses, intrinsics and the environment map are checked before any of
+//! them is opened. A word with `://` is an address. Of other paths the longest existing prefix is resolved through all
+//! links, and compared with the real path of the session's folder; the remainder (a pattern, a file that does not
+//! exist) must not lead up. The same goes for all files of a pattern, and all links in or below a folder. Words such as
+//! `demo:` are not files.
 
 use super::file::ReadSession;
 use super::paths::is_word;
@@ -15,7 +15,7 @@ use crate::source::{SessionReach, is_address};
 use std::path::{Component, Path};
 
 impl ReadSession {
-    /// What it would open that `reach` does not allow.
+    /// Returns the external references that the session would open and that `reach` does not allow.
     pub fn beyond(&self, reach: SessionReach) -> Beyond {
         beyond(&self.document, &self.file, reach)
     }
@@ -79,7 +79,7 @@ const MOST_DEPTH: usize = 16;
 /// Entries of folders that are looked through. A folder of more is asked about, as if it were elsewhere.
 const MOST_ENTRIES: usize = 500_000;
 
-/// Whether all that is read for `path`, a file, folder or pattern, is in or below `folder`.
+/// Returns true if everything that is read for `path`, a file, folder or pattern, is in or below `folder`.
 fn stays_inside(path: &Path, folder: &Path) -> bool {
     let mut left = MOST_ENTRIES;
     let mut is_all_inside =
@@ -96,7 +96,8 @@ fn stays_inside(path: &Path, folder: &Path) -> bool {
     }
 }
 
-/// Whether no link in or below `path` leads out of `folder`; `left` counts the entries that may be looked at.
+/// Returns true if no link in or below `path` leads out of `folder`; `left` counts the entries that may still be
+/// visited.
 fn has_no_way_out(path: &Path, folder: &Path, depth: usize, left: &mut usize) -> bool {
     let Ok(entries) = path.read_dir() else {
         return true;
@@ -119,7 +120,7 @@ fn has_no_way_out(path: &Path, folder: &Path, depth: usize, left: &mut usize) ->
     true
 }
 
-/// Whether `path` is in or below `folder`, through all links.
+/// Returns true if `path`, with all links resolved, is in or below `folder`.
 fn is_inside(path: &Path, folder: &Path) -> bool {
     let Ok(folder) = folder.canonicalize() else {
         return false;

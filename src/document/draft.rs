@@ -38,7 +38,7 @@ impl Draft {
         self.path.as_ref().map_or(&[], CameraPath::keyframes)
     }
 
-    /// Whether the camera starts and ends at rest.
+    /// Returns true if the camera path has easing, starting and ending at rest.
     pub fn eases(&self) -> bool {
         self.eases
     }
@@ -49,7 +49,7 @@ impl Draft {
         Some(keys.first()?.time_s..=keys.last()?.time_s)
     }
 
-    /// Which keyframe is at this time.
+    /// Returns the index of the keyframe at this time.
     pub fn key_at(&self, time_s: f64) -> Option<usize> {
         let keys = self.keyframes();
         let index = keys.partition_point(|key| key.time_s < time_s - SAME_TIME_S);
@@ -57,10 +57,10 @@ impl Draft {
         (key.time_s <= time_s + SAME_TIME_S).then_some(index)
     }
 
-    /// Sets a keyframe at its time, in place of one that is there.
+    /// Sets a keyframe at its time, replacing any that is there.
     ///
     /// # Errors
-    /// If it is seen in another way than the others, or its numbers are out of range.
+    /// If its projection differs from that of the others, or its numbers are out of range.
     pub fn put(&mut self, key: Keyframe) -> Result<(), PathError> {
         let index = self.key_at(key.time_s);
         self.edit(|keys| {
@@ -116,15 +116,16 @@ impl Draft {
         self.edit_soundly(|keys| keys[index].frame = frame.clamp(0.0, MAX_FRAME));
     }
 
-    /// Frames a second between keyframe `index` and the next one, negative backwards; `None` after the last.
+    /// Returns the playback rate between keyframe `index` and the next one in frames per second, negative if backwards;
+    /// `None` after the last.
     pub fn rate_after(&self, index: usize) -> Option<f64> {
         let keys = self.keyframes();
         let (key, next) = (keys.get(index)?, keys.get(index + 1)?);
         Some((next.frame - key.frame) / (next.time_s - key.time_s))
     }
 
-    /// Plays so many frames a second between keyframe `index` and the next one. What follows keeps its rates, as far as
-    /// there are frames.
+    /// Sets the playback rate between keyframe `index` and the next one in frames per second. Later segments keep their
+    /// rates, as far as there are frames.
     pub fn set_rate_after(&mut self, index: usize, rate: f64) {
         self.edit_soundly(|keys| {
             let Some(next) = keys.get(index + 1) else {
@@ -138,7 +139,7 @@ impl Draft {
         });
     }
 
-    /// Whether the camera starts and ends at rest.
+    /// Sets easing: true if the camera starts and ends at rest.
     pub fn set_eases(&mut self, eases: bool) {
         self.eases = eases;
         self.edit_soundly(|_| {});

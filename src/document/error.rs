@@ -28,7 +28,7 @@ pub enum SessionError {
     TooLarge {
         /// The file.
         file: PathBuf,
-        /// What one may have.
+        /// Maximum size of a session file in bytes.
         most_bytes: u64,
     },
     /// It is not what a session looks like; the reason names line and column.
@@ -36,7 +36,7 @@ pub enum SessionError {
     Json {
         /// The file.
         file: PathBuf,
-        /// What is wrong where.
+        /// Parse error with its position.
         reason: serde_json::Error,
     },
     /// It was written by a later program.
@@ -57,11 +57,11 @@ pub enum SessionError {
     TooMany {
         /// The file.
         file: PathBuf,
-        /// Of what.
+        /// Name of the items that there are too many of.
         what: &'static str,
-        /// How many.
+        /// Number of items.
         count: usize,
-        /// How many there may be.
+        /// Maximum number of items.
         most: usize,
     },
     /// It names a frame that no sequence has.
@@ -89,7 +89,7 @@ pub enum SessionError {
     OfSession {
         /// The file.
         file: PathBuf,
-        /// What it names.
+        /// Input that the session names.
         input: PathBuf,
     },
     /// It names addresses or files elsewhere that nobody has allowed.
@@ -97,13 +97,13 @@ pub enum SessionError {
     Beyond {
         /// The file.
         file: PathBuf,
-        /// What it names.
+        /// External references that the session names.
         beyond: Beyond,
     },
     /// A text file cannot hold this name.
     #[error("{} has a name that is no text (Unicode): rename it to save a session of it", input.display())]
     Name {
-        /// What was opened.
+        /// Input that was opened.
         input: PathBuf,
     },
 }

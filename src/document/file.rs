@@ -19,7 +19,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Of the names of session files.
+/// File name extension of session files.
 pub const EXTENSION: &str = "pointreel";
 
 /// As many labels and keyframes as anybody sets, with all digits, take less.
@@ -39,19 +39,19 @@ const MAX_REASONS: usize = 20;
 pub struct ReadSession {
     /// Its file.
     pub file: PathBuf,
-    /// What is in it.
+    /// Document stored in the session.
     pub document: Document,
-    /// What of it could not be read, a sentence each.
+    /// Warnings about parts of the session that could not be read, one sentence each.
     pub warnings: Vec<String>,
-    /// Of its text.
+    /// Hash of the session's text.
     pub text_hash: TextHash,
-    /// What was changed of it and not saved, once that was looked for ([`DocumentFolder::restore`]).
+    /// Unsaved changes of the session, once they have been looked for ([`DocumentFolder::restore`]).
     ///
     /// [`DocumentFolder::restore`]: super::DocumentFolder::restore
     pub unsaved: Unsaved,
 }
 
-/// What became of the unsaved changes of a session that is opened.
+/// Outcome of restoring the unsaved changes of a session that is opened.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub enum Unsaved {
     /// There are none.
@@ -63,7 +63,7 @@ pub enum Unsaved {
     Outdated(PathBuf),
 }
 
-/// Whether a file is a session, by its name.
+/// Returns true if a file is a session, by its name.
 pub fn is_session(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     extension.is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
@@ -222,7 +222,7 @@ fn check_frames(file: &Path, written: &Written) -> Result<(), SessionError> {
     }
 }
 
-/// What could not be read.
+/// Warnings about parts that could not be read.
 #[derive(Debug, Default)]
 struct Notes(Vec<String>);
 

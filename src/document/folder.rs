@@ -40,14 +40,14 @@ pub struct DocumentFolder {
     timelines: PathBuf,
 }
 
-/// What was kept of a sequence.
+/// Stored document of a sequence.
 #[derive(Debug, Default)]
 pub struct KeptDocument {
     /// The document; `None` if nothing was kept, or it cannot be read.
     pub document: Option<Document>,
-    /// What could not be read: a text for a notice.
+    /// Description of what could not be read: a text for a notice.
     pub problem: Option<String>,
-    /// Whether the file may be replaced.
+    /// True if the file may be replaced.
     pub is_writable: bool,
 }
 
@@ -77,7 +77,7 @@ impl DocumentFolder {
         self.timelines.join(name.file_name().unwrap_or_default())
     }
 
-    /// What was kept in `file`, where `new` is a new document.
+    /// Reads the document stored in `file`, where `new` is a new document.
     pub fn read(&self, file: &Path, new: &Document) -> KeptDocument {
         let unread = |reason: String| {
             let (copied, is_writable) = match kept::copy_beside(file) {

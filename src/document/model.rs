@@ -1,4 +1,4 @@
-//! What a document holds.
+//! Data model of a document.
 
 use super::{Draft, Reading};
 use crate::kept::Fields;
@@ -9,28 +9,28 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What is open, and all that a user made around it.
+/// Document: the opened sequence, and everything that a user made around it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Document {
-    /// What was opened: folders, files, patterns, or words such as `demo:`; at least one.
+    /// Opened inputs: folders, files, patterns, or words such as `demo:`; at least one.
     pub inputs: Vec<PathBuf>,
-    /// How it was opened.
+    /// Options with which the inputs were opened.
     pub reading: Reading,
     /// The axis that was chosen to be up; guessed if `None`.
     pub up: Option<UpAxis>,
     /// Index of the frame that was shown.
     pub frame: usize,
-    /// Where it was seen from; where the sequence is first seen from if `None`.
+    /// Camera of the view; the initial camera of the sequence if `None`.
     pub view: Option<Camera>,
-    /// How it was drawn; what belongs to one sequence is not among them.
+    /// Render settings; those that belong to one sequence are not included.
     pub settings: Settings,
-    /// What of it was drawn.
+    /// Clip region: the part of the scene that was drawn.
     pub clip: Option<Clip>,
     /// In and out point.
     pub range: PlayRange,
     /// Named frames, by frame, one a frame at most.
     pub markers: Vec<Marker>,
-    /// What was measured, oldest first.
+    /// Measurements, oldest first.
     pub measurements: Vec<Measured>,
     /// Texts at points, oldest first.
     pub labels: Arc<Vec<Label>>,
@@ -38,7 +38,7 @@ pub struct Document {
     pub trails: ShownTrails,
     /// The camera path, or the beginning of one.
     pub path: Arc<Draft>,
-    /// The sequence beside it.
+    /// Sequence shown for comparison.
     pub compare: Option<Compared>,
     /// Free text.
     pub notes: String,
@@ -62,11 +62,11 @@ impl Document {
 /// Trails that are shown.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ShownTrails {
-    /// Those of the points that were picked.
+    /// Visibility of the trails of the picked points.
     pub of_picked: bool,
     /// Points whose trails stay when others are picked.
     pub kept: Vec<MeasuredPoint>,
-    /// Those of points that are spread over the frame.
+    /// Trails of points that are spread over the frame.
     pub spread: Option<SpreadTrails>,
 }
 
@@ -83,7 +83,7 @@ pub struct SpreadTrails {
 /// A sequence next to that of the document.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compared {
-    /// What was opened: as [`Document::inputs`].
+    /// Opened inputs: as [`Document::inputs`].
     pub inputs: Vec<PathBuf>,
     /// Its topic, of a recording with several.
     pub topic: Option<String>,
@@ -91,9 +91,9 @@ pub struct Compared {
     pub by: Option<ComparedBy>,
     /// Its frames are so many later.
     pub offset_frames: i64,
-    /// How both are laid out.
+    /// Layout of the two sequences.
     pub layout: ComparedLayout,
-    /// Where the line between both is, as a share of the width.
+    /// Position of the divider between both, as a fraction of the width.
     pub line: f64,
 }
 
@@ -109,7 +109,7 @@ pub enum ComparedBy {
     Time,
 }
 
-/// How two pictures are laid out.
+/// Layout of two compared images.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ComparedLayout {
@@ -130,9 +130,9 @@ pub struct Unknown {
 /// A named frame.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Marker {
-    /// Which frame.
+    /// Index of the frame.
     pub frame: usize,
-    /// What a person calls it; may be empty.
+    /// User-defined name; may be empty.
     #[serde(default)]
     pub name: String,
 }
@@ -140,7 +140,7 @@ pub struct Marker {
 /// A measurement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
-    /// What was measured.
+    /// Kind of measurement.
     pub gauge: Gauge,
     /// Its points, as many as the gauge takes.
     pub points: Vec<MeasuredPoint>,
@@ -153,6 +153,6 @@ pub struct MeasuredPoint {
     pub frame: usize,
     /// The point that it follows.
     pub point: FollowedPoint,
-    /// Where it was last, in the coordinates of the file.
+    /// Last known position, in the coordinates of the file.
     pub place: DVec3,
 }

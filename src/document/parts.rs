@@ -10,13 +10,13 @@ use crate::scene::Settings;
 /// A part of a document.
 pub(super) struct Part {
     pub(super) name: &'static str,
-    /// Where followed points are in the shown frame makes no difference.
+    /// Equality test that ignores the positions of followed points in the shown frame.
     is_same: fn(&Document, &Document) -> bool,
     /// Gives the first document what the second has of it; `None` of what undo does not take back.
     put_back: Option<fn(&mut Document, &Document)>,
     /// Name of the change from the first to the second document, for undo. Settings have names of their own.
     change: fn(&Document, &Document) -> &'static str,
-    /// What the first document holds of it beyond the second, for a message: `2 labels`.
+    /// Summary of what the first document holds beyond the second, for a message: `2 labels`.
     summary: fn(&Document, &Document) -> Option<String>,
 }
 
@@ -135,7 +135,7 @@ impl Part {
         (!(self.is_same)(before, after)).then(|| (self.change)(before, after))
     }
 
-    /// Whether undo takes it back.
+    /// Returns true if undo reverts this part.
     pub(super) fn is_undone(&self) -> bool {
         self.put_back.is_some()
     }
@@ -150,18 +150,18 @@ impl Document {
         }
     }
 
-    /// Whether `other` holds the same work. Looking around is none: frame and view may differ, and where followed
-    /// points are in the shown frame.
+    /// Returns true if `other` holds the same work. Navigation does not count as work: frame and view may differ, and
+    /// so may the positions of followed points in the shown frame.
     pub fn is_same_work(&self, other: &Self) -> bool {
         PARTS.iter().all(|part| (part.is_same)(self, other))
     }
 
-    /// Whether `other` is kept as the same: the work, and the view.
+    /// Returns true if `other` would be stored as the same document: the same work, and the same view.
     pub fn is_kept_same(&self, other: &Self) -> bool {
         self.view == other.view && self.is_same_work(other)
     }
 
-    /// Whether there is nothing to undo between this document and `other`.
+    /// Returns true if there is nothing to undo between this document and `other`.
     pub(super) fn is_undone_to(&self, other: &Self) -> bool {
         let mut undone = PARTS.iter().filter(|part| part.is_undone());
         undone.all(|part| (part.is_same)(self, other))
@@ -181,7 +181,8 @@ impl Document {
         }
     }
 
-    /// What it holds beyond `new`, for a message: `view, look, 2 labels`. Empty if nothing.
+    /// Returns a summary of what the document holds beyond `new`, for a message: `view, look, 2 labels`. Empty if
+    /// nothing.
     pub fn summary(&self, new: &Self) -> Vec<String> {
         let view = named(self.view.is_some(), "view");
         let parts = PARTS.iter().filter_map(|part| (part.summary)(self, new));
@@ -216,7 +217,8 @@ fn are_same_points(one: &[MeasuredPoint], other: &[MeasuredPoint]) -> bool {
 }
 
 impl Measured {
-    /// Whether the same points are measured in the same way, wherever they are in the shown frame.
+    /// Returns true if both measurements are of the same kind and of the same points, wherever these are in the shown
+    /// frame.
     pub fn is_of_same(&self, other: &Self) -> bool {
         self.gauge == other.gauge && are_same_points(&self.points, &other.points)
     }

@@ -26,7 +26,7 @@ pub(super) fn as_text(input: &Path, folder: Option<&Path>) -> Result<String, Ses
     absolute.to_str().map(str::to_owned).ok_or_else(no_text)
 }
 
-/// What a session in `folder` means by `text`.
+/// Resolves the path `text` of a session in `folder`.
 pub(super) fn joined(folder: &Path, text: &str) -> PathBuf {
     if is_word(text) {
         return text.into();
@@ -40,7 +40,7 @@ pub(super) fn joined(folder: &Path, text: &str) -> PathBuf {
     }
 }
 
-/// Whether it names something that is no file.
+/// Returns true if `text` names an input that is not a file.
 pub(super) fn is_word(text: &str) -> bool {
     source::is_address(text) || source::is_word(Path::new(text))
 }

@@ -1,4 +1,4 @@
-//! What a session reaches beyond its folder, for questions and errors.
+//! External references of a session, beyond its folder, for prompts and errors.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// Names that a sentence has room for.
 const MAX_NAMED: usize = 5;
 
-/// What a session names beyond its folder.
+/// External references that a session names, beyond its folder.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Beyond {
     /// Addresses, as they are written.

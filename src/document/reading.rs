@@ -1,4 +1,4 @@
-//! How the files of a session are opened: what a person chose of [`OpenOptions`], under the names of the options of the
+//! Open options of the files of a session: the user's choices of [`OpenOptions`], under the names of the options of the
 //! command line.
 
 use super::SessionError;
@@ -24,7 +24,7 @@ pub struct Reading {
     /// Pattern of the names of files that are frames.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub only: Option<String>,
-    /// Frames a second.
+    /// Frame rate in frames per second.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "positive")]
     pub fps: Option<f64>,
     /// The scans of an E57 file are one frame.
@@ -54,7 +54,7 @@ pub struct Reading {
         deserialize_with = "word"
     )]
     pub color_depth: Option<ColorDepth>,
-    /// Points of photographs are made by stereo.
+    /// True if a dense point cloud is reconstructed from the input images by stereo.
     #[serde(skip_serializing_if = "is_false")]
     pub dense: bool,
     /// Filters of depth images.
@@ -153,7 +153,7 @@ fn word<'de, D: Deserializer<'de>, T: FromStr<Err: Display>>(deserializer: D) ->
 }
 
 impl Reading {
-    /// What was chosen in `options`.
+    /// Returns the reading options that were chosen in `options`.
     pub fn of(options: &OpenOptions) -> Self {
         let (read, rgbd) = (&options.read, &options.rgbd);
         Self {

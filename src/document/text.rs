@@ -1,4 +1,4 @@
-//! JSON as a person reads and edits it: a field of the session a line, a setting a line, a label a line.
+//! JSON formatting for people who read and edit it: one line per field of the session, per setting and per label.
 
 use serde_json::Value;
 use std::fmt::Write as _;

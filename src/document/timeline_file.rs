@@ -1,7 +1,7 @@
-//! Files of range and markers, which were kept per sequence before there were documents. They are read, and not written
-//! any more: the document that is kept next goes before them.
+//! Timeline files with range and markers, which were stored per sequence before documents existed. They are still read,
+//! but no longer written: the document that is stored next takes precedence over them.
 //!
-//! **How it works.** Range and markers are each read by themselves, so that they outlive versions of this program.
+//! **How it works.** Range and markers are parsed independently, so that they outlive versions of this program.
 
 use super::Document;
 use super::model::Marker;
@@ -14,7 +14,7 @@ use std::str::FromStr;
 /// The last version that was written.
 const VERSION: u32 = 1;
 
-/// What messages call it.
+/// Name of the contents in messages.
 const WHAT: &str = "the markers";
 
 /// Puts into `document` what was kept in `file`, which need not be there. Returns what could not be read: a text for a

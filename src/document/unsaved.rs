@@ -1,10 +1,11 @@
-//! Unsaved changes of sessions: kept without being asked, as editors keep files that were not saved.
+//! Autosave of unsaved session changes, stored without prompting, as editors do with unsaved files.
 //!
-//! **How it works.** A session has a file of its own, which only the user writes. What is changed of it meanwhile is in
-//! the folder of documents, in a file per session, by the path of that: the text of the whole document, and a hash of
-//! the text of the session that it is based on. When the session is opened again and still has that text, the document
-//! is restored. Where another program has written the session since, that goes before it, and what was changed stays as
-//! a session file that can be opened. Once the session is saved, or is again as it was saved, the file is removed.
+//! **How it works.** A session has a file of its own, which only the user writes. Changes made in the meantime are in
+//! the folder of documents, in one file per session, named by the session's path: the text of the whole document, and a
+//! hash of the text of the session that it is based on. When the session is opened again and still has that text, the
+//! document is restored. Where another program has written the session since, that version takes precedence, and the
+//! unsaved changes stay as a session file that can be opened. Once the session is saved, or is back in its saved state,
+//! the file is removed.
 
 use super::model::Document;
 use super::text_hash::{TextHash, hex_hash};
@@ -17,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// Field for the hash of the text of the session.
 const BASE: &str = "unsaved_changes_of";
 
-/// Where the unsaved changes of a session are kept, and what they are based on.
+/// Location of the unsaved changes of a session, and the hash of the text they are based on.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnsavedPlace {
     file: PathBuf,
@@ -25,7 +26,7 @@ pub struct UnsavedPlace {
 }
 
 impl DocumentFolder {
-    /// Where unsaved changes of `session` are kept, whose text has the hash `base`.
+    /// Returns the location of the unsaved changes of `session`, whose text has the hash `base`.
     pub fn unsaved_place(&self, session: &Path, base: TextHash) -> UnsavedPlace {
         let path = std::path::absolute(session).unwrap_or_else(|_| session.to_owned());
         let name = hex_hash(path.as_os_str().as_encoded_bytes());
@@ -77,7 +78,7 @@ impl DocumentFolder {
     }
 }
 
-/// Gives a file a name that is not taken.
+/// Renames a file to a free name.
 fn set_aside(file: &Path) -> std::io::Result<PathBuf> {
     let stem = file.file_stem().and_then(OsStr::to_str).unwrap_or_default();
     let mut names = (1..).map(|number| file.with_file_name(format!("{stem}-{number}.{EXTENSION}")));

@@ -25,7 +25,7 @@ pub(super) const VERSION: u64 = 1;
 /// Places are within this, scene units.
 const FARTHEST: f64 = 1e15;
 
-/// What tells a session from other JSON, and a version from another.
+/// Version marker that distinguishes a session from other JSON, and one version from another.
 #[derive(Debug, Deserialize)]
 pub(super) struct Version {
     pub(super) pointreel_session: u64,
@@ -69,7 +69,7 @@ pub(super) struct Written {
     pub(super) unknown: Fields,
 }
 
-/// A sequence beside that of the session.
+/// Sequence that is compared with that of the session.
 #[derive(Debug, Clone)]
 pub(super) struct WrittenCompared(CompareFields);
 
@@ -111,7 +111,7 @@ impl<'de> Deserialize<'de> for WrittenCompared {
 }
 
 impl WrittenCompared {
-    /// What a session in `folder` means by it.
+    /// Resolves the compared sequence of a session in `folder`.
     pub(super) fn read_in(self, folder: &Path) -> Compared {
         let Self(fields) = self;
         Compared {
@@ -196,7 +196,7 @@ pub(super) struct WrittenClip(pub(super) Clip);
 #[serde(deny_unknown_fields)]
 struct ClipFields {
     on: bool,
-    /// What is not in the shape is drawn.
+    /// True if what is outside the shape is drawn.
     #[serde(default)]
     outside: bool,
     /// The smallest and the largest corner.
@@ -265,12 +265,12 @@ struct PointFields {
     /// Index in the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     point: Option<u32>,
-    /// How many points files have in which it is this one.
+    /// Point count of the files in which the index denotes this point.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     of: Option<usize>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     at: Option<[f64; 3]>,
-    /// What another version of the program wrote beside it.
+    /// Unknown fields, written by another version of the program.
     #[serde(flatten)]
     unknown: Fields,
 }

@@ -1,4 +1,4 @@
-//! Which part of a picture is not as in the one before: formats that allow it store no more.
+//! Changed region of an image relative to the previous one: formats that allow it store no more.
 
 use image::RgbaImage;
 

@@ -1,4 +1,4 @@
-//! What stands in the way of a picture or a video.
+//! Errors of image and video export.
 
 use super::format::VideoFormat;
 use super::limits::{MAX_EDGE_PX, MAX_PICTURES};
@@ -77,7 +77,7 @@ pub enum ExportError {
         width: u32,
         /// Asked height.
         height: u32,
-        /// What it has.
+        /// Sizes that the format supports.
         expected: String,
     },
     /// The format has no such rate.
@@ -87,7 +87,7 @@ pub enum ExportError {
         format: VideoFormat,
         /// Asked rate.
         per_second: f64,
-        /// What it does.
+        /// Rates that the format supports.
         expected: &'static str,
     },
     /// The format has no transparency.
@@ -129,13 +129,13 @@ pub enum ExportError {
     Ffmpeg {
         /// The video.
         path: PathBuf,
-        /// What it said.
+        /// Error message of the encoder.
         reason: String,
     },
     /// Longer than any video.
     #[error("{count} pictures are too many: a video has at most {max}", max = MAX_PICTURES)]
     TooLong {
-        /// How many.
+        /// Number of frames.
         count: usize,
     },
     /// Larger than the format can hold.

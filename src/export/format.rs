@@ -1,8 +1,8 @@
-//! What a video is written as.
+//! Video formats.
 
 use std::fmt;
 
-/// What a video is written as.
+/// Output format of a video.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VideoFormat {
     /// A PNG file a picture.
@@ -27,7 +27,7 @@ impl fmt::Display for VideoFormat {
 }
 
 impl VideoFormat {
-    /// Whether it can hold soft transparency.
+    /// Returns true if the format supports an alpha channel with soft transparency.
     pub fn has_alpha(self) -> bool {
         matches!(self, Self::PngFiles | Self::Webp)
     }

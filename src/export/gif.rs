@@ -1,7 +1,7 @@
-//! GIF files: up to 255 colours a picture, of its own, found by a neural net (`NeuQuant`) where there are more.
+//! GIF files: a palette of up to 255 colours per image, found by a neural net (`NeuQuant`) where there are more.
 //!
-//! Pixels that are as before are left out (transparent): they keep their colours, whatever the colours of the new
-//! picture are, so that what stands still does not flicker.
+//! Unchanged pixels are omitted (transparent): they keep their colours, whatever the palette of the new image is, so
+//! that what stands still does not flicker.
 
 use super::changes::changed_part;
 use super::error::ExportError;
@@ -15,10 +15,10 @@ use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
-/// How many of the pixels the net learns from: each tenth.
+/// Sampling step of the pixels that the net learns from: every tenth.
 const SPEED: i32 = 10;
 
-/// Of 256, less the one that is no colour.
+/// Palette size: 256 entries, less the transparent one.
 const COLORS: usize = 255;
 
 /// A GIF that is being written.

@@ -1,4 +1,4 @@
-//! What pictures and videos have at most.
+//! Upper limits of images and videos.
 
 /// Longest edge of a picture.
 pub const MAX_EDGE_PX: u32 = 65_536;

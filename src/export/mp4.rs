@@ -13,7 +13,7 @@ use std::thread::{self, JoinHandle};
 /// No more of what it says is kept.
 const MAX_MESSAGE_BYTES: u64 = 1 << 16;
 
-/// Whether the program that encodes MP4 is on the PATH.
+/// Returns true if ffmpeg, the encoder for MP4, is on the PATH.
 pub fn has_ffmpeg() -> bool {
     let name = format!("ffmpeg{}", std::env::consts::EXE_SUFFIX);
     std::env::var_os("PATH").is_some_and(|path| {
@@ -27,7 +27,7 @@ pub(super) struct Mp4File {
     output: PathBuf,
     /// Killed before what it writes is removed.
     ffmpeg: Helper,
-    /// Where it takes pictures from.
+    /// Standard input pipe through which the encoder receives the frames.
     pictures: Option<ChildStdin>,
     /// Reads what it says, so that it never waits for a reader.
     messages: Option<JoinHandle<String>>,
@@ -86,7 +86,7 @@ impl Mp4File {
         Ok(sink)
     }
 
-    /// What it said, when it has ended.
+    /// Returns the error message of the encoder after it has ended.
     fn failure(&mut self) -> ExportError {
         // A pipe that breaks is no more than the sign of it.
         let _ = self.ffmpeg.wait();

@@ -1,4 +1,4 @@
-//! Which format a video has by its name, what each cannot hold, and who writes it.
+//! Video format by file name, the limits of each format, and its writer.
 
 use super::error::ExportError;
 use super::format::VideoFormat;
@@ -29,10 +29,10 @@ impl VideoFormat {
         }
     }
 
-    /// What the format cannot hold is refused before anything is drawn.
+    /// Checks the stream against the limits of the format before anything is drawn.
     ///
     /// # Errors
-    /// Of sizes, rates and transparency that it has not.
+    /// If the format does not support the size, rate or transparency.
     pub fn check(self, stream: &VideoStream) -> Result<(), ExportError> {
         let [width, height] = stream.size_px;
         let size = |max: u32, multiple: u32| {

@@ -32,14 +32,14 @@ const MAX_PART_EDGE_PX: u32 = 4096;
 /// Bytes of a strip of parts.
 const MAX_STRIP_BYTES: u32 = 1 << 28;
 
-/// How large a picture is, and what is behind the cloud.
+/// Image size, and the background behind the cloud.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PictureSize {
     /// Width and height.
     pub size_px: [u32; 2],
-    /// Nothing is behind the cloud: straight alpha in place of [`Style::backdrop`].
+    /// True for a transparent background: straight alpha instead of [`Style::backdrop`].
     pub is_transparent: bool,
-    /// What the colours mean is drawn over the picture, where they are numbers or classes.
+    /// True if a legend of the colours is drawn over the image, where they are numbers or classes.
     pub has_legend: bool,
     /// A bar of a round length is at the lower left.
     pub has_scale_bar: bool,
@@ -70,16 +70,16 @@ impl PictureSize {
     }
 }
 
-/// What a picture shows, and how.
+/// Contents of an image and its render settings.
 #[derive(Debug, Clone, Copy)]
 pub struct Picture<'a> {
     /// The frame, composed.
     pub frame: &'a PreparedFrame,
     /// From where it is seen.
     pub camera: &'a Camera,
-    /// How it is drawn.
+    /// Render style.
     pub style: &'a Style,
-    /// How large, and on what.
+    /// Image size and background.
     pub size: PictureSize,
 }
 
@@ -288,7 +288,7 @@ struct PictureTile {
     /// Its upper left pixel.
     start: [u32; 2],
     size: [u32; 2],
-    /// Where what is wanted of it begins.
+    /// Offset of the requested area within the tile.
     inset: [u32; 2],
 }
 

@@ -11,7 +11,7 @@ use tiff::encoder::colortype::{RGB8, RGBA8};
 use tiff::encoder::{Compression, DeflateLevel, TiffEncoder};
 use tiff::tags::ExtraSamples;
 
-/// What a still picture is written as.
+/// File format of a still image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PictureFormat {
     /// Lossless, with alpha; written row by row, whatever the size.
@@ -24,7 +24,7 @@ pub enum PictureFormat {
     Tiff,
 }
 
-/// How a format is named.
+/// Naming of a format.
 pub(super) struct Row {
     pub(super) format: PictureFormat,
     pub(super) name: &'static str,
@@ -64,7 +64,7 @@ impl PictureFormat {
         FORMATS.iter().map(|row| (row.name, row.extensions))
     }
 
-    /// Whether it holds transparency.
+    /// Returns true if the format supports transparency.
     pub fn has_alpha(self) -> bool {
         self != Self::Jpeg
     }

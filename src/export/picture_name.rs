@@ -25,7 +25,7 @@ impl PictureFormat {
             .ok_or_else(|| ExportError::UnknownPicture { path: path.to_owned() })
     }
 
-    /// What the format cannot hold is refused before anything is drawn.
+    /// Checks the image size and transparency against the limits of the format before anything is drawn.
     ///
     /// # Errors
     /// [`ExportError::OpaquePicture`], [`ExportError::LargePicture`]; [`ExportError::PictureSize`] where no format can.

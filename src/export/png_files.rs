@@ -10,10 +10,10 @@ use std::fs;
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Where the number goes in the name of a file a picture.
+/// Placeholder for the frame number in a file name, with one file per image.
 pub const FRAME_PLACEHOLDER: &str = "{frame}";
 
-/// The same with the number of digits, as format strings of other languages have it: `{frame:04}`.
+/// Start of the placeholder with the number of digits, as in format strings of other languages: `{frame:04}`.
 const PADDED_PLACEHOLDER: &str = "{frame:0";
 
 /// The place of the number in a name: its first byte, its length, and its number of digits if that is said.

@@ -23,13 +23,13 @@ const LIGHT: f32 = 245.0;
 const DARK: f32 = 20.0;
 const RIM_OPACITY: f32 = 0.65;
 
-/// What strokes cover of a rectangle of pixels.
+/// Stroke coverage of a rectangle of pixels.
 #[derive(Debug)]
 pub(super) struct PaintedBar {
     /// The upper left pixel in the picture.
     start_px: [u32; 2],
     size_px: [u32; 2],
-    /// Of each pixel, what the bar and what its rim hides, 0 to 255.
+    /// Coverage of each pixel by the bar and by its edge, 0 to 255.
     covered: Vec<[u8; 2]>,
 }
 
@@ -99,7 +99,7 @@ fn lay_over(Rgba(pixel): &mut Rgba<u8>, gray: f32, opacity: f32) {
     }
 }
 
-/// What strokes cover of pixels, and what their rims do.
+/// Computes the pixel coverage of strokes and of their edges.
 fn covered(strokes: &[Stroke], [width, height]: [u32; 2], scale: f32) -> Vec<[u8; 2]> {
     let mut covered = vec![[0; 2]; (width * height) as usize];
     let radius = (0.5 * STROKE * scale).max(0.5);

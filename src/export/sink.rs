@@ -1,4 +1,4 @@
-//! What takes the pictures of a video, whatever its format.
+//! Frame sink that receives the frames of a video, whatever its format.
 
 use super::error::ExportError;
 use image::RgbaImage;
@@ -8,7 +8,7 @@ pub trait FrameSink: Send {
     /// Appends a picture of the size that the sink was opened for.
     fn push(&mut self, picture: &RgbaImage) -> Result<(), ExportError>;
 
-    /// All pictures are there: the video gets its name, in place of a file that has it.
+    /// Finishes the video after all frames were added: it gets its name, replacing any file of that name.
     fn finish(self: Box<Self>) -> Result<(), ExportError>;
 }
 
@@ -17,17 +17,17 @@ pub trait FrameSink: Send {
 pub struct VideoStream {
     /// Width and height of all of them.
     pub size_px: [u32; 2],
-    /// How many are shown a second.
+    /// Frame rate in frames per second.
     pub per_second: f64,
-    /// How many there will be.
+    /// Total number of frames.
     pub count: usize,
-    /// Whether their alpha counts; else they are opaque.
+    /// True if the alpha channel counts; otherwise the frames are opaque.
     pub is_transparent: bool,
 }
 
 impl VideoStream {
-    /// How long picture `index` is shown, in ticks of `1 / ticks_per_second`: whole numbers whose sums are never off by
-    /// more than half a tick.
+    /// Returns the display duration of frame `index`, in ticks of `1 / ticks_per_second`: whole numbers whose sums are
+    /// never off by more than half a tick.
     pub(super) fn ticks(&self, index: usize, ticks_per_second: f64) -> u64 {
         let start = |index: usize| (index as f64 * ticks_per_second / self.per_second).round();
         (start(index + 1) - start(index)) as u64

@@ -61,7 +61,7 @@ pub(super) fn text_strokes(text: &str, height: f32) -> (Vec<Stroke>, f32) {
     (strokes, (left - GAP * unit).max(0.0))
 }
 
-/// Of two digits.
+/// Returns the position encoded by two digits.
 fn place_of(digits: &str) -> [f32; 2] {
     let mut numbers = digits.bytes().map(|digit| f32::from(digit - b'0'));
     [0; 2].map(|_| numbers.next().unwrap_or(0.0))

@@ -1,4 +1,4 @@
-//! A camera path drawn picture by picture, and encoded beside.
+//! Video export: a camera path rendered frame by frame, and encoded in parallel.
 
 use super::limits::MAX_PICTURES;
 use super::picture::{self, Picture, PictureSize, draw_picture};
@@ -19,25 +19,25 @@ use std::thread;
 /// Pictures that wait to be encoded.
 const WAITING_PICTURES: usize = 2;
 
-/// What a video shows, and how.
+/// Contents of a video and its render settings.
 #[derive(Debug, Clone)]
 pub struct Video<'a> {
-    /// Where the camera is and which frame is shown. Beyond the last frame the sequence begins anew.
+    /// Camera path: the camera and the shown frame over time. Beyond the last frame the sequence starts again.
     pub path: &'a CameraPath,
-    /// How pictures are drawn.
+    /// Render style of the frames.
     pub style: &'a Style,
     /// Additions to each pose.
     pub options: &'a ComposeOptions,
-    /// How large they are.
+    /// Image size of the frames.
     pub size: PictureSize,
-    /// How many there are a second.
+    /// Frame rate in frames per second.
     pub per_second: f64,
-    /// How many seconds of the path are shown in one: 1 for all as it is written.
+    /// Playback speed in seconds of the path per second of video: 1 for the path as it is written.
     pub speed: f64,
 }
 
 impl Video<'_> {
-    /// How many pictures there are, both ends of the path included.
+    /// Returns the number of frames of the video, both ends of the path included.
     pub fn picture_count(&self) -> usize {
         self.path.picture_count(self.per_second / self.speed)
     }
@@ -56,14 +56,14 @@ impl Video<'_> {
 /// A picture is drawn.
 #[derive(Debug, Clone)]
 pub struct PictureDone {
-    /// How many are.
+    /// Number of finished frames.
     pub done: usize,
-    /// Of how many.
+    /// Total number of frames.
     pub total: usize,
-    /// What the last one took.
+    /// Statistics of the last frame.
     pub stats: PictureStats,
-    /// What could not be read of its frame, and what other poses could not add to it; of pictures of one frame in a row
-    /// only the first one tells.
+    /// Problems of the shown frame: parts that could not be read, and parts that other frames could not contribute; of
+    /// consecutive images of the same frame only the first one reports them.
     pub problems: Vec<String>,
 }
 

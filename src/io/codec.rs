@@ -1,4 +1,4 @@
-//! What a row of the table of formats can do.
+//! Codec: the capabilities of a row of the table of formats.
 
 use super::contents::{Contents, Entry, Part};
 use super::error::{Fault, IoError};
@@ -15,11 +15,11 @@ use std::path::Path;
 /// A file to decode.
 pub(super) struct Encoded<'a> {
     pub(super) format: Format,
-    /// It stands in messages, and what lies beside the file is found by it.
+    /// File name, used in messages and to find companion files.
     pub(super) name: &'a Path,
     /// All of it, at least a byte.
     pub(super) bytes: &'a [u8],
-    /// What of it is wanted.
+    /// Requested part of the file.
     pub(super) part: &'a Part,
     pub(super) options: &'a ReadOptions,
     pub(super) progress: &'a Progress,
@@ -30,7 +30,7 @@ type Decode = fn(&Encoded<'_>) -> Result<RawCloud, Fault>;
 /// The frames in a file of a format that are read one by one, of the topic that is named.
 type ContentsOf = fn(&Path, Format, Option<&str>, &ReadOptions) -> Result<Contents, IoError>;
 
-/// What cameras have published in a file of a format; also where it has point clouds, if asked for.
+/// Camera topics published in a file of a format; also where it has point clouds, if asked for.
 type CamerasOf = fn(&Path, Format, bool, &ReadOptions) -> Result<CameraTopics, IoError>;
 
 /// The frames in a file.
@@ -45,19 +45,20 @@ pub(super) struct Codec {
     pub(super) decode: Decode,
     /// `None` where a file is one frame, or its frames are files or messages within it.
     pub(super) list: Option<List>,
-    /// Where frames lie in a file as whole files, messages or packets.
+    /// Lister of the frames that a file contains as whole files, messages or packets.
     pub(super) contents: Option<ContentsOf>,
-    /// Where a file may have images of cameras.
+    /// Reader of camera topics, for formats that may contain camera images.
     pub(super) cameras: Option<CamerasOf>,
-    /// Where points are rows with named columns.
+    /// Column access, for formats whose points are rows with named columns.
     pub(super) columns: Option<NamedColumns>,
     /// The ways to write it.
     pub(super) encoders: &'static [&'static Encoder],
 }
 
-/// What can be had of rows without reading all of them.
+/// Functions that read named columns without reading all rows.
 pub(super) struct NamedColumns {
-    /// Where the points are in a file that begins so, if they can be read without the whole of it.
+    /// Layout of the point rows in a file that begins with the given bytes, if they can be read without the whole of
+    /// it.
     pub(super) fixed_rows: fn(&[u8]) -> Option<FixedRows>,
     /// Names of what each point has in a file that begins so.
     pub(super) point_names: fn(&[u8]) -> Option<Vec<String>>,

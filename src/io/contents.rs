@@ -1,12 +1,12 @@
-//! What frames are in a file: most files are one, archives, recordings and animated models are many.
+//! Contents of a file: the frames in it. Most files are one frame; archives, recordings and animated models are many.
 
 use crate::io::recordings::archive::Member;
 use crate::io::recordings::packets::Turn;
 use crate::io::recordings::recording::Message;
 use std::time::Duration;
 
-/// Which of the frames in a file is meant. What a file holds is found once, by [`super::list`]; a part is then read
-/// without looking at the others.
+/// Part of a file: one of the frames in it. The contents of a file are listed once, by [`super::list`]; a part is then
+/// read without visiting the others.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Part {
@@ -24,7 +24,7 @@ pub enum Part {
     Member(Member),
     /// A message of a recording.
     Message(Message),
-    /// A turn of a laser scanner in a capture of packets.
+    /// Revolution of a LiDAR in a packet capture.
     Turn(Turn),
 }
 
@@ -33,9 +33,9 @@ pub enum Part {
 pub struct Entry {
     /// Name for people, and for its number; empty where the file's own name says it all.
     pub name: String,
-    /// When it was taken, since whatever moment the file counts from.
+    /// Timestamp of the frame, relative to the epoch of the file.
     pub time: Option<Duration>,
-    /// Where it is.
+    /// Location of the frame in the file.
     pub part: Part,
 }
 
@@ -57,11 +57,11 @@ pub struct Topic {
     pub name: String,
     /// Number of its messages, or turns.
     pub cloud_count: usize,
-    /// Whether its point clouds are the frames.
+    /// True if the point clouds of this topic are the frames.
     pub is_read: bool,
 }
 
-/// What is in a file.
+/// Contents of a file.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Contents {
     /// The frames, in the order of time or of their names.
@@ -71,7 +71,7 @@ pub struct Contents {
     pub topics: Vec<Topic>,
     /// Parts of the file that are skipped or assumed, a sentence each.
     pub notes: Vec<String>,
-    /// Where the file is cut or damaged, and what is lost by that, a sentence each; not among the notes.
+    /// Damage: truncated or corrupt places of the file and the data lost, one sentence each; not among the notes.
     pub damage: Vec<String>,
     /// The content of a file without frames, and what to do, as the end of a sentence; else empty.
     pub without_frames: String,

@@ -37,7 +37,7 @@ pub enum IoError {
     NotAFile {
         /// The path.
         path: PathBuf,
-        /// What it is, with its article.
+        /// Kind of file system entry, with its article.
         kind: &'static str,
     },
     /// A file without a byte.
@@ -100,14 +100,14 @@ pub enum IoError {
         path: PathBuf,
         /// Its format.
         format: Format,
-        /// Where in it.
+        /// Position in the file.
         place: Place,
-        /// What was found and what was expected.
+        /// Description of what was found and what was expected.
         problem: String,
     },
 }
 
-/// Where in a file something is wrong.
+/// Position of an error in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Place {
@@ -119,9 +119,9 @@ pub enum Place {
     Byte(usize),
     /// An entry of a list of points or elements, counted from 0.
     Entry {
-        /// What the list is of, such as `vertex`.
+        /// Name of the list's items, such as `vertex`.
         list: String,
-        /// Which entry.
+        /// Index of the entry.
         index: usize,
     },
 }
@@ -151,7 +151,7 @@ impl IoError {
     }
 }
 
-/// What a decoder reports; [`super::read_bytes`] adds the file.
+/// Decoder error; [`super::read_bytes`] adds the file.
 #[derive(Debug)]
 pub(super) struct Fault {
     pub(super) place: Place,
@@ -161,7 +161,7 @@ pub(super) struct Fault {
 }
 
 impl Fault {
-    /// The same place, with what is wrong with the whole list, if something is.
+    /// Returns the error at the same position, but with the problem of the whole list, if it has one.
     pub(super) fn explained_by(self, claim: Result<(), Self>) -> Self {
         match claim {
             Err(claim) if !self.is_cancelled => Self {
@@ -180,7 +180,7 @@ impl Fault {
         }
     }
 
-    /// The same with the file it is in.
+    /// Converts the error to an [`IoError`] with the file it is in.
     pub(super) fn of(self, path: &Path, format: Format) -> IoError {
         if self.is_cancelled {
             let path = path.to_owned();
@@ -203,7 +203,7 @@ impl Fault {
         ))
     }
 
-    /// What a decoder ends with that nobody waits for any more.
+    /// Returns the error of a decoder that was cancelled because nobody waits for its result any more.
     pub(super) fn cancelled() -> Self {
         Self {
             is_cancelled: true,

@@ -1,4 +1,4 @@
-//! What is to be known of a format before a file of it is read.
+//! Traits of a format that are known before a file of it is read.
 
 use crate::cloud::{AxisConvention, LengthUnit};
 use std::fmt;
@@ -8,7 +8,7 @@ use std::path::Path;
 #[derive(Clone, Copy)]
 pub struct Format(&'static Traits);
 
-/// What holds for all files of a format.
+/// Traits common to all files of a format.
 pub(super) struct Traits {
     /// For people.
     pub(super) name: &'static str,
@@ -16,29 +16,30 @@ pub(super) struct Traits {
     pub(super) extensions: &'static [&'static str],
     /// Bytes by which a file is known whatever its name; any of them is enough.
     pub(super) magic: &'static [Magic],
-    /// Whether its magic is another format's too, so that it counts only with its own extension.
+    /// True if its magic is shared with another format, so that it counts only with its own extension.
     pub(super) needs_extension: bool,
-    /// Whether a file without a magic, of this name and with these first bytes, is of the format.
+    /// Detection function: returns true if a file without a magic, of this name and with these first bytes, is of the
+    /// format.
     pub(super) looks_like: Option<fn(&Path, &[u8]) -> bool>,
-    /// Which way its axes point, where its specification or the habit of those who write it says so.
+    /// Axis convention of the format, if its specification or common practice defines one.
     pub(super) convention: Option<AxisConvention>,
     /// The unit of coordinates, where all files have the same.
     pub(super) unit: Option<LengthUnit>,
     pub(super) holds: Holding,
-    /// Whether files are surfaces of which the vertices alone show little.
+    /// True if files are surfaces (meshes) of which the vertices alone show little.
     pub(super) is_for_meshes: bool,
-    /// Whether lists of times lie beside folders of such files.
+    /// True if timestamp lists accompany folders of such files.
     pub(super) has_times_beside: bool,
 }
 
-/// What a file of a format may hold.
+/// Kinds of contents that a file of a format may hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Holding {
     /// One cloud.
     Cloud,
     /// Scans, which together are a cloud as well.
     Scans,
-    /// Moments of an animation.
+    /// Time steps of an animation.
     Moments,
     /// Layers of an array.
     Layers,
@@ -56,12 +57,12 @@ pub(super) struct Magic {
 }
 
 impl Magic {
-    /// What a file begins with.
+    /// Returns magic bytes at the start of a file.
     pub(super) const fn start(bytes: &'static [u8]) -> Self {
         Self { offset: 0, bytes }
     }
 
-    /// Whether a file that begins with `bytes` has them.
+    /// Returns true if a file that begins with `bytes` has this magic.
     pub(super) fn is_in(&self, bytes: &[u8]) -> bool {
         let there = bytes.get(self.offset..);
         there.is_some_and(|there| there.starts_with(self.bytes))
@@ -97,7 +98,7 @@ impl Format {
         self.0.extensions
     }
 
-    /// Whether a file of this name, by its extension, is of the format.
+    /// Returns true if a file of this name has an extension of the format.
     pub(super) fn has_extension_of(self, name: &Path) -> bool {
         let extension = name.extension().and_then(|extension| extension.to_str());
         let is = |extension: &str| {
@@ -107,49 +108,49 @@ impl Format {
         extension.is_some_and(is)
     }
 
-    /// Whether a file of this name that begins with `bytes` has its magic.
+    /// Returns true if a file of this name that begins with `bytes` has the magic of the format.
     pub(super) fn has_magic(self, name: &Path, bytes: &[u8]) -> bool {
         let is_meant = !self.0.needs_extension || self.has_extension_of(name);
         is_meant && self.0.magic.iter().any(|magic| magic.is_in(bytes))
     }
 
-    /// Whether a file without a magic, of this name and with these first bytes, is of the format.
+    /// Returns true if a file without a magic, of this name and with these first bytes, is of the format.
     pub(super) fn looks_like(self, name: &Path, bytes: &[u8]) -> bool {
         self.0.looks_like.is_some_and(|is| is(name, bytes))
     }
 
-    /// Which way its axes point, where its specification or the habit of those who write it says so.
+    /// Returns the axis convention of the format, if its specification or common practice defines one.
     pub(super) fn convention(self) -> Option<AxisConvention> {
         self.0.convention
     }
 
-    /// Whether a file of this format may hold more than one frame.
+    /// Returns true if a file of this format may hold more than one frame.
     pub fn holds_many(self) -> bool {
         self.0.holds != Holding::Cloud
     }
 
-    /// Whether a file of this format is text, which nearly always is one frame and has to be read to know.
+    /// Returns true for text formats, whose files nearly always are one frame and have to be read to know.
     pub fn is_rarely_many(self) -> bool {
         self.0.holds == Holding::Blocks
     }
 
-    /// Whether a file of this format may hold several scans that are one cloud together.
+    /// Returns true if a file of this format may hold several scans that are one cloud together.
     pub fn holds_scans(self) -> bool {
         self.0.holds == Holding::Scans
     }
 
-    /// Whether frames lie in a file of this format as whole files, messages or packets: each is read alone, as the file
-    /// may be larger than the memory.
+    /// Returns true for container formats, in which frames are stored as whole files, messages or packets: each is read
+    /// alone, as the file may be larger than the memory.
     pub fn is_container(self) -> bool {
         self.0.holds == Holding::Parts
     }
 
-    /// Whether files of this format are surfaces of which the vertices alone show little.
+    /// Returns true for mesh formats, whose files are surfaces of which the vertices alone show little.
     pub fn is_for_meshes(self) -> bool {
         self.0.is_for_meshes
     }
 
-    /// Whether lists of times lie beside folders of such files.
+    /// Returns true if timestamp lists accompany folders of such files.
     pub fn has_times_beside(self) -> bool {
         self.0.has_times_beside
     }

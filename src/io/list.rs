@@ -1,4 +1,4 @@
-//! Which frames are in a file.
+//! Listing of the frames in a file.
 
 use super::contents::{Contents, Entry};
 use super::error::IoError;
@@ -10,8 +10,8 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
-/// What is in the file at `path`; a file of one frame is not looked at beyond its first bytes. Of a recording, the
-/// point clouds of `topic` are the frames: none where it has no such topic, those of the topic that has the most if
+/// Lists the contents of the file at `path`; a file of one frame is not read beyond its first bytes. In a recording,
+/// the point clouds of `topic` are the frames: none if it has no such topic, those of the topic that has the most if
 /// `None`.
 pub fn contents(path: &Path, topic: Option<&str>, options: &ReadOptions) -> Result<Contents, IoError> {
     match Format::detect(path, &first_bytes(path)?) {
@@ -25,7 +25,7 @@ pub fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
     Ok(contents(path, None, options)?.entries)
 }
 
-/// What cameras have published in the recording at `path`: nothing where it is no recording, and where it has point
+/// Returns the camera topics in the recording at `path`: none where it is not a recording, and where it has point
 /// clouds, unless cameras are asked for `beside_clouds`.
 pub(crate) fn cameras(path: &Path, beside_clouds: bool, options: &ReadOptions) -> Result<CameraTopics, IoError> {
     let format = Format::detect(path, &first_bytes(path)?);
@@ -36,7 +36,7 @@ pub(crate) fn cameras(path: &Path, beside_clouds: bool, options: &ReadOptions) -
     )
 }
 
-/// What is in a file of `format`.
+/// Lists the contents of a file of `format`.
 pub(super) fn list_format(
     path: &Path,
     format: Format,

@@ -1,8 +1,8 @@
-//! Normals in a file of their own, beside the points that they belong to.
+//! Normals in a companion file of the points that they belong to.
 //!
-//! Tools of the Point Cloud Library write `7.pcd` and `7_normal.pcd`: as many rows in each, coordinates in one, normals
-//! in the other. What a file holds is read off its header alone, so that a folder of such files costs a small read a
-//! file.
+//! Tools of the Point Cloud Library write `7.pcd` and `7_normal.pcd`: the same number of rows in each, coordinates in
+//! one, normals in the other. The contents of a file are determined from its header alone, so that a folder of such
+//! files costs one small read per file.
 
 use crate::cloud::RawCloud;
 use crate::io::columns::attributes;
@@ -25,7 +25,7 @@ const HEAD_BYTES: u64 = 1 << 16;
 /// Lines of a text that are looked at.
 const TEXT_LINES: usize = 8;
 
-/// What the rows of a file are.
+/// Contents of the rows of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum RowContents {
     /// They have coordinates.
@@ -36,7 +36,7 @@ pub(crate) enum RowContents {
     Other,
 }
 
-/// What the rows of the file at `path` are; `None` where its beginning does not tell.
+/// Returns the contents of the rows of the file at `path`; `None` if its beginning does not determine them.
 pub(crate) fn rows_of(path: &Path) -> Option<RowContents> {
     // A pipe may never end.
     if !path.metadata().ok()?.is_file() {
@@ -74,8 +74,8 @@ fn rows_of_text(head: &[u8]) -> Option<RowContents> {
     (counts.len() > 1 && counts.iter().all(|&count| count < 3)).then_some(RowContents::Other)
 }
 
-/// [`crate::io::read_part_observed`] of a whole file whose normals are in the file at `normals`. Normals of its own go
-/// first. Those that cannot be read, or are not as many as the points, are left out with a warning.
+/// Reads a whole file like [`crate::io::read_part_observed`], with the normals in the file at `normals`. Normals of its
+/// own take precedence. Normals that cannot be read, or are not as many as the points, are skipped with a warning.
 pub(crate) fn read_with_normals(
     path: &Path,
     normals: &Path,

@@ -4,19 +4,19 @@ use crate::io::columns::column_map::ColumnMap;
 use crate::io::format::Format;
 use std::num::NonZeroUsize;
 
-/// How files are read.
+/// Options for reading files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ReadOptions {
     /// Most bytes that one frame may take in memory: a file that unpacks to more is refused before it is unpacked, or
     /// read in part where it has coarse levels.
     pub max_memory_bytes: u64,
-    /// Points sampled evenly from the faces of a mesh in place of its vertices.
+    /// Number of points sampled evenly from the faces of a mesh, instead of its vertices.
     pub sample_count: Option<NonZeroUsize>,
-    /// The same for files of formats that are for meshes, whose vertices alone show little.
+    /// Number of points sampled from files of mesh formats only, whose vertices alone show little.
     pub mesh_sample_count: Option<NonZeroUsize>,
-    /// Whether the colours of vertices are without the textures on the faces between them, which are handed over apart,
-    /// for those who draw faces.
+    /// True if vertex colours exclude the textures on the faces between them, which are then returned separately, for
+    /// callers that draw faces.
     pub keeps_textures: bool,
     /// Meaning of the columns of text and of files without a header (`.bin`); their names and values decide if `None`.
     pub columns: Option<ColumnMap>,
@@ -28,13 +28,13 @@ impl ReadOptions {
     /// Limit where the memory of the machine is not known.
     const FALLBACK_BYTES: u64 = 4 << 30;
 
-    /// What holds for a file of `format`.
+    /// Returns the options that apply to a file of `format`.
     pub(in crate::io) fn of_format(self, format: Format) -> Self {
         let of_meshes = self.mesh_sample_count.filter(|_| format.is_for_meshes());
         self.with_sample_count(self.sample_count.or(of_meshes))
     }
 
-    /// The same with another limit.
+    /// Returns the options with another memory limit.
     #[must_use]
     pub fn with_max_memory(self, max_memory_bytes: u64) -> Self {
         Self {
@@ -43,13 +43,13 @@ impl ReadOptions {
         }
     }
 
-    /// The same with other columns of text and of files without a header.
+    /// Returns the options with other columns of text and of files without a header.
     #[must_use]
     pub fn with_columns(self, columns: Option<ColumnMap>) -> Self {
         Self { columns, ..self }
     }
 
-    /// The same for the vertices of meshes, with their faces and textures.
+    /// Returns the options for reading the vertices of meshes, with their faces and textures.
     #[must_use]
     pub fn of_meshes(self) -> Self {
         Self {
@@ -58,7 +58,8 @@ impl ReadOptions {
         }
     }
 
-    /// The same with so many points from each file of a mesh format; `None` for its vertices.
+    /// Returns the options with the given number of points sampled from each file of a mesh format; `None` for its
+    /// vertices.
     #[must_use]
     pub fn with_mesh_sample_count(self, mesh_sample_count: Option<NonZeroUsize>) -> Self {
         Self {
@@ -67,7 +68,8 @@ impl ReadOptions {
         }
     }
 
-    /// The same with so many points from whatever has faces; `None` for its vertices.
+    /// Returns the options with the given number of points sampled from anything that has faces; `None` for its
+    /// vertices.
     #[must_use]
     pub fn with_sample_count(self, sample_count: Option<NonZeroUsize>) -> Self {
         Self { sample_count, ..self }

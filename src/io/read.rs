@@ -187,7 +187,8 @@ fn place_warnings(cloud: &mut RawCloud, name: &Path, format: Format) {
     }
 }
 
-/// What a decoder has made of a file of `format`, with what the format says of all its clouds.
+/// Finishes the cloud that a decoder has read from a file of `format`, adding what the format defines for all its
+/// clouds.
 pub(super) fn finished(
     decoded: Result<RawCloud, Fault>,
     name: &Path,

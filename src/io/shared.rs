@@ -1,4 +1,4 @@
-//! What the frames of one file share is read once, and fails once.
+//! Shared file contents: data shared by the frames of one file is read once, and fails once.
 
 use super::options::ReadOptions;
 use crate::cloud::RawCloud;
@@ -28,7 +28,7 @@ struct Opened {
     content: Result<Content, Arc<IoError>>,
 }
 
-/// What frames are made of.
+/// Content that frames are created from.
 #[derive(Clone)]
 enum Content {
     Scene(Arc<Scene<'static>>),

@@ -1,10 +1,9 @@
-//! Files that people own, read as far as they can be.
+//! Lenient reading of user-owned files, as far as they can be read.
 //!
-//! **How it works.** Such a file outlives versions of this program. Its JSON object is read field by field
-//! ([`fields`]): what is not there, or has a value that cannot be read, is as by default; names that are not known are
-//! passed over. Whoever reads notes in a list what could not be read. If there is anything in it, the file is first
-//! copied to a name beside it ([`read_leniently`]), since the next change writes it anew. What cannot be copied is not
-//! written over.
+//! **How it works.** Such a file outlives program versions. Its JSON object is read field by field ([`fields`]): fields
+//! that are missing, or have a value that cannot be read, take their defaults; unknown names are ignored. The reader
+//! notes in a list everything that could not be read. If the list is not empty, the file is first copied to a sidecar
+//! file ([`read_leniently`]), since the next change rewrites it. A file that cannot be copied is not overwritten.
 
 use super::{read, write_whole};
 use crate::regular_file;
@@ -22,19 +21,19 @@ const MAX_COPIES: u32 = 99;
 /// Reasons that a text for a notice has room for.
 const MAX_REASONS: usize = 3;
 
-/// What was read of a file.
+/// Result of reading a file leniently.
 #[derive(Debug)]
 pub(crate) struct Lenient<T> {
-    /// What could be read, and defaults for the rest.
+    /// Value with everything that could be read, and defaults for the rest.
     pub(crate) value: T,
-    /// What could not, and where the copy is: a text for a notice.
+    /// Problem report for a notice: the parts that could not be read, and the location of the copy.
     pub(crate) problem: Option<String>,
     /// The file, if it may be replaced.
     pub(crate) file: Option<PathBuf>,
 }
 
-/// What can be read of `file`, which need not be there. `parse` is given its object and notes in the list what it could
-/// not read of it. `what` is what a notice calls the things in it.
+/// Reads as much of `file` as possible; the file need not exist. `parse` is given its object and notes in the list the
+/// parts that it could not read. `what` is the name used in a notice for the things in it.
 pub(crate) fn read_leniently<T: Default>(
     file: &Path,
     what: &str,

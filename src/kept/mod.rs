@@ -1,5 +1,5 @@
-//! Files that are kept between runs, in the person's folders for settings and for what can be made anew: never half
-//! written.
+//! Files that are kept between runs, in the user's folders for settings and for caches (data that can be recreated):
+//! never half written.
 
 mod lenient;
 mod update;
@@ -17,12 +17,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// A file beyond this size was not written by this program.
 const MAX_FILE_BYTES: u64 = 1 << 20;
 
-/// Where `name` is kept; `None` where the system has no such folder.
+/// Returns the path of the kept file `name`; `None` if the system has no such folder.
 pub(crate) fn place_of(name: &str) -> Option<PathBuf> {
     directories::ProjectDirs::from("", "", "pointreel").map(|folders| folders.config_dir().join(name))
 }
 
-/// Where `name`, which can be made anew, is kept; `None` where the system has no such folder.
+/// Returns the cache path of `name`, a file that can be recreated; `None` if the system has no such folder.
 pub(crate) fn cached_place_of(name: &str) -> Option<PathBuf> {
     directories::ProjectDirs::from("", "", "pointreel").map(|folders| folders.cache_dir().join(name))
 }
@@ -78,7 +78,7 @@ pub(crate) fn write_to(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
     }
 }
 
-/// Whether it keeps nothing of what is written to it.
+/// Returns true if the path is a pipe or device, which keeps nothing of the data written to it.
 pub(crate) fn is_pipe_or_device(path: &Path) -> bool {
     regular_file::check_replaceable(path).is_err()
 }
@@ -112,12 +112,12 @@ impl Partial {
         Ok((partial, new))
     }
 
-    /// Where it is until then.
+    /// Returns the path of the temporary file until then.
     pub(crate) fn hidden(&self) -> &Path {
         self.hidden.path()
     }
 
-    /// Gives it its name, in place of a file that has it now.
+    /// Renames the file to its final name, replacing a file that has that name now.
     pub(crate) fn finish(self) -> std::io::Result<()> {
         self.rename()
     }

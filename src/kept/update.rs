@@ -1,9 +1,9 @@
 //! Changes of a kept file by one of several processes that have it open.
 //!
-//! **How it works.** Nobody writes what it has in memory: the file is read anew, what was changed here is changed in
-//! there, and the file is replaced, while the other processes wait ([`exclusive`]). So a window that saves later undoes
-//! nothing of another one, and what a later version has added stays. Objects with a field per setting are merged
-//! ([`merge`]): a value counts as changed here if it differs from what this process began with.
+//! **How it works.** No process writes out its in-memory state: the file is re-read, the local changes are applied to
+//! it, and the file is replaced, while the other processes wait ([`exclusive`]). So a window that saves later undoes
+//! nothing of another one, and additions by a later version are preserved. Objects with one field per setting are
+//! merged ([`merge`]): a value counts as changed here if it differs from what this process began with.
 
 use super::lenient::{Fields, copy_beside};
 use super::{read, replace};
@@ -14,7 +14,7 @@ use std::path::Path;
 use std::thread;
 use std::time::Duration;
 
-/// How long another process may take to replace a file. One that was stopped does not stop this one.
+/// Longest time that another process may take to replace a file (timeout). One that was stopped does not stop this one.
 const PATIENCE: Duration = Duration::from_millis(500);
 const LOOK_INTERVAL: Duration = Duration::from_millis(5);
 

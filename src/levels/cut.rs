@@ -1,22 +1,23 @@
-//! The nodes that stand for a cloud in a view, and what a traversal may know beside the view.
+//! Cuts: the nodes that represent a cloud in a view, and the hints that a traversal may use in addition to the view.
 
 use crate::math::{Frustum, Sphere, morton::LEVELS};
 use glam::Vec3;
 use std::ops::Range;
 
-/// What a view needs of levels of detail. Positions are in the space of the frame (relative to the sequence origin).
+/// View parameters for level-of-detail selection. Positions are in the space of the frame (relative to the sequence
+/// origin).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SelectView {
     /// Cells outside are dropped.
     pub frustum: Frustum,
-    /// Where distances are measured from.
+    /// Eye position that distances are measured from.
     pub eye: Vec3,
     /// A length `s` at distance `d` covers about `s * pixels_per_unit_at_1 / d` pixels.
     pub pixels_per_unit_at_1: f32,
     /// A cell that covers less, by [`SelectView::metric`], is not divided further; 0 (or less) always descends to the
     /// leaves.
     pub lod_px: f32,
-    /// How it is measured what a cell covers.
+    /// Metric for the screen coverage of a cell.
     pub metric: LodMetric,
     /// Cells of this level are not divided either; [`SelectView::ALL_LEVELS`] divides down to the leaves.
     pub deepest_level: u32,
@@ -27,7 +28,7 @@ impl SelectView {
     pub const ALL_LEVELS: u32 = LEVELS;
 }
 
-/// How large a node is on the screen.
+/// Metric for the size of a node on the screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LodMetric {
@@ -60,14 +61,14 @@ impl LodMetric {
 /// Root of `A = πr²` where r is half the diagonal of a cube with an edge of 1: √(3π/4).
 const ROOT_AREA_OF_EDGE: f32 = 1.534_990_1;
 
-/// What a traversal did.
+/// Statistics of a traversal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SelectStats {
     /// Nodes that were tested or emitted.
     pub visited_nodes: usize,
     /// Nodes emitted.
     pub emitted: usize,
-    /// Those of them that stand for points for which another one stands, too.
+    /// Number of duplicate nodes among them: those that represent points that another one represents, too.
     pub duplicates: usize,
 }
 
@@ -100,7 +101,7 @@ pub(super) struct ListedNodes {
     pub(super) spheres: Vec<Sphere>,
     /// Those that were divided, for hysteresis.
     pub(super) divided: Vec<u32>,
-    /// How many are drawn below others that are.
+    /// Number of duplicates: nodes drawn below others that are drawn.
     pub(super) duplicates: usize,
 }
 
@@ -128,11 +129,11 @@ impl ListedNodes {
     }
 }
 
-/// What a traversal looked at.
+/// Counts of the nodes that a traversal tested.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Tested {
     pub(super) nodes: usize,
-    /// Those of them that were emitted.
+    /// Number of tested nodes that were emitted.
     pub(super) emitted: usize,
 }
 
@@ -147,7 +148,8 @@ impl Cut {
         self.lod_px
     }
 
-    /// What it took to find them; where one was chosen of several cuts, the nodes visited for all of them.
+    /// Returns the traversal statistics of the cut; if one was chosen of several cuts, the nodes visited for all of
+    /// them.
     pub fn stats(&self) -> SelectStats {
         SelectStats {
             visited_nodes: self.tested.nodes + self.node_count - self.tested.emitted,
@@ -178,7 +180,7 @@ impl Cut {
     }
 }
 
-/// What a traversal may know beside the view.
+/// Hints that a traversal may use in addition to the view.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct CutHints<'a> {
     /// Nodes whose points all face away from the eye may be dropped.

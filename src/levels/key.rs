@@ -1,14 +1,14 @@
-//! What levels of detail are asked for.
+//! Key of the requested levels of detail.
 
 use super::octree::StopCriterion;
 use super::spheres::SphereKind;
 
-/// What levels of detail are asked for: the structure, and where it ends.
+/// Key of the requested levels of detail: the structure, and its stop criterion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelsKey {
     /// The structure, and what is drawn for its nodes.
     pub kind: LevelsKind,
-    /// Where the octree ends that it is made from, if it is made from one.
+    /// Stop criterion of the octree that it is made from, if it is made from one.
     pub stop: StopCriterion,
 }
 
@@ -30,12 +30,12 @@ pub enum LevelsKind {
 }
 
 impl LevelsKind {
-    /// Whether it is made of normals and radii.
+    /// Returns true if it is made of normals and radii.
     pub fn needs_shapes(self) -> bool {
         self != Self::Cubes
     }
 
-    /// Whether it is made from an octree.
+    /// Returns true if it is made from an octree.
     pub fn needs_octree(self) -> bool {
         !matches!(self, Self::List | Self::Spheres(_))
     }

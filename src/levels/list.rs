@@ -30,7 +30,7 @@ impl PointList {
         Self { points, shapes }
     }
 
-    /// Whether it is the list of these records.
+    /// Returns true if it is the list of these records.
     pub fn is_of(&self, points: &Arc<Vec<PointRecord>>, shapes: &Arc<Vec<ShapeRecord>>) -> bool {
         Arc::ptr_eq(&self.points, points) && Arc::ptr_eq(&self.shapes, shapes)
     }

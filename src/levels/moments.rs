@@ -1,4 +1,4 @@
-//! Second moments of ellipses in a plane, and the ellipse that these are: what nodes are where points are ellipses.
+//! Covariance of ellipses in a plane, and the ellipse equivalent to it: the shape of nodes if points are ellipses.
 
 use crate::cloud::{Ellipse, ShapeRecord, decode_ellipse, encode_ellipse, oct_decode, oct_encode};
 use glam::{DVec3, Vec3};
@@ -14,15 +14,15 @@ pub(super) fn half_axes(shape: &ShapeRecord) -> [Vec3; 2] {
     [ellipse.axis * longer, normal.cross(ellipse.axis) * shorter]
 }
 
-/// The second moment of an evenly filled ellipse along a half axis, over the square of that.
+/// Variance of an evenly filled ellipse along a half axis, divided by the square of that half axis.
 pub(super) const OF_HALF_AXIS: f64 = 0.25;
 
-/// Second moments in the plane across a normal.
+/// Accumulated covariance in the plane perpendicular to a normal.
 pub(super) struct PlaneMoments {
     normal: Vec3,
     tangent: Vec3,
     bitangent: Vec3,
-    /// Of x², xy and y² along these; in f64, as sums over many points are.
+    /// Sums of x², xy and y² along these; in f64, as sums over many points are.
     sums: DVec3,
 }
 
@@ -47,12 +47,12 @@ impl PlaneMoments {
         self.add_products(weight * DVec3::new(x * x, x * y, y * y));
     }
 
-    /// Of x², xy and y² along the axes.
+    /// Adds the products x², xy and y² along the axes.
     pub(super) fn add_products(&mut self, products: DVec3) {
         self.sums += products;
     }
 
-    /// The ellipse with these moments, packed.
+    /// Returns the packed ellipse with this covariance.
     pub(super) fn packed_ellipse(&self) -> u32 {
         let [xx, xy, yy] = self.sums.to_array();
         let (mean, half_difference) = (0.5 * (xx + yy), 0.5 * (xx - yy));

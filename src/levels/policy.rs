@@ -1,9 +1,9 @@
-//! How fine a cut is wanted: by size on the screen, level, number or time.
+//! Level-of-detail policy, i.e. the fineness of a cut: by size on the screen, level, number or time.
 
 use super::cut::{Cut, CutHints, SelectView};
 use super::structure::Levels;
 
-/// Which nodes stand for the cloud.
+/// Level-of-detail policy that selects the nodes representing the cloud.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Lod {
@@ -62,13 +62,14 @@ impl Lod {
     }
 }
 
-/// Where voxels are as many as may be drawn, they are not divided below this: a smaller one shows nothing more.
+/// Minimum useful voxel size in pixels for a voxel count budget: voxels are not divided below it, as smaller ones add
+/// no visible detail.
 const FINEST_USEFUL_PX: f32 = 0.5;
 
-/// How many voxels a time budget affords, learnt from the times of pictures.
+/// Number of voxels that a time budget affords, learnt from the render times of frames.
 ///
-/// It changes in steps of an eighth of an octave, and only once a picture took a quarter longer or shorter than asked,
-/// so that a picture does not flicker between two levels of detail.
+/// It changes in steps of an eighth of an octave, and only once a frame took a quarter longer or shorter than
+/// requested, so that the image does not flicker between two levels of detail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Affordable {
     /// Eighths of an octave above one voxel.
@@ -76,7 +77,8 @@ pub struct Affordable {
 }
 
 impl Default for Affordable {
-    /// A hundred thousand: a tenth of what graphics cards draw in a frame, and what processors draw in one.
+    /// Returns a default of a hundred thousand voxels: a tenth of the number that GPUs draw in a frame, and the number
+    /// that CPUs draw in one.
     fn default() -> Self {
         Self { step: 133 }
     }

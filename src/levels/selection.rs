@@ -1,11 +1,12 @@
-//! Nodes that are told by their places among the records of all nodes, for whoever keeps these.
+//! Node selection by index among the records of all nodes, for renderers that keep these.
 //!
-//! How it works: where nodes have records that are the same from cut to cut, a graphics card keeps the records, and a
-//! cut is four bytes a node, or nothing but a step for the plain list and a rule for a sequence, whose nodes it tests.
-//! Elsewhere, and where they do not fit, what is drawn of a cut is *gathered*.
+//! How it works: if nodes have records that are the same from cut to cut, the GPU keeps the records, and a cut is four
+//! bytes per node, or merely a step for the plain list and a rule for a sequence, whose nodes it tests. Elsewhere, and
+//! if they do not fit, the drawn records of a cut are *gathered*.
 //!
-//! When it wins: where a view moves about a frame. Of a frame that is seen once, all records are more than those of a
-//! cut. So structures tell places once they have written as many records as they have nodes ([`KeptNodes`]).
+//! When it wins: for a view that moves about a frame. For a frame that is seen once, all records are more than those of
+//! a cut. So structures return indices once they have written the same number of records as they have nodes
+//! ([`KeptNodes`]).
 
 use super::spheres::filter::SequenceFilter;
 use crate::cloud::{PointRecord, ShapeRecord};
@@ -25,7 +26,7 @@ pub struct NodeRecords {
     pub shapes: Arc<Vec<ShapeRecord>>,
 }
 
-/// Which of them are drawn, in this order.
+/// Selection of the records that are drawn, in this order.
 #[derive(Debug)]
 pub enum Selection {
     /// Those at these places.
@@ -36,7 +37,7 @@ pub enum Selection {
     Every {
         /// From one to the next; at least 1.
         step: u32,
-        /// How many.
+        /// Number of selected records.
         count: u32,
         /// On the radii.
         radius_factor: f32,
@@ -44,7 +45,7 @@ pub enum Selection {
 }
 
 impl Selection {
-    /// How many records are drawn; of those that are tested, at most.
+    /// Returns the number of records drawn; an upper bound for those that are tested.
     pub fn len(&self) -> usize {
         match self {
             Self::At(places) => places.len(),
@@ -53,7 +54,7 @@ impl Selection {
         }
     }
 
-    /// How many are drawn, those that are tested one by one.
+    /// Counts the records that are drawn, testing them one by one if necessary.
     pub fn count_drawn(&self) -> usize {
         match self {
             Self::At(_) | Self::Every { .. } => self.len(),
@@ -64,7 +65,7 @@ impl Selection {
         }
     }
 
-    /// Whether there are none.
+    /// Returns true if no records are selected.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -10,7 +10,7 @@ use glam::Vec3;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// What levels are made from: the records of a cloud in the order of its frame, one a point.
+/// Source data of levels: the records of a cloud in the order of its frame, one per point.
 #[derive(Debug, Clone, Copy)]
 pub struct CloudRecords<'a> {
     /// Positions, as in `points`.
@@ -23,7 +23,7 @@ pub struct CloudRecords<'a> {
     pub shapes: Option<&'a Arc<Vec<ShapeRecord>>>,
 }
 
-/// What was built to complete levels.
+/// Work done to complete levels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LevelsWork {
     /// Octrees, also those that share the points of another.
@@ -57,7 +57,7 @@ impl LevelsSet {
         self.octree.as_ref().map(|(_, octree)| octree)
     }
 
-    /// What the octree was built for.
+    /// Returns the stop criterion that the octree was built for.
     pub fn stop(&self) -> Option<StopCriterion> {
         self.octree.as_ref().map(|&(stop, _)| stop)
     }
@@ -79,8 +79,8 @@ impl LevelsSet {
         }
     }
 
-    /// What is cut for pictures of this kind; `None` where it is not there, and for codes, which renderers cut
-    /// themselves. Cubes whose normals are not known yet are lit on their faces.
+    /// Returns the levels that are cut for images of this kind; `None` if they do not exist, and for codes, which
+    /// renderers cut themselves. Cubes whose normals are not known yet are lit on their faces.
     pub fn get(&self, kind: LevelsKind) -> Option<Arc<dyn Levels>> {
         match (kind, &self.made) {
             (LevelsKind::List, Some(ShapeLevels::List(list))) => Some(Arc::clone(list) as _),
@@ -94,14 +94,14 @@ impl LevelsSet {
         }
     }
 
-    /// What surfels are taken from, if they are, and what it is.
+    /// Returns the levels that surfels are taken from, if any, and their kind.
     pub fn of_surfels(&self) -> Option<(LevelsKind, Arc<dyn Levels>)> {
         let kind = self.kind()?;
         let is_of_surfels = matches!(kind, LevelsKind::List | LevelsKind::Spheres(_) | LevelsKind::Surfels);
         Some((kind, self.get(kind).filter(|_| is_of_surfels)?))
     }
 
-    /// Whether what is asked for is there. Without shapes that is the octree alone.
+    /// Returns true if the requested levels exist. Without shapes that is the octree alone.
     pub fn has(&self, key: LevelsKey, has_shapes: bool) -> bool {
         (!key.kind.needs_octree() || self.stop() == Some(key.stop))
             && (!has_shapes || !key.kind.needs_shapes() || self.kind() == Some(key.kind))
@@ -154,7 +154,7 @@ impl LevelsSet {
         (levels, work)
     }
 
-    /// The same kinds of levels, made anew of other records.
+    /// Rebuilds the same kinds of levels from other records.
     #[must_use]
     pub fn made_of(&self, cloud: &CloudRecords<'_>) -> Self {
         let key = self.kind().map(|kind| LevelsKey {
@@ -209,7 +209,7 @@ impl ShapeLevels {
         })
     }
 
-    /// Whether they are made of these.
+    /// Returns true if they are made of these.
     fn is_of(
         &self,
         octree: Option<&Arc<Octree>>,

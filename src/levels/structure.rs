@@ -1,4 +1,4 @@
-//! What a structure of levels of detail is to whoever draws with it.
+//! Interface of a level-of-detail structure to its renderers.
 
 use super::cut::{Cut, CutHints, SelectView};
 use super::selection::{NodeRecords, Selection};
@@ -12,23 +12,24 @@ pub trait Levels: Debug + Send + Sync {
     /// The nodes that stand for the cloud in `view`: they cover every leaf that can be seen, none twice.
     fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut;
 
-    /// What is drawn of a cut of these levels, in the memory of `buffers`. What only decorates nodes, such as the
-    /// cells that close gaps, is left out where there would be more than `most_records`.
+    /// Writes the records drawn for a cut of these levels, in the memory of `buffers`. Mere decoration of nodes, such
+    /// as the cells that close gaps, is omitted if there would be more than `most_records`.
     fn write(&self, cut: &Cut, most_records: usize, buffers: RecordBuffers) -> Records;
 
-    /// The same as places among records that stay, for whoever keeps these on a graphics card. `None` where there are
-    /// no such records, or not yet: see [`Levels::write`]. Of `buffers` it takes the memory for places alone.
+    /// Selects the records of the cut as indices into persistent records, for renderers that keep these on the GPU.
+    /// `None` if there are no such records, or not yet: see [`Levels::write`]. Of `buffers`, only the memory for
+    /// indices is taken.
     fn select(&self, _cut: &Cut, _buffers: &mut RecordBuffers) -> Option<Records> {
         None
     }
 
-    /// What is drawn in a view as a test of each node, for the same reader, without a cut: see [`Levels::select`]. The
-    /// view before is not asked.
+    /// Returns the records drawn in a view as a per-node filter, for the same kind of renderer, without a cut: see
+    /// [`Levels::select`]. The previous view is not used.
     fn filter(&self, _view: &SelectView, _hints: CutHints<'_>) -> Option<Records> {
         None
     }
 
-    /// How large it is.
+    /// Returns its size.
     fn size(&self) -> LevelsSize;
 
     /// The cut of at most `most_nodes` nodes with the smallest LOD threshold from `view.lod_px` up, in steps of a 32nd
@@ -36,9 +37,9 @@ pub trait Levels: Debug + Send + Sync {
     ///
     /// Cells that the eye is in are always divided, so that around it some more are emitted than a very small number.
     ///
-    /// How it works: a higher threshold never emits more, so thresholds are bisected. Counting is cheap beside drawing:
-    /// it reads a byte for each point that is drawn. A cut before is only remembered for hysteresis where it still
-    /// fits: a threshold that emits at least three quarters of what is allowed stays.
+    /// How it works: a higher threshold never emits more, so thresholds are bisected. Counting is cheap compared with
+    /// drawing: it reads a byte for each point that is drawn. A cut before is only remembered for hysteresis where it
+    /// still fits: a threshold that emits at least three quarters of what is allowed stays.
     fn cut_at_most(&self, most_nodes: usize, view: &SelectView, hints: CutHints<'_>) -> Cut {
         let kept = hints.before.map(Cut::lod_px);
         if let Some(lod_px) = kept.filter(|&lod_px| lod_px >= view.lod_px) {
@@ -81,11 +82,11 @@ pub trait Levels: Debug + Send + Sync {
 pub struct LevelsSize {
     /// All nodes, leaves included.
     pub nodes: usize,
-    /// Bytes beside the records of the points that it is made of.
+    /// Size in bytes, in addition to the records of the points that it is made of.
     pub bytes: usize,
 }
 
-/// What is drawn of a cut, a record for each node in the order of the cut.
+/// Records drawn for a cut, one for each node in the order of the cut.
 #[derive(Debug)]
 pub enum Records {
     /// Disks: as many of both.
@@ -97,9 +98,9 @@ pub enum Records {
     },
     /// Disks among those of all nodes, which are the same from cut to cut.
     Selected {
-        /// Those of all nodes.
+        /// Records of all nodes.
         nodes: NodeRecords,
-        /// Which are drawn.
+        /// Selection of the nodes that are drawn.
         selection: Selection,
     },
     /// Cubes.

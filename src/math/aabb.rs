@@ -74,7 +74,7 @@ impl Aabb {
         }
     }
 
-    /// The middle; the origin for an empty box.
+    /// Returns the centre; the origin for an empty box.
     pub fn center(&self) -> Vec3 {
         if self.is_empty() {
             Vec3::ZERO
@@ -93,7 +93,7 @@ impl Aabb {
         }
     }
 
-    /// Whether it is much wider than high along Z, as a street, a room or a survey is.
+    /// Returns true if the bounding box is much wider than high along Z, as for a street, a room or a survey.
     pub fn is_flat_along_z(&self) -> bool {
         const FLAT: f32 = 3.0;
         let extent = self.extent();

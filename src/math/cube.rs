@@ -28,10 +28,10 @@ impl Cube {
         edge: LONE_EDGE,
     };
 
-    /// The cube whose smallest corner is that of the bounding box of `points` and whose edge is the longest of the box,
-    /// rounded up; `None` for no points.
+    /// Returns the bounding cube whose smallest corner is that of the bounding box of `points` and whose edge is the
+    /// longest of the box, rounded up; `None` for no points.
     ///
-    /// Points that coincide sit in the middle of a cube of edge 1 (or of 2⁻²⁰ of their distance from the origin, if
+    /// Points that coincide sit at the centre of a cube of edge 1 (or of 2⁻²⁰ of their distance from the origin, if
     /// that is more). A box wider than the largest f32 gets that as its edge.
     pub fn around(points: &[Vec3]) -> Option<Self> {
         Self::around_box(&Aabb::from_points(points))
@@ -64,7 +64,7 @@ impl Cube {
         (f64::from(self.edge) / f64::from(1u32 << level)) as f32
     }
 
-    /// Middle of a cell of `level` by its integer coordinates.
+    /// Returns the centre of a cell of `level` by its integer coordinates.
     pub fn cell_center(&self, level: u32, cell: [u32; 3]) -> Vec3 {
         let cell = Vec3::from_array(cell.map(|coordinate| coordinate as f32));
         self.min + (cell + 0.5) * self.cell_edge(level)

@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Vec3, Vec4};
 
-/// Where a volume lies against a [`Frustum`].
+/// Position of a volume relative to a [`Frustum`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Containment {
     /// No part can be seen.

@@ -74,7 +74,7 @@ impl PackedCell {
         (bits | bits >> (LEVELS - 1) | bits >> (2 * LEVELS - 2)) as u32 & 7
     }
 
-    /// Whether two cells are in one cell of `level`.
+    /// Returns true if two cells are in the same cell of `level`.
     #[inline(always)]
     pub(crate) const fn share_cell(self, other: Self, level: u32) -> bool {
         let below = (1 << (LEVELS - level)) - 1;

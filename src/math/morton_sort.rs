@@ -77,7 +77,7 @@ pub(crate) struct Buckets<T> {
 struct Parted<T> {
     codes: Vec<u64>,
     carried: Vec<T>,
-    /// Where each bucket ends.
+    /// End index of each bucket.
     ends: [u32; BUCKETS],
 }
 
@@ -115,8 +115,8 @@ impl<T: Copy + Default + Send + Sync> Buckets<T> {
         self.lens.iter().filter_map(place).collect()
     }
 
-    /// Writes to `carried` what goes with each code, in their order, and hands the codes of each bucket to `write`, in
-    /// order, with the place of the bucket. Those without codes are left out.
+    /// Writes to `carried` the items that go with each code, in their order, and passes the codes of each bucket to
+    /// `write`, in order, with the output slice of the bucket. Items without codes are skipped.
     pub(crate) fn sort_each<P: Send>(&self, carried: &mut [T], places: Vec<P>, write: impl Fn(&[u64], P) + Sync) {
         self.places(carried)
             .into_par_iter()
@@ -146,7 +146,7 @@ impl<T: Copy + Default> Parted<T> {
         }
     }
 
-    /// What is in a bucket.
+    /// Returns the contents of a bucket.
     fn piece(&self, bucket: usize) -> (&[u64], &[T]) {
         let start = bucket.checked_sub(1).map_or(0, |before| self.ends[before]);
         let piece = start as usize..self.ends[bucket] as usize;
@@ -234,14 +234,14 @@ impl<T: Copy + Default> Sorter<T> {
     }
 }
 
-/// How one number holds a code above its index.
+/// Bit layout of a number that holds a code above its index.
 #[derive(Debug, Clone, Copy)]
 struct ItemLayout {
     /// Upper bits of a code that do not differ, which an item does not have.
     left_out: u32,
     /// The bits of the index, which the lowest bits of a code give place to.
     index: u64,
-    /// Whether those are none in which codes differ.
+    /// True if the bits displaced by the index are none in which codes differ.
     has_all: bool,
 }
 
@@ -278,7 +278,7 @@ impl ItemLayout {
         (item & !self.index) >> self.left_out | alike & !differing
     }
 
-    /// Whether two items have the same bits of their codes.
+    /// Returns true if two items have the same bits of their codes.
     #[inline(always)]
     fn are_alike(self, a: u64, b: u64) -> bool {
         a ^ b <= self.index

@@ -5,16 +5,17 @@ use glam::Vec3;
 /// A ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
-    /// Its middle.
+    /// Centre of the sphere.
     pub center: Vec3,
     /// Not negative.
     pub radius: f32,
 }
 
 impl Sphere {
-    /// A sphere that holds all of some, not much larger than the smallest one; a point at the origin around none.
+    /// Returns a bounding sphere of the given spheres, not much larger than the smallest one; a point at the origin
+    /// around none.
     ///
-    /// Its middle is that of the box around them.
+    /// Its centre is that of the box around them.
     pub fn around(spheres: impl Iterator<Item = Self> + Clone) -> Self {
         let (min, max) = spheres.clone().fold(
             (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY)),
@@ -39,12 +40,12 @@ impl Sphere {
         }
     }
 
-    /// How far from a place its farthest point is.
+    /// Returns the distance from a position to the farthest point of the sphere.
     pub fn reach_from(&self, place: Vec3) -> f64 {
         self.center.as_dvec3().distance(place.as_dvec3()) + f64::from(self.radius)
     }
 
-    /// Whether all of `other` is inside.
+    /// Returns true if all of `other` is inside.
     pub fn holds(&self, other: &Self) -> bool {
         other.reach_from(self.center) <= f64::from(self.radius)
     }

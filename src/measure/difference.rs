@@ -1,4 +1,4 @@
-//! Where two pictures are not equal, and by how much at most.
+//! Image difference: the pixels in which two images differ, and the maximum difference.
 
 use super::{SizeMismatch, check_sizes, size_px};
 use image::RgbaImage;

@@ -1,21 +1,21 @@
-//! How far a result is from the truth: errors of pictures, of clouds and of normals, each with its unit, its range and
-//! its source.
+//! Error metrics that compare a result with the ground truth: errors of images, of clouds and of normals, each with its
+//! unit, its range and its source.
 //!
 //! | measure | of | unit, range | source |
 //! |---|---|---|---|
-//! | [`psnr_db`] | two pictures | decibels, 0 to ∞ (equal) | peak signal to noise over 8-bit channels |
-//! | [`flip`] | two pictures | 0 (equal) to 1 | Andersson et al. 2020, what a person notices who flips between them |
-//! | [`ssim()`] | two pictures | −1 to 1 (equal) | Wang et al. 2004, what is kept of light, contrast and pattern |
-//! | [`PixelDifference`] | two pictures | pixels; steps of a channel, 0 to 255 | – |
-//! | [`SurfaceError`] | depths of two views | pixels; shares 0 to 1 | – |
+//! | [`psnr_db`] | two images | decibels, 0 to ∞ (equal) | peak signal to noise over 8-bit channels |
+//! | [`flip`] | two images | 0 (equal) to 1 | Andersson et al. 2020, differences that a person notices when flipping between them |
+//! | [`ssim()`] | two images | −1 to 1 (equal) | Wang et al. 2004, preservation of luminance, contrast and structure |
+//! | [`PixelDifference`] | two images | pixels; steps of a channel, 0 to 255 | – |
+//! | [`SurfaceError`] | depths of two views | pixels; fractions 0 to 1 | – |
 //! | [`GeometryError`] | two clouds | scene units (squared: means); decibels | Tian et al. 2017, D1 and D2 of MPEG's `pc_error` |
 //! | [`CloudError`] | two clouds with colours and normals | the same; degrees | colours and normals of nearest points |
-//! | [`Change`] | two poses | scene units | D1 one way, point by point |
+//! | [`Change`] | two frames | scene units | D1 one way, point by point |
 //! | [`AngularError`] | two sets of normals | degrees, 0 to 90 or 180 | – |
 //!
-//! PSNR and SSIM are what others can compare with. PSNR weighs a shift of a thin line as much as a wrong colour, and
-//! says nothing of whether anybody sees it; FLIP does. SSIM tells a change of light from a lost pattern, but sees no
-//! colours.
+//! PSNR and SSIM allow comparison with other work. PSNR weighs a shift of a thin line as much as a wrong colour, and
+//! does not account for its visibility; FLIP does. SSIM distinguishes a change of luminance from a lost structure, but
+//! sees no colours.
 
 mod change;
 mod difference;

@@ -1,8 +1,8 @@
-//! How far estimated normals are from true ones.
+//! Angular error of estimated normals relative to true ones.
 
 use glam::Vec3;
 
-/// Whether a normal that points to the other side of the surface is wrong.
+/// Orientation mode: determines if a normal that points to the other side of the surface counts as wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Orientation {
     /// It is: angles are 0 to 180 degrees.

@@ -87,7 +87,7 @@ fn weights() -> [f64; WINDOW] {
     raw.map(|weight| weight / sum)
 }
 
-/// The similarities of all windows in eleven rows of pixels (reference and test beside each other), added up.
+/// Sums the similarities of all windows in eleven rows of pixels (reference and test next to each other).
 fn sum_of_row(rows: &[[f64; 2]], width: usize, weights: &[f64; WINDOW]) -> f64 {
     // Of each column the weighted sums of x, y, x², y² and x y.
     let mut columns = vec![[0.0; 5]; width];

@@ -1,9 +1,10 @@
-//! Where a picture shows no surface, another surface, or one too many: holes and wrong-surface pixels.
+//! Surface errors, i.e. pixels of an image with no surface, another surface, or one too many: holes and wrong-surface
+//! pixels.
 //!
-//! How it works: two pictures of one view are compared pixel by pixel by what they show *of space*, not by colour: the
-//! depth of the surface along the view axis. A splat is an approximation as thick as its radius, so depths that differ
-//! by no more are the same surface; beyond it something shines through that should be hidden, or hides what should be
-//! seen.
+//! How it works: two images of one view are compared pixel by pixel by the *geometry* that they show, not by colour:
+//! the depth of the surface along the view axis. A splat is an approximation as thick as its radius, so depths that
+//! differ by no more are the same surface; beyond it something shines through that should be hidden, or hides what
+//! should be seen.
 //!
 //! When it wins: over errors of colours, where a hole shows a background of nearly the colour of the surface, or a far
 //! surface of the same colour shines through.
@@ -18,10 +19,10 @@ pub struct DepthImage {
     pub depth: Vec<f32>,
 }
 
-/// How far apart two depths of one surface may be, scene units; 0 and above.
+/// Tolerance for the difference of two depths of one surface, scene units; 0 and above.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DepthTolerance<'a> {
-    /// The same everywhere.
+    /// Uniform tolerance for all pixels.
     Everywhere(f32),
     /// For each pixel, such as the radius of the splat that it shows; infinite where any surface is right.
     PerPixel(&'a [f32]),
@@ -47,7 +48,7 @@ pub enum SurfaceMismatch {
     Count {
         /// Width and height.
         size_px: [u32; 2],
-        /// How many values there are.
+        /// Number of values found.
         found: usize,
     },
     /// A depth is negative or no number.
@@ -55,7 +56,7 @@ pub enum SurfaceMismatch {
     Depth {
         /// The place in [`DepthImage::depth`].
         pixel: usize,
-        /// What stands there.
+        /// Depth value found there.
         depth: f32,
     },
     /// A tolerance is negative or no number.
@@ -70,11 +71,11 @@ pub struct SurfaceError {
     pub pixel_count: u64,
     /// Those that show a surface in the truth.
     pub surface_count: u64,
-    /// Those of the surface that show the background in the test.
+    /// Number of surface pixels that show the background in the test (holes).
     pub hole_count: u64,
-    /// Those of the surface that show one at another depth in the test.
+    /// Number of surface pixels that show a surface at another depth in the test.
     pub wrong_surface_count: u64,
-    /// Those of the background that are covered in the test.
+    /// Number of background pixels that are covered in the test.
     pub extra_count: u64,
 }
 

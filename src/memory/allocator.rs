@@ -15,9 +15,9 @@ use std::time::Duration;
 
 // Constants without a destructor: they allocate nothing themselves.
 thread_local! {
-    /// Whether the caller asks for the refusal.
+    /// True if the caller asks for the allocation failure to be returned.
     static REFUSAL_IS_ASKED_FOR: Cell<bool> = const { Cell::new(false) };
-    /// Whether this thread ends the program, and has been refused once more.
+    /// True if this thread ends the program, and has been refused memory once more.
     static IS_CLEANING_UP: Cell<bool> = const { Cell::new(false) };
 }
 

@@ -1,7 +1,7 @@
 //! The allocator of the program and of its benchmarks.
 //!
-//! Frames are tens of megabytes that come and go many times a second. The system's allocator gives such pieces back at
-//! once and pays for every page again; this one keeps them for the next frame.
+//! Frames are tens of megabytes that come and go many times per second. The system's allocator gives such pieces back
+//! at once and pays for every page again; this one keeps them for the next frame.
 
 mod allocator;
 mod control_group;
@@ -11,8 +11,8 @@ pub(crate) use allocator::{before_the_end, try_reserve};
 
 use std::ffi::c_long;
 
-/// How long freed memory is kept, in milliseconds, before the allocator gives it back to the system, which it does when
-/// it next has something to do. One second, the default, gives back what the next frames need.
+/// Retention time of freed memory, in milliseconds, before the allocator gives it back to the system, which it does
+/// when it next has something to do. One second, the default, gives back what the next frames need.
 const KEPT_MS: c_long = 10_000;
 
 /// `mi_option_purge_delay` of `mimalloc.h`, which the crate does not name.

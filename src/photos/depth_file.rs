@@ -1,4 +1,4 @@
-//! Files of the depths of a photograph, which another camera beside it may have taken.
+//! Depth map files of an input image, which another camera next to it may have taken.
 
 use crate::photos::error::{PhotosError, read_file};
 use crate::photos::found::picture_file::decode;
@@ -9,18 +9,18 @@ use glam::DAffine3;
 use image::DynamicImage;
 use std::path::{Path, PathBuf};
 
-/// A file of the depths of a photograph. Its image may be smaller than the photograph.
+/// A depth map file of an input image. Its resolution may be smaller than that of the input image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthFile {
     /// The file.
     pub path: PathBuf,
-    /// What its numbers mean.
+    /// Meaning of its depth values.
     pub kind: DepthKind,
     /// The camera of its image; `None` where that is the photograph's.
     pub taken_by: Option<DepthCamera>,
 }
 
-/// A camera of depths beside that of a photograph.
+/// A depth camera next to that of an input image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthCamera {
     /// Its image.
@@ -29,7 +29,7 @@ pub struct DepthCamera {
     pub photo_from_depth: DAffine3,
 }
 
-/// How a file holds depths.
+/// Depth encoding of a file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum DepthKind {

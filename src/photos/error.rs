@@ -1,8 +1,8 @@
-//! Why there are no photographs: which file, where in it, what was expected and what to do.
+//! Errors of image sets: the file, the location in it, the expectation and the remedy.
 
 use std::path::{Path, PathBuf};
 
-/// Why a set of photographs, or one of its files, cannot be read.
+/// Error while reading a set of input images, or one of its files.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PhotosError {
@@ -19,9 +19,9 @@ pub enum PhotosError {
     Invalid {
         /// The file.
         path: PathBuf,
-        /// Where in it.
+        /// Location in the file.
         place: String,
-        /// What was expected there, and what was found.
+        /// Problem: the expected and the actual content there.
         problem: String,
     },
     /// A file that is no JSON, or JSON of another shape.
@@ -35,17 +35,17 @@ pub enum PhotosError {
         /// The parser's reason, with line and column.
         source: serde_json::Error,
     },
-    /// None of the photographs that a file lists can be shown.
+    /// None of the input images that a file lists can be shown.
     #[error("{} lists {count} photographs and none of them can be shown: {reason}", path.display())]
     NoPhotos {
         /// The file.
         path: PathBuf,
-        /// How many it lists.
+        /// Number of images that it lists.
         count: usize,
-        /// What is wrong with them, and what to do.
+        /// Reason why they cannot be shown, and the remedy.
         reason: String,
     },
-    /// A photograph that cannot be decoded.
+    /// An input image that cannot be decoded.
     #[error(
         "{} cannot be decoded ({source}): open it in a viewer of pictures to see whether it is whole",
         path.display()
@@ -56,23 +56,23 @@ pub enum PhotosError {
         /// The decoder's reason.
         source: image::ImageError,
     },
-    /// A photograph in a format that the decoder of pictures does not know.
+    /// An input image in a format that the image decoder does not support.
     #[error("{} {NOT_DECODED}", path.display())]
     PictureFormat {
         /// The file.
         path: PathBuf,
     },
-    /// A folder in which something else than a set of photographs was found.
+    /// A folder in which something other than a set of input images was found.
     #[error("{} holds {found}: {advice}", path.display())]
     NoSet {
         /// The folder.
         path: PathBuf,
-        /// What is in it.
+        /// Contents of the folder.
         found: String,
-        /// What to do.
+        /// Advice to the user.
         advice: String,
     },
-    /// A photograph that has changed its size.
+    /// An input image that has changed its size.
     #[error(
         "{} has {} × {} pixels, its camera is one of {} × {}: put the photograph back that was calibrated",
         path.display(), found_px[0], found_px[1], expected_px[0], expected_px[1]
@@ -82,12 +82,12 @@ pub enum PhotosError {
         path: PathBuf,
         /// Width and height of the camera's image.
         expected_px: [u32; 2],
-        /// Those of the file.
+        /// Image size of the file.
         found_px: [u32; 2],
     },
 }
 
-/// What is said of a picture of a format that is not known.
+/// Error text for an image in an unknown format.
 const NOT_DECODED: &str = "is of a format of pictures that is not read: convert it to JPEG, PNG or WebP, which is \
                            found beside it or in its place by the same name";
 
@@ -100,7 +100,7 @@ impl PhotosError {
         }
     }
 
-    /// What is wrong with a photograph, without its path where others have the same.
+    /// Returns the problem with an input image, without its path if others have the same.
     pub(super) fn reason(&self) -> String {
         match self {
             Self::PictureFormat { .. } => format!("it {NOT_DECODED}"),

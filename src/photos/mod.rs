@@ -1,17 +1,18 @@
-//! Sets of calibrated photographs with sparse points: what programs of reconstruction write, made ready to be drawn.
+//! Sets of calibrated images with sparse points: the output of reconstruction programs, prepared for drawing.
 //!
-//! [`find`] says what a folder holds, and [`FoundSet::read`] reads it into a [`ViewSet`], whatever the format: cameras
-//! have x to the right, y down, z forward, poses take the world to the camera, and centres of pixels are at integers.
+//! [`find`] reports the contents of a folder, and [`FoundSet::read`] reads it into a [`ViewSet`], whatever the format:
+//! cameras have x to the right, y down, z forward, poses take the world to the camera, and centres of pixels are at
+//! integers.
 //!
-//! Readers (`readers`, a row each) write down what a file says (`draft`), in its own pixels; `draft` then finds the
-//! photographs, looks at their sizes, and makes cameras (`lens`) and poses of them. What is wrong with one photograph
-//! costs that one, and a note of the set says so.
+//! Readers (`readers`, one row each) record the contents of a file (`draft`), in its own pixels; `draft` then finds the
+//! images, checks their sizes, and creates cameras (`lens`) and poses from them. A problem with one image affects only
+//! that one, and a note of the set reports it.
 //!
-//! A [`Calibration`] is what a file lists before that. Where it lists cameras that filmed, it is a [`Rig`], and each
-//! moment becomes a set.
+//! A [`Calibration`] is the listing of a file before that. If it lists cameras of a multi-view video, it is a [`Rig`],
+//! and each time step becomes a set.
 //!
-//! [`PreparedPhoto`] is a photograph as drawing takes it: masked, undistorted to a pinhole, and halved as often as
-//! [`halvings_within`] a budget of memory says. [`gains`] makes photographs of different exposures agree.
+//! [`PreparedPhoto`] is an image as drawing takes it: masked, undistorted to a pinhole, and halved the number of times
+//! that [`halvings_within`] determines for a memory budget. [`gains`] makes images of different exposures agree.
 //! [`LoadedPhotographs`] are all of a set, with the levels of their [`Texture`]s.
 
 mod depth_file;

@@ -2,10 +2,10 @@
 
 use crate::cloud::Frame;
 
-/// What pictures are made from where a file has it.
+/// Point attributes that affect rendered images if a file has them.
 const ATTRIBUTES: [&str; 3] = ["colors", "normals", "radii"];
 
-/// What the first shown frame of a sequence has.
+/// Attributes of the first shown frame of a sequence.
 #[derive(Debug, Default)]
 pub(super) struct FirstAttributes {
     first: Option<(usize, [bool; 3])>,

@@ -1,11 +1,11 @@
-//! A second sequence that goes along with a first one: its frames are those that belong to the first one's, by one
+//! Companion sequence that plays along with a first one: its frames are paired with those of the first one, on one
 //! clock.
 //!
-//! **How it works.** The clock is that of the first sequence's [`Player`](super::Player). Before it moves, the
-//! companion is told where to; it asks its own loader for the frame that belongs there and says whether it is at hand:
-//! playing waits for it as for the player's own. The loader prepares ahead in the clock's direction, between the frames
-//! that belong to the ends of what plays, and is told how long one of *its* frames lasts, which is another time where
-//! the sequences have other rates.
+//! **How it works.** The clock is that of the first sequence's [`Player`](super::Player). Before the clock moves, the
+//! companion receives its next position; it asks its own loader for the frame that belongs there and reports whether it
+//! is available: playback waits for it as for the player's own. The loader prefetches in the clock's direction, between
+//! the frames paired with the ends of the play range, and receives the duration of one of *its* frames, which differs
+//! if the sequences have different frame rates.
 
 use super::pairing::{Pair, PairBy, PairNumbers, PairTimes};
 use super::player::{PlayerChange, new_warnings};
@@ -18,7 +18,7 @@ use crate::timeline::{Clock, Direction, LoopMode, PlayRange};
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// A sequence beside another one.
+/// Companion sequence shown alongside another one.
 #[derive(Debug)]
 pub struct Companion {
     leader: Arc<Sequence>,
@@ -43,8 +43,8 @@ pub struct Companion {
 }
 
 impl Companion {
-    /// Opens `sequence` beside `leader`, whose origin it takes if that keeps its detail. Paired by time where both have
-    /// times, else by the numbers in their names where these meet.
+    /// Opens `sequence` as a companion of `leader`, whose origin it takes if that keeps its detail. Frames are paired
+    /// by time if both have timestamps, else by the numbers in their names if these overlap.
     pub fn new(leader: &Arc<Sequence>, sequence: Arc<Sequence>, options: LoaderOptions) -> Result<Self, SequenceError> {
         sequence.share_origin_with(leader);
         Ok(Self::with_loader(leader, Loader::new(sequence, options)?))
@@ -81,8 +81,8 @@ impl Companion {
         companion
     }
 
-    /// How much of `budget_bytes` is for the frames of the leader and how much for those of its companion: all of it
-    /// together.
+    /// Splits the memory budget `budget_bytes` between the frames of the leader and those of its companion; the shares
+    /// add up to all of it.
     pub fn shares(budget_bytes: usize) -> [usize; 2] {
         let of_companion = budget_bytes / 2;
         [budget_bytes - of_companion, of_companion]
@@ -135,7 +135,7 @@ impl Companion {
         self.numbers.as_ref()
     }
 
-    /// How many of its frames later the companion is.
+    /// Returns the frame offset of the companion, in its own frames; positive if it is later.
     pub fn offset_frames(&self) -> i64 {
         self.offset_frames
     }

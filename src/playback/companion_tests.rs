@@ -71,7 +71,7 @@ impl Theatre {
         Duration::from_millis(self.now_ms)
     }
 
-    /// What the window does at one moment.
+    /// Simulates one window update.
     fn update(&mut self) {
         let now = self.now();
         let (player, companion) = (&mut self.player, &mut self.companion);
@@ -272,7 +272,7 @@ fn frames_ahead_are_prepared_in_the_direction_of_the_clock() {
     );
 }
 
-/// What a prepared frame takes.
+/// Returns the memory size of a prepared frame.
 fn frame_bytes() -> usize {
     let sequences = [sequence(1, None, &[]), sequence(1, None, &[])];
     let mut theatre = Theatre::new(&sequences, [FAST; 2], 1 << 30);

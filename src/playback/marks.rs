@@ -1,11 +1,11 @@
-//! What the timeline paints under the playhead: where frames are in memory and where they failed.
+//! Timeline marks painted under the playhead: frames that are in memory and frames that failed.
 //!
-//! A sequence may have more frames than the screen has pixels, so states are kept as runs of equal ones, and asked for
-//! only when the loader says that they may have changed.
+//! A sequence may have more frames than the screen has pixels, so states are kept as runs of equal ones, and queried
+//! only when the loader reports that they may have changed.
 
 use crate::sequence::FrameState;
 
-/// What is known of a frame, as the timeline shows it.
+/// State of a frame as shown on the timeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mark {
     /// Not in memory.
@@ -39,7 +39,7 @@ pub struct MarkRun {
     pub start: usize,
     /// One past the last frame.
     pub end: usize,
-    /// What they have in common.
+    /// State shared by these frames.
     pub mark: Mark,
 }
 

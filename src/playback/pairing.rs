@@ -1,17 +1,17 @@
-//! Which frame of a sequence B stands beside a frame of a sequence A.
+//! Pairing of the frames of a sequence A with those of a sequence B for side-by-side display.
 //!
-//! **How it works.** By index, the frames at the same place belong together. By number, those do whose names count
-//! them alike, so that a lost file shifts nothing. By time, the frame of B that was taken nearest to that of A does,
-//! unless it is so far away that B has none at that moment: before its first, behind its last, or where one was lost.
-//! Times of both are on one clock if they overlap; if not (one counts from its start, the other since 1970), each
+//! **How it works.** By index, the frames at the same position belong together. By number, frames whose names contain
+//! the same number do, so that a lost file shifts nothing. By time, the frame of B that was taken nearest to that of A
+//! does, unless it is so far away that B has none at that instant: before its first, behind its last, or where one was
+//! lost. Times of both are on one clock if they overlap; if not (one counts from its start, the other since 1970), each
 //! counts from its first frame. The offset is in frames of B: by time and by number, a frame is the median spacing.
 
 use std::cmp::Ordering;
 use std::ops::Sub;
 use std::time::Duration;
 
-/// A frame belongs to a moment up to so many median spacings away: more than half of one, as frames do not come evenly,
-/// and less than a whole, at which a lost one would hide behind its neighbours.
+/// Maximum distance of a frame from an instant for pairing, in median spacings: more than half of one, as frames are
+/// not evenly spaced, and less than a whole, at which a lost one would hide behind its neighbours.
 const REACH_IN_SPACINGS: f64 = 0.75;
 
 /// By what frames belong together.
@@ -30,7 +30,7 @@ pub enum PairBy {
 pub struct Pair {
     /// The frame that belongs there, or is the nearest to it.
     pub nearest: usize,
-    /// Whether it belongs there.
+    /// True if the frame belongs to that position.
     pub is_there: bool,
 }
 
@@ -118,7 +118,8 @@ impl PairTimes {
         })
     }
 
-    /// Whether the times of each are counted from its first frame, as they never meet.
+    /// Returns true if the times of each sequence are counted from its first frame, because their time ranges do not
+    /// overlap.
     pub fn counts_from_first(&self) -> bool {
         self.counts_from_first
     }
@@ -166,13 +167,14 @@ fn median_spacing<T: Copy + PartialOrd + Sub<Output = T>>(growing: &[T]) -> Opti
     spacings.get(spacings.len() / 2).copied()
 }
 
-/// Of so many frames the nearest to a place in their order, `after` being the first that is not before it.
+/// Returns the index of the frame nearest to a position in the order of `frame_count` frames, `after` being the first
+/// frame that is not before it.
 fn nearest_of<T: PartialOrd>(frame_count: usize, after: usize, away: impl Fn(usize) -> T) -> usize {
     let candidates = after.saturating_sub(1)..(after + 1).min(frame_count);
     candidates.min_by(|&a, &b| order(&away(a), &away(b))).unwrap_or(0)
 }
 
-/// Of numbers that are some.
+/// Compares two numbers that are not NaN.
 fn order<T: PartialOrd>(a: &T, b: &T) -> Ordering {
     a.partial_cmp(b).unwrap_or(Ordering::Equal)
 }

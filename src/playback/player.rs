@@ -1,12 +1,13 @@
-//! An open sequence with its playhead: which frame is due, which is shown, what is waited for.
+//! Playback of an open sequence with its playhead: the frame that is due, the frame that is shown, and the frame that
+//! is waited for.
 //!
-//! **How it works.** The clock says which frame is due. If that frame is in memory, or cannot be read, the clock moves
-//! on; if not, the clock is stopped on that frame and goes on from it when the loader has it.
+//! **How it works.** The clock determines the frame that is due. If that frame is in memory, or cannot be read, the
+//! clock moves on; if not, the clock is stopped on that frame and continues from it when the loader has it.
 //!
-//! Where there is no time for all points of the frames, fewer are shown: the loader is told how long a frame lasts
-//! and how long its picture took, and says what it has. Paused, all points are shown. A disk that cannot even bring
-//! enough for that slows playing down, so that every frame is seen, and frames are *late*; a screen that is too slow
-//! even so *skips* frames. All of it is counted.
+//! If there is no time for all points of the frames, fewer are shown: the loader receives the duration of a frame and
+//! its render time, and reports what it has. While paused, all points are shown. A disk that cannot even deliver enough
+//! for that slows playback down, so that every frame is seen, and frames are *late*; a display that is too slow even so
+//! *skips* frames. All of these are counted.
 
 use super::attributes::FirstAttributes;
 use super::marks::{MarkRun, runs};
@@ -56,7 +57,7 @@ pub struct Player {
     reread: Vec<usize>,
 }
 
-/// What [`Player::update`] changed.
+/// Changes made by [`Player::update`].
 #[derive(Debug, Clone, Default)]
 pub struct PlayerChange {
     /// Another frame is shown, or the place of the playhead is another one.
@@ -66,9 +67,9 @@ pub struct PlayerChange {
     pub beyond_frame: bool,
     /// A frame at the playhead cannot be shown, and this is the first time that it was met.
     pub new_failure: Option<Arc<FrameError>>,
-    /// What to tell of a frame that has not the attributes of the first one.
+    /// Message for a frame that does not have the attributes of the first one.
     pub other_attributes: Option<String>,
-    /// What could not be read of a frame that is shown for the first time.
+    /// Warnings about what could not be read of a frame that is shown for the first time.
     pub new_warnings: Vec<String>,
     /// Frames whose files changed: what was said of them may be true no longer.
     pub reread: Vec<usize>,
@@ -140,7 +141,7 @@ impl Player {
         self.shown.as_ref()
     }
 
-    /// The photographs of the frame in the picture, as far as they are known.
+    /// Returns the images of the shown frame, as far as they are known.
     pub fn photographs(&self) -> Option<Arc<ViewSet>> {
         self.sequence().source().photographs(self.shown()?.index)
     }
@@ -155,8 +156,8 @@ impl Player {
         self.waiting_for
     }
 
-    /// Whether the frame in the picture is on its way: some of its points are there, or all of them without what is
-    /// estimated.
+    /// Returns true if the shown frame is still loading: only some of its points are there, or all of them without
+    /// estimated attributes.
     pub fn is_partial(&self) -> bool {
         self.is_partial
     }
@@ -168,7 +169,7 @@ impl Player {
         self.request(self.clock.frame(), self.clock.direction(), needs);
     }
 
-    /// How long a frame lasts, if frames are played. One alone is at rest, whatever was asked for.
+    /// Returns the duration of a frame during playback. A single frame is at rest, whatever was requested.
     fn interval(&self, clock: &Clock) -> Option<Duration> {
         let plays = self.is_playing() && clock.frame_count() > 1;
         plays.then(|| clock.frame_interval())
@@ -190,7 +191,7 @@ impl Player {
         self.frames_shown
     }
 
-    /// Those of them that were first shown with fewer points than their files have.
+    /// Returns the number of shown frames that first appeared with fewer points than their files have.
     pub fn coarse_frames_shown(&self) -> u64 {
         self.coarse_frames_shown
     }
@@ -205,14 +206,14 @@ impl Player {
         self.loader.note_drawn(points, picture_ms);
     }
 
-    /// Frames a second that were really shown lately; `None` while paused or too early to say.
+    /// Returns the frame rate recently achieved, in frames per second; `None` while paused or too early to say.
     pub fn fps_held(&self) -> Option<f64> {
         let (first, last) = (self.shown_at.front()?, self.shown_at.back()?);
         let elapsed = last.checked_sub(*first)?.as_secs_f64();
         (self.is_playing() && elapsed > 0.0).then(|| (self.shown_at.len() - 1) as f64 / elapsed)
     }
 
-    /// Whether the newest frame is shown as it comes.
+    /// Returns true if playback follows the newest frame as it arrives.
     pub fn follows_newest(&self) -> bool {
         self.follows_newest
     }
@@ -305,19 +306,19 @@ impl Player {
         self.shown_at.clear();
     }
 
-    /// Frames a second at speed 1.
+    /// Sets the frame rate at speed 1, in frames per second.
     pub fn set_fps(&mut self, fps: f64, now: Duration) {
         self.clock.set_fps(fps, now);
         self.shown_at.clear();
     }
 
-    /// What happens at the ends.
+    /// Sets the loop mode, i.e. the behaviour at the ends of the range.
     pub fn set_loop_mode(&mut self, loop_mode: LoopMode, now: Duration) {
         self.clock.set_loop_mode(loop_mode, now);
         self.loader.set_loop_mode(loop_mode);
     }
 
-    /// Which frames play.
+    /// Sets the range of frames that play.
     pub fn set_range(&mut self, range: PlayRange, now: Duration) {
         self.clock.set_range(range, now);
         self.loader.set_range(range);
@@ -333,8 +334,9 @@ impl Player {
         self.update_beside(now, style, |_, _| true)
     }
 
-    /// [`Player::update`] beside something else that goes by the same clock: `prepare` is told where the clock will be,
-    /// and whether it plays, and says whether what belongs there is at hand. Playing waits for it.
+    /// Variant of [`Player::update`] for playback together with something else on the same clock: `prepare` receives
+    /// the next clock position and the playing state, and reports whether what belongs there is available. Playback
+    /// waits for it.
     pub fn update_beside(
         &mut self,
         now: Duration,

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::sync::{Condvar, Mutex};
 use std::time::Instant;
 
-/// Of a frame at 24 a second; rounded up like the clock's deadlines.
+/// Duration of a frame at 24 fps; rounded up like the clock's deadlines.
 const FRAME: Duration = Duration::from_nanos(41_666_667);
 
 /// Lets the decoder have frames one by one: the disk of these tests is as slow as they want.

@@ -1,5 +1,5 @@
-//! Which frame is shown when, with how many points: slow files, slow pictures and broken files by a clock that the test
-//! turns.
+//! Tests of the playback schedule: which frame is shown when, and with how many points, for slow files, slow rendering
+//! and broken files, on a clock advanced by the test.
 
 use super::*;
 use crate::cloud::{Positions, RawCloud};
@@ -206,7 +206,7 @@ fn broken_frames_are_passed_over_in_their_time() {
     assert_eq!(theatre.counted(), [0, 0, 1]);
 }
 
-/// What was drawn before, paused, is known: nobody sees few points first.
+/// Render times measured while paused are known when playback starts: no frame first appears with few points.
 #[test]
 fn playing_after_a_look_at_a_frame_begins_with_all_points() {
     let mut theatre = Theatre::new(|_| FAST, &[]);

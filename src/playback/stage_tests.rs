@@ -62,7 +62,7 @@ impl Stage {
         }
     }
 
-    /// What is seen, one picture after the other, until nothing more is to come.
+    /// Collects the frames that are seen, one after the other, until nothing more is to come.
     fn watch(&mut self) -> Vec<ShownFrame> {
         let mut seen: Vec<ShownFrame> = Vec::new();
         for _ in 0..50 {

@@ -76,7 +76,7 @@ pub(super) fn npz_size_px(bytes: &[u8]) -> Result<[u32; 2], String> {
     npy_size_px(&depths_in(bytes, HEAD_BYTES as u64)?)
 }
 
-/// What the header says.
+/// Array shape and type stated by the header.
 struct Shape {
     size_px: [u32; 2],
     channels: usize,

@@ -12,7 +12,7 @@ const HEADER_BYTES: usize = 37;
 /// The most that LZF can reach: 264 bytes out of three.
 const MOST_LZF_RATIO: u64 = 88;
 
-/// What is before the packed bytes of an image of PCL.
+/// Header before the compressed bytes of a PCL image.
 struct Header {
     size_px: [u32; 2],
     kind: String,

@@ -16,7 +16,7 @@ pub(crate) struct Raster {
     pub(crate) samples: Samples,
 }
 
-/// What a pixel is: as many entries as there are pixels.
+/// Pixel data by sample format, with one entry per pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Samples {
     Gray8(Vec<u8>),
@@ -26,7 +26,7 @@ pub(crate) enum Samples {
 }
 
 impl Samples {
-    /// What it is, for people.
+    /// Returns the human-readable name of the pixel format.
     pub(crate) fn name(&self) -> &'static str {
         match self {
             Self::Gray8(_) => "grey of 8 bits",

@@ -1,9 +1,9 @@
-//! What is said of a file that ends early.
+//! Messages about a truncated file.
 
 use super::file::{Directory, FrameCut, FrameRecord};
 use std::path::Path;
 
-/// How much of a frame is there, and what of it is drawn.
+/// Describes how much of a truncated frame is present, and which levels of it are drawn.
 pub(super) fn share_there(frame: &FrameRecord, cut: FrameCut) -> String {
     // Never rounded up to all.
     let percent = (100 * cut.bytes_there).checked_div(cut.bytes).unwrap_or(0).min(99);
@@ -16,8 +16,8 @@ pub(super) fn share_there(frame: &FrameRecord, cut: FrameCut) -> String {
     format!("{percent} % of the frame is there, drawn from {of_levels}")
 }
 
-/// What is there of the last group of the file at `path`, whose first frame is `first`, and of which `missing` frames
-/// are not there.
+/// Returns the note on the truncated last group of the file at `path`, whose first frame is `first`, and of which
+/// `missing` frames are absent.
 pub(super) fn note_of_group(path: &Path, directory: &Directory, first: usize, missing: usize) -> String {
     let cut: Vec<(usize, &FrameRecord, FrameCut)> = (first..)
         .zip(&directory.frames)

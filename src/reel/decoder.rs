@@ -28,7 +28,7 @@ pub struct DecodedFrame {
     pub points_in_frame: usize,
     /// Levels that were decoded.
     pub levels: u8,
-    /// Whether that is all of it.
+    /// True if the frame was decoded completely.
     pub is_whole: bool,
     /// Edge of the cells that its points stand for, in the unit of the file; where points are kept one by one, of those
     /// that they are about one in each of.
@@ -53,19 +53,19 @@ struct OpenGroup {
     data: u64,
 }
 
-/// The last frame that was decoded, if the next one may be told by it.
+/// Last decoded frame, kept if the next one may be encoded relative to it.
 #[derive(Debug)]
 struct LastFrame {
     group: usize,
     /// Its place in the group.
     place: usize,
-    /// How many of its sections were decoded.
+    /// Number of its sections that were decoded.
     sections: usize,
     followed: Followed,
 }
 
 impl ReelDecoder {
-    /// Of a file; a frame may take so many bytes of memory while it is decoded.
+    /// Creates a decoder for a file; decoding a frame may take at most `max_memory_bytes` bytes of memory.
     pub fn new(file: Arc<ReelFile>, max_memory_bytes: u64) -> Self {
         Self {
             file,
@@ -80,9 +80,9 @@ impl ReelDecoder {
         &self.file
     }
 
-    /// Frame `index` by its finest level of at most `most_points` points (by its root, if no level has so few;
-    /// `usize::MAX` for all of it). The answer does not depend on what was decoded before, but the time does: a frame
-    /// that is told by others is decoded after them, unless the one before it was decoded last.
+    /// Decodes frame `index` at its finest level of at most `most_points` points (at its root, if no level has so few;
+    /// `usize::MAX` for all of it). The result does not depend on what was decoded before, but the time does: a frame
+    /// that is encoded relative to others is decoded after them, unless the one before it was decoded last.
     ///
     /// # Errors
     /// No such frame, bytes that are damaged, more memory than is allowed, and cancellation.
@@ -117,7 +117,7 @@ impl ReelDecoder {
     }
 }
 
-/// What is read of a group.
+/// Read context of a group: the chosen level of detail, the memory limit and the progress.
 struct Reading<'a> {
     file: &'a ReelFile,
     group: &'a OpenGroup,
@@ -127,7 +127,8 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    /// The cloud of a frame of the group; `last` is what was decoded before, and becomes what the next is told by.
+    /// Decodes the cloud of a frame of the group; `last` is the previously decoded frame, and becomes the reference of
+    /// the next.
     fn cloud(&self, place: usize, last: &mut Option<LastFrame>) -> Result<RawCloud, ReelError> {
         let Directory { grid, schemas, frames } = &self.group.directory;
         let frame = &frames[place];
@@ -249,7 +250,7 @@ fn open_group<'a>(last: &'a mut Option<OpenGroup>, file: &ReelFile, index: usize
     Ok(last.insert(open))
 }
 
-/// How much of a frame is decoded.
+/// Choice of how much of a frame is decoded.
 #[derive(Debug, Clone, Copy)]
 struct Choice {
     sections: usize,
@@ -280,7 +281,7 @@ impl Choice {
     }
 }
 
-/// What may be allocated for a frame.
+/// Memory limits for the allocations of a frame.
 struct Limits {
     frame: usize,
     allowed: u64,
@@ -369,7 +370,7 @@ fn section_of(record: &SectionRecord, mut bytes: &[u8]) -> CodedSection {
     }
 }
 
-/// What the frame says beside its points.
+/// Adds the metadata of the frame to its points.
 fn finished(frame: &FrameRecord, mut cloud: RawCloud, choice: Choice) -> RawCloud {
     cloud.sensor = frame.sensor;
     cloud.convention = frame.convention;

@@ -112,7 +112,7 @@ impl CodedFrame {
     }
 }
 
-/// Frames that may be told by the first of them, one after the other.
+/// Returns the runs of consecutive frames that may be encoded relative to the first of them.
 fn runs_of(plan: &GroupPlan, clouds: &[&RawCloud], options: &ReelOptions) -> Vec<Range<usize>> {
     let mut runs: Vec<Range<usize>> = Vec::new();
     for index in 0..clouds.len() {
@@ -124,7 +124,8 @@ fn runs_of(plan: &GroupPlan, clouds: &[&RawCloud], options: &ReelOptions) -> Vec
     runs
 }
 
-/// The frames of a run: the first stands alone, and each that would take more bytes told by the one before.
+/// Encodes the frames of a run: the first stands alone, and so does each that would take more bytes if encoded relative
+/// to the one before.
 fn encode_run(plan: &GroupPlan, clouds: &[&RawCloud], run: Range<usize>) -> Vec<CodedFrame> {
     let mut coded: Vec<CodedFrame> = Vec::with_capacity(run.len());
     let mut key: Option<(Run<'_>, Followed, usize)> = None;

@@ -11,7 +11,7 @@ pub enum ReelError {
     Io {
         /// The file.
         path: PathBuf,
-        /// Where in it.
+        /// Byte offset in the file.
         byte: u64,
         /// The system's reason.
         source: std::io::Error,
@@ -57,9 +57,9 @@ pub enum ReelError {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// Where in it the damaged part begins.
+        /// Byte offset in the file where the damaged part begins.
         byte: u64,
-        /// What was found and what was expected.
+        /// Description of what was found and what was expected.
         problem: String,
     },
     /// More memory than is allowed.
@@ -71,7 +71,7 @@ pub enum ReelError {
     TooLarge {
         /// The file.
         path: PathBuf,
-        /// Which frame.
+        /// Index of the frame.
         frame: usize,
         /// Bytes that it would take.
         needed: u64,
@@ -97,7 +97,7 @@ pub enum ReelError {
     NoFrames {
         /// The file.
         path: PathBuf,
-        /// What could not be read of it.
+        /// Description of what could not be read of it.
         damage: Option<String>,
     },
     /// Somebody cancelled it.
@@ -109,7 +109,7 @@ pub enum ReelError {
     /// Settings that cannot be meant.
     #[error("a sequence file cannot have {problem}")]
     Options {
-        /// What, and what to do.
+        /// Description of the problem, and what to do.
         problem: String,
     },
     /// A cloud that cannot be kept.
@@ -122,7 +122,7 @@ pub enum ReelError {
     },
 }
 
-/// What is wrong with bytes, before it is known which file they are of.
+/// Description of damaged bytes, before it is known which file they are from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Fault(pub(super) String);
 
@@ -131,7 +131,7 @@ impl Fault {
         Self(problem.into())
     }
 
-    /// The same with file and place.
+    /// Converts the fault to an error with the file path and byte offset.
     pub(super) fn at(self, path: &Path, byte: u64) -> ReelError {
         ReelError::Damaged {
             path: path.to_owned(),

@@ -1,16 +1,16 @@
-//! What a sequence file is to keep, and how precisely.
+//! Options of a sequence file: what it keeps, and how precisely.
 
 use super::error::ReelError;
 
-/// How precisely positions are kept.
+/// Precision of the stored positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Precision {
     /// Every point, within an eighth of the distance between points around it: a dense part of a scan gets more bits
     /// than a sparse one. Points that coincide are kept as often as they come.
     PointSpacing,
-    /// Cells about as large as points are far apart, one point each (paper 001 §2): points in one cell become one, with
-    /// the means of their attributes, and an offset along the normal where there are normals. In frames that are told
-    /// by the one before, it moves as they do, and is off by another half of a cell at most.
+    /// Cells about as large as points are far apart, one point each (paper 001 §2): points in one cell are merged into
+    /// one, with the means of their attributes, and an offset along the normal where there are normals. In frames that
+    /// are encoded relative to the previous one, it moves as they do, and is off by another half of a cell at most.
     SamplingDensity,
     /// One point in each occupied cell of 2ᵇ along the longest side of the group's box: `Bits(10)` are voxels of 10
     /// bits. At most 21.
@@ -21,7 +21,7 @@ pub enum Precision {
     Lossless,
 }
 
-/// How what is kept is coded.
+/// Coding method of the stored data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coding {
     /// Geometry in as few bits as the nodes around can save: models that learn, bit by bit.
@@ -31,18 +31,18 @@ pub enum Coding {
     Fast,
 }
 
-/// What of a sequence is kept.
+/// Options that determine what is kept of a sequence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReelOptions {
-    /// Of positions.
+    /// Precision of positions.
     pub precision: Precision,
     /// Time against bits.
     pub coding: Coding,
     /// Bits of a normal: 13, 15 or 17, an error of at most 2.5°, 1.3° or 0.7°; or 0 for the numbers as they are, where
     /// points are kept one by one.
     pub normal_bits: u8,
-    /// Whether frames without normals get those that a viewer would estimate, at [`Precision::SamplingDensity`]: of the
-    /// middles of cells no viewer could estimate them as well, and points are put back along them.
+    /// True if frames without normals get those that a viewer would estimate, at [`Precision::SamplingDensity`]: from
+    /// the centres of cells no viewer could estimate them as well, and points are moved back along them.
     pub estimates_normals: bool,
     /// Most that a channel of a colour may be off by, on every level; 0 is lossless.
     pub color_error: u8,
@@ -51,14 +51,14 @@ pub struct ReelOptions {
     pub scalar_bits: u8,
     /// Bits of the offset of a point along its normal at [`Precision::SamplingDensity`], at most 4; 0 for none.
     pub offset_bits: u8,
-    /// Frames of a group: they share a cube, and what is damaged costs no more than its group. Where points keep their
-    /// order from frame to frame, all but the first of a group may be told by the one before, so that any is decoded
-    /// after those before it.
+    /// Number of frames per group: they share a cube, and damage costs no more than its group. Where points keep their
+    /// order from frame to frame, all but the first of a group may be encoded relative to the previous one, so that any
+    /// is decoded after those before it.
     pub keyframes: u32,
-    /// Whether points are handed over in the order of the file, as trails need it. Points have to be kept one by one
+    /// True if points are returned in the order of the file, as trails need it. Points have to be kept individually
     /// ([`ReelOptions::keeps_points`]).
     pub keep_order: bool,
-    /// Frames a second, if frames have no time stamps.
+    /// Frame rate in frames per second, if frames have no timestamps.
     pub fps: Option<f64>,
 }
 
@@ -99,12 +99,13 @@ impl ReelOptions {
         }
     }
 
-    /// Whether points are kept one by one.
+    /// Returns true if points are kept individually.
     pub fn keeps_points(&self) -> bool {
         !matches!(self.precision, Precision::SamplingDensity | Precision::Bits(_))
     }
 
-    /// Whether a frame may be told by the one before: not where each is to have cells of its own, or every bit.
+    /// Returns true if a frame may be encoded relative to the previous one: not if each is to have cells of its own, or
+    /// every bit.
     pub(super) fn may_follow(&self) -> bool {
         matches!(
             self.precision,

@@ -31,10 +31,10 @@ pub struct ReelFile {
     len: u64,
     head: Head,
     index: Index,
-    /// Where the next group would be written.
+    /// Byte offset at which the next group would be written.
     end: u64,
     damage: Vec<String>,
-    /// Whether the end of the file cuts its last group.
+    /// True if the end of the file truncates its last group.
     is_cut: bool,
 }
 
@@ -48,7 +48,7 @@ impl fmt::Debug for ReelFile {
     }
 }
 
-/// What is known of a frame before it is decoded.
+/// Metadata of a frame, known before it is decoded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameInfo<'a> {
     /// Its name.
@@ -146,7 +146,7 @@ impl ReelFile {
         ChunkHeader::read(&header).map_err(|fault| self.fault(offset, fault))
     }
 
-    /// What of a chunk its checksum is of, if it is of a kind.
+    /// Reads the checksummed part of a chunk, if the chunk is of the given kind.
     fn checked(&self, offset: u64, kind: ChunkKind) -> Result<(ChunkHeader, Vec<u8>), ReelError> {
         let header = self.chunk_header(offset)?;
         if header.kind != kind {
@@ -293,7 +293,7 @@ impl ReelFile {
         (end > self.len).then(|| self.len.saturating_sub(start + u64::from(header.checked_len)))
     }
 
-    /// Where, from a place on, a chunk begins.
+    /// Finds the next chunk, searching from a byte offset on, and returns its offset.
     fn find_chunk(&self, from: u64) -> Result<Option<u64>, ReelError> {
         let mut offset = from;
         let end = from.saturating_add(MOST_SEARCHED_BYTES).min(self.len);
@@ -330,7 +330,7 @@ impl ReelFile {
         self.index.frames.len()
     }
 
-    /// What is known of a frame; `None` where there is none.
+    /// Returns the metadata of a frame; `None` if there is no such frame.
     pub fn frame(&self, index: usize) -> Option<FrameInfo<'_>> {
         let frame = self.index.frames.get(index)?;
         let group = self.group_of(index)?;
@@ -345,8 +345,8 @@ impl ReelFile {
         })
     }
 
-    /// The frames that are told by one another, `index` among them: they are best decoded in their order. Precondition:
-    /// there is such a frame.
+    /// Returns the run of frames encoded relative to one another that includes `index`: they are best decoded in their
+    /// order. Precondition: there is such a frame.
     pub fn run_of(&self, index: usize) -> Range<usize> {
         let is_moved = |frame: usize| self.index.frames[frame].bytes[StreamKind::Motion as usize] > 0;
         let group = match self.group_of(index) {
@@ -358,7 +358,7 @@ impl ReelFile {
         start.unwrap_or(group.start)..end.unwrap_or(group.end)
     }
 
-    /// Frames a second, if the file says it.
+    /// Returns the frame rate in frames per second, if the file states it.
     pub fn fps(&self) -> Option<f64> {
         self.head.fps
     }
@@ -368,17 +368,18 @@ impl ReelFile {
         self.head.keyframes
     }
 
-    /// How the file was made: names and values for people.
+    /// Returns the settings that the file was made with: human-readable names and values.
     pub fn settings(&self) -> &[(String, String)] {
         &self.head.settings
     }
 
-    /// Which frames of a conversion it has, if the file says it.
+    /// Returns the part of a conversion that the file holds, if the file states it.
     pub fn part(&self) -> Option<&FilePart> {
         self.head.part.as_ref()
     }
 
-    /// What could not be read: a sentence each, with file and place.
+    /// Returns the damage notes, i.e. descriptions of what could not be read: one sentence each, with file and
+    /// position.
     pub fn damage(&self) -> &[String] {
         &self.damage
     }
@@ -428,7 +429,7 @@ impl ReelFile {
         }
     }
 
-    /// What the file says of itself.
+    /// Returns the file header.
     pub(super) fn head(&self) -> &Head {
         &self.head
     }
@@ -444,12 +445,13 @@ impl ReelFile {
         (this.index, this.end)
     }
 
-    /// Whether the end of the file cuts its last group, so that frames of it are coarser than they were written.
+    /// Returns true if the end of the file truncates its last group, so that frames of it are coarser than they were
+    /// written.
     pub fn is_cut(&self) -> bool {
         self.is_cut
     }
 
-    /// The same file without the group that its end cuts: that one may just be written.
+    /// Returns the file without the group truncated by its end: that one may still be being written.
     #[must_use]
     pub fn whole_groups(mut self) -> Self {
         if std::mem::take(&mut self.is_cut) {

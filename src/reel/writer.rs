@@ -28,13 +28,13 @@ pub struct ReelWriter<W: Write> {
 }
 
 impl ReelWriter<BufWriter<File>> {
-    /// A new file, in place of one of that name.
+    /// Creates a new file, replacing any existing one of that name.
     pub fn create(path: &Path, options: ReelOptions) -> Result<Self, ReelError> {
         let file = File::create(path).map_err(|source| io_error(path, 0, source))?;
         Self::new(BufWriter::new(file), path, options)
     }
 
-    /// A new file, in place of one of that name, that says which frames of a conversion it has.
+    /// Creates a new file, replacing any existing one of that name, that states which frames of a conversion it has.
     pub fn create_part(path: &Path, options: ReelOptions, part: FilePart) -> Result<Self, ReelError> {
         let file = regular_file::create(path).map_err(|source| io_error(path, 0, source))?;
         options.check()?;
@@ -86,7 +86,7 @@ fn io_error(path: &Path, byte: u64, source: std::io::Error) -> ReelError {
     }
 }
 
-/// What a file with these options says of itself.
+/// Returns the header of a file with these options.
 fn head_of(options: &ReelOptions) -> Head {
     let creator = concat!("pointreel ", env!("CARGO_PKG_VERSION"));
     Head {

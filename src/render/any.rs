@@ -53,7 +53,7 @@ impl AnyRenderer {
         Ok(Self::Gpu(Box::new(GpuRenderer::new(context)?)))
     }
 
-    /// Whether the processor draws, without any driver.
+    /// Returns true if the CPU draws, without any driver.
     pub fn is_processor(&self) -> bool {
         matches!(self, Self::Cpu(_))
     }
@@ -93,8 +93,8 @@ impl AnyRenderer {
         }
     }
 
-    /// What a graphics card takes to filter the images of a frame and to make points of them; `None` where the
-    /// processor does that, or the card has no clock.
+    /// Measures the GPU time taken to filter the images of a frame and to create points from them; `None` if the CPU
+    /// does that, or the GPU has no timestamp queries.
     pub fn depth_image_times(&mut self, frame: &Arc<DepthFrame>) -> Result<Option<PassTimes>, RenderError> {
         match self {
             Self::Gpu(renderer) => renderer.depth_image_times(frame),

@@ -2,19 +2,19 @@
 
 use crate::scene::{DrawSettings, Primitive, SplatFilter};
 
-/// How far the visibility pass is pushed back, in splat radii. One radius is as far as two splats of one surface that
-/// still overlap can lie apart in depth at 45 degrees.
+/// Depth bias of the visibility pass, in splat radii. One radius is the largest depth distance between two splats of
+/// one surface that still overlap, at 45 degrees.
 pub(super) const DEPTH_SLACK_RADII: f32 = 1.0;
 
-/// How fast a splat's mask falls off: at the rim of its disk it is exp(-3) = 0.05.
+/// Falloff of a splat's mask: at the edge of its disk it is exp(-3) = 0.05.
 pub(super) const MASK_FALLOFF: f32 = 3.0;
 
 /// Summed weight from which a pixel hides the background: a lone splat is opaque within 0.7 of its radius and fades
 /// towards its rim.
 pub(super) const OPAQUE_WEIGHT: f32 = 0.22;
 
-/// The same of points: a little less than the mask is at the rim. As points face the screen, those on a slope lie
-/// behind one another, and the rim of the front one is all that is blended there.
+/// Opaque weight of points, see [`OPAQUE_WEIGHT`]: slightly below the mask value at the edge. As points face the
+/// screen, those on a slope lie behind one another, and the edge of the front one is all that is blended there.
 const OPAQUE_WEIGHT_OF_POINTS: f32 = 0.049;
 
 /// Weight from which a pixel hides the background. Where masks are not summed up, weights are opacities.
@@ -28,8 +28,8 @@ pub(super) fn opaque_weight(style: &DrawSettings) -> f32 {
     }
 }
 
-/// How far filtered splats reach beyond others: the squares of [`SplatFilter::Ewa`], and the rounding of what is far
-/// away.
+/// Additional reach of filtered splats compared with others, in pixels: the squares of [`SplatFilter::Ewa`], and the
+/// rounding of what is far away.
 pub(super) const EWA_REACH_PX: f32 = 1.1 * SQUARE_REACH_RADII * SplatFilter::RADIUS_PX + 1.0;
 
 const _: () = assert!(EWA_REACH_PX > SplatFilter::CLAMP_RADIUS_PX);
@@ -41,39 +41,42 @@ pub(super) const EWA_MEAN_WEIGHT: f32 = 0.5;
 /// Pixels of a filtered splat to the fourth power are not taken for less, so that quotients are numbers.
 pub(super) const EWA_LEAST_DETERMINANT: f32 = 1e-19;
 
-/// Of photographs on surfaces: samples along the long axis of what a pixel covers, at most.
+/// Maximum number of samples in view-dependent texturing along the long axis of a pixel's footprint.
 pub(super) const PHOTO_MOST_TAPS: f32 = 4.0;
 
-/// The width of the border to which photographs fade, as a share of an edge: so it is not seen.
+/// Width of the border in which images fade out, as a fraction of an edge, so that it is not visible.
 pub(super) const PHOTO_RIM: f32 = 0.02;
 
-/// How much less a photograph counts for a squared difference of its colour (of 0 to 1) from that of all: half of it at
-/// a difference of 16 of 255 in each channel, which is more than the noise of photographs and less than another thing.
+/// Down-weighting of an image per squared difference of its colour (of 0 to 1) from the mean of all: to half at a
+/// difference of 16 of 255 in each channel, which is more than image noise and less than another object.
 pub(super) const PHOTO_PER_DISAGREEMENT2: f32 = 84.67;
 
-/// Beside the square of σ, that of the angle at which a photograph is as good as from where the eye is: a twentieth of
-/// σ. Pixels are no finer, and it keeps quotients finite.
+/// Squared angle, relative to σ², within which an image is as good as one from the eye's position: a twentieth of σ.
+/// Pixels are no finer, and it keeps quotients finite.
 pub(super) const PHOTO_SAME_ANGLE2: f32 = 0.0025;
 
-/// How often the mean of photographs is taken again, once it is known which of them disagree with it.
+/// Number of times the mean of the images is recomputed, once it is known which of them disagree with it.
 pub(super) const PHOTO_AGREEMENT_ROUNDS: u32 = 2;
 
-/// In place of the cosine of a photograph that does not look at a place: below all cosines.
+/// Sentinel that replaces the cosine of an image that does not see a point: below all cosines.
 pub(super) const PHOTO_NOT_LOOKING: f32 = -2.0;
 
-/// A factor on the opacity of what has its colour from photographs: rims of disks are no softer than these.
+/// Opacity factor for surfaces coloured from images: edges of disks are no softer than these.
 pub(super) const PHOTO_OPACITY: f32 = 3.0;
 
-/// The weight of a photograph where a step of depths is near: a little beside, it shows something else.
+/// Weight of an image near a depth discontinuity: slightly to the side, it shows something else.
 pub(super) const PHOTO_TRUST_NEAR_STEPS: f32 = 0.02;
 
-/// The same counts in full where it looks as the eye does: 1 over the square of the angle at which it does not, 3°.
+/// Weight factor of the viewing angle near a depth discontinuity: an image counts in full if it looks in the direction
+/// of the eye; 1 over the square of the angle at which it does not, 3°.
 pub(super) const PHOTO_PER_STEP_ANGLE2: f32 = 364.8;
 
-/// What a pixel covers of a surface that is seen more from the side than this is that of one that is seen so.
+/// Minimum cosine for the pixel footprint: on a surface seen at a more grazing angle, the footprint is that at this
+/// cosine.
 pub(super) const PHOTO_LEAST_COSINE: f32 = 0.1;
 
-/// Normals of depths are none where the surface is seen at a smaller cosine: that of 80° (paper 004 §4.1).
+/// Minimum facing cosine of depth-map normals: there are none where the surface is seen at a smaller cosine, that of
+/// 80° (paper 004 §4.1).
 pub(super) const PHOTO_LEAST_FACING: f32 = 0.173_648_18;
 
 /// Light of a surface that is seen edge-on.
@@ -90,17 +93,17 @@ pub(super) const BACK_SIDE: f32 = 0.8;
 /// square.
 pub(super) const UPRIGHT_NORMAL_Y: f32 = 0.99;
 
-/// How far the square of a sprite reaches beyond its disk, for rasterisers that round corners; and how much nearer it
-/// is, for rounding.
+/// Margin of a sprite's square beyond its disk, for rasterisers that round corners; and the factor by which it is
+/// nearer, for rounding.
 pub(super) const SPRITE_MARGIN_PX: f32 = 0.1;
 pub(super) const SPRITE_NEARER: f32 = 1.000_001;
 
 /// Volumes that patches span with the eye, in cubes of their distances, are not taken for less: they are seen edge on.
 pub(super) const FACET_LEAST_SIZE: f32 = 1e-30;
 
-/// How far the corners of a surfel's square are from its middle, in radii: √2, rounded up.
+/// Distance of the corners of a surfel's square from its centre, in radii: √2, rounded up.
 pub(super) const SQUARE_REACH_RADII: f32 = 1.4143;
-/// How far the corners of a cube are from its middle, in half edges: √3, rounded up.
+/// Distance of the corners of a cube from its centre, in half edges: √3, rounded up.
 pub(super) const CUBE_REACH_HALF_EDGES: f32 = 1.7321;
 
 /// Greys of the nearest and the farthest depth in the picture of the visibility pass.
@@ -127,7 +130,7 @@ pub(super) const FXAA_LEAST_CONTRAST: f32 = 1.0 / 16.0;
 pub(super) const FXAA_LEAST_SHARE: f32 = 1.0 / 8.0;
 /// Share of the contrast by which the mean of both sides changes where an edge ends.
 pub(super) const FXAA_END_OF_EDGE: f32 = 0.25;
-/// How much a pixel differs from its surroundings, as a share of the contrast, where it is a detail; and how much of
-/// them is blended in at most.
+/// Difference of a pixel from its surroundings, as a fraction of the contrast, from which it is a detail; and the
+/// maximum fraction of the surroundings that is blended in.
 pub(super) const FXAA_DETAIL: f32 = 0.25;
 pub(super) const FXAA_MOST_BLENDED: f32 = 0.75;

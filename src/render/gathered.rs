@@ -6,7 +6,7 @@ use crate::scene::{Content, ScenePacket};
 /// The last content that was gathered, so that pictures of the same nodes are drawn from the same records.
 #[derive(Debug, Default)]
 pub(super) struct Gathered {
-    /// What it was, and what became of it.
+    /// Cached input content, and the gathered result.
     last: Option<(Content, Content)>,
 }
 
@@ -27,7 +27,7 @@ impl Gathered {
         gathered
     }
 
-    /// The same packet, whose records are all there.
+    /// Returns the same packet with all of its records gathered.
     pub(super) fn packet(&mut self, packet: &ScenePacket) -> ScenePacket {
         ScenePacket {
             content: self.content(&packet.content),

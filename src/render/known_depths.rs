@@ -1,5 +1,5 @@
-//! What each photograph sees of the surface: its depths (paper 004 §3.3). Both renderers have them from here: they are
-//! drawn on the processor, once for each frame and not for each picture.
+//! Depth maps of the surface as seen by each input image (paper 004 §3.3). Both renderers get them from here: they are
+//! drawn on the CPU, once for each frame and not for each rendered image.
 
 use super::cpu::depths::distances_of_surface;
 use crate::scene::{DepthMap, PhotoDepths, PhotographsInFrame, ScenePacket, SurfelStyle, seen_by_photograph};
@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub(in crate::render) struct KnownDepths(Option<((PhotographsInFrame, SurfelStyle), Arc<PhotoDepths>)>);
 
 impl KnownDepths {
-    /// Those of a packet: those that it brings, those that are known, or drawn now.
+    /// Returns the depth maps of a packet: those that it provides, those that are cached, or those drawn now.
     pub(in crate::render) fn of(&mut self, packet: &ScenePacket) -> Arc<PhotoDepths> {
         let Some(shown) = &packet.photographs else {
             return Arc::default();
@@ -25,8 +25,8 @@ impl KnownDepths {
     }
 }
 
-/// The depths that the photographs of a packet see: those of their files, else of the surface. Empty without
-/// photographs.
+/// Returns the depth maps of the input images of a packet: those of their files, else of the surface. Empty without
+/// input images.
 pub fn depths_of_photographs(packet: &ScenePacket) -> PhotoDepths {
     let Some(shown) = &packet.photographs else {
         return PhotoDepths::default();

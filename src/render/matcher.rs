@@ -1,11 +1,12 @@
-//! Who matches pairs of photographs on this machine.
+//! Stereo matcher of this machine.
 
 use super::gpu::{CardMatcher, Context, ContextOptions, may_have_gpu};
 use crate::stereo::{DisparityMap, DisparityRange, GrayImage, Matching, PairMatcher, SharedMatcher, StereoError};
 use std::sync::{Arc, LazyLock, OnceLock};
 
-/// A graphics card if there is one, else the processor. Who that is is found out when the first pair is to be matched,
-/// since most sequences have none. The card has a device of its own for it: pictures do not wait for pairs.
+/// Returns the stereo matcher of this machine: a GPU if there is one, else the CPU. The choice is made when the first
+/// pair is to be matched, since most sequences have none. The GPU has a device of its own for it: rendering does not
+/// wait for pairs.
 pub fn matcher_of_machine() -> SharedMatcher {
     static OF_MACHINE: LazyLock<Arc<OfMachine>> = LazyLock::new(Arc::default);
     SharedMatcher(Arc::<OfMachine>::clone(&OF_MACHINE))

@@ -30,7 +30,7 @@ pub trait Renderer {
     /// Waits for the picture and reads it back: display-referred 8-bit RGBA, opaque.
     fn read_image(&mut self) -> Result<image::RgbaImage, RenderError>;
 
-    /// What was done so far.
+    /// Returns the statistics of the work done so far.
     fn stats(&self) -> RenderStats;
 }
 
@@ -60,18 +60,17 @@ pub struct RenderStats {
     pub encode_ms: f64,
     /// GPU time of the last picture that was measured; `None` where timestamps are not supported.
     pub gpu_ms: Option<f64>,
-    /// What each of its passes took.
+    /// GPU time of each pass of that image.
     pub gpu_passes: PassTimes,
-    /// What passes over the images of a depth camera took, where a graphics card has filtered some and made points of
-    /// them: those of the frame before the one that was uploaded last, unless somebody has waited.
+    /// GPU times of the passes over depth-camera images, if a GPU has filtered some and made points of them: those of
+    /// the frame before the one that was uploaded last, unless the caller has waited.
     #[serde(skip_serializing_if = "PassTimes::are_none")]
     pub image_passes: PassTimes,
-    /// Visible points, where the last picture has normals of the screen and a graphics card makes them: those of a
-    /// picture some before it, as they are read back without waiting.
+    /// Visible points, if the last image has screen-space normals and a GPU computes them: those of an image some
+    /// frames before it, as they are read back without waiting.
     #[serde(skip)]
     pub screen: Option<ScreenStats>,
-    /// Of that of the software renderer, the time of what follows over the whole picture: eye-dome lighting and the
-    /// grid.
+    /// Software renderer's share of that time for what follows over the whole image: eye-dome lighting and the grid.
     pub screen_ms: f64,
 }
 
@@ -98,7 +97,7 @@ pub enum RenderError {
          without a GPU install the software one: `apt-get install mesa-vulkan-drivers libvulkan1`"
     )]
     NoAdapter {
-        /// What the graphics library said.
+        /// Error message of the graphics library.
         reason: String,
     },
     /// The adapter refused to open.
@@ -106,19 +105,19 @@ pub enum RenderError {
     NoDevice {
         /// Its name.
         adapter: String,
-        /// What it said.
+        /// Error message of the adapter.
         reason: String,
     },
     /// The driver reset or the adapter was unplugged.
     #[error("the graphics device was lost: {reason}")]
     DeviceLost {
-        /// What the driver said.
+        /// Error message of the driver.
         reason: String,
     },
     /// The GPU has no room.
     #[error("the GPU is out of memory for {what}; a smaller picture, another primitive or fewer points may fit")]
     OutOfMemory {
-        /// What was to be allocated.
+        /// Object that was to be allocated.
         what: &'static str,
     },
     /// A picture larger than the adapter can make.
@@ -134,7 +133,7 @@ pub enum RenderError {
     /// The window system does not show what is painted.
     #[error("the window cannot be painted: {reason}")]
     Window {
-        /// What it said.
+        /// Error message of the window system.
         reason: String,
     },
     /// The order of calls was wrong.
@@ -143,7 +142,7 @@ pub enum RenderError {
     /// The GPU did not answer.
     #[error("the GPU did not finish: {reason}")]
     Poll {
-        /// What the graphics library said.
+        /// Error message of the graphics library.
         reason: String,
     },
 }

@@ -1,6 +1,6 @@
-//! In place of the renderer on wgpu, in a build without it: nothing of it can be opened.
+//! Stub of the wgpu renderer, for a build without it: nothing of it can be opened.
 //!
-//! Types without a value have the functions by which the rest of the program asks the real ones, so that nobody else
+//! Uninhabited types have the functions that the rest of the program calls on the real ones, so that no other code
 //! needs to know which build this is.
 
 #![allow(
@@ -36,7 +36,7 @@ impl Context {
         match *self {}
     }
 
-    /// Whether the adapter is a program.
+    /// Returns true if the adapter is a software rasteriser.
     pub fn is_software(&self) -> bool {
         match *self {}
     }
@@ -52,7 +52,7 @@ impl Context {
     }
 }
 
-/// What draws on a device.
+/// GPU renderer, absent from this build.
 #[derive(Debug)]
 pub enum GpuRenderer {}
 
@@ -101,7 +101,7 @@ impl Renderer for GpuRenderer {
     }
 }
 
-/// What matches pairs on a device.
+/// GPU stereo matcher, absent from this build.
 #[derive(Debug)]
 pub enum CardMatcher {}
 

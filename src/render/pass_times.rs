@@ -1,4 +1,4 @@
-//! What each pass of a picture took on the clock of the GPU.
+//! GPU timings of each pass of an image.
 
 use serde::{Serialize, Serializer};
 use std::ops::Deref;
@@ -23,7 +23,7 @@ impl PassTimes {
     /// Most passes of a picture.
     pub const MOST: usize = 16;
 
-    /// Whether there are none.
+    /// Returns true if there are no timings.
     pub fn are_none(&self) -> bool {
         self.count == 0
     }

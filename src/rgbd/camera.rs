@@ -86,8 +86,8 @@ impl Camera {
         &self.distortion
     }
 
-    /// Where `point` is in the image, whether or not the image reaches as far; `None` behind the camera, and so far
-    /// aside that the lens would fold it back.
+    /// Projects `point` to the image, whether or not it is within its bounds; `None` behind the camera, and so far
+    /// off-axis that the lens would fold it back.
     pub fn pixel(&self, point: DVec3) -> Option<DVec2> {
         if point.z <= 0.0 || point.z.is_nan() {
             return None;
@@ -104,7 +104,7 @@ impl Camera {
         Some(at.extend(1.0))
     }
 
-    /// Whether `pixel` is on the image, the outer half of its border pixels included.
+    /// Returns true if `pixel` is within the image bounds, the outer half of its border pixels included.
     pub fn contains(&self, pixel: DVec2) -> bool {
         let size = DVec2::new(f64::from(self.size_px[0]), f64::from(self.size_px[1]));
         pixel.cmpge(DVec2::splat(-0.5)).all() && pixel.cmple(size - 0.5).all()

@@ -1,9 +1,9 @@
-//! What the cloud of a depth image is made from, for a graphics card that makes its points itself.
+//! Depth frame: the source images of a depth image's cloud, for a GPU that makes its points itself.
 //!
-//! **How it works.** Images are a third of the bytes of their points: two bytes of depth and three of colour a pixel,
-//! as cameras give them (paper 003 §3.4: depth and colour are uploaded, not points). Numbers of 16 bits stay as they
-//! were recorded, with a table of what each means in metres: so a card has the metres of the processor bit by bit,
-//! whatever the code. Filters are applied by who makes the points; those of [`Filters`] are what they are held against.
+//! **How it works.** Images are a third of the bytes of their points: two bytes of depth and three of colour per pixel,
+//! as cameras deliver them (paper 003 §3.4: depth and colour are uploaded, not points). Numbers of 16 bits stay as they
+//! were recorded, with a table of what each means in metres: so a GPU has the metres of the CPU bit by bit, whatever
+//! the code. Filters are applied by whatever makes the points; those of [`Filters`] are the reference for them.
 //!
 //! A temporal filter needs the images before, from the beginning of the group on. Frames of a group that one decoder
 //! decodes share them.
@@ -14,7 +14,7 @@ use super::rays::RayTable;
 use crate::cloud::{Frame, MadeFrom};
 use std::sync::Arc;
 
-/// What each of 2¹⁶ numbers is in metres; 0 where it is no distance.
+/// Depth lookup table: metres of each of 2¹⁶ numbers; 0 where it is not a distance.
 #[derive(Debug, Clone)]
 pub struct DepthTable(Arc<Vec<f32>>);
 
@@ -33,7 +33,7 @@ impl DepthTable {
         &self.0
     }
 
-    /// Whether both are the same allocation.
+    /// Returns true if both share the same allocation.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
@@ -46,7 +46,7 @@ pub enum DepthSamples {
     Coded {
         /// A number a pixel.
         numbers: Vec<u16>,
-        /// Of each number.
+        /// Table of the depth of each number.
         table: DepthTable,
     },
     /// Metres; 0 where nothing was measured.
@@ -67,7 +67,7 @@ impl DepthSamples {
         Self::Metres(metres)
     }
 
-    /// What its numbers mean, if they are no metres.
+    /// Returns the depth table of the numbers, unless they are metres.
     pub fn table(&self) -> Option<&DepthTable> {
         match self {
             Self::Coded { table, .. } => Some(table),
@@ -83,7 +83,7 @@ impl DepthSamples {
         }
     }
 
-    /// Whether it has no pixels.
+    /// Returns true if it has no pixels.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -109,7 +109,7 @@ impl DepthSamples {
     }
 }
 
-/// What is finite and above 0, or 0.
+/// Returns a depth that is finite and above 0 unchanged, or else 0.
 fn distance(metres: f32) -> f32 {
     if metres.is_finite() && metres > 0.0 {
         metres
@@ -156,7 +156,7 @@ impl DepthFrame {
         })
     }
 
-    /// What `frame` was made from, if it was made from such images and nothing was done to it since.
+    /// Returns the depth images that `frame` was made from, if it was made from such images and was not modified since.
     pub fn of(frame: &Frame) -> Option<Arc<Self>> {
         frame.made_from()?.get()
     }
@@ -197,7 +197,7 @@ impl DepthFrame {
         self.colors.as_deref()
     }
 
-    /// What is done to depths before they become points.
+    /// Returns the filters that are applied to depths before they become points.
     pub fn filters(&self) -> &Filters {
         &self.filters
     }

@@ -1,6 +1,6 @@
 //! Images of distances and of colours.
 
-/// Whether a number of 16 bits is a measurement: in every code of depth cameras 0 and 65535 are none.
+/// Returns true if a 16-bit number is a measurement: in every code of depth cameras 0 and 65535 are none.
 pub fn is_measured(number: u16) -> bool {
     !matches!(number, 0 | u16::MAX)
 }
@@ -54,7 +54,8 @@ impl DepthImage {
         self.metres.iter().filter(|&&depth| depth > 0.0).count()
     }
 
-    /// The same image of other distances. Precondition: they are as many, and finite and above 0, or 0.
+    /// Returns the depth image with other distances. Precondition: there is the same number of them, and they are
+    /// finite and above 0, or 0.
     pub(super) fn with_metres(&self, metres: Vec<f32>) -> Self {
         debug_assert_eq!(metres.len(), self.metres.len());
         Self { metres, ..*self }

@@ -18,10 +18,10 @@ pub const UNSEEN_COLOR: [u8; 4] = [128, 128, 128, 255];
 /// Distance behind the nearest point from which a point is hidden, in metres.
 const HIDDEN_BY_M: f64 = 0.02;
 
-/// The same as a share of its distance: depth is the less exact the further away.
+/// Occlusion threshold as a fraction of the point's distance: depth is less exact the further away.
 const HIDDEN_BY_SHARE: f64 = 0.02;
 
-/// A camera of colours beside the depth camera.
+/// Colour camera alongside the depth camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColorCamera {
     /// Its image.
@@ -138,7 +138,7 @@ impl NearestDepth {
         }
     }
 
-    /// Whether nothing is before the point at its place.
+    /// Returns true if the point is not occluded at its position.
     fn shows(&self, ProjectedPoint { pixel, z }: ProjectedPoint) -> bool {
         let cell = self.corner(pixel).round();
         let column = (cell.x as usize).min(self.columns - 1);
@@ -148,8 +148,7 @@ impl NearestDepth {
     }
 }
 
-/// How far neighbours in a line of the depth image are from each other in the colour image: the median, at least a
-/// pixel.
+/// Returns the spacing in the colour image of neighbours in a line of the depth image: the median, at least a pixel.
 fn step_px(seen: &[Option<ProjectedPoint>], width: usize) -> f64 {
     /// As many lines say it as well as all.
     const LINES: usize = 16;

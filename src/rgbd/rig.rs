@@ -14,11 +14,11 @@ pub struct Rig {
     pub color: Option<ColorCamera>,
 }
 
-/// What took a frame.
+/// Sensor that captured a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensor {
     /// Its cameras.
     pub rig: Arc<Rig>,
-    /// Where it was, as far as anybody knows: from the depth camera's frame to the world's.
+    /// Pose of the sensor, as far as it is known: from the depth camera's frame to the world's.
     pub world_from_camera: Option<DAffine3>,
 }

@@ -1,9 +1,9 @@
-//! What of the world is drawn: what is within a box, or on one side of a plane; or all but that.
+//! Clipping: draws only what is within a box, or on one side of a plane; or all but that.
 //!
-//! How it works. Records are left out when a packet is made, by where their middles are, so every renderer and every
-//! primitive draws the same, and nobody can pick what is not drawn. Each record is tested for itself: a test costs as
-//! much as finding the box around its neighbours would. Whole points go or stay: a splat or a voxel whose middle is
-//! inside reaches beyond the border by its radius.
+//! How it works. Records are excluded when a packet is made, by the positions of their centres, so every renderer and
+//! every primitive draws the same, and nobody can pick what is not drawn. Each record is tested for itself: a test
+//! costs as much as finding the box around its neighbours would. Whole points are kept or clipped: a splat or a voxel
+//! whose centre is inside reaches beyond the border by its radius.
 
 use crate::cloud::{PointRecord, VoxelRecord};
 use crate::math::Aabb;
@@ -27,7 +27,7 @@ pub enum ClipShape {
     Plane {
         /// Towards what is inside; of any length but 0.
         normal: DVec3,
-        /// Of the plane along the normal, scene units if that has a length of 1.
+        /// Plane offset along the normal, scene units if that has a length of 1.
         offset: f64,
     },
 }
@@ -51,7 +51,7 @@ impl ClipShape {
         Some(Self::Plane { normal, offset })
     }
 
-    /// Whether a place is in it.
+    /// Returns true if the shape contains a position.
     pub fn contains(&self, place: DVec3) -> bool {
         match self {
             Self::Box { min, max } => place.cmpge(*min).all() && place.cmple(*max).all(),
@@ -73,13 +73,13 @@ impl ClipShape {
     }
 }
 
-/// Which part of the cloud is drawn, in the coordinates of the file; in a packet relative to the origin of the
-/// sequence, as all of it.
+/// Clipping of the cloud to the part that is drawn, in the coordinates of the file; in a packet relative to the origin
+/// of the sequence, like everything in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clip {
-    /// Whether anything is left out at all.
+    /// True if clipping is enabled.
     pub is_on: bool,
-    /// Where.
+    /// Clip shape.
     pub shape: ClipShape,
     /// Draws what is not in the shape instead.
     pub keeps_outside: bool,
@@ -95,12 +95,12 @@ impl Clip {
         }
     }
 
-    /// Whether what is at a place is drawn.
+    /// Returns true if a position is not clipped, so that what is there is drawn.
     pub fn keeps(&self, place: DVec3) -> bool {
         !self.is_on || self.shape.contains(place) != self.keeps_outside
     }
 
-    /// The same for places relative to `origin`.
+    /// Returns the clip for positions relative to `origin`.
     #[must_use]
     pub fn relative_to(&self, origin: DVec3) -> Self {
         Self {
@@ -114,7 +114,8 @@ impl Clip {
         self.kept_places(records.len(), |index| records[index].place())
     }
 
-    /// The same of `count` records whose middles are at these places.
+    /// Returns the ascending indices of the records that are drawn, of `count` records whose centres are at these
+    /// positions.
     pub(in crate::scene) fn kept_places(&self, count: usize, place: impl Fn(usize) -> Vec3 + Sync) -> Vec<u32> {
         let indices = (0..count as u32).into_par_iter().with_min_len(RECORDS_PER_TASK);
         indices
@@ -125,7 +126,7 @@ impl Clip {
 
 /// A record that is somewhere.
 pub(in crate::scene) trait HasPosition: Sync {
-    /// Its middle, relative to the origin of the sequence.
+    /// Returns the centre of the record, relative to the origin of the sequence.
     fn place(&self) -> Vec3;
 }
 

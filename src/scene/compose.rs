@@ -24,7 +24,7 @@ use std::ptr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// What [`Scene`] did so far.
+/// Statistics of the work that [`Scene`] did so far.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
 pub struct SceneStats {
     /// Traversals of levels of detail.
@@ -33,7 +33,7 @@ pub struct SceneStats {
     pub visited_nodes: usize,
     /// Nodes emitted by the last traversal; where these are left to a test of each, those that are tested.
     pub emitted_voxels: usize,
-    /// Those of them that stand for points for which another one stands, too.
+    /// Duplicates among them, which represent points that another node represents as well.
     pub duplicates: usize,
     /// LOD threshold of the last traversal in pixels; `None` where a level was chosen.
     pub lod_px: Option<f32>,
@@ -59,7 +59,7 @@ pub struct Scene {
 #[derive(Debug)]
 struct LastCut {
     from: CutInput,
-    /// `None` where nodes are told by a test of each.
+    /// Level-of-detail cut; `None` where nodes are selected by a test of each.
     cut: Option<Cut>,
     content: Content,
 }
@@ -75,12 +75,12 @@ struct CutInput {
     metric: LodMetric,
     affordable: Affordable,
     clip: Option<Clip>,
-    /// Whether who draws keeps the records of all nodes.
+    /// True if the renderer keeps the records of all nodes.
     may_select: bool,
 }
 
 impl CutInput {
-    /// Whether the nodes are those of the same structure, chosen in the same way.
+    /// Returns true if the nodes are those of the same structure, selected with the same settings.
     fn has_same_nodes(&self, other: &Self) -> bool {
         ptr::addr_eq(Arc::as_ptr(&self.levels), Arc::as_ptr(&other.levels))
             && self.culls_back_faces == other.culls_back_faces
@@ -90,7 +90,8 @@ impl CutInput {
 }
 
 impl CutInput {
-    /// What is drawn where nodes are told by a test of each, and the LOD threshold. Other policies count nodes.
+    /// Returns the content where nodes are selected by a test of each, and the LOD threshold. Other policies count
+    /// nodes.
     fn filtered(&self, view: &SelectView, hints: CutHints<'_>) -> Option<(Content, f32)> {
         let Lod::ThresholdPx(lod_px) = self.lod else {
             return None;
@@ -112,7 +113,7 @@ impl PartialEq for CutInput {
     }
 }
 
-/// What a picture is asked of.
+/// Inputs of a requested image.
 struct Wanted<'a> {
     frame: &'a PreparedFrame,
     origin: DVec3,
@@ -138,7 +139,7 @@ fn of_points(frame: &PreparedFrame) -> Option<Surfels> {
     })
 }
 
-/// Those that photographs are put on, where there are some and these disks are others.
+/// Returns the curved splats for view-dependent texturing, if there are input images and these disks differ.
 fn bent(frame: &PreparedFrame) -> Option<Surfels> {
     let photographs = frame.photographs.as_ref()?;
     let bent = frame.bent.as_ref().filter(|_| !photographs.all().is_empty())?;
@@ -158,7 +159,7 @@ impl Scene {
         }
     }
 
-    /// What a frame must have for a picture with these settings.
+    /// Returns the data that a frame must have for an image with these settings.
     pub fn needs(style: &Style) -> Needs {
         // Where errors of normals of the screen are shown, others are held to be true.
         let is_of_screen = style.has_screen_normals() && !style.shows_normal_errors();
@@ -235,7 +236,8 @@ impl Scene {
         }
     }
 
-    /// What is drawn of `frame`. Whatever is drawn of levels of detail that are not there is drawn of all points.
+    /// Returns the content to draw of `frame`. Whatever is drawn from levels of detail is drawn from all points if they
+    /// do not exist.
     fn content(&mut self, wanted: &Wanted<'_>) -> Content {
         let &Wanted {
             frame,
@@ -322,7 +324,7 @@ impl Scene {
         spacing.typical
     }
 
-    /// What `clip` keeps of all of a frame: the same allocation as long as both stay the same.
+    /// Returns the clipped content of a whole frame: the same allocation as long as both stay the same.
     fn clip(&mut self, clip: Clip, whole: Content) -> Content {
         let known = self.clipped.take();
         let known = known.filter(|known| known.clip == clip && known.whole == whole);
@@ -371,7 +373,7 @@ impl Scene {
         self.stats
     }
 
-    /// What the processor did for normals of the screen, if the last picture has such.
+    /// Returns the statistics of screen-space normals computed on the CPU, if the last image has such.
     pub fn screen_stats(&self) -> Option<ScreenStats> {
         self.screen.stats()
     }

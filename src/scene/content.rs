@@ -1,4 +1,4 @@
-//! What a picture is drawn from, one variant for each way to draw.
+//! Drawable content of an image, one variant for each render mode.
 
 use super::Clip;
 use crate::cloud::{MeshRecords, PointRecord, ShapeRecord, VoxelRecord};
@@ -18,9 +18,9 @@ pub enum Content {
     Points(Arc<Vec<PointRecord>>),
     /// Points with radii and normals: oriented disks, or points where the primitive is the point.
     Surfels(Surfels),
-    /// The same, some of those of all nodes of levels of detail, for graphics cards, which keep these.
+    /// Oriented disks selected from those of all nodes of levels of detail, for GPUs, which keep these.
     Selected(Selected),
-    /// The same of those points that a picture shows, for graphics cards, which find them and their normals.
+    /// Oriented disks of the points that are visible in an image, for GPUs, which find them and their normals.
     Visible(Arc<VisiblePoints>),
     /// Cubes.
     Voxels(Voxels),
@@ -42,9 +42,9 @@ pub struct Surfels {
 /// Disks of some nodes.
 #[derive(Debug, Clone)]
 pub struct Selected {
-    /// Those of all nodes.
+    /// Records of all nodes.
     pub nodes: NodeRecords,
-    /// Which are drawn.
+    /// Selection of the records that are drawn.
     pub selection: Arc<Selection>,
 }
 
@@ -116,7 +116,7 @@ impl Content {
         }
     }
 
-    /// Whether what is drawn has normals and radii, be they left to who draws or not.
+    /// Returns true if the drawn records have normals and radii, including those that the renderer computes.
     pub fn has_shapes(&self) -> bool {
         self.shapes().is_some() || matches!(self, Self::Visible(_))
     }
@@ -159,8 +159,8 @@ impl Content {
         }
     }
 
-    /// What `clip` keeps, by the middles of records; the same allocations if that is all. A code cannot be cut and
-    /// stays whole.
+    /// Returns the content that `clip` keeps, by the centres of records; the same allocations if that is all. A code
+    /// cannot be cut and stays whole.
     #[must_use]
     pub fn clipped(&self, clip: &Clip) -> Self {
         match self {

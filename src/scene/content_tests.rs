@@ -35,7 +35,7 @@ fn next(content: &Content) -> Option<Content> {
     })
 }
 
-/// The same content with another of its parts, for each of them.
+/// Returns variants of the content, each with another of its parts changed.
 fn changed(content: &Content) -> Vec<Content> {
     match content.clone() {
         Content::Nothing => Vec::new(),

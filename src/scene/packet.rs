@@ -12,26 +12,26 @@ pub struct ScenePacket {
     pub viewport_px: [u32; 2],
     /// The camera.
     pub view: ViewTransform,
-    /// How to draw.
+    /// Drawing style.
     pub style: DrawSettings,
-    /// What to draw; renderers tell records apart by their allocation.
+    /// Content to draw; renderers distinguish records by their allocation.
     pub content: Content,
     /// The box around the cloud, for the grey of [`super::Splatting::Visibility`].
     pub bounds: Aabb,
     /// The plane of [`super::Backdrop::grid`], if it is on.
     pub ground: Option<GroundPlane>,
-    /// What surfaces have their colours from, if these are not those of points.
+    /// Posed images that surfaces take their colours from, if these are not those of points.
     pub photographs: Option<PhotographsInFrame>,
-    /// What settings are in this picture.
+    /// Parameters derived from settings for this image.
     pub params: PacketParams,
 }
 
-/// What is derived from settings for one picture: lengths and places of its frame.
+/// Parameters derived from settings for one image: lengths and positions of its frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PacketParams {
-    /// How far apart neighbouring points of the frame typically are, scene units; 0 where nobody has measured it.
+    /// Typical spacing of neighbouring points of the frame, scene units; 0 if it has not been measured.
     pub point_spacing: f32,
-    /// What of the cloud is drawn, relative to the origin of the frame; all if `None`.
+    /// Clip region: the part of the cloud that is drawn, relative to the origin of the frame; all if `None`.
     pub clip: Option<Clip>,
 }
 
@@ -43,9 +43,9 @@ impl ScenePacket {
         [middle - radius, middle + radius]
     }
 
-    /// What renderers draw for this picture before antialiasing: several pixels for each, see
-    /// [`Antialiasing::samples_per_edge`](super::Antialiasing::samples_per_edge). What is told in pixels has as many
-    /// more.
+    /// Returns the packet that renderers draw for this image before antialiasing: several samples per pixel, see
+    /// [`Antialiasing::samples_per_edge`](super::Antialiasing::samples_per_edge). Lengths given in pixels are scaled by
+    /// the same factor.
     #[must_use]
     pub fn as_drawn(&self) -> Self {
         let samples = self.style.drawing.antialiasing.samples_per_edge();
@@ -65,7 +65,7 @@ impl ScenePacket {
         self.viewport_px[1] as f32 / (bottom - top)
     }
 
-    /// How what is drawn is lit: points without normals are not.
+    /// Returns the lighting of what is drawn: points without normals are not lit.
     pub fn lighting(&self) -> Lighting {
         let is_lit = match &self.content {
             Content::Points(_) => false,
@@ -78,8 +78,8 @@ impl ScenePacket {
         }
     }
 
-    /// The same records in another view, for the depths alone that the visibility pass leaves: without light, and with
-    /// what faces away.
+    /// Returns the packet with the same records in another view, for the depths alone that the visibility pass writes:
+    /// without light, and with back faces.
     #[must_use]
     pub(super) fn for_depths(&self, view: ViewTransform, viewport_px: [u32; 2]) -> Self {
         let mut packet = self.clone();

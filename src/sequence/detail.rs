@@ -1,4 +1,4 @@
-//! How many points of a frame are wanted where there is no time for all.
+//! Level of detail: the number of points of a frame that are wanted if there is no time for all.
 
 use crate::cloud::Frame;
 use std::num::NonZeroU32;
@@ -27,15 +27,15 @@ impl Detail {
         }
     }
 
-    /// Whether `frame` has as many points as are wanted. Three quarters of them will do: a frame is not made anew for
-    /// so little. A level of detail will do if the next finer one has more.
+    /// Returns true if `frame` has as many points as are wanted. Three quarters of them will do: a frame is not rebuilt
+    /// for so little. A level of detail will do if the next finer one has more.
     pub(super) fn is_met_by(self, frame: &Frame) -> bool {
         let points = frame.len() + frame.dropped_points();
         let is_finest = |finer: usize| finer > self.most_points();
         !frame.is_sample() || points >= self.most_points() / 4 * 3 || frame.points_of_finer().is_some_and(is_finest)
     }
 
-    /// Whether `frame` has so many more points that it is worth making one of fewer.
+    /// Returns true if `frame` has so many more points that it is worth creating one with fewer.
     pub(super) fn is_exceeded_by(self, frame: &Frame) -> bool {
         frame.len() > self.most_points().saturating_mul(3) / 2
     }

@@ -1,4 +1,4 @@
-//! What can be wrong with one frame of a sequence.
+//! Errors of a single frame of a sequence.
 
 use crate::cloud::CloudError;
 use crate::messages::frame_by_index;
@@ -28,7 +28,7 @@ pub enum FrameError {
         index: usize,
         /// The file.
         path: PathBuf,
-        /// What does not fit.
+        /// Reason for the mismatch.
         reason: CloudError,
     },
     /// The machine has not the memory for it.
@@ -62,7 +62,7 @@ pub enum FrameError {
     Gone {
         /// Index in the sequence.
         index: usize,
-        /// What it came from.
+        /// Path it came from.
         path: PathBuf,
     },
     /// The program's own fault, kept to this frame.

@@ -30,14 +30,14 @@ pub struct Sequence {
     source: Arc<dyn Source>,
     /// Decoders that nobody uses now, those unused for longest first, and the frame that each has decoded last.
     decoders: Mutex<IdleDecoders>,
-    /// The same of those that decode meshes.
+    /// Idle decoders for meshes.
     mesh_decoders: Mutex<IdleDecoders>,
     decode_count: AtomicU64,
     origin: OriginFinder,
     fps: Option<f64>,
     no_data: NoData,
     stamps: Mutex<Stamps>,
-    /// Of the frames that were decoded so far.
+    /// Assumptions of the frames decoded so far.
     assumptions: Mutex<Assumptions>,
 }
 
@@ -114,13 +114,13 @@ impl Sequence {
         Self::of(FrameList::new(entries, move |entry, _| decode(entry)))
     }
 
-    /// The same frames, of which nothing is decoded yet and the origin is not decided.
+    /// Returns a sequence of the same frames, of which nothing is decoded yet and the origin is not decided.
     #[must_use]
     pub(crate) fn anew(&self) -> Self {
         Self::of_shared(Arc::clone(&self.source), self.fps, self.no_data)
     }
 
-    /// The same frames with other filters of depth images; `None` where frames are none: see
+    /// Returns a sequence of the same frames with other filters of depth images; `None` if frames are none: see
     /// [`DepthImages::filtered`](crate::source::DepthImages::filtered).
     #[must_use]
     pub fn filtered(&self, filters: Filters) -> Option<Self> {
@@ -133,12 +133,12 @@ impl Sequence {
         self.no_data
     }
 
-    /// Where the frames come from.
+    /// Returns the source of the frames.
     pub fn source(&self) -> &Arc<dyn Source> {
         &self.source
     }
 
-    /// The same sequence at another frame rate; values that are not positive and finite change nothing.
+    /// Returns this sequence with another frame rate; values that are not positive and finite change nothing.
     #[must_use]
     pub fn with_fps(mut self, fps: f64) -> Self {
         if fps.is_finite() && fps > 0.0 {
@@ -168,24 +168,24 @@ impl Sequence {
         self.len() == 0
     }
 
-    /// What is known of every frame, in order.
+    /// Returns the entries of all frames, in order.
     pub fn entries(&self) -> Vec<Arc<FrameEntry>> {
         (0..self.len()).map(|index| self.entry(index)).collect()
     }
 
-    /// What is known of frame `index`. Precondition: `index < len()`.
+    /// Returns the entry of frame `index`. Precondition: `index < len()`.
     pub fn entry(&self, index: usize) -> Arc<FrameEntry> {
         self.source.entry(index)
     }
 
-    /// Frames a second at normal speed, for most of the time.
+    /// Returns the frames per second at normal speed, for most of the time.
     pub fn fps(&self) -> f64 {
         let stamped = || self.stamped_pace().map(|(_, fps)| fps);
         let said = || self.source.fps();
         self.fps.or_else(stamped).or_else(said).unwrap_or(DEFAULT_FPS)
     }
 
-    /// How long each frame lasts: as its time stamps say, unless a frame rate was chosen.
+    /// Returns the pace, the duration of each frame: as its timestamps give it, unless a frame rate was chosen.
     pub fn pace(&self) -> Pace {
         let stamped = || self.stamped_pace().map(|(pace, _)| pace);
         match self.fps {
@@ -194,13 +194,13 @@ impl Sequence {
         }
     }
 
-    /// Pace and frames a second by the time stamps, if every frame has one and they grow.
+    /// Returns pace and frames per second by the timestamps, if every frame has one and they increase.
     fn stamped_pace(&self) -> Option<(Pace, f64)> {
         let mut stamps = lock(&self.stamps);
         stamps.pace(self.len(), |index| self.entry(index).time)
     }
 
-    /// What is subtracted from file coordinates before they become f32.
+    /// Returns the origin, which is subtracted from file coordinates before they become f32.
     ///
     /// Zero unless the coordinates are large against the extent of the cloud; decided by the first frame that can be
     /// read and has a finite point. The first call decodes that frame, and keeps it for whoever loads it next.
@@ -311,7 +311,8 @@ impl Sequence {
         sample
     }
 
-    /// Whether the ranges of values are those of a file that has changed since: all frames are to be prepared anew.
+    /// Returns true if the value ranges are those of a file that has changed since: all frames have to be prepared
+    /// again.
     pub(crate) fn are_ranges_outdated(&self) -> bool {
         self.origin.is_sample_outdated()
     }
@@ -345,7 +346,7 @@ impl Sequence {
         self.load(index, Detail::Full, &progress).map(|loaded| loaded.frame)
     }
 
-    /// How often a decoder was called so far.
+    /// Returns the number of decoder calls so far.
     pub fn decode_count(&self) -> u64 {
         self.decode_count.load(Ordering::Relaxed)
     }

@@ -9,14 +9,14 @@ use std::sync::Arc;
 pub struct NumberGap {
     /// The index of the frame before it.
     pub after: usize,
-    /// How many frames are missing.
+    /// Number of missing frames.
     pub count: u64,
     /// From the first number that is missing to the last.
     pub numbers: RangeInclusive<u64>,
 }
 
-/// Where numbers are missing, in order. Every second frame may have been kept on purpose: the smallest step is the
-/// rule. Times of a sensor may be counters as well, but what lies between them is not missing.
+/// Returns the gaps in the frame numbers, in order. Every second frame may have been kept on purpose: the smallest step
+/// is the rule. Times of a sensor may be counters as well, but what lies between them is not missing.
 pub fn number_gaps(entries: &[Arc<FrameEntry>]) -> Vec<NumberGap> {
     let numbers: Option<Vec<u64>> = entries.iter().map(|entry| entry.number).collect();
     let numbers = numbers.unwrap_or_default();

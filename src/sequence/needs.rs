@@ -1,14 +1,14 @@
-//! What a picture needs of a frame: what is not needed is not computed.
+//! Needs of an image from a frame: what is not needed is not computed.
 
 use super::{ColorHints, Coloring};
 use crate::levels::LevelsKey;
 
-/// What a picture needs of a frame beyond its points.
+/// Needs of an image from a frame beyond its points.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Needs {
     /// Normals and radii: for surfels, and for light on voxels.
     pub shapes: bool,
-    /// How much longer than wide splats are, and along what; nothing without `shapes`.
+    /// Ellipses of splats: how much longer than wide they are, and along what; nothing without `shapes`.
     pub ellipses: bool,
     /// The triangles of the file, where it has some.
     pub mesh: bool,
@@ -16,6 +16,6 @@ pub struct Needs {
     pub levels: Option<LevelsKey>,
     /// The colours of points and voxels.
     pub colors: Coloring,
-    /// What is known beyond the frames that colours can depend on.
+    /// Colour hints: knowledge beyond the frames that colours can depend on.
     pub hints: ColorHints,
 }

@@ -1,18 +1,18 @@
-//! The origin of a sequence: what is subtracted from f64 file coordinates so that f32 keeps the detail.
+//! Origin of a sequence, which is subtracted from f64 file coordinates so that f32 keeps the detail.
 //!
 //! **How it works.** An f32 has 24 significant bits. A cloud of extent e around a centre c spends log2(|c| / e) of them
-//! on saying where it is. Up to two bits are given away for the sake of coordinates that read like those of the file;
+//! on encoding where it is. Up to two bits are given away for the sake of coordinates that read like those of the file;
 //! beyond that the origin becomes the centre, rounded to a grid whose step is a power of two near the extent. Rounding
 //! keeps the origin short in binary, so that subtracting it from f32 coordinates is exact.
 //!
 //! **By some points.** Of a large frame some points are shown before all are read: they decide then. The grid's step
 //! and the centre are those of all points, or so near to them that f32 from there keep as much.
 //!
-//! **Beside another sequence** its origin is taken where that keeps enough: the same coordinates of two files are then
-//! the same f32, and equal clouds have no distance.
+//! **Alongside another sequence** its origin is used where that keeps enough: the same coordinates of two files are
+//! then the same f32, and equal clouds have no distance.
 //!
 //! **Once.** The first caller decodes frames from the start until one is readable, others wait for it. What it decoded
-//! is kept until somebody loads that frame, and errors it met are kept as well: nothing is decoded twice, but for what
+//! is kept until somebody loads that frame, and errors it met are kept as well: nothing is decoded twice, except what
 //! was cancelled.
 
 use super::error::FrameError;
@@ -34,7 +34,7 @@ const FAR_BESIDE_IN_EXTENTS: f64 = 64.0;
 /// A decoded frame with its time in milliseconds, or why there is none.
 type Kept = Result<(RawCloud, f32), FrameError>;
 
-/// How an origin came about.
+/// Provenance of an origin: how it was decided.
 enum Decided {
     ByFrame(DVec3),
     /// No frame has a point.
@@ -45,7 +45,7 @@ enum Decided {
 pub(super) trait OriginFrames: Send + Sync {
     fn frame_count(&self) -> usize;
 
-    /// Whether frames may come or be read again.
+    /// Returns true if frames may arrive or be read again.
     fn may_grow(&self) -> bool;
 
     /// Decodes a frame in file coordinates; with the time that it took in milliseconds.
@@ -187,12 +187,12 @@ impl OriginFinder {
         sample.is_outdated |= sample.of.as_ref().is_some_and(|(decided, _)| *decided == index);
     }
 
-    /// Whether the points of [`OriginFinder::sample`] are those of a file that has changed since.
+    /// Returns true if the points of [`OriginFinder::sample`] are those of a file that has changed since.
     pub(super) fn is_sample_outdated(&self) -> bool {
         lock(&self.sample).is_outdated
     }
 
-    /// Takes the points of frame `index` in place of outdated ones. The origin stays: frames are relative to it.
+    /// Replaces outdated sample points by those of frame `index`. The origin stays: frames are relative to it.
     pub(super) fn renew_sample(&self, index: usize, sample: impl FnOnce() -> ValueSample) {
         if !self.is_sample_outdated() {
             return;
@@ -203,7 +203,8 @@ impl OriginFinder {
         sample.is_outdated = false;
     }
 
-    /// What is known of frame `index` since the origin was decided; a decoded frame is handed out once, errors stay.
+    /// Returns the result kept for frame `index` since the origin was decided; a decoded frame is handed out once,
+    /// errors stay.
     pub(super) fn take_kept(&self, index: usize) -> Option<Kept> {
         let mut kept = lock(&self.kept);
         match kept.get(&index)? {
@@ -230,14 +231,14 @@ impl OriginFinder {
     }
 }
 
-/// Middle and diagonal of finite coordinates between `min` and `max`.
+/// Returns the centre and diagonal of finite coordinates between `min` and `max`.
 fn center_and_extent(min: DVec3, max: DVec3) -> (DVec3, f64) {
     let extent = (max * 0.5 - min * 0.5).length() * 2.0;
     (min * 0.5 + max * 0.5, extent)
 }
 
-/// Whether coordinates between `min` and `max` are no more than so many extents away from `origin`, so that f32 keep
-/// their detail.
+/// Returns true if coordinates between `min` and `max` are no more than the given number of extents away from `origin`,
+/// so that f32 keep their detail.
 fn is_near(origin: DVec3, min: DVec3, max: DVec3, far_in_extents: f64) -> bool {
     let (center, extent) = center_and_extent(min, max);
     let away = center - origin;

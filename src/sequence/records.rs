@@ -20,7 +20,7 @@ pub(super) struct CompleteSurface<'a> {
     pub(super) orientation: Orientation,
 }
 
-/// What it took to complete a surface.
+/// Work needed to complete a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SurfaceWork {
     /// The file has everything.
@@ -31,7 +31,7 @@ pub(super) enum SurfaceWork {
     Surface,
 }
 
-/// Whether normals or radii have to be estimated for surfels, which takes longest.
+/// Returns true if normals or radii have to be estimated for surfels, which takes longest.
 pub(super) fn lacks_surface(frame: &Frame) -> bool {
     frame.all_normals().is_none() || frame.all_radii().is_none()
 }
@@ -113,7 +113,7 @@ pub(super) fn shape_records(frame: &Frame, surface: &CompleteSurface<'_>) -> Vec
     shapes
 }
 
-/// The same shapes with the ellipses of the file, or where it has none with those that close the surface: see
+/// Returns the shapes with the ellipses of the file, or if it has none with those that close the surface: see
 /// [`splat_ellipses`]. Radii are the quadratic means of half axes, as [`ShapeRecord`] has them.
 pub(super) fn with_ellipses(frame: &Frame, shapes: &[ShapeRecord]) -> Vec<ShapeRecord> {
     let Some(ellipses) = frame.ellipses() else {

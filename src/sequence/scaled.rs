@@ -1,7 +1,8 @@
-//! Numbers of points → the records that are drawn, through a map or the colours of classes.
+//! Conversion of scalar values of points to the records that are drawn, through a map or the colours of classes.
 //!
-//! How it works: some numbers at a time become places in a table of colours, several of them at once; then records are
-//! written. Beside a pass that writes records of one colour that takes half as much again (`benches/prepare.rs`).
+//! How it works: a batch of numbers at a time becomes indices into a table of colours, several of them at once; then
+//! records are written. Compared with a pass that writes records of one colour that takes half as much again
+//! (`benches/prepare.rs`).
 
 use super::{FieldName, PaintValues};
 use crate::analysis::{ColorMap, ColorScale, NO_PLACE, Placer, class_color};

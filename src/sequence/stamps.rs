@@ -1,7 +1,7 @@
-//! The pace of time stamps, which may come one after the other.
+//! Pace from timestamps, which may arrive one after the other.
 //!
-//! How it works: a frame that comes adds one spacing. The median, which durations are counted in, is looked for anew
-//! once there are an eighth more, so that a stream of any length sorts nothing when a frame comes.
+//! How it works: a frame that arrives adds one spacing. The median, which durations are counted in, is recomputed once
+//! there are an eighth more, so that a stream of any length sorts nothing when a frame arrives.
 
 use crate::timeline::Pace;
 use std::time::Duration;
@@ -9,7 +9,7 @@ use std::time::Duration;
 /// The median of so many spacings serves until there are so many eighths of them.
 const MEDIAN_SERVES_EIGHTHS: usize = 9;
 
-/// What the time stamps of the first frames say.
+/// Statistics of the timestamps of the first frames.
 #[derive(Debug, Default)]
 pub(super) struct Stamps {
     /// Frames that were looked at.
@@ -25,8 +25,8 @@ pub(super) struct Stamps {
 }
 
 impl Stamps {
-    /// The pace of `count` frames, and its frames a second; `None` unless each was taken later than the one before.
-    /// Asks for the times of those that came since the last call.
+    /// Returns the pace of `count` frames, and its frames per second; `None` unless each was taken later than the one
+    /// before. Queries the times of those that arrived since the last call.
     pub(super) fn pace(&mut self, count: usize, time_of: impl Fn(usize) -> Option<Duration>) -> Option<(Pace, f64)> {
         if count > self.count && !self.are_useless {
             self.are_useless = self.take(count, time_of).is_none();
@@ -59,8 +59,8 @@ impl Stamps {
 
 #[cfg(test)]
 impl Pace {
-    /// The pace of frames that were taken at `times`, and its frames a second; `None` unless each is later than the one
-    /// before.
+    /// Returns the pace of frames that were taken at `times`, and its frames per second; `None` unless each is later
+    /// than the one before.
     pub(crate) fn of_times(times: &[Duration]) -> Option<(Self, f64)> {
         Stamps::default().pace(times.len(), |index| Some(times[index]))
     }

@@ -6,7 +6,7 @@ use std::sync::{Arc, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How often folders are looked at: listing a folder of 10,000 files takes a few milliseconds.
+/// Polling interval of folders: listing a folder of 10,000 files takes a few milliseconds.
 const INTERVAL: Duration = Duration::from_secs(1);
 
 /// Takes frames that come behind the last one of `sequence`, and calls `wake` then, or when the connection of a live

@@ -16,7 +16,7 @@ pub(super) fn is_out_of_descriptors(error: &io::Error) -> bool {
     cfg!(unix) && matches!(error.raw_os_error(), Some(23 | 24))
 }
 
-/// How long to wait after connections could not be taken.
+/// Back-off delay after connections could not be accepted.
 #[derive(Debug, Default)]
 pub(super) struct AcceptBackOff {
     /// `None` while connections are taken.

@@ -10,7 +10,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 /// A date in seconds tells versions of a file apart only where the file is older by so much (RFC 9110 §8.8.2.2).
 const DATE_IS_STRONG: Duration = Duration::from_secs(2);
 
-/// A moment as HTTP writes it (RFC 9110 §5.6.7); `None` before 1970, which it cannot write.
+/// Formats a timestamp as HTTP writes it (RFC 9110 §5.6.7); `None` before 1970, which it cannot write.
 fn http_date(time: SystemTime) -> Option<String> {
     (time >= UNIX_EPOCH).then(|| httpdate::fmt_http_date(time))
 }
@@ -26,13 +26,13 @@ pub(super) struct Served<'a> {
     pub(super) cors: &'a [CorsOrigin],
 }
 
-/// What is sent back.
+/// HTTP response.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Answer {
     status: &'static str,
     length: u64,
     fields: Vec<(&'static str, String)>,
-    /// Which bytes of the file follow.
+    /// Byte range of the file that follows.
     pub(super) body: Option<Range<u64>>,
     pub(super) keeps_open: bool,
 }

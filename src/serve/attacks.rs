@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 const LONG: Duration = Duration::from_mins(1);
 
-/// How soon somebody who asks properly has an answer, whoever else is there: two seconds, of a machine that is busy.
+/// Maximum response time for a well-formed request, whoever else is there: two seconds, of a machine that is busy.
 const SOON: Duration = Duration::from_secs(15);
 
 const FILE: &[u8] = b"0123456789";

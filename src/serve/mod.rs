@@ -49,20 +49,20 @@ const MOST_HEAD_BYTES: usize = 8 << 10;
 /// Bytes that are read and sent at a time.
 const PIECE_BYTES: usize = 1 << 16;
 
-/// How long, and how much, is read of a client that was refused: a connection that is closed with bytes unread is
-/// reset, and the client does not see why.
+/// Time and byte limits for draining a refused client: a connection that is closed with unread bytes is reset, and the
+/// client does not see the reason.
 const PARTING: (Duration, usize) = (Duration::from_millis(200), 1 << 16);
 
-/// How often the file is opened where descriptors are used up, and the pause between.
+/// Number of attempts to open the file when file descriptors are exhausted, and the pause between them.
 const OPEN_TRIES: u32 = 50;
 const OPEN_PAUSE: Duration = Duration::from_millis(20);
 
-/// How a file is served.
+/// Options for serving a file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FileServerOptions {
     /// Pages that may read it: none, unless they are named.
     pub cors: Vec<CorsOrigin>,
-    /// How long clients are waited for.
+    /// Timeouts for waiting on clients.
     pub deadlines: ServerDeadlines,
 }
 
@@ -76,7 +76,7 @@ pub struct FileServer {
 #[derive(Debug)]
 struct Shared {
     path: PathBuf,
-    /// What the file is called in requests: `/` and its name.
+    /// Request target of the file: `/` followed by its name.
     target: String,
     options: FileServerOptions,
     places: Arc<Places>,
@@ -103,7 +103,7 @@ impl FileServer {
         })
     }
 
-    /// Where the file is: `http://127.0.0.1:8080/walk.reel`.
+    /// Returns the URL of the file: `http://127.0.0.1:8080/walk.reel`.
     pub fn url(&self) -> io::Result<String> {
         Ok(format!("http://{}{}", self.listener.local_addr()?, self.shared.target))
     }

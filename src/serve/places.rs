@@ -10,11 +10,11 @@ use std::net::{Shutdown, TcpStream};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Slower answers give way, bytes a second, after so long.
+/// Minimum transfer rate, in bytes per second: slower responses give way after the grace period.
 const LEAST_RATE: f64 = 65536.0;
 const GRACE: Duration = Duration::from_secs(5);
 
-/// How long is waited for a place before others are looked at again.
+/// Time to wait for a free slot before the other connections are checked again.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Places for connections.
@@ -42,7 +42,7 @@ struct Held {
     last: Instant,
     /// Bytes of the answer that were sent since then; `None` while it waits for a request.
     sent_bytes: Option<u64>,
-    /// Whether it was hung up on.
+    /// True if the connection was closed by the server.
     is_over: bool,
 }
 
@@ -124,7 +124,7 @@ impl Taken {
 }
 
 impl Held {
-    /// Bytes a second; infinite at first.
+    /// Returns the transfer rate in bytes per second; infinite at first.
     fn rate(&self) -> f64 {
         let age = self.since.elapsed();
         match self.sent_bytes {

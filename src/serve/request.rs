@@ -73,7 +73,7 @@ impl Request {
         Ok(Some((request, head.len())))
     }
 
-    /// What cannot be understood.
+    /// Returns a placeholder for a malformed request that cannot be parsed.
     pub(super) fn bad() -> Self {
         Self {
             method: Method::Bad,

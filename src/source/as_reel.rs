@@ -103,7 +103,7 @@ impl DepthImages for AsReel {
         self.source.sensor(index)
     }
 
-    /// What was recorded before any filter does not go through the file.
+    /// Returns `None`: the raw images recorded before filtering are not stored in the file.
     fn raw_images(&self, _index: usize) -> Option<Result<RawImages, DecodeFailure>> {
         None
     }

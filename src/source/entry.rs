@@ -6,7 +6,7 @@ use glam::DAffine3;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Where the bytes of a frame are.
+/// Location of the bytes of a frame.
 #[derive(Clone, PartialEq, Eq)]
 pub enum FrameBytes {
     /// In the file at [`FrameEntry::path`], which may hold others too.
@@ -43,11 +43,11 @@ pub struct FrameEntry {
     pub name: String,
     /// The number in the name that counts the frames, where there is one: gaps in time can be seen in it.
     pub number: Option<u64>,
-    /// When it was taken, since whatever moment its file or its name counts from.
+    /// Timestamp of the frame, relative to the epoch of its file or its name.
     pub time: Option<Duration>,
-    /// Where the bytes are.
+    /// Location of the frame's bytes.
     pub content: FrameBytes,
-    /// A file beside it with the normals of its points, which the file itself need not have.
+    /// Companion file with the normals of the frame's points, which the frame's own file may lack.
     pub normals: Option<PathBuf>,
     /// The rigid pose that moves the points of the file into the coordinates of the sequence, if they are not in these.
     pub pose: Option<DAffine3>,
@@ -64,7 +64,7 @@ impl FrameEntry {
         Self::new(path.into(), FrameBytes::File(Part::Sole))
     }
 
-    /// Whether it is all of a file, as far as is known.
+    /// Returns true if the frame is an entire file, as far as is known.
     pub(super) fn is_file(&self) -> bool {
         matches!(self.content, FrameBytes::File(Part::Whole | Part::Sole))
     }

@@ -1,4 +1,4 @@
-//! What can be wrong with a source of frames.
+//! Errors of frame sources.
 
 use std::path::PathBuf;
 
@@ -50,9 +50,9 @@ pub enum SequenceError {
     EmptyFolder {
         /// The folder as given.
         path: PathBuf,
-        /// What was looked for, such as `*.ply, *.pcd`.
+        /// Filename patterns that were searched for, such as `*.ply, *.pcd`.
         extensions: String,
-        /// What to do.
+        /// Suggested remedy.
         hint: String,
     },
     /// A folder with several sequences.
@@ -74,7 +74,7 @@ pub enum SequenceError {
     Poses {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Reason for the error.
         reason: String,
     },
     /// A pattern of `--only` that no file has.
@@ -104,7 +104,7 @@ pub enum SequenceError {
     BadPattern {
         /// The pattern as given.
         pattern: String,
-        /// What is wrong with it.
+        /// Reason for the error.
         reason: String,
     },
     /// A topic that no recording among the inputs has.
@@ -112,7 +112,7 @@ pub enum SequenceError {
     NoTopic {
         /// The topic as given.
         topic: String,
-        /// What there is.
+        /// Hint listing the available choices.
         hint: String,
     },
     /// Frames are to be made, but of what is not known.
@@ -126,12 +126,12 @@ pub enum SequenceError {
     /// A sequence file that cannot be opened.
     #[error(transparent)]
     Reel(Box<crate::reel::ReelError>),
-    /// A laser scanner that cannot be listened to.
+    /// LiDAR sensor that cannot be listened to.
     #[error("{input}: {problem}")]
     Scanner {
         /// The input as given.
         input: String,
-        /// What is wrong, and what to do.
+        /// Description of the problem and the remedy.
         problem: String,
     },
     /// A live stream, a recording of one, or standard input, that cannot be opened.
@@ -139,13 +139,13 @@ pub enum SequenceError {
     Stream {
         /// The input as given.
         input: String,
-        /// What is wrong, and what to do.
+        /// Description of the problem and the remedy.
         problem: String,
     },
     /// A recording of depth images that cannot be opened.
     #[error(transparent)]
     Rgbd(Box<super::rgbd::RgbdError>),
-    /// Photographs that cannot be opened.
+    /// Images that cannot be opened.
     #[error(transparent)]
     Photos(Box<crate::photos::PhotosError>),
     /// A sequence file among other inputs.

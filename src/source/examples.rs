@@ -1,5 +1,6 @@
-//! Small examples of what people bring, embedded so that whoever begins can look at each kind: a survey by a laser
-//! scanner, a depth image, an animated model. Licences, credits and how they were made: `assets/examples/README.md`.
+//! Small embedded example data sets, one for each typical kind of input, so that new users can look at each: an
+//! airborne LiDAR survey, a depth image, an animated model. Licences, credits and provenance:
+//! `assets/examples/README.md`.
 
 use super::opener::Made;
 use super::{FrameEntry, FrameList, Reel, Source};
@@ -21,12 +22,12 @@ pub(super) const EXAMPLES: Made = Made {
     },
 };
 
-/// What is embedded.
+/// Embedded example data set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Example {
-    /// Fields beside a stadium from an airplane, by a laser scanner, with colours.
+    /// Fields next to a stadium, an airborne LiDAR scan with colours.
     Lidar,
-    /// What a camera with depths saw of a plant, an image of points.
+    /// Depth camera image of a plant, an organised point cloud.
     Depth,
     /// A fox that looks around: points on an animated model.
     Model,
@@ -52,12 +53,12 @@ impl Example {
         }
     }
 
-    /// What is written where an input is expected.
+    /// Returns the input string that opens the example, as written where an input is expected.
     pub fn input(self) -> String {
         format!("{WORD}:{}", self.name())
     }
 
-    /// What kind of thing it is, for people.
+    /// Returns a human-readable title describing the kind of data.
     pub fn title(self) -> &'static str {
         match self {
             Self::Lidar => "LiDAR survey",

@@ -31,7 +31,7 @@ impl FrameList {
         }
     }
 
-    /// The same frames, of which `sample` reads some points alone.
+    /// Returns the same list of frames with `sample` as the reader of a subsample of their points.
     #[must_use]
     pub fn with_sample<S>(mut self, sample: S) -> Self
     where

@@ -1,12 +1,12 @@
-//! Where frames come from: files and recordings, depth images, photographs, sequence files, shapes with a formula, the
-//! demo, streams that nobody can rewind.
+//! Frame sources: files and recordings, depth images, posed images, sequence files, shapes with a formula, the demo,
+//! streams that cannot be rewound.
 //!
-//! A [`Source`] knows which frames there are and what can be said of each without reading it; a [`Decoder`], one for
+//! A [`Source`] knows which frames there are and what can be stated of each without reading it; a [`Decoder`], one for
 //! each thread that reads, makes point clouds of them. A sequence gives the frames of any source an origin, a pace and
 //! a place in memory.
 //!
-//! To add a source: a type that implements [`Source`] and its [`Decoder`], and where a person names it: a file format
-//! in [`crate::io`], or a row of the table here with its scheme, its word or how its files are told.
+//! To add a source: a type that implements [`Source`] and its [`Decoder`], and the place where a person names it: a
+//! file format in [`crate::io`], or a row of the table here with its scheme, its word or how its files are recognised.
 
 mod as_reel;
 mod demo;
@@ -60,7 +60,7 @@ use opener::{Asked, Opener};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What can be opened, the first that the inputs are.
+/// Table of openers, in order of precedence: the first that matches the inputs is used.
 const OPENERS: &[Opener] = &[
     Opener::Made(&demo::DEMO),
     Opener::Made(&examples::EXAMPLES),
@@ -84,11 +84,10 @@ const OPENERS: &[Opener] = &[
     }),
 ];
 
-/// The source that `inputs` name: frames that are made (`demo:`), standard input (`-`), a sensor ([`LiveScanner`]), a
-/// stream ([`LiveStream`]) or what was recorded of one ([`RecordedStream`]), a sequence file ([`Reel`]), calibrated
-/// photographs of one moment ([`PhotoScene`]) or of many ([`PhotoVideo`]), a recording of depth images
-/// ([`RgbdRecording`]), else files, folders and patterns. `progress` counts the files that were looked at, and may be
-/// cancelled.
+/// Opens the source named by `inputs`: generated frames (`demo:`), standard input (`-`), a sensor ([`LiveScanner`]), a
+/// stream ([`LiveStream`]) or a recording of one ([`RecordedStream`]), a sequence file ([`Reel`]), calibrated images of
+/// one time step ([`PhotoScene`]) or of many ([`PhotoVideo`]), a recording of depth images ([`RgbdRecording`]),
+/// otherwise files, folders and patterns. `progress` counts the files that were checked, and may be cancelled.
 pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> Result<Arc<dyn Source>, SequenceError> {
     let asked = Asked {
         openers: OPENERS,
@@ -99,12 +98,12 @@ pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> R
     asked.open()
 }
 
-/// Whether `input` is a word for a source that is neither a file nor an address, such as `demo:`.
+/// Returns true if `input` is a keyword for a source that is neither a file nor an address, such as `demo:`.
 pub fn is_word(input: &Path) -> bool {
     OPENERS.iter().any(|opener| opener.has_word(input))
 }
 
-/// Whether `input` is an address, of whatever scheme: one that no source has is no file either.
+/// Returns true if `input` is an address, of any scheme: an address that no source supports is not a file either.
 pub fn is_address(input: &str) -> bool {
     input.contains("://")
 }

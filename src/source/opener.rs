@@ -14,7 +14,7 @@ pub(super) type Opened = Result<Arc<dyn Source>, SequenceError>;
 /// Inputs that a person named, and how they are to be read.
 #[derive(Clone, Copy)]
 pub(super) struct Asked<'a> {
-    /// What can be opened, the first that the inputs are.
+    /// Table of openers, in order of precedence: the first that matches the inputs is used.
     pub(super) openers: &'static [Opener],
     pub(super) inputs: &'a [PathBuf],
     pub(super) options: &'a OpenOptions,
@@ -46,9 +46,9 @@ pub(super) enum Opener {
 
 /// Frames that are made and not read: `demo:`, `torus:20000`. Among other inputs such a word is the name of a file.
 pub(super) struct Made {
-    /// Whether it is the word before the colon.
+    /// Predicate that returns true for the keyword before the colon.
     pub(super) has_word: fn(&str) -> bool,
-    /// How they are named, for people: one of a list.
+    /// Human-readable names of such inputs, as one item of a list.
     pub(super) said: fn() -> String,
     /// The frames by the word and what is behind the colon; `None` where that is wrong.
     pub(super) make: fn(&str, &str) -> Option<Arc<dyn Source>>,
@@ -56,14 +56,14 @@ pub(super) struct Made {
 
 /// An input that is a sequence of its own.
 pub(super) struct One {
-    /// How such inputs are told.
+    /// Names by which such inputs are recognised.
     pub(super) names: &'static [Name],
     pub(super) open: fn(&Path, Asked<'_>) -> Opened,
-    /// What is said where it is one of several; `None` where several are never looked at for it.
+    /// Error for an input that is one of several; `None` if several inputs are never checked for it.
     pub(super) beside_others: Option<fn(&Path) -> SequenceError>,
 }
 
-/// What an input is told by.
+/// Feature by which an input is recognised.
 pub(super) enum Name {
     /// An address that begins so.
     Scheme(&'static str),
@@ -83,7 +83,7 @@ impl Opener {
         }
     }
 
-    /// Whether `input` is a word of this kind.
+    /// Returns true if `input` is a keyword of this kind.
     pub(super) fn has_word(&self, input: &Path) -> bool {
         match self {
             Self::Made(made) => made.words_of(input).is_some(),
@@ -106,7 +106,7 @@ impl Opener {
 }
 
 impl Made {
-    /// What is before the colon of `input` and behind it, where the former is one of its words.
+    /// Returns the parts of `input` before and after the colon, if the former is one of its keywords.
     fn words_of<'a>(&self, input: &'a Path) -> Option<(&'a str, &'a str)> {
         let words = input.to_str()?.split_once(':')?;
         (self.has_word)(words.0).then_some(words)
@@ -141,7 +141,7 @@ fn all_made(openers: &[Opener]) -> String {
 }
 
 impl One {
-    /// Whether `input` is one of its own.
+    /// Returns true if this opener can read `input`.
     pub(super) fn can_read(&self, input: &Path) -> bool {
         self.names.iter().any(|name| name.is_of(input))
     }
@@ -160,7 +160,7 @@ impl One {
 }
 
 impl Name {
-    /// What is behind the scheme of `input`, where it has this one.
+    /// Returns the part of `input` after the scheme, if it has this one.
     pub(super) fn address<'a>(&self, input: &'a Path) -> Option<&'a str> {
         match self {
             Self::Scheme(scheme) => input.to_str()?.strip_prefix(scheme),

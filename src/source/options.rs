@@ -1,4 +1,4 @@
-//! How inputs are opened.
+//! Options for opening inputs.
 
 use super::rgbd::RgbdOptions;
 use crate::cloud::{ColorDepth, NoData};
@@ -6,20 +6,20 @@ use crate::io::ReadOptions;
 use crate::stereo::SharedMatcher;
 use std::sync::Arc;
 
-/// In place of a file with poses: frames stay where their files have them.
+/// Keyword given instead of a pose file: frames stay where their files place them.
 pub const NO_POSES: &str = "none";
 
-/// How inputs are opened.
+/// Options for opening inputs.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a choice of its own")]
 pub struct OpenOptions {
-    /// How files are read.
+    /// Options for reading files.
     pub read: ReadOptions,
     /// Handling of points that stand for no measurement.
     pub no_data: NoData,
     /// The least range of colours whose type does not say it; the values decide if `None`.
     pub color_depth: Option<ColorDepth>,
-    /// Frames a second, in place of what time stamps say.
+    /// Frame rate in frames per second, overriding the timestamps.
     pub fps: Option<f64>,
     /// The scans of an E57 file are one frame, not a frame each.
     pub merge_scans: bool,
@@ -29,23 +29,25 @@ pub struct OpenOptions {
     pub only: Option<Arc<str>>,
     /// An empty folder is waited for until its first frame comes.
     pub waits_for_first: bool,
-    /// Bits a second that are read from the web, at most.
+    /// Maximum bit rate for reading from the web, in bits per second.
     pub most_bits_per_s: Option<f64>,
-    /// Points of photographs are made by stereo, also where there are sparse ones.
+    /// True if dense points are computed from images by stereo even if sparse ones exist.
     pub dense: bool,
-    /// How much of a live stream can be gone back to, seconds; as much as usual if `None`.
+    /// Length of a live stream's history that can be rewound, in seconds; the default length if `None`.
     pub live_seconds: Option<f64>,
-    /// A live stream is asked for the points that are seen, with normals and radii, in place of whole frames.
+    /// True if a live stream is asked for the visible points (surfels), with normals and radii, instead of whole
+    /// frames.
     pub live_surfels: bool,
-    /// Who matches pairs of photographs.
+    /// Stereo matcher for pairs of images.
     pub matcher: SharedMatcher,
-    /// How recordings of depth images are read.
+    /// Options for reading recordings of depth images.
     pub rgbd: RgbdOptions,
-    /// Where the files that a session names may be.
+    /// Permitted locations of the files named by a session.
     pub session_reach: SessionReach,
 }
 
-/// What a session may open beside the files in its own folder: who opens one knows its name, not what is in it.
+/// Files that a session may open in addition to those in its own folder: the person who opens one knows its name, not
+/// its contents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SessionReach {
     /// Addresses: connections to other machines, and ports that are listened at.

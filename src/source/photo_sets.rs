@@ -1,9 +1,9 @@
-//! Which source a set of photographs is: one moment, or a film of several cameras.
+//! Detection of the source type of a set of images: one time step, or multi-view video.
 //!
 //! *A folder above.* `scene` may have no frames of its own and hold `scene/nerf/transforms.json`, or be a data set of
-//! one sequence. Its one sub-folder is opened in its place ([`open_below`]); of several the message names those that
-//! could be. That is asked last, and of a folder alone that has no file of a cloud; what only lies beside photographs
-//! is none.
+//! one sequence. Its one sub-folder is opened instead of it ([`open_below`]); of several the message names those that
+//! are possible. This is tried last, and only for a folder that has no cloud files; files that merely accompany images
+//! do not count as such.
 
 use super::opener::Asked;
 use super::photo_video::PhotoVideo;
@@ -26,10 +26,10 @@ const MOST_FOLDERS: usize = 64;
 /// Sub-folders that a message names.
 const MOST_NAMES: usize = 6;
 
-/// Calibrated photographs, if those are the one input.
+/// Opens calibrated images, if those are the one input.
 ///
 /// # Errors
-/// Where the files break the rules of their format, and where none of the photographs can be shown.
+/// If the files break the rules of their format, or none of the images can be shown.
 fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<Arc<dyn Source>>, SequenceError> {
     let [input] = inputs else { return Ok(None) };
     let Some(found) = photos::find(input).map_err(wrong)? else {
@@ -78,11 +78,11 @@ pub(super) fn open_one_below(asked: Asked<'_>) -> Result<Option<Arc<dyn Source>>
     }
 }
 
-/// What the one sub-folder of `input` holds that can be opened; `None` where `input` has frames of its own, or nothing
-/// is known of it.
+/// Opens the one sub-folder of `input` that can be opened; `None` if `input` has frames of its own, or nothing is known
+/// of it.
 ///
 /// # Errors
-/// Where several could be opened, where the one cannot, and where the folder holds photographs that are not read.
+/// If several could be opened, if the one cannot, or if the folder holds images that are not read.
 fn open_below(input: &Path, options: &OpenOptions) -> Result<Option<Arc<dyn Source>>, SequenceError> {
     let Some(folders) = folders_of_no_frames(input) else {
         return Ok(None);

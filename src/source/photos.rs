@@ -1,8 +1,8 @@
-//! Calibrated photographs as a sequence of one frame: the sparse points that they were calibrated with, or dense ones
-//! that stereo makes of them.
+//! Calibrated images as a sequence of one frame: the sparse points from their calibration, or dense ones computed from
+//! them by stereo.
 //!
-//! The frame is an ordinary cloud, so all that works with clouds works with it. Whoever wants the photographs as well
-//! asks [`Photographed::photographs`].
+//! The frame is an ordinary cloud, so everything that works with clouds works with it. Callers that need the images as
+//! well use [`Photographed::photographs`].
 
 use super::{About, Capabilities, DecodeFailure, Decoder, FrameEntry, OpenOptions, Photographed, Source};
 use crate::assumption::{Assumption, Evidence, Subject};
@@ -29,10 +29,10 @@ const DENSE_CLOUDS: &[&str] = &[
     "models/option-0000.ply",
 ];
 
-/// So many photographs are matched in their whole size, up to 640 pixels.
+/// Maximum number of images that are matched at full size, up to 640 pixels.
 const MOST_OF_WHOLE_SIZE: usize = 8;
 
-/// Photographs of one scene.
+/// Posed images of one scene.
 #[derive(Debug)]
 pub struct PhotoScene {
     set: Arc<ViewSet>,
@@ -43,9 +43,9 @@ pub struct PhotoScene {
 }
 
 impl PhotoScene {
-    /// The photographs of the folder or file that is the one input.
+    /// Creates the scene from the images of the folder or file that is the one input.
     ///
-    /// A dense cloud of a folder counts more than its sparse points: `found` is where these are.
+    /// A dense cloud of a folder takes precedence over its sparse points: `found` is where these are.
     pub(super) fn of(mut set: ViewSet, found: &Path, input: &Path, options: &OpenOptions) -> Self {
         set.dense_file = if options.dense { None } else { dense_cloud(input, found) };
         let model = found.to_string_lossy();
@@ -103,7 +103,8 @@ impl Photographed for PhotoScene {
     }
 }
 
-/// The cloud that a dense stage made of the photographs of the folder `input`, whose model is at `found`.
+/// Returns the cloud that a dense reconstruction stage computed from the images of the folder `input`, whose model is
+/// at `found`.
 fn dense_cloud(input: &Path, found: &Path) -> Option<PathBuf> {
     // Whoever opens a file of the model wants its points.
     if !input.is_dir() {
@@ -125,7 +126,8 @@ fn chosen_dense(dense: &Path, set: &ViewSet, sparse: &str) -> Assumption {
     Assumption::new(Subject::Frames, dense.display().to_string(), why, Evidence::Convention).with_option(None)
 }
 
-/// Photographs of many are halved once more where nobody asked for dense points: 47 of 640×480 would take minutes.
+/// Returns the dense stereo settings. Large image sets are halved once more if nobody asked for dense points: 47 images
+/// of 640×480 would take minutes.
 fn dense_of(set: &ViewSet, options: &OpenOptions) -> Dense {
     let usual = Dense {
         matcher: options.matcher.clone(),

@@ -76,7 +76,7 @@ impl dyn Source + '_ {
         Ok(0)
     }
 
-    /// How a live stream is doing, and what records it; `None` of sources that are none.
+    /// Returns the status and recording of a live stream; `None` for sources that are not live.
     pub fn live(&self) -> Option<&dyn Live> {
         self.capabilities().live
     }
@@ -106,7 +106,8 @@ impl dyn Source + '_ {
         self.capabilities().photographs?.photographs(index)
     }
 
-    /// Files of images that are read next to those of the entries: colours of depth images, photographs.
+    /// Returns the image files that are read in addition to those of the entries: colours of depth images, posed
+    /// images.
     pub fn images(&self) -> Vec<PathBuf> {
         if let Some(images) = self.capabilities().image_files {
             return images.image_files();

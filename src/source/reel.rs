@@ -29,7 +29,7 @@ pub struct Reel {
     is_embedded: bool,
 }
 
-/// What decoders share with the source.
+/// State shared between the decoders and the source.
 #[derive(Debug)]
 struct Shared {
     opened: RwLock<Opened>,
@@ -55,14 +55,14 @@ pub(super) const FILE_OR_ADDRESS: One = One {
 };
 
 impl Reel {
-    /// Whether the file at `path` begins as a sequence file does.
+    /// Returns true if the file at `path` begins with the signature of a sequence file.
     fn is_one(path: &Path) -> bool {
         let mut begin = [0; MAGIC.len()];
         let read = regular_file::open(path).and_then(|mut file| file.read_exact(&mut begin));
         read.is_ok() && begin == MAGIC
     }
 
-    /// Whether `input` is an address on the web.
+    /// Returns true if `input` is a web address.
     fn is_url(input: &Path) -> bool {
         [HTTP, HTTPS].iter().any(|scheme| scheme.address(input).is_some())
     }

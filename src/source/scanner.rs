@@ -1,14 +1,14 @@
-//! A laser scanner that sends packets to this machine: `udp://:2368`, live.
+//! Live LiDAR source: a sensor that sends packets to this machine, `udp://:2368`.
 //!
-//! **How it works.** A thread receives datagrams and finds where turns begin, which takes microseconds a packet, so
-//! that nothing queues but what the system holds for the socket. Turns that are over go to a ring, as their packets;
-//! points are made of them by whoever wants the frame. The ring has the newest [`RING_LENGTH`] turns and no more than
-//! [`RING_BYTES`] of packets: what is older is gone for good.
+//! **How it works.** A thread receives datagrams and detects the start of each revolution, which takes microseconds per
+//! packet, so that nothing queues beyond the socket buffer of the system. Completed revolutions go to a ring buffer, as
+//! their packets; points are computed from them by whoever wants the frame. The ring has the newest [`RING_LENGTH`]
+//! revolutions and no more than [`RING_BYTES`] of packets: older ones are gone for good.
 //!
-//! A sensor that sends nothing for [`ClientDeadlines::sensor_silence`] loses its place to the next one that sends;
+//! A sensor that sends nothing for [`ClientDeadlines::sensor_silence`] loses its slot to the next one that sends;
 //! packets that stray have none (`io/recordings/packets/streams.rs`).
 //!
-//! What follows the address behind a `?` is the file that packets of some sensors cannot be read without: metadata of
+//! The part of the address after a `?` is the file that packets of some sensors cannot be read without: metadata of
 //! Ouster, or the calibration of an HDL-64E.
 
 use super::opener::{Name, One};
@@ -44,7 +44,7 @@ const MOST_DATAGRAM_BYTES: usize = 1 << 16;
 /// Between looks at whether anybody listens still.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// A laser scanner on the network.
+/// LiDAR sensor on the network.
 #[derive(Debug)]
 pub struct LiveScanner {
     input: PathBuf,
@@ -56,7 +56,7 @@ pub struct LiveScanner {
     thread: Option<JoinHandle<()>>,
 }
 
-/// What the thread that listens shares with the source and its decoders.
+/// Ring buffer shared by the listening thread, the source and its decoders.
 #[derive(Debug, Default)]
 struct Ring {
     turns: Mutex<Turns>,

@@ -181,7 +181,8 @@ impl Shape {
         }
     }
 
-    /// Whether a place on the surface, unbounded as its formula has it, belongs to it; rounding may be as much as 1e-9.
+    /// Returns true if a position on the surface, unbounded as its formula has it, is within the bounds of the shape;
+    /// rounding errors of up to 1e-9 are tolerated.
     pub(crate) fn is_within(self, position: DVec3) -> bool {
         const MOST: f64 = 1.0 + 1e-9;
         match self {

@@ -32,7 +32,7 @@ pub(super) const SPIN: Made = Made {
     },
 };
 
-/// Frames a second.
+/// Frame rate, in frames per second.
 const RATE: f64 = 24.0;
 
 /// Frames of one turn.
@@ -50,7 +50,7 @@ pub struct Spin {
     ring: Arc<Ring>,
 }
 
-/// What decoders share with the source.
+/// State shared between the decoders and the source.
 #[derive(Debug)]
 struct Ring {
     /// Frames that have come.

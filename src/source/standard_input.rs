@@ -1,8 +1,8 @@
-//! Standard input (`-`): what another program writes to a pipe, as in `zcat scan.ply.gz | pointreel -`.
+//! Standard input (`-`): data that another program writes to a pipe, as in `zcat scan.ply.gz | pointreel -`.
 //!
-//! How it works: all of it goes to a temporary file, up to its end, and that is opened as any other: readers go back
-//! and forth in a file, a pipe is gone once it is read, and inputs are opened again where other options are chosen.
-//! First bytes tell the format; text without them is rows of points.
+//! How it works: all of it is written to a temporary file, up to its end, which is then opened like any other: readers
+//! seek back and forth in files, a pipe is gone once it is read, and inputs are opened again if other options are
+//! chosen. The first bytes identify the format; text without them is rows of points.
 
 use super::opener::{Asked, Name, One, Opened};
 use super::{About, Capabilities, DecodeFailure, Decoder, DepthImages, FrameEntry, SequenceError, Source};
@@ -35,7 +35,7 @@ const MOST_FOLDERS: u32 = 100;
 /// Bytes that are read at a time.
 const BLOCK: usize = 1 << 16;
 
-/// What was received, as long as the program runs.
+/// Data received from standard input, kept as long as the program runs.
 static RECEIVED: Mutex<Option<Received>> = Mutex::new(None);
 
 #[derive(Debug)]
@@ -44,7 +44,7 @@ struct Received {
     _folder: Temporary,
 }
 
-/// What standard input holds.
+/// Contents of standard input.
 struct StandardInput {
     source: Arc<dyn Source>,
     inputs: [PathBuf; 1],
@@ -177,7 +177,7 @@ impl Source for StandardInput {
     }
 }
 
-/// Those of the file; other filters make standard input again.
+/// Returns the capabilities of the file; other filters open standard input again.
 impl DepthImages for StandardInput {
     fn sensor(&self, index: usize) -> Option<Sensor> {
         self.source.sensor(index)

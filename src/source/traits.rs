@@ -36,11 +36,11 @@ pub type FrameSample = (DecodedFrame, usize);
 pub struct DecodedFrame {
     /// Its points, in file coordinates.
     pub cloud: RawCloud,
-    /// What level of the frame they are, if the decoder decodes levels.
+    /// Level of detail of the points, if the decoder decodes levels.
     pub level: Option<DecodedLevel>,
 }
 
-/// How much of a frame that is stored by levels was decoded.
+/// Decoded level of detail: the part of a frame stored by levels that was decoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DecodedLevel {
     /// Points of the whole frame.
@@ -62,8 +62,8 @@ pub trait Source: Send + Sync {
     /// their numbers.
     fn frames(&self) -> Range<usize>;
 
-    /// What is known of a frame before it is decoded, be it gone or not. Precondition: it is before the end of
-    /// [`Source::frames`].
+    /// Returns the entry of a frame: everything known before it is decoded, even if the frame is already gone.
+    /// Precondition: the index is before the end of [`Source::frames`].
     fn entry(&self, index: usize) -> Arc<FrameEntry>;
 
     /// Something that decodes frames of this source, for one thread at a time.
@@ -72,7 +72,7 @@ pub trait Source: Send + Sync {
     /// Facts that are known without reading a frame.
     fn about(&self) -> About<'_>;
 
-    /// What it can do beyond decoding its frames.
+    /// Returns the optional capabilities of the source beyond decoding its frames.
     fn capabilities(&self) -> Capabilities<'_>;
 }
 
@@ -110,7 +110,7 @@ where
 /// Facts about a source, known without reading a frame.
 #[derive(Debug, Clone, Default)]
 pub struct About<'a> {
-    /// What a person opened: nothing for what is no file.
+    /// Input paths that were opened; empty for inputs that are not files.
     pub inputs: &'a [PathBuf],
     /// Frames per second, if the source says it and frames have no time stamps.
     pub fps: Option<f64>,
@@ -121,14 +121,14 @@ pub struct About<'a> {
     /// Assumptions about the inputs as a whole: which files are frames, in which order. Those about one frame are in
     /// [`RawCloud::assumptions`](crate::cloud::RawCloud::assumptions).
     pub assumptions: &'a [Assumption],
-    /// What of the inputs is skipped, a sentence each.
+    /// Notes on the skipped parts of the inputs, one sentence each.
     pub notes: &'a [String],
-    /// Where the inputs are cut or damaged, and what is lost by that, a sentence each; all of them are among the notes.
-    /// Sequence files tell it of themselves ([`About::reel`]).
+    /// Descriptions of truncated or damaged inputs and the resulting loss, one sentence each; all of them are among the
+    /// notes. Sequence files report it themselves ([`About::reel`]).
     pub damage: &'a [String],
 }
 
-/// What a source can do beyond decoding its frames: a field per capability, `None` where it has it not.
+/// Optional capabilities of a source beyond decoding its frames: one field per capability, `None` if unsupported.
 #[derive(Clone, Copy, Default)]
 pub struct Capabilities<'a> {
     /// Frames that are made from one another; without it each is by itself.
@@ -143,7 +143,7 @@ pub struct Capabilities<'a> {
     pub live: Option<&'a dyn Live>,
     /// Frames that are depth images.
     pub depth_images: Option<&'a dyn DepthImages>,
-    /// Calibrated photographs of its frames.
+    /// Calibrated images of its frames.
     pub photographs: Option<&'a dyn Photographed>,
     /// Files of images next to those of the entries; without it those of [`Capabilities::photographs`] are all.
     pub image_files: Option<&'a dyn ImageFiles>,
@@ -203,10 +203,11 @@ pub trait Samples: Send + Sync {
 
 /// Frames that come while the source is open.
 pub trait Growth: Send + Sync {
-    /// Whether frames may come.
+    /// Returns true if frames may still be added.
     fn may_grow(&self) -> bool;
 
-    /// Whether frames are gone for good some time after they came. Who opens it is shown the newest.
+    /// Returns true if the source is live: frames are gone for good some time after they came. The newest frame is
+    /// shown on opening.
     fn is_live(&self) -> bool;
 
     /// Takes frames that came behind the last one; says how many.
@@ -232,25 +233,26 @@ pub trait DepthImages: Send + Sync {
     /// anybody knows.
     fn sensor(&self, index: usize) -> Option<Sensor>;
 
-    /// What the cameras recorded of frame `index`, before any filter; `None` of frames that are no images.
+    /// Returns the raw images that the cameras recorded of frame `index`, before any filter; `None` for frames that are
+    /// not images.
     fn raw_images(&self, index: usize) -> Option<Result<RawImages, DecodeFailure>>;
 
     /// The filters of its depth images; `None` where frames are none.
     fn filters(&self) -> Option<Filters>;
 
-    /// The same frames with other filters of depth images; `None` where frames are none. A live stream goes on: both
-    /// have the same connection, which ends with the last of them.
+    /// Returns a source of the same frames with other depth image filters; `None` if the frames are not depth images. A
+    /// live stream continues: both share one connection, which ends with the last of them.
     fn filtered(&self, filters: Filters) -> Option<Arc<dyn Source>>;
 }
 
-/// Frames that calibrated photographs show.
+/// Frames that calibrated images show.
 pub trait Photographed: Send + Sync {
-    /// Photographs of what frame `index` shows, in its coordinates; `None` where there are none.
+    /// Returns the posed images of frame `index`, in its coordinates; `None` if there are none.
     fn photographs(&self, index: usize) -> Option<Arc<ViewSet>>;
 }
 
 /// Images in files next to those of the entries.
 pub trait ImageFiles: Send + Sync {
-    /// Their files: colours of depth images, photographs.
+    /// Returns the image files: colours of depth images, posed images.
     fn image_files(&self) -> Vec<PathBuf>;
 }

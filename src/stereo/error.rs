@@ -1,6 +1,6 @@
-//! Why there is no depth from some photographs.
+//! Stereo errors: reasons why images yield no depth.
 
-/// What is wrong with photographs, cameras or settings of stereo.
+/// Error in the images, cameras or settings of stereo.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StereoError {
@@ -22,7 +22,7 @@ pub enum StereoError {
         image[0], image[1], camera[0], camera[1]
     )]
     OtherCamera {
-        /// Which view, from 0.
+        /// View index, from 0.
         view: usize,
         /// Width and height of the image.
         image: [u32; 2],
@@ -32,13 +32,13 @@ pub enum StereoError {
     /// A lens that has to be taken out before.
     #[error("view {view} has a lens that bends lines: expected a pinhole; undistort the photograph first")]
     NoPinhole {
-        /// Which view, from 0.
+        /// View index, from 0.
         view: usize,
     },
     /// A pose that is none.
     #[error("the pose of view {view} is no rotation with a finite place: expected camera_from_world without scale")]
     NoPose {
-        /// Which view, from 0.
+        /// View index, from 0.
         view: usize,
     },
     /// Two views from one place.
@@ -84,7 +84,7 @@ pub enum StereoError {
         p2_least: u8,
         /// For more, where brightness is even.
         p2: u8,
-        /// What P1 and P2 may be together.
+        /// Maximum sum of P1 and P2.
         most: u8,
     },
     /// Memory beyond what stereo allows itself.
@@ -93,9 +93,9 @@ pub enum StereoError {
          the range"
     )]
     TooLarge {
-        /// What it takes.
+        /// Memory required.
         needed_mib: u64,
-        /// What is allowed.
+        /// Memory limit.
         most_mib: u64,
     },
     /// Fewer views than a plane sweep has to have.

@@ -1,17 +1,17 @@
-//! Depth from photographs, on the processor.
+//! Stereo: depth from images, on the CPU.
 //!
-//! *Pairs* ([`depths_of_pair`]): two views are turned until partners are in one line ([`Rectified`]), the range of
-//! disparities is found on small copies if nobody knows it ([`Matching::range`]), costs are Hamming distances of the
-//! census, summed along eight paths or in squares ([`Gathering`]), the cheapest disparity wins where left and right
-//! agree and no other is as good ([`Matching::disparities`]), and one product of a matrix and a vector makes it a place
-//! ([`Places`]). *Many views* ([`PlaneSweep`]): planes are swept through the space before one view, costs and winners
-//! are the same; what three views agree on is kept ([`consistent`]). Either way depths become coloured points
-//! ([`cloud()`]).
+//! *Pairs* ([`depths_of_pair`]): two views are rotated until partners are in one line ([`Rectified`]), the range of
+//! disparities is estimated on downscaled copies if it is not known ([`Matching::range`]), costs are Hamming distances
+//! of the census, summed along eight paths or in squares ([`Gathering`]), the cheapest disparity wins where left and
+//! right agree and no other is as good ([`Matching::disparities`]), and one matrix-vector product turns it into a
+//! position ([`Places`]). *Many views* ([`PlaneSweep`]): planes are swept through the space before one view, costs and
+//! winners are the same; depths that three views agree on are kept ([`consistent`]). In both cases depths become
+//! coloured points ([`cloud()`]).
 //!
-//! All photographs of a set together become points by [`Dense`], sooner by [`Pairwise`].
+//! All images of a set together become points by [`Dense`], faster by [`Pairwise`].
 //!
-//! Photographs are of pinholes, with centres of pixels at integers; lenses are taken out before. Lengths are in the
-//! unit of the poses. Results are the same bits for any number of threads.
+//! Images are from pinhole cameras, with pixel centres at integers; lens distortion is removed before. Lengths are in
+//! the unit of the poses. Results are bitwise identical for any number of threads.
 
 mod dense;
 mod error;

@@ -1,12 +1,13 @@
-//! The playback clock: which frame is due at a given time. Pure: time is handed in, nothing here looks at a real clock.
+//! Playback clock: determines the frame that is due at a given time. Pure: time is passed in, nothing here reads a real
+//! clock.
 //!
-//! **How it works.** The clock remembers an anchor: a time, a frame, a direction and how much of that frame's duration
-//! had passed. The frame due at time t is `floor(phase + (t − anchor) · fps · |speed|)` steps away from the anchor, or
-//! as many as [`Pace`] says where frames have times of their own. Since t is compared with the anchor and never added
-//! up, there is no drift however unevenly the clock is asked. Whatever changes the pace or the place (speed, rate,
+//! **How it works.** The clock remembers an anchor: time, frame, direction and how much of that frame's duration had
+//! passed. The frame due at time t is `floor(phase + (t − anchor) · fps · |speed|)` steps away from the anchor, or the
+//! number of steps that [`Pace`] yields if frames have times of their own. Since t is compared with the anchor and
+//! never added up, there is no drift however unevenly the clock is polled. Any change of pace or position (speed, rate,
 //! seek, pause) sets a new anchor at the present position, fraction included.
 //!
-//! The last frame lasts like any other: with [`LoopMode::Off`] playing ends when its time is over.
+//! The last frame lasts like any other: with [`LoopMode::Off`] playback ends when its time is over.
 
 use super::PlayRange;
 use super::pace::Pace;
@@ -14,7 +15,7 @@ use super::travel::{Direction, LoopMode, Travel};
 use std::ops::Range;
 use std::time::Duration;
 
-/// Frames a second where nothing else is known: the rate of film and of the demo.
+/// Default frame rate in frames per second, if nothing else is known: the rate of cinema and of the demo.
 pub const DEFAULT_FPS: f64 = 24.0;
 
 /// Slowest speed, as a factor of the frame rate.
@@ -30,7 +31,8 @@ const FPS_RANGE: (f64, f64) = (0.1, 1000.0);
 /// that asking at [`Clock::next_deadline`] always moves on.
 const TOLERANCE_FRAMES: f64 = 1e-4;
 
-/// Place and pace of a playhead. Times are durations since any fixed moment, the same for all calls.
+/// Playback clock: position and pace of a playhead. Times are durations since any fixed instant, the same for all
+/// calls.
 #[derive(Debug, Clone)]
 pub struct Clock {
     travel: Travel,
@@ -51,7 +53,7 @@ struct Anchor {
     time: Duration,
     frame: usize,
     direction: Direction,
-    /// What had passed of the frame, in median frames.
+    /// Elapsed time within the frame, in median frame durations.
     phase: f64,
 }
 
@@ -184,7 +186,7 @@ impl Clock {
         }
     }
 
-    /// Sets how long each frame lasts; the present one begins anew.
+    /// Sets the duration of each frame; the present one restarts.
     pub fn set_pace(&mut self, pace: Pace, now: Duration) {
         if self.pace != pace {
             self.advance(now);
@@ -240,13 +242,13 @@ impl Clock {
         self.playing
     }
 
-    /// Whether it plays, and there is another frame to play than the one that it is on.
+    /// Returns true if the clock is playing and there is another frame to play than the current one.
     pub fn is_moving(&self) -> bool {
         let frames = self.travel.frames();
         self.playing && (frames.len() > 1 || (frames.len() == 1 && !frames.contains(&self.frame)))
     }
 
-    /// Where the playhead goes next; turns by itself in [`LoopMode::PingPong`].
+    /// Returns the playback direction; it reverses by itself in [`LoopMode::PingPong`].
     pub fn direction(&self) -> Direction {
         self.direction
     }
@@ -256,12 +258,12 @@ impl Clock {
         self.speed
     }
 
-    /// How long each frame lasts.
+    /// Returns the pace: the duration of each frame.
     pub fn pace(&self) -> &Pace {
         &self.pace
     }
 
-    /// Frames a second at speed 1.
+    /// Returns the frame rate in frames per second at speed 1.
     pub fn fps(&self) -> f64 {
         self.fps
     }
@@ -271,12 +273,12 @@ impl Clock {
         Duration::from_secs_f64(1.0 / self.rate())
     }
 
-    /// What happens at the ends.
+    /// Returns the loop mode: the behaviour at the ends.
     pub fn loop_mode(&self) -> LoopMode {
         self.travel.loop_mode
     }
 
-    /// How many frames passed between two calls of [`Clock::advance`] without being returned by one.
+    /// Returns the number of frames that passed between two calls of [`Clock::advance`] without being returned by one.
     pub fn skipped(&self) -> u64 {
         self.skipped
     }
@@ -294,7 +296,7 @@ impl Clock {
             .and_then(|wait| self.anchor.time.checked_add(wait))
     }
 
-    /// Frames a second of wall time.
+    /// Returns the playback rate in frames per second of wall time.
     fn rate(&self) -> f64 {
         self.fps * self.speed.abs()
     }

@@ -6,7 +6,7 @@ fn at(seconds: f64) -> Duration {
     Duration::from_secs_f64(seconds)
 }
 
-/// Ten frames a second, playing from frame 0 since time 0.
+/// Creates a clock at ten frames per second, playing from frame 0 since time 0.
 fn playing(frame_count: usize, loop_mode: LoopMode) -> Clock {
     let mut clock = Clock::new(frame_count);
     clock.set_fps(10.0, Duration::ZERO);
@@ -15,7 +15,7 @@ fn playing(frame_count: usize, loop_mode: LoopMode) -> Clock {
     clock
 }
 
-/// Frames in the middle of each tenth of a second.
+/// Returns the frames at the midpoint of each tenth of a second.
 fn shown(clock: &mut Clock, from: usize, count: usize) -> Vec<usize> {
     (from..from + count)
         .map(|tenth| clock.advance(at((tenth as f64 + 0.5) / 10.0)))

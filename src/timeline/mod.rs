@@ -1,6 +1,7 @@
-//! Which frame is due when: the playback clock, its ways through the frames, their pace and the range that plays.
+//! Playback timing: the playback clock, the paths of the playhead through the frames, their pace and the range that
+//! plays.
 //!
-//! Nothing here knows what a frame is, or looks at a real clock: time is handed in.
+//! Nothing here depends on the contents of frames, or reads a real clock: time is passed in.
 
 mod clock;
 mod pace;

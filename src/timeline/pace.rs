@@ -1,8 +1,8 @@
-//! How long each frame lasts: equally long, or as long as its time stamps say.
+//! Pace of playback: frame durations, either constant or following the timestamps.
 //!
-//! **How it works.** Durations are counted in the duration of the median frame, so that a frame rate says the same of
-//! both kinds: frames a second of most of the time. What lies between two steps of a playhead is a sum of durations
-//! along its way; a whole turn of a loop is added at once, so that no sum is longer than a turn.
+//! **How it works.** Durations are counted in the duration of the median frame, so that a frame rate means the same for
+//! both kinds: frames per second for most of the time. The distance between two steps of a playhead is a sum of
+//! durations along its path; a whole loop iteration is added at once, so that no sum is longer than one iteration.
 //!
 //! **Pauses.** Recordings stop and go on a day later. Nobody waits for that: a frame lasts at most [`LONGEST_FRAME`].
 
@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// Longest duration of a frame, in median frames.
 const LONGEST_FRAME: f64 = 8.0;
 
-/// Slowest rate that is taken from time stamps, frames a second: what was scanned once a day is played like slides.
+/// Minimum frame rate taken from timestamps, in frames per second: daily scans are played like slides.
 const SLOWEST_FPS: f64 = 2.0;
 
 /// Durations of the frames of a sequence.
@@ -24,8 +24,8 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// The pace of frames with these times between them, and its frames a second; `None` without any. Precondition: the
-    /// median is positive.
+    /// Creates the pace of frames with these time intervals between them, and returns it with its rate in frames per
+    /// second; `None` without any. Precondition: the median is positive.
     pub(crate) fn of_spacings(spacings_s: &[f64], median_s: f64) -> Option<(Self, f64)> {
         if spacings_s.is_empty() {
             return None;
@@ -38,18 +38,18 @@ impl Pace {
         Some((Self { durations }, (1.0 / median_s).max(SLOWEST_FPS)))
     }
 
-    /// Whether all frames last equally long.
+    /// Returns true if all frames have the same duration.
     pub fn is_even(&self) -> bool {
         self.durations.is_empty()
     }
 
-    /// How long a frame lasts, in median frames.
+    /// Returns the duration of a frame, in median frame durations.
     pub(crate) fn duration(&self, frame: usize) -> f64 {
         self.durations.get(frame).copied().unwrap_or(1.0)
     }
 
-    /// How many steps a playhead is due to have made when `elapsed` median frames have passed since frame `start`
-    /// began.
+    /// Returns the number of steps that a playhead is due to have made when `elapsed` median frames have passed since
+    /// frame `start` began.
     pub(crate) fn steps_within(&self, travel: &Travel, start: usize, direction: Direction, elapsed: f64) -> u64 {
         if self.is_even() {
             return elapsed.floor() as u64;

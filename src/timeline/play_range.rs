@@ -40,7 +40,7 @@ impl PlayRange {
         }
     }
 
-    /// Whether the in point is not after the out point.
+    /// Returns true if the in point is not after the out point.
     pub(crate) fn is_sound(self) -> bool {
         match (self.first, self.last) {
             (Some(first), Some(last)) => first <= last,

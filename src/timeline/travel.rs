@@ -30,7 +30,7 @@ impl Direction {
     }
 }
 
-/// What happens at the ends of a sequence.
+/// Loop mode: the behaviour at the ends of a sequence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LoopMode {
@@ -59,7 +59,7 @@ pub(crate) struct Travel {
     pub(crate) loop_mode: LoopMode,
 }
 
-/// Where a playhead is after some steps.
+/// Position of a playhead after some steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Arrival {
     pub(crate) index: usize,
@@ -89,7 +89,7 @@ impl Travel {
         start.max(self.first)..end
     }
 
-    /// Whether `index` is one of them.
+    /// Returns true if `index` is one of the frames that play.
     pub(crate) fn plays(&self, index: usize) -> bool {
         self.frames().contains(&index)
     }
@@ -118,7 +118,7 @@ impl Travel {
         })
     }
 
-    /// Where a playhead at `index` is after `steps`. Precondition: `index < frame_count`, or both are 0.
+    /// Returns the arrival of a playhead at `index` after `steps`. Precondition: `index < frame_count`, or both are 0.
     pub(crate) fn after(&self, index: usize, direction: Direction, steps: u64) -> Arrival {
         let Some(position) = self.position(direction, index) else {
             return self.after_from_elsewhere(index, direction, steps);
@@ -151,7 +151,7 @@ impl Travel {
         }
     }
 
-    /// How many of `steps` are made where there is nowhere to go.
+    /// Returns the number of `steps` made by a playhead that has nowhere to go.
     fn steps_on_the_spot(&self, steps: u64) -> u64 {
         match self.loop_mode {
             LoopMode::Off => 0,
@@ -200,8 +200,9 @@ impl Travel {
         Some(self.mirrored(direction, found))
     }
 
-    /// How soon `index` is needed: the inverse of [`Travel::upcoming`]. Frames that lie behind and will not be needed
-    /// rank after those that will, the farthest last; frames that do not play after all others.
+    /// Returns the rank of `index` by how soon it is needed: the inverse of [`Travel::upcoming`]. Frames that lie
+    /// behind and will not be needed rank after those that will, the farthest last; frames that do not play after all
+    /// others.
     pub(crate) fn rank(&self, playhead: usize, direction: Direction, index: usize) -> usize {
         let frames = self.frames();
         let Some(position) = self.position(direction, index) else {

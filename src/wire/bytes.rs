@@ -6,7 +6,7 @@ use super::error::WireError;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fields<'a> {
     bytes: &'a [u8],
-    /// What the bytes are, for errors.
+    /// Description of the bytes, for errors.
     what: &'static str,
 }
 

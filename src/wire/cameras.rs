@@ -46,13 +46,13 @@ pub(super) fn write_camera(camera: &Camera, out: &mut Written) {
         .f64s(&coefficients);
 }
 
-/// What stands where there is no camera but the size of an image.
+/// Writes the placeholder for a missing camera, which has only the image size.
 pub(super) fn write_size(size_px: [u32; 2], out: &mut Written) {
     out.u32(size_px[0]).u32(size_px[1]).f64s(&[0.0; 4]).u32(0).u32(0);
     out.f64s(&[0.0; COEFFICIENTS]);
 }
 
-/// What stands for a camera: its numbers, or only the size of its image.
+/// Wire representation of a camera: its numbers, or only the size of its image.
 pub(super) struct CameraFields {
     pub(super) size_px: [u32; 2],
     focal_px: DVec2,

@@ -1,4 +1,4 @@
-//! What can be wrong with a stream.
+//! Wire format errors.
 
 use std::io;
 
@@ -19,17 +19,17 @@ pub enum WireError {
     /// A version that is not known.
     #[error("the stream has version {found}, and {known} is read: use the same pointreel on both sides")]
     Version {
-        /// What it has.
+        /// Version of the stream.
         found: u32,
-        /// What is known.
+        /// Supported version.
         known: u32,
     },
     /// A length that is larger than any may be.
     #[error("{what} claims {bytes} bytes, and {most} are read: raise --max-memory if that is right")]
     TooLong {
-        /// What claims it.
+        /// Part of the stream with the excessive length.
         what: &'static str,
-        /// What is claimed.
+        /// Claimed length, in bytes.
         bytes: u64,
         /// The limit.
         most: u64,
@@ -43,15 +43,15 @@ pub enum WireError {
     /// A field of a message that cannot be.
     #[error("{what}: {reason}")]
     Malformed {
-        /// Which part of the message.
+        /// Malformed part of the message.
         what: &'static str,
-        /// What is wrong with it.
+        /// Reason for the error.
         reason: String,
     },
-    /// The end, in the middle of something.
+    /// Unexpected end of the stream: it is truncated.
     #[error("the stream ends within {within}")]
     BreaksOff {
-        /// What was being read.
+        /// Part of the stream that was being read.
         within: &'static str,
     },
     /// The end, between two messages.
@@ -70,7 +70,7 @@ impl WireError {
         }
     }
 
-    /// Whether trying again is of no use: another program, or another version of this one, is there.
+    /// Returns true if retrying is of no use: another program, or another version of this one, is there.
     pub fn is_final(&self) -> bool {
         matches!(self, Self::NotAStream { .. } | Self::Version { .. })
     }

@@ -10,13 +10,13 @@ use std::sync::Arc;
 /// Bytes before the body of a frame, as this version writes them.
 pub(super) const FRAME_HEAD_BYTES: usize = 32;
 
-/// What is read, for errors.
+/// Name of the part being read, for errors.
 const WHAT: &str = "the head of a frame";
 
-/// Which frame it is, and when it was served.
+/// Frame header: identifies the frame, and states when it was served.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrameHead {
-    /// Which frame of the sequence that is played.
+    /// Index of the frame in the sequence being played.
     pub index: u32,
     /// Frames that the server has played before; numbers that are missing were dropped on the way.
     pub number: u64,
@@ -29,15 +29,15 @@ pub struct FrameHead {
 /// A frame that was received.
 #[derive(Debug, Clone)]
 pub struct Frame {
-    /// Which one.
+    /// Frame header.
     pub head: FrameHead,
-    /// What is in it.
+    /// Frame content.
     pub content: Content,
     /// Bytes of its payload.
     pub byte_size: usize,
 }
 
-/// What is in a frame.
+/// Content of a frame.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum Content {
@@ -72,7 +72,7 @@ impl FrameHead {
         Ok((head, bytes))
     }
 
-    /// The same of the first [`FRAME_HEAD_BYTES`] of a payload, whose end is not there.
+    /// Parses the frame head from the first [`FRAME_HEAD_BYTES`] of a payload whose end is not there.
     pub(crate) fn parse_begin(begin: &[u8]) -> Result<(Self, usize), WireError> {
         let mut fields = Fields::new(begin, WHAT);
         let bytes = fields.u32()? as usize;

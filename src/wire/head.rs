@@ -1,4 +1,4 @@
-//! What a stream begins with.
+//! Stream header.
 
 use super::bytes::{Fields, Written};
 use super::error::WireError;
@@ -22,14 +22,14 @@ const MOST_BYTES: u32 = 1 << 16;
 /// Bytes of something else that an error quotes.
 const QUOTED: usize = 8;
 
-/// What a stream begins with.
+/// Header at the start of a stream.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StreamHead {
     /// A number of this run of the server: another number is another run, whose frames are counted from 0 again.
     pub session: u64,
     /// The clock of the server when this was sent, ns since the server began.
     pub clock_ns: u64,
-    /// Frames a second.
+    /// Frame rate, in frames per second.
     pub fps: f64,
     /// The time of day when this was sent, ns since 1970 by the clock of the server's machine.
     pub wall_ns: u64,

@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// Bytes of a body before its images, as this version writes them.
 const LAYOUT_BYTES: usize = 448;
 
-/// What is read, for errors.
+/// Name of the part being read, for errors.
 const WHAT: &str = "a frame of images";
 
 /// Bit of the flags: the pose is known.
@@ -27,7 +27,7 @@ const HAS_COLOR_CAMERA: u32 = 2;
 /// Quality of JPEG, of 100.
 const JPEG_QUALITY: u8 = 90;
 
-/// How depths are sent.
+/// Coding of depths on the wire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DepthCoding {
     /// As they are.
@@ -37,7 +37,7 @@ pub enum DepthCoding {
     Rvl,
 }
 
-/// How colours are sent.
+/// Coding of colours on the wire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColorCoding {
     /// Three bytes a pixel.
@@ -47,7 +47,7 @@ pub enum ColorCoding {
     Jpeg,
 }
 
-/// How images are sent.
+/// Coding of images on the wire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ImageCoding {
     /// Depths.
@@ -56,12 +56,12 @@ pub struct ImageCoding {
     pub color: ColorCoding,
 }
 
-/// What the cameras of a sensor recorded at one moment.
+/// Raw images recorded by the cameras of a sensor at one time step.
 #[derive(Debug, Clone)]
 pub struct RawImages {
     pub(crate) rig: Arc<Rig>,
     pub(crate) world_from_camera: Option<DAffine3>,
-    /// Of whole numbers; floats are metres.
+    /// Units per metre of integer depths; floats are metres.
     pub(crate) units_per_metre: f64,
     /// Distances along the axis of the camera.
     pub(crate) depth: Raster,
@@ -122,10 +122,11 @@ fn write_jpeg(mut encoder: JpegEncoder<&mut Vec<u8>>, raster: &Raster) -> Option
     encoded.ok()
 }
 
-/// The body of a frame of `images`. Colours that cannot be read are left out, and why is said in the second part.
+/// Encodes the frame body of `images`. Colours that cannot be read are omitted, and the reason is returned in the
+/// second part.
 ///
 /// # Errors
-/// What of the depth image cannot be sent, as the end of a sentence.
+/// The reason why the depth image cannot be sent, as the end of a sentence.
 pub(crate) fn images_body(
     images: &RawImages,
     coding: ImageCoding,
@@ -202,9 +203,9 @@ fn packed_color(color: &RawColor, coding: ColorCoding, most_bytes: u64) -> (u32,
 pub struct ReceivedImages {
     /// The cameras.
     pub rig: Rig,
-    /// Where the depth camera was, if the server says it.
+    /// Pose of the depth camera, if sent by the server.
     pub world_from_camera: Option<DAffine3>,
-    /// How many units of depths in whole numbers are a metre.
+    /// Units per metre of integer depths.
     pub units_per_metre: f64,
     /// Distances along the axis.
     pub depth: PackedImage,
@@ -213,7 +214,7 @@ pub struct ReceivedImages {
 }
 
 impl ReceivedImages {
-    /// What `payload` has from `body` on.
+    /// Parses the images in `payload` from offset `body` on.
     pub(super) fn parse(payload: &Arc<Vec<u8>>, body: usize) -> Result<Self, WireError> {
         let bytes = payload.get(body..).unwrap_or_default();
         let mut fields = Fields::new(bytes, WHAT);
@@ -281,7 +282,7 @@ impl ReceivedImages {
 }
 
 impl ReceivedImages {
-    /// The same as a server sends it on; the error is the end of a sentence.
+    /// Returns the raw images in the form in which a server relays them; the error is the end of a sentence.
     pub(crate) fn raw(&self, most_bytes: u64) -> Result<RawImages, String> {
         let raw_color = |image: &PackedImage| match image.jpeg() {
             Some(bytes) => Some(RawColor::Jpeg(image.size_px(), bytes.to_vec())),

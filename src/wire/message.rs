@@ -14,7 +14,7 @@ pub const MOST_PAYLOAD_BYTES: u64 = 1 << 30;
 /// Bytes of a payload that are made room for before any has come.
 const FIRST_BYTES: usize = 1 << 16;
 
-/// What a message is.
+/// Kind of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Kind {
@@ -22,7 +22,7 @@ pub enum Kind {
     Images,
     /// A point cloud.
     Points,
-    /// What time it is at the server, and which frame is the newest.
+    /// Time at the server, and the newest frame.
     Now,
     /// The answer to a ping.
     Pong,
@@ -32,7 +32,7 @@ pub enum Kind {
     Ping,
     /// The client has received a frame.
     Got,
-    /// What the client looks at: it is sent the points that this view shows.
+    /// View of the client: it is sent the points visible in this view.
     View,
     /// Something that a later version says: it is passed over.
     Other(u32),
@@ -70,7 +70,7 @@ impl Kind {
         found.unwrap_or(Self::Other(number))
     }
 
-    /// Whether it is a frame.
+    /// Returns true if the message is a frame.
     pub fn is_frame(self) -> bool {
         matches!(self, Self::Images | Self::Points)
     }
@@ -79,9 +79,9 @@ impl Kind {
 /// A message as it came, with its checksum looked at.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
-    /// What it is.
+    /// Message kind.
     pub kind: Kind,
-    /// What it says.
+    /// Message payload.
     pub payload: Vec<u8>,
 }
 

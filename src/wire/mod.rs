@@ -1,14 +1,14 @@
 //! The wire format of live streams: what `pointreel serve --live` sends and `tcp://` inputs read.
 //!
-//! **How it works.** A stream is a head and messages, each with its kind, its length and a checksum. Every frame tells
-//! all that is needed to read it (cameras, pose, units), so whoever comes late, misses frames or opens a recording in
-//! the middle needs nothing that was sent before. All numbers are little endian. ARCHITECTURE.md, "Live streams over
-//! TCP", has the tables.
+//! **How it works.** A stream is a head and messages, each with its kind, its length and a checksum. Every frame
+//! contains all that is needed to read it (cameras, pose, units), so a client that connects late, misses frames or
+//! opens a recording partway through needs nothing that was sent before. All numbers are little endian.
+//! ARCHITECTURE.md, "Live streams over TCP", documents the layout in tables.
 //!
 //! A file with the same bytes is a recording (`.pointreel-stream`).
 //!
 //! **Bounds.** Payloads are read as they come, and never more than a limit; images and arrays have as many bytes as
-//! their sizes say, or are refused before anything is made of them.
+//! their sizes say, or are rejected before they are decoded.
 
 mod bytes;
 mod cameras;

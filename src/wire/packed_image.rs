@@ -14,10 +14,10 @@ pub struct PackedImage {
     packing: Packing,
 }
 
-/// How pixels are bytes.
+/// Packing of pixels into bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Packing {
-    /// 16 bits a pixel.
+    /// Grey image with 16 bits per pixel.
     Gray16,
     /// A single float a pixel.
     GrayF32,

@@ -1,4 +1,4 @@
-//! Frames of points: positions and what they have beside them, an array each.
+//! Frames of points: positions and attributes, one array each.
 
 use super::bytes::{Fields, Written, f32_triples, f32s};
 use super::error::WireError;
@@ -16,10 +16,10 @@ const MOST_ARRAYS: u32 = 256;
 /// Longest name of an array.
 const MOST_NAME_BYTES: u32 = 1 << 10;
 
-/// What is read, for errors.
+/// Name of the part being read, for errors.
 const WHAT: &str = "a frame of points";
 
-/// What an array holds.
+/// Kind of data in an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum ArrayKind {
     /// Three single floats from the origin.
@@ -93,8 +93,9 @@ pub fn points_body(cloud: &RawCloud) -> Vec<u8> {
     body.0
 }
 
-/// Positions as single floats from an origin that loses no more than the origin of a sequence does: the middle of the
-/// points, rounded to a power of two; zero for those that are single floats.
+/// Returns the positions as single-precision floats relative to an origin that loses no more precision than the origin
+/// of a sequence does: the centre of the points, rounded to a power of two; zero for positions that already are
+/// single-precision floats.
 fn from_origin(positions: &Positions) -> (DVec3, std::borrow::Cow<'_, [[f32; 3]]>) {
     let exact = match positions {
         Positions::F32(positions) => return (DVec3::ZERO, positions.into()),

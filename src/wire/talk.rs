@@ -8,7 +8,7 @@ use super::bytes::{Fields, Written};
 use super::error::WireError;
 use super::message::{Kind, Message};
 
-/// What time it is at the server.
+/// Current time at the server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Now {
     /// The clock of the server, ns.
@@ -53,7 +53,7 @@ impl Now {
         Message::new(Kind::Now, payload.0)
     }
 
-    /// What a payload says.
+    /// Parses a payload.
     pub fn parse(payload: &[u8]) -> Result<Self, WireError> {
         let mut fields = Fields::new(payload, "the time of the server");
         Ok(Self {
@@ -69,7 +69,7 @@ impl Ping {
         Message::new(Kind::Ping, self.client_ns.to_le_bytes().to_vec())
     }
 
-    /// What a payload says.
+    /// Parses a payload.
     pub fn parse(payload: &[u8]) -> Result<Self, WireError> {
         let client_ns = Fields::new(payload, "a ping").u64()?;
         Ok(Self { client_ns })
@@ -84,7 +84,7 @@ impl Pong {
         Message::new(Kind::Pong, payload.0)
     }
 
-    /// What a payload says.
+    /// Parses a payload.
     pub fn parse(payload: &[u8]) -> Result<Self, WireError> {
         let mut fields = Fields::new(payload, "the answer to a ping");
         Ok(Self {
@@ -101,7 +101,7 @@ impl Got {
         Message::new(Kind::Got, self.number.to_le_bytes().to_vec())
     }
 
-    /// What a payload says.
+    /// Parses a payload.
     pub fn parse(payload: &[u8]) -> Result<Self, WireError> {
         let number = Fields::new(payload, "the number of a frame").u64()?;
         Ok(Self { number })

@@ -1,4 +1,4 @@
-//! What a client looks at: a server answers with the points that this view shows.
+//! View of a client: a server answers with the points visible in this view.
 
 use super::bytes::{Fields, Written};
 use super::error::WireError;
@@ -14,16 +14,16 @@ const MOST_EDGE_PX: u32 = 1 << 14;
 /// No picture has more pixels: a server has numbers for each.
 const MOST_PIXELS: u64 = 1 << 24;
 
-/// How far axes may be from being at right angles and of length 1.
+/// Tolerance for the orthonormality of the axes: deviation from right angles and from length 1.
 const MOST_SKEW: f32 = 1e-3;
 
-/// What is read, for errors.
+/// Name of the part being read, for errors.
 const WHAT: &str = "a view";
 
 /// A view of the frames of a stream, and the pixels of its picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
-    /// Where the eye is, in the coordinates of the frames.
+    /// Eye position (camera centre), in the coordinates of the frames.
     pub eye: DVec3,
     /// From the axes of the frames to those of the view: right, up, backward.
     pub rotation: Mat3,
@@ -33,7 +33,7 @@ pub struct View {
     pub size_px: [u32; 2],
     /// Pixels from the view axis for a slope of 1, rightwards and downwards.
     pub px_per_slope: [f32; 2],
-    /// Where the view axis meets the picture.
+    /// Principal point: the pixel where the view axis meets the image.
     pub middle_px: [f32; 2],
 }
 
@@ -54,10 +54,10 @@ impl View {
         Message::new(Kind::View, payload.0)
     }
 
-    /// What a payload says. What a later version says behind it is passed over.
+    /// Parses a view from a payload. Trailing data from a later version is ignored.
     ///
     /// # Errors
-    /// [`WireError`], for a view that cannot be.
+    /// [`WireError`], if the view is invalid.
     pub fn parse(payload: &[u8]) -> Result<Self, WireError> {
         let mut fields = Fields::new(payload, WHAT);
         let bytes = fields.u32()? as usize;
@@ -79,7 +79,7 @@ impl View {
         }
     }
 
-    /// What cannot be.
+    /// Returns a description of the fault, if the view is invalid.
     fn fault(&self) -> Option<String> {
         let [width, height] = self.size_px;
         let is_size = |edge: u32| (1..=MOST_EDGE_PX).contains(&edge);

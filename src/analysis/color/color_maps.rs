@@ -6,24 +6,24 @@
 
 use std::sync::OnceLock;
 
-/// How numbers become colours.
+/// Colour map: a mapping from scalar values to colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ColorMap {
     /// Dark violet to yellow; lightness grows evenly, also for the colour-blind and in print.
     #[default]
     Viridis,
-    /// Blue over green to red: many colours, so that details are told apart.
+    /// Blue over green to red: many colours, so that details are distinguishable.
     Turbo,
     /// Black over purple to pale yellow; lightness grows evenly.
     Magma,
     /// Black to white.
     Grey,
-    /// Blue over light grey to red: for values on both sides of a middle.
+    /// Blue over light grey to red: diverging, for values on both sides of a centre.
     Diverging,
 }
 
-/// Entries of [`ColorMap::table`]; the middle one is the middle of the map.
+/// Number of entries of [`ColorMap::table`]; the central entry is the centre of the map.
 pub(crate) const TABLE_LEN: usize = 1025;
 
 type Anchors = [u32; 33];

@@ -1,9 +1,9 @@
-//! Where many numbers stand in a table of colours.
+//! Batch lookup of the positions of many numbers in a colour table.
 //!
 //! How it works: single precision and no branches where that is as exact as the numbers themselves, so that the
-//! compiler works out several numbers at a time; logarithms by a table of 1,025 with lines between them (2 · 10⁻⁷ off,
-//! as f32 is). What single precision cannot say (ends beyond it, offsets under a logarithm, one number for both ends)
-//! is worked out by [`ColorScale`] one by one.
+//! compiler vectorises over several numbers; logarithms by a table of 1,025 entries with linear interpolation (error 2
+//! · 10⁻⁷, like that of f32). Cases that single precision cannot represent (ends beyond its range, offsets under a
+//! logarithm, equal ends) are computed one by one by [`ColorScale`].
 
 use super::color_maps::TABLE_LEN;
 use super::color_scale::{ColorScale, Mapper};

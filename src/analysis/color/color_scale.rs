@@ -1,4 +1,5 @@
-//! Where a number stands between two others, evenly or by its logarithm; and which two take in most of many numbers.
+//! Colour scales: the linear or logarithmic position of a number between two ends; and quantile ranges, the two ends
+//! that cover most of many numbers.
 
 use std::ops::Range;
 
@@ -32,13 +33,13 @@ impl ColorScale {
         [self.low, self.high]
     }
 
-    /// Whether logarithms are evenly spaced.
+    /// Returns true if the scale is logarithmic.
     pub fn is_logarithmic(&self) -> bool {
         self.is_logarithmic
     }
 
-    /// Where `value` stands: 0 at the lower end and below, 1 at the upper end and above, NaN for NaN. Where both ends
-    /// are one number, that number is in the middle.
+    /// Returns the normalised position of `value` on the scale: 0 at the lower end and below, 1 at the upper end and
+    /// above, NaN for NaN. If both ends are equal, that number is at 0.5.
     pub fn share(&self, value: f64) -> f32 {
         self.mapper(0.0).share(value)
     }
@@ -54,7 +55,7 @@ impl ColorScale {
         }
     }
 
-    /// The same for numbers from which `offset` was taken.
+    /// Returns the mapper of this scale for numbers from which `offset` was subtracted.
     pub(crate) fn mapper(&self, offset: f64) -> Mapper {
         let [low, high] = if self.is_logarithmic {
             [self.low.ln(), self.high.ln()]
@@ -84,7 +85,7 @@ pub(crate) struct Mapper {
 }
 
 impl Mapper {
-    /// Whether both ends are one number.
+    /// Returns true if both ends are equal.
     fn is_one_number(&self) -> bool {
         self.factor == 0.0 || !self.factor.is_finite()
     }
@@ -145,8 +146,8 @@ pub fn quantile_range(sorted: &[f32], offset: f64, shares: Range<f64>) -> Option
     Some(range.map(|value| f64::from(value) + offset))
 }
 
-/// How many of `sorted` (ascending, finite) with `offset` added fall into each of `bins` parts of `range` that a color
-/// scale tells apart evenly: the first and the last also have what is beyond.
+/// Computes a histogram: the number of values of `sorted` (ascending, finite) with `offset` added that fall into each
+/// of `bins` parts of `range`, evenly spaced on the colour scale; the first and the last bin also count what is beyond.
 pub fn histogram(sorted: &[f32], offset: f64, scale: &ColorScale, bins: usize) -> Vec<u32> {
     let mut counts = vec![0; bins];
     let Some(last) = bins.checked_sub(1) else {

@@ -18,7 +18,7 @@ const BORDER_AFTER: usize = WIDE_WINDOW * CELLS_OF_WINDOW;
 /// No point is there.
 const EMPTY: u64 = u64::MAX;
 
-/// Where cells without points are.
+/// Coordinate of cells without points.
 const NOWHERE: f32 = 1e30;
 
 /// The pyramid.
@@ -36,9 +36,9 @@ pub(super) struct Cells {
 pub(super) struct CellLevel {
     size: [usize; 2],
     stride: usize,
-    /// Of the nearest points, from the eye.
+    /// Position of the nearest points, relative to the eye.
     pub(super) places: [Vec<f32>; 3],
-    /// How many points there are.
+    /// Number of points per cell.
     pub(super) counts: Vec<f32>,
     /// Depth and place of the nearest point; without a border.
     winners: Vec<u64>,
@@ -53,7 +53,7 @@ pub(super) struct Window<'a> {
     /// Column and row of the first cell, with the border before them.
     start: [usize; 2],
     pub(super) rows: usize,
-    /// How many times eight cells a row has.
+    /// Number of groups of eight cells per row.
     pub(super) eights: usize,
     pub(super) stride: usize,
 }

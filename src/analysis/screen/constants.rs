@@ -1,16 +1,15 @@
-//! Numbers that surfels of the screen are made with, by the processor and by graphics cards
-//! (`shaders/screen_normals`).
+//! Constants of the screen-space surfel estimation, shared by the CPU and the GPU (`shaders/screen_normals`).
 
 /// The radius in which neighbours are looked for, in spacings of the points: about 28 are within it.
 pub const RADIUS_SPACINGS: f32 = 3.0;
 
-/// How far the square of a point reaches from its pixel at most: it is seven pixels wide.
+/// Maximum reach of the square of a point from its pixel: it is seven pixels wide.
 pub(crate) const MOST_REACH_PX: usize = 3;
 
-/// How far from its pixel anything is looked for.
+/// Border width: the maximum distance from its pixel at which anything is searched.
 pub(crate) const BORDER_PX: usize = 7;
 
-/// Fewer nearer pixels are no plane by which a surface is told from what hides it.
+/// Minimum number of nearer pixels to fit a plane that separates a surface from what hides it.
 pub(crate) const FEWEST_OF_RAMP: f32 = 4.0;
 
 /// The coarsest level: its cells are 128 pixels wide.
@@ -19,10 +18,10 @@ pub(crate) const MOST_LEVELS: u32 = 7;
 /// Cells of a row that are read at once, which is how wide a window is.
 pub(crate) const CELLS_OF_WINDOW: usize = 8;
 
-/// How many times as far a wide window reaches.
+/// Factor by which the reach of a wide window is larger.
 pub(crate) const WIDE_WINDOW: usize = 2;
 
-/// A window reaches so many cells from its middle at most: then it is no more than eight cells wide.
+/// Maximum reach of a window from its centre, in cells: then it is no more than eight cells wide.
 pub(crate) const MOST_REACH_CELLS: f32 = 3.5;
 
 /// Neighbourhoods reach so many pixels at least.

@@ -1,17 +1,17 @@
-//! Points that others hide.
+//! Visibility culling: removal of points that others hide.
 //!
-//! **How it works.** Every point leaves its depth at the pixel of its middle, if it is the nearest there. A point is a
+//! **How it works.** Every point writes its depth to the pixel of its centre, if it is the nearest there. A point is a
 //! square of pixels around that one; the deeper it is the smaller, so of all points in one pixel the nearest covers
-//! what the others do, and it is enough to ask the pixels around a point whether what is there reaches it. Those that
-//! could are in seven rows of eight floats: a row is one comparison, with thresholds that are the same for all points.
-//! What is drawn with its whole square instead writes up to 49 pixels a point.
+//! what the others do, and it is enough to test whether the pixels around a point reach it. Those that could are in
+//! seven rows of eight floats: a row is one comparison, with thresholds that are the same for all points. Drawing whole
+//! squares instead would write up to 49 pixels per point.
 //!
-//! Of points that are smaller than a pixel, the nearest of each survives, as the index buffer of a graphics card has
-//! one a pixel: however dense a cloud is, no more is visible than the picture has pixels.
+//! Of points that are smaller than a pixel, the nearest of each survives, as the index buffer of a GPU has one per
+//! pixel: however dense a cloud is, no more is visible than the image has pixels.
 //!
-//! A larger point survives if nothing that covers its pixel is nearer by more than the radius in which neighbours are
-//! looked for; else if it lies on the plane of what is nearer, which is then no other surface (`ramp.rs`). With less
-//! than that radius a surface would hide itself at 45 degrees already, and planes be fitted to most of the points.
+//! A larger point survives if nothing that covers its pixel is nearer by more than the neighbourhood search radius;
+//! else if it lies on the plane of what is nearer, which is then not another surface (`ramp.rs`). With less than that
+//! radius a surface would hide itself at 45 degrees already, and planes would be fitted to most of the points.
 
 use super::compact::compact;
 use super::constants::{BORDER_PX, MOST_REACH_PX, RADIUS_SPACINGS};
@@ -27,7 +27,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 /// Points that are worth handing to another thread.
 const POINTS_PER_TASK: usize = 1 << 13;
 
-/// So many points tell how far beside the picture splats may reach into it.
+/// Number of sampled points that determine how far splats outside the image may reach into it.
 const MARGIN_SAMPLES: usize = 1 << 10;
 
 /// No splat is thought to reach farther.
@@ -38,18 +38,18 @@ const MOST_MARGIN_PX: f32 = 256.0;
 pub(super) struct DepthPicture {
     /// The view that is drawn, of a picture with a margin.
     view: Option<ScreenView>,
-    /// Where points are nearest, as they are found.
+    /// Depth buffer of the nearest points, as they are found.
     nearest: Vec<AtomicU32>,
-    /// The same with a border, infinite where nothing is.
+    /// Depth buffer with a border, infinite where nothing is.
     depths: Vec<f32>,
     stride: usize,
     spacing: f32,
     radius: f32,
     /// Points at larger depths are smaller than a pixel.
     small_beyond: f32,
-    /// How far squares of points reach.
+    /// Reach of the squares of points.
     reach_px: usize,
-    /// Of the pixels in eight lanes, by the row: what is nearer than this covers the pixel in the middle.
+    /// Cover thresholds of the pixels in eight lanes, by row: anything nearer than this covers the central pixel.
     covers_below: [[f32; LANES]; MOST_REACH_PX + 1],
 }
 
@@ -72,7 +72,7 @@ impl DepthPicture {
         size.map(|edge| edge as usize)
     }
 
-    /// Draws the middles of points that are `spacing` apart.
+    /// Draws the centres of points that are `spacing` apart into the depth image.
     pub(super) fn draw(&mut self, view: &ScreenView, points: &[PointRecord], spacing: f32) {
         let spacing = spacing.max(0.0);
         (self.spacing, self.radius) = (spacing, RADIUS_SPACINGS * spacing);
@@ -111,8 +111,8 @@ impl DepthPicture {
         self.measure_reach(spacing * FRAC_1_SQRT_2);
     }
 
-    /// Which depths cover how much: a point is as wide as the diagonal of a square of the spacing, so that points on a
-    /// grid leave no gap.
+    /// Computes the depth thresholds by pixels covered: a point is as wide as the diagonal of a square of the spacing,
+    /// so that points on a grid leave no gap.
     fn measure_reach(&mut self, half_width: f32) {
         let Some(view) = self.view else { return };
         // A square reaches so many pixels if half its width is so many and a half.
@@ -180,7 +180,7 @@ impl DepthPicture {
         }
     }
 
-    /// Whether a point at a pixel is hidden.
+    /// Visibility test: returns true if a point at a pixel is hidden.
     #[inline(always)]
     fn is_hidden<S: Simd>(&self, simd: S, pixel: [usize; 2], seen: &ScreenPoint) -> bool {
         let (depth, limit) = (seen.depth, seen.depth - self.radius);
@@ -202,7 +202,7 @@ impl DepthPicture {
         }
     }
 
-    /// Whether what is nearer than `limit` covers the pixel in the middle of those from `corner` on.
+    /// Returns true if anything nearer than `limit` covers the central pixel of those from `corner` on.
     #[inline(always)]
     fn is_covered<S: Simd>(&self, simd: S, corner: usize, limit: f32) -> bool {
         if self.reach_px == 0 {
@@ -221,7 +221,7 @@ impl DepthPicture {
     }
 }
 
-/// A point with the pixel of its middle, if that is in the picture.
+/// Projects a point and returns it with the pixel of its centre, if that is in the image.
 #[inline(always)]
 fn in_picture(view: &ScreenView, point: &PointRecord) -> Option<(ScreenPoint, [usize; 2])> {
     let seen = view.see(point.position)?;
@@ -231,13 +231,13 @@ fn in_picture(view: &ScreenView, point: &PointRecord) -> Option<(ScreenPoint, [u
     is_inside.then_some((seen, [x as usize, y as usize]))
 }
 
-/// The same view of a picture with a margin, whose splats may reach into it.
+/// Returns this view with a margin around the image, whose splats may reach into it.
 pub(crate) fn with_margin_of_splats(view: &ScreenView, points: &[PointRecord], spacing: f32) -> ScreenView {
     view.with_margin(margin_px(view, points, RADIUS_SPACINGS * spacing.max(0.0)))
 }
 
-/// How far beside the picture splats may reach into it: as far as the radius of neighbourhoods is seen, of the nearest
-/// of some points.
+/// Computes the margin, in pixels, from which splats outside the image may reach into it: the projected neighbourhood
+/// radius at the nearest of some points.
 fn margin_px(view: &ScreenView, points: &[PointRecord], radius: f32) -> u32 {
     let step = points.len().div_ceil(MARGIN_SAMPLES).max(1);
     let samples = points.iter().step_by(step);

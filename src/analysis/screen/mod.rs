@@ -1,20 +1,21 @@
-//! Which points a picture shows, and the surface around each of these: normals and radii from the picture alone.
+//! Screen-space surface estimation: the points visible in an image, and the surface around each of these: normals and
+//! radii from the image alone.
 //!
 //! **How it works** (paper 003 §3.4 and §3.5, after the `AutoSplats` of Preiner et al. 2012). [`ScreenEstimator::cull`]
 //! draws all points into a depth image of the view and keeps those that lie no deeper than one radius below it
-//! (`cull.rs`). [`ScreenEstimator::surface`] looks for the neighbours of each of these in the picture around it, in a
+//! (`cull.rs`). [`ScreenEstimator::surface`] searches the neighbours of each of these in the image around it, in a
 //! pyramid of cells (`cells.rs`), and fits a plane to them (`planes.rs`). Where the neighbourhood of a fixed radius
-//! holds too few, it is looked at again with twice the radius.
+//! contains too few, it is searched again with twice the radius.
 //!
-//! **When it wins.** Nothing is searched and no tree is built as for [`estimate_surface`](super::estimate_surface), and
-//! what is hidden takes no plane. So it is the way for frames that are seen once, as those of a live camera are. It
-//! loses where a view changes and the cloud does not, as it is done anew for each view, and where the picture is
-//! coarser than the points.
+//! **When it wins.** No nearest-neighbour search is run and no tree is built as for
+//! [`estimate_surface`](super::estimate_surface), and hidden points need no plane. So it is the method for frames that
+//! are seen once, such as those of a live camera. It loses where the view changes and the cloud does not, as it is
+//! repeated for each view, and where the image is coarser than the points.
 //!
 //! **What the paper leaves open.** The radius is three times the spacing of the points, and no less than two pixels, as
 //! there would be no neighbours from afar. Its window is never more than eight by eight cells, of a level of the
-//! pyramid whose cells are as wide as that asks for: the window can be of any number of pixels, so a picture from
-//! nearby has normals too.
+//! pyramid whose cells are as wide as that requires: the window can be of any number of pixels, so a close-up has
+//! normals too.
 //!
 //! Results do not depend on the number of threads.
 
@@ -42,7 +43,7 @@ use glam::Vec3;
 use planes::Planes;
 use view::ScreenPoint;
 
-/// How neighbours are looked for.
+/// Neighbour search method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Search {
     /// Within a fixed radius, or twice that where there are few.
@@ -52,14 +53,14 @@ pub enum Search {
     Bisected,
 }
 
-/// What is known of a cloud beside its points.
+/// Properties of a cloud other than its points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScreenCloud {
-    /// How far apart its points typically are, scene units.
+    /// Typical spacing of its points, scene units.
     pub spacing: f32,
     /// Factor on radii: 1 closes a surface whose points are on a grid; where they are at random, it takes 2 and more.
     pub closing: f32,
-    /// Where the sensor stood, in the space of the points: normals are turned to it, else to the eye.
+    /// Sensor position in the space of the points: normals are oriented towards it, else towards the eye.
     pub sensor: Option<Vec3>,
 }
 
@@ -71,9 +72,10 @@ pub struct ScreenEstimator {
 }
 
 impl ScreenEstimator {
-    /// The points of a cloud that a picture shows, and some beside it whose splats may reach into it: of a point that
-    /// is left out, another one covers the pixel of its middle and is nearer by more than the radius; or it is smaller
-    /// than a pixel and another one in that is nearer. Points are as wide as they are apart, eight pixels at most.
+    /// Culls the points of a cloud to those that an image shows, plus some outside it whose splats may reach into it:
+    /// of a point that is excluded, another one covers the pixel of its centre and is nearer by more than the radius;
+    /// or it is smaller than a pixel and another one in that pixel is nearer. Points are as wide as they are apart,
+    /// eight pixels at most.
     pub fn cull(&mut self, view: &ScreenView, points: &[PointRecord], cloud: &ScreenCloud) -> Visible {
         self.picture.draw(view, points, cloud.spacing);
         self.picture.visible(points)

@@ -1,22 +1,22 @@
-//! Planes through the neighbours of points in a picture.
+//! Planes through the neighbours of points in an image.
 //!
-//! **How it works.** With the offsets d = (q − p)/R of the n neighbours q within the radius R of a point p, one a cell
-//! of its window, and their mean m, the covariance is C = Σddᵀ/n − mmᵀ, and the normal its eigenvector of the smallest
-//! eigenvalue (paper 003 §3.5). Offsets are at most 1 and from the point itself, so sums of eight cells side by side in
-//! f32 lose nothing. Four points are solved together.
+//! **How it works.** With the offsets d = (q − p)/R of the n neighbours q within the radius R of a point p, one per
+//! cell of its window, and their mean m, the covariance is C = Σddᵀ/n − mmᵀ, and the normal its eigenvector of the
+//! smallest eigenvalue (paper 003 §3.5). Offsets are at most 1 and relative to the point itself, so sums of eight cells
+//! side by side in f32 lose nothing. Four points are solved together.
 //!
-//! Where n is below six, or the neighbours stand in a row, as those of far rows of a depth image do, all is summed up
-//! anew for 2R, and so on up to 8R, in finer cells: on a surface that is seen from the side, cells in its direction are
-//! far apart.
+//! Where n is below six, or the neighbours are collinear, like those of far rows of a depth image, all is summed up
+//! again for 2R, and so on up to 8R, in finer cells: on a surface at a grazing angle, cells in its direction are far
+//! apart.
 //!
 //! Where none of these is a plane, the normal is that of the nearest neighbour that has one, up to 32R away: of a floor
-//! that is seen from the side, cells are higher than rows of points are apart, so that the neighbours are one row. Only
-//! a point without such a neighbour faces the eye, which on a floor is a light spot.
+//! at a grazing angle, cells are higher than rows of points are apart, so that the neighbours are one row. Only a point
+//! without such a neighbour faces the eye, which on a floor is a light spot.
 //!
 //! The radius of a splat is R·√(π/N), where N counts all points in those cells: πR² over that is the area of one. That
-//! closes grids, as those of depth images; where points are at random, it is larger, R at most. Points that are smaller
-//! than a pixel are one a pixel; seen from the side, their splats would be thinner than the rows of pixels are apart.
-//! So those are larger, up to twice their neighbourhood.
+//! closes grids, such as those of depth images; where points are at random, it is larger, R at most. Points that are
+//! smaller than a pixel are one per pixel; at a grazing angle, their splats would be thinner than the rows of pixels
+//! are apart. So those are larger, up to twice their neighbourhood.
 
 use super::cells::{CellLevel, Cells, Window};
 use super::constants::{
@@ -35,12 +35,12 @@ use std::f32::consts::{FRAC_1_SQRT_2, PI};
 /// Points that are worth handing to another thread.
 const POINTS_PER_TASK: usize = 1 << 9;
 
-/// What planes are made from.
+/// Inputs of plane fitting.
 #[derive(Debug)]
 pub(super) struct Planes<'a> {
     pub(super) view: &'a ScreenView,
     pub(super) cells: &'a Cells,
-    /// Of neighbourhoods, scene units.
+    /// Neighbourhood radius, scene units.
     pub(super) radius: f32,
     pub(super) spacing: f32,
     /// Factor on radii.
@@ -53,9 +53,9 @@ pub(super) struct Planes<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Neighbourhood {
     pub(super) radius: f32,
-    /// How many cells have one.
+    /// Number of cells that have a neighbour.
     pub(super) found: f32,
-    /// How many points there are.
+    /// Number of points.
     pub(super) points: f32,
     /// Sums of offsets in radii.
     sums: [f32; 3],
@@ -220,7 +220,7 @@ const NO_SHAPE: ShapeRecord = ShapeRecord {
     scalar: 0.0,
 };
 
-/// Whether a point has no plane around it, and none of a neighbour yet.
+/// Returns true if a point has no plane around it, and none of a neighbour yet.
 fn lacks_plane(shape: &ShapeRecord) -> bool {
     shape.radius.is_sign_negative()
 }
@@ -234,7 +234,7 @@ impl Neighbourhood {
         products: [0.0; 6],
     };
 
-    /// Whether the neighbours spread in two directions.
+    /// Returns true if the neighbours spread in two directions and so define a plane.
     fn is_plane(&self) -> bool {
         let [xx, yy, zz, xy, yz, zx] = self.covariance();
         let trace = xx + yy + zz;

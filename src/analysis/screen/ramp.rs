@@ -1,18 +1,18 @@
-//! Surfaces that are seen from the side: what is nearer there covers nothing, it is the same surface.
+//! Surfaces at a grazing angle: what is nearer there covers nothing, as it is the same surface.
 //!
-//! **How it works.** On a plane the inverse of the depth is linear in the pixels of a picture. So a plane is fitted, by
+//! **How it works.** On a plane the inverse of the depth is linear in the pixels of an image. So a plane is fitted, by
 //! least squares, to the nearest points of the pixels around a point, of those that are nearer than itself. Where they
-//! are before it because the surface rises towards the eye, their plane meets the point; where they hide it, their
-//! plane is before it. A point is the nearest of its pixel, but nobody knows where in it: so what is within half a
-//! pixel's slope of the plane is on it. Where points are so far apart that there are few around, a wider window is
-//! looked at.
+//! are in front of it because the surface rises towards the eye, their plane meets the point; where they hide it, their
+//! plane is in front of it. A point is the nearest of its pixel, but its position within the pixel is unknown: so what
+//! is within half a pixel's slope of the plane is on it. Where points are so far apart that there are few around, a
+//! wider window is used.
 //!
-//! What is deeper than the point is left out. Behind the end of a floor there is a wall or nothing, and through the
-//! gaps of a sparse surface one sees what is behind it.
+//! What is deeper than the point is ignored. Behind the end of a floor there is a wall or nothing, and through the gaps
+//! of a sparse surface one sees what is behind it.
 //!
 //! **When it wins.** Without it a surface hides itself beyond some 77 degrees: there a step of the width of a point is
-//! deeper than the radius of neighbourhoods. A bound on the slope alone, as shadow maps have one, would let points
-//! through at each silhouette, where depths step as they do on a steep surface.
+//! deeper than the neighbourhood radius. A bound on the slope alone, as shadow maps have one, would let points through
+//! at each silhouette, where depths step as they do on a steep surface.
 
 use super::constants::{BORDER_PX, FEWEST_OF_RAMP, MOST_REACH_PX};
 use super::lanes::{LANES, total};
@@ -28,7 +28,7 @@ pub(super) struct Around<'a> {
     pub(super) depths: &'a [f32],
     /// From one row to the next.
     pub(super) stride: usize,
-    /// Where the point is, from the middle of its pixel.
+    /// Position of the point relative to the centre of its pixel.
     pub(super) place_px: [f32; 2],
     /// Its depth.
     pub(super) depth: f32,
@@ -48,8 +48,8 @@ struct Sums {
 }
 
 impl Around<'_> {
-    /// Whether a point that something covers lies on the plane of what is nearer than itself by more than `spacing`:
-    /// no more than `radius` behind it.
+    /// Returns true if a covered point lies on the plane of what is nearer than itself by more than `spacing`: no more
+    /// than `radius` behind it.
     #[inline(always)]
     pub(super) fn is_on_plane_of_nearer<S: Simd>(&self, simd: S, spacing: f32, radius: f32) -> bool {
         if self.is_enclosed(radius) {
@@ -66,7 +66,7 @@ impl Around<'_> {
         before - 0.5 * (column_slope.abs() + row_slope.abs()) <= radius / self.depth
     }
 
-    /// Whether it is covered on all sides, as most points are that are hidden: known without a plane.
+    /// Returns true if the point is covered on all sides, as most hidden points are: known without a plane.
     #[inline(always)]
     fn is_enclosed(&self, radius: f32) -> bool {
         const REACH: usize = MOST_REACH_PX;
@@ -87,7 +87,7 @@ impl Around<'_> {
             .all(|[column, row]| self.depths[first + row * self.stride + column] < limit)
     }
 
-    /// Of the inverse depths, in units of the point's own, less one; in a window that reaches so many pixels.
+    /// Sums the inverse depths, in units of the point's own, less one; in a window that reaches `reach` pixels.
     #[inline(always)]
     fn sums<S: Simd>(&self, simd: S, limit: f32, reach: usize) -> Sums {
         let mut sums = Sums::NONE;
@@ -104,7 +104,8 @@ impl Around<'_> {
         sums
     }
 
-    /// The same of eight columns: where the first of them is in `depths`, and from the point.
+    /// Sums the inverse depths of eight columns: `first` is the index of the first of them in `depths`, `column` its
+    /// offset from the point.
     #[inline(always)]
     fn sums_of_lanes<S: Simd>(&self, simd: S, limits: f32x8<S>, reach: usize, first: usize, column: f32) -> Sums {
         let splat = |value: f32| f32x8::splat(simd, value);

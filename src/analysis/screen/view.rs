@@ -10,7 +10,7 @@ pub struct ScreenView {
     pub rotation: Mat3,
     /// The eye in the space of the cloud, rounded to f32.
     pub eye_high: Vec3,
-    /// What the rounding left over.
+    /// Rounding remainder of the eye position.
     pub eye_low: Vec3,
     /// Nothing nearer along the view axis is seen.
     pub near: f32,
@@ -18,7 +18,7 @@ pub struct ScreenView {
     pub size_px: [u32; 2],
     /// Pixels from the view axis for a slope of 1, rightwards and downwards.
     pub px_per_slope: [f32; 2],
-    /// Where the view axis meets the picture.
+    /// Principal point: the pixel position where the view axis meets the image.
     pub middle_px: [f32; 2],
 }
 
@@ -48,7 +48,7 @@ impl ScreenView {
         (Vec3::from_array(position) - self.eye_high) - self.eye_low
     }
 
-    /// Where a point is seen, beside the picture as well; `None` before the near plane, and of what is no number.
+    /// Projects a point to the screen, also outside the image; `None` before the near plane, and for NaN.
     #[inline(always)]
     pub(super) fn see(&self, position: [f32; 3]) -> Option<ScreenPoint> {
         let offset = self.offset(position);
@@ -66,13 +66,13 @@ impl ScreenView {
         })
     }
 
-    /// How many pixels a length covers at a distance of 1, along the axis where these are most.
+    /// Returns the number of pixels that a length covers at a distance of 1, along the axis where these are most.
     pub(super) fn px_per_unit(&self) -> f32 {
         let [x, y] = self.px_per_slope.map(f32::abs);
         x.max(y)
     }
 
-    /// The same view of a picture that is larger by as many pixels at each side.
+    /// Returns this view with the image enlarged by a margin of `margin_px` pixels on each side.
     pub(super) fn with_margin(&self, margin_px: u32) -> Self {
         Self {
             size_px: self.size_px.map(|edge| edge + 2 * margin_px),
@@ -94,12 +94,12 @@ impl ScreenPoint {
 }
 
 impl Visible {
-    /// How many there are.
+    /// Returns the number of visible points.
     pub fn len(&self) -> usize {
         self.slots.len()
     }
 
-    /// Whether there are none.
+    /// Returns true if no points are visible.
     pub fn is_empty(&self) -> bool {
         self.slots.is_empty()
     }

@@ -31,7 +31,7 @@ const ROWS_PER_WORD: usize = u32::BITS as usize;
 const WORDS: usize = 4;
 const ROWS_PER_LIST: usize = WORDS * ROWS_PER_WORD;
 
-/// What is kept while the points of one bucket search; reused for the next.
+/// Reusable search state of the points of one bucket; kept for the next.
 #[derive(Debug)]
 pub(super) struct BucketSearch<'a> {
     tree: &'a PointTree,
@@ -54,7 +54,7 @@ pub(super) struct BucketSearch<'a> {
     bound: f32,
     /// From which file index on points at exactly the bound cannot win; `None` until somebody asks.
     tie_limit: Option<u32>,
-    /// What is to be descended into.
+    /// Stack of nodes still to be descended into.
     stack: Vec<Child>,
     /// Candidates of one searching point, where they have to be put in order.
     candidates: Vec<Candidate>,
@@ -199,7 +199,7 @@ impl<'a> BucketSearch<'a> {
         x * x + y * y + z * z
     }
 
-    /// How far the searching points are from eight boxes along an axis, at least.
+    /// Computes the minimum distance of the searching points from eight boxes along an axis.
     #[inline(always)]
     fn gap<S: Simd>(&self, simd: S, boxes: &BoxRow, axis: usize) -> f32x8<S> {
         let above = f32x8::from_slice(simd, &boxes.min[axis]) - self.max[axis];
@@ -272,7 +272,8 @@ impl<'a> BucketSearch<'a> {
         self.tie_limit = None;
     }
 
-    /// Of the points at exactly the bound, those from this file index on cannot be among the nearest.
+    /// Returns the tie limit: of the points at exactly the bound, those from this file index on cannot be among the
+    /// nearest.
     ///
     /// Keeps only the candidates that count: many at equal distances would otherwise be compared over and over.
     #[cold]

@@ -74,7 +74,7 @@ pub fn nearest_neighbours(positions: &[Vec3], k: usize) -> Neighbours {
 }
 
 impl PointTree {
-    /// [`nearest_neighbours`] with slots in place of indices, both as position and as value, and in no order.
+    /// Finds [`nearest_neighbours`] with slots instead of indices, both as position and as value, and in no order.
     pub(in crate::analysis) fn neighbours(&self, k: usize) -> Neighbours {
         self.neighbours_of(0..self.len(), k)
     }

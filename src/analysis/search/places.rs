@@ -35,7 +35,7 @@ impl Places {
         Some(Self { positions, of_points })
     }
 
-    /// What is known of each place, for each point.
+    /// Scatters per-position data to all points.
     pub(in crate::analysis) fn spread<T: Copy>(&self, of_places: &[T]) -> Vec<T> {
         self.of_points.iter().map(|&place| of_places[place as usize]).collect()
     }
@@ -53,7 +53,7 @@ impl Places {
             .collect()
     }
 
-    /// What each place has of the first of its points.
+    /// Gathers for each position the value of the first of its points.
     pub(in crate::analysis) fn gather<T: Copy>(&self, of_points: &[T]) -> Vec<T> {
         let mut gathered = Vec::with_capacity(self.positions.len());
         for (&place, &value) in self.of_points.iter().zip(of_points) {

@@ -186,7 +186,7 @@ impl PointTree {
         at_slots(self.slots(), values)
     }
 
-    /// What leads back to the order of the file, without the tree.
+    /// Reduces the tree to its file order: the mapping back to the order of the file.
     pub(in crate::analysis) fn into_file_order(self) -> FileOrder {
         self.slots();
         FileOrder {
@@ -212,7 +212,7 @@ impl PointTree {
     }
 }
 
-/// Where the points of a file stand in a tree.
+/// File order: the slots of the points of a file in a tree.
 #[derive(Debug)]
 pub(in crate::analysis) struct FileOrder {
     slots: Vec<u32>,

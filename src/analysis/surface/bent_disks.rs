@@ -1,17 +1,17 @@
-//! Disks that are bent with the surface: each becomes several smaller ones on the quadric that fits its neighbours.
+//! Curved splats: disks are bent with the surface; each becomes several smaller ones on the quadric that fits its
+//! neighbours.
 //!
-//! How it works: a disk of radius r lies on the tangent plane of a surface of curvature κ, so its rim is κr²/2 above
-//! it, and beyond an outline it reaches by as much. In the tangent plane of a point the surface is
-//! `h = (a u² + 2b uv + c v²) / 2`; the three numbers are least squares of the heights and the slopes of its
-//! neighbours, each divided by what it grows with (the squared distance, the distance), so that all are curvatures.
-//! Where the largest curvature turns the normal noticeably within the disk, and what neighbours say is of one mind, the
-//! disk becomes 7 or 19 in a hexagon, each at its height and turned to its slope. Half the radius has a quarter of the
-//! error.
+//! How it works: a disk of radius r lies on the tangent plane of a surface of curvature κ, so its edge is κr²/2 above
+//! it, and beyond an outline it reaches by as much. In the tangent plane of a point the surface is `h = (a u² + 2b uv +
+//! c v²) / 2`; the three numbers are least squares of the heights and the slopes of its neighbours, each divided by
+//! what it grows with (the squared distance, the distance), so that all are curvatures. Where the largest curvature
+//! turns the normal noticeably within the disk, and the neighbours agree on it, the disk becomes 7 or 19 in a hexagon,
+//! each at its height and turned to its slope. Half the radius has a quarter of the error.
 //!
-//! When it wins: on few points of a smooth surface, whose disks are large: outlines of what is photographed are beside
-//! what is behind it. Many points have small disks; creases, leaves and noise are of no mind, and stay as they are.
-//! After the quadrics of osculating jets (Cazals and Pouget 2005, *Estimating differential quantities using polynomial
-//! fitting of osculating jets*), of degree two with the normal known.
+//! When it wins: on few points of a smooth surface, whose disks are large: in input images, outlines of an object are
+//! next to what is behind it. Many points have small disks; at creases, leaves and noise the neighbours disagree, and
+//! the disks stay as they are. After the quadrics of osculating jets (Cazals and Pouget 2005, *Estimating differential
+//! quantities using polynomial fitting of osculating jets*), of degree two with the normal known.
 
 use crate::analysis::nearest_neighbours;
 use glam::{DMat3, DVec3, Vec2, Vec3};
@@ -26,21 +26,21 @@ const REACH: f32 = 4.0;
 /// Cosine between normals of what is one surface.
 const SAME_SURFACE: f32 = 0.5;
 
-/// How far the normal turns from the middle of a disk to its rim, radians: below, it stays as it is; from the second
-/// on it becomes 19; more than the third is not believed.
+/// Thresholds of the turn of the normal from the centre of a disk to its edge, radians: below the first, the disk stays
+/// as it is; from the second on it becomes 19; more than the third is rejected.
 const TURNS: [f32; 3] = [0.06, 0.15, 0.8];
 
-/// What neighbours may differ from the quadric, as a share of its largest curvature.
+/// Maximum residual of neighbours from the quadric, as a fraction of its largest curvature.
 const OF_ONE_MIND: f32 = 0.5;
 
 /// Three of each neighbour: four of them.
 const LEAST_ROWS: f64 = 12.0;
 
-/// Of the mean matrix of the least squares; 0.02 where neighbours are all around.
+/// Minimum determinant of the mean matrix of the least squares; 0.02 where neighbours are all around.
 const LEAST_DETERMINANT: f64 = 1e-4;
 
-/// Places of small disks on a disk of radius 1, after the one in its middle: a hexagon, and the corners and middles of
-/// the sides of one twice as large.
+/// Positions of small disks on a disk of radius 1, after the one at its centre: a hexagon, and the corners and
+/// midpoints of the sides of one twice as large.
 const HEXAGON: [[f32; 2]; 18] = {
     const H: f32 = 0.866_025_4;
     [
@@ -65,16 +65,16 @@ const HEXAGON: [[f32; 2]; 18] = {
     ]
 };
 
-/// How far apart small disks are and how large, in radii of the disk, for 7 and 19.
+/// Spacing and size of small disks, in radii of the disk, for 7 and 19.
 const SEVEN: (usize, f32, f32) = (6, 0.66, 0.55);
 const NINETEEN: (usize, f32, f32) = (18, 0.40, 0.34);
 
 /// A round splat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Disk {
-    /// Its middle.
+    /// Centre of the disk.
     pub position: Vec3,
-    /// Of length 1, of either sign.
+    /// Unit normal, of either sign.
     pub normal: Vec3,
     /// Its radius.
     pub radius: f32,
@@ -109,11 +109,11 @@ pub fn bent_disks(disks: &[Disk], is_used: impl Fn(usize) -> bool + Sync) -> Opt
     Some(bent)
 }
 
-/// What a surface is like around a point: heights above its tangent plane.
+/// Quadric of the surface around a point: heights above its tangent plane.
 #[derive(Debug, Clone, Copy)]
 struct Quadric {
     axes: [Vec3; 2],
-    /// Of u², of uv twice, of v².
+    /// Coefficients of u², of uv twice, of v².
     curvatures: Vec3,
     most: f32,
 }

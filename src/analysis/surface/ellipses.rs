@@ -1,18 +1,19 @@
-//! Ellipses that close the surface where circles do, with less area where points are farther apart in one direction.
+//! Elliptical splats that close the surface where circles do, with less area where points are farther apart in one
+//! direction.
 //!
 //! How it works: a Voronoi cell is measured along 32 directions, as in [`super::radii`]. Its longer axis is that of its
-//! second moments, `∫ r⁴ (cos 2θ, sin 2θ) dθ` for the distance `r` to its end. Its [`Ellipse`] has the distance to the
-//! farthest corner, `R`, as the quadratic mean of its half axes: then it is the circle around the cell, or smaller, and
-//! where a circle just covers a rectangle, so does the ellipse that is as long in proportion. (One within the circle
-//! does not cover the corner unless it is the circle.) So its only freedom is the ratio ρ of the half axes, and it
-//! covers the corner at distance `r` and angle φ from the axis if `ρ² cos²φ + sin²φ / ρ² ≤ 2 R² / r² − 1 = K`, which is
-//! a least ρ² of `2 sin²φ / (K + √(K² − sin² 2φ))`. The largest of these is the thinnest ellipse that covers the cell.
-//! Of the farthest corner it is tan φ: the ratio of the sides of a rectangle.
+//! second-order area integral, `∫ r⁴ (cos 2θ, sin 2θ) dθ` for the distance `r` to its end. Its [`Ellipse`] has the
+//! distance to the farthest corner, `R`, as the quadratic mean of its half axes: then it is the circle around the cell,
+//! or smaller, and where a circle just covers a rectangle, so does the ellipse that is as long in proportion. (One
+//! within the circle does not cover the corner unless it is the circle.) So its only freedom is the ratio ρ of the half
+//! axes, and it covers the corner at distance `r` and angle φ from the axis if `ρ² cos²φ + sin²φ / ρ² ≤ 2 R² / r² − 1 =
+//! K`, which is a least ρ² of `2 sin²φ / (K + √(K² − sin² 2φ))`. The largest of these is the thinnest ellipse that
+//! covers the cell. Of the farthest corner it is tan φ: the ratio of the sides of a rectangle.
 //!
 //! Where the cell is open, or reaches beyond the neighbours that are known, there is a circle.
 //!
 //! When it wins: where rows of points are closer along than across, as in sweeps of a scanner. Measured apart from
-//! radii, because it takes longer than they do and circles are what is drawn.
+//! radii, because it takes longer than they do and circles are drawn by default.
 
 use super::directions::DIRECTIONS;
 use super::openings::TWICE_COSINE;

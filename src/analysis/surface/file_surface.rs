@@ -14,7 +14,7 @@ pub struct FileSurface {
 }
 
 impl FileSurface {
-    /// What [`estimate_surface`] finds around the points of `cloud`; `None` of one without points.
+    /// Estimates the surface around the points of `cloud` with [`estimate_surface`]; `None` for a cloud without points.
     ///
     /// # Errors
     /// Points that cannot become a frame.

@@ -147,7 +147,8 @@ fn fit_four<S: Simd>(
     fitted
 }
 
-/// Whether points (their covariances not divided by their number, `count`) spread in a second direction.
+/// Returns, per lane, true if points (their covariances not divided by their number, `count`) spread in a second
+/// direction and so span a plane.
 ///
 /// Rounding moves a coordinate by 2⁻²⁴ of itself at most, and so a point of a line away from it by √3 times that of its
 /// largest coordinate. The two smaller eigenvalues of a rounded line sum up to no more than that squared, for each
@@ -167,7 +168,7 @@ fn covers_a_plane<S: Simd>(simd: S, covariances: &FourMatrices<S>, centers: [f32
     lanes.map(|lane| lane > 0.0)
 }
 
-/// The same numbers in f64.
+/// Widens the numbers to f64.
 #[inline(always)]
 fn widened<S: Simd>(simd: S, row: f32x4<S>) -> f64x4<S> {
     let row: [f32; FOUR] = row.into();

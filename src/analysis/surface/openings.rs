@@ -25,9 +25,9 @@ pub(super) const OPEN_BETWEEN: f32 = 1.0 / 64.0;
 /// Twice the cosine of δ, a 32nd of a turn.
 pub(super) const TWICE_COSINE: f32 = 1.961_570_6;
 
-/// Sets to 0 what is beside an opening between two directions, of the inverse distances of eight cells to their ends.
-/// `known` are those to the last neighbours, `lines` the `w` of all. To be called where there may be one, which is
-/// rare.
+/// Sets to 0 the inverse distances next to an opening between two directions, of the inverse distances of eight cells
+/// to their ends. `known` are those to the last neighbours, `lines` the `w` of all. To be called where there may be
+/// one, which is rare.
 #[cold]
 pub(super) fn set_open(
     quarter_circle: &[[f32; 2]; QUARTER],
@@ -71,7 +71,7 @@ fn set_open_in_lane(
     }
 }
 
-/// Of any direction, from those of one quarter of the circle.
+/// Returns the cosine and sine of any direction, from those of one quarter of the circle.
 fn cosine_and_sine(quarter_circle: &[[f32; 2]; QUARTER], direction: usize) -> [f32; 2] {
     let quarter = QUARTER - 1;
     let [cosine, sine] = quarter_circle[direction % quarter];

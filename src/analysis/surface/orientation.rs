@@ -60,12 +60,12 @@ pub(in crate::analysis) fn face_outwards(tree: &PointTree, neighbours: &Neighbou
 /// sheet.
 const POINTS_PER_REPRESENTATIVE: usize = 8 * LANES;
 
-/// Makes normals (by slot) agree with those of representatives, which agree over a neighbourhood graph of their own and
-/// face outwards.
+/// Orients normals (by slot) to agree with those of representatives, which agree over a neighbourhood graph of their
+/// own and face outwards.
 ///
-/// Each row of buckets is represented by the point in its middle. The forest over a sixty-fourth of the points takes a
-/// sixty-fourth of the time and memory of [`face_outwards`], and the rest is one look at each point. What it gets wrong
-/// are points whose representative is on another sheet: thin walls, and creases sharper than rows are wide.
+/// Each row of buckets is represented by its central point. The forest over a sixty-fourth of the points takes a
+/// sixty-fourth of the time and memory of [`face_outwards`], and the rest is one look at each point. It fails for
+/// points whose representative is on another sheet: thin walls, and creases sharper than rows are wide.
 pub(in crate::analysis) fn face_as_representatives(tree: &PointTree, k: usize, normals: &mut [Vec3]) {
     let points = tree.points();
     let middles: Vec<usize> = points
@@ -93,7 +93,7 @@ pub(in crate::analysis) fn face_as_representatives(tree: &PointTree, k: usize, n
         });
 }
 
-/// The place of the point nearest to the middle of all. Precondition: there is one.
+/// Returns the index of the point nearest to the centroid of all. Precondition: there is one.
 fn middle_of(points: &[SlotPoint]) -> usize {
     let sum: Vec3 = points.iter().map(|point| point.position).sum();
     let mean = sum / points.len() as f32;
@@ -212,7 +212,7 @@ struct SignForest {
     links: Vec<u32>,
 }
 
-/// Where a point stands in its component.
+/// Signed position of a point in its component.
 #[derive(Debug, Clone, Copy)]
 struct Signed {
     root: u32,

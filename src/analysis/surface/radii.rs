@@ -1,21 +1,21 @@
 //! Splat radii that close the surface.
 //!
-//! How it works: every place on the surface is nearest to some point, in whose Voronoi cell it is; if each disk covers
-//! the Voronoi cell of its own point, the disks cover the surface. So the neighbours are projected onto the tangent
-//! plane, and the cell is measured along 32 directions. The line midway to a neighbour at `q` is `|q|² / 2 q·d` away in
-//! direction `d`; the cell ends at the nearest of these lines, which is the largest of the `w·d` with `w = 2 q / |q|²`.
-//! That needs neither branches nor sorting, and eight points are measured in one SIMD register. Where the cell reaches
-//! farthest there is a corner; the radius is the distance to the farthest corner, with some overlap for those between
-//! two directions. This is about the smallest radius with which a point need not rely on the disks of others.
+//! How it works: every position on the surface is nearest to some point, in whose Voronoi cell it is; if each disk
+//! covers the Voronoi cell of its own point, the disks cover the surface. So the neighbours are projected onto the
+//! tangent plane, and the cell is measured along 32 directions. The line midway to a neighbour at `q` is `|q|² / 2 q·d`
+//! away in direction `d`; the cell ends at the nearest of these lines, that is, the largest of the `w·d` with `w = 2 q
+//! / |q|²`. That needs neither branches nor sorting, and eight points are measured in one SIMD register. Where the cell
+//! reaches farthest there is a corner; the radius is the distance to the farthest corner, with some overlap for those
+//! between two directions. This is about the smallest radius with which a point need not rely on the disks of others.
 //!
-//! Where the cell is open (the rim of a surface, a line of points) it has no farthest place; there, only corners
+//! Where the cell is open (the edge of a surface, a line of points) it has no farthest place; there, only corners
 //! between two neighbours count, and the lines midway to neighbours. An opening may be narrower than the directions are
 //! apart: the cell of a point in a row is a strip between two parallel lines. So between two directions the lines that
 //! end the cell on both sides are continued to where they meet ([`super::openings`]).
 //!
 //! Outliers would get disks that hide the scene: a radius is at most a few times the harmonic mean of its neighbours'
-//! radii, which are small for a stray point near a dense surface but grow along in regions that are sparse throughout;
-//! and far beyond the median of the cloud none may grow.
+//! radii, which are small for an outlier near a dense surface but grow along in regions that are sparse throughout; and
+//! far beyond the median of the cloud none may grow.
 //!
 //! When it wins: over multiples of the mean neighbour distance, which are too small for points at the end of a row and
 //! too large for all others.
@@ -99,12 +99,12 @@ pub(super) fn sum_in_order(inverse: impl Iterator<Item = f32>) -> f32 {
     inverse.fold(0.0, |sum, inverse| sum + inverse)
 }
 
-/// What the radii of a cloud are limited by.
+/// Limits of the radii of a cloud.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
-    /// Of the radii of cells.
+    /// Median of the radii of cells.
     median: f32,
-    /// Of the tree, in scene units.
+    /// Unit of the tree, in scene units.
     unit: f32,
 }
 
@@ -140,7 +140,7 @@ const POINTS_PER_TASK: usize = 1 << 10;
 /// Share of the inverse distance to the last neighbour below which the cell is open.
 const OPEN_ALONG: f32 = 0.5;
 
-/// What the cells of a cloud are measured from.
+/// Input of the measurement of a cloud's Voronoi cells.
 struct VoronoiCells<'a> {
     directions: [[f32; 2]; QUARTER],
     points: &'a [SlotPoint],

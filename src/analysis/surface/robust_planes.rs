@@ -1,13 +1,13 @@
-//! Normals that a few points far off the surface do not turn.
+//! Robust normal estimation: a few points far off the surface do not turn the normals.
 //!
 //! How it works: principal components minimise the *squares* of the distances to the plane, so that one point far off
-//! outweighs all others. Here the plane is fitted again and again, each point weighted by `1 / (1 + (r / s)²)` with its
-//! distance `r` from the plane before (iteratively reweighted least squares with Cauchy's weights; Holland and Welsch
+//! outweighs all others. Here the plane is fitted iteratively, each point weighted by `1 / (1 + (r / s)²)` with its
+//! distance `r` from the previous plane (iteratively reweighted least squares with Cauchy's weights; Holland and Welsch
 //! 1977). The scale `s` is a multiple of the weighted mean of these distances, so that it follows the noise of the
 //! neighbourhood and shrinks as outliers lose their weight.
 //!
-//! When it wins: over plain principal components where some points are far off the surface, and beside edges, where the
-//! points of the other face count for less. Noise that all points have alike is best averaged out with equal weights:
+//! When it wins: over plain principal components where some points are far off the surface, and next to edges, where
+//! the points of the other face count for less. Noise common to all points is best averaged out with equal weights:
 //! there, and where the surface is curved and free of noise, this is a few percent worse. It takes several times as
 //! long.
 //!

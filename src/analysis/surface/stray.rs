@@ -1,12 +1,13 @@
-//! Points that are alone beside a surface.
+//! Outlier detection: isolated points next to a surface.
 //!
-//! How it works: a point is *stray* if it is far from its neighbours, measured by how far apart these are among
-//! themselves, and off the plane that fits them best. Either alone tells nothing. A point of a sparse wall beside a
-//! dense one is as far from others, and on their plane; a point of an edge is off the plane, and as near as others are.
+//! How it works: a point is an *outlier* if it is far from its neighbours, measured by how far apart these are among
+//! themselves, and off the plane that fits them best. Neither criterion alone suffices. A point of a sparse wall next
+//! to a dense one is as far from others, and on their plane; a point of an edge is off the plane, and as near as others
+//! are.
 //!
 //! When it wins: over a bound on distances alone (statistical outlier removal), which takes sparse parts of a cloud for
-//! outliers where others are dense. Points that reconstruction from photographs makes are like that: crowded where a
-//! texture is rich, few on a wall, and those of wrong matches in the air.
+//! outliers where others are dense. Points of image-based reconstruction are like that: crowded where a texture is
+//! rich, few on a wall, and those of wrong matches in the air.
 
 use crate::analysis::DEFAULT_NEIGHBOURS;
 use crate::analysis::search::neighbours::{Neighbours, nearest_neighbours};
@@ -17,16 +18,16 @@ use rayon::prelude::*;
 /// Neighbours whose mean distance tells how far apart points are.
 const NEAREST: usize = 6;
 
-/// How many times as far apart as its neighbours a stray point is from them.
+/// Minimum distance of an outlier from its neighbours, as a multiple of their spacing.
 const FAR: f32 = 1.5;
 
-/// How far off the plane of its neighbours a stray point is, as a share of how far it is from them: 17°.
+/// Minimum distance of an outlier off the plane of its neighbours, as a fraction of its distance from them: 17°.
 const OFF_PLANE: f32 = 0.3;
 
-/// How often they are looked for: without the first ones, those beside them are seen to be alone as well.
+/// Number of outlier removal rounds: without the first ones, those next to them are found to be isolated as well.
 const ROUNDS: usize = 2;
 
-/// Which of `positions` (finite) are stray, in their order. None are where there are fewer than 13.
+/// Returns the outlier mask of `positions` (finite), in their order. None are outliers where there are fewer than 13.
 pub fn stray_points(positions: &[Vec3]) -> Vec<bool> {
     let mut is_stray = vec![false; positions.len()];
     for _ in 0..ROUNDS {
@@ -39,7 +40,7 @@ pub fn stray_points(positions: &[Vec3]) -> Vec<bool> {
     is_stray
 }
 
-/// Those of one round.
+/// Returns the outliers of one round.
 fn stray_of(positions: &[Vec3]) -> Vec<bool> {
     let neighbours = nearest_neighbours(positions, DEFAULT_NEIGHBOURS);
     if neighbours.per_point() < DEFAULT_NEIGHBOURS {
@@ -67,7 +68,7 @@ fn usual_spacing(spacings: &[f32], points: &[u32]) -> f32 {
     *of_points.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
-/// How far a point is off the plane of its neighbours.
+/// Computes the distance of a point from the plane of its neighbours.
 fn height_above(positions: &[Vec3], neighbours: &Neighbours, at: usize) -> f32 {
     let around = neighbours.of(at);
     let offset = |&other: &u32| (positions[other as usize] - positions[at]).as_dvec3();

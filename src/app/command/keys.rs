@@ -71,7 +71,7 @@ pub struct Keys {
     pub repeats: bool,
 }
 
-/// What the mouse and the fly keys do, for the help window.
+/// Actions of the mouse and the fly keys, for the help window.
 pub const GESTURES: &[(&str, &str)] = &[
     ("Left drag", "Orbit"),
     ("Middle or right drag, Shift + left drag", "Pan"),

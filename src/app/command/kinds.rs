@@ -81,15 +81,15 @@ impl Command {
     pub const EXAMPLE_MODEL: Self = Self("example model");
     /// Close the open sequence.
     pub const CLOSE_SEQUENCE: Self = Self("close");
-    /// Open files beside the open sequence, with a dialog.
+    /// Open files next to the open sequence for comparison, with a dialog.
     pub const COMPARE_FILES: Self = Self("compare files");
-    /// Open a folder beside the open sequence, with a dialog.
+    /// Open a folder next to the open sequence for comparison, with a dialog.
     pub const COMPARE_FOLDER: Self = Self("compare folder");
-    /// Back to one sequence and one way to draw.
+    /// Close the comparison: back to one sequence and one render mode.
     pub const CLOSE_COMPARISON: Self = Self("close comparison");
     /// Two sequences side by side, or with a line over the same view.
     pub const NEXT_LAYOUT: Self = Self("layout");
-    /// Two ways to draw side by side, and back.
+    /// Compare two render modes side by side, and back.
     pub const TOGGLE_COMPARISON: Self = Self("compare settings");
     /// Record what arrives of a live stream to a file chosen with a dialog, or end that.
     pub const TOGGLE_RECORDING: Self = Self("record");
@@ -139,7 +139,7 @@ impl Command {
     pub const FULL_SCREEN: Self = Self("full screen");
     /// Show or hide small pictures over the timeline.
     pub const TOGGLE_THUMBNAILS: Self = Self("thumbnails");
-    /// Make them anew.
+    /// Regenerate the thumbnails.
     pub const REDO_THUMBNAILS: Self = Self("redo thumbnails");
     /// A click shows the values of a point, or no longer.
     pub const PICK_POINTS: Self = Self("point values");

@@ -17,7 +17,7 @@ pub(in crate::app) struct Offer {
     pub why_not: Option<&'static str>,
     /// Its use of the number that was typed.
     pub number: NumberUse,
-    /// Whether the value is only begun: a person goes on typing.
+    /// True if the value is incomplete: the user is still typing.
     pub is_begun: bool,
 }
 
@@ -54,19 +54,19 @@ impl Offer {
         }
     }
 
-    /// The same with a sentence about it.
+    /// Adds a one-sentence hint.
     #[must_use]
     pub(in crate::app) fn hint(self, hint: &'static str) -> Self {
         Self { hint, ..self }
     }
 
-    /// The same with words of people and of other programs.
+    /// Adds synonyms: words of users and of other programs.
     #[must_use]
     pub(in crate::app) fn also(self, also: &'static [&'static str]) -> Self {
         Self { also, ..self }
     }
 
-    /// The same as one that takes the number that was typed.
+    /// Marks the offer as one that takes the number that was typed.
     #[must_use]
     pub(in crate::app) fn of_number(self, number: NumberUse) -> Self {
         Self { number, ..self }

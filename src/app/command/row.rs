@@ -8,7 +8,7 @@ use std::borrow::Cow;
 /// A menu that lists commands by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Menu {
-    /// What is opened, saved and closed; at its end.
+    /// File menu: opening, saving and closing; at its end.
     File,
     /// Undo, copies; at its end.
     Edit,
@@ -16,7 +16,7 @@ pub enum Menu {
     Tools,
 }
 
-/// What a command does.
+/// Action of a command.
 #[derive(Debug)]
 pub(in crate::app) enum Act<S> {
     /// Something without a value.
@@ -35,9 +35,9 @@ pub struct CommandRow<S: 'static> {
     pub command: Command,
     /// Its title in menus and in the palette.
     pub title: &'static str,
-    /// What it does, for the list of keys; found in the palette as well.
+    /// Short description of the command, for the list of keys; found in the palette as well.
     pub what: &'static str,
-    /// What it does, in a sentence; empty where the title says it.
+    /// Hint: a one-sentence description of the command; empty where the title suffices.
     pub hint: &'static str,
     /// Words of other programs that find it.
     pub synonyms: &'static [&'static str],
@@ -86,31 +86,31 @@ impl<S: 'static> CommandRow<S> {
         }
     }
 
-    /// The same with words for what it does.
+    /// Sets the short description of the command.
     pub(in crate::app) const fn what(mut self, what: &'static str) -> Self {
         self.what = what;
         self
     }
 
-    /// The same with a sentence on what it does.
+    /// Sets the hint, a one-sentence description of the command.
     pub(in crate::app) const fn hint(mut self, hint: &'static str) -> Self {
         self.hint = hint;
         self
     }
 
-    /// The same with words of other programs.
+    /// Adds synonyms from other programs.
     pub(in crate::app) const fn also(mut self, synonyms: &'static [&'static str]) -> Self {
         self.synonyms = synonyms;
         self
     }
 
-    /// The same with values that the palette offers.
+    /// Adds values that the palette offers.
     pub(in crate::app) const fn offers(mut self, offers: Offers<S>) -> Self {
         self.offers = Some(offers);
         self
     }
 
-    /// The same with keys, under a heading of the help window.
+    /// Adds key bindings, under a heading of the help window.
     pub(in crate::app) const fn keys(
         mut self,
         group: &'static str,
@@ -126,7 +126,7 @@ impl<S: 'static> CommandRow<S> {
         self
     }
 
-    /// The same with keys that repeat it while they are held; after [`CommandRow::keys`].
+    /// Makes the key bindings repeat the command while they are held; after [`CommandRow::keys`].
     pub(in crate::app) const fn repeating(mut self) -> Self {
         if let Some(keys) = &mut self.keys {
             keys.repeats = true;
@@ -134,25 +134,25 @@ impl<S: 'static> CommandRow<S> {
         self
     }
 
-    /// The same as an item of a menu that lists its commands by itself.
+    /// Makes the row an item of a menu that lists its commands by itself.
     pub(in crate::app) const fn in_menu(mut self, menu: Menu) -> Self {
         self.menu = Some(menu);
         self
     }
 
-    /// The same with a title that depends on what there is.
+    /// Sets a dynamic title that depends on the state.
     pub(in crate::app) const fn titled(mut self, title: fn(&S) -> Cow<'static, str>) -> Self {
         self.title_now = Some(title);
         self
     }
 
-    /// The same as a choice that is on or off.
+    /// Makes the row a toggle that is on or off.
     pub(in crate::app) const fn on_if(mut self, is_on: fn(&S) -> bool) -> Self {
         self.is_on = Some(is_on);
         self
     }
 
-    /// The same where it does not always apply; `Err` says why it does not.
+    /// Sets the availability check of the command; `Err` states why it does not apply.
     pub(in crate::app) const fn applies(mut self, applies: fn(&S) -> Result<(), &'static str>) -> Self {
         self.applies = applies;
         self

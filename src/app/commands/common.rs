@@ -1,4 +1,4 @@
-//! What rows of commands have in common.
+//! Shared parts of command rows.
 
 use crate::app::command::CommandRow;
 use crate::app::state::{Dialog, State};
@@ -14,13 +14,13 @@ pub(in crate::app) mod group {
     pub(in crate::app) const PLAYING: &str = "Playing";
     /// The picture and the panels.
     pub(in crate::app) const VIEW: &str = "View";
-    /// What clicks on points do.
+    /// Heading of the actions of clicks on points.
     pub(in crate::app) const POINTS: &str = "Points";
     /// Files, undo and the window.
     pub(in crate::app) const FILE: &str = "File and window";
 }
 
-/// What needs an open sequence.
+/// Availability check of commands that need an open sequence.
 pub(in crate::app) fn needs_sequence(state: &State) -> Result<(), &'static str> {
     match state.player {
         Some(_) => Ok(()),

@@ -61,7 +61,7 @@ pub(in crate::app) fn dispatch(ctx: &Context) -> Vec<Command> {
     found
 }
 
-/// What has the keyboard.
+/// Holder of keyboard focus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Focus {
     None,

@@ -139,7 +139,7 @@ impl State {
         self.open(Arc::new(Sequence::example(example)));
     }
 
-    /// Whether the open live stream is recorded; `None` if none is open.
+    /// Returns `Some(true)` if the open live stream is being recorded; `None` if none is open.
     fn is_recording(&self) -> Option<bool> {
         let live = self.player.as_ref()?.sequence().source().live()?;
         Some(live.status().recording.is_some())

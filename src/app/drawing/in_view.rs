@@ -1,9 +1,9 @@
-//! Surfels of what is in view, for a large cloud at rest whose own are not there: they are being estimated, or the
+//! Surfels of what is in view, for a large static cloud whose own are not available: they are being estimated, or the
 //! machine has no memory for them.
 //!
-//! **How it works.** When camera and frame have been the same for a moment, a thread takes the points that the picture
-//! shows, no more than it has pixels ([`ViewOfFrame`]), and estimates the surface of these alone. Their picture
-//! replaces that of all points until the view is another one, or the surfels of all points are there.
+//! **How it works.** When camera and frame have been the same for a short time, a thread takes the points that the
+//! image shows, no more than it has pixels ([`ViewOfFrame`]), and estimates the surface of these alone. Their image
+//! replaces that of all points until the view changes, or the surfels of all points are available.
 
 use super::levels::REST;
 use crate::analysis::MOST_JOINED;
@@ -32,7 +32,7 @@ pub struct InView {
 /// The surfels in view of one picture.
 #[derive(Debug)]
 pub(in crate::app) struct SurfelsInView {
-    /// Those of frames of fewer points are there before anybody misses them.
+    /// Minimum point count: surfels of frames of fewer points are ready before anybody misses them.
     fewest_points: usize,
     wanted: Option<WantedView>,
     asked_for: Option<ViewOfFrame>,
@@ -51,7 +51,7 @@ impl Default for SurfelsInView {
 }
 
 impl SurfelsInView {
-    /// The surfels to draw in place of `frame` at `now`, if these are wanted and there.
+    /// Returns the surfels to draw instead of `frame` at `now`, if these are wanted and available.
     pub(in crate::app) fn choose(
         &mut self,
         frame: &Arc<PreparedFrame>,

@@ -18,7 +18,7 @@ const SMOOTH_MS: f32 = 28.0;
 /// A camera that has not moved for so long rests: longer than the pauses in a slow drag, short enough to be waited for.
 pub(in crate::app) const REST: Duration = Duration::from_millis(50);
 
-/// What makes the pictures of one frame coarser while the camera moves.
+/// Levels of detail that make the rendered images of one frame coarser while the camera moves.
 #[derive(Debug, Default)]
 pub(in crate::app) struct Levels {
     /// The frame whose picture took so long, and how long.
@@ -38,7 +38,7 @@ pub(in crate::app) struct Levels {
 pub(in crate::app) struct FrameWithLevels(pub(in crate::app) Arc<PreparedFrame>);
 
 impl Levels {
-    /// Whether the last picture was a coarse one.
+    /// Returns true if the last image was drawn at a coarse level of detail.
     pub(in crate::app) fn are_drawn(&self) -> bool {
         self.are_drawn
     }
@@ -88,7 +88,7 @@ impl Levels {
         self.moved_at.filter(|_| self.are_drawn).map(|moved_at| moved_at + REST)
     }
 
-    /// Levels to draw in place of `frame` from `camera` at `now`, while it moves.
+    /// Chooses the levels of detail to draw instead of `frame` from `camera` at `now`, while it moves.
     pub(in crate::app) fn choose(
         &mut self,
         frame: &Arc<PreparedFrame>,
@@ -115,7 +115,7 @@ impl Levels {
         Some(Coarse { frame, style })
     }
 
-    /// Whether the whole picture of a frame takes longer than a smooth motion allows.
+    /// Returns true if rendering the whole frame takes longer than a smooth motion allows.
     fn is_slow(&self, frame: &PreparedFrame) -> bool {
         self.whole_ms
             .is_some_and(|(id, whole_ms)| id == frame.id && whole_ms > f64::from(SMOOTH_MS))

@@ -14,7 +14,7 @@ use levels::{FrameWithLevels, Levels};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A click may be so far beside what it is meant for, points.
+/// Pick radius: maximum distance of a click from its target, points.
 const PICK_RADIUS: f32 = 6.0;
 
 /// A picture that follows frame, camera and settings.
@@ -25,9 +25,9 @@ pub(in crate::app) struct Drawing {
     /// The frame of the packet, and the origin of its positions.
     drawn: Option<(Composed, DVec3)>,
     primitive: Primitive,
-    /// What makes pictures coarser while the camera moves.
+    /// Levels of detail for coarser images while the camera moves.
     levels: Levels,
-    /// What stands for surfels that are not there.
+    /// Substitute for surfels that are not available.
     surfels_in_view: SurfelsInView,
     /// The last redraw had a new picture, whose time has not been looked at.
     is_new: bool,
@@ -53,7 +53,7 @@ impl Drawing {
         self.scene.stats()
     }
 
-    /// What was done for normals of the screen, if the last picture has such.
+    /// Returns statistics of the screen-space normals, if the last image has such.
     pub(in crate::app) fn screen_stats(&self) -> Option<ScreenStats> {
         self.scene.screen_stats()
     }
@@ -91,7 +91,7 @@ impl Drawing {
         self.surfels_in_view.take(made);
     }
 
-    /// Whether the last picture is of surfels, be it of those in view alone.
+    /// Returns true if the last image shows surfels, including those of the view alone.
     pub(in crate::app) fn has_surfels(&self) -> bool {
         self.packet
             .as_ref()
@@ -141,7 +141,7 @@ impl Drawing {
         Some(packet)
     }
 
-    /// Whether there is a picture.
+    /// Returns true if there is a rendered image.
     pub(in crate::app) fn is_drawn(&self) -> bool {
         self.packet.is_some()
     }
@@ -157,7 +157,8 @@ impl Drawing {
         self.surfels_in_view = SurfelsInView::default();
     }
 
-    /// Which of these places, in the coordinates of the file, are behind what was drawn last, as `camera` saw it.
+    /// Occlusion test: returns for each of these positions, in the coordinates of the file, true if it is behind what
+    /// was drawn last, as `camera` saw it.
     pub(in crate::app) fn hides(&self, camera: &Camera, places: &[DVec3]) -> Vec<bool> {
         let Some((packet, (_, origin))) = self.packet.as_ref().zip(self.drawn.as_ref()) else {
             return vec![false; places.len()];

@@ -1,10 +1,10 @@
-//! What the window does with each feature.
+//! Feature interface of the window.
 //!
 //! **How it works.** A feature is a folder: its model, which knows neither the window's state nor other features, its
 //! work on threads, its panel, and `in_window.rs`, where all of that meets the state `S` of the window. There its row
 //! [`FeatureOf`] the model is a [`Feature`]: what it does when the playhead moves, what is painted, which panels and
 //! commands it has. Only the table (`table.rs`) names features; it reaches `in_window.rs` through this trait, and the
-//! trait knows `S` by no name, so that no file imports in a circle.
+//! trait does not name `S`, so that no file imports in a circle.
 
 use crate::app::command::CommandRow;
 use crate::app::panel_row::PanelRow;
@@ -39,12 +39,12 @@ pub(in crate::app) trait Feature<S: 'static> {
         None
     }
 
-    /// Whether panels show more of the playing frame because of it than its place on the timeline.
+    /// Returns true if this feature makes panels show more of the playing frame than its position on the timeline.
     fn shows_frame(&self, _state: &S) -> bool {
         false
     }
 
-    /// Whether something that is not the picture may have changed: marks, progress.
+    /// Returns true if anything other than the rendered image may have changed: marks, progress.
     fn has_news(&self, _state: &S) -> bool {
         false
     }
@@ -54,7 +54,7 @@ pub(in crate::app) trait Feature<S: 'static> {
         Err(outcome)
     }
 
-    /// Forgets frame `index`, which is read anew.
+    /// Forgets frame `index`, which is read again.
     fn forget_frame(&self, _state: &mut S, _index: usize) {}
 
     /// Forgets what belongs to the sequence that was open before.
@@ -76,7 +76,7 @@ pub(in crate::app) trait Feature<S: 'static> {
         false
     }
 
-    /// What would be lost by the end of the program: a sentence.
+    /// Returns a sentence about unsaved data that would be lost by quitting the program.
     fn loss(&self, _state: &S) -> Option<&'static str> {
         None
     }

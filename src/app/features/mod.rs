@@ -1,7 +1,7 @@
-//! What a person can do beside looking and playing, a folder each: the model in `mod.rs`, its work on threads, its
-//! panel.
+//! Features: user operations besides viewing and playback, one folder each: the model in `mod.rs`, its work on threads,
+//! its panel.
 //!
-//! The model of a feature knows neither [`super::State`] nor the other features, but for the few whose data it is about
+//! The model of a feature knows neither [`super::State`] nor the other features, except the few whose data it is about
 //! (trails of inspected points, an exported camera path). It meets the window's state in `in_window.rs` ([`feature`]);
 //! [`table`] lists all of them, and nothing else does.
 

@@ -31,7 +31,7 @@ macro_rules! features {
         }
 
         impl Features {
-            /// What a window with the state `S` does with each of them.
+            /// Returns the feature rows of a window with the state `S`.
             pub(in crate::app) fn rows<S: 'static>() -> [&'static dyn Feature<S>; [$(stringify!($name)),*].len()]
             where
                 $(FeatureOf<$feature>: Feature<S>,)*
@@ -47,33 +47,33 @@ features! {
     palette: Palette,
     /// Markers and curve of the open sequence.
     timeline: Timeline,
-    /// Another way to draw beside the one of the settings.
+    /// Second render mode for comparison, in addition to that of the settings.
     comparison: Option<Comparison>,
-    /// Another sequence beside the open one; never together with `comparison`.
+    /// Second sequence for comparison alongside the open one; never together with `comparison`.
     beside: Option<Beside>,
-    /// What is known of the open sequence's ways to draw, from fast to exact.
+    /// Measured quality of the open sequence's render modes, from fast to exact.
     quality: MeasuredQuality,
-    /// What other poses add to the picture.
+    /// Derived frames that add to the image.
     temporal: Temporal,
     /// The camera path that is being made.
     path: PathEditor,
     /// The ways of points through time.
     trails: Trails,
-    /// What was clicked on.
+    /// Inspection: points that were clicked on.
     inspection: Inspection,
     /// Texts at points.
     labels: Labels,
     /// A text that is kept with the open sequence.
     notes: Notes,
-    /// Photographs of what is shown.
+    /// View-dependent texturing: input images of what is shown.
     photos: Photos,
-    /// What was assumed about the open sequence.
+    /// Assumptions about the open sequence.
     assumptions: Assumptions,
-    /// What is known of what is clipped.
+    /// Clipping state.
     clipping: Clipping,
     /// Small pictures of the frames.
     thumbnails: Thumbnails,
-    /// What a person would export.
+    /// Export settings of the user.
     export: Export,
     /// As what a person would save the sequence.
     save: Save,

@@ -36,7 +36,7 @@ fn per_255(lanes: u32) -> u32 {
     ((lanes + ((lanes >> 8) & LANES)) >> 8) & LANES
 }
 
-/// The same as lavapipe blends: up to a hundredth farther from the quotient than the nearest.
+/// Divides blended values by 255 as lavapipe blends: up to a hundredth farther from the quotient than the nearest.
 #[inline(always)]
 fn per_255_blended(lanes: u32) -> u32 {
     ((lanes + ((lanes >> 8) & LANES) + HALVES) >> 8) & LANES

@@ -18,7 +18,7 @@ impl Canvas<'_> {
         &mut self.pixels[begin + from as usize..begin + to as usize]
     }
 
-    /// The same part of each of the rows of a rectangle.
+    /// Returns the row spans of a rectangle.
     #[inline(always)]
     pub(super) fn spans(&mut self, area: &PixelRect) -> impl Iterator<Item = &mut [u32]> {
         let [width, height] = area.size_px().map(|edge| edge as usize);

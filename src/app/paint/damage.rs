@@ -1,9 +1,9 @@
-//! What has to be painted anew: a few rectangles that share no pixel.
+//! Damage: the region to be repainted, as a few rectangles that share no pixel.
 //!
-//! **How it works.** Changed shapes hand in their bounds one after the other. A rectangle is joined with one that is
-//! there if the rectangle around both costs few more pixels than the two; else what is painted already is cut off it,
+//! **How it works.** Changed shapes hand in their bounds one after the other. A rectangle is merged with an existing
+//! one if the rectangle around both costs few more pixels than the two; else what is painted already is cut off it,
 //! which leaves up to four parts. Two long thin rectangles that cross therefore stay thin, and glyphs of a line become
-//! one. When there are too many, those that cost the least are joined.
+//! one. When there are too many, those that cost the least are merged.
 
 use super::PixelRect;
 
@@ -99,7 +99,7 @@ fn cost(a: &PixelRect, b: &PixelRect) -> u64 {
     a.union(b).area_px().saturating_sub(either)
 }
 
-/// What is in `rect` above, below, left and right of `hole`, which lies in it.
+/// Returns the parts of `rect` above, below, left and right of `hole`, which lies in it.
 fn around(rect: &PixelRect, hole: &PixelRect) -> [PixelRect; 4] {
     let (min, max) = (rect.min, rect.max);
     let rows = [hole.min[1], hole.max[1]];

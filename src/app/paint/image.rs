@@ -12,7 +12,7 @@ use super::pieces::TexturePlacement;
 use super::scaled;
 use super::textures::{SampledTexture, Texels, swizzled};
 
-/// How far texels may be from pixels, in texels: a 1024th changes no channel by a step.
+/// Maximum distance of texels from pixels, in texels: a 1024th changes no channel by a step.
 const ON_PIXEL: f32 = 1.0 / 1024.0;
 
 /// An image to paint.

@@ -1,13 +1,13 @@
-//! The list of what is shown, and what of it is new.
+//! Display list of the shapes shown, and its difference from the previous one.
 //!
 //! **How it works.** egui hands over all shapes of a window each time, in the order in which they are painted. They are
-//! compared with those of the last time: what is equal at both ends of the list is found first, then each new shape of
-//! the middle is looked for among the next few old ones. Shapes in both lists, in the same order, keep their meshes; a
-//! pixel that none of the others touches is made of the same shapes in the same order as before, so the bounds of the
-//! others are the damage.
+//! compared with those of the last time: what is equal at both ends of the list is found first, then each new shape in
+//! between is searched among the next few old ones. Shapes in both lists, in the same order, keep their meshes; a pixel
+//! that none of the others touches is made of the same shapes in the same order as before, so the bounds of the others
+//! are the damage.
 //!
 //! Shapes are compared as they are, not by a hash: a difference is mostly found in the first few numbers. A text is
-//! known by the allocation of its galley, which cannot be another one's as long as the old list holds it.
+//! identified by the allocation of its galley, which cannot be another one's as long as the old list holds it.
 
 use super::pieces::PixelMesh;
 use super::{PixelRect, textures::Textures};
@@ -52,7 +52,7 @@ pub(super) struct WindowScale {
     pub(super) pixels_per_point: f32,
 }
 
-/// Puts `shapes` in place of `entries`, and calls `damage` with the bounds of what is only in one of them.
+/// Replaces `entries` by `shapes`, and calls `damage` with the bounds of what is only in one of them.
 pub(super) fn replace(
     entries: &mut Vec<TessellatedShape>,
     shapes: Vec<ClippedShape>,
@@ -150,7 +150,7 @@ fn matches(old: &[TessellatedShape], new: &[ClippedShape]) -> Vec<Option<usize>>
     kept
 }
 
-/// Whether both are painted alike.
+/// Returns true if both are painted alike.
 fn are_same(a: &ClippedShape, b: &ClippedShape) -> bool {
     if a.clip_rect != b.clip_rect || a.transform_after_tessellation != b.transform_after_tessellation {
         return false;

@@ -1,21 +1,21 @@
-//! Painting what egui shows on the processor, for windows without a graphics card.
+//! Software painter: paints the output of egui on the CPU, for windows without a GPU.
 //!
 //! **How it works.** [`SoftwarePainter`] keeps the list of shapes that egui wants to be seen (`list`), each with its
 //! mesh cut into fills, images and triangles (`pieces`). A new list is compared with the last one; only shapes that are
 //! new are tessellated, and the bounds of what came and went are the damage (`damage`). Any part of the window can be
-//! painted at any time from the list: a buffer that is two pictures old is brought up to date by painting the damage of
-//! both. Parts are painted from the last shape that hides all of what is below it, as a 3-D picture does, so nothing is
+//! painted at any time from the list: a buffer that is two frames old is brought up to date by painting the damage of
+//! both. Parts are painted from the last shape that hides all of what is below it, as a 3-D image does, so nothing is
 //! painted to be painted over.
 //!
 //! **Why not a graphics library's software driver.** It paints the whole window for each change, and runs every pixel
 //! through what it must be able to do. Most pixels of a window are one colour, a copy, or a glyph's coverage.
 //!
 //! **Why our own.** `egui_software_backend` 0.0.3 and `dream-soft-render` 1.0.0 want egui 0.34. The first caches meshes
-//! and tiles, but lays its whole canvas over the window each time, tells nothing of what changed and shows no textures
-//! of ours; the second paints all of it.
+//! and tiles, but lays its whole canvas over the window each time, reports nothing of what changed and shows no
+//! textures of ours; the second paints all of it.
 //!
-//! **The same picture.** Corners are rounded to 256ths of a pixel, edges belong to shapes by the top-left rule, colours
-//! are blended in 8 bits, textures are sampled as in `egui.wgsl`: `tests/pictures/painters.rs` holds it beside
+//! **The same image.** Corners are rounded to 256ths of a pixel, edges belong to shapes by the top-left rule, colours
+//! are blended in 8 bits, textures are sampled as in `egui.wgsl`: `tests/pictures/painters.rs` compares it with
 //! `egui-wgpu`.
 
 mod band;
@@ -49,7 +49,7 @@ pub struct SoftwarePainter {
     shown: TessellatedFor,
 }
 
-/// What all entries were tessellated for.
+/// Parameters that all entries were tessellated for.
 #[derive(Debug, Default, PartialEq)]
 struct TessellatedFor {
     screen: WindowScale,
@@ -77,7 +77,7 @@ impl SoftwarePainter {
         self.textures.set_picture(id, version, filter);
     }
 
-    /// Forgets a picture: what shows it is left out.
+    /// Forgets an image: shapes that show it are skipped.
     pub fn remove_picture(&mut self, id: TextureId) {
         self.textures.remove_picture(id);
     }
@@ -112,8 +112,8 @@ impl SoftwarePainter {
         );
     }
 
-    /// What has to be painted anew since the last call: at most eight rectangles that share no pixel, none if nothing
-    /// changed.
+    /// Takes the damage since the last call, the region to be repainted: at most eight rectangles that share no pixel,
+    /// none if nothing changed.
     pub fn take_damage(&mut self) -> Vec<PixelRect> {
         for entry in &mut self.entries {
             entry.follow_textures(&self.textures, |rect| self.damage.add(rect));
@@ -121,11 +121,11 @@ impl SoftwarePainter {
         self.damage.take()
     }
 
-    /// Paints these parts anew. `target` is the window's pixels by rows, `0x00RRGGBB`; outside of `region` it stays as
-    /// it is.
+    /// Repaints these parts. `target` is the window's pixels by rows, `0x00RRGGBB`; outside of `region` it stays as it
+    /// is.
     ///
-    /// `pictures` are those that [`Self::set_picture`] told of; they are taken to be opaque. What has no texture is
-    /// left out, and where there is nothing the window is black. Rectangles of `region` may share pixels.
+    /// `pictures` are those registered with [`Self::set_picture`]; they are taken to be opaque. Shapes without a
+    /// texture are skipped, and where there is nothing the window is black. Rectangles of `region` may share pixels.
     pub fn paint(&self, pictures: &[(TextureId, &RgbaImage)], region: &[PixelRect], target: &mut [u32]) {
         let size_px = self.shown.screen.size_px;
         let window = PixelRect::of_size(size_px);

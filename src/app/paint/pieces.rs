@@ -37,7 +37,7 @@ pub(super) enum Piece {
     },
 }
 
-/// What has to be worked out for a triangle's pixels.
+/// Fill of a triangle: the computation that its pixels need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TriangleFill {
     /// One colour.
@@ -48,7 +48,7 @@ pub(super) enum TriangleFill {
     Textured,
 }
 
-/// Where a texture is in the window: at `corner_px` it is at `corner_uv`.
+/// Texture placement in the window: at `corner_px` it is at `corner_uv`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TexturePlacement {
     corner_px: [f32; 2],
@@ -74,7 +74,7 @@ pub(super) struct PixelMesh {
     pub(super) bounds: PixelRect,
     /// Pixels that show nothing of what is below.
     pub(super) hidden_by_fill: PixelRect,
-    /// The same if the texture is opaque.
+    /// Rectangle hidden by the image if the texture is opaque.
     pub(super) hidden_by_image: PixelRect,
     /// Positions in pixels.
     pub(super) vertices: Vec<Vertex>,
@@ -82,7 +82,7 @@ pub(super) struct PixelMesh {
 }
 
 impl PixelMesh {
-    /// Cuts a mesh into pieces; triangles that cannot be drawn are left out.
+    /// Cuts a mesh into pieces; triangles that cannot be drawn are skipped.
     pub(super) fn new(mesh: &Mesh, clip: PixelRect, pixels_per_point: f32) -> Self {
         let to_pixels = |vertex: &Vertex| Vertex {
             pos: Pos2::new(vertex.pos.x * pixels_per_point, vertex.pos.y * pixels_per_point),
@@ -131,12 +131,12 @@ impl PixelMesh {
         are_numbers.then_some(corners)
     }
 
-    /// Whether the texture is white all over the triangle.
+    /// Returns true if the texture is white all over the triangle.
     fn is_plain(&self, corners: &[Vertex]) -> bool {
         self.texture == TextureId::default() && corners.iter().all(|corner| corner.uv == WHITE_UV)
     }
 
-    /// What two triangles are that make up a rectangle of one tint.
+    /// Returns the piece for two triangles that make up a rectangle of one tint.
     #[inline]
     fn rectangle(&self, a: &[Vertex; 3], b: &[Vertex; 3]) -> Option<Piece> {
         let tint = a[0].color;

@@ -26,7 +26,7 @@ impl PixelRect {
         }
     }
 
-    /// Whether there is no pixel in it.
+    /// Returns true if the rectangle contains no pixel.
     pub fn is_empty(&self) -> bool {
         self.min[0] >= self.max[0] || self.min[1] >= self.max[1]
     }
@@ -36,13 +36,13 @@ impl PixelRect {
         [0, 1].map(|axis| self.max[axis].saturating_sub(self.min[axis]))
     }
 
-    /// How many pixels are in it.
+    /// Returns the area: the number of pixels in the rectangle.
     pub fn area_px(&self) -> u64 {
         let [width, height] = self.size_px().map(u64::from);
         width * height
     }
 
-    /// What is in both.
+    /// Returns the intersection of both rectangles.
     #[must_use]
     pub fn intersection(&self, other: &Self) -> Self {
         let both = Self {
@@ -67,12 +67,12 @@ impl PixelRect {
         }
     }
 
-    /// Whether a pixel is in both.
+    /// Returns true if the rectangles share a pixel.
     pub fn touches(&self, other: &Self) -> bool {
         !self.intersection(other).is_empty()
     }
 
-    /// Whether all pixels of `other` are in it.
+    /// Returns true if all pixels of `other` are in the rectangle.
     pub fn holds(&self, other: &Self) -> bool {
         other.is_empty() || self.intersection(other) == *other
     }

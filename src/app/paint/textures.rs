@@ -16,7 +16,7 @@ use egui::{TextureFilter, TextureId, TextureOptions, TextureWrapMode, TexturesDe
 use image::RgbaImage;
 use std::collections::HashMap;
 
-/// What has no texture has this version.
+/// Version of a missing texture.
 pub(super) const NOT_THERE: u64 = 0;
 
 #[derive(Debug, Clone)]
@@ -29,7 +29,7 @@ struct Texture {
 
 #[derive(Debug, Clone, Copy)]
 struct UserPicture {
-    /// What its owner calls the version of its pixels.
+    /// Pixel version given by the owner.
     owners_version: u64,
     filter: TextureFilter,
     version: u64,
@@ -125,14 +125,15 @@ impl Textures {
         self.pictures.remove(&id);
     }
 
-    /// Changes whenever something that is painted with the texture has to be painted anew.
+    /// Returns the texture version, which changes whenever something that is painted with the texture has to be
+    /// repainted.
     pub(super) fn version(&self, id: TextureId) -> u64 {
         let picture = self.pictures.get(&id).map(|picture| picture.version);
         let texture = || self.held.get(&id).map(|texture| texture.version);
         picture.or_else(texture).unwrap_or(NOT_THERE)
     }
 
-    /// What to paint with.
+    /// Returns the texel source to paint with.
     pub(super) fn source<'a>(
         &'a self,
         id: TextureId,
@@ -208,7 +209,7 @@ impl<'a> SampledTexture<'a> {
         (is_sound && count >= size[0] * size[1]).then_some(source)
     }
 
-    /// Whether nothing shows through it.
+    /// Returns true if the texture is opaque.
     pub(super) fn is_opaque(&self) -> bool {
         matches!(self.texels, Texels::Picture(_))
     }

@@ -152,7 +152,7 @@ struct TriangleInterpolant<const N: usize> {
     per_row: [f32; N],
 }
 
-/// The same along a row.
+/// Interpolant along a row.
 struct RowInterpolant<const N: usize> {
     corner_px: f32,
     at_corner: [f32; N],

@@ -1,4 +1,4 @@
-//! What colours show: the source, of those that are there, and how its numbers become colours.
+//! Colour panel: the source, of those available, and the mapping of its numbers to colours.
 
 use super::settings::{choice, choice_among, heading, note_below, row, rows};
 use super::style::word;
@@ -96,7 +96,7 @@ fn source(ui: &mut Ui, coloring: &mut Coloring, shown: Option<&Arc<PreparedFrame
     }
 }
 
-/// What the automatic choice found.
+/// Returns the source found by the automatic choice.
 fn found(paint: &Paint) -> String {
     match paint {
         Paint::File => "From the file".to_owned(),
@@ -148,7 +148,7 @@ fn map(ui: &mut Ui, coloring: &mut Coloring) {
     word(ui, title, hint, &mut coloring.map, &ColorMap::ALL, coloring::MAPS);
 }
 
-/// Whether a range is of percentiles or of numbers.
+/// Kind of range: percentiles or numbers.
 #[derive(Clone, Copy, PartialEq)]
 enum RangeKind {
     Percentiles,

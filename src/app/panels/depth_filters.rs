@@ -26,8 +26,8 @@ pub(super) const NAMED: &[NamedRow] = &[NamedRow {
 /// Whole numbers are dragged on by one in so many points of the screen.
 const POINTS_PER_ONE: f64 = 20.0;
 
-/// The section of the settings. Says which filters are to be applied from now on: once nobody drags or types any more,
-/// as all frames are decoded anew then.
+/// Shows the depth filter section of the settings. Returns the filters to be applied from now on: once nobody drags or
+/// types any more, as all frames are then decoded again.
 pub(super) fn depth_filters_ui(ui: &mut Ui, applied: Filters) -> Option<Filters> {
     let id = Id::unique("depth filters");
     let before = ui.data(|data| data.get_temp::<(Filters, Filters)>(id));

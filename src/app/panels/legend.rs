@@ -1,4 +1,4 @@
-//! What the colours mean, over the picture: at its upper right.
+//! Colour legend, over the image: at its upper right.
 
 use crate::app::widgets::ramp::paint_ramp;
 use crate::app::{PanelId, State};
@@ -10,7 +10,7 @@ const ROW_HEIGHT: f32 = 17.0;
 const PADDING: f32 = 9.0;
 const RAMP: Vec2 = vec2(15.0, 190.0);
 
-/// What is above and below the rows: margins, the title, and the axes in the corner.
+/// Height above and below the rows: margins, the title, and the axes in the corner.
 const AROUND: f32 = 144.0;
 const LEAST_HEIGHT: f32 = 40.0;
 

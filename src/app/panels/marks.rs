@@ -1,4 +1,4 @@
-//! What features paint over the picture.
+//! Marks that features paint over the image.
 
 use crate::app::State;
 use crate::app::features::Features;

@@ -119,7 +119,7 @@ fn file_menu(ui: &mut Ui, state: &mut State) {
     item(ui, state, Command::QUIT);
 }
 
-/// What to open beside the open sequence.
+/// Shows the compare menu: what to open alongside the open sequence.
 fn compare_menu(ui: &mut Ui, state: &mut State) {
     items(ui, state, &[Command::COMPARE_FILES, Command::COMPARE_FOLDER]);
     ui.separator();
@@ -128,7 +128,7 @@ fn compare_menu(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// Which of a recording's topics is the sequence, or the one beside it, where there are several.
+/// Shows the topic menu: the recording topic of the sequence, or of the one compared with it, where there are several.
 fn topic_menu(ui: &mut Ui, state: &mut State, side: Side) {
     let player = state.player.as_ref();
     let beside = state.features.beside.as_ref();
@@ -177,7 +177,7 @@ fn recent_menu(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// What was opened lately; what was chosen of it.
+/// Lists recently opened items; returns the chosen ones.
 fn recent_items(ui: &mut Ui, state: &State) -> Option<Vec<PathBuf>> {
     let mut chosen = None;
     for inputs in state.kept.recent.entries() {
@@ -207,7 +207,7 @@ fn edit_menu(ui: &mut Ui, state: &mut State) {
     own_items(ui, state, Menu::Edit);
 }
 
-/// What the timeline's own buttons have no room for.
+/// Shows the play menu with commands that do not fit among the timeline's own buttons.
 fn play_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(240.0);
     let pace = [

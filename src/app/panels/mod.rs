@@ -29,7 +29,7 @@ pub(in crate::app) use settings::own_rows;
 pub(in crate::app) use table::{menu_panels, panels};
 use viewport::viewport_ui;
 
-/// The picture is never narrower because of a panel beside it, points.
+/// Minimum width of the image next to a panel, points.
 const LEAST_VIEW_WIDTH: f32 = 160.0;
 
 /// Everything in the window, keys included.
@@ -69,7 +69,7 @@ fn bar_ui(ui: &mut Ui, state: &mut State, row: &PanelRow<State>) {
     bar.frame(frame).show(ui, |ui| (row.show)(ui, state));
 }
 
-/// A panel beside the picture, while it is open; over it, in a window that is too narrow for both.
+/// Shows a side panel next to the image, while it is open; over it, in a window that is too narrow for both.
 fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow<State>) {
     let Some(id) = row.id.filter(|&id| state.panels.has(id)) else {
         return;

@@ -11,7 +11,7 @@ const WIDTH: f32 = 420.0;
 /// Longer texts scroll.
 const MAX_TEXT_HEIGHT: f32 = 120.0;
 
-/// How many others of a kind the tooltip lists.
+/// Number of others of a kind that the tooltip lists.
 const LISTED_OTHERS: usize = 12;
 
 /// Every message with its full text, a button to copy it and one to dismiss it; long work with a bar and a button to
@@ -42,7 +42,7 @@ pub(super) fn notices_ui(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// What takes long and has no window of its own that is open.
+/// Returns long-running work that has no open window of its own.
 fn shown_works(state: &State) -> Vec<&Work> {
     // Its window has the same bar.
     let measuring = state.features.benchmark.work();

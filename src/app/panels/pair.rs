@@ -112,7 +112,7 @@ fn is_side_by_side(state: &State) -> bool {
     matches!(&state.features.beside, Some(beside) if beside.is_side_by_side())
 }
 
-/// Marks in the other half what the pointer is over: both are seen by one camera, with its axis in the middle of each.
+/// Marks in the other half what the pointer is over: both are seen by one camera, with its axis at the centre of each.
 fn same_place(ui: &Ui, pointer: Pos2, places: [Rect; 2]) {
     let here = usize::from(!places[0].contains(pointer));
     let [here, there] = [places[here], places[1 - here]];
@@ -125,7 +125,7 @@ fn same_place(ui: &Ui, pointer: Pos2, places: [Rect; 2]) {
     }
 }
 
-/// The sides of two ways to draw.
+/// Paints the letters of the sides of two render modes.
 fn letters(ui: &Ui, rect: Rect, x: f32) {
     for (text, place, align) in [
         ("A", pos2(x - 8.0, rect.top() + 8.0), Align2::RIGHT_TOP),
@@ -136,7 +136,7 @@ fn letters(ui: &Ui, rect: Rect, x: f32) {
     }
 }
 
-/// What is seen of two sequences.
+/// Returns the names of both visible sequences.
 fn names(state: &State) -> Option<[String; 2]> {
     let beside = state.features.beside.as_ref()?;
     let player = state.player.as_ref()?;

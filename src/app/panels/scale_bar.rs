@@ -7,7 +7,7 @@ use egui::{Align2, Color32, FontId, Painter, Rect, Role, Sense, Stroke, Ui, Widg
 /// From the lower left corner of the picture, points.
 const MARGIN: f32 = 16.0;
 
-/// Of its text above the line, points.
+/// Height of its text above the line, points.
 const HEIGHT: f32 = 22.0;
 
 /// Half the height of its ends.

@@ -63,7 +63,7 @@ pub(in crate::app) fn own_rows() -> impl Iterator<Item = &'static NamedRow> {
     NAMED.iter().chain(colors::NAMED).chain(depth_filters::NAMED)
 }
 
-/// What settings ask of the window, once they are shown.
+/// Request of the settings to the window, once they are shown.
 enum SettingsRequest {
     /// Another axis is up.
     ChooseUp(UpAxis),
@@ -146,7 +146,7 @@ fn part(ui: &mut Ui, title: &str) {
     ui.add_space(2.0);
 }
 
-/// What is drawn: primitive, size, colours, light, background, up axis.
+/// Shows the appearance settings: primitive, size, colours, light, background, up axis.
 fn look(ui: &mut Ui, state: &mut State, drawn: &Style) -> Option<SettingsRequest> {
     ui.label(RichText::new("Look").strong().size(PART_SIZE));
     ui.add_space(2.0);
@@ -173,7 +173,7 @@ fn look(ui: &mut Ui, state: &mut State, drawn: &Style) -> Option<SettingsRequest
     up.map(SettingsRequest::ChooseUp)
 }
 
-/// Who draws and by which means, and what that takes.
+/// Shows the advanced settings: the renderer, its means, and their cost.
 fn advanced_ui(ui: &mut Ui, state: &mut State, drawn: &Style) {
     sections(ui, state, SettingsPart::Advanced);
     let style = &mut state.style;
@@ -240,7 +240,7 @@ fn primitive(ui: &mut Ui, style: &mut Settings, guessed: Option<(Primitive, &str
     ui.add_space(4.0);
 }
 
-/// Which axis is up; another one, where it is chosen.
+/// Shows the up axis choice; returns another one, where it is chosen.
 fn up_axis(ui: &mut Ui, before: UpAxis, why: Option<&'static str>) -> Option<UpAxis> {
     let axes = UpAxis::ALL
         .iter()

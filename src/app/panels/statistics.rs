@@ -1,4 +1,4 @@
-//! What the program did and how long it took. Every figure has its unit.
+//! Statistics of the program: work done and time taken. Every figure has its unit.
 
 use crate::app::State;
 use crate::app::meter::Redraw;
@@ -149,7 +149,7 @@ fn redraw(ui: &mut Ui, state: &State) {
     });
 }
 
-/// What the last picture took, which need not be of the last redraw; only what was measured.
+/// Shows the timing of the last image, which need not be of the last redraw; only what was measured.
 fn picture_times(ui: &mut Ui, state: &State) {
     let render = &state.graphics.render;
     if render.frames == 0 {
@@ -314,7 +314,7 @@ fn shown_frame(ui: &mut Ui, state: &State, frame: &PreparedFrame) {
     }
 }
 
-/// What the last picture shows, and what its normals took.
+/// Shows the contents of the last image, and the cost of its normals.
 fn screen_rows(ui: &mut Ui, screen: &ScreenStats) {
     row(
         ui,
@@ -388,7 +388,7 @@ fn levels_rows(ui: &mut Ui, structure: LevelStructure, size: LevelsSize) {
     );
 }
 
-/// What was last drawn of levels of detail.
+/// Shows the statistics of the levels of detail that were last drawn.
 fn traversal_rows(ui: &mut Ui, build_ms: f32, scene: &SceneStats) {
     row(ui, "Build", milliseconds(build_ms.into()), "Building it, on a worker");
     row(

@@ -100,7 +100,8 @@ fn slider<'a>(numbers: &Numbers, shown: &'a mut f64) -> Slider<'a> {
     }
 }
 
-/// The list of kinds, and below it the number of the one that is chosen. That of a kind chosen anew is the usual one.
+/// Shows the list of kinds, and below it the number of the one that is chosen. A newly chosen kind has its default
+/// number.
 fn kind_rows(ui: &mut Ui, described: &Described, kinds: &[Kind], before: usize, number: f64) -> Value {
     let choices: Vec<_> = kinds
         .iter()

@@ -13,7 +13,7 @@ use crate::app::features::feature::Feature;
 use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::{PanelId, State};
 
-/// Those beside the picture, which are laid out first.
+/// Side panels next to the image, which are laid out first.
 const BESIDE: &[PanelRow<State>] = &[
     PanelRow {
         id: Some(PanelId::SETTINGS),

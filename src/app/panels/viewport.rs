@@ -27,7 +27,7 @@ const LOOK_DEG_PER_HEIGHT: f64 = 90.0;
 /// One notch of a wheel scrolls about 50 points: 8 % of the distance.
 const ZOOM_PER_POINT: f64 = 0.0016;
 
-/// How often the progress of what is on its way is shown.
+/// Update interval of the progress of pending work.
 const PROGRESS_EVERY: Duration = Duration::from_millis(250);
 
 /// Length of the axes in the corner.
@@ -121,7 +121,7 @@ fn click(response: &Response, state: &mut State) {
     }
 }
 
-/// What was dragged since the last pass.
+/// Returns the drags since the last pass.
 fn pulls(ui: &Ui, response: &Response, grip: &mut Option<Grip>) -> Vec<Pull> {
     let ctx = ui.ctx();
     if ctx.dragged_id().is_some_and(|id| id != response.id) {

@@ -1,5 +1,5 @@
-//! What is in place of the picture while nothing is open: what could not be opened and why, what was opened lately, the
-//! demo, examples, and the keys to know.
+//! Welcome screen instead of the image while nothing is open: what could not be opened and why, recently opened inputs,
+//! the demo, examples, and the keys to know.
 
 use crate::app::command::Command;
 use crate::app::commands::keys_of;
@@ -14,16 +14,16 @@ use egui::{
 };
 use std::path::PathBuf;
 
-/// Width of what is in the middle, points.
+/// Width of the central content, points.
 const WIDTH: f32 = 640.0;
 
 /// Longer reasons scroll, points.
 const MAX_REASON_HEIGHT: f32 = 110.0;
 
-/// Size of a picture of what was opened lately, points.
+/// Size of the image of a recently opened input, points.
 const PICTURE: [f32; 2] = [140.0, 105.0];
 
-/// What to know of keys and mouse before the list of all.
+/// Essential keys and mouse actions before the list of all.
 const KEYS: [(&str, &str); 5] = [
     ("Space", "play or pause"),
     ("Left drag", "orbit; with Shift pan, scroll to zoom"),
@@ -77,7 +77,7 @@ fn actions_ui(ui: &mut Ui, state: &mut State) {
     });
 }
 
-/// What could not be shown, with the reason in full.
+/// Shows the input that could not be opened, with the reason in full.
 fn failed_ui(ui: &mut Ui, failed: &FailedOpening) {
     let color = ui.visuals().error_fg_color;
     let frame = Frame::window(ui.style()).stroke(Stroke::new(1.0, color.gamma_multiply(0.7)));
@@ -115,7 +115,7 @@ fn choices_ui(ui: &mut Ui, choices: &[OpeningChoice]) -> Option<PathBuf> {
     chosen
 }
 
-/// What was opened lately, with a picture each where there is one.
+/// Shows recently opened inputs, each with an image where there is one.
 fn recent_ui(ui: &mut Ui, state: &mut State) {
     if state.kept.recent.entries().is_empty() {
         return;
@@ -140,7 +140,7 @@ fn recent_ui(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// What the program brings.
+/// Shows the bundled examples.
 fn examples_ui(ui: &mut Ui, state: &mut State) {
     ui.add_space(12.0);
     ui.label(RichText::new("Examples").strong());

@@ -1,11 +1,12 @@
-//! What a person chose, kept between runs in a small JSON file.
+//! Preferences of the user, kept between runs in a small JSON file.
 //!
 //! **How it works.** [`Preferences`] are the part of the window's state that outlives it. The file holds them by the
-//! words of the command line, and outlives versions of this program: what it does not have, or has in a way that cannot
-//! be read, is as by default; of a number that is not offered the nearest is taken; what is not known is kept as it is.
-//! Where something could not be read, a copy is made before the file is written anew (`kept/lenient.rs`). It is written
-//! a moment after something was changed, so that a program that is killed has lost nothing, and never by a run in which
-//! nothing was changed. Several windows share the file: each writes what was changed in it alone (`kept/update.rs`).
+//! words of the command line, and outlives versions of this program: what it does not have, or has in a form that
+//! cannot be read, is as by default; of a number that is not offered the nearest is taken; what is not known is kept as
+//! it is. Where something could not be read, a copy is made before the file is rewritten (`kept/lenient.rs`). It is
+//! written a short time after something was changed, so that a program that is killed has lost nothing, and never by a
+//! run in which nothing was changed. Several windows share the file: each writes what was changed in it alone
+//! (`kept/update.rs`).
 
 use super::open_panels::RememberedPanels;
 use super::present_choice::PresentChoice;
@@ -22,7 +23,7 @@ use std::time::Duration;
 /// Changes where the same word would mean something else. Further fields and further words need no other version.
 const VERSION: u32 = 6;
 
-/// What messages call the contents of the file.
+/// Name of the file's contents in messages.
 const WHAT: &str = "the settings";
 
 /// A slider that is being dragged is not written at each of its steps.
@@ -31,29 +32,29 @@ const WRITE_DELAY: Duration = Duration::from_secs(1);
 /// Edges of a window, logical pixels.
 const WINDOW_EDGE_RANGE: RangeInclusive<f64> = 100.0..=16_384.0;
 
-/// What the window remembers.
+/// Preferences remembered by the window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {
-    /// How pictures are asked for.
+    /// Render settings.
     #[serde(flatten)]
     pub settings: Settings,
-    /// Who brings pictures onto the screen.
+    /// Presenter that shows images on the screen.
     pub present: PresentChoice,
-    /// What happens at the ends of a sequence.
+    /// Loop mode: the behaviour at the ends of a sequence.
     pub loop_mode: LoopMode,
-    /// How fast it plays, forward: [`MIN_SPEED`] to [`MAX_SPEED`].
+    /// Playback speed, forward: [`MIN_SPEED`] to [`MAX_SPEED`].
     pub speed: f64,
-    /// Which panels are open; windows above them are not remembered.
+    /// Panels that are open; windows above them are not remembered.
     #[serde(flatten)]
     pub panels: RememberedPanels,
-    /// Whether small pictures are shown over the timeline.
+    /// Visibility of thumbnails over the timeline.
     pub thumbnails: bool,
-    /// Whether the picture has a scale bar.
+    /// Visibility of the scale bar in the image.
     pub scale_bar: bool,
-    /// Whether the settings that few have a use for are shown.
+    /// Visibility of the advanced settings, which few need.
     pub advanced: bool,
-    /// Whether the window is light or dark.
+    /// Light or dark theme of the window.
     #[serde(with = "Theme")]
     pub theme: ThemePreference,
     /// Size of the window in whole logical pixels, when it was neither maximised nor full screen.
@@ -131,9 +132,9 @@ impl Preferences {
 pub struct PreferencesFile {
     file: Option<PathBuf>,
     problem: Option<String>,
-    /// What the window began with or was last written: nothing to do while it stays.
+    /// Preferences at start or at the last write: nothing to do while they stay.
     settled: Option<Preferences>,
-    /// What is written once it has stayed for a while, and since when it is so.
+    /// Changed preferences, written once they have stayed for a while, and the time since when.
     changed: Option<(Preferences, Duration)>,
 }
 
@@ -143,7 +144,7 @@ impl PreferencesFile {
         kept::place_of("settings.json").map_or_else(Default::default, |file| Self::load_from(&file))
     }
 
-    /// What is in `file`, which need not be there yet.
+    /// Loads the preferences in `file`, which need not exist yet.
     pub fn load_from(file: &Path) -> (Self, Preferences) {
         let read = kept::read_leniently(file, WHAT, Preferences::of);
         let preferences = read.value;
@@ -155,12 +156,12 @@ impl PreferencesFile {
         (this, preferences)
     }
 
-    /// What could not be read, and where the copy is: a text for a notice.
+    /// Returns the notice text on what could not be read, and where the copy is.
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()
     }
 
-    /// Notes how things are at `now`. What the first call is told is how the window began.
+    /// Notes the preferences at `now`. The first call records the initial state of the window.
     pub(super) fn note(&mut self, preferences: Preferences, now: Duration) {
         let preferences = preferences.offered();
         let settled = *self.settled.get_or_insert(preferences);
@@ -184,7 +185,7 @@ impl PreferencesFile {
         }
     }
 
-    /// Writes what was changed. A file that cannot be written is told of in the log.
+    /// Writes the changes. A file that cannot be written is reported in the log.
     pub(super) fn write(&mut self) {
         let (Some(file), Some((preferences, _))) = (&self.file, self.changed.take()) else {
             return;

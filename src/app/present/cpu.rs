@@ -36,7 +36,7 @@ pub(super) struct CpuPresenter {
     other_picture: Option<CpuPicture>,
     /// Opened when the GPU is chosen to draw.
     context: Option<Arc<Context>>,
-    /// What was damaged when the window was presented last, which a buffer of age 2 lacks.
+    /// Damage of the window when it was presented last, which a buffer of age 2 lacks.
     last_damage: Vec<PixelRect>,
 }
 
@@ -44,7 +44,7 @@ pub(super) struct CpuPresenter {
 struct CpuPicture {
     texture: TextureId,
     software: CpuRenderer,
-    /// What the GPU draws is read back into an image.
+    /// GPU renderer and the image into which its output is read back.
     hardware: Option<(GpuRenderer, RgbaImage)>,
     is_hardware: bool,
     version: u64,

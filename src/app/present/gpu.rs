@@ -1,11 +1,10 @@
-//! The presenter of the graphics card: the window's surface (`surface.rs`), egui's painter and the renderer of the 3-D
-//! picture.
+//! GPU presenter: the window's surface (`surface.rs`), egui's painter and the renderer of the 3-D image.
 //!
 //! **How it works.** The renderer of the GPU draws a packet into its own `Rgba8Unorm` texture, which egui's painter
 //! shows as an image without filtering or conversion: both hold display-referred values, and so does the surface, for
-//! which a format without sRGB conversion is chosen. The picture is drawn only when there is a new packet; panels are
-//! painted over it as often as they ask, and those of before, which are on the card already, where only the picture is
-//! new. What the processor draws is copied to such a texture. Pictures and panels are one submission.
+//! which a format without sRGB conversion is chosen. The image is drawn only when there is a new packet; panels are
+//! painted over it as often as they ask, and the previous ones, which are on the GPU already, where only the image is
+//! new. What the CPU draws is copied to such a texture. Images and panels are one submission.
 
 use super::gpu_picture::{DrawnBy, GpuPicture};
 use super::presenter::{Painted, Panels, Presenter, PresenterInfo};
@@ -28,12 +27,12 @@ pub(super) struct GpuPresenter {
     context: Arc<Context>,
     surface: WindowSurface,
     painter: egui_wgpu::Renderer,
-    /// What egui wanted to be painted last.
+    /// Primitives that egui painted last.
     primitives: Vec<ClippedPrimitive>,
     pixels_per_point: f32,
     /// The size of the window for which `primitives` are on the card.
     uploaded_for_px: Option<[u32; 2]>,
-    /// What was asked of the card since the window was painted.
+    /// GPU work since the window was painted.
     work: GpuWork,
     picture: GpuPicture,
     /// That of the other side of a comparison, once there was one.
@@ -237,7 +236,7 @@ impl Presenter for GpuPresenter {
     }
 }
 
-/// What `primitives` take on the card.
+/// Returns the GPU memory used by `primitives`.
 fn bytes_of(primitives: &[ClippedPrimitive]) -> u64 {
     let meshes = primitives.iter().filter_map(|clipped| match &clipped.primitive {
         Primitive::Mesh(mesh) => Some(mesh),

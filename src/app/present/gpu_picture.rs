@@ -1,4 +1,4 @@
-//! A 3-D picture in the window of the graphics card, whoever draws it.
+//! 3-D image in the window of the GPU, whatever renders it.
 
 use super::software::{SoftwarePicture, picture_texture};
 use crate::app::meter::GpuWork;
@@ -15,10 +15,10 @@ pub(super) struct GpuPicture {
     pub(super) renderer: GpuRenderer,
     software: SoftwarePicture,
     pub(super) drawn_by: DrawnBy,
-    /// What draws the picture, to be submitted with the window that shows it.
+    /// Command buffer that draws the image, to be submitted with the window that shows it.
     pub(super) commands: Option<wgpu::CommandBuffer>,
     pub(super) texture: TextureId,
-    /// Which texture of which renderer `texture` stands for, and how it is scaled.
+    /// Renderer and version of the texture that `texture` stands for, and its filter.
     shown: Option<(DrawnBy, u64, wgpu::FilterMode)>,
 }
 

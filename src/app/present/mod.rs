@@ -1,12 +1,11 @@
-//! What brings the window onto the screen: the 3-D pictures, and egui's panels around them.
+//! Presentation of the window on the screen: the 3-D images, and egui's panels around them.
 //!
-//! **How it works.** There are two presenters behind one trait. That of the graphics card (`gpu.rs`) paints through
-//! egui-wgpu on a surface of the driver. That of the processor (`cpu.rs`) paints into memory which the window system
-//! shows as it is. A software driver would do the latter's work too, but compiles shaders, bins triangles and copies
-//! textures for it: on two cores that is fifteen windows a second, whatever is in them. So the processor presents
-//! wherever no graphics card does.
+//! **How it works.** There are two presenters behind one trait. That of the GPU (`gpu.rs`) paints through egui-wgpu on
+//! a surface of the driver. That of the CPU (`cpu.rs`) paints into memory which the window system shows as it is. A
+//! software driver would do the latter's work too, but compiles shaders, bins triangles and copies textures for it: on
+//! two cores that is fifteen windows per second, whatever is in them. So the CPU presents wherever no GPU does.
 //!
-//! A picture is drawn when there is a new packet, panels are painted when egui has run, and either may come without the
+//! An image is drawn when there is a new packet, panels are painted when egui has run, and either may come without the
 //! other.
 
 mod cpu;
@@ -26,7 +25,7 @@ use gpu::GpuPresenter;
 use std::sync::Arc;
 use winit::window::Window;
 
-/// Opens what was chosen. Where it may choose, it takes a real graphics card, and else needs no driver at all.
+/// Opens the chosen presenter. Where the choice is automatic, it takes a hardware GPU, and else needs no driver at all.
 pub(super) fn open(choice: PresentChoice, window: &Arc<Window>) -> Result<Box<dyn Presenter>, RenderError> {
     match choice {
         PresentChoice::Gpu => open_gpu(window),

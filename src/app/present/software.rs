@@ -6,7 +6,7 @@ use crate::render::cpu::CpuRenderer;
 use crate::render::gpu::Context;
 use crate::scene::ScenePacket;
 
-/// Draws on the processor, and hands each new picture to the graphics card once.
+/// Renders on the CPU, and uploads each new image to the GPU once.
 #[derive(Default)]
 pub(super) struct SoftwarePicture {
     pub(super) renderer: CpuRenderer,

@@ -1,10 +1,11 @@
-//! The window's surface: what is done with each answer it gives when an image is asked for.
+//! The window's surface: handling of every result of acquiring a swap-chain image.
 //!
-//! **How it works.** A surface lives beside the window system, which resizes, hides and takes it away at will, and says
-//! so only when the next image is asked for. [`acquire`] decides: an image is shown, a moment without one is waited
-//! out, an outdated surface is configured for the window's present size, a lost one is made anew. A repair is tried
-//! once for each picture; what still has no image then is asked again later. A window without any area has no images:
-//! it is not even asked. [`SurfaceImages`] keeps the decisions apart from wgpu, so that tests can give every answer.
+//! **How it works.** A surface lives alongside the window system, which resizes, hides and takes it away at will, and
+//! reports so only when the next image is acquired. [`acquire`] decides: an image is presented, a temporary lack of one
+//! is waited out, an outdated surface is reconfigured for the window's current size, a lost one is recreated. A repair
+//! is tried once per image; if there is still no image then, it is requested again later. A window with zero area has
+//! no images: none is even requested. [`SurfaceImages`] keeps the decisions apart from wgpu, so that tests can return
+//! every result.
 
 use crate::render::RenderError;
 use crate::render::gpu::Context;
@@ -17,12 +18,12 @@ const FRAMES_IN_FLIGHT: u32 = 2;
 /// Times that an image is asked for: as it is, and after a repair.
 const MAX_ATTEMPTS: usize = 2;
 
-/// What a surface answers.
+/// Result of acquiring a surface image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Answer<T> {
     /// An image that can be shown.
     Image(T),
-    /// None at the moment: the window is covered, or the screen is late.
+    /// No image at present: the window is occluded, or the display is late.
     NotNow,
     /// It no longer fits the window.
     Outdated,
@@ -30,7 +31,7 @@ pub(super) enum Answer<T> {
     Lost,
 }
 
-/// What gives images.
+/// Source of surface images.
 pub(super) trait SurfaceImages {
     /// An image to draw to.
     type Image;

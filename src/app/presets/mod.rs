@@ -25,7 +25,7 @@ const MAX_NAME_CHARS: usize = 60;
 /// Settings under a name.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Preset {
-    /// What a person calls them; not empty.
+    /// Display name of the preset; not empty.
     pub name: String,
     /// All of them.
     pub settings: Settings,
@@ -39,13 +39,14 @@ pub struct Presets {
     problem: Option<String>,
 }
 
-/// What messages call the contents of the file.
+/// Name of the file's contents in messages.
 const WHAT: &str = "the presets";
 
 /// The name of the list in the file.
 const LIST: &str = "presets";
 
-/// Ways to draw that every window offers: name, what it is, and how it draws. Colours and background are not theirs.
+/// Built-in render-mode presets that every window offers: name, description, and settings. They do not include colours
+/// and background.
 pub(super) fn built_in() -> [(&'static str, &'static str, Settings); 4] {
     let settings = Settings::default();
     [
@@ -87,7 +88,7 @@ pub(super) fn built_in() -> [(&'static str, &'static str, Settings); 4] {
 }
 
 impl Presets {
-    /// Those of this person.
+    /// Loads the current user's presets.
     pub fn load() -> Self {
         kept::place_of("presets.json").map_or_else(Self::default, |file| Self::load_from(&file))
     }
@@ -102,7 +103,7 @@ impl Presets {
         }
     }
 
-    /// What could not be read, and where the copy is: a text for a notice.
+    /// Returns the load problem, if any: what could not be read and where the copy is, as text for a notice.
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()
     }
@@ -112,7 +113,7 @@ impl Presets {
         &self.list
     }
 
-    /// Keeps `settings` under `name`, in place of those that had it. `Err` is a text for a notice.
+    /// Saves `settings` under `name`, replacing any settings of that name. `Err` is a text for a notice.
     pub fn save(&mut self, name: &str, settings: Settings) -> Result<(), String> {
         let name = as_name(name);
         if name.is_empty() {
@@ -173,7 +174,7 @@ fn name_of(entry: &Value) -> String {
     as_name(entry["name"].as_str().unwrap_or_default())
 }
 
-/// Whether something can be read of an entry of the list.
+/// Returns true if anything can be read from a list entry.
 fn is_readable(entry: &Value) -> bool {
     entry["settings"].is_object() && !name_of(entry).is_empty()
 }

@@ -1,4 +1,4 @@
-//! What keys, menus, dialogs and tasks do to the state.
+//! State actions triggered by keys, menus, dialogs and tasks.
 
 use super::{State, WindowRequest};
 use crate::app::command::Command;
@@ -12,7 +12,7 @@ use crate::scene::{PointSizing, PointStyle, Primitive, Settings, Style, SurfelSe
 use std::time::Duration;
 
 impl State {
-    /// Moves the camera until all points are seen, and those beside them, keeping its direction.
+    /// Moves the camera until all points are in view, including those of the compared sequence, keeping its direction.
     pub fn frame_all(&mut self) {
         if let Some(camera) = self.all_framed(&self.bounds_beside()) {
             self.glide_to(camera);
@@ -80,7 +80,7 @@ impl State {
         self.shared.requests.push(request);
     }
 
-    /// How an export draws: as the window does, but at full resolution.
+    /// Returns the render style of an export: as in the window, but at full resolution.
     pub(in crate::app) fn style_of_export(&self) -> Style {
         self.drawn_style().with(|style| style.drawing.resolution = 1.0)
     }
@@ -125,7 +125,7 @@ impl State {
         }
     }
 
-    /// What is open, for the title and for names of files.
+    /// Returns the display name of the open sequence, for the title and for file names.
     pub fn sequence_name(&self) -> Option<String> {
         name_of(self.player.as_ref()?.sequence())
     }
@@ -143,14 +143,13 @@ impl State {
         })
     }
 
-    /// What is open, for names of files: without extension.
+    /// Returns the file stem of the open sequence: its name without extension.
     pub(in crate::app) fn sequence_stem(&self) -> String {
         let name = self.sequence_name().unwrap_or_else(|| "empty".to_owned());
         name.rsplit_once('.').map_or(name.clone(), |(stem, _)| stem.to_owned())
     }
 
-    /// From now on the processor draws in place of the graphics card whose device was lost, until a person chooses who
-    /// draws.
+    /// Switches to the CPU renderer after the GPU device was lost, until a user chooses a renderer.
     pub(in crate::app) fn draw_without_gpu(&mut self) {
         self.main.without_gpu = Some(self.style.drawing.renderer);
         self.forget_picture();

@@ -1,4 +1,4 @@
-//! What is remembered of the connection of a live stream.
+//! Connection state of a live stream.
 
 use crate::source::ConnectionWatch;
 
@@ -6,6 +6,6 @@ use crate::source::ConnectionWatch;
 #[derive(Debug, Default)]
 pub(in crate::app) struct Connection {
     pub(in crate::app) watch: ConnectionWatch,
-    /// What was said when it broke.
+    /// Message reported when the connection broke.
     pub(in crate::app) said: Option<String>,
 }

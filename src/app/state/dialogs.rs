@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 /// A dialog that gives no answer sooner than a person can press a key was never seen.
 const SEEN_DIALOG: Duration = Duration::from_millis(400);
 
-/// What a dialog lets a person choose.
+/// Selection kind of a dialog.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Picks {
     Files,
@@ -18,7 +18,7 @@ enum Picks {
     NewFile,
 }
 
-/// What becomes of the paths that were chosen.
+/// Callback that receives the chosen paths.
 type Answer<S> = Box<dyn FnOnce(&mut S, Vec<PathBuf>) + Send>;
 
 /// A dialog of a window with the state `S`: what it asks for, and what becomes of the answer. Who needs one makes it;
@@ -87,13 +87,13 @@ impl<S> Dialog<S> {
         Self::one(Picks::NewFile, title, answer).named(name)
     }
 
-    /// The same with a proposed name.
+    /// Sets a proposed file name.
     pub(in crate::app) fn named(mut self, name: String) -> Self {
         self.file_name = Some(name);
         self
     }
 
-    /// The same with files of these extensions, under a name.
+    /// Adds a file filter with these extensions, under a name.
     pub(in crate::app) fn filter(
         mut self,
         name: impl Into<String>,
@@ -103,20 +103,20 @@ impl<S> Dialog<S> {
         self
     }
 
-    /// The same with what to do where the system has no dialogs.
+    /// Sets the advice for systems without dialogs.
     pub(in crate::app) fn without(mut self, advice: &'static str) -> Self {
         self.without = advice;
         self
     }
 
-    /// The same for what a person has made, which must not be lost for want of a dialog: it is written under the
-    /// proposed name then.
+    /// Marks the dialog as saving user-created work, which must not be lost for want of a dialog: it is then written
+    /// under the proposed name.
     pub(in crate::app) fn of_own_work(mut self) -> Self {
         self.is_of_own_work = true;
         self.without("Install one of these for other places")
     }
 
-    /// What to do where the system has no dialogs.
+    /// Returns the advice for systems without dialogs.
     pub(super) fn advice(&self) -> &'static str {
         self.without
     }
@@ -150,7 +150,7 @@ impl<S> Dialog<S> {
     }
 }
 
-/// How a dialog was closed.
+/// Result of closing a dialog.
 #[derive(Debug)]
 pub(in crate::app) enum DialogAnswer<S> {
     /// With at least one path.

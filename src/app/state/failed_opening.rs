@@ -1,12 +1,12 @@
-//! What was to be opened and cannot be shown, and what is not shown yet.
+//! Failed opening: inputs that were to be opened and cannot be shown, and those that are not shown yet.
 
 use crate::source::OpeningChoice;
 use std::path::PathBuf;
 
-/// What could not be shown.
+/// Inputs that could not be shown.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FailedOpening {
-    /// What it is called.
+    /// Display name of the inputs.
     pub name: String,
     /// Why, in full.
     pub reason: String,

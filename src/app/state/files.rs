@@ -34,7 +34,8 @@ impl State {
         }
     }
 
-    /// A file that is not there yet: of this name, or of it with a number, beside the open sequence.
+    /// Returns the path of a file that does not exist yet: with this name, or with a number appended to it, next to the
+    /// open sequence.
     fn new_file(&self, name: &str) -> PathBuf {
         let beside = self.player.as_ref().and_then(|player| folder_of(player.sequence()));
         let folder = beside.unwrap_or_else(document_folder);
@@ -60,7 +61,7 @@ impl State {
     }
 }
 
-/// Where a person looks for what was made of a sequence: beside it.
+/// Returns the folder in which users expect files made from a sequence: next to it.
 pub(in crate::app) fn folder_of(sequence: &Sequence) -> Option<PathBuf> {
     let input = sequence.source().inputs().first()?;
     let folder = std::path::absolute(input).ok()?.parent()?.to_owned();

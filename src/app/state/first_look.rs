@@ -1,7 +1,8 @@
-//! What is made of the open sequence where nothing is chosen, and what a person has chosen for it instead.
+//! Initial view and style derived for the open sequence where nothing is chosen, and the user's choices that replace
+//! them.
 //!
-//! **How it works.** The first frame that is shown tells what is looked at and where to stand
-//! ([`FirstLook::of_first`]). Of a sequence of many frames a thread looks at some others meanwhile; when it is done,
+//! **How it works.** The first frame that is shown determines what is looked at and the initial viewpoint
+//! ([`FirstLook::of_first`]). For a sequence of many frames, a thread meanwhile looks at some others; when it is done,
 //! and nobody has moved the camera, the view is that of all of them. An up axis that a user chooses is in the document.
 
 use super::State;
@@ -13,22 +14,22 @@ use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
 impl State {
-    /// What is made of the open sequence; `None` before its first frame is shown.
+    /// Returns the first look derived for the open sequence; `None` before its first frame is shown.
     pub fn first_look(&self) -> Option<&FirstLook> {
         self.opening.looked.look.as_deref()
     }
 
-    /// Whether all is known of the open sequence that will be: the view does not change by itself any more.
+    /// Returns true once the first look at the open sequence is final: the view no longer changes by itself.
     pub fn has_looked(&self) -> bool {
         self.opening.looked.is_complete
     }
 
-    /// The settings with what was guessed, and who draws, in place of what is left open.
+    /// Returns the effective style: the settings, with guessed values and the renderer filled in for what is left open.
     pub fn drawn_style(&self) -> Style {
         self.resolved(&self.style)
     }
 
-    /// Whether the processor draws the picture, and not a graphics card.
+    /// Returns true if the CPU renders the image rather than a GPU.
     pub(in crate::app) fn draws_on_processor(&self) -> bool {
         self.is_drawn_by_processor(&self.style)
     }
@@ -160,7 +161,8 @@ impl State {
         }
     }
 
-    /// Makes `up` the axis that is up in the open sequence, now and whenever it is opened again, and shows it anew.
+    /// Sets `up` as the up axis of the open sequence, now and whenever it is opened again, and shows the sequence
+    /// again.
     pub fn choose_up(&mut self, up: UpAxis) {
         self.camera.up = up;
         self.take_chosen_up(Some(up));
@@ -192,7 +194,7 @@ impl State {
         Some(camera)
     }
 
-    /// What took the frame that is shown, as far as anybody knows.
+    /// Returns the sensor that captured the shown frame, as far as it is known.
     pub(in crate::app) fn sensor(&self) -> Option<Sensor> {
         let player = self.player.as_ref()?;
         player.sequence().source().sensor(player.shown()?.index)
@@ -209,7 +211,7 @@ impl State {
         self.camera = look.camera_of_sensor(&sensor, player.sequence().origin());
     }
 
-    /// Puts the camera where a photograph was taken, with its view.
+    /// Moves the camera to the pose of a calibrated image, with its view.
     pub(in crate::app) fn stand_at_photo(&mut self, number: usize) {
         let looked = self.opening.looked.look.as_deref().zip(self.player.as_ref());
         if let Some((look, player)) = looked

@@ -1,4 +1,4 @@
-//! What becomes of what tasks come to.
+//! Handling of task outcomes.
 
 use super::State;
 use super::failed_opening::FailedOpening;

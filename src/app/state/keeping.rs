@@ -1,11 +1,11 @@
-//! The document is kept without being asked: while it is worked on, when it is left, and at the end of the program.
+//! Automatic saving of the document: while it is worked on, when it is left, and at the end of the program.
 //!
 //! **How it works.** Each sequence has a file ([`DocumentFolder`](crate::document::DocumentFolder)). Once a pass the
-//! document is compared with what it began with; what differs is written a moment after the last change, so that a
-//! program that is killed has lost little. Looking at frames is no change, and a file that was only opened leaves
-//! nothing behind. A session has a file of its own: it is written when the user saves it. Until then what was changed
-//! is kept next to the documents, and restored when the session is opened again (`document/unsaved.rs`), so that the
-//! window closes and other files are opened without a question.
+//! document is compared with what it began with; differences are written shortly after the last change, so that a
+//! program that is killed has lost little. Looking at frames is not a change, and a file that was only opened leaves
+//! nothing behind. A session has a file of its own: it is written when the user saves it. Until then changes are kept
+//! next to the documents, and restored when the session is opened again (`document/unsaved.rs`), so that the window
+//! closes and other files are opened without a question.
 
 use super::State;
 use super::keeper::Keeper;
@@ -25,13 +25,13 @@ pub(super) struct Found {
     /// As it is to be shown.
     pub(super) document: Document,
     keeper: Keeper,
-    /// What of it was kept, for a notice.
+    /// Kept parts of the document, for a notice.
     kept: Vec<String>,
     problem: Option<String>,
 }
 
 impl State {
-    /// What was kept of `sequence`, or a new document.
+    /// Returns the kept document of `sequence`, or a new one.
     pub(super) fn find_document(&mut self, sequence: &Sequence) -> Found {
         let new = self.new_document();
         let folder = self.shared.options.documents.as_ref();
@@ -163,7 +163,7 @@ impl State {
         self.opening.keeper.is_unsaved
     }
 
-    /// Whether what the user makes is kept without being asked.
+    /// Returns true if the user's work is saved automatically.
     pub(in crate::app) fn is_kept(&self) -> bool {
         self.opening.keeper.file.is_some() || self.opening.keeper.unsaved.is_some()
     }
@@ -266,7 +266,7 @@ impl State {
             .info("New files begin with this look; those that were opened before keep theirs");
     }
 
-    /// Opens the sequence of the document anew by `open`, which goes on with the document and what can be undone.
+    /// Reopens the sequence of the document with `open`, which continues with the document and its undo history.
     pub(in crate::app) fn with_document_kept(&mut self, open: impl FnOnce(&mut Self)) {
         let keeper = std::mem::take(&mut self.opening.keeper);
         let history = std::mem::take(&mut self.history);

@@ -1,4 +1,4 @@
-//! What is kept between runs of the program.
+//! State kept between runs of the program.
 
 use crate::app::presets::Presets;
 use crate::app::reading_choices::ReadingChoices;
@@ -7,7 +7,7 @@ use crate::app::recent::Recent;
 /// Lists that are kept between runs of the program, apart from the settings.
 #[derive(Debug, Clone)]
 pub struct Kept {
-    /// What was opened lately.
+    /// Recently opened inputs.
     pub recent: Recent,
     /// Options of reading that were chosen for inputs.
     pub reading_choices: ReadingChoices,

@@ -1,4 +1,4 @@
-//! A live stream is recorded, and what happens to its connection is told.
+//! Recording of a live stream, and reporting of its connection events.
 
 use super::State;
 use super::dialogs::Dialog;
@@ -82,8 +82,8 @@ impl State {
     }
 }
 
-/// What is sent of a camera: a view of a picture that is wider and higher by a quarter, as the camera moves on while
-/// points are on the way.
+/// Returns the view sent for a camera: that of an image a quarter wider and higher, as the camera moves on while points
+/// are on the way.
 fn view_of(camera: &Camera, size_px: [u32; 2]) -> View {
     let eye = camera.eye_in_world();
     let view = screen_view(&camera.transform(eye, size_px), size_px);

@@ -4,23 +4,23 @@ use crate::app::drawing::Drawing;
 use crate::scene::{Choice, RendererChoice};
 use crate::sequence::Paint;
 
-/// What is drawn of the open sequence.
+/// Drawing state of the open sequence.
 #[derive(Debug, Default)]
 pub(in crate::app) struct MainPicture {
     pub(in crate::app) drawing: Drawing,
-    /// Who was chosen to draw when the graphics card's device was lost: the processor draws until that is chosen anew.
+    /// Renderer choice in effect when the GPU device was lost: the CPU draws until a renderer is chosen again.
     pub(in crate::app) without_gpu: Option<Choice<RendererChoice>>,
-    /// What the drawn frame was painted with when this was last looked at: the panels say it.
+    /// Paint source of the drawn frame when last checked, as displayed by the panels.
     pub(in crate::app) painted_with: Option<Paint>,
 }
 
 impl MainPicture {
-    /// Takes notice of what is chosen: the graphics card may draw again once somebody has chosen anew.
+    /// Takes note of the renderer choice: the GPU may draw again once a renderer has been chosen again.
     pub(in crate::app) fn note_choice(&mut self, chosen: Choice<RendererChoice>) {
         self.without_gpu.take_if(|before| *before != chosen);
     }
 
-    /// Who draws where `chosen` is what a person chose.
+    /// Returns the effective renderer for the user's choice `chosen`.
     pub(in crate::app) fn renderer(&self, chosen: Choice<RendererChoice>) -> Choice<RendererChoice> {
         if self.without_gpu == Some(chosen) {
             RendererChoice::Cpu.into()

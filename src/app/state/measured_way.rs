@@ -1,4 +1,4 @@
-//! A way to draw that was chosen by its measured time and error, and the settings before it.
+//! Render mode that was chosen by its measured time and error, and the settings before it.
 
 use crate::scene::Settings;
 use crate::scene::describe::{Described, Value};

@@ -66,30 +66,30 @@ use std::time::Duration;
 pub struct State {
     /// The open sequence.
     pub player: Option<Player>,
-    /// How it was opened, and what is known of it.
+    /// Facts about how the sequence was opened, and what is known of it.
     pub opening: OpeningFacts,
-    /// Where the picture is seen from; kept across frames.
+    /// Camera of the view; kept across frames.
     pub camera: Camera,
-    /// What moves the camera.
+    /// Source of camera motion.
     pub motion: CameraMotion,
-    /// How pictures are asked for.
+    /// Render settings for requested images.
     pub style: Settings,
-    /// What is open and all that was made around it. Notes, up axis and what another version has written are here
-    /// alone; what player, camera and features work on is brought up to date once a pass.
+    /// Document: what is open and everything made around it. Notes, up axis and what another version has written are
+    /// stored only here; the working data of player, camera and features is synchronised once a pass.
     pub document: Document,
     /// Undo and redo of the document.
     pub(in crate::app) history: History,
-    /// What a person can do beside looking and playing.
+    /// User features other than looking and playing.
     pub features: Features,
     /// Messages.
     pub notices: Notices,
     /// Open panels.
     pub panels: OpenPanels,
-    /// How the window looks.
+    /// Appearance of the window.
     pub appearance: Appearance,
     /// The picture's place.
     pub viewport: Viewport,
-    /// What is known of the graphics card.
+    /// Known facts about the GPU.
     pub graphics: GraphicsInfo,
     /// The picture of the open sequence.
     pub(in crate::app) main: MainPicture,
@@ -135,7 +135,7 @@ impl State {
         self.shared.now
     }
 
-    /// What [`StateOptions`] said about waking.
+    /// Returns the wake callback given in [`StateOptions`].
     pub(in crate::app) fn wake(&self) -> Wake {
         Arc::clone(&self.shared.options.wake)
     }
@@ -145,7 +145,7 @@ impl State {
         self.main.drawing.stats()
     }
 
-    /// What was done for normals of the screen, if the last picture has such.
+    /// Returns the statistics of the screen-space normals pass, if the last image has such normals.
     pub fn screen_stats(&self) -> Option<ScreenStats> {
         self.main.drawing.screen_stats().or(self.graphics.render.screen)
     }
@@ -155,7 +155,7 @@ impl State {
         self.player.as_ref()?.shown()?.frame.unit()
     }
 
-    /// What is kept between runs; the window adds its size.
+    /// Returns the preferences kept between runs; the window adds its size.
     pub fn preferences(&self) -> Preferences {
         let clock = self.player.as_ref().map(Player::clock);
         Preferences {
@@ -269,8 +269,8 @@ impl State {
         visible | (std::mem::replace(&mut self.main.painted_with, paint) != paint)
     }
 
-    /// Whether panels show more of the playing frame than its place on the timeline, so that they have to keep step
-    /// with it.
+    /// Returns true if panels show more of the playing frame than its position on the timeline, so that they must stay
+    /// in sync with it.
     fn panels_show_frame(&self) -> bool {
         let is_playing = self.player.as_ref().is_some_and(Player::is_playing);
         !is_playing || Features::rows::<Self>().iter().any(|feature| feature.shows_frame(self))
@@ -291,7 +291,7 @@ impl State {
             || self.player.as_ref().is_some_and(Player::runs_are_old)
     }
 
-    /// What only the window can do, in the order in which it was asked for.
+    /// Takes the requests that only the window can serve, in the order in which they were made.
     pub fn take_requests(&mut self) -> Vec<WindowRequest> {
         std::mem::take(&mut self.shared.requests)
     }

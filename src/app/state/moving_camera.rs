@@ -9,7 +9,7 @@ use egui::Pos2;
 const FOCUS_CLOSER: f64 = 0.5;
 
 impl State {
-    /// Brings the point under a place of the window into the middle, and closer; false if there is none.
+    /// Moves the point under a window position to the centre of the view, and closer; returns false if there is none.
     pub fn focus_at(&mut self, place: Pos2) -> bool {
         let Some((pick, ..)) = self.point_at(place) else {
             return false;

@@ -1,4 +1,4 @@
-//! What is known of how the open sequence was opened, and of the session that it is of.
+//! Opening details of the open sequence, and the session that it belongs to.
 
 use crate::app::features::camera_path::Draft;
 use crate::app::recent::entry_name;
@@ -8,14 +8,14 @@ use crate::sequence::OpenOptions;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// How the open sequence was opened, and the session that it is of.
+/// Opening details of the open sequence, and the session that it belongs to.
 #[derive(Debug, Default)]
 pub(in crate::app) struct Opened {
-    /// What was named; empty for what no one named.
+    /// Named inputs; empty if nobody named any.
     pub(in crate::app) inputs: Vec<PathBuf>,
-    /// How, if otherwise than the window usually opens.
+    /// Open options, if they differ from the window's defaults.
     pub(in crate::app) options: Option<OpenOptions>,
-    /// What its document has next to it, until that is open.
+    /// Compared sequence of the document, until that is open.
     pub(in crate::app) compared: Option<Compared>,
     /// The file of its session.
     pub(in crate::app) file: Option<PathBuf>,
@@ -29,7 +29,7 @@ pub struct SessionQuestion {
     pub(in crate::app) inputs: Vec<PathBuf>,
     pub(in crate::app) open: OpenOptions,
     pub(in crate::app) side: Side,
-    /// What it would open.
+    /// Inputs that the session would open.
     pub beyond: Beyond,
 }
 
@@ -48,6 +48,6 @@ pub struct SavedSession {
     pub(in crate::app) path: Arc<Draft>,
     /// The document that is in it, as it is kept.
     pub(in crate::app) document: Box<Document>,
-    /// Of its text.
+    /// Hash of the session's text.
     pub(in crate::app) hash: TextHash,
 }

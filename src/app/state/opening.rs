@@ -17,8 +17,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 impl State {
-    /// Opens the document of `sequence` in place of the open one: what was kept of it, or a new one. Loop mode and
-    /// speed stay: they are choices of the user, not of the document.
+    /// Opens the document of `sequence`, replacing the open one: the kept document, or a new one. Loop mode and speed
+    /// stay: they are choices of the user, not of the document.
     pub fn open(&mut self, sequence: Arc<Sequence>) {
         self.keep_document();
         let found = self.find_document(&sequence);
@@ -27,7 +27,7 @@ impl State {
         }
     }
 
-    /// Shows `sequence` in place of what was open, whose document is closed. False if it cannot be shown.
+    /// Shows `sequence`, replacing the open one, whose document is closed. Returns false if it cannot be shown.
     pub(super) fn show(&mut self, sequence: Arc<Sequence>, style: Settings) -> bool {
         let loader_options = self.loader_options(self.budget_bytes());
         let mut player = match Player::new(sequence, loader_options, !self.shared.options.paused) {

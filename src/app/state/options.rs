@@ -1,4 +1,4 @@
-//! How the window begins.
+//! Startup options of the window.
 
 use crate::app::preferences::Preferences;
 use crate::app::presets::Presets;
@@ -11,12 +11,12 @@ use crate::sequence::OpenOptions;
 use std::fmt;
 use std::sync::Arc;
 
-/// Settings that go before those of a document.
+/// Settings that override those of a document.
 #[derive(Clone)]
 pub struct GivenStyle(Arc<dyn Fn(Settings) -> Settings + Send + Sync>);
 
 impl GivenStyle {
-    /// What `over` changes.
+    /// Creates the settings override applied by `over`.
     pub fn new(over: impl Fn(Settings) -> Settings + Send + Sync + 'static) -> Self {
         Self(Arc::new(over))
     }
@@ -44,18 +44,18 @@ impl Default for GivenStyle {
     }
 }
 
-/// How a [`super::State`] begins.
+/// Initial options of a [`super::State`].
 #[derive(Clone)]
 pub struct StateOptions {
-    /// What was chosen before.
+    /// Preferences from previous runs.
     pub preferences: Preferences,
-    /// Which axis is up; guessed for each sequence if `None`.
+    /// Up axis; guessed for each sequence if `None`.
     pub up: Option<UpAxis>,
-    /// Settings that were given for this run: they go before those of documents, and are not kept.
+    /// Settings given for this run: they override those of documents, and are not kept.
     pub given: GivenStyle,
-    /// Where the first sequence is seen from, in place of a view that shows all of it.
+    /// Initial camera of the first sequence, instead of a view that shows all of it.
     pub view: Option<Camera>,
-    /// How inputs are opened.
+    /// Options for opening inputs.
     pub open: OpenOptions,
     /// Show the newest frame of a folder as it comes.
     pub follow: bool,
@@ -65,7 +65,7 @@ pub struct StateOptions {
     pub frame: Option<usize>,
     /// Memory for prepared frames; the loader's default if `None`.
     pub budget_bytes: Option<usize>,
-    /// What was opened lately.
+    /// Recently opened inputs.
     pub recent: Recent,
     /// Options of reading that were chosen for inputs before.
     pub reading_choices: ReadingChoices,

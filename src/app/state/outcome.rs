@@ -1,4 +1,4 @@
-//! What the tasks come to that are of no feature.
+//! Outcomes of tasks that belong to no feature.
 
 use super::opened::SavedSession;
 use crate::app::drawing::in_view::InView;
@@ -16,15 +16,15 @@ use std::sync::Arc;
 /// A sequence was found, or not.
 #[derive(Debug)]
 pub struct FoundSequence {
-    /// What was asked for; empty for the demo.
+    /// Requested inputs; empty for the demo.
     pub(in crate::app) inputs: Vec<PathBuf>,
-    /// How it was opened.
+    /// Options it was opened with.
     pub(in crate::app) open: OpenOptions,
     /// The session that the frames are of, if one was asked for.
     pub(in crate::app) session: Option<Box<ReadSession>>,
     /// The frames.
     pub(in crate::app) sequence: Result<Arc<Sequence>, NotFound>,
-    /// Whether it is to be opened, or beside what is open.
+    /// Target side: open as the main sequence, or next to the open one.
     pub(in crate::app) side: Side,
     /// Why a choice that was made for the inputs before was not taken: a text for a notice.
     pub(in crate::app) problem: Option<String>,

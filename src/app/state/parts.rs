@@ -1,11 +1,11 @@
-//! What a [`super::State`] is made of.
+//! Parts of a [`super::State`].
 
 use crate::app::meter::Redraw;
 use crate::render::RenderStats;
 use crate::render::gpu::DEFAULT_RESIDENT_BUDGET_BYTES;
 use std::path::PathBuf;
 
-/// What can be seen to have changed.
+/// Visible change since the last redraw.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum VisibleChange {
     /// Nothing.
@@ -25,13 +25,13 @@ impl VisibleChange {
         if is_changed { Self::Panels } else { Self::Nothing }
     }
 
-    /// Whether there is anything to draw.
+    /// Returns true if there is anything to draw.
     pub fn is_visible(self) -> bool {
         self != Self::Nothing
     }
 }
 
-/// What the window did. The proof that an idle one does nothing.
+/// Counters of the window's work. They prove that an idle window does nothing.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Runs of the panels.
@@ -47,11 +47,11 @@ pub struct Viewport {
     pub rect: egui::Rect,
     /// Its size in physical pixels.
     pub size_px: [u32; 2],
-    /// The place of the other one, where there are two: the same, or beside it.
+    /// Rectangle of the other view, where there are two: the same, or next to it.
     pub other_rect: egui::Rect,
     /// The size of the other one in physical pixels.
     pub other_size_px: [u32; 2],
-    /// Where the pointer is, if it is on the picture.
+    /// Pointer position, if it is over the rendered image.
     pub pointer: Option<egui::Pos2>,
     /// The texture that holds it; `None` without a GPU.
     pub texture: Option<egui::TextureId>,
@@ -76,16 +76,16 @@ impl Default for Viewport {
     }
 }
 
-/// What the statistics panel says of the graphics card, and how much of it may be used.
+/// GPU information shown in the statistics panel, and the GPU memory budget.
 #[derive(Debug, Clone)]
 pub struct GraphicsInfo {
     /// Most bytes of points and voxels that stay in its memory for pictures to come.
     pub budget_bytes: u64,
     /// Name, type and driver.
     pub adapter: String,
-    /// Whether the adapter is a program that draws on the processor.
+    /// True if the adapter is a software renderer, running on the CPU.
     pub is_software: bool,
-    /// Whether the processor paints the window.
+    /// True if the CPU paints the window.
     pub paints_on_processor: bool,
     /// Counters of the renderer.
     pub render: RenderStats,
@@ -111,13 +111,13 @@ impl Default for GraphicsInfo {
 }
 
 impl GraphicsInfo {
-    /// Time of the last picture: the longer of processor and graphics card, which work side by side.
+    /// Returns the time of the last image: the longer of CPU and GPU time, as the two work in parallel.
     pub(in crate::app) fn picture_ms(&self) -> f64 {
         self.frame_ms.max(self.render.gpu_ms.unwrap_or(0.0))
     }
 }
 
-/// What only the window itself can do.
+/// Request that only the window itself can serve.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum WindowRequest {
     /// Read the picture back and write it to this file, or to a new one.

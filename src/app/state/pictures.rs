@@ -1,4 +1,4 @@
-//! What is drawn next, and what was drawn.
+//! Rendered images: the next one to draw, and those that were drawn.
 
 use super::State;
 use crate::app::drawing::Drawing;
@@ -16,7 +16,7 @@ impl State {
         made.or_else(|| self.player.as_ref()?.shown())
     }
 
-    /// Whether a picture that is coarse because the camera moved is to be drawn as a whole.
+    /// Returns true if an image that is coarse because the camera moved is due to be redrawn in full.
     pub(in crate::app) fn is_picture_due(&self) -> bool {
         let of_b = self.features.beside.as_ref().map(|beside| &beside.drawing);
         let drawings = [Some(&self.main.drawing), of_b];
@@ -24,13 +24,13 @@ impl State {
         deadlines.any(|deadline| deadline <= self.shared.now)
     }
 
-    /// Whether the picture is a coarse one because the camera moved.
+    /// Returns true if the image is a coarse one because the camera moved.
     pub(in crate::app) fn is_picture_coarse(&self) -> bool {
         self.main.drawing.next_deadline().is_some()
     }
 
-    /// How far the surface that photographs are put on is, in words, where it is on its way and they are to be seen. Of
-    /// films nobody waits for one.
+    /// Returns the progress of the surface for view-dependent texturing, in words, while it is being built and the
+    /// images are to be shown. For multi-view video nobody waits for one.
     pub(in crate::app) fn surface_on_its_way(&self) -> Option<String> {
         let text = self.features.photos.loading()?;
         self.waits_for_surface(&self.drawn_style()).then_some(text)

@@ -1,5 +1,5 @@
-//! What was opened and shows nothing: the window is as empty as before, and says why. Only what was shown is listed as
-//! opened lately.
+//! Opened inputs that show nothing: the window is as empty as before, and reports why. Only inputs that were shown are
+//! listed as recently opened.
 
 use super::State;
 use super::failed_opening::FailedOpening;
@@ -19,12 +19,12 @@ fn reason_of_nothing(player: &Player) -> Option<String> {
 }
 
 impl State {
-    /// What was opened with `inputs` is listed as opened lately once it is shown.
+    /// Registers `inputs` to be listed as recently opened once they are shown.
     pub(in crate::app) fn prove(&mut self, inputs: Vec<PathBuf>, side: Side) {
         self.opening.unproven[side as usize] = inputs;
     }
 
-    /// Lists what is shown for the first time as opened lately.
+    /// Lists what is shown for the first time as recently opened.
     pub(in crate::app) fn note_proven(&mut self) {
         let is_a_shown = self.player.as_ref().is_some_and(|player| player.shown().is_some());
         let b = self.features.beside.as_ref().map(|beside| &beside.companion);

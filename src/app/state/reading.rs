@@ -13,10 +13,10 @@ use crate::playback::Player;
 use crate::sequence::{Loader, Reading, ReadingStage, Sequence};
 use std::time::Duration;
 
-/// How often is looked at how far the reading of a frame is.
+/// Polling interval for the progress of reading a frame.
 const LOOK_INTERVAL: Duration = Duration::from_millis(100);
 
-/// How much of a frame is in the picture.
+/// Completeness of a frame in the rendered image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::app) enum PictureStage {
     /// Some of its points.
@@ -35,7 +35,7 @@ fn expected(player: &Player) -> Option<usize> {
     player.waiting_for().or(partial)
 }
 
-/// What a person calls the reading of the frame of this name.
+/// Returns the display name of the task that reads the frame of this name.
 fn work_name(reading: &Reading, name: &str) -> String {
     match reading.stage {
         ReadingStage::Frame => format!("Reading {name}"),
@@ -57,7 +57,7 @@ fn in_words(count: usize) -> String {
 }
 
 impl State {
-    /// How much of the shown frame is in the picture; `None` without one.
+    /// Returns the completeness of the shown frame in the rendered image; `None` without one.
     pub(in crate::app) fn picture_stage(&self) -> Option<PictureStage> {
         let player = self.player.as_ref()?;
         let frame = player.shown().filter(|_| self.is_drawn())?;

@@ -168,7 +168,7 @@ impl State {
         self.take_undone(Some(saved));
     }
 
-    /// What was changed of the open session is lost with the window.
+    /// Returns true if unsaved changes of the open session would be lost when the window closes.
     pub(in crate::app) fn session_would_be_lost(&self) -> bool {
         self.session_file().is_some() && self.is_unsaved() && !self.is_kept()
     }
@@ -249,7 +249,7 @@ pub(super) fn session_dialog(name: String) -> Dialog<State> {
         .of_own_work()
 }
 
-/// What could not be read of a session is not lost when it is saved.
+/// Copies the session file next to itself before saving, so that content that could not be read is not lost.
 fn copy_beside(file: &Path) -> Result<(), String> {
     match crate::kept::copy_beside(file) {
         Ok(_) => Ok(()),

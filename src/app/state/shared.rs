@@ -1,4 +1,4 @@
-//! What all features use: the clock, tasks, dialogs, and what is asked of the window.
+//! Shared services of all features: the clock, tasks, dialogs, and window requests.
 
 use super::dialogs::Dialogs;
 use super::options::StateOptions;
@@ -9,7 +9,7 @@ use crate::app::work::works::Works;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What features share.
+/// State shared by all features.
 #[derive(Debug)]
 pub struct Shared {
     /// Long work with a bar, but for the benchmark.

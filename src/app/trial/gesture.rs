@@ -1,4 +1,4 @@
-//! What a hand does with the mouse: presses, moves 125 times a second, lets go.
+//! Simulated mouse gestures: presses, 125 moves per second, releases.
 
 use egui::{Event, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
 use std::f32::consts::TAU;
@@ -13,7 +13,7 @@ const ROUND: Duration = Duration::from_secs(2);
 /// The way of the pointer.
 #[derive(Debug, Clone, Copy)]
 enum Way {
-    /// Around the middle of a rectangle.
+    /// Circular drag around the centre of a rectangle.
     Around(Rect),
     /// Along a rectangle, to and fro.
     Along(Rect),
@@ -31,7 +31,7 @@ pub(super) struct Gesture {
 }
 
 impl Gesture {
-    /// A drag around the middle of `rect`.
+    /// Creates a drag around the centre of `rect`.
     pub(super) fn around(rect: Rect, begin: Duration, length: Duration) -> Self {
         Self::new(Way::Around(rect), begin, length)
     }
@@ -56,7 +56,8 @@ impl Gesture {
         self.begin + self.moves * MOVE_INTERVAL
     }
 
-    /// What the hand has done until `now`, and whether it has let go. The moments of moves are appended to `moments`.
+    /// Returns the mouse events up to `now`, and true if the button has been released. The timestamps of moves are
+    /// appended to `moments`.
     pub(super) fn advance(&mut self, now: Duration, moments: &mut Vec<Duration>) -> (Vec<Event>, bool) {
         let mut events = Vec::new();
         while self.next_deadline() <= now {

@@ -1,10 +1,10 @@
-//! A window that plays, turns and scrubs by itself, and notes what it presented (`pointreel bench window`).
+//! A window that plays, orbits and scrubs by itself, and records what it presented (`pointreel bench window`).
 //!
 //! **How it works.** A trial is a list of steps, an action with a primitive on a sequence. The event loop asks it what
-//! is due ([`Trial::advance`]) and hands its mouse events to egui as if they had come from the window system; after
-//! each redraw it is told what was presented ([`Trial::note`]). An event belongs to the moment at which it was due, so
-//! one that waits while a picture is drawn is as late as a real one would be. Everything else is the window as people
-//! have it: same loop, same panels, same pacing.
+//! is due ([`Trial::advance`]) and passes its mouse events to egui as if they had come from the window system; after
+//! each redraw it is notified of what was presented ([`Trial::note`]). An event is timestamped with the instant at
+//! which it was due, so one that waits while an image is drawn is as late as a real one would be. Everything else is
+//! the window as users have it: same loop, same panels, same pacing.
 
 mod gesture;
 mod processor;
@@ -24,16 +24,16 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// How long the mouse turns or scrubs for each frame that is played: 4 s for the usual 300.
+/// Duration of mouse orbiting or scrubbing per played frame: 4 s for the usual 300.
 const GESTURE_TIME_PER_FRAME: Duration = Duration::from_micros(13_333);
 
 /// A window that has been still for so long rests.
 const REST: Duration = Duration::from_millis(600);
 
-/// What does not come to its end by itself ends then; large files take their time.
+/// Timeout of steps that do not end by themselves; large files take their time.
 const MOST_TIME: Duration = Duration::from_mins(1);
 
-/// What is drawn.
+/// Primitives to draw.
 const PRIMITIVES: [Primitive; 3] = [Primitive::Point, Primitive::Surfel, Primitive::Voxel];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,7 +62,7 @@ struct Step {
     action: Action,
 }
 
-/// How far a step is.
+/// Progress of a step.
 #[derive(Debug)]
 enum Phase {
     /// The frame is not there as it is to be drawn, or the window does not rest yet.
@@ -76,7 +76,7 @@ enum Phase {
     Resting { since: Duration },
 }
 
-/// What is known of the running step so far.
+/// Measurements of the running step so far.
 #[derive(Debug)]
 struct Watched {
     step: Step,
@@ -135,7 +135,7 @@ impl Trial {
         }
     }
 
-    /// What was found, once all is done.
+    /// Returns the results once all steps are done.
     pub(super) fn result(&mut self) -> Option<Vec<WindowAction>> {
         let is_over = self.steps.is_empty() && self.watched.is_none();
         is_over.then(|| std::mem::take(&mut self.done))
@@ -270,14 +270,14 @@ impl Trial {
     }
 }
 
-/// Whether the first frame is drawn with all its points.
+/// Returns true if the first frame is drawn with all its points.
 fn is_whole(state: &State) -> bool {
     let player = state.player.as_ref().filter(|player| !player.is_partial());
     let frame = player.and_then(|player| player.shown());
     frame.is_some_and(|frame| !frame.is_sample()) && state.is_drawn()
 }
 
-/// How long it takes to read a file and do nothing with it; `None` where there is none.
+/// Returns the time it takes to read a file and do nothing with it; `None` where there is none.
 fn plain_read_ms(path: &Path) -> Option<f64> {
     let begin = Instant::now();
     let mut file = File::open(path).ok()?;

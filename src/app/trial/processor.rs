@@ -10,7 +10,7 @@ const PREPARE: [&str; 2] = ["frame loader", "frame stages"];
 /// Beginnings of the names of threads of a driver: llvmpipe's, Mesa's window systems and queues, NVIDIA's.
 const DRIVER: [&str; 5] = ["llvmpipe", "WSI", "vk", "[vk", "lavapipe"];
 
-/// What single threads are for.
+/// Role of a thread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum ThreadRole {
     /// Preparing frames.
@@ -38,7 +38,7 @@ impl ThreadRole {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::app) struct Processor {
     all_ms: f64,
-    /// Of all threads but the first, which the window is on. Empty where the system does not tell.
+    /// CPU times of all threads except the first, which runs the window. Empty where the system does not report them.
     threads: HashMap<Pid, (ThreadRole, f64)>,
 }
 
@@ -46,18 +46,18 @@ pub(in crate::app) struct Processor {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[expect(clippy::struct_field_names, reason = "names carry their unit")]
 pub(super) struct Used {
-    /// Of all threads.
+    /// CPU time of all threads.
     pub(super) all_ms: f64,
-    /// Of those that prepare frames.
+    /// CPU time of the threads that prepare frames.
     pub(super) prepare_ms: f64,
-    /// Of those of a driver.
+    /// CPU time of a driver's threads.
     pub(super) driver_ms: f64,
-    /// Of those that help the window's thread to draw, and of everything else.
+    /// CPU time of the threads that help the window's thread to draw, and of everything else.
     pub(super) helpers_ms: f64,
 }
 
 impl Processor {
-    /// What was used until now.
+    /// Returns the CPU time used so far.
     pub(super) fn now() -> Self {
         let Ok(own) = sysinfo::get_current_pid() else {
             return Self::default();
@@ -83,8 +83,8 @@ impl Processor {
         }
     }
 
-    /// What was used since `before`; `None` where the system does not tell. Threads that have ended meanwhile are in
-    /// the whole alone.
+    /// Returns the CPU time used since `before`; `None` where the system does not report it. Threads that have ended in
+    /// the meantime count only towards the total.
     pub(super) fn since(&self, before: &Self) -> Option<Used> {
         if self.threads.is_empty() {
             return None;
@@ -108,7 +108,7 @@ impl Processor {
 
     /// Time since the program was started, to a hundredth of a second; `None` where the system does not tell.
     pub(in crate::app) fn since_start() -> Option<Duration> {
-        /// Of what Linux counts the time of programs in, for all of its machines.
+        /// Clock ticks per second in which Linux reports process times, on all of its machines.
         const TICKS_PER_SECOND: f64 = 100.0;
         let uptime = std::fs::read_to_string("/proc/uptime").ok()?;
         let up_s: f64 = uptime.split_whitespace().next()?.parse().ok()?;
@@ -119,7 +119,7 @@ impl Processor {
         Duration::try_from_secs_f64(up_s - started / TICKS_PER_SECOND).ok()
     }
 
-    /// From now on the peak is counted anew, where the system can do so.
+    /// Resets the memory peak, where the system can do so, so that it is counted from now on.
     pub(super) fn forget_peak() {
         if let Err(reason) = std::fs::write("/proc/self/clear_refs", "5") {
             log::debug!("the peak of the memory stays that since the start: {reason}");

@@ -1,4 +1,4 @@
-//! What panels are made of.
+//! Building blocks of panels.
 
 pub(super) mod frames;
 pub(super) mod names;

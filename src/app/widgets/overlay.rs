@@ -41,7 +41,7 @@ impl<'a> PictureOverlay<'a> {
         self.rect.min + vec2(part.x as f32 * size.x, part.y as f32 * size.y)
     }
 
-    /// Where a place is in the window, if it is in front of the eye.
+    /// Projects a position in space to the window, if it is in front of the eye.
     pub(in crate::app) fn place(&self, place: DVec3) -> Option<Pos2> {
         let px = self.camera.to_px(place, self.size_px)?;
         Some(self.to_window(px))
@@ -55,12 +55,12 @@ impl<'a> PictureOverlay<'a> {
         self.camera.along_line(place, direction, px, self.size_px)
     }
 
-    /// Whether the picture goes on so far above a place of the window, points.
+    /// Returns true if the image extends at least `height` points above a window position.
     pub(in crate::app) fn has_room_above(&self, place: Pos2, height: f32) -> bool {
         place.y - height > self.rect.top()
     }
 
-    /// What is taken hold of, at a place of the window.
+    /// Draws a drag handle at a window position.
     pub(in crate::app) fn knob(&self, center: Pos2, radius: f32, fill: Color32) {
         let stroke = Stroke::new(1.5, Color32::from_black_alpha(200));
         self.painter.circle(center, radius, fill, stroke);
@@ -110,7 +110,7 @@ impl<'a> PictureOverlay<'a> {
         }
     }
 
-    /// A dot at a place with a text beside it, as exported pictures have it; nothing of an opacity of 0.
+    /// Draws a dot at a position with a text next to it, as in exported images; draws nothing at an opacity of 0.
     pub(in crate::app) fn note(&self, place: DVec3, text: &str, opacity: f32) {
         let Some(center) = self.place(place) else { return };
         let painter = self.painter;

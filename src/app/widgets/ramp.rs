@@ -84,7 +84,8 @@ pub(in crate::app) fn handles_ui(
     })
 }
 
-/// What the histogram spans: nearly all values, and the range; evenly or by logarithms as the colours are.
+/// Returns the axis range of the histogram: nearly all values, and the colour range; linear or logarithmic like the
+/// colours.
 fn axis_of(sorted: &[f32], offset: f64, scale: &ColorScale) -> Option<ColorScale> {
     let begin = if scale.is_logarithmic() {
         sorted.partition_point(|&value| f64::from(value) + offset <= 0.0)
@@ -125,8 +126,8 @@ fn paint_histogram(
     painter.add(mesh);
 }
 
-/// Which of the handles is held, and where the pointer is. The nearer one is taken, and held until the button is let
-/// go.
+/// Returns the handle being dragged and the pointer position. The nearer one is taken, and held until the button is
+/// released.
 fn dragged(ui: &Ui, response: &egui::Response, places: [f32; 2]) -> Option<(usize, Pos2)> {
     if response.hovered() || response.dragged() {
         ui.set_cursor_icon(CursorIcon::ResizeHorizontal);

@@ -45,7 +45,7 @@ pub(in crate::app) fn choice<T: Copy + PartialEq>(
     choice_among(ui, name, tooltip, value, choices, |_| None);
 }
 
-/// The same, of which some cannot be chosen; `lack_of` tells why.
+/// Shows a [`choice`] of which some entries cannot be chosen; `lack_of` gives the reason.
 pub(in crate::app) fn choice_among<T: Copy + PartialEq>(
     ui: &mut Ui,
     name: &str,

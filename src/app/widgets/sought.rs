@@ -1,10 +1,10 @@
-//! A row of a panel that somebody asked for by its name: it is scrolled into view, and framed for a moment.
+//! A row of a panel that somebody searched for by name: it is scrolled into view, and briefly framed.
 
 use crate::app::theme::ACCENT;
 use egui::{Align, Context, Id, Response, Stroke, StrokeKind};
 use std::time::Duration;
 
-/// How long it is framed, seconds.
+/// Duration of the highlight frame, seconds.
 const FRAMED_S: f64 = 2.5;
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -25,7 +25,7 @@ pub(in crate::app) fn seek(ctx: &Context, title: &'static str) {
     ctx.request_repaint();
 }
 
-/// Whether a row is looked for that was not met yet.
+/// Returns true if a searched row has not been found yet.
 pub(in crate::app) fn is_missing(ctx: &Context) -> bool {
     let sought = ctx.data(|data| data.get_temp::<Sought>(id()));
     sought.is_some_and(|sought| sought.found_s.is_none())
@@ -36,7 +36,7 @@ pub(in crate::app) fn give_up(ctx: &Context) {
     ctx.data_mut(|data| data.remove_temp::<Sought>(id()));
 }
 
-/// What is done to each label that can be looked for: this one says `text`.
+/// Handles each label that can be searched for: this one has the text `text`.
 pub(in crate::app) fn meet(label: &Response, text: &str) {
     let ctx = &label.ctx;
     let Some(mut sought) = ctx.data(|data| data.get_temp::<Sought>(id())) else {

@@ -44,13 +44,13 @@ fn room_id() -> Id {
     Id::unique("room of tools")
 }
 
-/// What [`note_room`] said in this pass.
+/// Returns the rectangle that [`note_room`] recorded in this pass.
 pub(in crate::app) fn room(ctx: &Context) -> Rect {
     ctx.data(|data| data.get_temp(room_id()))
         .unwrap_or_else(|| ctx.content_rect())
 }
 
-/// Whether there is so little room that tools are squeezed and scroll.
+/// Returns true if there is so little space that tools are compressed and scroll.
 pub(in crate::app) fn is_small(ctx: &Context) -> bool {
     let room = room(ctx);
     room.width() < SMALL[0] || room.height() < SMALL[1]

@@ -2,7 +2,7 @@
 
 use egui_winit::accesskit_winit;
 
-/// What stays of egui when a device is lost.
+/// State of egui that survives a lost device.
 pub(super) struct EguiBefore {
     pub(super) context: egui::Context,
     /// The window's, which has one for good.

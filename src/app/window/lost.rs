@@ -1,4 +1,4 @@
-//! A graphics card that is lost, or has no memory left.
+//! Recovery from a lost GPU device, or one that has run out of memory.
 
 use super::egui_before::EguiBefore;
 use super::{App, OpenWindow};
@@ -16,7 +16,8 @@ const RELOSS_WINDOW: Duration = Duration::from_secs(10);
 const MAX_REBUILDS: usize = 3;
 
 impl App {
-    /// After a lost device: says so and opens another. If that was tried too often lately, the processor presents.
+    /// Recovers from a lost device: reports it and opens another. If that was tried too often recently, the CPU
+    /// presents.
     pub(super) fn rebuild(
         &mut self,
         event_loop: &ActiveEventLoop,
@@ -46,7 +47,7 @@ impl App {
         self.open_anew(event_loop, screen)
     }
 
-    /// The same window with another presenter.
+    /// Reopens the same window with another presenter.
     pub(super) fn open_anew(&mut self, event_loop: &ActiveEventLoop, screen: OpenWindow) -> Option<OpenWindow> {
         let OpenWindow {
             window,

@@ -1,4 +1,4 @@
-//! What comes to the event loop from elsewhere.
+//! Messages sent to the event loop from elsewhere.
 
 use egui_winit::accesskit_winit;
 

@@ -39,48 +39,48 @@ const DEFAULT_SIZE: LogicalSize<f64> = LogicalSize::new(1280.0, 800.0);
 /// The smallest size that panels have a layout for, logical pixels.
 const MIN_SIZE: LogicalSize<f64> = LogicalSize::new(320.0, 240.0);
 
-/// The shortest time from one redraw to the next, of that between two pictures of the screen, where presenting does not
-/// wait: a mouse tells of its moves a thousand times a second. It is below 1, so that pictures which are due do not
-/// move back little by little.
+/// Minimum redraw interval, as a fraction of the display's refresh interval, where presenting does not block: a mouse
+/// reports its moves a thousand times per second. It is below 1, so that images which are due do not slip back little
+/// by little.
 const MIN_REDRAW_INTERVAL: f64 = 0.75;
 
-/// How long a window may take to close after a signal has asked for it.
+/// Timeout for closing a window after a signal has requested it.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Of a screen that does not tell.
+/// Refresh interval of a display that does not report one.
 const DEFAULT_REFRESH_INTERVAL: Duration = Duration::from_micros(16_667);
 
 /// News from workers that only move marks and figures are shown this often.
 const NEWS_INTERVAL: Duration = Duration::from_millis(100);
 
-/// How the window is opened.
+/// Options for opening the window.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// How the state begins. Its `wake` is replaced.
+    /// Initial state options. Their `wake` is replaced.
     pub state: StateOptions,
-    /// What to show first; if `None` the welcome view, or the demo to who has opened nothing yet.
+    /// Sequence to show first; if `None` the welcome view, or the demo for users who have opened nothing yet.
     pub sequence: Option<Arc<Sequence>>,
-    /// What to show beside it.
+    /// Sequence to show next to it for comparison.
     pub compare: Option<Arc<Sequence>>,
-    /// What the first was found by, for the list of recent files.
+    /// Inputs by which the first sequence was found, for the list of recent files.
     pub inputs: Vec<PathBuf>,
-    /// What the first was named by, for sessions.
+    /// Inputs by which the first sequence was named, for sessions.
     pub named: Vec<PathBuf>,
-    /// How it was opened, if otherwise than the state's options say.
+    /// Options it was opened with, if they differ from those in the state's options.
     pub opened_with: Option<OpenOptions>,
     /// The session that the first is of.
     pub session: Option<Box<ReadSession>>,
-    /// What went wrong before there was a window to say it in.
+    /// Warnings from before there was a window to show them in.
     pub warnings: Vec<String>,
-    /// Where changes of settings are kept; nowhere by default.
+    /// File in which changes of settings are kept; none by default.
     pub preferences_file: PreferencesFile,
-    /// Size of the window in pixels, which goes before the preferred one.
+    /// Size of the window in pixels, which takes precedence over the preferred one.
     pub size_px: Option<[u32; 2]>,
     /// Open the window in full screen.
     pub is_full_screen: bool,
     /// Write the 3-D picture to this file and end.
     pub screenshot: Option<PathBuf>,
-    /// How many frames are shown before the screenshot; at least 1.
+    /// Number of frames shown before the screenshot; at least 1.
     pub after_frames: u64,
     /// Commands that are run as if a person had asked for them.
     pub script: Option<Script>,
@@ -95,7 +95,7 @@ pub enum AppError {
     /// There is no display, or it refuses.
     #[error("no window can be opened ({reason}); without a display use `pointreel render INPUT -o picture.png`")]
     NoWindow {
-        /// What the window system said.
+        /// Error message of the window system.
         reason: String,
     },
     /// No adapter, or it was lost for good.
@@ -164,11 +164,11 @@ fn run_with(options: Options, trial: Option<Trial>) -> Result<Vec<WindowAction>,
     }
 }
 
-/// What exists while there is a window.
+/// Objects that exist while there is a window.
 struct OpenWindow {
     window: Arc<Window>,
     presenter: Box<dyn Presenter>,
-    /// What was chosen to present.
+    /// Chosen presentation backend.
     choice: PresentChoice,
     egui: egui::Context,
     input: egui_winit::State,
@@ -193,9 +193,9 @@ struct App {
     sight: Sight,
     /// Something has been presented.
     has_been_shown: bool,
-    /// How much of its frame the last presented picture had.
+    /// Completeness of its frame in the last presented image.
     stage_shown: Option<PictureStage>,
-    /// What has changed since the last redraw.
+    /// Visible change since the last redraw.
     change: VisibleChange,
     /// The window system asks for the window that it has lost.
     is_exposed: bool,
@@ -213,7 +213,7 @@ struct App {
     /// The size of the window that was looked at last for the preferences.
     noted_size: Option<PhysicalSize<u32>>,
     rebuilt_at: Vec<Duration>,
-    /// What the window does by itself, to be measured.
+    /// Automated trial that drives the window for measurement.
     trial: Option<Trial>,
     end: Result<(), AppError>,
 }

@@ -24,7 +24,7 @@ use winit::window::Fullscreen;
 /// While frames play, the playhead on the timeline moves so often; the picture at the rate of the frames.
 const PANELS_INTERVAL: Duration = Duration::from_millis(33);
 
-/// What pictures are to be read back for.
+/// Destinations of images to be read back.
 #[derive(Default)]
 struct ReadBack {
     /// To be written to these files, or to new ones.
@@ -169,7 +169,7 @@ impl App {
         }
     }
 
-    /// Whether egui is to be run.
+    /// Returns true if egui is due to run.
     fn are_panels_due(&self, change: VisibleChange, now: Duration) -> bool {
         let is_due = |at: Option<Duration>| at.is_some_and(|at| at <= now);
         match change {
@@ -219,7 +219,7 @@ impl App {
         Ok(())
     }
 
-    /// What is seen of the 3-D pictures.
+    /// Reads back the visible 3-D views, joined into one image.
     fn read_joined(&self, screen: &mut OpenWindow) -> Result<Option<image::RgbaImage>, RenderError> {
         let viewport = &self.state.viewport;
         let Some(image) = screen.presenter.read(Side::A, viewport.size_px)? else {

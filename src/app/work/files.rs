@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SavedFile(pub PathBuf);
 
-/// Where a picture goes.
+/// Destination of an image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::app) enum PicturePlace {
     /// This file, which is replaced if it is there: the person was asked.

@@ -1,4 +1,4 @@
-//! What tasks come to: a message of a type of its own for each kind of task, which the feature that knows it takes.
+//! Task outcomes: a message of a dedicated type for each kind of task, handled by the feature that knows the type.
 
 use super::tasks::TaskFailed;
 use std::any::{Any, type_name};
@@ -8,7 +8,7 @@ pub trait Message: Send + 'static {}
 
 impl Message for TaskFailed {}
 
-/// What a task came to.
+/// Outcome of a task.
 pub struct Outcome {
     message: Box<dyn Any + Send>,
     name: &'static str,

@@ -7,7 +7,7 @@ use crate::waiting::waits;
 use egui::{Frame, ProgressBar, Role, Ui, WidgetInfo};
 use std::time::Duration;
 
-/// A name, a bar with the time left, and a button, so wide.
+/// Shows one task at the given width: its name, a progress bar with the remaining time, and a button.
 pub(in crate::app) fn work_ui(ui: &mut Ui, work: &Work, now: Duration, width: f32) {
     Frame::window(ui.style()).show(ui, |ui| {
         ui.set_width(width);
@@ -29,7 +29,7 @@ fn waits_ui(ui: &mut Ui) {
     }
 }
 
-/// How much is done, and the time left.
+/// Shows a progress bar with the completed share and the remaining time.
 pub(in crate::app) fn bar(ui: &mut Ui, work: &Work, now: Duration) {
     let Some(share) = work.share() else {
         // Nothing moves here: a spinner would have the window drawn all the time.

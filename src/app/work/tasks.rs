@@ -19,7 +19,7 @@ const CHANNEL_LENGTH: usize = 64;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TaskFailed(pub String);
 
-/// What tasks can come to. All of them may fail.
+/// Outcome of a task. Every task may fail.
 pub trait TaskOutcome: From<TaskFailed> + Send + 'static {}
 
 impl<T: From<TaskFailed> + Send + 'static> TaskOutcome for T {}
@@ -52,7 +52,7 @@ impl<T: TaskOutcome> Tasks<T> {
         }
     }
 
-    /// What wakes the window, for a task that has news before it ends.
+    /// Returns the wake callback of the window, for a task that has news before it ends.
     pub(in crate::app) fn wake(&self) -> Wake {
         Arc::clone(&self.wake)
     }
@@ -107,14 +107,14 @@ impl<T: TaskOutcome> Tasks<T> {
         });
     }
 
-    /// What came in since the last call.
+    /// Takes the outcomes received since the last call.
     pub(in crate::app) fn take(&mut self) -> Vec<T> {
         let taken: Vec<T> = self.receiver.try_iter().collect();
         self.under_way.fetch_sub(taken.len(), Ordering::Relaxed);
         taken
     }
 
-    /// Whether all that was started has ended and was taken.
+    /// Returns true if all started tasks have ended and their outcomes were taken.
     pub(in crate::app) fn are_done(&self) -> bool {
         self.under_way.load(Ordering::Relaxed) == 0
     }

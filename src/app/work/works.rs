@@ -1,8 +1,8 @@
-//! How far long work is: a bar with the time left, and a way to cancel it.
+//! Progress of long-running work: a bar with the remaining time, and cancellation.
 //!
-//! **How it works.** The thread that works says through a [`Progress`] how much of it is done; the window looks when it
-//! is woken, and measures the pace between the first and the last time that it saw something done. What comes before,
-//! such as opening a graphics card, is no part of the pace. The work is over when its thread has let go of the
+//! **How it works.** The worker thread reports through a [`Progress`] how much of the work is done; the window looks
+//! when it is woken, and measures the pace between the first and the last time that it saw something done. Preparation,
+//! such as opening a GPU device, does not count towards the pace. The work is over when its thread has dropped the
 //! [`Progress`].
 
 pub use crate::progress::Progress;
@@ -12,7 +12,8 @@ use std::time::Duration;
 /// Work that takes less shows no bar, which would only flash.
 const UNSEEN: Duration = Duration::from_millis(300);
 
-/// The same for a frame that is waited for: who steps through slow frames knows that they come.
+/// Delay before the reading of an awaited frame is shown as work: those who step through slow frames know that they
+/// come.
 const UNSEEN_READING: Duration = Duration::from_secs(1);
 
 /// Kinds of long work.
@@ -40,9 +41,9 @@ struct ProgressMark {
 /// Long work as the window sees it.
 #[derive(Debug)]
 pub struct Work {
-    /// What is done.
+    /// Kind of work.
     pub kind: WorkKind,
-    /// What a person calls it.
+    /// Display name of the work.
     pub name: String,
     progress: Progress,
     begun: Duration,
@@ -68,7 +69,7 @@ impl Work {
         }
     }
 
-    /// How far it is.
+    /// Returns the progress of the work.
     pub fn progress(&self) -> &Progress {
         &self.progress
     }
@@ -112,7 +113,7 @@ impl Work {
         self.progress.is_alone()
     }
 
-    /// Whether it takes long enough to be shown.
+    /// Returns true if it takes long enough to be shown.
     pub fn is_long(&self, now: Duration) -> bool {
         now >= self.shown_at()
     }
@@ -162,12 +163,12 @@ impl Works {
         }
     }
 
-    /// What is under way, oldest first.
+    /// Returns the work in progress, oldest first.
     pub fn list(&self) -> &[Work] {
         &self.list
     }
 
-    /// Whether work of this kind is under way.
+    /// Returns true if work of this kind is in progress.
     pub fn has(&self, kind: WorkKind) -> bool {
         self.list.iter().any(|work| work.kind == kind)
     }

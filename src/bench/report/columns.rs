@@ -2,7 +2,7 @@
 
 use serde::ser::{Serialize, Serializer};
 
-/// How the numbers of a column are written.
+/// Number format of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
     Text,

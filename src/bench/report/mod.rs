@@ -1,5 +1,5 @@
-//! What a run found: rows of labels and numbers that the window, the terminal, JSON and CSV all show without knowing
-//! the suite.
+//! Benchmark report of a run: rows of labels and numbers that the window, the terminal, JSON and CSV all show without
+//! knowing the suite.
 
 mod columns;
 mod html;
@@ -15,7 +15,7 @@ use serde::ser::{Serialize, SerializeMap, SerializeStruct, Serializer};
 /// Rows of one kind, as people see them.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Table {
-    /// What tells it from the other tables of its report; empty for the only one.
+    /// Name that distinguishes it from the other tables of its report; empty for the only one.
     pub name: String,
     /// Headings of the columns that some row fills.
     pub columns: Vec<String>,
@@ -23,7 +23,7 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
 }
 
-/// What is known of a sequence as a whole.
+/// Summary of a sequence as a whole.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct SequenceSummary {
     /// As named by who started the run.
@@ -41,7 +41,7 @@ pub struct SequenceSummary {
 /// The answer of a run.
 #[derive(Debug, Clone)]
 pub struct Report {
-    /// How it was measured.
+    /// Options of the measurement.
     pub options: BenchOptions,
     /// On what.
     pub environment: Environment,
@@ -49,9 +49,9 @@ pub struct Report {
     pub sequences: Vec<SequenceSummary>,
     /// Under [`Report::all_columns`]; people see them as [`Report::tables`].
     pub rows: Vec<Row>,
-    /// What a reader must know: skipped frames and the like.
+    /// Notes that a reader must know: skipped frames and the like.
     pub notes: Vec<String>,
-    /// The ways to draw that were compared, one a row; empty for suites that compare none.
+    /// Compared render modes, one per row; empty for suites that compare none.
     pub points: Vec<LabPoint>,
     /// The ways to keep frames that were compared, one a row; empty for suites that compare none.
     pub rates: Vec<RatePoint>,
@@ -70,7 +70,7 @@ impl Report {
         }
     }
 
-    /// Which suite it is of.
+    /// Returns the suite of the report.
     pub fn suite(&self) -> &'static Suite {
         self.options.suite
     }
@@ -143,7 +143,7 @@ impl Report {
         row.cells.get(index)
     }
 
-    /// What [`Report::bars`] shows.
+    /// Returns the title of the values that [`Report::bars`] shows.
     pub fn bars_title(&self) -> &'static str {
         self.suite().bars_title
     }

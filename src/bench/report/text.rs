@@ -25,7 +25,7 @@ impl Report {
         text
     }
 
-    /// What a reader must know before reading a number.
+    /// Returns the header of the report: what a reader must know before reading a number.
     pub fn header(&self) -> String {
         let mut lines = self.protocol_lines();
         lines.extend(self.sequence_lines());
@@ -33,7 +33,7 @@ impl Report {
         lines.join("\n") + "\n"
     }
 
-    /// What was measured, on what, and how.
+    /// Returns the protocol of the measurement: what was measured, on what, and how.
     fn protocol_lines(&self) -> Vec<String> {
         let BenchOptions {
             suite,
@@ -60,7 +60,7 @@ impl Report {
         ]
     }
 
-    /// What each sequence is, and how much of the pictures it covers.
+    /// Returns a description of each sequence, and its pixel coverage of the images.
     fn sequence_lines(&self) -> Vec<String> {
         let mut lines = Vec::new();
         for sequence in &self.sequences {
@@ -75,7 +75,7 @@ impl Report {
         lines
     }
 
-    /// What may mislead.
+    /// Returns the notes on what may be misleading.
     fn note_lines(&self) -> impl Iterator<Item = String> {
         let wanted = Defaults::PROTOCOL_VIEWPOINTS;
         let is_short = self.suite().is_of_paper && self.options.viewpoints < wanted;
@@ -88,7 +88,7 @@ impl Report {
         short.into_iter().chain(debug).chain(notes)
     }
 
-    /// The paper's layout: a line a sequence, a column a strategy, median draw times.
+    /// Lays out the table as in the paper: one line per sequence, one column per strategy, median draw times.
     fn paper_layout(&self) -> Vec<Vec<String>> {
         let mut head = vec!["median draw ms".to_owned()];
         let mut lines: Vec<Vec<String>> = Vec::new();
@@ -112,7 +112,7 @@ impl Report {
     }
 }
 
-/// How much of the pictures is covered.
+/// Formats the pixel coverage of the images as a line.
 fn coverage_line(what: &str, coverage: &Coverage) -> String {
     let percent = |share: f64| format!("{:.0}", share * 100.0);
     format!(

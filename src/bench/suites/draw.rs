@@ -16,7 +16,7 @@ use crate::scene::{Scene, ScenePacket, Strategy, Style};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
-/// The ways to draw that are compared: the strategies, none of which the processor has.
+/// Returns the render modes that are compared: the strategies, none of which the CPU has.
 fn ways(run: &Run<'_>) -> Vec<Option<Strategy>> {
     if run.runner.is_processor() {
         return vec![None];
@@ -84,7 +84,7 @@ pub const VOXELS: &Suite = &Suite {
     ..*SURFELS
 };
 
-/// What was measured of one sequence with one strategy.
+/// Measurements of one sequence with one strategy.
 #[derive(Default)]
 struct DrawSamples {
     draw_ms: Vec<f64>,

@@ -1,13 +1,14 @@
-//! Table 2 of paper 002: structures of levels of detail from three distances.
+//! Table 2 of paper 002: level-of-detail structures from three distances.
 //!
-//! **How it works.** Clouds of a torus with as many points as are asked for are measured beside the inputs. Each step
-//! turns around the object by 2°, as in the paper (§6.1). From each step a structure is cut and what is drawn of it is
-//! told (LOD time), that is uploaded, and the picture is drawn. All structures take their turn at a view before the
-//! next step, so that what slows the machine down slows all of them. *none* draws all points as they are, which are
-//! resident. Records of all nodes are resident as well, from the time on that a structure has written as many: mostly
-//! before the rounds that are counted.
+//! **How it works.** Clouds of a torus with the requested numbers of points are measured in addition to the inputs.
+//! Each step turns around the object by 2°, as in the paper (§6.1). From each step a structure is cut and what is drawn
+//! of it is determined (LOD time), that is uploaded, and the image is drawn. All structures take their turn at a view
+//! before the next step, so that what slows the machine down slows all of them. *none* draws all points as they are,
+//! which are resident. Records of all nodes are resident as well, once a structure has written that many: mostly before
+//! the rounds that are counted.
 //!
-//! The paper drew points on the hardware of 2004; its times are beside ours for their ratios, not for themselves.
+//! The paper drew points on the hardware of 2004; its times are listed next to ours for their ratios, not for
+//! themselves.
 
 use super::paper_style::surfel_style;
 use super::pass_samples::PassSamples;
@@ -105,7 +106,7 @@ const OCTREE: usize = 1;
 /// One step to prepare a frame, one to build each structure, one for each view.
 const STEPS_PER_FRAME: usize = 1 + STRUCTURES.len() + VIEWS.len();
 
-/// What the paper measured of one structure from one distance.
+/// Measurements from the paper for one structure from one distance.
 #[derive(Debug, Clone, Copy)]
 struct OfPaper {
     lod_ms: f64,
@@ -144,7 +145,7 @@ fn of_paper(structure: LevelStructure) -> Option<[OfPaper; VIEWS.len()]> {
     }
 }
 
-/// What was measured of one structure.
+/// Measurements of one structure.
 #[derive(Default)]
 struct Measured {
     size: Option<LevelsSize>,
@@ -152,7 +153,7 @@ struct Measured {
     views: [Samples; VIEWS.len()],
 }
 
-/// What was measured of one structure from one distance.
+/// Measurements of one structure from one distance.
 #[derive(Default)]
 struct Samples {
     lod_ms: Vec<f64>,

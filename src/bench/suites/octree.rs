@@ -107,7 +107,7 @@ pub const OCTREE: &Suite = &Suite {
     bar_labels: 2,
 };
 
-/// How an octree is built.
+/// Build method of an octree.
 #[derive(Debug, Clone, Copy)]
 struct Way {
     is_of_file_order: bool,
@@ -140,14 +140,14 @@ struct BuildInput {
     colors: Vec<[u8; 4]>,
 }
 
-/// What builds of a frame begin with.
+/// Inputs of the octree builds of a frame.
 struct Beginnings<'a> {
     file_order: BuildInput,
     morton_order: BuildInput,
     one_thread: &'a ThreadPool,
 }
 
-/// What was measured of one sequence at one δ.
+/// Measurements of one sequence at one δ.
 #[derive(Default)]
 struct OctreeSamples {
     loss: Vec<f64>,
@@ -268,7 +268,7 @@ impl<'a> Beginnings<'a> {
 }
 
 impl BuildInput {
-    /// The same points, in the order of `file_index`.
+    /// Returns the points reordered by `file_index`.
     fn in_file_order(&self, file_index: &[u32]) -> Self {
         let mut places: Vec<usize> = (0..file_index.len()).collect();
         places.sort_unstable_by_key(|&place| file_index[place]);

@@ -1,10 +1,10 @@
-//! How the paper draws.
+//! Render styles of the paper.
 
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
 use crate::scene::{Primitive, Splatting, Style, VoxelLight};
 
-/// How Table II draws, and by what the viewpoints of Table III are placed, which draws nothing.
+/// Returns the surfel style of Table II, which also places the viewpoints of Table III, where nothing is drawn.
 pub(super) fn surfel_style() -> Style {
     Style::default().with(|style| {
         style.primitive = Primitive::Surfel;
@@ -13,7 +13,7 @@ pub(super) fn surfel_style() -> Style {
     })
 }
 
-/// How Table IV draws: cells of the paper's δ, lit by their faces, down to a pixel.
+/// Returns the voxel style of Table IV: cells of the paper's δ, lit by their faces, down to a pixel.
 pub(super) fn voxel_style() -> Style {
     Style::default().with(|style| {
         style.primitive = Primitive::Voxel;
@@ -22,7 +22,7 @@ pub(super) fn voxel_style() -> Style {
     })
 }
 
-/// The same, drawn down to `lod_px`.
+/// Returns [`voxel_style`] drawn down to `lod_px`.
 pub(super) fn voxel_style_at(lod_px: f32) -> Style {
     let usual = voxel_style();
     usual.with(|style| style.levels.lod = Lod::ThresholdPx(lod_px))

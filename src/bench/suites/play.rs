@@ -97,7 +97,7 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// What came of playing.
+/// Result of a playback run.
 struct Played {
     renderer: String,
     fps_asked: f64,
@@ -221,7 +221,7 @@ fn sleep(woken: &Receiver<()>, deadline: Option<Duration>, begin: Instant) {
     }
 }
 
-/// What draws, and what it drew.
+/// Renderer of the playback, and the images it drew.
 struct PlayedPictures<'a> {
     renderer: AnyRenderer,
     scene: Scene,

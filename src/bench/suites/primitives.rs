@@ -1,14 +1,14 @@
-//! Fig. 5 and Table 1 of paper 002: how fast each primitive is drawn, and how much work its shaders are.
+//! Fig. 5 and Table 1 of paper 002: how fast each primitive is drawn, and how much work its shaders do.
 //!
-//! **How it works.** Clouds of a torus with as many points as are asked for are drawn beside the inputs, all of their
-//! points as each primitive, from three distances; each picture turns the object by 2°. Beside them are triangles:
-//! those of the file, or of a mesh with as many vertices as the torus has points. Processor and adapter draw the same
-//! pictures in turn. As in the paper, a rate is the sum of all points over the sum of all times. Points of a size in
+//! **How it works.** Clouds of a torus with the requested numbers of points are drawn in addition to the inputs, all of
+//! their points as each primitive, from three distances; each image turns the object by 2°. They are compared with
+//! triangles: those of the file, or of a mesh with as many vertices as the torus has points. CPU and adapter draw the
+//! same images in turn. As in the paper, a rate is the sum of all points over the sum of all times. Points of a size in
 //! the scene are about as large as the disks of surfels, so that all but single pixels cover as much. Splats are drawn
-//! as each geometry that the adapter has for them, of which the processor needs none: there its times are equal.
+//! as each geometry that the adapter has for them, of which the CPU needs none: there its times are equal.
 //!
 //! The second table has the time of each pass on the adapter's clock. The third counts what the shaders of each pass
-//! do, in naga's intermediate representation, beside what the paper counted in its instructions.
+//! do, in naga's intermediate representation, next to what the paper counted in its instructions.
 
 use super::pass_samples::PassSamples;
 use super::torus_mesh::torus_mesh;
@@ -174,7 +174,7 @@ fn of_paper(primitive: &str, pass: &str) -> [Option<f64>; 2] {
 /// One step to prepare a frame, one for each primitive.
 const STEPS_PER_FRAME: usize = 1 + KINDS.len();
 
-/// What was measured of one primitive from one distance: sums over pictures.
+/// Measurements of one primitive from one distance: sums over images.
 #[derive(Default)]
 struct Samples {
     records: Vec<f64>,
@@ -254,7 +254,7 @@ fn with_mesh(subject: &Subject<'_>, index: usize, mut frame: PreparedFrame) -> P
     frame
 }
 
-/// What all primitives are made from.
+/// Returns the needs of all primitives.
 fn needs() -> Needs {
     let all = KINDS.map(|(_, change)| Scene::needs(&style(change)));
     Needs {
@@ -265,7 +265,7 @@ fn needs() -> Needs {
     }
 }
 
-/// What is drawn from one distance.
+/// Builds the scene packets drawn from one distance.
 fn packets(
     run: &Run<'_>,
     subject: &Subject<'_>,

@@ -1,8 +1,8 @@
-//! The software renderer beside the adapter: the same pictures in the same minute, from three distances.
+//! The software renderer compared with the adapter: the same images in the same minute, from three distances.
 //!
 //! How it works: the object as a whole in view, from four times as far, and from so near that most of it is outside.
-//! Both draw each view in turn, so that a machine that slows down meanwhile slows both. What is drawn is chosen before
-//! the clocks start and is resident.
+//! Both draw each view in turn, so that a machine that slows down in the meantime slows both. What is drawn is chosen
+//! before the clocks start and is resident.
 //!
 //! What it shows: costs that follow the cells and pixels that are seen, not those that there are.
 
@@ -67,7 +67,7 @@ const PRIMITIVES: [Primitive; 3] = [Primitive::Point, Primitive::Surfel, Primiti
 /// One step to prepare a frame, one for each primitive.
 const STEPS_PER_FRAME: usize = 1 + PRIMITIVES.len();
 
-/// What was measured of one sequence, one primitive and one distance.
+/// Measurements of one sequence, one primitive and one distance.
 #[derive(Default)]
 struct RenderSamples {
     records: Vec<f64>,
@@ -122,7 +122,7 @@ fn style(primitive: Primitive) -> Style {
     }
 }
 
-/// What is drawn from each viewpoint.
+/// Builds the scene packets drawn from each viewpoint.
 fn packets(
     run: &Run<'_>,
     subject: &Subject<'_>,

@@ -1,4 +1,4 @@
-//! The torus of [`Shape::Torus`] as triangles, to be drawn beside its points.
+//! The torus of [`Shape::Torus`] as a triangle mesh, drawn for comparison with its points.
 
 use crate::cloud::{CloudError, Mesh, Positions, RawCloud};
 use crate::source::Shape;

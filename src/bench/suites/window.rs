@@ -1,8 +1,10 @@
-//! What a person sees and feels of the window: a real one is opened, plays, is turned and scrubbed by the clock.
+//! Window responsiveness as a user sees and feels it: a real window is opened, plays, is turned and scrubbed by the
+//! clock.
 //!
-//! How it works: the window drives itself (`app/trial`), since only it knows when something was presented; here is what
-//! it found, as rows. A *picture* is counted when it has been handed to the window system. What an X server or a
-//! compositor does afterwards is work of other processes: it takes the same cores, but is in no time and no share here.
+//! How it works: the window drives itself (`app/trial`), since only it knows when something was presented; here its
+//! results become rows. A *picture* is counted when it has been handed to the window system. What an X server or a
+//! compositor does afterwards is work of other processes: it takes the same cores, but is not in any time or share
+//! here.
 
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::run::Run;
@@ -79,18 +81,18 @@ pub const WINDOW: &Suite = &Suite {
     bar_labels: 3,
 };
 
-/// What came of one action in the window. Times are milliseconds.
+/// Measurements of one action in the window. Times are milliseconds.
 #[derive(Debug, Clone, Default)]
 pub struct WindowAction {
     /// Name of the sequence.
     pub sequence: String,
-    /// What was drawn.
+    /// Primitive that was drawn.
     pub primitive: String,
-    /// What was done.
+    /// Action that was performed.
     pub action: String,
-    /// Who painted the window.
+    /// Painter of the window.
     pub painted_by: String,
-    /// Frames a second of the sequence, where it played.
+    /// Frames per second of the sequence, where it played.
     pub fps_asked: Option<f64>,
     /// Length of the action.
     pub seconds: f64,
@@ -100,7 +102,7 @@ pub struct WindowAction {
     pub panel_runs: u64,
     /// Frames of the sequence that were shown.
     pub frames: u64,
-    /// Those that were not there in time, and those that were left out.
+    /// Frames that were not there in time, and those that were skipped.
     pub frames_late: u64,
     /// See [`WindowAction::frames_late`].
     pub frames_skipped: u64,
@@ -132,7 +134,7 @@ pub struct WindowAction {
     pub parts_ms: [Vec<f64>; 5],
     /// Memory of the program at the end.
     pub resident_bytes: u64,
-    /// Submissions, passes and uploaded bytes that the pictures took of a graphics card, where one paints the window.
+    /// Submissions, passes and uploaded bytes that the images took on a GPU, where one paints the window.
     pub gpu: Option<[u64; 3]>,
 }
 

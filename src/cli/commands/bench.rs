@@ -275,7 +275,7 @@ fn open_input(input: &Path, open: &OpenOptions) -> anyhow::Result<Input> {
     })
 }
 
-/// Depth images with poses become one cloud, whose photographs are their colours; points of those that are left out are
+/// Merges depth images with poses into one cloud, whose input images are their colours; points of held-out images are
 /// not in it.
 fn with_photographs(opened: Input, path: &Path, open: &OpenOptions, leave_out: &LeaveOut) -> anyhow::Result<Input> {
     let source = opened.sequence.source();

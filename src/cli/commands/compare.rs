@@ -188,7 +188,8 @@ fn read(path: &Path) -> anyhow::Result<RgbaImage> {
     Ok(image)
 }
 
-/// What to say of a file that the decoder refuses. In one sentence: the causes of its errors repeat what these say.
+/// Returns the error for a file that the decoder rejects. In one sentence: the causes of its errors repeat what these
+/// say.
 fn unreadable(path: &Path, reason: &ImageError) -> anyhow::Error {
     let name = path.display();
     match reason {

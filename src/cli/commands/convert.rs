@@ -1,4 +1,4 @@
-//! `pointreel convert`: frames in another format, moved, thinned out, with normals.
+//! `pointreel convert`: frames in another format, moved, subsampled, with normals.
 
 use crate::assumption::Subject;
 use crate::cli::info_parts::reel_info::ReelInfo;
@@ -165,7 +165,7 @@ fn run_join(inputs: &[PathBuf], output: &Path, overwrites: bool) -> anyhow::Resu
     Ok(())
 }
 
-/// Where frames go by the name of `output`, and in which format.
+/// Returns the output paths of frames according to the name of `output`, and their format.
 fn outputs(
     arguments: &ConvertArgs,
     output: &Path,

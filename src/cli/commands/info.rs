@@ -37,33 +37,33 @@ pub(in crate::cli) struct InfoArgs {
 
 #[derive(Serialize)]
 struct Info {
-    /// Of a session alone.
+    /// Session information; only for a session.
     #[serde(skip_serializing_if = "Option::is_none")]
     session: Option<SessionInfo>,
     frames: Vec<FrameInfo>,
     origin: [f64; 3],
     /// At normal speed, for most of the time.
     fps: f64,
-    /// What was decided in a user's place, by subject.
+    /// Assumptions made on the user's behalf, by subject.
     assumptions: Vec<Assumption>,
-    /// What is made of the sequence where nothing is chosen; absent where no frame has a point.
+    /// Guess of how the sequence is shown where nothing is chosen; absent where no frame has a point.
     #[serde(skip_serializing_if = "Option::is_none")]
     guess: Option<Guess>,
-    /// Of recordings alone.
+    /// Recording information; only for recordings.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     recordings: Vec<RecordingInfo>,
-    /// Of a sequence file alone.
+    /// Sequence file information; only for a sequence file.
     #[serde(skip_serializing_if = "Option::is_none")]
     reel: Option<ReelInfo>,
-    /// Of depth images alone.
+    /// Camera information; only for depth images.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     cameras: Vec<CameraInfo>,
-    /// Of calibrated photographs alone.
+    /// Calibrated images; only for those.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     photographs: Vec<PhotoInfo>,
 }
 
-/// How `view` and `render` show the sequence first, with the reasons.
+/// Initial appearance of the sequence in `view` and `render`, with the reasons.
 #[derive(Serialize)]
 struct Guess {
     up: &'static str,
@@ -93,7 +93,7 @@ struct RecordingInfo {
 struct TopicInfo {
     name: String,
     clouds: usize,
-    /// Whether its point clouds are the frames.
+    /// True if its point clouds are the frames.
     read: bool,
 }
 
@@ -108,7 +108,7 @@ struct FrameInfo {
     normals_file: Option<String>,
     /// By the time stamp of the file or its name.
     time_s: Option<f64>,
-    /// How many photographs show it.
+    /// Number of images that show it.
     #[serde(skip_serializing_if = "Option::is_none")]
     photographs: Option<usize>,
     #[serde(flatten)]
@@ -125,15 +125,15 @@ enum FrameReport {
         min: Option<[f64; 3]>,
         max: Option<[f64; 3]>,
         attributes: Vec<String>,
-        /// Of organised clouds alone.
+        /// Image grid; only for organised clouds.
         #[serde(skip_serializing_if = "Option::is_none")]
         grid: Option<ImageGrid>,
         /// Triangles of a mesh.
         faces: usize,
-        /// What the file has and nothing is made of.
+        /// Contents of the file that nothing uses.
         #[serde(skip_serializing_if = "Vec::is_empty")]
         not_read: Vec<String>,
-        /// What else of the file could not be read.
+        /// Warnings about other parts of the file that could not be read.
         #[serde(skip_serializing_if = "Vec::is_empty")]
         warnings: Vec<String>,
     },
@@ -267,7 +267,7 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
     }
 }
 
-/// The answer for people: a line a frame, then what is true of all of them.
+/// Formats the answer for people: one line per frame, then what is true of all of them.
 fn table(info: &Info) -> String {
     let mut text = info.session.as_ref().map_or_else(String::new, SessionInfo::lines);
     // Writing to a String cannot fail.
@@ -346,7 +346,7 @@ fn frame_line(frame: &FrameInfo) -> String {
     }
 }
 
-/// What the files have and nothing is made of, each once.
+/// Returns the contents of the files that nothing uses, each once.
 fn not_read_lines(frames: &[FrameInfo]) -> Vec<String> {
     let of_frames = frames.iter().filter_map(|frame| match &frame.content {
         FrameReport::Read { not_read, .. } => Some(not_read),

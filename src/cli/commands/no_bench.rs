@@ -1,10 +1,10 @@
-//! In place of `pointreel bench`, in a build without benchmarks.
+//! Stub for `pointreel bench`, in a build without benchmarks.
 
 use crate::cli::options::usage::UsageError;
 use clap::Args;
 use std::ffi::OsString;
 
-/// What a benchmark would take.
+/// Arguments that a benchmark would take.
 #[derive(Debug, Args)]
 #[command(after_help = ABSENT)]
 pub(in crate::cli) struct BenchArgs {

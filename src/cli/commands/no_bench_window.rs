@@ -1,4 +1,4 @@
-//! In place of the suite that opens a window, in a build without one.
+//! Stub for the suite that opens a window, in a build without one.
 
 #![allow(
     clippy::needless_pass_by_value,
@@ -12,7 +12,7 @@ use std::str::FromStr;
 
 const ABSENT: &str = "this build has no window: build with `--features window`";
 
-/// Who presents a window: nobody can be named.
+/// Presentation backend of a window: none can be named.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum PresentChoice {}
 

@@ -1,10 +1,10 @@
-//! In place of `pointreel view`, in a build without a window.
+//! Stub for `pointreel view`, in a build without a window.
 
 use crate::cli::options::usage::UsageError;
 use clap::Args;
 use std::ffi::OsString;
 
-/// What a window would take.
+/// Arguments that a window would take.
 #[derive(Debug, Clone, Default, Args)]
 #[command(after_help = ABSENT)]
 pub(in crate::cli) struct ViewArgs {

@@ -15,7 +15,7 @@ use crate::scene::{CameraPath, Style};
 use anyhow::bail;
 use std::collections::HashSet;
 
-/// Pictures a second of a path or a turntable where nobody said how many.
+/// Default frame rate of a path or a turntable, in frames per second.
 const DEFAULT_RATE: f64 = 30.0;
 
 /// Renders the video; returns the frames that could not be read, with the reason.
@@ -88,7 +88,7 @@ fn frames(arguments: &RenderArgs, count: usize) -> anyhow::Result<Option<FrameRa
     arguments.frame.map(|frames| frames.of("--frame", count)).transpose()
 }
 
-/// A path of a file, its pictures a second, and its speed.
+/// Returns a path read from a file, its frames per second, and its speed.
 fn written_path(video: &VideoArgs, path: &CameraPath) -> anyhow::Result<(CameraPath, f64, f64)> {
     let speed = match video.seconds {
         Some(_) if path.duration_s() == 0.0 => {

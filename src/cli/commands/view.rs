@@ -23,7 +23,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What to show and how.
+/// Arguments of the viewer: inputs and display options.
 #[derive(Debug, Clone, Default, Args)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub(in crate::cli) struct ViewArgs {
@@ -236,25 +236,25 @@ pub(in crate::cli) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     crate::app::run(options).context("the window ended")
 }
 
-/// Whether nothing is in the one folder that is named.
+/// Returns true if exactly one folder is named and it is empty.
 fn is_empty_folder(inputs: &[PathBuf]) -> bool {
     let [folder] = inputs else { return false };
     let open = OpenOptions::default();
     folder.is_dir() && matches!(Sequence::open(inputs, &open), Err(SequenceError::EmptyFolder { .. }))
 }
 
-/// Whether a session is named that opens more than is allowed.
+/// Returns true if a session is named that opens more than is allowed.
 fn reaches_beyond(inputs: &[PathBuf], open: &OpenOptions) -> bool {
     let session = session_of(inputs).ok().flatten();
     session.is_some_and(|read| !read.beyond(open.session_reach).is_empty())
 }
 
-/// What the window shows first.
+/// First content of the window.
 #[derive(Default)]
 struct FirstOpened {
     sequence: Option<Sequence>,
     session: Option<ReadSession>,
-    /// How, if otherwise than the command line says.
+    /// Open options, if they differ from those of the command line.
     opened_with: Option<OpenOptions>,
     /// Why a choice that was made in the window before was not taken.
     problem: Option<String>,
@@ -292,7 +292,7 @@ impl FirstOpened {
     }
 }
 
-/// What is given goes before what is kept in a session.
+/// Lets command-line arguments override the contents of a session.
 fn give_precedence(args: &ViewArgs, read: &mut ReadSession) {
     let style = args.picture.style_over(read.document.style());
     read.document.clip = style.clip;
@@ -303,7 +303,7 @@ fn give_precedence(args: &ViewArgs, read: &mut ReadSession) {
     }
 }
 
-/// What is given goes before what was kept of a sequence.
+/// Returns the command-line settings, which override what was kept of a sequence.
 fn given_style(args: &ViewArgs) -> GivenStyle {
     let picture = args.picture.clone();
     GivenStyle::new(move |style| Settings {
@@ -319,7 +319,7 @@ fn record_arrivals(sequence: Option<&Sequence>, path: &Path) -> anyhow::Result<(
     }
 }
 
-/// The sequence beside the one that is opened as `open` says, if there is one.
+/// Opens the sequence to compare with the one that is opened with `open`, if there is one.
 fn open_compared(args: &ViewArgs, open: &OpenOptions) -> anyhow::Result<Option<Sequence>> {
     if args.compare.is_empty() {
         return Ok(None);
@@ -332,7 +332,8 @@ fn open_compared(args: &ViewArgs, open: &OpenOptions) -> anyhow::Result<Option<S
     Ok(Some(open_inputs(&args.compare, &open, None)?.sequence))
 }
 
-/// Those of this person under what is given; `has_settings` of a session, they go before both.
+/// Loads the current user's preferences, overridden by the command line; `has_settings` refers to a session, whose
+/// settings override both.
 fn load_preferences(args: &ViewArgs, has_settings: bool) -> (PreferencesFile, Preferences) {
     // A picture that a script asks for does not depend on who looked at what before.
     let (file, kept) = if args.screenshot.is_some() {

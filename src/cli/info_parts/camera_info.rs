@@ -1,4 +1,4 @@
-//! What `info` says of the cameras that took a sequence, and where they were.
+//! Camera section of `info`: the cameras that captured a sequence, and their poses.
 
 use crate::rgbd::{Camera, Rig};
 use crate::sequence::Sequence;
@@ -16,7 +16,7 @@ pub(in crate::cli) struct CameraInfo {
     poses: Vec<PoseInfo>,
 }
 
-/// Of one camera, pixels; centres of pixels are at integers.
+/// Intrinsics of one camera, pixels; centres of pixels are at integers.
 #[derive(Serialize)]
 pub(super) struct Intrinsics {
     width: u32,
@@ -51,7 +51,7 @@ struct PoseInfo {
 }
 
 impl CameraInfo {
-    /// Those of all frames, in the order of the first frame of each.
+    /// Returns the cameras of all frames, in the order of the first frame of each.
     pub(in crate::cli) fn of(sequence: &Sequence) -> Vec<Self> {
         let mut rigs: Vec<(Arc<Rig>, Self)> = Vec::new();
         for frame in sequence.frames() {

@@ -1,10 +1,10 @@
-//! What `info` says of calibrated photographs.
+//! Calibrated-image section of `info`.
 
 use super::camera_info::{Intrinsics, rows};
 use crate::photos::{ReprojectionError, ViewSet};
 use serde::Serialize;
 
-/// A photograph, its camera, and how well that fits.
+/// A calibrated image, its camera, and how well that fits.
 #[derive(Serialize)]
 pub(in crate::cli) struct PhotoInfo {
     name: String,
@@ -19,7 +19,7 @@ pub(in crate::cli) struct PhotoInfo {
     /// The file with its depths.
     #[serde(skip_serializing_if = "Option::is_none")]
     depth: Option<String>,
-    /// Of points that were found in it; null where there are none.
+    /// Reprojection error of the points found in it; null where there are none.
     reprojection_error: Option<ErrorInfo>,
 }
 
@@ -33,7 +33,7 @@ struct ErrorInfo {
 }
 
 impl PhotoInfo {
-    /// Those of a set, in its order.
+    /// Returns the calibrated images of a set, in its order.
     pub(in crate::cli) fn of(set: &ViewSet) -> Vec<Self> {
         let errors = set.reprojection_errors();
         let photos = set.photos.iter().zip(errors);

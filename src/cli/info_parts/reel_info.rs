@@ -1,4 +1,4 @@
-//! What `info` says of a sequence file beside its frames.
+//! Sequence-file section of `info`, in addition to its frames.
 
 use crate::reel::{ReelFile, StreamKind};
 use serde::Serialize;
@@ -12,14 +12,14 @@ pub(in crate::cli) struct ReelInfo {
     points: usize,
     /// Points of the clouds that were written: those of one cell are one point unless they are kept one by one.
     points_written: u64,
-    /// Whether the end of the file cuts its last group.
+    /// True if the file is truncated within its last group.
     ends_early: bool,
     /// Frames of each group.
     groups: Vec<usize>,
-    /// Of all bytes, the directory included.
+    /// Bits per point of all bytes, the directory included.
     bits_per_point: f64,
     bits_by_stream: BTreeMap<&'static str, f64>,
-    /// What the file says of how it was made.
+    /// Encoder settings recorded in the file.
     settings: BTreeMap<String, String>,
 }
 

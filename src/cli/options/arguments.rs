@@ -1,4 +1,4 @@
-//! Arguments that several verbs share.
+//! Arguments shared by several subcommands.
 
 use super::colors::ColorArgs;
 use super::known_values::KnownValues;
@@ -24,13 +24,13 @@ use std::sync::Arc;
 /// Headings of the help.
 pub(in crate::cli) const VIEW: &str = "View";
 
-/// The frames of what a person named, be it a session, and warnings of what is left out; nothing is the built-in
-/// sequence.
+/// Opens the inputs that the user named, be it a session, and warns of what is skipped; without inputs it is the
+/// built-in sequence.
 pub(in crate::cli) fn open_sequence_and_tell(inputs: &[PathBuf], options: &OpenOptions) -> anyhow::Result<Sequence> {
     open_inputs_and_tell(inputs, options).map(|opened| opened.sequence)
 }
 
-/// How files are read.
+/// Options for reading files.
 #[derive(Debug, Clone, Default, Args)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 #[command(next_help_heading = "Reading")]
@@ -105,13 +105,13 @@ pub(in crate::cli) struct ReadArgs {
     rgbd: RgbdArgs,
 }
 
-/// What a live stream is asked for.
+/// Content requested from a live stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 enum StreamOf {
     /// All of each frame.
     #[default]
     Frames,
-    /// What the window shows of it.
+    /// Surfels of what the window shows of it.
     Surfels,
 }
 
@@ -178,7 +178,7 @@ impl ReadArgs {
     }
 }
 
-/// How a picture looks; what is not given is as usual: in a window as it was left, else as in a new one.
+/// Appearance of an image; options not given keep their defaults: in a window as it was left, else as in a new one.
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Rendering")]
 pub(in crate::cli) struct PictureArgs {
@@ -210,7 +210,7 @@ pub(in crate::cli) struct PictureArgs {
     colors: ColorArgs,
 }
 
-/// What is behind the cloud.
+/// Background behind the cloud.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Behind {
     Colors(Background),
@@ -236,7 +236,7 @@ impl FromStr for Behind {
 }
 
 impl PictureArgs {
-    /// Whether nothing is to be behind the cloud.
+    /// Returns true if the background behind the cloud is to be transparent.
     pub(in crate::cli) fn is_transparent(&self) -> bool {
         self.background == Some(Behind::Nothing)
     }
@@ -300,7 +300,7 @@ fn clip_box(text: &str) -> Result<ClipShape, String> {
         })
 }
 
-/// Frames a second that a clock takes.
+/// Parses a frame rate that a clock accepts, in frames per second.
 pub(in crate::cli) fn frame_rate(text: &str) -> Result<f64, String> {
     text.parse()
         .ok()

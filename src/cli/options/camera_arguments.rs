@@ -1,4 +1,4 @@
-//! Where the camera stands, on the command line.
+//! Camera position, on the command line.
 
 use super::arguments::{VIEW, elevation, field_of_view, finite, positive_f64};
 use crate::headless::CameraChoice;
@@ -8,7 +8,7 @@ use crate::sequence::Sequence;
 use anyhow::Context as _;
 use clap::Args;
 
-/// Where the camera stands; what is not given frames the cloud.
+/// Camera position; options not given frame the cloud.
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = VIEW)]
 pub(in crate::cli) struct CameraArgs {
@@ -77,7 +77,7 @@ impl CameraArgs {
         }
     }
 
-    /// Whether the up axis is that of an option, be it a whole view.
+    /// Returns true if the up axis is set by an option, be it a whole view.
     pub(in crate::cli) fn sets_up(&self) -> bool {
         self.up.is_some() || self.view.is_some()
     }

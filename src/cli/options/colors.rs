@@ -1,4 +1,4 @@
-//! How points are coloured, as several verbs take it.
+//! Point colour options, shared by several subcommands.
 
 use super::known_values::KnownValues;
 use super::style_arguments::with_default;
@@ -12,7 +12,7 @@ use crate::scene::describe::Words;
 use crate::sequence::{ColorRange, ColorSource, Coloring, Sequence};
 use clap::Args;
 
-/// What is not given is as usual.
+/// Colour options; those not given keep their defaults.
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Colours")]
 pub(super) struct ColorArgs {
@@ -79,9 +79,9 @@ impl ColorArgs {
     }
 }
 
-/// Fails, with the names that there are, where `source` names a scalar field that neither `frame` nor the first, the
-/// middle and the last frame of `sequence` have. `fields` are those of `frame`, if it could be read. Warns where it
-/// names another kind of field that they have not.
+/// Fails, with the available names, where `source` names a scalar field that neither `frame` nor the first, the median
+/// and the last frame of `sequence` have. `fields` are those of `frame`, if it could be read. Warns where it names
+/// another kind of field that they do not have.
 pub(in crate::cli) fn check_source(
     source: ColorSource,
     sequence: &Sequence,

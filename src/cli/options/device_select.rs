@@ -1,12 +1,12 @@
-//! A layer of Vulkan that is left out where it only complains.
+//! Disables a Vulkan layer that only complains without a session.
 //!
-//! Mesa installs a layer that asks the Wayland session which graphics card is its own, each time that cards are listed.
+//! Mesa installs a layer that asks the Wayland session which GPU is its own, each time that GPUs are enumerated.
 //! Without a session it learns nothing, and libwayland prints `error: XDG_RUNTIME_DIR is invalid or not set in the
-//! environment.` for each question. wgpu has no switch that would keep the layer out: it always asks for all kinds of
+//! environment.` for each query. wgpu has no option that would exclude the layer: it always asks for all kinds of
 //! windows that Vulkan knows. The layer's own switch is in the environment, and is set here.
 //!
-//! Without the layer cards are listed in the order of their drivers. Nothing follows from that but which of two equally
-//! good cards is taken.
+//! Without the layer GPUs are listed in the order of their drivers. The only consequence is which of two equally good
+//! GPUs is taken.
 
 use std::ffi::OsString;
 
@@ -28,7 +28,7 @@ pub(in crate::cli) fn leave_out_without_session() {
     }
 }
 
-/// Whether the layer would look for a session, and libwayland would not know where.
+/// Returns true if the layer would look for a session, and libwayland would not know where.
 fn is_useless(variable: impl Fn(&str) -> Option<OsString>) -> bool {
     // Whoever names a card, or has set the switch, knows of the layer.
     let names_a_card = ["MESA_VK_DEVICE_SELECT", "DRI_PRIME", SWITCH];

@@ -1,5 +1,5 @@
-//! What other poses add to a picture: colours by how far each point is from another frame, ghosts, and the ways of
-//! points.
+//! Derived-frame options: colours by the distance of each point to another frame (change map), ghosts (onion skin), and
+//! the trails of points.
 
 use super::arguments::FrameRange;
 use crate::cli::terminal::warnings;
@@ -12,7 +12,7 @@ use anyhow::bail;
 use clap::Args;
 use std::sync::Arc;
 
-/// Which other poses.
+/// Options for derived frames.
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Other frames")]
 pub(in crate::cli) struct PosesArgs {

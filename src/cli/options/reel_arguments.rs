@@ -1,4 +1,4 @@
-//! What of a sequence a sequence file is to keep.
+//! Encoder options: what a sequence file is to keep of a sequence.
 
 use crate::cloud::LengthUnit;
 use crate::reel::{Coding, Precision, ReelOptions};
@@ -50,7 +50,7 @@ pub(in crate::cli) struct ReelArgs {
 }
 
 impl ReelArgs {
-    /// Whether any of them is given.
+    /// Returns true if any of them is given.
     pub(in crate::cli) fn is_given(&self) -> bool {
         self.precision.is_some()
             || self.merge
@@ -97,7 +97,7 @@ impl ReelArgs {
     }
 }
 
-/// Whether the points of the first frame that can be read sample a surface, so that normals mean something.
+/// Returns true if the points of the first readable frame sample a surface, so that normals are meaningful.
 fn is_surface(sequence: &Sequence) -> bool {
     let first = sequence.frames().find_map(|index| sequence.frame(index).ok());
     first.is_some_and(|frame| FirstLook::of(&[&frame], sequence.origin()).has_surface())
@@ -108,7 +108,7 @@ fn unit_of(sequence: &Sequence) -> Option<LengthUnit> {
     sequence.frames().find_map(|index| sequence.decode(index).ok())?.unit
 }
 
-/// What files are to be: small, or fast.
+/// Coding objective for files: small, or fast.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum ReelCoding {
     Compact,
@@ -124,7 +124,7 @@ impl From<ReelCoding> for Coding {
     }
 }
 
-/// How precise coordinates are to be.
+/// Precision of coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum ReelPrecision {
     Lossless,

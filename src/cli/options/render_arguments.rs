@@ -1,4 +1,4 @@
-//! What `pointreel render` is told.
+//! Arguments of `pointreel render`.
 
 use super::arguments::{PictureArgs, ReadArgs};
 use super::camera_arguments::CameraArgs;
@@ -72,7 +72,7 @@ impl RenderArgs {
         self.size.of(DEFAULT_SIZE_PX).unwrap_or(DEFAULT_SIZE_PX)
     }
 
-    /// How large pictures are, and what is behind the cloud.
+    /// Returns the image size, and the background behind the cloud.
     pub(in crate::cli) fn picture_size(&self) -> PictureSize {
         PictureSize {
             is_transparent: self.picture.is_transparent(),

@@ -6,7 +6,7 @@ use crate::source::RgbdOptions;
 use clap::Args;
 use std::path::PathBuf;
 
-/// What nobody says is found in the folder of the recording.
+/// Depth image options; those not given are detected from the folder of the recording.
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Depth images (RGB-D)")]
 pub(super) struct RgbdArgs {
@@ -18,7 +18,7 @@ pub(super) struct RgbdArgs {
     #[arg(long, hide_short_help = true, value_name = "PATTERN", requires = "depth_images")]
     color_images: Option<String>,
 
-    /// Camera intrinsics in pixels, or a file: a matrix, JSON of Open3D, XML of PCL [default: detected]
+    /// Camera intrinsics in pixels, or a file: matrix, Open3D JSON, PCL XML [default: detected]
     #[arg(long, hide_short_help = true, value_name = "FILE|fx,fy,cx,cy")]
     intrinsics: Option<String>,
 
@@ -56,7 +56,7 @@ pub(super) struct RgbdArgs {
 }
 
 impl RgbdArgs {
-    /// What was given, as it was typed.
+    /// Returns the given options as they were typed.
     pub(in crate::cli) fn in_words(&self) -> Vec<String> {
         let text = |text: &Option<String>| text.clone();
         let path = |path: &PathBuf| path.display().to_string();
@@ -79,7 +79,7 @@ impl RgbdArgs {
             .collect()
     }
 
-    /// What was given; `usual` are the filters where none were.
+    /// Returns the given options; `usual` are the filters where none were given.
     pub(in crate::cli) fn options(&self, usual: Filters) -> RgbdOptions {
         RgbdOptions {
             filters: self.rgbd_filters.unwrap_or(usual),

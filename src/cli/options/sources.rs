@@ -7,10 +7,10 @@ use anyhow::{Context as _, bail};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-/// Bytes that kinds are told by.
+/// Number of leading bytes used to detect the kind of a file.
 const BEGIN_BYTES: u64 = 64;
 
-/// What an output is, as far as the file that it replaces has to be such a one.
+/// Kind of an output, in so far as the file that it replaces must be of that kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::cli) enum OutputKind {
     /// A picture, or a video.
@@ -75,7 +75,7 @@ pub(in crate::cli) fn write_text(path: &Path, text: &str) -> anyhow::Result<()> 
     kept::write_to(path, text.as_bytes()).with_context(|| format!("{} cannot be written", path.display()))
 }
 
-/// Whether a file that begins so is one that this program writes as a picture or a video.
+/// Returns true if a file that begins with these bytes is of a kind that this program writes as an image or a video.
 fn is_picture(begin: &[u8]) -> bool {
     const BEGINS: [&[u8]; 6] = [b"\x89PNG", b"\xff\xd8\xff", b"RIFF", b"II*\x00", b"MM\x00*", b"GIF8"];
     BEGINS.iter().any(|known| begin.starts_with(known)) || begin.get(4..8) == Some(b"ftyp")

@@ -8,7 +8,7 @@ use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, Error, FromArgMa
 /// The settings that are given, by their names in files.
 #[derive(Debug, Clone, Default)]
 pub(super) struct StyleArgs {
-    /// Later ones go before: what is given itself is behind what a word is short for.
+    /// Given settings. Later ones take precedence: explicit settings come after those that a word expands to.
     given: Given,
 }
 
@@ -95,7 +95,7 @@ pub(super) fn placeholder(words: &[&'static str], name: &'static str) -> String 
     }
 }
 
-/// What is given of a setting, and of others for which a word of it is short.
+/// Returns the given value of a setting, and of others that one of its words expands to.
 fn given(matches: &ArgMatches, described: &Described) -> Given {
     if let Values::Words(_) | Values::Number(_) | Values::Environment | Values::Switch(_) = described.values {
         return matches.get_one::<Given>(described.flag).cloned().unwrap_or_default();
@@ -104,7 +104,7 @@ fn given(matches: &ArgMatches, described: &Described) -> Given {
     given.map(|value| (described.key, value)).into_iter().collect()
 }
 
-/// Of a setting that has options of another kind than one with a word or a number.
+/// Returns the given value of a setting whose options are of another kind than one with a word or a number.
 fn given_value(matches: &ArgMatches, described: &Described) -> Option<Value> {
     let value = |flag| matches.get_one::<Value>(flag).copied();
     match &described.values {

@@ -1,4 +1,4 @@
-//! Values of options that files of several verbs parse.
+//! Option value parsers shared by files of several subcommands.
 
 use crate::messages::missing_frames;
 use anyhow::bail;

@@ -1,10 +1,10 @@
-//! What `pointreel render` is told of a video.
+//! Video arguments of `pointreel render`.
 
 use crate::scene::CameraPath;
 use clap::Args;
 use std::path::PathBuf;
 
-/// What a video shows.
+/// Video options.
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Video")]
 pub(in crate::cli) struct VideoArgs {

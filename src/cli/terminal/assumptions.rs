@@ -39,7 +39,7 @@ pub(in crate::cli) fn first_look(sequence: &Sequence) -> Option<FirstLook> {
     (!look.trimmed.is_empty()).then_some(look)
 }
 
-/// Which options that `assumptions` name the verb with the arguments `A` has not, as a line.
+/// Returns a line with the options named by `assumptions` that the subcommand with the arguments `A` does not have.
 pub(in crate::cli) fn options_elsewhere<A: Args>(assumptions: &[Assumption]) -> Option<String> {
     let verb = A::augment_args(Command::new("verb"));
     let has = |option: &str| {

@@ -1,4 +1,5 @@
-//! What a verb says to a person, and what it answers; names that terminals would obey are escaped here.
+//! Terminal output of a subcommand: its messages to people, and its answers; names that terminals would obey are
+//! escaped here.
 
 use crate::locks::lock;
 use crate::printable;
@@ -14,8 +15,8 @@ pub(in crate::cli) fn say(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", printable::text(line));
 }
 
-/// The answer of a verb on stdout. A reader that has left is no failure; any other one is, once the verb is done
-/// ([`check_answers`]).
+/// Writes the answer of a subcommand to stdout. A reader that has left is not a failure; any other error is reported
+/// once the subcommand is done ([`check_answers`]).
 pub(in crate::cli) fn answer(text: &str) {
     let mut stdout = io::stdout().lock();
     note(writeln!(stdout, "{}", printable::text(text)).and_then(|()| stdout.flush()));
@@ -31,7 +32,7 @@ pub(in crate::cli) fn note(written: io::Result<()>) {
     }
 }
 
-/// Where an answer of bytes goes: stdout, whose failures are told as those of [`answer`].
+/// Writer for binary answers: stdout, with failures reported like those of [`answer`].
 pub(in crate::cli) struct BytesAnswer;
 
 impl io::Write for BytesAnswer {

@@ -2,7 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// How far a verb is with its frames.
+/// Progress bar of a subcommand over its frames.
 pub(in crate::cli) struct Bar(ProgressBar);
 
 impl Bar {

@@ -1,4 +1,4 @@
-//! What happens to the connection of a live stream, on stderr.
+//! Connection events of a live stream, on stderr.
 
 use super::output::say;
 use crate::sequence::Sequence;

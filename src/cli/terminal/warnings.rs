@@ -1,8 +1,8 @@
 //! Warnings on stderr: those of one kind are one line with a count.
 //!
-//! They come from verbs and, through the log, from anywhere. They are held until the verb is done, since only then the
-//! count is known; a window may stay open for days, so there the first of each kind is said at once. `--verbose` says
-//! all at once.
+//! They come from subcommands and, through the log, from anywhere. They are held until the subcommand is done, since
+//! only then the count is known; a window may stay open for days, so there the first of each kind is printed at once.
+//! `--verbose` prints all at once.
 
 use super::output::say;
 use crate::locks::lock;
@@ -12,7 +12,7 @@ use std::sync::Mutex;
 /// When warnings are said.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::cli) enum When {
-    /// One line for each kind when the verb is done.
+    /// One line for each kind when the subcommand is done.
     AtTheEnd,
     /// The first one of each kind at once, the count of the others at the end.
     FirstAtOnce,
@@ -37,12 +37,12 @@ struct Warnings {
 
 #[derive(Debug)]
 struct MessageGroup {
-    /// What it says apart from numbers and names of files.
+    /// Message text without numbers and file names.
     says: String,
     first: String,
     is_said: bool,
     more: usize,
-    /// What there is more of.
+    /// Noun of the counted items.
     noun: &'static str,
 }
 
@@ -76,7 +76,7 @@ pub(in crate::cli) fn remark(message: String) {
     note(message, "like it");
 }
 
-/// Tells of something that failed while the verb goes on.
+/// Warns of a failure while the subcommand continues.
 pub(in crate::cli) fn warn_of_error(message: &str) {
     note(format!("error: {message}"), "like it");
 }
@@ -88,7 +88,7 @@ fn note(line: String, noun: &'static str) {
     }
 }
 
-/// Says what was held. To be called when the verb is done, before the error that it may have ended with.
+/// Prints the held warnings. To be called when the subcommand is done, before the error that it may have ended with.
 pub(in crate::cli) fn finish() {
     let lines = lock(&WARNINGS).finish();
     for line in lines {
@@ -129,7 +129,7 @@ impl Warnings {
     }
 }
 
-/// What is said behind a message of which there are `count` more.
+/// Returns the suffix of a message of which there are `count` more.
 pub(in crate::cli) fn more(count: usize, noun: &str) -> String {
     match count {
         0 => String::new(),

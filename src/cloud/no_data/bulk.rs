@@ -122,7 +122,7 @@ pub(super) struct Bulk {
     known: Known,
     /// Axes along which a coordinate of exactly 0 is missing.
     zero_axes: [bool; 3],
-    /// Whether 0 0 0 is repeated in a void.
+    /// True if the position 0 0 0 is repeated in a void.
     zeros_are_apart: bool,
     /// Places that many points of the sample are at, the most frequent first.
     pub(super) repeated: Vec<DVec3>,
@@ -184,7 +184,7 @@ impl Bulk {
         (self.max[axis] - self.min[axis]).max(1e-3 * self.diagonal)
     }
 
-    /// Whether points are vertices of triangles.
+    /// Returns true if points are vertices of triangles.
     pub(super) fn has_faces(&self) -> bool {
         self.known.has_faces
     }
@@ -194,7 +194,7 @@ impl Bulk {
         (self.min - position).max(position - self.max).max(DVec3::ZERO).length()
     }
 
-    /// Whether a point is missing whatever others there are.
+    /// Returns true if a point is missing regardless of the other points.
     pub(super) fn misses(&self, position: DVec3) -> bool {
         let distance = self.distance(position);
         if position == DVec3::ZERO {
@@ -225,7 +225,7 @@ impl Bulk {
 
 /// Axes along which a user may mean 0 as a missing coordinate: all other coordinates are elsewhere.
 pub(super) fn axes_without_zero(positions: &Positions) -> [bool; 3] {
-    /// Of the extent of the others along the axis.
+    /// Minimum gap, as a fraction of the extent of the others along the axis.
     const LEAST_GAP: f64 = 0.25;
     let sample = sample(positions);
     std::array::from_fn(|axis| {
@@ -283,17 +283,18 @@ fn place(key: [u64; 3]) -> DVec3 {
     DVec3::from_array(key.map(f64::from_bits))
 }
 
-/// Whether coordinates along `axis` that are exactly 0 are missing: many are, the others are elsewhere along that axis,
-/// and their points are among these along both other axes. A floor far below things is wider than they are.
+/// Returns true if coordinates along `axis` that are exactly 0 are missing: many are, the others are elsewhere along
+/// that axis, and their points are among these along both other axes. A floor far below things is wider than they are.
 fn zeros_are_missing(sample: &[DVec3], axis: usize) -> bool {
     /// Fewer of the points have a coordinate.
     const MOST_ZEROS: f64 = 0.6;
-    /// Of the extent of the others along the axis, and of their extent across, for things that are no thin layers.
+    /// Minimum gap as a fraction of the extent of the others along the axis, and minimum height as a fraction of their
+    /// extent across, for things that are not thin layers.
     const LEAST_GAP: f64 = 0.9;
     const LEAST_HEIGHT: f64 = 0.2;
-    /// Of both, for everything.
+    /// Certain gap as a multiple of both extents, that is of the larger one, for everything.
     const SURE_GAP: f64 = 3.0;
-    /// Of the extent along another axis: points within it are among the others.
+    /// Margin as a fraction of the extent along another axis: points within it are among the others.
     const MARGIN: f64 = 0.5;
     const AMONG: f64 = 0.9;
     let (zeros, others): (Vec<DVec3>, Vec<DVec3>) = sample.iter().partition(|position| position[axis] == 0.0);
@@ -379,13 +380,13 @@ fn is_constant(coordinate: f64) -> bool {
     coordinate.abs() >= ABSURD || is_listed(coordinate)
 }
 
-/// Whether programs are known to write this number.
+/// Returns true if programs are known to write this number.
 pub(super) fn is_listed(coordinate: f64) -> bool {
     let magnitude = coordinate.abs();
     CONSTANTS.iter().any(|&constant| is_near(magnitude, constant))
 }
 
-/// Whether a coordinate is the smallest or largest that the integers of the file can hold.
+/// Returns true if a coordinate is the smallest or largest that the integers of the file can represent.
 fn is_limit(position: DVec3, axis: usize, known: Known) -> bool {
     known
         .limits

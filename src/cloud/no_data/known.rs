@@ -1,16 +1,16 @@
-//! What is known of a cloud beside its positions, and when two coordinates are the same one.
+//! Known facts about a cloud in addition to its positions, and equality of two coordinates.
 
 use glam::DVec3;
 
 /// Relative rounding of single precision.
 const ROUNDING: f64 = 1e-6;
 
-/// What is known of a cloud beside its positions.
+/// Known facts about a cloud in addition to its positions.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Known {
     /// See `RawCloud::integer_limits`.
     pub(super) limits: Option<[[f64; 2]; 3]>,
-    /// Whether points are vertices of triangles.
+    /// True if points are vertices of triangles.
     pub(super) has_faces: bool,
 }
 

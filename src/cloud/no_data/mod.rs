@@ -90,7 +90,7 @@ const MAX_SHARE: f64 = 0.98;
 pub struct MissingPoints {
     /// Indices in the file, ascending.
     pub indices: Vec<u32>,
-    /// The same by value, the most frequent first; at most [`MissingPoints::MAX_VALUES`].
+    /// Missing values with their counts, the most frequent first; at most [`MissingPoints::MAX_VALUES`].
     pub values: Vec<MissingValue>,
     /// Finite points that are not missing.
     pub present_count: usize,
@@ -217,14 +217,14 @@ impl MissingPoints {
     }
 }
 
-/// What missing points were looked for in.
+/// Search scope for missing points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FoundIn {
     /// Points that were looked at.
     pub point_count: usize,
     /// Points of the frame, where these are a sample of it.
     pub whole_count: Option<usize>,
-    /// Whether there is no other frame.
+    /// True if there is no other frame.
     pub is_only_frame: bool,
 }
 

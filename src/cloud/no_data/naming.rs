@@ -6,7 +6,7 @@ use super::repeats::Repeats;
 use crate::cloud::Positions;
 use glam::DVec3;
 
-/// Distinct values that are told apart: more are not constants.
+/// Maximum number of values that are distinguished: more are not constants.
 const MAX_DISTINCT: usize = 64;
 /// Values beyond these are counted together.
 pub(super) const MAX_VALUES: usize = 4;
@@ -21,7 +21,7 @@ pub struct MissingValue {
     pub count: usize,
 }
 
-/// What names are made by.
+/// Context for naming missing values.
 #[derive(Debug)]
 pub(super) struct Naming<'a> {
     repeats: Option<&'a Repeats>,
@@ -30,7 +30,7 @@ pub(super) struct Naming<'a> {
 }
 
 impl<'a> Naming<'a> {
-    /// Of coordinates that a user has named.
+    /// Creates a naming for coordinates that a user has named.
     pub(super) fn of_rule(known: Known) -> Self {
         Self {
             repeats: None,
@@ -39,7 +39,7 @@ impl<'a> Naming<'a> {
         }
     }
 
-    /// Of a place that a user has named.
+    /// Creates a naming for a position that a user has named.
     pub(super) fn of_place(place: [f64; 3], known: Known) -> Self {
         Self {
             place: Some(place),
@@ -47,7 +47,7 @@ impl<'a> Naming<'a> {
         }
     }
 
-    /// Of what statistics have found.
+    /// Creates a naming for repeats that statistics have found.
     pub(super) fn of_repeats(repeats: &'a Repeats, known: Known) -> Self {
         Self {
             repeats: Some(repeats),

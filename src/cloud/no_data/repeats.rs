@@ -17,13 +17,13 @@ const FAR_DIAGONALS: f64 = 3.0;
 const MANY: usize = 20;
 const SOME: usize = 5;
 const SOME_SHARE: f64 = 2e-3;
-/// Of the points that are far away.
+/// Minimum share of the points that are far away.
 const LEAST_FAR_SHARE: f64 = 0.01;
 const LEAST_FAR_SHARE_OF_RANGES: f64 = 0.1;
 /// Equal distances differ by no more than this share: coordinates are of single precision.
 const RANGE_ROUNDING: f64 = 1e-6;
 
-/// What is repeated.
+/// Repeated positions and coordinates.
 #[derive(Debug, Default)]
 pub(super) struct Repeats {
     /// Bits of positions, ascending.
@@ -69,7 +69,7 @@ impl Repeats {
         self.is_place(position) || (self.range(position).is_some() && is_far(position, bulk))
     }
 
-    /// Whether many points are at this place.
+    /// Returns true if many points are at this position.
     pub(super) fn is_place(&self, position: DVec3) -> bool {
         !self.places.is_empty() && self.places.binary_search(&key(position)).is_ok()
     }
@@ -119,7 +119,7 @@ fn equal_ranges(far: Vec<DVec3>, far_count: usize, all_count: usize) -> Vec<[f64
     ranges
 }
 
-/// Whether points of one distance lie in many directions: half of it apart along two axes.
+/// Returns true if points at one distance lie in many directions: half of it apart along two axes.
 fn is_around(equal: &[(f64, DVec3)]) -> bool {
     let min = equal
         .iter()

@@ -1,4 +1,4 @@
-//! Where trails end, and why.
+//! Trail breaks: the frames at which trails end, and the reasons.
 
 /// A frame through which points cannot be followed.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -14,11 +14,11 @@ pub struct TrailBreak {
 pub enum BreakReason {
     /// There are more points, or fewer.
     OtherCount {
-        /// How many.
+        /// Point count of this frame.
         points: usize,
         /// A frame in which points are followed.
         other: usize,
-        /// How many that one has.
+        /// Point count of the other frame.
         other_points: usize,
     },
     /// The points seem to be in another order than in this frame before.
@@ -31,7 +31,7 @@ pub enum BreakReason {
 }
 
 impl TrailBreak {
-    /// What to tell a person; `named` says how a frame is called, such as "frame 3".
+    /// Returns the message for the user; `named` returns the name of a frame, such as "frame 3".
     pub fn text(&self, named: impl Fn(usize) -> String) -> String {
         let frame = named(self.frame);
         match self.reason {

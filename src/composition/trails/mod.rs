@@ -1,11 +1,13 @@
-//! Where points go through time: those with one index in the file, in every frame of which that can be said.
+//! Trails: the trajectories of points over time, following one index in the file through every frame where that index
+//! can be trusted.
 //!
 //! **How it works.** Frames are looked at one after the other, in memory where all their points are, else in their
-//! files; of each only the places of the followed points are kept. An index means one point in two frames if these have
-//! as many points and seem to have them in one order. Whether they do is guessed: 256 points of evenly spread indices,
-//! seen from their common middle, have to lie nearer to themselves in the frame before than half as far as to others of
-//! them ([`keeps_order`]). A trail ends where that fails, seen from the frame in which its point was chosen. Scanners
-//! that look the same way in every turn pass, although what they see is not the same point of the scene.
+//! files; only the positions of the followed points are kept of each. An index means the same point in two frames if
+//! these have the same number of points and appear to have them in the same order. That is a heuristic: 256 points of
+//! evenly spread indices, relative to their common centroid, have to lie less than half as far from themselves in the
+//! previous frame as from the others ([`keeps_order`]). A trail ends where that fails, starting from the frame in which
+//! its point was chosen. Scanners that have the same scan directions in every revolution pass, although what they see
+//! is not the same point of the scene.
 
 mod breaks;
 mod order;
@@ -27,10 +29,10 @@ use std::sync::Arc;
 /// Bytes of places that are kept at most.
 const MAX_BYTES: usize = 64 << 20;
 
-/// Which points are followed through which frames.
+/// Request for trails: the points to follow, and the frames to follow them through.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TrailRequest {
-    /// Their indices in the file. Of too many for 64 MiB of places the last are left out.
+    /// Point indices in the file. If their positions would exceed 64 MiB, the last ones are omitted.
     pub indices: Vec<u32>,
     /// The frame in which they were chosen.
     pub chosen_in: usize,
@@ -51,17 +53,17 @@ pub struct TrailMeasure {
     pub max_speed: f64,
 }
 
-/// Where points are, frame by frame.
+/// Trails: the positions of the followed points, frame by frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trails {
     frames: Range<usize>,
     trail_count: usize,
-    /// A row a frame, relative to the sequence's origin; NaN where there is none.
+    /// Positions, one row per frame, relative to the sequence's origin; NaN where there is none.
     places: Vec<Vec3>,
     breaks: Vec<TrailBreak>,
 }
 
-/// What is looked at in a frame.
+/// Positions evaluated in a frame.
 struct FramePlaces {
     witnesses: Vec<Vec3>,
     followed: Vec<Vec3>,
@@ -120,7 +122,7 @@ impl Trails {
         self.trail_count
     }
 
-    /// Where a point is in a frame, relative to the sequence's origin; `None` where that is not known.
+    /// Returns the position of a point in a frame, relative to the sequence's origin; `None` if it is not known.
     pub fn place(&self, trail: usize, frame: usize) -> Option<Vec3> {
         if !self.frames.contains(&frame) || trail >= self.trail_count {
             return None;
@@ -129,7 +131,7 @@ impl Trails {
         place.is_finite().then_some(place)
     }
 
-    /// Where trails end, in order.
+    /// Returns the trail breaks, in order.
     pub fn breaks(&self) -> &[TrailBreak] {
         &self.breaks
     }
@@ -159,7 +161,7 @@ impl Trails {
     }
 }
 
-/// What is known when some of the frames were looked at.
+/// State of the tracing after some of the frames have been visited.
 struct Walk<'a> {
     request: &'a TrailRequest,
     /// Places of the followed points, by frame.
@@ -210,7 +212,8 @@ impl<'a> Walk<'a> {
         self.breaks.push(TrailBreak { frame, reason });
     }
 
-    /// What lies around the frame in which points were chosen, as far as all frames have one order.
+    /// Returns the trails over the stretch of frames around the one in which the points were chosen, as far as all
+    /// frames have the same point order.
     fn into_trails(mut self, frames: Range<usize>, trail_count: usize) -> Trails {
         let chosen = self.request.chosen_in;
         let begin = self.turns.iter().rev().find(|(_, turn)| *turn <= chosen);
@@ -239,8 +242,8 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// What `take` makes of the places of points by their index in the file; NaN where the file has none. `Err` has the
-/// number of points where it is another one, nothing where the frame cannot be read.
+/// Returns the result of `take` on the positions of points by their index in the file; NaN where the file has no such
+/// point. `Err` holds the point count if it differs, `None` if the frame cannot be read.
 fn look<T>(
     sequence: &Sequence,
     index: usize,

@@ -1,4 +1,4 @@
-//! Whether the points of two frames seem to be in one order.
+//! Heuristic test that the points of two frames are in the same order.
 
 use glam::Vec3;
 
@@ -10,8 +10,9 @@ const FEWEST_WITNESSES: usize = 16;
 /// stayed.
 const FARTHEST_MOVE: f32 = 0.5;
 
-/// Whether points of the same indices in two frames seem to be the same points: seen from the middle of all, they are
-/// nearer to themselves than half as far as to others, in the median. Too few of them say nothing against it.
+/// Returns true if points of the same indices in two frames appear to be the same points: relative to the centroid of
+/// all, they are less than half as far from themselves as from others, in the median. Too few points are no evidence
+/// against it.
 pub(super) fn keeps_order(before: &[Vec3], now: &[Vec3]) -> bool {
     let pairs = before.iter().zip(now);
     let pairs: Vec<(Vec3, Vec3)> = pairs

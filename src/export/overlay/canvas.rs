@@ -7,15 +7,14 @@ use image::{Rgba, RgbaImage};
 pub(in crate::export) struct OverlayCanvas<'a> {
     /// The rows.
     pub(in crate::export) rows: &'a mut RgbaImage,
-    /// How many rows of the whole picture are above.
+    /// Row offset: the number of rows of the whole image above this strip.
     pub(in crate::export) top_px: u32,
     /// Width and height of the whole picture.
     pub(in crate::export) whole_px: [u32; 2],
 }
 
 impl OverlayCanvas<'_> {
-    /// Lays `color` over a pixel of the whole picture, with an alpha of 0 to 1. What is outside of the rows is left
-    /// out.
+    /// Blends `color` over a pixel of the whole image, with an alpha of 0 to 1. Pixels outside of the rows are ignored.
     pub(super) fn blend(&mut self, [x, y]: [i64; 2], color: [u8; 3], alpha: f32) {
         let place = u32::try_from(x)
             .ok()

@@ -1,6 +1,6 @@
-//! Labels in a picture, as in the window: a dot at the point, and the text beside it.
+//! Labels in an image, as in the window: a dot at the point, and the text next to it.
 //!
-//! How it works: labels are laid out once for the whole picture, then each strip draws its rows of them. Those whose
+//! How it works: labels are laid out once for the whole image, then each strip draws its rows of them. Those whose
 //! points are hidden come first, dimmed, so that they never lie over others.
 
 use super::canvas::OverlayCanvas;
@@ -32,11 +32,11 @@ const PADDING: [f32; 2] = [5.0, 2.0];
 
 const WHITE: [u8; 3] = [255; 3];
 const BLACK: [u8; 3] = [0; 3];
-/// Of the dot.
+/// Colour of the dot.
 const TINT: [u8; 3] = [255, 190, 60];
-/// Of the ground of the text.
+/// Opacity of the text background.
 const GROUND_ALPHA: f32 = 0.72;
-/// What is hidden is so much paler.
+/// Opacity factor of hidden labels.
 const DIMMED: f32 = 0.35;
 
 /// Labels that are laid out.
@@ -48,14 +48,14 @@ pub(in crate::export) struct PaintedLabels {
 
 #[derive(Debug)]
 struct Painted {
-    /// Where its point is.
+    /// Position of its point.
     at: [f32; 2],
     line: Line,
     opacity: f32,
 }
 
 impl PaintedLabels {
-    /// Those of a picture of `size_px`; what would be far outside of it is left out.
+    /// Lays out the labels of an image of `size_px`; labels that would be far outside of it are omitted.
     pub(in crate::export) fn of(labels: &[(LabelOnPicture, String)], size_px: [u32; 2]) -> Self {
         let [width, height] = size_px.map(|edge| edge as f32);
         // Readable in small pictures too.

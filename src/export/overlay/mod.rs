@@ -1,8 +1,8 @@
-//! What is drawn over exported pictures: the legend of their colours, and labels at points.
+//! Overlays on exported images: the legend of their colours, and labels at points.
 //!
-//! How it works: an overlay knows the whole picture and draws into one strip of it after the other, so that pictures of
-//! any size have it. It is as large beside the picture as in a window of 720 pixels. Where nothing is behind the cloud
-//! it has an alpha of its own.
+//! How it works: an overlay knows the whole image and draws into one strip of it after the other, so that images of any
+//! size can have it. It is as large relative to the image as in a window of 720 pixels. Where nothing is behind the
+//! cloud it has an alpha of its own.
 
 mod canvas;
 mod labels;

@@ -15,7 +15,7 @@ fn font() -> Option<&'static FontRef<'static>> {
 pub(super) struct Line {
     glyphs: Vec<(GlyphId, f32)>,
     scale: PxScale,
-    /// How wide it is.
+    /// Width of the line.
     pub(super) width_px: f32,
     /// From its upper edge to its base line.
     ascent_px: f32,

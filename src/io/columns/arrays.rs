@@ -97,12 +97,12 @@ pub(in crate::io) fn set_colors(
     cloud.color_depth = scales.depth;
 }
 
-/// What is full intensity in colour channels.
+/// Full-scale values of colour channels.
 #[derive(Debug)]
 pub(super) struct Scales {
     channels: [f64; 3],
     alpha: f64,
-    /// Whether 8 bits were found in fields of 16.
+    /// True if 8-bit values were found in 16-bit fields.
     pub(super) is_narrow: bool,
     /// The range that was concluded from the largest value.
     pub(in crate::io) depth: Option<ColorDepth>,
@@ -145,7 +145,7 @@ fn largest(columns: &[&Column<'_>], count: usize) -> f64 {
     largest.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// What is said of colours of which 8 bits are kept.
+/// Returns the note about colours of which 8 bits are kept.
 pub(super) fn rounded_colors() -> NotKept {
     NotKept::quiet("colours have more than 8 bits a channel in the file: they are kept with 8")
 }
@@ -185,7 +185,8 @@ pub(super) fn append_colors(
 
 /// Writes `column` into one of the four channels of `colors`, as 8 bits. True where values are rounded by that.
 fn write_channel(colors: &mut [[u8; 4]], column: &Column<'_>, channel: usize, full_scale: f64) -> bool {
-    /// Of a step: fractions of single precision that were 8 bits once are as near to them.
+    /// Tolerance as a fraction of a quantisation step: single-precision fractions that originated from 8 bits are this
+    /// near.
     const NEAR: f64 = 1e-3;
     let scale = 255.0 / full_scale;
     let mut is_rounded = false;

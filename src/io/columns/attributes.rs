@@ -65,7 +65,7 @@ pub(in crate::io) fn is_reserved(name: &str) -> bool {
         || RADII.contains(&name)
 }
 
-/// Which column is what, by index. Every column that is nothing else is a scalar.
+/// Roles of the columns, by index. Every column without another role is a scalar field.
 #[derive(Debug)]
 pub(super) struct Roles {
     pub(in crate::io) positions: [usize; 3],
@@ -76,7 +76,7 @@ pub(super) struct Roles {
     pub(in crate::io) scalars: Vec<usize>,
 }
 
-/// Where the colours are.
+/// Location of the colours.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::io) enum Colors {
     /// Red, green and blue in columns of their own.
@@ -152,8 +152,8 @@ impl Roles {
             + scalars.sum::<usize>()
     }
 
-    /// Whether a row alone tells what it means. Colours wider than a byte do not: the brightest of all tells what is
-    /// full intensity.
+    /// Returns true if a row can be interpreted on its own. Rows with colours wider than a byte cannot: full intensity
+    /// is determined by the brightest of all.
     pub(super) fn are_local(&self, columns: &[Column<'_>]) -> bool {
         match self.colors {
             Some(Colors::Channels { channels, alpha }) => channels

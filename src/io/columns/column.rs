@@ -3,7 +3,7 @@
 pub(in crate::io) use crate::binary::Scalar;
 use std::ops::Range;
 
-/// Where the numbers are.
+/// Storage of the values of a column.
 #[derive(Debug, Clone)]
 pub(in crate::io) enum Values<'a> {
     /// Number `i` is at byte `start + i * step`. Every one lies within `bytes`.
@@ -77,8 +77,8 @@ macro_rules! walk {
     }};
 }
 
-/// Whether the decimal number `value` is what a number of single precision is written as: the nearest of these is off
-/// by less than half of the last digit.
+/// Returns true if the decimal number `value` is the printed form of a single-precision number: the nearest of these is
+/// off by less than half of the last digit.
 fn is_written_single(value: f64) -> bool {
     /// More than single precision has, of numbers near 1.
     const MOST_DECIMALS: i32 = 12;
@@ -95,8 +95,8 @@ fn is_written_single(value: f64) -> bool {
 }
 
 impl Column<'_> {
-    /// Whether coordinates need double precision. Text does where it has more digits than the single precision that its
-    /// header declares: some writers call all numbers `float`.
+    /// Returns true if coordinates need double precision. Text does where it has more digits than the single precision
+    /// that its header declares: some writers call all numbers `float`.
     pub(in crate::io) fn is_wide(&self) -> bool {
         match &self.values {
             Values::Parsed(values) if self.scalar == Scalar::F32 => {

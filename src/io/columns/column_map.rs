@@ -39,7 +39,7 @@ impl fmt::Display for ColumnName {
 
 /// The role of the column whose values are frames.
 pub(in crate::io) const FRAME_ROLE: &str = "frame";
-/// In place of a column: nothing has the role.
+/// Placeholder instead of a column: nothing has the role.
 const NONE: &str = "none";
 /// More values per point are not read.
 const MAX_WIDTH: usize = 4096;

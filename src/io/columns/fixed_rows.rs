@@ -1,15 +1,15 @@
-//! Rows of one length in a file, made into points piece by piece.
+//! Fixed-length rows of a file, decoded into points piece by piece.
 //!
-//! A plain copy of a file into memory is bound by memory, and so is taking it apart: whoever reads the whole first
-//! moves every byte three times through memory that no cache holds. Here each thread reads a piece that its core's
-//! cache holds and takes it apart, and the arrays of the cloud are written once, from their beginning to their end.
-//! Threads follow one another from the file to the positions to the other attributes to each scalar field, each step
-//! being held by one of them, so that pieces stay in order and a step is taken while others take theirs. Neither the
-//! file nor a second copy of a column is in memory beside the cloud.
+//! A plain copy of a file into memory is memory-bound, and so is parsing it: reading the whole file first moves every
+//! byte three times through memory that no cache holds. Here each thread reads a piece that fits into its core's cache
+//! and parses it, and the arrays of the cloud are written once, from their beginning to their end. Threads follow one
+//! another from the file to the positions to the other attributes to each scalar field, each step being held by one of
+//! them, so that pieces stay in order and threads work on different steps concurrently. Neither the file nor a second
+//! copy of a column is in memory in addition to the cloud.
 //!
-//! A decoder whose header tells of such rows says so ([`crate::io::formats::ply`], [`crate::io::formats::pcd`]).
-//! Whatever is unusual is left to the reading of whole files, which also has the words for what is wrong: headers that
-//! claim more than there is, attributes of which a row alone does not tell what it means.
+//! A decoder whose header describes such rows declares them ([`crate::io::formats::ply`], [`crate::io::formats::pcd`]).
+//! Whatever is unusual is left to the reading of whole files, which also has the error messages: headers that claim
+//! more than there is, attributes that a row alone does not suffice to interpret.
 
 use super::attributes::Roles;
 use super::column::{Column, Scalar, Values};
@@ -26,7 +26,8 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// What is read at once: about what a core's own cache holds. Less is slower, for threads meet more often.
+/// Size of a piece that is read at once: about the size of a core's own cache. Less is slower, as threads contend more
+/// often.
 const PIECE_BYTES: usize = 1 << 20;
 
 /// Rows that a thread looks for one after the other, and between two looks at the clock.
@@ -55,7 +56,7 @@ pub(in crate::io) struct FixedRows {
     pub(in crate::io) count: usize,
     pub(in crate::io) big_endian: bool,
     pub(in crate::io) fields: Vec<RowField>,
-    /// Whether nothing comes behind the rows.
+    /// True if nothing follows the rows.
     pub(in crate::io) is_all: bool,
     /// See [`RawCloud::sensor`].
     pub(in crate::io) sensor: Option<DVec3>,
@@ -63,7 +64,7 @@ pub(in crate::io) struct FixedRows {
     pub(in crate::io) convention: Option<AxisConvention>,
     /// See [`RawCloud::grid`].
     pub(in crate::io) grid: Option<ImageGrid>,
-    /// What of the file is no part of the cloud.
+    /// Data of the file that is not part of the cloud.
     pub(in crate::io) not_kept: Vec<NotKept>,
 }
 
@@ -82,7 +83,7 @@ impl FixedRows {
         (self.count as u64).saturating_mul(self.row_bytes as u64)
     }
 
-    /// What there is to say of bytes behind the rows in a file of `file_bytes`.
+    /// Returns the note about trailing bytes after the rows in a file of `file_bytes`.
     pub(in crate::io) fn bytes_behind(&self, file_bytes: u64) -> Option<String> {
         let end = (self.start as u64).saturating_add(self.file_bytes());
         let rest = file_bytes.checked_sub(end).filter(|_| self.is_all)?;
@@ -183,8 +184,8 @@ impl FixedRows {
         cloud
     }
 
-    /// What the columns are for, and the file at `path`, if each row tells all of its point and there are as many as
-    /// the header claims.
+    /// Returns the roles of the columns, and the file at `path`, if each row fully describes its point and there are as
+    /// many rows as the header claims.
     fn open(&self, path: &Path) -> io::Result<Option<(Roles, File)>> {
         let columns = self.columns(&[]);
         let roles = Roles::of(&columns).ok();

@@ -40,7 +40,7 @@ struct Others {
 struct GrowingField {
     name: String,
     values: ScalarValues,
-    /// Whether the file has integers of 64 bits for it.
+    /// True if the file stores the field as 64-bit integers.
     is_long: bool,
 }
 
@@ -217,7 +217,7 @@ impl Others {
 }
 
 impl ScalarValues {
-    /// What is said of integers that double precision may not hold.
+    /// Returns the note about integers that double precision may not hold.
     fn rounded(&self, name: &str) -> Option<NotKept> {
         const LARGEST: f64 = (1u64 << f64::MANTISSA_DIGITS) as f64;
         let Self::Wide(values) = self else { return None };

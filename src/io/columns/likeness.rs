@@ -15,7 +15,7 @@ pub(in crate::io) enum Poses {
 }
 
 impl Poses {
-    /// What a row of them is, with its article.
+    /// Returns the description of a row of poses, with its article.
     pub(in crate::io) fn row(self) -> &'static str {
         match self {
             Self::Stamped => "a growing number, a position and a unit quaternion",
@@ -58,7 +58,7 @@ pub(in crate::io) fn poses(columns: &[Vec<f64>]) -> Option<Poses> {
     }
 }
 
-/// Whether three rows of three numbers are the matrix of a camera.
+/// Returns true if three rows of three numbers are a camera matrix.
 pub(in crate::io) fn is_camera_matrix(columns: &[Vec<f64>]) -> bool {
     /// Pixels. The corners of a triangle are nearer to each other.
     const MIN_FOCAL_LENGTH: f64 = 10.0;
@@ -78,17 +78,17 @@ pub(in crate::io) fn is_camera_matrix(columns: &[Vec<f64>]) -> bool {
 const MIN_GRID_COLUMNS: usize = 16;
 const MIN_GRID_ROWS: usize = 4;
 
-/// Whether `columns` are an image or a grid: all hold the like, or values change little from a column to the next,
-/// also among the first ones, where a table of points has its coordinates.
+/// Returns true if `columns` are an image or a grid: all hold similar values, or values change little from one column
+/// to the next, also among the first ones, where a table of points has its coordinates.
 pub(in crate::io) fn is_grid(columns: &[Vec<f64>]) -> bool {
     let width = columns.len();
     let rows = columns.first().map_or(0, Vec::len);
     width >= MIN_GRID_COLUMNS && rows >= MIN_GRID_ROWS && (are_alike(columns) || are_smooth(columns))
 }
 
-/// Whether nearly all columns have values of about the same size and spread, the first three of them too.
+/// Returns true if nearly all columns have values of about the same size and spread, the first three of them too.
 fn are_alike(columns: &[Vec<f64>]) -> bool {
-    /// Of the spread of all.
+    /// Maximum offset as a fraction of the spread of all columns.
     const MAX_OFFSET: f64 = 0.5;
     const MAX_RATIO: f64 = 2.0;
     let ranges: Option<Vec<[f64; 3]>> = columns.iter().map(|column| quantiles(column)).collect();
@@ -105,7 +105,7 @@ fn are_alike(columns: &[Vec<f64>]) -> bool {
     usual > 0.0 && alike * 10 >= columns.len() * 9 && ranges[..3].iter().all(is_alike)
 }
 
-/// Whether values change much less from a column to the next than between columns that are far apart.
+/// Returns true if values change much less from one column to the next than between columns that are far apart.
 fn are_smooth(columns: &[Vec<f64>]) -> bool {
     const MAX_STEP: f64 = 0.6;
     let width = columns.len();

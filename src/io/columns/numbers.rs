@@ -89,8 +89,8 @@ impl<'a> Iterator for Tokens<'a> {
     }
 }
 
-/// `text` with points in place of decimal commas, if the first of its `rows` have them: `numbers` words of one comma at
-/// most, which is between digits.
+/// Returns `text` with decimal points instead of decimal commas, if the first of its `rows` have them: `numbers` words
+/// of one comma at most, which is between digits.
 pub(in crate::io) fn with_decimal_points(text: &[u8], numbers: usize, rows: usize) -> Option<Vec<u8>> {
     const LOOKED_AT_ROWS: usize = 16;
     let is_between_digits = |word: &[u8]| {

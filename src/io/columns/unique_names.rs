@@ -40,7 +40,7 @@ impl UniqueNames {
     }
 }
 
-/// What is said of properties or fields of the same name: where each is, its name, and the name that it gets.
+/// Returns the warning about properties or fields of the same name: the position of each, its name, and its new name.
 pub(in crate::io) fn duplicate_warning(owner: &str, duplicates: &[(usize, String, String)]) -> Option<String> {
     /// More is not read by anybody.
     const MOST_NAMED: usize = 8;

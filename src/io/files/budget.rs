@@ -8,7 +8,7 @@ use crate::io::error::Fault;
 use crate::io::options::ReadOptions;
 
 impl ReadOptions {
-    /// The same where `bytes` more are in memory until the reading ends.
+    /// Returns the options with a memory budget reduced by `bytes` that stay in memory until the reading ends.
     pub(in crate::io) fn holding(self, bytes: usize) -> Self {
         Self {
             held_bytes: self.held_bytes.saturating_add(bytes as u64),

@@ -20,7 +20,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-/// How a time is written.
+/// Notation of a time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum TimeNotation {
     Date,
@@ -44,8 +44,8 @@ impl TimeNotation {
 /// Times of day are no times of frames that are further apart.
 const MOST_STEP: Duration = Duration::from_mins(5);
 
-/// The times in `names`, which are in order: since 1970, or since whatever moment they count from. All are `None`
-/// unless all are times that grow.
+/// Returns the timestamps in `names`, which are in order: since 1970, or since an epoch of their own. All are `None`
+/// unless all are times that increase.
 pub(crate) fn times_of_names(names: &[&str]) -> Vec<Option<Duration>> {
     let of_notation = |notation: TimeNotation| -> Option<Vec<Option<Duration>>> {
         let times: Vec<Duration> = names
@@ -225,7 +225,7 @@ fn days_since_1970(year: u32, month: u32, day: u32) -> u64 {
     years + months + u64::from(day) - 1
 }
 
-/// What stands behind the point of a second.
+/// Parses the fractional digits of a second.
 fn fraction_nanos(digits: &str) -> Option<u32> {
     const NANO_DIGITS: usize = 9;
     if digits.len() > NANO_DIGITS {

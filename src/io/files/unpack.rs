@@ -7,7 +7,7 @@ use crate::io::options::ReadOptions;
 use crate::memory;
 use std::io::{self, Read, Seek, SeekFrom};
 
-/// How bytes are packed.
+/// Compression of the bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::io) enum Packing {
     /// As they are.
@@ -104,7 +104,7 @@ fn claim_of_gzip(packed: &mut (impl Read + Seek)) -> io::Result<u64> {
     Ok(u64::from(u32::from_le_bytes(claim)).min(length.saturating_mul(MOST_DEFLATED)))
 }
 
-/// What was unpacked.
+/// Result of decompression.
 struct Drained {
     bytes: Vec<u8>,
     /// There is more of it.

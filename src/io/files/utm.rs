@@ -12,7 +12,7 @@ const FALSE_EASTING_M: f64 = 500_000.0;
 const FALSE_NORTHING_M: f64 = 10_000_000.0;
 const ZONE_DEGREES: f64 = 6.0;
 const ZONES: f64 = 60.0;
-/// Farther from the middle of a zone the projection is far too wide.
+/// Maximum distance from the central meridian of a zone in degrees: beyond it the projection is far too wide.
 const MAX_DEGREES: f64 = 30.0;
 
 /// A zone of six degrees, north or south of the equator.
@@ -43,7 +43,8 @@ impl Zone {
         f64::from(self.number) * ZONE_DEGREES - 183.0
     }
 
-    /// The zone of the middle of `places`, longitudes and latitudes in degrees; `None` where no number is among them.
+    /// Returns the zone of the centre of `places`, longitudes and latitudes in degrees; `None` if there is no number
+    /// among them.
     pub(in crate::io) fn of_middle(places: impl Iterator<Item = [f64; 2]>) -> Option<Self> {
         let (mut longitudes, mut latitudes): (Vec<f64>, Vec<f64>) = places
             .filter(|place| place.iter().all(|angle| angle.is_finite()))
@@ -58,7 +59,7 @@ impl Zone {
         Some(Self::of(longitude, latitude))
     }
 
-    /// Whether both are angles in degrees.
+    /// Returns true if both are angles in degrees.
     pub(in crate::io) fn are_degrees(longitude: f64, latitude: f64) -> bool {
         (-90.0..=90.0).contains(&latitude) && (-180.0..=360.0).contains(&longitude)
     }
@@ -74,7 +75,7 @@ impl Zone {
         Ok(self.project(longitude, latitude))
     }
 
-    /// Degrees that `longitude` is away from its middle.
+    /// Returns the degrees of `longitude` from the central meridian of the zone.
     fn degrees_from_meridian(self, longitude: f64) -> f64 {
         (longitude - self.meridian() + 180.0).rem_euclid(360.0) - 180.0
     }

@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// What is read between two looks at whether it is still wanted.
+/// Chunk size that is read between two cancellation checks.
 const PIECE_BYTES: u64 = 8 << 20;
 
 /// A reader that tells how much was read of it, and fails once that is cancelled.
@@ -69,7 +69,7 @@ fn read_opened(file: &mut File, length: u64, progress: &Progress) -> io::Result<
     Ok(bytes)
 }
 
-/// What nobody is told: whoever cancelled knows it.
+/// Returns the error of a cancelled read, which is never reported: whoever cancelled knows it.
 pub(in crate::io) fn cancelled() -> io::Error {
     io::Error::other("cancelled")
 }

@@ -1,17 +1,17 @@
 //! Bare little-endian f32 records: KITTI's `.bin` (x y z intensity), nuScenes' `.pcd.bin` (x y z intensity ring),
 //! radars of seven floats and more.
 //!
-//! Files of doubles are read as well, where singles make no sense of them and doubles do.
+//! Files of doubles are read as well, where single precision makes no sense and double precision does.
 //!
-//! Nothing in such a file says what it is, so it must be plausible to be believed, and how many numbers a point has is
-//! estimated:
+//! Nothing in such a file identifies the format, so its contents must be plausible to be accepted, and the number of
+//! values per point is estimated:
 //!
-//! 1. The name decides where it can: `.pcd.bin` is five numbers, as only nuScenes names its files so. A user may say it
-//!    as well, with the columns that are coordinates (`--columns`).
+//! 1. The name decides where it can: `.pcd.bin` is five numbers, as only nuScenes names its files so. A user may
+//!    specify it    as well, with the columns that are coordinates (`--columns`).
 //! 2. A width is possible if the size of the file is a multiple of it and all coordinates are plausible: finite, no
 //!    more than a million away from the origin (sensors see some hundred metres, map projections some million), and not
 //!    tiny but for zero: other data read as floats is full of numbers like 1e-38.
-//! 3. Read at the right width a column holds numbers of one kind, which change little from a point to the next; at a
+//! 3. Read at the right width a column holds numbers of one kind, which change little from one point to the next; at a
 //!    wrong one it holds coordinates and intensities by turns. So the width is taken whose columns change least
 //!    ([`roughness`]). Where that does not decide, it is the most common one. Multiples of the right width are as
 //!    smooth, so the smallest of equals is taken, and rare widths have to be clearly smoother.
@@ -50,7 +50,7 @@ const MIN_DISTANCE: f32 = 1e-9;
 /// Velodyne's intensities are 0 to 255, those of others up to 16 bits.
 const MAX_INTENSITY: f32 = 65_535.0;
 const MAX_RING: f32 = 255.0;
-/// Another width is believed in place of a more common one if the logarithm of its roughness is so much less.
+/// Minimum decrease of the logarithm of the roughness at which another width is chosen instead of a more common one.
 const CLEARLY_SMOOTHER: f64 = 0.15;
 /// A rare one.
 const MUCH_SMOOTHER: f64 = 0.3;
@@ -296,9 +296,9 @@ fn implausible(bytes: &[u8], width: usize, positions: [usize; 3]) -> Option<Faul
     None
 }
 
-/// How much the columns change from a point to the next: the mean over them of the logarithm of the mean step. Numbers
-/// of another kind in between make steps as large as the cloud. Infinite where there is no next point, which says
-/// nothing for a width.
+/// Returns the roughness of the columns from one point to the next: the mean over them of the logarithm of the mean
+/// step. Numbers of another kind in between make steps as large as the cloud. Infinite where there is no next point,
+/// which is no evidence for a width.
 fn roughness(bytes: &[u8], width: usize) -> f64 {
     let mut steps = vec![0.0f64; width];
     let (mut sizes, mut count) = (0.0, 0.0);

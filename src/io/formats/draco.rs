@@ -24,7 +24,7 @@ pub(in crate::io) const FORMAT: Format = Format::new(&Traits {
 });
 
 pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
-    /// What a point and a face take in the cloud, and beside it while it is read.
+    /// Memory of a point and a face in bytes: in the cloud, and in addition to it while it is read.
     const POINT_BYTES: u64 = 64;
     const FACE_BYTES: u64 = 64;
     let limits = DecodeLimits::default()

@@ -49,7 +49,7 @@ enum Missing {
     From(f64),
 }
 
-/// What the header of GRASS begins with.
+/// Keywords at the start of a GRASS header.
 const GRASS_WORDS: [&str; 6] = ["north:", "south:", "east:", "west:", "rows:", "cols:"];
 
 /// True for a text that begins with the number of columns by name, or with an edge of GRASS.
@@ -88,8 +88,8 @@ pub(in crate::io) fn decode_esri(bytes: &[u8], options: &ReadOptions, progress: 
     grid.read(&mut values, text.len(), &options.holding(copied), progress)
 }
 
-/// A grid with points in place of decimal commas: each comma is between digits, and some line of the header has one. In
-/// a list of values commas separate.
+/// Returns a grid with decimal points instead of decimal commas: each comma is between digits, and some line of the
+/// header has one. In a list of values commas are separators.
 fn with_points_in_grid(text: &[u8]) -> Option<Vec<u8>> {
     let is_decimal = |word: &[u8]| {
         let commas = word.split(|&byte| byte == b',').count() - 1;

@@ -148,7 +148,7 @@ fn without_count(word: &[u8]) -> &[u8] {
     }
 }
 
-/// What the `count` numbers of a vertex are.
+/// Returns the names of the `count` numbers of a vertex.
 fn names(keyword: &str, count: usize) -> Vec<&'static str> {
     const COLOR: [&str; 4] = ["red", "green", "blue", "alpha"];
     let prefix = keyword.trim_end_matches("OFF");
@@ -200,7 +200,7 @@ fn face(numbers: &[f64], index: usize, vertices: usize, faces: &mut Vec<[u32; 3]
 /// The lines with something in them, without comments.
 struct Lines<'a> {
     rest: Option<&'a [u8]>,
-    /// Of the last line, counted from 1.
+    /// Line number of the last line, counted from 1.
     number: usize,
 }
 

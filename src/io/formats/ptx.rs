@@ -1,9 +1,10 @@
-//! PTX of Leica: text with several scans, each a grid of points as the scanner saw them, with the pose it stood in.
+//! PTX files of Leica: text with several scans, each a grid of points as the scanner saw them, with the pose of the
+//! scanner.
 //!
-//! A scan is ten lines of header (columns, rows, position, three axes, four rows of a matrix), then a line a point: `x
-//! y z intensity`, and red, green and blue in some files. A row vector times the matrix is the point in the coordinates
-//! that all scans share; the position and the axes say the same once more. Beams that met nothing are stored at the
-//! scanner: they are kept, as other readers keep them.
+//! A scan is ten lines of header (columns, rows, position, three axes, four rows of a matrix), followed by one line per
+//! point: `x y z intensity`, and red, green and blue in some files. A row vector times the matrix is the point in the
+//! coordinates that all scans share; the position and the axes repeat the same pose. Beams without a return are stored
+//! at the scanner: they are kept, as other readers keep them.
 
 use super::xyz::rows::{self, Kind};
 use super::xyz::{self, Dialect};
@@ -144,7 +145,7 @@ fn width(text: &[u8]) -> Option<usize> {
 /// Lines that are not empty, one after the other.
 struct Lines<'a> {
     rest: &'a [u8],
-    /// Of the next line, counted from 1.
+    /// Line number of the next line, counted from 1.
     number: usize,
 }
 

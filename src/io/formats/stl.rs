@@ -1,9 +1,10 @@
-//! STL: triangles with three corners each, as text or binary; corners at the same place are made one vertex.
+//! STL files: triangles with three corners each, as text or binary; corners at the same position are merged into one
+//! vertex.
 //!
-//! The header of a binary file may begin with `solid` like a text. What tells them apart is the length: a binary file
-//! has 50 bytes for each of the triangles that it counts. Some writers (`VisCAM`, `SolidView`) put a colour into the
-//! two bytes behind a triangle, which is told by its highest bit; a vertex has that of the first triangle it is a
-//! corner of.
+//! The header of a binary file may begin with `solid` like a text file. The two are distinguished by the length: a
+//! binary file has 50 bytes for each of the triangles that it counts. Some writers (`VisCAM`, `SolidView`) store a
+//! colour in the two bytes after a triangle, flagged by the highest bit; a vertex has that of the first triangle it is
+//! a corner of.
 
 use crate::cloud::{AxisConvention, Positions, RawCloud};
 use crate::io::columns::numbers::{Tokens, parse_number, quoted};

@@ -1,15 +1,15 @@
-//! Faces of a mesh that cannot be used: how many, why the first, and where the file ends within them.
+//! Broken faces of a mesh: their number, the reason for the first, and the position where the file ends within them.
 //!
-//! A few faces with vertices that are not there are left out, as are those behind the end of a truncated file. Where
-//! many are such, the faces belong to another file: then all are left out, and the points are those of a cloud.
+//! A few faces with vertices that do not exist are skipped, as are those after the end of a truncated file. Where many
+//! are broken, the faces belong to another file: then all are ignored, and the points are those of a cloud.
 
 use crate::cloud::RawCloud;
 use crate::io::error::Fault;
 
-/// Where more than one in so many faces is broken, none is used.
+/// Inverse of the maximum fraction of broken faces: if more than one in this number is broken, none is used.
 const MOST_BROKEN: usize = 4;
 
-/// What was wrong so far.
+/// Broken faces found so far.
 #[derive(Debug, Default)]
 pub(in crate::io) struct BrokenFaces {
     /// Faces that were looked at.
@@ -64,7 +64,7 @@ impl BrokenFaces {
     }
 }
 
-/// What is said of a face that names a vertex that is not there.
+/// Returns the fault of a face that names a vertex that does not exist.
 pub(in crate::io) fn no_vertex(list: &str, row: usize, index: f64, vertex_count: usize) -> Fault {
     Fault::entry(
         list,

@@ -40,7 +40,7 @@ pub(in crate::io) fn strip(corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
 /// A place on a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::io) struct MeshSample {
-    /// Which face.
+    /// Index of the face.
     pub(in crate::io) face: u32,
     /// Weight of each of the face's corners; they add up to one.
     pub(in crate::io) weights: [f32; 3],
@@ -189,7 +189,7 @@ fn along_curve(positions: &Positions, faces: &[[u32; 3]]) -> Vec<(u32, f64)> {
     ordered.into_iter().map(|(_, index, area)| (index, area)).collect()
 }
 
-/// Where a point of the unit cube is on Morton's curve of 2^21 cells a side.
+/// Returns the Morton code of a point of the unit cube, with 2^21 cells per side.
 fn morton(point: DVec3) -> u64 {
     const CELLS: f64 = (1u64 << 21) as f64;
     let spread = |coordinate: f64| {
@@ -203,9 +203,9 @@ fn morton(point: DVec3) -> u64 {
     spread(point.x) | spread(point.y) << 1 | spread(point.z) << 2
 }
 
-/// The weights of the corners at place `index` of the triangular sequence: each digit to base four chooses one of the
-/// four triangles that the lines between the middles of the sides cut the last one into, the lowest digit first, and
-/// the place is the centre of the smallest.
+/// Returns the barycentric weights of the corners at index `index` of the triangular sequence: each digit to base four
+/// chooses one of the four triangles that the lines between the midpoints of the sides cut the last one into, the
+/// lowest digit first, and the position is the centre of the smallest.
 fn weights(index: usize) -> [f32; 3] {
     const THIRD: f64 = 1.0 / 3.0;
     let mut weights = [THIRD; 3];

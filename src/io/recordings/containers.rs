@@ -34,7 +34,7 @@ pub(in crate::io) const DB3: Format = Format::new(&Traits {
     ..RECORDING
 });
 
-/// Packets of laser scanners, as `tcpdump` and Wireshark capture them.
+/// LiDAR packet captures (pcap), as `tcpdump` and Wireshark write them.
 pub(in crate::io) const CAPTURE: Format = Format::new(&Traits {
     name: "packet capture",
     extensions: &["pcap", "pcapng"],

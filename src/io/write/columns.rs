@@ -1,4 +1,4 @@
-//! The attributes of a cloud as named columns. Ellipses are left out: no other program would know them by a name.
+//! The attributes of a cloud as named columns. Ellipses are omitted: no other program would recognise them by a name.
 
 use super::loss::Loss;
 use crate::cloud::{Positions, RawCloud};
@@ -10,7 +10,7 @@ pub(super) struct WrittenColumn<'a> {
     data: Data<'a>,
 }
 
-/// Where the numbers are: arrays of vectors, of which one component counts, or of numbers.
+/// Source of the numbers: arrays of vectors, of which one component is used, or of numbers.
 #[derive(Clone, Copy)]
 enum Data<'a> {
     Vectors32(&'a [[f32; 3]], usize),
@@ -19,7 +19,7 @@ enum Data<'a> {
     /// A channel in which 1 is the brightest.
     Fraction(&'a [[u8; 4]], usize),
     Numbers(&'a [f32]),
-    /// What is to be added comes second.
+    /// Values with an offset, to be added to each, as the second field.
     Offset(&'a [f32], f64),
 }
 
@@ -31,13 +31,13 @@ pub(super) enum Type {
     F64,
 }
 
-/// How colours are written.
+/// Colour encoding of the output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Colors {
     /// As bytes of a column whose type says so.
     Typed,
-    /// As numbers that nothing says the scale of. Readers tell it by the largest one, so those that are all below 2 are
-    /// written as fractions, which are told as such.
+    /// Untyped numbers with no stated scale. Readers infer the scale from the largest one, so colours that are all
+    /// below 2 are written as fractions, which are recognised as such.
     Untyped,
     /// Not at all.
     None,

@@ -4,7 +4,7 @@ use super::loss::Loss;
 use crate::cloud::RawCloud;
 use std::io::{Seek, Write};
 
-/// Where a file goes.
+/// Output sink that a file is written to.
 pub(in crate::io) trait WriteSeek: Write + Seek + Send + Sync {}
 
 impl<T: Write + Seek + Send + Sync> WriteSeek for T {}
@@ -15,9 +15,9 @@ pub(in crate::io) struct Encoder {
     pub(in crate::io) name: &'static str,
     /// Without dot. Where several have one, it means the first.
     pub(in crate::io) extension: &'static str,
-    /// What the format holds next to coordinates and opaque colours.
+    /// Attributes that the format holds in addition to coordinates and opaque colours.
     pub(in crate::io) holds: &'static [Held],
-    /// What else is lost of a cloud, and how much of it.
+    /// Function that returns the other losses of a cloud, and their amounts.
     pub(in crate::io) lost: fn(&RawCloud) -> Vec<(Loss, f64)>,
     /// Writes as much of a cloud as the format holds.
     pub(in crate::io) write: fn(&mut dyn WriteSeek, &RawCloud) -> std::io::Result<()>,

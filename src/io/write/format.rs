@@ -27,7 +27,7 @@ impl WriteFormat {
         Self::all().find(|format| format.extension() == extension)
     }
 
-    /// What it cannot hold of `cloud`.
+    /// Returns the losses of `cloud` in this format: everything that it cannot hold.
     pub fn losses(self, cloud: &RawCloud) -> Losses {
         losses(self.0, cloud)
     }

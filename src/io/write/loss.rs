@@ -1,6 +1,6 @@
-//! What a target cannot hold of a cloud: said, and never dropped in silence.
+//! Losses: the parts of a cloud that a target cannot hold, which are reported, and never dropped silently.
 //!
-//! Losses of many frames are summed up in [`Losses`]: a line per kind.
+//! Losses of many frames are summed up in [`Losses`]: one line per kind.
 
 use crate::cloud::RawCloud;
 use std::collections::BTreeMap;
@@ -25,7 +25,7 @@ pub enum Loss {
     Name(String, String),
     /// Values of a scalar that are rounded or clamped, and to what.
     Values(String, String),
-    /// What was not read of the source, in words.
+    /// Source data that was not read, in words.
     NotKept(String),
     /// Coordinates that are rounded; the amount is the largest error.
     Precision,
@@ -35,16 +35,16 @@ pub enum Loss {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Losses(BTreeMap<Loss, Tally>);
 
-/// How much of something is lost.
+/// Tally of one kind of loss.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Tally {
     frames: usize,
-    /// How many, or how large the error is.
+    /// Number of losses, or size of the error.
     amount: f64,
 }
 
 impl Loss {
-    /// Whether the largest amount of all frames counts, and not their sum.
+    /// Returns true if the maximum over all frames is counted instead of their sum.
     fn is_largest(&self) -> bool {
         matches!(self, Self::Precision)
     }
@@ -105,7 +105,7 @@ impl Losses {
         self.0.is_empty()
     }
 
-    /// What is lost.
+    /// Returns the kinds of losses.
     pub fn kinds(&self) -> impl Iterator<Item = &Loss> {
         self.0.keys()
     }

@@ -7,7 +7,7 @@ use super::encoder::{Encoder, Held};
 use super::loss::{Loss, Losses};
 use crate::cloud::RawCloud;
 
-/// What `encoder` cannot hold of `cloud`.
+/// Returns the losses of `cloud` with `encoder`: everything that it cannot hold.
 pub(super) fn losses(encoder: &Encoder, cloud: &RawCloud) -> Losses {
     let attributes = &cloud.attributes;
     let mut losses = Losses::default();

@@ -12,7 +12,7 @@ use crate::io::formats::xyz;
 
 const HOLDS: &[Held] = &[Held::Normals, Held::Alpha, Held::Radii, Held::Scalars, Held::Holes];
 
-/// A bare table of numpy where its columns are told by their number, else records.
+/// Encoder of numpy files: a bare table if its columns can be identified by their number, otherwise records.
 pub(in crate::io) const ENCODER: &Encoder = &Encoder {
     name: "npy",
     extension: "npy",
@@ -83,7 +83,7 @@ fn told_by_number(columns: Vec<WrittenColumn<'_>>) -> Result<Vec<WrittenColumn<'
 /// The name of the column that a table may have without a name.
 const SCALAR: &str = "scalar";
 
-/// Whether readers that know nothing but the values take each column for what it is.
+/// Returns true if readers that know nothing but the values interpret each column correctly.
 fn are_told(columns: &[WrittenColumn<'_>], rows: usize) -> bool {
     // Fewer columns are told by their number, and these by the first behind the coordinates.
     let values = columns.iter().enumerate().map(|(index, column)| {
@@ -109,7 +109,8 @@ fn quoted(name: &str) -> String {
 
 /// Padded so that the numbers begin at a multiple of 64 bytes.
 fn header(layout: &str) -> Vec<u8> {
-    /// Of version 1. Later ones begin with two bytes more, and their numbers at two bytes behind such a multiple.
+    /// Offset of the header text in version 1 of the format. Later versions begin with two bytes more, and their
+    /// numbers at two bytes past such a multiple.
     const START: usize = 10;
     const ALIGNMENT: usize = 64;
     let mut text = format!("{{{layout}, }}");

@@ -37,7 +37,8 @@ impl Octree {
         })
     }
 
-    /// The same points divided as `stop` asks: they are shared, and only leaves on several levels have to be counted.
+    /// Returns an octree of the same points divided according to `stop`: the points are shared, and only leaves on
+    /// several levels have to be counted.
     #[must_use]
     pub fn with_stop(&self, stop: StopCriterion) -> Self {
         Self::divided(self.cube, Arc::clone(&self.points), stop)

@@ -59,7 +59,7 @@ impl Octree {
         }
     }
 
-    /// Those of a tree with leaves on several levels.
+    /// Returns the occupancy masks of a tree with leaves on several levels.
     fn masks_by_division(&self) -> Vec<u8> {
         let mut masks = Vec::with_capacity(self.node_count());
         let mut nodes = vec![self.root()];

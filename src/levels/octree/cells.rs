@@ -1,5 +1,5 @@
-//! Where the cells of a level begin and end, read off the parting levels (`partings.rs`). Where a cell has many points
-//! its end is searched for among the points themselves instead.
+//! Cell boundaries of a level, read off the parting levels (`partings.rs`). If a cell has many points, its end is
+//! searched for among the points themselves instead.
 
 use super::partings::{WORD, beginnings, count_at_most, count_in_lanes};
 use super::sorted_points::SortedPoints;
@@ -87,7 +87,7 @@ impl SortedPoints {
         masks
     }
 
-    /// Whether the node of `level` with these points is not divided.
+    /// Returns true if the node of `level` with these points is a leaf, i.e. not divided.
     #[inline]
     pub(super) fn is_leaf(&self, leaves: &Leaves, level: u32, points: &Range<usize>) -> bool {
         match leaves {
@@ -99,7 +99,7 @@ impl SortedPoints {
         }
     }
 
-    /// How many cells of `level` begin among some points.
+    /// Counts the cells of `level` that begin among the given points.
     #[inline]
     pub(super) fn count_beginnings(&self, level: u32, points: Range<usize>) -> usize {
         count_at_most(&self.partings[points], level)

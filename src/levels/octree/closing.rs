@@ -8,7 +8,7 @@
 //! axis, after which 13 comparisons close all cells of the block.
 //!
 //! When it wins: blocks around are looked up once, so a cell costs about as much as a few comparisons. Blocks without
-//! leaves beside them are not looked at.
+//! adjacent leaves are not looked at.
 
 use super::gap::Gap;
 use super::sorted_points::SortedPoints;
@@ -35,10 +35,10 @@ const AXES: [(u32, u64); 3] = [
 /// Along each axis: how many places the next block, or direction, is away among 27.
 const STEPS: [usize; 3] = [1, 3, 9];
 
-/// Of a block and those around it, x fastest: cells, bit `x + 4y + 16z`.
+/// Cell masks of a block and of its neighbours, x fastest: cells, bit `x + 4y + 16z`.
 type BlockNeighbourhood = [u64; 27];
 
-/// The middle of 27.
+/// Index of the centre block among the 27.
 const MIDDLE: usize = 13;
 
 /// Directions to the six faces, the twelve edges and the eight corners of a cell.
@@ -79,7 +79,7 @@ struct Site {
 }
 
 impl LevelCells {
-    /// Those of `level`. The leaves of the tree are in `runs`, of this level and others.
+    /// Collects the cells of `level`. The leaves of the tree are in `runs`, of this level and others.
     pub(super) fn of_level(points: &SortedPoints, level: u32, runs: &[LeafRun]) -> Self {
         let partings = (0..).zip(&points.partings);
         let begins = partings.filter(|&(_, &parting)| u32::from(parting) <= level);
@@ -238,7 +238,7 @@ impl LevelCells {
         }
     }
 
-    /// The points of the leaf that is in a direction from a cell of the middle block.
+    /// Returns the points of the leaf in the given direction from a cell of the centre block.
     fn leaf_beside(&self, site: &Site, bit: u32, direction: usize) -> Option<[u32; 2]> {
         // From the lowest cell of the blocks before.
         let cell = bit_place(bit).map(|coordinate| coordinate + EDGE);
@@ -294,7 +294,8 @@ const MORTON: [u8; 64] = {
     places
 };
 
-/// What is beside a place in one of 27 directions, of which the middle is none; `None` below zero.
+/// Returns the neighbour of a cell position in one of 27 directions, of which the central one is none; `None` below
+/// zero.
 pub(super) fn neighbour(place: [u32; 3], direction: usize) -> Option<[u32; 3]> {
     let [x, y, z] = STEPS.map(|step| (direction / step % 3) as i32 - 1);
     Some([
@@ -317,14 +318,14 @@ fn border(direction: usize) -> u64 {
     })
 }
 
-/// For each direction, the cells of the middle block whose neighbour in it is one of these.
+/// Returns, for each direction, the cells of the centre block whose neighbour in it is one of these.
 #[inline(always)]
 fn beside(words: BlockNeighbourhood) -> BlockNeighbourhood {
     shifted::<2>(shifted::<1>(shifted::<0>(words)))
 }
 
-/// Of each line of three blocks along an axis: what is one cell below each cell of the middle one, it itself, and what
-/// is one above.
+/// Returns, for each line of three blocks along an axis, the shifted words: the cells one below each cell of the centre
+/// block, the centre block itself, and the cells one above.
 #[inline(always)]
 fn shifted<const AXIS: usize>(words: BlockNeighbourhood) -> BlockNeighbourhood {
     let ((step, low), count) = (AXES[AXIS], STEPS[AXIS]);

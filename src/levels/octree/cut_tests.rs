@@ -83,8 +83,8 @@ fn a_small_move_back_and_forth_changes_no_level() {
     }
 }
 
-/// Whatever is known beside the view: no cell is drawn that a tenth more or less than the threshold forbids, each leaf
-/// in view is covered once, and every decision is the one that a cell by itself would make. The order is that of a
+/// For any hints in addition to the view: no cell is drawn that a tenth more or less than the threshold forbids, each
+/// leaf in view is covered once, and every decision is the one that a cell by itself would make. The order is that of a
 /// plain traversal.
 #[test]
 fn cuts_are_those_of_one_cell_after_the_other() {

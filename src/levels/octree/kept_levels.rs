@@ -1,8 +1,8 @@
-//! What stands for all nodes of a level, kept where it is drawn again and again.
+//! Cache of the records of all nodes of a level, kept where it is drawn repeatedly.
 //!
-//! How it works: a level of which as many points were read as there are is worked out whole and kept, and what is drawn
-//! of it are contiguous pieces. So a frame that is seen once reads each point once, and a view that moves about copies,
-//! having paid at most twice for what it copies.
+//! How it works: a level of which the same number of points was read as it has is computed completely and kept, and the
+//! drawn parts of it are contiguous ranges. So a frame that is seen once reads each point once, and a moving view
+//! copies, at no more than twice the cost of the copied records.
 //!
 //! When it wins: where nodes have several points each, and a camera moves about a frame or a loop comes back to it.
 
@@ -32,7 +32,7 @@ struct KeptLevel<R> {
     records: OnceLock<LevelRecords<R>>,
 }
 
-/// What stands for each node of a level, in Morton order.
+/// Records of the nodes of a level, in Morton order.
 #[derive(Debug)]
 pub(super) struct LevelRecords<R> {
     pub(super) records: Vec<R>,
@@ -136,7 +136,7 @@ impl<R> LevelRecords<R> {
         }
     }
 
-    /// What stands for consecutive nodes of the level.
+    /// Returns the records of consecutive nodes of the level.
     pub(super) fn of_nodes(&self, range: &NodeRange, points: &SortedPoints) -> &[R] {
         &self.records[self.places(range, points)]
     }

@@ -1,7 +1,7 @@
 //! The surfel of one node: the mean of its points, a disk that covers theirs, and the cone of their normals.
 //!
-//! Where points are ellipses, so is the node: its axes are those of the points' second moments in its plane, in which
-//! each ellipse counts as evenly filled.
+//! Where points are ellipses, so is the node: its axes are the principal axes of the points' covariance in its plane,
+//! in which each ellipse counts as evenly filled.
 
 use crate::cloud::{PointRecord, ShapeRecord, oct_decode, oct_encode};
 use crate::levels::moments::{OF_HALF_AXIS, PlaneMoments, half_axes};
@@ -26,7 +26,8 @@ pub struct NodeSurfel {
 const CONE_SLACK: f32 = 1e-3;
 
 impl NodeSurfel {
-    /// Of a node with these points, which are disks unless `are_ellipses`. Precondition: there is one.
+    /// Computes the surfel of a node with these points, which are disks unless `are_ellipses`. Precondition: there is
+    /// one.
     #[inline(always)]
     pub(super) fn of(points: &[PointRecord], shapes: &[ShapeRecord], are_ellipses: bool) -> Self {
         if let ([point], [shape]) = (points, shapes) {
@@ -85,11 +86,11 @@ impl NodeSurfel {
         }
     }
 
-    /// Whether all normals of a node face away from an eye, if the node is in a sphere around a point that is
+    /// Returns true if all normals of a node face away from an eye, if the node is in a sphere around a point that is
     /// `from_eye` away.
     ///
     /// A point faces away when the angle between its normal and the line of sight is below 90°. The line of sight to
-    /// any point of the sphere is within β of that to its middle, `sin β = radius/distance`, and all normals are within
+    /// any point of the sphere is within β of that to its centre, `sin β = radius/distance`, and all normals are within
     /// α of the mean. So all face away when the angle between the mean normal and the line of sight is below 90° − α −
     /// β.
     pub(super) fn faces_away(&self, from_eye: Vec3, sphere_radius: f32) -> bool {
@@ -105,7 +106,7 @@ impl NodeSurfel {
     }
 }
 
-/// The packed ellipse of the second moments of ellipses around `center`, in the plane across `normal`.
+/// Returns the packed ellipse of the covariance of ellipses around `center`, in the plane perpendicular to `normal`.
 fn merged_ellipse(points: &[PointRecord], shapes: &[ShapeRecord], center: Vec3, normal: Vec3) -> u32 {
     let mut moments = PlaneMoments::across(normal);
     for (point, shape) in points.iter().zip(shapes) {

@@ -1,4 +1,4 @@
-//! The order of a cut, beside the distances along rays from the eye.
+//! Tests of the order of a cut against the distances along rays from the eye.
 
 use super::tests::{cell_of, view_from};
 use super::*;
@@ -26,7 +26,7 @@ fn cells_in_order(tree: &Octree, view: &SelectView) -> Vec<[u32; 3]> {
     cells
 }
 
-/// How far the nearest point of a cell of a level is from the eye.
+/// Returns the distance from the eye to the nearest point of a cell of a level.
 fn distance(tree: &Octree, eye: Vec3, level: u32, cell: [u32; 3]) -> f64 {
     let edge = f64::from(tree.cube().cell_edge(level));
     let low = tree.cube().min.as_dvec3() + edge * DVec3::from_array(cell.map(f64::from));

@@ -18,7 +18,7 @@ pub(super) fn beginnings(partings: [u8; WORD], level: u32) -> u64 {
     !(u64::from_le_bytes(partings) + lift) & HIGHEST_BITS
 }
 
-/// How many of `partings` are at most `level`.
+/// Counts the values in `partings` that are at most `level`.
 pub(super) fn count_at_most(partings: &[u8], level: u32) -> usize {
     dispatch!(Level::new(), _simd => count_in_lanes(partings, level as u8))
 }

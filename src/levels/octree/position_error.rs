@@ -1,13 +1,13 @@
-//! How far points are from the voxels that stand for them.
+//! Position error: the distance of points from the voxels that represent them.
 
 use super::Octree;
 use crate::math::morton::LEVELS;
 use glam::Vec3;
 
 impl Octree {
-    /// The root of the mean squared distance from points to the middles of their leaves, which is at most √3/2 of a
-    /// leaf's edge; of at most `most_points` of them, taken evenly. `None` without points, and where `positions`, those
-    /// that the tree was built from, are not in Morton order.
+    /// Returns the root mean square (RMS) distance from points to the centres of their leaves, which is at most √3/2 of
+    /// a leaf's edge; computed over at most `most_points` of them, sampled evenly. `None` without points, and if
+    /// `positions`, which the tree was built from, are not in Morton order.
     pub fn position_error(&self, positions: &[Vec3], most_points: usize) -> Option<f32> {
         if !self.points.are_as_given || positions.is_empty() {
             return None;

@@ -1,8 +1,8 @@
-//! The surfels of kept levels side by side, for whoever keeps them on a graphics card.
+//! Concatenated surfels of the kept levels, for renderers that keep them on the GPU.
 //!
 //! How it works: once all levels of a cut are kept (`kept_levels.rs`), their surfels and, where leaves are drawn, the
-//! points are one array, and a node is a place in it. A level that is kept later makes a new array with it, so what is
-//! uploaded for all levels is at most as many arrays as there are levels that were drawn.
+//! points are one array, and a node is an index into it. A level that is kept later makes a new array with it, so what
+//! is uploaded for all levels is at most as many arrays as there are levels that were drawn.
 //!
 //! When it wins: where a camera moves about a frame.
 
@@ -15,7 +15,7 @@ use crate::levels::selection::NodeRecords;
 use crate::locks::lock;
 use std::sync::{Arc, Mutex};
 
-/// What is drawn of a cut: whole levels, and the points themselves.
+/// Drawn parts of a cut: whole levels, and the points themselves.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Parts {
     /// A bit for each level.

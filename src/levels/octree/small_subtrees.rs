@@ -2,14 +2,14 @@
 //!
 //! How it works: where the border of the frustum or of two levels of detail cuts through a cell of few points,
 //! descending from cell to cell costs more than testing all cells of the first level on which any may stop. Nothing
-//! above that level needs a test: the bounding sphere of a cell lies in those of all cells that it is in, so it tells
-//! alone whether they are seen. The cells of 64 points are read off their parting levels together and tested eight at a
-//! time; a bit of each says whether it is in view, another whether it stops. Runs of cells that are alike are emitted
-//! as one range, or sifted one level below.
+//! above that level needs a test: the bounding sphere of a cell lies in those of all cells that it is in, so it alone
+//! determines whether they are visible. The cells of 64 points are read off their parting levels together and tested
+//! eight at a time; a bit of each says whether it is in view, another whether it stops. Runs of cells that are alike
+//! are emitted as one range, or sifted one level below.
 //!
-//! When it wins: a cell takes 2 to 3 ns so, one that is visited by itself 50 to 60, most of them for branches that
-//! nothing foretells. In large subtrees most cells would be tested that descending passes over, or emits with thousands
-//! of others.
+//! When it wins: a cell takes 2 to 3 ns so, one that is visited by itself 50 to 60, most of them for unpredictable
+//! branches. In large subtrees most cells would be tested that descending passes over, or emits with thousands of
+//! others.
 
 use super::partings::write_beginnings;
 use super::surfels::LodSurfels;
@@ -20,7 +20,7 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, dispatch, f32x8, mask32x8
 use glam::Vec3;
 use std::ops::Range;
 
-/// What the cells of a subtree have in common.
+/// Common data of the cells of a subtree.
 pub(super) struct Subtree {
     /// The planes that not all of it is inside of.
     pub(super) planes: PlaneMask,
@@ -143,7 +143,7 @@ impl Traversal<'_> {
         }
     }
 
-    /// The middle of the cell of `level` that a point is in.
+    /// Returns the centre of the cell of `level` that contains a point.
     fn center(&self, level: u32, point: usize) -> Vec3 {
         let cell = self.tree.points.cells[point].coordinates();
         let cell = cell.map(|coordinate| coordinate >> (LEVELS - level));
@@ -186,7 +186,7 @@ impl Traversal<'_> {
         count
     }
 
-    /// The middles of the cells of `level` that eight points are in.
+    /// Returns the centres of the cells of `level` that contain eight points.
     #[inline(always)]
     fn centers<S: Simd>(&self, simd: S, level: u32, points: &[u32; LANES]) -> [f32x8<S>; 3] {
         let mut cells = [[0; LANES]; 3];
@@ -207,7 +207,7 @@ impl Traversal<'_> {
         ]
     }
 
-    /// Which of eight spheres are not outside of any of the planes.
+    /// Returns a mask of those of eight spheres that are not outside any of the frustum planes.
     #[inline(always)]
     fn in_view<S: Simd>(&self, simd: S, [x, y, z]: [f32x8<S>; 3], radius: f32, planes: PlaneMask) -> mask32x8<S> {
         let mut outside = mask32x8::splat(simd, 0);

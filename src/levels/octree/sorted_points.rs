@@ -1,4 +1,4 @@
-//! What all trees of one cloud share: its points in Morton order, and what one scan over them tells of every level.
+//! Points in Morton order, shared by all trees of one cloud, and the statistics of every level from one scan over them.
 
 use super::color_sums::{self, ColorSum};
 use super::kept_levels::KeptLevels;
@@ -27,7 +27,7 @@ pub(super) struct SortedPoints {
     pub(super) colors_before: Vec<ColorSum>,
     /// Voxels of coarse levels that are drawn again and again.
     pub(super) voxels: KeptLevels<VoxelRecord>,
-    /// Whether the points were given in this order.
+    /// True if the points were given in this order.
     pub(super) are_as_given: bool,
 }
 
@@ -109,7 +109,7 @@ fn sorted_few(cube: &Cube, positions: &[Vec3], colors: &[[u8; 4]]) -> (Vec<Packe
     (sorted_cells, sorted_colors)
 }
 
-/// The same of any number of points.
+/// Sorts any number of points, with the same result.
 fn sorted(cube: &Cube, positions: &[Vec3], colors: &[[u8; 4]]) -> (Vec<PackedCell>, Vec<[u8; 4]>) {
     let write_codes = |range, codes: &mut [u64]| cube.write_codes(&positions[range], codes);
     // Clearing memory takes as long as a few chunks of points, so that it is one task among theirs.
@@ -197,7 +197,7 @@ fn occupied_cells(partings: &[u8]) -> OccupiedCells {
     })
 }
 
-/// How many part at each level.
+/// Counts the points that part at each level.
 fn count_partings(partings: &[u8]) -> [u32; LEVELS as usize + 2] {
     // Several counters, because most partings are of few levels, and a count that was just written is slow to read.
     let mut parted = [[0u32; LEVELS as usize + 2]; 4];

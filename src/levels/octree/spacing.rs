@@ -34,7 +34,8 @@ const MANY_POINTS: f64 = 2.5;
 /// many as those of the level above; all of them would be four times as many.
 const GROWTH: f64 = 2.0;
 
-/// Where fewer points share a cell, how many cells there are says nothing about their size.
+/// Occupancy threshold in points per cell: if fewer points share a cell, the number of cells is no measure of their
+/// size.
 const FEW_POINTS: f64 = 1.12;
 
 /// A level that is inherited is kept if it has this share of what is asked of a closed one,
@@ -68,7 +69,7 @@ pub(super) struct LeavesBySpacing {
     pub(super) leaf_count: usize,
 }
 
-/// How many points part at each level before every group of them.
+/// Cumulative counts of the points that part at each level before every group of them.
 struct Census<'a> {
     partings: &'a [u8],
     before: Vec<[u32; LEVEL_COUNT]>,
@@ -97,7 +98,7 @@ impl<'a> Census<'a> {
         Self { partings, before }
     }
 
-    /// How many points before `point` part at each level.
+    /// Returns the counts of points before `point` that part at each level.
     fn before(&self, point: usize) -> [u32; LEVEL_COUNT] {
         let group = point / GROUP;
         let mut counts = self.before[group];
@@ -140,7 +141,7 @@ fn distinct_points(cells: &OccupiedCells) -> usize {
     level.map_or(all, |level| cells[level + 2])
 }
 
-/// Whether the cells of a level and the gaps between them are closed: `share` times what is asked for.
+/// Returns true if the cells of a level and the gaps between them are closed: `share` times the required amount.
 fn are_closed(cells: &OccupiedCells, level: usize, share: f64) -> bool {
     let points = distinct_points(cells) as f64;
     let (here, above) = (cells[level] as f64, cells[level.saturating_sub(1)] as f64);
@@ -154,7 +155,7 @@ fn level_of_spacing(cells: &OccupiedCells) -> u32 {
     level.unwrap_or(0) as u32
 }
 
-/// Whether leaves may be on `level` where they would be if this was all of the cloud.
+/// Returns true if leaves may be on `level` where they would be if this was all of the cloud.
 fn is_kept(level: u32, cells: &OccupiedCells) -> bool {
     let level = level as usize;
     are_closed(cells, level, SPARSE) && (level + 1 == LEVEL_COUNT || !are_closed(cells, level + 1, DENSE))

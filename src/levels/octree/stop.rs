@@ -7,7 +7,7 @@ use std::sync::Arc;
 /// Number of occupied cells of every level, the root's level first.
 pub(super) type OccupiedCells = [usize; LEVELS as usize + 1];
 
-/// How deep an octree goes.
+/// Stop criterion for the depth of an octree.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StopCriterion {
@@ -33,8 +33,8 @@ impl StopCriterion {
     /// The δ of 5 % that the paper found good for its sequences: most points have a leaf of their own.
     pub const PAPER: Self = Self::Loss(0.05);
 
-    /// The same for surfels, whose leaves are drawn as the points that they hold: leaves that are as large as the
-    /// spacing would spare them the finest levels of detail.
+    /// Returns the stop criterion for surfels, whose leaves are drawn as the points that they hold: leaves that are as
+    /// large as the spacing would deprive them of the finest levels of detail.
     #[must_use]
     pub fn of_surfels(self) -> Self {
         match self {
@@ -44,7 +44,7 @@ impl StopCriterion {
     }
 }
 
-/// Where the leaves of a tree are.
+/// Location of the leaves of a tree.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Leaves {
     /// All on one level.

@@ -110,8 +110,8 @@ fn normals_that_cancel_out_have_no_cone() {
     assert_eq!((level[1].point, level[1].shape), (points[2], shapes[2]));
 }
 
-/// The surfels of a cut are those of its nodes, leaves are their points; what faces away and is left out is no more
-/// than that, and much of it.
+/// Checks that the surfels of a cut are those of its nodes, and that leaves are their points; that only back-facing
+/// surfels are culled, and most of them.
 #[test]
 fn only_what_faces_away_is_left_out() {
     let surfels = torus_surfels(30_000, StopCriterion::Loss(0.02));

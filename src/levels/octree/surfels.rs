@@ -37,7 +37,7 @@ pub struct LodSurfels {
     cone_level: Option<u32>,
     levels: KeptLevels<NodeSurfel>,
     selectable: Selectable,
-    /// Of voxels.
+    /// Normals of voxels.
     pub(super) normals: KeptLevels<ShapeRecord>,
 }
 
@@ -72,7 +72,7 @@ impl LodSurfels {
         }
     }
 
-    /// The same, with nothing worked out yet.
+    /// Returns a copy without any cached results.
     #[must_use]
     pub fn anew(&self) -> Self {
         let (points, shapes) = (Arc::clone(&self.points), Arc::clone(&self.shapes));
@@ -84,7 +84,7 @@ impl LodSurfels {
         &self.octree
     }
 
-    /// Whether these are the surfels of these records.
+    /// Returns true if these are the surfels of these records.
     pub fn is_of(&self, octree: &Arc<Octree>, points: &Arc<Vec<PointRecord>>, shapes: &Arc<Vec<ShapeRecord>>) -> bool {
         Arc::ptr_eq(&self.octree, octree) && Arc::ptr_eq(&self.points, points) && Arc::ptr_eq(&self.shapes, shapes)
     }
@@ -147,7 +147,7 @@ impl LodSurfels {
         }
     }
 
-    /// The same as places among records that stay; `None` where a level of the cut is not kept.
+    /// Selects the surfels as indices into persistent records; `None` if a level of the cut is not kept.
     pub(super) fn select_surfels(&self, cut: &Cut, places: &mut Vec<u32>) -> Option<NodeRecords> {
         let mut parts = Parts::default();
         for range in &cut.ranges {
@@ -171,7 +171,8 @@ impl LodSurfels {
         Some(all.nodes)
     }
 
-    /// Whether the points of a node all face away from `eye`. They are in a sphere; `false` where that is not known.
+    /// Returns true if the points of a node all face away from `eye`. They are in a sphere; `false` if that is not
+    /// known.
     pub(super) fn all_face_away(&self, node: &NodeRange, eye: Vec3, center: Vec3, sphere_radius: f32) -> bool {
         self.cones(node.level, node.points.start)
             .is_some_and(|surfels| surfels[0].faces_away(center - eye, sphere_radius))
@@ -208,8 +209,8 @@ fn cone_level(octree: &Octree) -> Option<u32> {
 }
 
 impl Octree {
-    /// Whether nodes of a cut are leaves that are drawn as their points. Where leaves are on several levels, the cells
-    /// are what is to be seen.
+    /// Returns true if the nodes of a cut are leaves that are drawn as their points. If leaves are on several levels,
+    /// their cells are to be shown instead.
     fn is_leaf_range(&self, range: &NodeRange) -> bool {
         match self.leaves {
             Leaves::OnLevel(depth) => range.level == depth,

@@ -36,8 +36,8 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 impl Octree {
-    /// The nodes that stand for the cloud in `view`, given the cut of the view before. Those of which `back_faces` know
-    /// that all their points face away are left out.
+    /// Returns the cut of nodes that represent the cloud in `view`, given the cut of the previous view. Nodes whose
+    /// points all face away according to `back_faces` are culled.
     pub(super) fn cut_between(&self, view: &SelectView, before: Option<&Cut>, back_faces: Option<&LodSurfels>) -> Cut {
         let mut cut = Cut {
             lod_px: view.lod_px,
@@ -130,7 +130,7 @@ const PARALLEL_POINTS: usize = 1 << 15;
 /// The cells of a subtree of up to so many points are tested side by side. Twice or half as many take about as long.
 const SMALL_SUBTREE: usize = 160;
 
-/// What only depends on the level of a cell.
+/// Limits that only depend on the level of a cell.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LevelLimits {
     pub(super) edge: f32,
@@ -219,7 +219,7 @@ impl Traversal<'_> {
         }
     }
 
-    /// Visits the children of a node with this middle.
+    /// Visits the children of a node with this centre.
     fn visit_nearest_first(&self, mut children: Vec<Visit>, center: Vec3, point_count: usize, cut: &mut Cut) {
         // An octant can only be hidden by those that differ from the eye's along fewer axes, and along no others: they
         // have smaller numbers when the octant of the eye is number 0.
@@ -268,7 +268,7 @@ impl Traversal<'_> {
         Some(left)
     }
 
-    /// Whether a node that is no leaf is not divided. Its middle is `distance` from the eye along each axis.
+    /// Returns true if a node that is not a leaf is not divided. Its centre is `distance` from the eye along each axis.
     pub(super) fn stops(&self, node: &NodeRange, distance: Vec3) -> bool {
         let limits = &self.levels[node.level as usize];
         let nearest_squared = nearest_squared(distance, 0.5 * limits.edge);
@@ -285,8 +285,8 @@ impl Traversal<'_> {
         }
     }
 
-    /// The one level below that of `node` on which all descendants stop; `None` when there may be several. Its middle
-    /// is `distance` from the eye along each axis.
+    /// Returns the one level below that of `node` on which all descendants stop; `None` if there may be several. Its
+    /// centre is `distance` from the eye along each axis.
     fn uniform_cut(&self, node: &NodeRange, distance: Vec3) -> Option<u32> {
         let half_edge = 0.5 * self.levels[node.level as usize].edge;
         let farthest_squared = self.farthest_squared(node, distance);
@@ -319,20 +319,21 @@ impl Traversal<'_> {
             .unwrap_or(depth)
     }
 
-    /// At least the square of the distance from the eye to anything in a cell whose middle is `distance` away along
-    /// each axis.
+    /// Returns an upper bound of the squared distance from the eye to anything in a cell whose centre is `distance`
+    /// away along each axis.
     fn farthest_squared(&self, node: &NodeRange, distance: Vec3) -> f32 {
         let half_edge = 0.5 * self.levels[node.level as usize].edge;
         (distance + half_edge + self.slack).length_squared() * (1.0 + MARGIN)
     }
 
-    /// Whether all nodes of a level that have some points are leaves.
+    /// Returns true if all nodes of a level that have any of the given points are leaves.
     fn is_leaf_level(&self, level: u32, points: &Range<usize>) -> bool {
         self.tree.leaves.only_level(points) == Some(level)
     }
 }
 
-/// Square of the distance from the eye to the nearest point of a cell whose middle is `distance` away along each axis.
+/// Returns the squared distance from the eye to the nearest point of a cell whose centre is `distance` away along each
+/// axis.
 fn nearest_squared(distance: Vec3, half_edge: f32) -> f32 {
     (distance - half_edge).max(Vec3::ZERO).length_squared()
 }

@@ -93,8 +93,8 @@ impl Octree {
             + size_of_val(&*self.gaps)
     }
 
-    /// Whether trees of the same points that have as many nodes have the same. Of two that were divided by a rule for
-    /// all nodes, one is the other with some nodes divided further, and so the same.
+    /// Returns true if trees of the same points that have the same number of nodes have the same leaves. Of two that
+    /// were divided by a rule for all nodes, one is the other with some nodes divided further, and so the same.
     fn has_same_leaves(&self, other: &Self) -> bool {
         let are_in_runs = |tree: &Self| matches!(tree.leaves, Leaves::InRuns(_));
         self.leaves == other.leaves || !(are_in_runs(self) || are_in_runs(other)) || self.masks() == other.masks()
@@ -108,7 +108,7 @@ impl Octree {
         }
     }
 
-    /// Whether the node of `level` with these points is not divided.
+    /// Returns true if the node of `level` with these points is a leaf, i.e. not divided.
     #[inline]
     pub(super) fn is_leaf(&self, level: u32, points: &Range<usize>) -> bool {
         self.points.is_leaf(&self.leaves, level, points)

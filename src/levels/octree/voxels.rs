@@ -20,8 +20,8 @@ use bytemuck::Zeroable;
 use glam::Vec3;
 
 impl Octree {
-    /// What stands for the cloud at `level`, in Morton order: its nodes, and the leaves above it. Empty below the
-    /// deepest.
+    /// Returns the voxels that represent the cloud at `level`, in Morton order: its nodes, and the leaves above it.
+    /// Empty below the deepest level.
     pub fn level_voxels(&self, level: u32) -> Vec<VoxelRecord> {
         let mut ranges = Vec::new();
         if self.level_counts.len() > level as usize {
@@ -55,7 +55,7 @@ impl Octree {
         self.write_ranges(&cut.ranges, out);
     }
 
-    /// Adds the voxels of gaps: cubes of their own in the colours of the leaves beside them.
+    /// Adds the voxels of gaps: cubes of their own in the colours of the adjacent leaves.
     pub fn add_gap_voxels(&self, gaps: &[Gap], out: &mut Vec<VoxelRecord>) {
         let before = out.len();
         add_gaps(gaps, &self.voxel_writer(), out);
@@ -93,13 +93,14 @@ impl SortedPoints {
     }
 }
 
-/// Where nodes have fewer points on average, a voxel is worked out from hardly more bytes than it has.
+/// Minimum average points per node for keeping voxels: with fewer points, a voxel is computed from hardly more bytes
+/// than it has.
 const POINTS_PER_KEPT_VOXEL: usize = 3;
 
 struct VoxelWriter<'a> {
     points: &'a SortedPoints,
     min: Vec3,
-    /// Of the root.
+    /// Edge length of the root.
     edge: f32,
 }
 
@@ -157,7 +158,7 @@ impl NodeWriter for VoxelWriter<'_> {
     }
 }
 
-/// What is read for the nodes of a batch.
+/// Data gathered for the nodes of a batch.
 #[derive(Zeroable)]
 struct Gathered {
     cells: [PackedCell; BATCH],
@@ -209,7 +210,7 @@ impl VoxelWriter<'_> {
     }
 }
 
-/// Of an exponent from −126 to 127.
+/// Returns the power of two with an exponent from −126 to 127.
 #[inline(always)]
 fn power_of_two(exponent: i32) -> f32 {
     f32::from_bits(((exponent + 127) as u32) << 23)

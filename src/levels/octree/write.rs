@@ -28,7 +28,7 @@ pub(super) struct Nodes<'a> {
 
 /// Works out what stands for nodes.
 pub(super) trait NodeWriter: Sync {
-    /// What stands for one node.
+    /// Record that represents one node.
     type Record: Copy + Send + Sync + Zeroable;
 
     /// Writes the records of the first `out.len()` of `nodes`. To be inlined, so that it is compiled for each level of
@@ -73,7 +73,7 @@ impl SortedPoints {
         dispatch!(Level::new(), _simd => Batch::new().write_ranges(self, piece, writer, kept, out));
     }
 
-    /// The same nodes in pieces of about [`PIECE_POINTS`] points.
+    /// Splits the nodes into pieces of about [`PIECE_POINTS`] points.
     fn pieces(&self, ranges: &[NodeRange]) -> Vec<Vec<NodeRange>> {
         let mut pieces = Vec::new();
         let mut piece = Vec::new();
@@ -108,7 +108,8 @@ const PIECE_POINTS: usize = 1 << 14;
 /// Points whose parting levels are looked at together.
 const BLOCK: usize = 64;
 
-/// What may be left of a batch, a block of new ones, and what [`write_beginnings`] wants beyond.
+/// Buffer capacity: the possible remainder of a batch, a block of new entries, and the slack that [`write_beginnings`]
+/// needs beyond.
 const CAPACITY: usize = BATCH + BLOCK + 8;
 
 /// Nodes that wait for a batch to become full.

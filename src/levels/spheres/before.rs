@@ -1,4 +1,4 @@
-//! Which nodes the view before divided, for hysteresis.
+//! Record of the nodes that the previous view divided, for hysteresis.
 
 use crate::levels::cut::Cut;
 
@@ -7,7 +7,7 @@ use crate::levels::cut::Cut;
 pub(super) struct WasDivided(Vec<u64>);
 
 impl WasDivided {
-    /// Those of a cut; none without one.
+    /// Creates the set of divided nodes of a cut; none without one.
     pub(super) fn new(before: Option<&Cut>) -> Self {
         let divided = before.map_or(&[][..], |cut| &cut.listed.divided);
         let most = divided.iter().max().map_or(0, |&node| node as usize + 1);
@@ -18,7 +18,7 @@ impl WasDivided {
         Self(bits)
     }
 
-    /// Whether it is known of a node that it was.
+    /// Returns true if a node is known to have been divided.
     #[inline(always)]
     pub(super) fn at(&self, node: usize) -> bool {
         self.0.get(node / 64).is_some_and(|bits| bits >> (node % 64) & 1 == 1)

@@ -7,20 +7,21 @@
 use super::cone::Cone;
 use crate::math::Sphere;
 
-/// Where the points below a node are, and where they face.
+/// Bounds of the positions and of the normals of the points below a node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bounds {
     /// Inside that of the parent.
     pub(super) sphere: Sphere,
     /// Inside that of the parent.
     pub(super) cone: Cone,
-    /// How far from the middle of what is drawn for the node the points below are, at most; not larger than that of the
-    /// parent.
+    /// Maximum distance of the points below from the centre of the splat drawn for the node; not larger than that of
+    /// the parent.
     pub(super) radius: f32,
 }
 
 impl Bounds {
-    /// Of a child with this sphere, which is no larger, this cone, and points as far from its middle.
+    /// Returns the nested bounds of a child with this sphere, which is no larger, this cone, and points at this
+    /// distance from its centre.
     #[inline(always)]
     pub(super) fn nested(&self, sphere: Sphere, cone: Cone, radius: f32) -> Self {
         Self {

@@ -7,7 +7,7 @@ use glam::Vec3;
 pub(super) struct Cone {
     /// A unit vector.
     pub(super) axis: Vec3,
-    /// Of the angle, below 90°; or −1 for all directions.
+    /// Cosine of the cone angle, below 90°; or −1 for all directions.
     pub(super) cosine: f32,
 }
 
@@ -15,12 +15,12 @@ pub(super) struct Cone {
 const MARGIN: f32 = 1e-4;
 
 impl Cone {
-    /// Whether nothing is known of the normals.
+    /// Returns true if nothing is known of the normals.
     pub(super) fn is_everything(&self) -> bool {
         self.cosine == -1.0
     }
 
-    /// Whether all of it is inside `other`, beyond rounding.
+    /// Returns true if the whole cone is inside `other`, beyond rounding.
     pub(super) fn is_within(&self, other: &Self) -> bool {
         other.is_everything() || cosine_of_sum(self.axis.dot(other.axis), self.cosine) >= other.cosine + MARGIN
     }

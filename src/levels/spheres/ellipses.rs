@@ -1,8 +1,9 @@
 //! Ellipses of nodes, where points are ellipses: from the leaves up.
 //!
-//! How it works: a node has the second moments of all points below, each ellipse counted as evenly filled. They follow
-//! from those of its children and how far these are apart, so no point is looked at twice. What is drawn is their
-//! ellipse in the plane of the node, as large as its sphere; the octree's nodes are the same (`octree/node_surfel.rs`).
+//! How it works: a node has the covariance of all points below, each ellipse counted as evenly filled. It follows from
+//! those of its children and the distances between them, so no point is visited twice. The node is drawn as the
+//! equivalent ellipse in the plane of the node, as large as its sphere; the octree's nodes are the same
+//! (`octree/node_surfel.rs`).
 
 use super::split::{Child, Division, Inner, MOST_CHILDREN, NODES_PER_TASK};
 use crate::cloud::{PointRecord, ShapeRecord, oct_decode};
@@ -10,7 +11,7 @@ use crate::levels::moments::{OF_HALF_AXIS, PlaneMoments, half_axes};
 use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
-/// Where points are, and how they spread, in f64: offsets from zero may be large.
+/// Mean and covariance of points, in f64: offsets from zero may be large.
 #[derive(Debug, Clone, Copy)]
 struct Moments {
     point_count: f64,
@@ -40,7 +41,7 @@ impl Moments {
         }
     }
 
-    /// Of a node with these children. Precondition: there is one.
+    /// Computes the covariance of a node with these children. Precondition: there is one.
     fn of(children: &[Self]) -> Self {
         let point_count: f64 = children.iter().map(|child| child.point_count).sum();
         let share = |child: &Self| child.point_count / point_count;

@@ -1,8 +1,8 @@
-//! Which nodes of a sequence are drawn, told by a test of each: what a graphics card does for itself.
+//! Per-node filter of a sequence, which determines the drawn nodes by a test of each: the GPU runs it by itself.
 //!
 //! How it works: bisection finds the prefix in which anything may be drawn (`sequential.rs`). Of its nodes, the
 //! *candidates*, those are drawn that are small, or leaves, and whose parents are divided. So a view is a rule and two
-//! numbers, and no list of nodes is made. A sequence that is filtered remembers nothing of the view before.
+//! numbers, and no list of nodes is built. A sequence that is filtered remembers nothing of the previous view.
 
 use super::bounds::Bounds;
 use super::cone::Cone;
@@ -12,19 +12,19 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// What decides of a node that is no leaf. Twin of `NodeBounds` in `passes/filter.wgsl`.
+/// Bounds that decide whether a node that is not a leaf is drawn. Twin of `NodeBounds` in `passes/filter.wgsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct NodeBounds {
-    /// Of the sphere.
+    /// Centre of the sphere.
     pub center: [f32; 3],
-    /// Of the sphere.
+    /// Radius of the sphere.
     pub sphere_radius: f32,
-    /// Of the normal cone.
+    /// Axis of the normal cone.
     pub axis: [f32; 3],
-    /// Of the normal cone.
+    /// Cosine of the normal cone.
     pub cone_cosine: f32,
-    /// Of the disk that is drawn.
+    /// Radius of the disk that is drawn.
     pub radius: f32,
     /// The root is on level 0.
     pub level: u32,
@@ -37,7 +37,7 @@ pub struct NodeBounds {
 /// The nodes of one sequence, as they are tested.
 #[derive(Debug, Clone)]
 pub(super) struct Tested {
-    /// Of nodes that are no leaves, by their names: the root, then the sequence.
+    /// Bounds of nodes that are not leaves, by their names: the root, then the sequence.
     pub(super) bounds: Arc<Vec<NodeBounds>>,
     /// The parents of leaves.
     pub(super) parents: Arc<Vec<u32>>,
@@ -89,7 +89,7 @@ impl SequenceFilter {
         self.inner_candidates as usize + self.leaf_candidates as usize
     }
 
-    /// Whether nothing may be drawn.
+    /// Returns true if there are no candidates to draw.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -99,7 +99,7 @@ impl SequenceFilter {
         self.inner_candidates
     }
 
-    /// What decides of nodes that are no leaves, by their names.
+    /// Returns the bounds that decide about nodes that are not leaves, by their names.
     pub fn bounds(&self) -> &Arc<Vec<NodeBounds>> {
         &self.tested.bounds
     }
@@ -109,7 +109,7 @@ impl SequenceFilter {
         &self.tested.parents
     }
 
-    /// What the rule consists of.
+    /// Returns the parameters of the rule.
     pub fn numbers(&self) -> RuleNumbers {
         self.rule.numbers()
     }
@@ -122,7 +122,7 @@ impl SequenceFilter {
         }
     }
 
-    /// Whether a candidate is drawn.
+    /// Returns true if a candidate is drawn.
     ///
     /// # Panics
     /// Precondition: it is one.

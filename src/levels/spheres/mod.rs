@@ -1,14 +1,14 @@
-//! Trees of spheres: the structures of paper 002 §3.2 and §3.3 beside the octree.
+//! Bounding sphere trees: the structures of paper 002 §3.2 and §3.3, in addition to the octree.
 //!
 //! All are made of a tree (`tree.rs`) and decide by one rule (`rule.rs`), so that all draw the same nodes of one:
 //!
-//! - *QSplat* (`qsplat.rs`): six bytes a node, traversed from the root.
+//! - *QSplat* (`qsplat.rs`): six bytes per node, traversed from the root.
 //! - *Sequential point trees* (`sequential.rs`): sorted nodes, of which a prefix is tested one by one; as one sequence,
 //!   or as a hierarchy of them.
 //! - *Sequential point trees as printed* (`printed.rs`): by another rule, which draws more.
 //!
 //! A leaf is a point. What is drawn of a node is the disk of its sphere, or where points are ellipses one as large as
-//! that (`ellipses.rs`). Nodes of QSplat have no room for it.
+//! that (`ellipses.rs`). Nodes of QSplat have no space for it.
 
 mod before;
 mod bounds;
@@ -42,7 +42,7 @@ use sequential::{HIERARCHY_POINTS, SequentialTree};
 use std::sync::{Arc, OnceLock};
 use tree::{Precision, SphereTree};
 
-/// What a tree of spheres is stored as.
+/// Storage kind of a sphere tree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SphereKind {
     /// QSplat.
@@ -63,7 +63,7 @@ pub struct SphereLevels {
     shapes: Arc<Vec<ShapeRecord>>,
     structure: Structure,
     kept: KeptNodes,
-    /// Of a sequence, once its nodes are kept.
+    /// Test data of a sequence, once its nodes are kept.
     tested: OnceLock<Tested>,
 }
 
@@ -123,12 +123,12 @@ impl SphereLevels {
         }
     }
 
-    /// What it is stored as.
+    /// Returns its storage kind.
     pub fn kind(&self) -> SphereKind {
         self.kind
     }
 
-    /// Whether it is the tree of these records.
+    /// Returns true if it is the tree of these records.
     pub fn is_of(&self, points: &Arc<Vec<PointRecord>>, shapes: &Arc<Vec<ShapeRecord>>) -> bool {
         Arc::ptr_eq(&self.points, points) && Arc::ptr_eq(&self.shapes, shapes)
     }

@@ -46,13 +46,13 @@ impl NodeCode {
         Self(u64::from(sphere) | (x | y << NORMAL_BITS) << NORMAL_SHIFT | color << COLOR_SHIFT)
     }
 
-    /// The same with a cone.
+    /// Returns the node code with a cone added.
     pub(super) fn with_cone(self, code: u8) -> Self {
         Self(self.0 | u64::from(code) << CONE_SHIFT)
     }
 
-    /// The same with one to four children, which are leaves alone or some of which have children. Precondition: a
-    /// single child is a leaf.
+    /// Returns the node code with one to four children, which are leaves alone or some of which have children.
+    /// Precondition: a single child is a leaf.
     pub(super) fn with_children(self, count: usize, have_children: bool) -> Self {
         let children = count as u64 + if have_children { HAS_GRANDCHILDREN } else { 0 };
         Self(self.0 | children << CHILDREN_SHIFT)
@@ -105,8 +105,8 @@ impl NodeCode {
     }
 }
 
-/// Most degrees that a normal of a code is off. A step of a coordinate is 1/63, so both are off by at most 1/126. On
-/// the octahedron that is a length of √6/126, which is the widest angle where the octahedron is nearest to its middle,
+/// Maximum error in degrees of a normal of a code. A step of a coordinate is 1/63, so both are off by at most 1/126. On
+/// the octahedron that is a length of √6/126, which is the widest angle where the octahedron is nearest to its centre,
 /// at 1/√3: √18/126. The rest is for the rounding of [`crate::cloud::ShapeRecord`].
 #[cfg(test)]
 pub(super) const NORMAL_ERROR_DEG: f32 = 1.95;

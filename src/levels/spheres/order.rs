@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-/// In place of the parent of a node whose parent is not in its sequence.
+/// Sentinel for the parent of a node whose parent is not in its sequence.
 pub(super) const NO_PARENT: u32 = u32::MAX;
 
 /// Places before and after sorting.
@@ -10,7 +10,7 @@ pub(super) const NO_PARENT: u32 = u32::MAX;
 pub(super) struct Order {
     /// The places before, in the order of the sequence.
     pub(super) sorted: Vec<u32>,
-    /// Where each of them is in the sequence.
+    /// Position of each of them in the sequence.
     place_of: Vec<u32>,
 }
 
@@ -36,7 +36,7 @@ impl Order {
         Self { sorted, place_of }
     }
 
-    /// Where a node is in the sequence; [`NO_PARENT`] is nowhere.
+    /// Returns the position of a node in the sequence; [`NO_PARENT`] has none.
     pub(super) fn place_of(&self, before: u32) -> u32 {
         self.place_of.get(before as usize).copied().unwrap_or(NO_PARENT)
     }

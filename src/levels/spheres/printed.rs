@@ -1,15 +1,15 @@
 //! Sequential point trees as paper 002 §4.3 prints them: points are merged by their distance to their parents.
 //!
-//! How it works: `r_min = √A` is the distance at which a node is divided at an error of 1, and
-//! `r_max = r_min(parent) + |p − p(parent)|` that at which it is merged. Nodes are sorted by `r_max`; bisection finds
-//! the range `[lo, hi]` for the sphere around all, and of these a node is drawn where
-//! `r_min ≤ √τ·|p − v| ∧ r_max ≥ √τ·|p − v|`, with √τ the LOD threshold as an angle.
+//! How it works: `r_min = √A` is the distance at which a node is divided at an error of 1, and `r_max = r_min(parent) +
+//! |p − p(parent)|` that at which it is merged. Nodes are sorted by `r_max`; bisection finds the range `[lo, hi]` for
+//! the sphere around all, and of these a node is drawn where `r_min ≤ √τ·|p − v| ∧ r_max ≥ √τ·|p − v|`, with √τ the LOD
+//! threshold as an angle.
 //!
 //! It is too conservative where thresholds are small: the error of a view scales `r_min`, but not the distance between
-//! a node and its parent, so many nodes are drawn whose parents are drawn as well. These are counted. No normals are
-//! asked, so `f = 1`, but what is outside the frustum or faces away is dropped, node by node, as vertex programs do.
+//! a node and its parent, so many nodes are drawn whose parents are drawn as well. These are counted. Normals are not
+//! tested, so `f = 1`, but what is outside the frustum or faces away is dropped, node by node, as vertex programs do.
 //!
-//! When it wins: never; it is here to be measured beside the exact rule of [`super::sequential`].
+//! When it wins: never; it exists for comparison with the exact rule of [`super::sequential`].
 
 use super::before::WasDivided;
 use super::bounds::Bounds;
@@ -134,7 +134,7 @@ impl PrintedSequence {
         splat::write(&cut.listed.drawn, buffers, |place| self.records(place, points, shapes))
     }
 
-    /// Of all nodes, by their places.
+    /// Returns the records of all nodes, by their positions.
     pub(super) fn node_records(
         &self,
         points: &[PointRecord],
@@ -198,7 +198,7 @@ fn entries(tree: &SphereTree, points: &[PointRecord]) -> Vec<Entry> {
     entries
 }
 
-/// What a test finds.
+/// Result of a test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Test {
     /// Not near enough, or not to be seen.
@@ -271,7 +271,7 @@ impl Selection<'_> {
 
 #[cfg(test)]
 impl PrintedSequence {
-    /// Which node of its tree each name stands for.
+    /// Returns the tree node of each name.
     pub(super) fn nodes(&self) -> std::collections::HashMap<u32, Child> {
         let nodes = self.entries.iter().zip(0_u32..);
         nodes.map(|(entry, name)| (name, entry.node)).collect()

@@ -1,9 +1,9 @@
-//! QSplat: a tree of spheres of six bytes a node, decoded on the way (Rusinkiewicz and Levoy 2000).
+//! QSplat: a tree of spheres of six bytes per node, decoded on the way (Rusinkiewicz and Levoy 2000).
 //!
 //! How it works: nodes stand in breadth-first order, siblings side by side, leaves as well. A group of siblings begins
 //! with a pointer to the children of its first that has any; those of the others follow there. A group of leaves alone
-//! has none, which the parent tells. A sphere is told by that of its parent, so a cut keeps the spheres of its nodes.
-//! Everything of a node comes from its code, that of leaves too: places, normals and colours are rounded.
+//! has none, as stated in the parent. A sphere is encoded relative to that of its parent, so a cut keeps the spheres of
+//! its nodes. Everything of a node comes from its code, that of leaves too: positions, normals and colours are rounded.
 //!
 //! When it wins: where memory is short. A point takes nine to ten bytes with all nodes above it.
 
@@ -41,7 +41,7 @@ pub(super) struct QSplat {
     node_count: usize,
 }
 
-/// Where something begins and how many words it has, for groups of children.
+/// Start offset and word count of groups of children.
 fn group_words(node: &Inner) -> usize {
     let pointer = if node.inner_children().is_empty() {
         0
@@ -51,7 +51,7 @@ fn group_words(node: &Inner) -> usize {
     pointer + node.child_count() * NODE_WORDS
 }
 
-/// Where the children of each node of a tree begin, and where the last ones end.
+/// Returns the start offsets of the children of each node of a tree, and the end of the last ones.
 fn group_starts(tree: &SphereTree) -> Vec<usize> {
     let first = ROOT_GROUP + POINTER_WORDS + NODE_WORDS;
     let sizes = tree.division.inners.iter().map(group_words);
@@ -242,7 +242,7 @@ fn leaf_code(parent: &Sphere, point: &PointRecord, shape: &ShapeRecord) -> NodeC
     NodeCode::new(sphere_code::encoded(parent, &sphere), shape.normal, point.color)
 }
 
-/// What a traversal found.
+/// Nodes found by a traversal.
 #[derive(Default)]
 struct FoundNodes {
     listed: ListedNodes,
@@ -255,7 +255,7 @@ struct Decoded {
     name: usize,
     code: NodeCode,
     sphere: Sphere,
-    /// Where its children begin, unless it is a leaf.
+    /// Start offset of its children, unless it is a leaf.
     children: Option<usize>,
 }
 
@@ -272,7 +272,7 @@ struct Visit {
     sphere: Sphere,
     bounds: Bounds,
     level: u32,
-    /// Where they begin.
+    /// Start offset of the children.
     children: usize,
 }
 
@@ -344,7 +344,7 @@ impl FoundNodes {
 
 #[cfg(test)]
 impl QSplat {
-    /// Which node of `tree` each name stands for.
+    /// Returns the node of `tree` for each name.
     pub(super) fn nodes(tree: &SphereTree) -> std::collections::HashMap<u32, Child> {
         let mut nodes = std::collections::HashMap::from([(POINTER_WORDS as u32, Child::Inner(0))]);
         for (node, start) in tree.division.inners.iter().zip(group_starts(tree)) {

@@ -1,22 +1,23 @@
-//! Which nodes stand for the points below them: the metric of paper 002 §4.1.
+//! Selection rule for the nodes that represent the points below them: the metric of paper 002 §4.1.
 //!
-//! A node covers `ε = f·A/d²` on the screen, where `A = πr²`, r is how far from its middle the points below are at
-//! most, `d` is the distance from the eye to the nearest point of its sphere, and `f = cos max(γ − θ − β, 0)` is how
-//! much of the disk is seen: γ is the angle between its normal and the direction to the eye, θ half the opening of its
-//! normal cone, and `sin β` is the radius of the sphere over the distance, which allows for the points beside its
-//! middle. A node is *small* where ε is at most the square of the LOD threshold, so that a threshold means a length in
-//! pixels whatever the metric. By edges instead ([`LodMetric::Edge`]), f is 1 and the square of the edge of the cube in
-//! a sphere with the radius r takes the place of A.
+//! A node covers `ε = f·A/d²` on the screen, where `A = πr²`, r is the maximum distance of the points below from its
+//! centre, `d` is the distance from the eye to the nearest point of its sphere, and `f = cos max(γ − θ − β, 0)` is the
+//! visible fraction of the disk: γ is the angle between its normal and the direction to the eye, θ half the opening of
+//! its normal cone, and `sin β` is the radius of the sphere over the distance, which allows for the points away from
+//! its centre. A node is *small* if ε is at most the square of the LOD threshold, so that a threshold means a length in
+//! pixels whatever the metric. With edges instead ([`LodMetric::Edge`]), f is 1 and the square of the edge of the cube
+//! in a sphere with the radius r replaces A.
 //!
 //! As bounds are nested (`bounds.rs`), nothing grows from parent to child: below a small node all are small, below one
-//! that is outside the frustum or faces away all are, too. So what a traversal from the root finds, each node can tell
-//! by itself and its parent: the nodes that are drawn are those that are small, or leaves, while their parents are not.
+//! that is outside the frustum or faces away all are, too. So the result of a traversal from the root can be decided
+//! per node, from itself and its parent alone: the nodes that are drawn are those that are small, or leaves, while
+//! their parents are not.
 
 use super::bounds::Bounds;
 use crate::levels::cut::{CutHints, LodMetric, SelectView};
 use glam::{DVec3, DVec4, Vec4};
 
-/// What becomes of a node.
+/// Verdict on a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Verdict {
     /// Nothing of it can be seen.
@@ -27,7 +28,7 @@ pub(super) enum Verdict {
     Divided,
 }
 
-/// What decides it, in f64: of f32 numbers, rounding then changes nothing that bounds tell apart.
+/// Selection rule, in f64: for f32 inputs, rounding then changes nothing that bounds distinguish.
 #[derive(Debug)]
 pub(super) struct Rule {
     eye: DVec3,
@@ -45,23 +46,23 @@ pub(super) struct Rule {
 /// All that decides in a view. What was a single float before is one here.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RuleNumbers {
-    /// Where distances are measured from.
+    /// Eye position that distances are measured from.
     pub eye: [f32; 3],
-    /// Of the frustum.
+    /// Planes of the frustum.
     pub planes: [[f32; 4]; crate::math::Frustum::PLANES],
     /// A of a disk with a radius of 1 at a distance of 1, px².
     pub area_px2: f64,
     /// The largest ε of a small node, px².
     pub small_px2: f64,
-    /// Whether normals say how much of a disk is seen.
+    /// True if normals determine the visible fraction of a disk.
     pub is_oriented: bool,
-    /// Whether nodes that face away are dropped.
+    /// True if back-facing nodes are culled.
     pub culls_back_faces: bool,
     /// Nodes of this level are not divided.
     pub deepest_level: u32,
 }
 
-/// How much larger than the threshold, or smaller, a node must be to change sides.
+/// Hysteresis: relative amount by which a node must be larger or smaller than the threshold to change sides.
 pub(super) const HYSTERESIS: f64 = 0.1;
 
 impl Rule {
@@ -78,7 +79,7 @@ impl Rule {
         }
     }
 
-    /// What decides without a view before, for who evaluates it elsewhere.
+    /// Returns the parameters that decide without a previous view, for evaluation elsewhere.
     pub(super) fn numbers(&self) -> RuleNumbers {
         RuleNumbers {
             eye: self.eye.as_vec3().to_array(),
@@ -95,7 +96,7 @@ impl Rule {
         }
     }
 
-    /// What becomes of a node that is no leaf. `was_divided` tells whether the view before divided it.
+    /// Returns the verdict on a node that is not a leaf. `was_divided` returns whether the previous view divided it.
     pub(super) fn verdict(&self, bounds: &Bounds, level: u32, was_divided: impl FnOnce() -> bool) -> Verdict {
         let seen_share = self.seen_share(bounds);
         if self.is_dropped(bounds, seen_share) {
@@ -109,7 +110,7 @@ impl Rule {
         }
     }
 
-    /// Whether nothing of a node can be seen.
+    /// Returns true if a node is culled because nothing of it can be visible.
     pub(super) fn drops(&self, bounds: &Bounds) -> bool {
         self.is_dropped(bounds, self.seen_share(bounds))
     }
@@ -130,7 +131,7 @@ impl Rule {
         f64::from(bounds.radius) * (small_px2 / size_px2).sqrt() * (1.0 - ROUNDING)
     }
 
-    /// Whether nodes of this level are not divided, however large.
+    /// Returns true if nodes of this level are not divided, however large.
     pub(super) fn ends_at(&self, level: u32) -> bool {
         self.deepest_level < SelectView::ALL_LEVELS && level >= self.deepest_level
     }
@@ -149,8 +150,8 @@ impl Rule {
         planes.any(|plane| plane.truncate().dot(center) + plane.w < -f64::from(bounds.sphere.radius))
     }
 
-    /// What of its disk is seen: f. Negative where all of it faces away, if that is dropped; else the back is as good
-    /// as the front.
+    /// Returns the visible fraction of its disk: f. Negative if all of it faces away, if that is dropped; otherwise the
+    /// back counts the same as the front.
     fn seen_share(&self, bounds: &Bounds) -> f64 {
         if bounds.cone.is_everything() || !(self.is_oriented || self.culls_back_faces) {
             return 1.0;

@@ -1,10 +1,10 @@
 //! Sequential point trees: sorted nodes, of which a view takes a prefix (Dachsbacher et al. 2003).
 //!
 //! How it works: a node can only be drawn while its parent is not small, so nodes are sorted by the radius of their
-//! parents, which is `r_max` at an error of 1. Bisection finds how many may be drawn; each of these is then tested by
-//! itself (`rule.rs`), in the order of memory. Parents come before their children, and what was found of them is read
+//! parents, which is `r_max` at an error of 1. Bisection finds the number that may be drawn; each of these is then
+//! tested by itself (`rule.rs`), in the order of memory. Parents come before their children, and their results are read
 //! off. Leaves are points of the frame and are drawn as these if their parents are divided. Leaves of one parent follow
-//! each other, so processors test none of them.
+//! each other, so CPUs test none of them.
 //!
 //! *One sequence* of the whole tree tests nodes in a prefix that does not know the frustum. *A hierarchy of sequences*
 //! ([`HIERARCHY_POINTS`]; after Windisch et al. 2025) has one for each subtree of a few points: the nodes above are
@@ -12,8 +12,7 @@
 //!
 //! There is no lower end of a range (paper 002 §4.3): a node that is seen from its edge is small however large it is.
 //!
-//! When it wins: where there is no time to descend, and on graphics cards, which test a prefix by themselves
-//! (`filter.rs`).
+//! When it wins: where there is no time to descend, and on GPUs, which test a prefix by themselves (`filter.rs`).
 
 use super::before::WasDivided;
 use super::bounds::Bounds;
@@ -43,7 +42,7 @@ pub(super) struct SequentialTree {
     inners: Vec<Inner>,
     /// The points of leaves, sequence by sequence.
     leaf_points: Vec<u32>,
-    /// What is below each of the first nodes.
+    /// Descendants of each of the first nodes.
     uppers: Vec<Upper>,
 }
 
@@ -53,9 +52,9 @@ struct Inner {
     bounds: Bounds,
     splat: Splat,
     level: u8,
-    /// How many of its children are leaves.
+    /// Number of its children that are leaves.
     leaf_count: u8,
-    /// Where these begin.
+    /// Index of the first of these leaves.
     first_leaf: u32,
     /// The place of its parent in the sequence, or [`NO_PARENT`].
     parent: u32,
@@ -63,7 +62,7 @@ struct Inner {
     parent_radius: f32,
 }
 
-/// What is below a node above sequences.
+/// Descendants of a node above sequences.
 #[derive(Debug, Clone)]
 struct Upper {
     /// Nodes of the same kind.
@@ -149,7 +148,7 @@ impl SequentialTree {
         splat::write(&cut.listed.drawn, buffers, |name| self.records(name, points, shapes))
     }
 
-    /// Of all nodes, by their names.
+    /// Returns the records of all nodes, by their names.
     pub(super) fn node_records(
         &self,
         points: &[PointRecord],
@@ -197,7 +196,7 @@ impl OnlySequence<'_> {
         }
     }
 
-    /// What is drawn in a view; `None` where that is the root alone, or nothing.
+    /// Returns the filter of the nodes that are drawn in a view; `None` if that is the root alone, or nothing.
     pub(super) fn filter(self, tested: &Tested, view: &SelectView, hints: CutHints<'_>) -> Option<SequenceFilter> {
         let before = None;
         let selection = Selection {
@@ -234,7 +233,7 @@ impl Inner {
         }
     }
 
-    /// Those of its children that are leaves, by their places among leaves.
+    /// Returns the range of its children that are leaves, as indices of leaves.
     fn leaves(&self) -> Range<usize> {
         let first = self.first_leaf as usize;
         first..first + usize::from(self.leaf_count)
@@ -364,7 +363,7 @@ impl Selection<'_> {
         inners.start..inners.start + count
     }
 
-    /// What is drawn of the sequence below a node that is divided, and how many nodes were looked at for it.
+    /// Returns the drawn nodes of the sequence below a node that is divided, and the number of nodes visited for it.
     fn sequence(&self, upper: usize) -> (ListedNodes, usize) {
         let candidates = self.candidates(upper);
         let tested = candidates.clone().into_par_iter();
@@ -399,7 +398,7 @@ impl Selection<'_> {
 
 #[cfg(test)]
 impl SequentialTree {
-    /// Which node of `tree` each name stands for: told by the leaves, whose parents are known.
+    /// Returns the node of `tree` for each name, identified by the leaves, whose parents are known.
     pub(super) fn nodes(&self, tree: &SphereTree) -> std::collections::HashMap<u32, Child> {
         let division = &tree.division.inners;
         let mut parent_of_point = vec![0; self.leaf_points.len()];

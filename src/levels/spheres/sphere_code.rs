@@ -1,10 +1,10 @@
-//! Spheres in 13 bits, told by that of their parent (Rusinkiewicz and Levoy 2000, §3.1).
+//! Spheres in 13 bits, encoded relative to that of their parent (Rusinkiewicz and Levoy 2000, §3.1).
 //!
-//! How it works: the middle is on a grid of 13 × 13 × 13 places, a thirteenth of the parent's diameter apart; the
+//! How it works: the centre is on a grid of 13 × 13 × 13 positions, a thirteenth of the parent's diameter apart; the
 //! radius is a number of thirteenths of the parent's, 1 to 13. Not all of the 13⁴ combinations are of use, as children
 //! are inside their parents: codes are the 8,192 that reach the least beyond it. Radii are rounded up until the sphere
-//! holds what it was made for, seen from where its middle came to lie, so nothing is lost from level to level. What no
-//! code holds so moves towards the middle of the parent, and at last becomes the parent's own sphere.
+//! holds what it was made for, seen from its rounded centre, so nothing is lost from level to level. A sphere that no
+//! code holds in this manner moves towards the centre of the parent, and at last becomes the parent's own sphere.
 
 use crate::math::Sphere;
 use glam::Vec3;
@@ -19,7 +19,7 @@ const STEPS: usize = 13;
 /// Coordinates are −6 to 6.
 const MOST_STEPS_ASIDE: i8 = 6;
 
-/// Where there is no code.
+/// Sentinel for the absence of a code.
 const NONE: u16 = u16::MAX;
 
 /// A sphere in steps.
@@ -58,7 +58,7 @@ static TABLE: LazyLock<Table> = LazyLock::new(|| {
     }
 });
 
-/// How far from the middle of the parent a sphere reaches, in thirteenths of the parent's radius.
+/// Returns the reach of a sphere from the centre of the parent, in thirteenths of the parent's radius.
 fn reach(steps: Steps) -> f64 {
     let squared: i32 = steps.place.iter().map(|&aside| i32::from(aside).pow(2)).sum();
     2.0 * f64::from(squared).sqrt() + f64::from(steps.radius)

@@ -1,4 +1,4 @@
-//! What is drawn for nodes of sequences: the points themselves, or the disk or ellipse of a node's sphere.
+//! Splats drawn for nodes of sequences: the points themselves, or the disk or ellipse of a node's sphere.
 
 use super::tree::Node;
 use crate::cloud::{PointRecord, ShapeRecord};

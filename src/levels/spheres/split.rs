@@ -1,9 +1,9 @@
-//! How a tree of spheres is divided: points in Morton order, node by node.
+//! Division of a bounding sphere tree: points in Morton order, node by node.
 //!
 //! How it works: the points of a node are a contiguous range, and its cell is the smallest cell of Morton codes that
 //! holds them. A cell is halved where its codes part in their highest bit. Of a node's pieces the one with the largest
-//! cell is halved until there are four, so nearly every node has four children, as many as a node of QSplat can have.
-//! All nodes of a level are divided side by side, which leaves them in breadth-first order.
+//! cell is halved until there are four, so nearly every node has four children, the maximum for a node of QSplat. All
+//! nodes of a level are divided in parallel, which leaves them in breadth-first order.
 //!
 //! When it wins: nothing is sorted or moved. Halving the longest axis of the box, as QSplat does, moves the points on
 //! every level.
@@ -44,7 +44,7 @@ pub(super) enum Child {
 #[derive(Debug)]
 pub(super) struct Division {
     pub(super) inners: Vec<Inner>,
-    /// Where each level begins, then where the last one ends.
+    /// Start index of each level, then the end of the last one.
     pub(super) level_starts: Vec<usize>,
 }
 
@@ -112,8 +112,8 @@ impl Inner {
     }
 }
 
-/// Where two points or more are halved: the first that differs from those before in the highest bit in which any do;
-/// the middle of equal ones.
+/// Returns the split index of two points or more: the first that differs from those before in the highest bit in which
+/// any do; the midpoint for equal ones.
 fn middle_of(codes: &[u64], points: Range<u32>) -> u32 {
     let codes = &codes[points.start as usize..points.end as usize];
     let different = codes[0] ^ codes[codes.len() - 1];

@@ -1,4 +1,4 @@
-//! What stands for the points below each node, and where they are: from the leaves up.
+//! Per-node summary of the points below and of their bounds, computed from the leaves up.
 //!
 //! A sphere around spheres is wider than one around what they hold, by a tenth where nodes have few points. So nodes of
 //! few points have spheres around the disks of these.
@@ -18,7 +18,7 @@ const FEW_POINTS: usize = 64;
 pub(super) struct Summary {
     /// Holds their disks.
     pub(super) sphere: Sphere,
-    /// How far from the middle of the sphere the points are, at most.
+    /// Maximum distance of the points from the centre of the sphere.
     pub(super) spread: f32,
     /// Mean unit normal; that of the first child where there is no mean.
     pub(super) normal: Vec3,
@@ -42,7 +42,7 @@ impl Summary {
         point_count: 0,
     };
 
-    /// Of one point.
+    /// Returns the summary of one point.
     pub(super) fn of_point(point: &PointRecord, shape: &ShapeRecord) -> Self {
         Self {
             sphere: disk(point, shape),
@@ -59,7 +59,8 @@ impl Summary {
         self.color.round().to_array().map(|channel| channel as u8)
     }
 
-    /// Of a node with these children, around the disks of its points where these are few. Precondition: there is one.
+    /// Computes the summary of a node with these children, with a sphere around the disks of its points if these are
+    /// few. Precondition: there is one.
     fn of(children: &[Self], points: &[PointRecord], shapes: &[ShapeRecord]) -> Self {
         let point_count = children.iter().map(|child| child.point_count).sum();
         let (mut normal, mut color) = (Vec3::ZERO, Vec4::ZERO);
@@ -101,7 +102,7 @@ impl Summary {
     }
 }
 
-/// What a point is drawn as is in this sphere.
+/// Returns a bounding sphere of the disk that a point is drawn as.
 #[inline(always)]
 fn disk(point: &PointRecord, shape: &ShapeRecord) -> Sphere {
     Sphere {

@@ -23,7 +23,7 @@ use rayon::prelude::*;
 /// Rounding of normals to octahedral coordinates and of cosines, as a cosine.
 const CONE_SLACK: f32 = 1e-5;
 
-/// What spheres and cones are rounded to.
+/// Rounding precision of spheres and cones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Precision {
     /// Single floats.
@@ -35,7 +35,7 @@ pub(super) enum Precision {
 /// A node that is no leaf.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Node {
-    /// What is drawn for it: holds the disks of all points below.
+    /// Bounding sphere drawn for it: holds the disks of all points below.
     pub(super) sphere: Sphere,
     pub(super) bounds: Bounds,
     /// Mean normal and colour, not coded.

@@ -10,7 +10,7 @@ const PRIMARIES: [[f64; 2]; 3] = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
 /// Chromaticity of its white, D65 to five digits.
 const WHITE: [f64; 2] = [0.312_71, 0.329_02];
 
-/// Where the cube root of L*a*b* becomes a line.
+/// Threshold below which the cube root of L*a*b* becomes linear.
 const LAB_DELTA: f32 = 6.0 / 29.0;
 
 /// XYZ, relative to white, from linear sRGB, and back.

@@ -91,7 +91,7 @@ impl ErrorMap {
     }
 }
 
-/// What an observer makes of one picture; made once for a picture that is compared with several.
+/// Perceived image: the response of an observer to one image; computed once for an image that is compared with several.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Perceived {
     size_px: [u32; 2],

@@ -1,17 +1,18 @@
-//! How far two clouds are from each other: point to point (D1) and point to plane (D2).
+//! Geometric distance between two clouds: point to point (D1) and point to plane (D2).
 //!
 //! How it works (Tian, Ochimizu, Feng, Cohen, Vetro: *Geometric distortion metrics for point cloud compression*, ICIP
-//! 2017; the tool `pc_error` of ISO/IEC MPEG): each point of one cloud is taken to the nearest one of the other. D1 is
-//! the length of the way, D2 what of it runs along the normal over there: a point that only slid along the surface has
-//! a D1 and hardly a D2. Means of squares and maxima (Hausdorff distances) are told for both directions, since a cloud
-//! with a hole is near to the whole one and not the other way round; the symmetric figure is the larger one.
+//! 2017; the tool `pc_error` of ISO/IEC MPEG): each point of one cloud is matched with the nearest one of the other. D1
+//! is the length of the difference vector, D2 its component along the normal there: a point that only slid along the
+//! surface has a D1 and hardly a D2. Means of squares and maxima (Hausdorff distances) are reported for both
+//! directions, since a cloud with a hole is near to the whole one and not the other way round; the symmetric figure is
+//! the larger one.
 //!
 //! As in `pc_error`, only the reference needs normals. A point of the test has the mean of those of the reference's
-//! points whose nearest it is (not brought back to unit length), or else that of its own nearest; and where there is no
+//! points whose nearest it is (not brought back to unit length), or else that of its own nearest; and if there is no
 //! normal, D2 is D1. Of equally near points the first counts, so clouds on a grid may differ a little from `pc_error`,
-//! where chance decides. Coincident points all count. Maxima are distances here, squares there.
+//! which decides at random. Coincident points all count. Maxima are distances here, squares there.
 //!
-//! Ways are computed and added up in f64, in pieces of fixed size: any number of threads gives the same bits.
+//! Distances are computed and summed in f64, in pieces of fixed size: any number of threads gives the same bits.
 
 mod reference;
 
@@ -53,7 +54,7 @@ pub enum CloudMismatch {
 pub enum Side {
     /// The truth.
     Reference,
-    /// What is compared with it.
+    /// Test cloud that is compared with it.
     Test,
 }
 
@@ -111,7 +112,7 @@ impl Distances {
     }
 }
 
-/// How far two clouds are from each other.
+/// Geometric distance between two clouds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GeometryError {
     /// D1: lengths of the ways.
@@ -210,7 +211,7 @@ impl Ways<'_> {
         })
     }
 
-    /// What `pc_error` gives the points of the test for normals.
+    /// Returns the normals that `pc_error` assigns to the points of the test.
     fn normals_of_test(&self, of_reference: &[Option<DVec3>]) -> Vec<Option<DVec3>> {
         let mut sums = vec![(DVec3::ZERO, 0u32); self.test.len()];
         for (&nearest, normal) in self.from_reference.iter().zip(of_reference) {

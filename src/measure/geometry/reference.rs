@@ -28,7 +28,7 @@ pub struct ReferenceCloud {
     nearest: NearestPoint,
 }
 
-/// How far a cloud is from its reference.
+/// Error of a cloud relative to its reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CloudError {
     /// D1, and D2 where the reference has normals.
@@ -37,7 +37,7 @@ pub struct CloudError {
     pub peak: f64,
     /// Mean squared difference of a channel, 0 to 255²; `None` unless both have colours.
     pub color_squared: Option<f64>,
-    /// Of normals, the side included; `None` unless both have normals.
+    /// Angular error of normals, the side included; `None` unless both have normals.
     pub normals: Option<AngularError>,
 }
 

@@ -1,7 +1,7 @@
-//! What a reconstruction lists, before any photograph is looked for.
+//! Calibration listed by a reconstruction, before any input image is looked for.
 //!
-//! One file may list photographs that are there ([`Calibration::photographs`]), or cameras that filmed, of which each
-//! moment has photographs of its own ([`Rig`]). Who knows the names in it, and the folders around it, can tell.
+//! One file may list input images that exist ([`Calibration::photographs`]), or cameras of a multi-view video, of which
+//! each time step has images of its own ([`Rig`]). The names in it, and the folders around it, determine which.
 
 use super::rig::Rig;
 use crate::photos::error::PhotosError;
@@ -9,7 +9,7 @@ use crate::photos::found::draft::Drafts;
 use crate::photos::sets::view_set::ViewSet;
 use std::path::{Path, PathBuf};
 
-/// Cameras and poses by the names of photographs.
+/// Camera intrinsics and poses, by the names of input images.
 #[derive(Debug, Clone)]
 pub struct Calibration {
     drafts: Drafts,
@@ -25,27 +25,28 @@ impl Calibration {
         &self.drafts.path
     }
 
-    /// Folders around which photographs are looked for, the nearest first.
+    /// Returns the folders around which input images are looked for, the nearest first.
     pub fn folders(&self) -> &[PathBuf] {
         &self.drafts.folders
     }
 
-    /// The names of all photographs, as they are written.
+    /// Returns the names of all input images, as they are written.
     pub fn names(&self) -> impl ExactSizeIterator<Item = &str> {
         self.drafts.photos.iter().map(|draft| draft.name.as_str())
     }
 
-    /// When each photograph was taken, in the unit of the file; `None` unless all of them say that.
+    /// Returns the capture times of the input images, in the unit of the file; `None` unless all of them have one.
     pub fn times(&self) -> Option<Vec<f64>> {
         self.drafts.photos.iter().map(|draft| draft.time).collect()
     }
 
-    /// A file of points that is named in place of points.
+    /// Returns the path of a file of points that is named instead of listing the points.
     pub fn points_file(&self) -> Option<&Path> {
         self.drafts.points_file.as_deref()
     }
 
-    /// Some of the photographs alone, by their indices, in this order; without points, whose tracks name them all.
+    /// Returns a subset of the input images, by their indices, in this order; without points, whose tracks name all
+    /// images.
     #[must_use]
     pub fn some(&self, chosen: &[usize]) -> Self {
         let photos = chosen.iter().filter_map(|&index| self.drafts.photos.get(index));
@@ -55,18 +56,18 @@ impl Calibration {
         Self { drafts }
     }
 
-    /// The photographs that can be shown.
+    /// Returns the input images that can be shown.
     ///
     /// # Errors
-    /// [`PhotosError::NoPhotos`] where none of them can.
+    /// [`PhotosError::NoPhotos`] if none of them can.
     pub fn photographs(self) -> Result<ViewSet, PhotosError> {
         self.drafts.into_view_set()
     }
 
-    /// The cameras, where the names are those of cameras and not of photographs.
+    /// Returns the rig of cameras, if the names are those of cameras and not of images.
     ///
     /// # Errors
-    /// [`PhotosError::NoPhotos`] where no camera has a lens and a pose.
+    /// [`PhotosError::NoPhotos`] if no camera has a lens and a pose.
     pub fn rig(self) -> Result<Rig, PhotosError> {
         Rig::of(self.drafts)
     }

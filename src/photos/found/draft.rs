@@ -1,7 +1,8 @@
-//! From what a file lists to photographs that can be shown: files are found, sizes looked at, poses held to be poses.
+//! Drafts of input images, from the listing of a file to images that can be shown: files are found, sizes checked,
+//! poses validated.
 //!
-//! What is wrong with one photograph costs that photograph: it is left out, the tracks with it, and a note says so. A
-//! set of which nothing is left is an error that says why.
+//! A problem with one image affects only that image: it is skipped, along with its tracks, and a note reports it. A set
+//! of which nothing is left is an error that reports the reason.
 
 use super::files::Files;
 use super::picture_file::size_px;
@@ -16,7 +17,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// A photograph as a file lists it.
+/// An input image as a file lists it.
 #[derive(Debug, Clone)]
 pub(in crate::photos) struct Draft {
     pub(in crate::photos) name: String,
@@ -24,7 +25,7 @@ pub(in crate::photos) struct Draft {
     pub(in crate::photos) lens: Result<Lens, String>,
     /// Turns directions of the world into those of the camera (x right, y down, z forward).
     pub(in crate::photos) turn: DMat3,
-    /// Where the origin of the world is for the camera.
+    /// Position of the world origin in the camera frame.
     pub(in crate::photos) shift: DVec3,
     pub(in crate::photos) mask: Option<PathBuf>,
     pub(in crate::photos) depth: Option<DepthFile>,
@@ -41,27 +42,28 @@ pub(in crate::photos) struct Draft {
 pub(in crate::photos) struct Drafts {
     /// The file.
     pub(in crate::photos) path: PathBuf,
-    /// Folders around which photographs are looked for, the nearest first.
+    /// Folders around which input images are looked for, the nearest first.
     pub(in crate::photos) folders: Vec<PathBuf>,
     pub(in crate::photos) photos: Vec<Draft>,
-    /// Observed pixels are counted from where the lens of their photograph says.
+    /// Sparse points, whose observed pixels are counted as defined by the lens of their image.
     pub(in crate::photos) points: SparsePoints,
     pub(in crate::photos) points_file: Option<PathBuf>,
     pub(in crate::photos) notes: Vec<String>,
 }
 
-/// How far products of the axes of a turn may be from 0 and 1: files are written with as few as four digits.
+/// Tolerance of the products of the axes of a rotation from 0 and 1: files are written with as few as four digits.
 const MOST_SKEW: f64 = 0.01;
 
 /// Names that a note lists before it says how many more there are.
 const MOST_NAMES: usize = 3;
 
-/// Damage can make a reason for every photograph: who reads a hundred knows.
+/// Maximum number of reasons reported: damage can produce one for every input image, and a hundred suffice for the
+/// reader.
 const MOST_REASONS: usize = 100;
 
 impl Draft {
-    /// A photograph at `center` in the world, whose axes (x right, y down, z forward) are the columns of
-    /// `world_from_camera`.
+    /// Creates the draft of an image at `center` in the world, whose axes (x right, y down, z forward) are the columns
+    /// of `world_from_camera`.
     pub(in crate::photos) fn at(
         name: String,
         lens: Result<Lens, String>,
@@ -72,7 +74,7 @@ impl Draft {
         Self::new(name, lens, turn, -(turn * center))
     }
 
-    /// A photograph of which points of the camera are `turn` · x + `shift`.
+    /// Creates the draft of an image for which points of the camera are `turn` · x + `shift`.
     pub(in crate::photos) fn new(name: String, lens: Result<Lens, String>, turn: DMat3, shift: DVec3) -> Self {
         Self {
             name,
@@ -114,14 +116,14 @@ impl Draft {
     }
 }
 
-/// Why a photograph is left out.
+/// Reason why an input image is skipped.
 enum Reason {
     Missing,
     Wrong(String),
 }
 
 impl Drafts {
-    /// What is listed by the file `path`, of nothing yet. Photographs are looked for around `folders`.
+    /// Creates an empty list of drafts for the file `path`. Input images are looked for around `folders`.
     pub(in crate::photos) fn new(path: &Path, folders: Vec<PathBuf>) -> Self {
         Self {
             path: path.into(),
@@ -133,7 +135,7 @@ impl Drafts {
         }
     }
 
-    /// The photographs that can be shown.
+    /// Returns the input images that can be shown.
     pub(in crate::photos) fn into_view_set(self) -> Result<ViewSet, PhotosError> {
         let files = Files::around(&self.folders, self.photos.iter().map(|draft| draft.name.as_str()));
         let photos: Vec<Result<Photo, Reason>> = self.photos.par_iter().map(|draft| draft.photo(&files)).collect();

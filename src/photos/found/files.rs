@@ -1,16 +1,16 @@
-//! Where photographs are, from the names that a reconstruction has for them.
+//! Image file lookup, from the names that a reconstruction has for its input images.
 //!
 //! *How it works.* Names are paths of another machine, often: absolute, with the separators of another system, with
-//! another extension after undistortion or without any, or in another case. A name is tried as it stands below each
-//! folder in which photographs usually are, with its own and then with other extensions; then what is left of it
-//! without the folders in front (`cam0/1.jpg`); then its last part alone is looked up in lists of these folders,
-//! without regard to case, and then without its extension. What is left has to be that of one name only: `left/1.jpg`
-//! and `right/1.jpg` are never the same photograph.
+//! another extension after undistortion or without any, or in another case. A name is tried unchanged below each folder
+//! in which images usually are, with its own and then with other extensions; then its remainder without the folders in
+//! front (`cam0/1.jpg`); then its last part alone is looked up in lists of these folders, without regard to case, and
+//! then without its extension. The remainder has to be that of one name only: `left/1.jpg` and `right/1.jpg` are never
+//! the same image.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Folders below that of a reconstruction in which photographs usually are. The first that has one wins.
+/// Folders below that of a reconstruction in which input images usually are. The first that has one wins.
 const FOLDERS: &[&str] = &[
     "images",
     "",
@@ -34,21 +34,21 @@ const FOLDERS: &[&str] = &[
 /// Folders of masks.
 const MASK_FOLDERS: &[&str] = &["masks", "mask", "images/masks", "silhouettes"];
 
-/// What the decoder of pictures reads.
+/// File extensions that the image decoder reads.
 const EXTENSIONS: &[&str] = &["png", "jpg", "jpeg", "webp", "ppm", "pgm", "pnm", "gif", "hdr"];
 
 /// Pictures that programs calibrate, and the decoder does not read: converted copies stand for them.
 const NOT_READ: &[&str] = &["avif", "bmp", "dng", "exr", "heic", "heif", "jxl", "tga", "tif", "tiff"];
 
-/// Entries of a folder that are looked at: a folder of more is not one of photographs alone.
+/// Maximum number of entries of a folder that are visited: a folder of more is not one of images alone.
 const MOST_ENTRIES: usize = 200_000;
 
-/// Lists of the folders in which photographs and masks may be.
+/// Lists of the folders in which input images and masks may be.
 #[derive(Debug)]
 pub(in crate::photos) struct Files {
     photos: Vec<Listing>,
     masks: Vec<Listing>,
-    /// How many names have the same last part, and the same last two.
+    /// Number of names with the same last component, and with the same last two.
     endings: HashMap<String, usize>,
 }
 
@@ -63,7 +63,8 @@ struct Listing {
 }
 
 impl Files {
-    /// The pictures around `folders`, of which the first that has one wins, for photographs of these `names`.
+    /// Collects the image files around `folders`, of which the first that has one wins, for input images of these
+    /// `names`.
     pub(in crate::photos) fn around<'a>(folders: &[PathBuf], names: impl IntoIterator<Item = &'a str>) -> Self {
         let mut endings = HashMap::new();
         for name in names {
@@ -91,7 +92,7 @@ impl Files {
         }
     }
 
-    /// The file of the photograph `name`.
+    /// Returns the file of the input image `name`.
     pub(in crate::photos) fn photo(&self, name: &str) -> Option<PathBuf> {
         let name = relative(name);
         if name.is_empty() {
@@ -150,7 +151,7 @@ impl Files {
         None
     }
 
-    /// The mask of the photograph `name`: as COLMAP names them, `photo.jpg.png`, or by the same stem.
+    /// Returns the mask of the input image `name`: as COLMAP names them, `photo.jpg.png`, or by the same stem.
     pub(in crate::photos) fn mask(&self, name: &str) -> Option<PathBuf> {
         if self.masks.is_empty() {
             return None;
@@ -183,7 +184,7 @@ impl Files {
         all.into_iter().find(|path| path.is_file())
     }
 
-    /// The mask that lies beside the photograph at `path`, named after it.
+    /// Returns the sidecar mask of the image at `path`, named after it.
     pub(in crate::photos) fn mask_beside(path: &Path) -> Option<PathBuf> {
         let name = path.file_name()?.to_str()?;
         let stem = path.file_stem()?.to_str()?;
@@ -243,7 +244,7 @@ impl Listing {
     }
 }
 
-/// Whether a file is a picture by its name.
+/// Returns true if a file is an image according to its name.
 pub fn is_picture(path: &Path) -> bool {
     let extension = path
         .extension()
@@ -251,7 +252,7 @@ pub fn is_picture(path: &Path) -> bool {
     extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))
 }
 
-/// Whether what is behind the last point of a name is the extension of a picture, be it one that is read.
+/// Returns true if the part of a name behind the last dot is an image file extension, be it one that is read or not.
 fn is_extension(ending: &str) -> bool {
     let ending = ending.to_lowercase();
     EXTENSIONS.iter().chain(NOT_READ).any(|&extension| extension == ending)

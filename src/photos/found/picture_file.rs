@@ -1,4 +1,4 @@
-//! Files of pictures, told by their first bytes.
+//! Image files, identified by their first bytes.
 
 use crate::photos::error::PhotosError;
 use image::{DynamicImage, ImageError, ImageReader};

@@ -1,11 +1,11 @@
-//! Calibrated cameras that filmed: each moment has a photograph of each of them.
+//! Calibrated rig of a multi-view video: each time step has one image of each camera.
 //!
-//! *How it works.* A rig is what a calibration lists, without the photographs. A moment names a file for each camera,
-//! and becomes a [`ViewSet`] of its own. Cameras keep their numbers: one without a file in a moment is in its set too,
-//! as a photograph without a file ([`Photo::has_file`]), which nobody draws.
+//! *How it works.* A rig is a calibration without the images. A time step names a file for each camera, and becomes a
+//! [`ViewSet`] of its own. Cameras keep their numbers: one without a file in a time step is in its set too, as an image
+//! without a file ([`Photo::has_file`]), which is never drawn.
 //!
-//! Points of the calibration are of the moment that was calibrated. They say how far away things are, so some of them
-//! are in each set; their tracks, by which cameras are judged, are in the first alone.
+//! Points of the calibration are of the time step that was calibrated. They indicate how far away things are, so some
+//! of them are in each set; their tracks, by which cameras are judged, are in the first alone.
 
 use crate::photos::error::PhotosError;
 use crate::photos::found::draft::{Draft, Drafts, notes_of_wrong, reason_of_nothing};
@@ -40,7 +40,7 @@ struct RigCamera {
     lens: Lens,
     camera_from_world: DAffine3,
     depth_range: Option<[f64; 2]>,
-    /// Where it is in the list of the file.
+    /// Index in the list of the file.
     index: usize,
 }
 
@@ -83,7 +83,7 @@ impl Rig {
         })
     }
 
-    /// Where each camera is in the list of the calibration, those left out that have no lens or no pose.
+    /// Returns the index of each camera in the list of the calibration, excluding those that have no lens or no pose.
     pub fn listed(&self) -> impl ExactSizeIterator<Item = usize> {
         self.cameras.iter().map(|camera| camera.index)
     }
@@ -102,16 +102,16 @@ impl Rig {
         }
     }
 
-    /// What was left out or taken for granted, a sentence each.
+    /// Returns notes about anything that was skipped or assumed, one sentence each.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// The photographs of one moment: of each camera the file of the same place in `files`, or none. The points have
-    /// their tracks if `has_tracks`.
+    /// Returns the input images of one time step: for each camera the file at the same index in `files`, or none. The
+    /// points have their tracks if `has_tracks`.
     ///
     /// # Errors
-    /// [`PhotosError::NoPhotos`] where none of them can be shown. What is wrong with some of them alone is a note.
+    /// [`PhotosError::NoPhotos`] if none of them can be shown. Problems with some of them alone are noted.
     pub fn moment(&self, files: &[Option<PathBuf>], has_tracks: bool) -> Result<ViewSet, PhotosError> {
         let found: Vec<Option<Result<Photo, String>>> = self
             .cameras
@@ -188,7 +188,7 @@ impl Rig {
 }
 
 impl RigCamera {
-    /// Where it stood, though nothing shows what it saw.
+    /// Returns the camera as a posed image without a file, though nothing shows what it saw.
     fn without_file(&self, usual_px: [u32; 2]) -> Option<Photo> {
         let size_px = self.lens.size_px.unwrap_or(usual_px);
         Some(Photo {

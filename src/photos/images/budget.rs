@@ -1,7 +1,8 @@
-//! How much smaller photographs have to be for their textures to fit into memory.
+//! Texture memory budget: the downscaling of input images that makes their textures fit into memory.
 //!
-//! All are halved as often: photographs of one scene that differ in sharpness would show where one gives way to
-//! another. Textures are layers of one array, so each takes as much as the largest, with all levels of its mipmap.
+//! All are halved the same number of times: images of one scene that differ in sharpness would show where one gives way
+//! to another. Textures are layers of one array, so each takes the same space as the largest, with all levels of its
+//! mipmap.
 
 use super::mips::half;
 
@@ -25,9 +26,9 @@ pub fn texture_bytes(size_px: [u32; 2]) -> u64 {
     }
 }
 
-/// The least number of times that photographs of these sizes are halved until an array of their textures takes at most
-/// `budget_bytes`, and no side is longer than `most_side_px`, which graphics cards limit. What cannot fit is halved
-/// down to pixels.
+/// Returns the minimum number of times that images of these sizes are halved until an array of their textures takes at
+/// most `budget_bytes`, and no side is longer than `most_side_px`, which is limited by GPUs. Images that cannot fit are
+/// halved down to pixels.
 pub fn halvings_within(sizes_px: &[[u32; 2]], budget_bytes: u64, most_side_px: u32) -> u32 {
     let largest = |axis: usize| sizes_px.iter().map(|size_px| size_px[axis]).max().unwrap_or(0);
     let mut size_px = [largest(0), largest(1)];

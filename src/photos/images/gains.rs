@@ -1,14 +1,15 @@
-//! Gains that make photographs of different exposures and white balances agree where they show the same points.
+//! Exposure compensation: gains that make images of different exposures and white balances agree where they show the
+//! same points.
 //!
-//! *How it works.* Of photographs i that show point p with colours c, a gain g each should make all g·c one colour m.
-//! In logarithms that is linear: least squares of ln g + ln c − ln m over all observations, each channel by itself,
-//! with the colour of each point taken out, and a few observations' worth of *gain 1* for each photograph, so that
-//! groups that share nothing stay where they are. Conjugate gradients solve it without a matrix: a thousand photographs
-//! cost no more than their observations. Highlights and wrong tracks are outliers: each round weighs an observation
-//! less the further it was off in the round before (Cauchy's weights, Holland and Welsch 1977).
+//! *How it works.* For images i that show point p with colours c, a gain g each should make all g·c one colour m. In
+//! logarithms that is linear: least squares of ln g + ln c − ln m over all observations, each channel by itself, with
+//! the colour of each point taken out, and a few observations' worth of *gain 1* for each image, so that groups that
+//! share nothing stay where they are. Conjugate gradients solve it without a matrix: a thousand images cost no more
+//! than their observations. Highlights and wrong tracks are outliers: each round weighs an observation less the further
+//! it was off in the round before (Cauchy's weights, Holland and Welsch 1977).
 //!
 //! Gains are of display values, as drawing multiplies these: they undo an exposure for a curve that is a power, which
-//! curves of cameras nearly are between the dark and the bright end. Both ends are left out.
+//! curves of cameras nearly are between the dark and the bright end. Both ends are excluded.
 
 use super::prepared::PreparedPhoto;
 use crate::photos::sets::points::SparsePoints;
@@ -28,16 +29,16 @@ const HALF_WEIGHT: f64 = 0.1;
 
 const ROUNDS: usize = 10;
 
-/// Steps of conjugate gradients: clusters of photographs that agree converge in a few dozen.
+/// Maximum number of conjugate gradient steps: clusters of images that agree converge in a few dozen.
 const MOST_STEPS: usize = 300;
 
-/// What is left of the first residual when the solution is one.
+/// Convergence tolerance: the fraction of the first residual at which the solution is accepted.
 const DONE: f64 = 1e-10;
 
 /// No exposure series is wider.
 const MOST_GAIN: f64 = 16.0;
 
-/// A colour of a point in a photograph, as logarithms.
+/// A colour sample of a point in an image, as logarithms.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     photo: usize,
@@ -48,12 +49,12 @@ struct Sample {
 #[derive(Debug, Default)]
 struct Samples {
     all: Vec<Sample>,
-    /// Where those of each point end.
+    /// End index of the samples of each point.
     ends: Vec<usize>,
 }
 
-/// A gain for red, green and blue of each photograph, to be multiplied with its display values. Their mean is 1.
-/// Photographs without points that others show too keep 1.
+/// Computes a gain for red, green and blue of each image, to be multiplied with its display values. Their mean is 1.
+/// Images without points that others show too keep 1.
 ///
 /// `photos` are those of the set that `points` are of, in its order; `None` for those that are not used.
 pub fn gains(points: &SparsePoints, photos: &[Option<PreparedPhoto>]) -> Vec<[f32; 3]> {

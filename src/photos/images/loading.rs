@@ -1,4 +1,4 @@
-//! All photographs of a set, as renderers need them. What is wrong with one of them costs that one.
+//! Loading of all input images of a set, as renderers need them. A problem with one of them affects only that one.
 
 use super::budget::halvings_within;
 use super::gains::gains;
@@ -16,31 +16,31 @@ use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// The longest side of a texture: that of all graphics cards.
+/// Maximum side length of a texture, supported by all GPUs.
 const MOST_SIDE_PX: u32 = 8192;
 
-/// Photographs whose pixels were loaded, and what was wrong with others.
+/// Input images whose pixels were loaded, and the problems with others.
 #[derive(Debug)]
 pub struct LoadedPhotographs {
     /// Those that could be loaded.
     pub photographs: Arc<Photographs>,
-    /// What could not be, a sentence each.
+    /// Notes on the images that could not be loaded, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// A photograph that was read.
+/// An input image that was read.
 struct Read {
     prepared: PreparedPhoto,
-    /// Whether what is transparent is the background, and not only beyond the lens.
+    /// True if transparent pixels are the background, and not only those beyond the lens.
     is_masked: bool,
     depth: Option<DepthImage>,
-    /// What of it could not be read.
+    /// Note on the parts of it that could not be read.
     note: Option<String>,
 }
 
 impl LoadedPhotographs {
-    /// Those of `set`, halved alike until all textures together take at most `budget_bytes`. Says in `progress` how
-    /// many are read; what it returns after that was cancelled is of no use.
+    /// Loads the images of `set`, halved alike until all textures together take at most `budget_bytes`. Reports in
+    /// `progress` the number of images read; the result is of no use once `progress` was cancelled.
     pub fn of(set: &ViewSet, budget_bytes: u64, progress: &Progress) -> Self {
         let sizes: Vec<[u32; 2]> = set.photos.iter().map(|photo| photo.camera.size_px()).collect();
         let halvings = halvings_within(&sizes, budget_bytes, MOST_SIDE_PX);
@@ -124,8 +124,8 @@ fn read(photo: &Photo, halvings: u32) -> Result<Read, PhotosError> {
     })
 }
 
-/// The depths that a file has of a photograph, as its pinhole sees them, without the noise of planes. Those of COLMAP
-/// are of pinholes already.
+/// Reads the depth map that a file has for an input image, as its pinhole sees it, without the noise of planes. Depth
+/// maps of COLMAP are of pinholes already.
 fn depth(file: &DepthFile, camera: &Camera, pinhole: &Camera) -> Result<Option<DepthImage>, PhotosError> {
     let taken = on_planes(&file.read()?);
     if let Some(taken_by) = &file.taken_by {
@@ -151,7 +151,7 @@ fn depth(file: &DepthFile, camera: &Camera, pinhole: &Camera) -> Result<Option<D
     Ok(DepthImage::new([width, height], distances.collect()))
 }
 
-/// The depths that a camera beside took, as the pinhole of the photograph sees them.
+/// Returns the depth map taken by an adjacent camera, as the pinhole of the input image sees it.
 fn seen_beside(
     file: &DepthFile,
     taken: &DepthImage,

@@ -1,9 +1,9 @@
-//! Smaller images: halves, and halves of these down to a pixel.
+//! Mip levels of images: halves, and halves of these down to a pixel.
 //!
-//! *How it works.* A pixel of the half is the mean of what it covers, each colour by its alpha, so that what lies
-//! beyond a silhouette does not bleed into it. An odd side of 2n + 1 becomes n pixels that cover 2 + 1/n each: borders
-//! stay borders, and places stay where they are in parts of the width. The mean is one of display values, as the
-//! filters of graphics cards see them; fine bright lines come out darker than a mean of light would make them.
+//! *How it works.* A pixel of the half is the mean of the pixels it covers, each colour weighted by its alpha, so that
+//! anything beyond a silhouette does not bleed into it. An odd side of 2n + 1 becomes n pixels that cover 2 + 1/n each:
+//! borders stay borders, and positions stay unchanged as fractions of the width. The mean is one of display values, as
+//! the filters of GPUs see them; fine bright lines come out darker than a mean of light would make them.
 
 use super::photo_image::{PhotoImage, WeightedColor};
 use rayon::prelude::*;

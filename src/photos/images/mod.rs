@@ -1,4 +1,4 @@
-//! Images of photographs made ready to be drawn: masked, undistorted, halved, with levels and gains.
+//! Input images prepared for drawing: masked, undistorted, halved, with levels and gains.
 
 pub(super) mod budget;
 pub(super) mod gains;

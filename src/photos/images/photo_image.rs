@@ -1,4 +1,4 @@
-//! The pixels of a photograph, with how much each of them belongs to the object.
+//! Pixels of an input image, with alpha as the degree to which each of them belongs to the object.
 
 use crate::photos::error::PhotosError;
 use crate::photos::found::picture_file::{decode, size_px};
@@ -21,10 +21,10 @@ impl PhotoImage {
         (count > 0 && count == pixels.len() as u64).then_some(Self { size_px, pixels })
     }
 
-    /// The file of a photograph. Alpha is that of the file, times the brightness of the mask.
+    /// Reads the file of an input image. Alpha is that of the file, times the brightness of the mask.
     ///
     /// # Errors
-    /// Where the photograph or its mask cannot be decoded, and where the photograph has another size than its camera.
+    /// If the image or its mask cannot be decoded, or if the image has another size than its camera.
     pub fn read(photo: &Photo) -> Result<Self, PhotosError> {
         let expected_px = photo.camera.size_px();
         // The header first: a file that has changed to a huge one is not decoded.
@@ -115,7 +115,7 @@ impl WeightedColor {
         self.weight += weight;
     }
 
-    /// Of 255; all zero where nothing has an alpha.
+    /// Returns the mean colour, in the range 0 to 255; all zero if nothing has an alpha.
     pub(in crate::photos) fn mean(&self) -> [f32; 4] {
         if self.alpha <= 0.0 {
             return [0.0; 4];

@@ -1,4 +1,4 @@
-//! Photographs as a renderer needs them: without distortion, scaled to their budget, with all their mip levels.
+//! Input images as a renderer needs them: without distortion, scaled to their budget, with all their mip levels.
 
 use super::texture::Texture;
 use crate::cloud::{PointRecord, ShapeRecord};
@@ -7,7 +7,7 @@ use crate::rgbd::{Camera, DepthImage};
 use glam::{DAffine3, DVec3, Vec3};
 use std::sync::Arc;
 
-/// Photographs of one scene, ready to be put on its surface (paper 004 §3). Immutable; shared by packets.
+/// Images of one scene for view-dependent texturing of its surface (paper 004 §3). Immutable; shared by packets.
 #[derive(Debug)]
 pub struct Photographs {
     all: Vec<Arc<Photograph>>,
@@ -16,8 +16,9 @@ pub struct Photographs {
     is_by_stereo: bool,
 }
 
-/// A surface to put photographs on in place of the points' own disks: disks, as many records of both kinds. Of a few
-/// points, whose own were too large and flat for its outlines, or made of the photographs themselves.
+/// Surface for view-dependent texturing instead of the points' own disks: disks, with the same number of records of
+/// both kinds. Built from few points, whose own disks were too large and flat for its outlines, or made from the images
+/// themselves.
 #[derive(Debug, Clone)]
 pub struct PhotoSurface {
     /// Positions, relative to the origin of the sequence, and colours: of points, those that disks stand for.
@@ -33,7 +34,7 @@ impl PhotoSurface {
     }
 }
 
-/// One photograph, and where it was taken.
+/// A posed image: its texture and its camera.
 #[derive(Debug)]
 pub struct Photograph {
     /// Its name in its set.
@@ -46,34 +47,35 @@ pub struct Photograph {
     pub camera_from_world: DAffine3,
     /// Its colours. Where alpha is 0, it shows nothing of the scene: beyond the lens, or masked out.
     pub texture: Texture,
-    /// Whether alpha tells the scene from its background.
+    /// True if alpha separates the scene from its background.
     pub is_masked: bool,
-    /// What its colours are multiplied with, so that those of all photographs agree.
+    /// Colour gain by which its colours are multiplied, so that those of all images agree.
     pub gain: Vec3,
-    /// How far away what it shows is, along its axis in units of the scene, where a file says that.
+    /// Depth map: the distance of the shown surfaces along its axis in units of the scene, if a file provides it.
     pub depth: Option<DepthImage>,
 }
 
 impl Photograph {
-    /// Where it was taken from.
+    /// Returns the camera centre.
     pub fn center(&self) -> DVec3 {
         center_of(self.camera_from_world)
     }
 }
 
 impl Photographs {
-    /// The angle between neighbours of a single photograph, and of those that were all taken from one place, radians.
+    /// Default angle between neighbours for a single image, and for images that were all taken from one position,
+    /// radians.
     const USUAL_ANGLE: f64 = 0.3;
 
     /// The longest edge of depth maps that are drawn of what points say, texels.
     const DEPTH_EDGE_PX: u32 = 512;
 
-    /// The same of what stereo says, whose outlines are a few pixels off: beside steps that much of a photograph may
-    /// show what is behind, and steps are as wide as so many texels.
+    /// Maximum edge length of depth maps drawn from stereo surfaces, texels. Their outlines are a few pixels off: next
+    /// to depth steps, that much of an image may show the background, and steps are as wide as that number of texels.
     const DEPTH_EDGE_BY_STEREO_PX: u32 = 160;
 
-    /// These photographs, whose numbers grow, with the median angle between each and its nearest neighbour, radians
-    /// ([`ViewSet::median_neighbour_angle`](crate::photos::ViewSet::median_neighbour_angle)).
+    /// Creates a set of these posed images, whose numbers grow, with the median angle between each and its nearest
+    /// neighbour, radians ([`ViewSet::median_neighbour_angle`](crate::photos::ViewSet::median_neighbour_angle)).
     pub fn new(photographs: Vec<Photograph>, neighbour_angle: Option<f64>) -> Self {
         Self {
             all: photographs.into_iter().map(Arc::new).collect(),
@@ -83,7 +85,7 @@ impl Photographs {
         }
     }
 
-    /// The same, whose surface is known by stereo alone.
+    /// Marks the surface as known by stereo alone.
     #[must_use]
     pub fn by_stereo(self) -> Self {
         Self {
@@ -92,7 +94,7 @@ impl Photographs {
         }
     }
 
-    /// The same with a surface of their own, if they have one: that is by stereo.
+    /// Returns a copy with a surface of its own, if there is one: that is by stereo.
     #[must_use]
     pub fn with_surface(&self, surface: Option<PhotoSurface>) -> Self {
         Self {
@@ -119,7 +121,7 @@ impl Photographs {
         &self.all
     }
 
-    /// The same without some, by their numbers in the set. How far apart views are stays as it is.
+    /// Returns a copy excluding some images, by their numbers in the set. The angle between views is kept as it is.
     #[must_use]
     pub fn without(&self, left_out: &[usize]) -> Self {
         let kept = self
@@ -133,7 +135,7 @@ impl Photographs {
         }
     }
 
-    /// Median angle between a view and the nearest other one as the middle of the scene sees them, radians.
+    /// Returns the median angle between a view and the nearest other one as seen from the centre of the scene, radians.
     pub fn neighbour_angle(&self) -> f32 {
         self.neighbour_angle
     }

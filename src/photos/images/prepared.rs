@@ -1,4 +1,4 @@
-//! A photograph made ready to be drawn: read, masked, undistorted, and as small as it has to be.
+//! An input image prepared for drawing: read, masked, undistorted, and as small as it has to be.
 
 use super::mips::halved;
 use super::photo_image::PhotoImage;
@@ -8,14 +8,14 @@ use crate::photos::sets::photo::{Photo, resized};
 use crate::rgbd::Camera;
 use glam::{DAffine3, DVec2, DVec3};
 
-/// A photograph through a pinhole.
+/// An input image through a pinhole.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreparedPhoto {
     /// The pinhole; of the size of the image.
     pub camera: Camera,
     /// Coordinates of the camera from those of the world.
     pub camera_from_world: DAffine3,
-    /// Alpha is 0 where the photograph shows nothing.
+    /// Undistorted pixels; alpha is 0 where the input image shows nothing.
     pub image: PhotoImage,
 }
 
@@ -28,7 +28,7 @@ impl PreparedPhoto {
         Ok(Self::of(photo, &PhotoImage::read(photo)?, extent, halvings))
     }
 
-    /// The same of an image that was read before, or made.
+    /// Prepares an image that was already read or created.
     pub fn of(photo: &Photo, image: &PhotoImage, extent: Extent, halvings: u32) -> Self {
         let mut camera = pinhole_of(&photo.camera, extent);
         let mut image = undistort(image, &photo.camera, &camera);

@@ -1,5 +1,5 @@
-//! Points that several photographs show, made of their depths: they tell gains where a set has no tracks, as depth
-//! images have none.
+//! Points shared by several images, created from their depth maps: they determine gains if a set has no tracks, as is
+//! the case for depth images.
 
 use super::prepared::PreparedPhoto;
 use crate::photos::sets::points::{Observation, SparsePoints};
@@ -7,21 +7,22 @@ use crate::rgbd::DepthImage;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// Pixels of each photograph that are looked at, across and down, where there are few photographs.
+/// Sampling grid: the number of pixels of each image that are sampled, across and down, if there are few images.
 const GRID: [u32; 2] = [32, 24];
 
-/// Photographs in which each of them is looked for. Where there are more, other ones for each pixel, spread evenly.
+/// Maximum number of images in which each of them is looked for. If there are more, different ones for each pixel,
+/// spread evenly.
 const MOST_OTHERS: usize = 48;
 
-/// How often that is done in all, about: gains take hundreds of rounds over what is found. Where it would be more,
-/// fewer pixels are looked at.
+/// Approximate maximum number of lookups in total: gains take hundreds of rounds over the results. If it would be
+/// exceeded, fewer pixels are sampled.
 const MOST_LOOKS: usize = 1 << 21;
 
 /// Two depths are of one place if they differ by less, as a part.
 const TOLERANCE: f64 = 0.02;
 
-/// Points of a grid of pixels of each photograph, seen by all others whose depths say so: of some photographs where
-/// there are hundreds. Photographs without depths see nothing.
+/// Finds the points of a grid of pixels of each image that are seen by all others according to their depth maps: of
+/// some images if there are hundreds. Images without depth maps see nothing.
 pub(in crate::photos) fn shared_points(
     photos: &[Option<PreparedPhoto>],
     depths: &[Option<DepthImage>],
@@ -68,14 +69,14 @@ pub(in crate::photos) fn shared_points(
     shared
 }
 
-/// Pixels across and down of each of `count` photographs.
+/// Returns the sampling grid, i.e. pixels across and down, of each of `count` images.
 fn grid_for(count: usize) -> [u32; 2] {
     let looks = count * count.min(MOST_OTHERS) * (GRID[0] * GRID[1]) as usize;
     let share = (MOST_LOOKS as f64 / looks.max(1) as f64).min(1.0).sqrt();
     GRID.map(|pixels| ((share * f64::from(pixels)).round() as u32).max(1))
 }
 
-/// The photographs in which pixel `cell` of photograph `at` is looked for.
+/// Returns the images in which pixel `cell` of image `at` is looked for.
 fn others(at: usize, cell: usize, count: usize) -> impl Iterator<Item = usize> {
     let most = count.min(MOST_OTHERS);
     let spread = (0..most).map(move |place| (at + cell + place * count / most) % count);

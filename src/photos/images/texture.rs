@@ -1,8 +1,8 @@
-//! A picture with all its mip levels, and its colours between texels and levels.
+//! A texture with all its mip levels, and interpolation of its colours between texels and levels.
 //!
-//! *Between texels* of the picture itself colours are on cubics through the texels (Catmull and Rom 1974), kept between
-//! the four around: a photograph that is drawn in about its own size loses little, where straight lines would blur it
-//! by as much as half a texel, and no edge has a brighter or darker rim. Smaller levels, which nobody looks at closely,
+//! *Between texels* of the finest level colours are on cubics through the texels (Catmull and Rom 1974), kept between
+//! the four around: an image that is drawn in about its own size loses little, where straight lines would blur it by as
+//! much as half a texel, and no edge has a brighter or darker fringe. Smaller levels, which nobody looks at closely,
 //! are mixed from four.
 
 use super::mips::mips;
@@ -84,7 +84,7 @@ fn on_cubics(picture: &PhotoImage, place: [f32; 2]) -> [f32; 4] {
     sum.max(least).min(most).to_array()
 }
 
-/// Four texels beside each other.
+/// Four adjacent texels.
 struct Line {
     first: Vec4,
     left: Vec4,
@@ -144,7 +144,7 @@ fn cubic_weights(t: f32) -> [f32; 4] {
     ]
 }
 
-/// Between the four texels of a level around a place that is told in texels of `finest`.
+/// Interpolates between the four texels of a level around a position given in texels of `finest`.
 #[inline(always)]
 fn between_texels(level: &PhotoImage, finest: [u32; 2], place: [f32; 2]) -> [f32; 4] {
     let size_px = level.size_px();

@@ -1,27 +1,27 @@
-//! Photographs taken apart from their lens, once, so that drawing has pinholes alone.
+//! Undistortion of input images, performed once, so that drawing has pinholes alone.
 //!
-//! *How it works.* A pixel of the pinhole looks along a ray; the lens shows that ray at a place of the photograph,
-//! whose colour is taken between four pixels. What the photograph does not show gets alpha 0. The focal length stays,
-//! so that the middle keeps its resolution; towards the corners of a barrel lens the result is softer than the
-//! photograph.
+//! *How it works.* A pixel of the pinhole looks along a ray; the lens shows that ray at a position of the input image,
+//! whose colour is interpolated between four pixels. Anything that the input image does not show gets alpha 0. The
+//! focal length stays, so that the centre keeps its resolution; towards the corners of a barrel lens the result is
+//! softer than the input image.
 
 use super::photo_image::PhotoImage;
 use crate::rgbd::{Camera, Distortion};
 use glam::DVec2;
 use rayon::prelude::*;
 
-/// What an undistorted photograph shows.
+/// Extent of an undistorted image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Extent {
-    /// As many pixels as the photograph: corners of barrel lenses are cut off.
+    /// Same size in pixels as the input image: corners of barrel lenses are cut off.
     #[default]
     Same,
-    /// All that the photograph shows, up to twice its width and height.
+    /// Everything that the input image shows, up to twice its width and height.
     Covering,
 }
 
-/// How much wider and higher than the photograph the pinhole of all that it shows may be: images of fisheyes have no
-/// end.
+/// Maximum growth in width and height of the pinhole that covers everything, relative to the input image: images of
+/// fisheyes have no end.
 const MOST_GROWTH: i64 = 2;
 
 /// Places on a side of the border that are looked at.
@@ -77,7 +77,8 @@ fn covering(camera: &Camera) -> ([u32; 2], DVec2) {
     ([columns, rows], -DVec2::new(left as f64, top as f64))
 }
 
-/// What `to` shows of the photograph `image` of `from`. Both cameras stand at the same place and look the same way.
+/// Undistorts the image `image` of camera `from` into the view of `to`. Both cameras have the same position and the
+/// same viewing direction.
 pub fn undistort(image: &PhotoImage, from: &Camera, to: &Camera) -> PhotoImage {
     if from == to && image.size_px() == to.size_px() {
         return image.clone();

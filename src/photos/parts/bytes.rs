@@ -75,7 +75,7 @@ impl<'a> Bytes<'a> {
         Ok(String::from_utf8_lossy(&rest[..length]).into_owned())
     }
 
-    /// What is wrong here.
+    /// Creates an error for the problem at this position.
     pub(in crate::photos) fn error(&self, problem: impl Into<String>) -> PhotosError {
         PhotosError::invalid(self.path, format!("byte {}", self.at), problem)
     }

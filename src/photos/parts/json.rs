@@ -81,7 +81,8 @@ pub(in crate::photos) fn side(number: f64) -> Option<u32> {
     (number >= 1.0 && number <= f64::from(u32::MAX)).then_some(number as u32)
 }
 
-/// What `key` of an object says in the form in which it is compared: numbers and texts of the same digits are equal.
+/// Returns the value of `key` of an object in the form in which it is compared: numbers and texts of the same digits
+/// are equal.
 pub(in crate::photos) fn key_at(object: &Value, key: &str) -> Option<String> {
     match object.get(key)? {
         Value::String(text) => Some(text.clone()),

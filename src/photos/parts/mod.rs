@@ -1,4 +1,4 @@
-//! What files of several formats have in common: words of a text, JSON, little-endian numbers, tables of numpy.
+//! Parsing helpers shared by several formats: words of a text, JSON, little-endian numbers, tables of numpy.
 
 pub(super) mod bytes;
 pub(super) mod json;

@@ -56,7 +56,7 @@ impl<'a> Text<'a> {
         Ok(numbers)
     }
 
-    /// What is left of the line, without white space around it; the place is the next line then.
+    /// Returns the rest of the line, without white space around it; the position is the next line then.
     pub(in crate::photos) fn rest_of_line(&mut self) -> &'a str {
         let (line, rest) = self.rest.split_once('\n').unwrap_or((self.rest, ""));
         self.rest = rest;
@@ -73,13 +73,13 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// Whether nothing but white space is left.
+    /// Returns true if nothing but white space is left.
     pub(in crate::photos) fn is_at_end(&mut self) -> bool {
         self.skip_space();
         self.rest.is_empty()
     }
 
-    /// What is wrong here.
+    /// Creates an error for the problem at this position.
     pub(in crate::photos) fn error(&self, problem: impl Into<String>) -> PhotosError {
         PhotosError::invalid(self.path, format!("line {}", self.line), problem)
     }

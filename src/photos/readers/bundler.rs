@@ -1,10 +1,9 @@
-//! Bundler v0.3: `bundle.out` and the list of its photographs.
+//! Bundler v0.3: `bundle.out` and the list of its images.
 //!
-//! Its manual: P = R·X + t, p = −P / P.z, p′ = f·(1 + k₁|p|² + k₂|p|⁴)·p in pixels from the middle of the image, x to
-//! the right and y up. So a camera looks along −z with y up. A camera without a focal length was not placed.
-//! Photographs are named by `list.txt`, a line each. For PMVS they are copied without their distortion to
-//! `visualize/00000000.jpg`, in the order of the cameras that have a place, and the bundle beside that is one of the
-//! copies.
+//! Its manual: P = R·X + t, p = −P / P.z, p′ = f·(1 + k₁|p|² + k₂|p|⁴)·p in pixels from the centre of the image, x to
+//! the right and y up. So a camera looks along −z with y up. A camera without a focal length was not placed. Images are
+//! named by `list.txt`, one line each. For PMVS they are copied without their distortion to `visualize/00000000.jpg`,
+//! in the order of the cameras that have a position, and the bundle next to it is one of the copies.
 
 use super::probe::begins_with;
 use super::reader::{Claim, Reader};
@@ -17,7 +16,7 @@ use crate::rgbd::Distortion;
 use glam::{DMat3, DVec2, DVec3, Vec2};
 use std::path::{Path, PathBuf};
 
-/// How the file begins.
+/// Magic bytes at the beginning of the file.
 const MAGIC: &[u8] = b"# Bundle file v";
 
 /// Bundles, the usual one first.
@@ -40,7 +39,7 @@ pub(super) const READER: Reader = Reader {
     read,
 };
 
-/// The photographs of the bundle `path`.
+/// Reads the input images of the bundle `path`.
 fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let file = read_file(path)?;
     let file = String::from_utf8_lossy(&file);
@@ -123,7 +122,7 @@ fn camera(text: &mut Text<'_>, name: String) -> Result<Draft, PhotosError> {
     ))
 }
 
-/// The names of photographs, in the order of cameras.
+/// Names of the input images, in the order of cameras.
 struct List {
     path: PathBuf,
     names: Vec<String>,

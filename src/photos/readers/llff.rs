@@ -1,15 +1,14 @@
-//! The layout of LLFF (Mildenhall et al. 2019, *Local Light Field Fusion*): `poses_bounds.npy` beside photographs.
+//! The layout of LLFF (Mildenhall et al. 2019, *Local Light Field Fusion*): `poses_bounds.npy` next to the images.
 //!
-//! Its README: a row of 17 numbers for each photograph. The first 15 are a matrix of 3 × 5 by rows: three columns are
-//! the axes of the camera in the world, *down, right, backward*; the fourth is where it stands; the fifth is height,
-//! width and focal length in pixels. Two numbers follow, the depths between which the scene lies: those that stereo
-//! tries. Rows are in the order
-//! of the names of the photographs, which the file does not hold: they are those of the first of the usual folders that
-//! has as many pictures as there are rows, `images` before copies that were made smaller. The principal point is the
-//! middle of the image.
+//! Its README: a row of 17 numbers for each image. The first 15 are a matrix of 3 × 5 by rows: three columns are the
+//! axes of the camera in the world, *down, right, backward*; the fourth is its position; the fifth is height, width and
+//! focal length in pixels. Two numbers follow, the depths between which the scene lies: those that stereo tries. Rows
+//! are in the order of the names of the images, which the file does not hold: they are those of the first of the usual
+//! folders that has the same number of images as there are rows, `images` before copies that were made smaller. The
+//! principal point is the centre of the image.
 //!
-//! A film of several cameras (Li et al. 2022, *Neural 3D Video Synthesis*) has a row for each camera, in the order of
-//! the names of their folders.
+//! A multi-view video (Li et al. 2022, *Neural 3D Video Synthesis*) has a row for each camera, in the order of the
+//! names of their folders.
 
 use super::reader::{Claim, Reader};
 use crate::photos::error::{PhotosError, read_file};
@@ -26,10 +25,10 @@ const FILE: &str = "poses_bounds.npy";
 
 const COLUMNS: usize = 17;
 
-/// Where photographs usually are, the first that has as many as there are rows.
+/// Usual folders of input images; the first that has the same number of images as there are rows is taken.
 const FOLDERS: &[&str] = &["images", "images_2", "images_4", "images_8", "input", "rgb", ""];
 
-/// Where folders of cameras usually are.
+/// Usual parents of the folders of cameras.
 const FOLDERS_OF_CAMERAS: &[&str] = &["", "images", "frames", "cameras", "videos"];
 
 /// Entries of a folder that are looked at.
@@ -43,7 +42,7 @@ pub(super) const READER: Reader = Reader {
     read,
 };
 
-/// The photographs of the file `path`.
+/// Reads the input images of the file `path`.
 fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let table = NpyTable::parse(path, &read_file(path)?)?;
     let (rows, rest) = table.numbers.as_chunks::<COLUMNS>();

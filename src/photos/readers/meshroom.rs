@@ -1,7 +1,7 @@
 //! Meshroom's scenes as JSON: `sfm.json`, `cameras.sfm`.
 //!
 //! *How it works.* `views` name an intrinsic and a pose; `poses` hold a rotation and a centre; `structure` holds
-//! points. Numbers are text. A rotation turns the world to the camera and is written column by column, so by rows it
+//! points. Numbers are text. A rotation takes the world to the camera and is written column by column, so by rows it
 //! holds the axes of the camera (x right, y down, z forward) in the world: its columns, read as rows, from camera to
 //! world.
 //!
@@ -10,9 +10,9 @@
 //! focal lengths and from then on that of the sides of a pixel; the focal length is that along x, from 1.2.11 on that
 //! along y. The principal point is from the corner before 1.2.1 and from then on from half of the width and height.
 //!
-//! *Half a pixel.* AliceVision finds features, and takes photographs apart, at pixels whose centres are at integers
-//! (its SIFT features and its undistortion); half of the width is therefore half a pixel right of the middle. What is
-//! read here is what it means by its numbers.
+//! *Half a pixel.* AliceVision finds features, and undistorts images, at pixels whose centres are at integers (its SIFT
+//! features and its undistortion); half of the width is therefore half a pixel right of the centre. The numbers are
+//! read here with the meaning that it gives them.
 
 use super::probe::{Folder, names_in};
 use super::reader::{Claim, Reader};
@@ -34,16 +34,16 @@ pub(in crate::photos) const CACHE: &str = "MeshroomCache";
 /// Width of a sensor that the file does not tell, in millimetres, as AliceVision takes it.
 const USUAL_SENSOR_MM: f64 = 36.0;
 
-/// What to do about lenses that are not known.
+/// Advice on lenses that are not known.
 const UNDISTORT_FIRST: &str = "undistort the photographs first (ExportImages of Meshroom)";
 
-/// Whether a file that begins with `head` is a scene.
+/// Returns true if a file that begins with `head` is a scene.
 fn is_scene(head: &str) -> bool {
     head.contains("\"version\"") && (head.contains("\"views\"") || head.contains("\"intrinsics\""))
         || head.contains("\"featuresFolders\"")
 }
 
-/// Where a camera is.
+/// Pose of a camera.
 type Pose = (DMat3, DVec3);
 
 /// Names of scenes: those with points first.
@@ -88,7 +88,7 @@ fn in_cache(folder: &Folder<'_>) -> Option<PathBuf> {
     scenes.filter_map(written).max().map(|(_, path)| path)
 }
 
-/// The photographs of the scene `path`.
+/// Reads the input images of the scene `path`.
 fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let scene = read_json(path)?;
     let invalid = |place: &str, problem: &str| PhotosError::invalid(path, place, problem);
@@ -170,15 +170,15 @@ fn folders(path: &Path) -> Vec<PathBuf> {
     [own].into_iter().chain(project).map(Path::to_owned).collect()
 }
 
-/// Whether a view stands where its rig does, and not where its own pose is.
+/// Returns true if a view has the pose of its rig, and not its own pose.
 fn is_of_rig(view: &Value) -> bool {
     let is_independent = |value: &Value| value.as_bool().unwrap_or(value.as_str() != Some("false"));
     view.get("isPoseIndependant")
         .is_some_and(|value| !is_independent(value))
 }
 
-/// The number of a pose, with the axes of its camera as columns, and its centre. Those of which a number is not finite
-/// are NaN, so that the photograph is named as one that cannot be shown.
+/// Parses the number of a pose, with the axes of its camera as columns, and its centre. Poses with a number that is not
+/// finite are NaN, so that the image is named as one that cannot be shown.
 fn pose(entry: &Value) -> Option<(String, Pose)> {
     let transform = entry.get("pose")?.get("transform")?;
     let by_columns = numbers::<9>(transform.get("rotation")?);

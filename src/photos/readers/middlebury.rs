@@ -1,8 +1,9 @@
 //! Par files of the multi-view sets of Middlebury: `*_par.txt`.
 //!
-//! Its page: a count, then a line for each photograph: `name k11 k12 … k33 r11 … r33 t1 t2 t3`, and P = K·[R t]. The
+//! Its page: a count, then one line for each image: `name k11 k12 … k33 r11 … r33 t1 t2 t3`, and P = K·[R t]. The
 //! origin of the image is its first pixel, x to the right, y down. The calibrations are made of corners found on pixels
-//! counted from 0, so that centres of pixels are at integers. There are no points, and masks are for the taker to make.
+//! counted from 0, so that centres of pixels are at integers. There are no points, and masks are for the user to
+//! create.
 
 use super::probe::Folder;
 use super::reader::{Claim, Reader};
@@ -14,11 +15,11 @@ use glam::{DMat3, DVec2, DVec3};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// How the names of par files end.
+/// Suffix of the names of par files.
 const SUFFIX: &str = "_par.txt";
 
-/// Skew of the axes of pixels, in parts of the focal length, that no photograph shows: a tenth of a pixel in a
-/// thousand.
+/// Maximum skew of the axes of pixels, relative to the focal length, which is not visible in any image: a tenth of a
+/// pixel in a thousand.
 const MOST_SKEW: f64 = 1e-4;
 
 /// Par files of Middlebury.
@@ -29,7 +30,7 @@ pub(super) const READER: Reader = Reader {
     read,
 };
 
-/// Of several par files the longest: `temple_par.txt` has all photographs, `templeR_par.txt` those of a ring.
+/// Returns the longest of several par files: `temple_par.txt` has all images, `templeR_par.txt` those of a ring.
 fn largest(folder: &Folder<'_>) -> Option<PathBuf> {
     let is_one = |name: &&String| name.to_lowercase().ends_with(SUFFIX);
     let size = |path: &PathBuf| fs::metadata(path).map_or(0, |file| file.len());
@@ -37,7 +38,7 @@ fn largest(folder: &Folder<'_>) -> Option<PathBuf> {
     files.max_by_key(size)
 }
 
-/// The photographs of the par file `path`.
+/// Reads the input images of the par file `path`.
 fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let file = read_file(path)?;
     let file = String::from_utf8_lossy(&file);

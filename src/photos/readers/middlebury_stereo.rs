@@ -1,10 +1,9 @@
-//! Rectified pairs of Middlebury from 2014 on, and of ETH3D: `calib.txt` beside `im0.png` and `im1.png`.
+//! Rectified pairs of Middlebury from 2014 on, and of ETH3D: `calib.txt` next to `im0.png` and `im1.png`.
 //!
 //! Its page: `cam0` and `cam1` are calibration matrices `[f 0 cx; 0 f cy; 0 0 1]`; the second camera stands `baseline`
 //! millimetres to the right of the first; a disparity d is at a depth of baseline · f / (d + doffs). `vmin` and `vmax`
 //! are the smallest and the largest disparity. The world is that of the first camera. Centres of pixels are at
-//! integers.
-//! Older pairs (2001 to 2006) came without a calibration.
+//! integers. Older pairs (2001 to 2006) came without a calibration.
 
 use super::probe::begins_with;
 use super::reader::{Claim, Reader};
@@ -19,7 +18,7 @@ use std::path::Path;
 /// The name of the file.
 const FILE: &str = "calib.txt";
 
-/// How it begins.
+/// Magic bytes at the beginning of the file.
 const MAGIC: &[u8] = b"cam0=";
 
 /// A rectified pair of Middlebury.
@@ -33,7 +32,7 @@ pub(super) const READER: Reader = Reader {
     read,
 };
 
-/// The photographs of the pair that the file `path` calibrates.
+/// Reads the input images of the pair that the file `path` calibrates.
 fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let file = read_file(path)?;
     let file = String::from_utf8_lossy(&file);

@@ -57,19 +57,19 @@ impl FoundSet {
         self.reader.name
     }
 
-    /// Its photographs.
+    /// Reads its input images.
     ///
     /// # Errors
-    /// Where the files break the rules of their format, and where none of the photographs can be shown. What is wrong
-    /// with some of them alone is a note of the set.
+    /// If the files break the rules of their format, or if none of the images can be shown. Problems with some of them
+    /// alone are notes of the set.
     pub fn read(&self) -> Result<ViewSet, PhotosError> {
         self.calibration()?.photographs()
     }
 
-    /// What it lists, before any photograph is looked for.
+    /// Reads its calibration, before any input image is looked for.
     ///
     /// # Errors
-    /// Where the files break the rules of their format.
+    /// If the files break the rules of their format.
     pub fn calibration(&self) -> Result<Calibration, PhotosError> {
         Ok(Calibration::new((self.reader.read)(&self.path)?))
     }

@@ -2,8 +2,8 @@
 //!
 //! Its README: `cams/00000007_cam.txt` belongs to the image `00000007.jpg`. Behind the word `extrinsic` follow 4 × 4
 //! numbers that take the world to the camera (x right, y down, z forward), behind `intrinsic` 3 × 3, then the nearest
-//! depth, the step to the next one and, in some, how many steps there are and the farthest depth. Programs that write
-//! the files copy the principal point of COLMAP, and its own warping takes the middle of the first pixel for (½, ½).
+//! depth, the step to the next one and, in some, the number of steps and the farthest depth. Programs that write the
+//! files copy the principal point of COLMAP, and its own warping takes the centre of the first pixel to be (½, ½).
 //! There are no points; the depths are those that stereo tries.
 
 use super::reader::{Claim, Reader};
@@ -15,7 +15,7 @@ use glam::{DMat3, DVec2, DVec3};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// How the names of its files end.
+/// Suffix of the names of its files.
 const SUFFIX: &str = "_cam.txt";
 
 /// Folders of a scene in which its files are.
@@ -45,7 +45,7 @@ pub(super) const READER: Reader = Reader {
     read,
 };
 
-/// The photographs of the cameras in `folder`.
+/// Reads the input images of the cameras in `folder`.
 fn read(folder: &Path) -> Result<Drafts, PhotosError> {
     let entries = fs::read_dir(folder).map_err(|source| PhotosError::Io {
         path: folder.into(),

@@ -1,14 +1,14 @@
 //! VisualSFM's `NVM_V3`: models of cameras and points.
 //!
-//! Its manual: a camera is `name focal w x y z centre radial 0`, where the quaternion turns the world to the camera (x
-//! right, y down, z forward). Measurements are pixels from the principal point, which is the middle of the image
+//! Its manual: a camera is `name focal w x y z centre radial 0`, where the quaternion rotates the world to the camera
+//! (x right, y down, z forward). Measurements are pixels from the principal point, which is the centre of the image
 //! unless the first line fixes the calibration (`FixedK fx cx fy cy`). A file may hold several models; the one of the
 //! most cameras is taken.
 //!
-//! *Lens.* VisualSFM distorts the other way round: a measurement m, in focal lengths, is in the direction m·(1 +
-//! r|m|²). The cameras of `rgbd` say where a direction x is measured: m = x·f(s) with s = r|x|², and f solves f·(1 +
+//! *Lens.* VisualSFM distorts in the opposite direction: a measurement m, in focal lengths, is in the direction m·(1 +
+//! r|m|²). The cameras of `rgbd` define where a direction x is measured: m = x·f(s) with s = r|x|², and f solves f·(1 +
 //! s·f²) = 1. Its series is 1 − s + 3s² − 12s³ + 55s⁴ − …; the quotient of two cubics with the same first seven terms
-//! follows it further, up to the turn at s = −4/27. It is off by 7·10⁻⁸ of the distance from the middle at s = −0.05,
+//! follows it further, up to the turn at s = −4/27. It is off by 7·10⁻⁸ of the distance from the centre at s = −0.05,
 //! which is a strong lens, and by 6·10⁻⁵ at s = −0.1.
 
 use super::probe::begins_with;
@@ -22,7 +22,7 @@ use crate::rgbd::Distortion;
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use std::path::Path;
 
-/// How the file begins.
+/// Magic bytes at the beginning of the file.
 const MAGIC: &[u8] = b"NVM_V3";
 
 /// A calibration for all cameras.
@@ -48,7 +48,7 @@ pub(super) const READER: Reader = Reader {
     read,
 };
 
-/// The photographs of the file `path`.
+/// Reads the input images of the file `path`.
 fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let file = read_file(path)?;
     let file = String::from_utf8_lossy(&file);
@@ -166,7 +166,8 @@ fn camera(text: &mut Text<'_>, fixed: Option<Fixed>) -> Result<Draft, PhotosErro
     Ok(Draft::new(name.trim().to_owned(), Ok(lens), turn, -(turn * center)))
 }
 
-/// Of the quotient of cubics that has the first seven terms of f: numerator and denominator behind their 1, by 13.
+/// Coefficients of the quotient of cubics that has the first seven terms of f: numerator and denominator after their 1,
+/// by 13.
 const INVERSE: [[f64; 3]; 2] = [[113.0, 243.0, 85.0], [126.0, 330.0, 193.0]];
 
 /// The lens of which measurements are undistorted by 1 + `radial`·|m|².

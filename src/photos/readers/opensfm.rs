@@ -1,9 +1,9 @@
 //! `OpenSfM`'s `reconstruction.json`, which `OpenDroneMap` keeps in `opensfm/`.
 //!
 //! Its manual, *Reconstruction file format* and *Coordinate systems*: a list of reconstructions, each of `cameras`,
-//! `shots` and `points`. A shot turns the world to the camera (x right, y down, z forward) by `rotation`, an axis of
-//! the length of the angle, and then shifts it by `translation`. Lengths on an image are parts of its longer side,
-//! counted from its middle: the middle of the first pixel is at (½ − w/2) / max(w, h). `perspective` has one focal
+//! `shots` and `points`. A shot rotates the world to the camera (x right, y down, z forward) by `rotation`, an axis of
+//! the length of the angle, and then shifts it by `translation`. Lengths on an image are fractions of its longer side,
+//! counted from its centre: the centre of the first pixel is at (½ − w/2) / max(w, h). `perspective` has one focal
 //! length and k₁ k₂, `brown` two with k₁ k₂ k₃ p₁ p₂ (as OpenCV), `fisheye` a polynomial of the angle.
 //!
 //! Which shots see a point is in `tracks.csv` next to it: a shot, the number of the point, that of its feature, x and
@@ -28,7 +28,7 @@ const FILE: &str = "reconstruction.json";
 /// The file of what sees which point.
 const TRACKS: &str = "tracks.csv";
 
-/// The folder of a project of `OpenDroneMap` in which it works; photographs are next to it.
+/// Working folder of an `OpenDroneMap` project; the input images are next to it.
 const ODM_FOLDER: &str = "opensfm";
 
 /// `OpenSfM` and `OpenDroneMap`.
@@ -46,12 +46,12 @@ pub(super) const READER: Reader = Reader {
     read,
 };
 
-/// Whether a file that begins with `head` is a list of reconstructions.
+/// Returns true if a file that begins with `head` is a list of reconstructions.
 fn is_reconstruction(head: &str) -> bool {
     head.trim_start().starts_with('[') && head.contains("\"cameras\"") && head.contains("\"projection_type\"")
 }
 
-/// The photographs of the largest reconstruction of the file `path`.
+/// Reads the images of the largest reconstruction in the file `path`.
 fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let file = read_json(path)?;
     let all = file.as_array().map_or(&[][..], Vec::as_slice);

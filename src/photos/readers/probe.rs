@@ -99,7 +99,7 @@ pub(super) fn names_in(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Whether the file at `path` begins with `magic`.
+/// Returns true if the file at `path` begins with the magic bytes `magic`.
 pub(super) fn begins_with(path: &Path, magic: &[u8]) -> bool {
     head_of(path, magic.len() as u64).is_ok_and(|head| head == magic)
 }

@@ -10,11 +10,11 @@ use std::path::{Path, PathBuf};
 pub(super) struct Reader {
     /// The format, for people.
     pub(super) name: &'static str,
-    /// What it reads of a folder; `None` where there is nothing for it.
+    /// Finds the file to read in a folder; `None` if the folder holds nothing for this reader.
     pub(super) in_folder: fn(&Folder<'_>) -> Option<PathBuf>,
-    /// Whether a file is one of its own.
+    /// Checks if a file is in this reader's format, and claims it if so.
     pub(super) of_file: fn(&File<'_>) -> Result<Option<Claim>, PhotosError>,
-    /// What is listed there, before any photograph is looked for.
+    /// Reads the entries listed in the file, before any image is looked up.
     pub(super) read: fn(&Path) -> Result<Drafts, PhotosError>,
 }
 
@@ -26,7 +26,7 @@ pub(super) struct Claim {
     pub(super) path: PathBuf,
 }
 
-/// How certain a reader is of a file, the less certain first.
+/// Confidence of a reader in having recognised a file, in ascending order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Confidence {
     /// By words that files of others may have as well.

@@ -1,11 +1,10 @@
 //! `transforms.json` of instant-ngp, nerfstudio and the synthetic sets of NeRF.
 //!
-//! *How it works.* Each frame has a matrix from camera to world, whose camera has x right, y up and z backward
-//! (OpenGL). Intrinsics (`fl_x fl_y cx cy w h`, or an angle: `camera_angle_x` in radians, `x_fov` in degrees, or those
-//! of y) are those of the file unless a frame has its own.
-//! The corner of the image is at 0, so the middle of the first pixel is at ½: both programs send the ray of a pixel
-//! through there. Names may lack their extension. A frame without its file is left out with a note. There are no
-//! points, but nerfstudio may name a file of them (`ply_file_path`).
+//! *How it works.* Each frame has a camera-to-world matrix, whose camera has x right, y up and z backward (OpenGL).
+//! Intrinsics (`fl_x fl_y cx cy w h`, or a field of view: `camera_angle_x` in radians, `x_fov` in degrees, or those of
+//! y) are those of the file unless a frame has its own. The corner of the image is at 0, so the centre of the first
+//! pixel is at ½: both programs cast the ray of a pixel through it. Names may lack their extension. A frame without its
+//! file is skipped with a note. There are no points, but nerfstudio may name a point cloud file (`ply_file_path`).
 
 use super::reader::{Claim, Reader};
 use crate::photos::depth_file::{DepthFile, DepthKind};
@@ -24,12 +23,12 @@ const USUAL_DEPTH_SCALE: f64 = 1e-3;
 /// Keys of instant-ngp by which a lens is neither a pinhole nor one of OpenCV.
 const OTHER_LENSES: &[&str] = &["ftheta_p0", "latlong", "lonlat", "equirectangular", "orthographic"];
 
-/// Whether a file that begins with `head` is one of these.
+/// Returns true if a file that begins with `head` is a `transforms.json`.
 fn is_transforms(head: &str) -> bool {
     head.contains("\"transform_matrix\"") || (head.contains("\"frames\"") && head.contains("\"file_path\""))
 }
 
-/// Photographs to learn from first: others of the same scene are in files next to it.
+/// File names looked for, the training images first: other images of the same scene are in files next to it.
 const FILES: &[&str] = &[
     "transforms.json",
     "transforms_train.json",
@@ -48,7 +47,7 @@ pub(super) const READER: Reader = Reader {
     read,
 };
 
-/// The photographs of the file `path`.
+/// Reads the posed images of the file `path`.
 fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let file = read_json(path)?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();

@@ -1,7 +1,8 @@
-//! What a folder holds that is photographs, but no set that is read: it is called by its name, with what to do.
+//! Unsupported image folders: a folder that holds images but no set that can be read is reported by name, with what to
+//! do about it.
 //!
-//! A folder of photographs without points looks to a reader of clouds like an empty one, or, where a list lies beside,
-//! like a damaged cloud. Neither says what is missing.
+//! To a point cloud reader, a folder of images without points looks like an empty one, or, if it also contains a list
+//! file, like a damaged cloud. Neither error states what is missing.
 
 use super::meshroom;
 use crate::photos::error::PhotosError;
@@ -13,7 +14,7 @@ use std::path::Path;
 /// Entries of a folder that are looked at.
 const MOST_ENTRIES: usize = 10_000;
 
-/// Files that lie beside photographs and have the extension of clouds.
+/// Sidecar files of image sets that have the extension of a point cloud.
 const BESIDE: &[&str] = &[
     "bbox.txt",
     "calib.txt",
@@ -29,10 +30,10 @@ const BESIDE: &[&str] = &[
     "trainsplit.txt",
 ];
 
-/// How the names of remarks begin.
+/// File name prefixes of remarks such as readme and licence files.
 const REMARKS: &[&str] = &["readme", "license", "licence", "copyright"];
 
-/// Folders in which photographs are, before they are calibrated.
+/// Folders that hold input images before calibration.
 const PICTURES: &[&str] = &["", "images", "input", "image", "rgb", "photos", "imgs"];
 
 /// The names in a folder.
@@ -115,13 +116,14 @@ const TABLE: &[Unread] = &[
     },
 ];
 
-/// Whether a file is one that lies beside photographs, whatever its extension says.
+/// Returns true if a file is a sidecar of an image set, whatever its extension suggests.
 pub fn is_beside_photographs(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     BESIDE.contains(&name.as_str()) || REMARKS.iter().any(|remark| name.starts_with(remark))
 }
 
-/// What to say of a folder that holds no set ([`find`](fn@crate::photos::find)) and nothing else that can be shown.
+/// Returns the error for a folder that holds no image set ([`find`](fn@crate::photos::find)) and nothing else that can
+/// be shown.
 pub fn unread(folder: &Path) -> Option<PhotosError> {
     let names = Names::of(folder)?;
     let row = TABLE.iter().find(|row| (row.is_there)(&names))?;
@@ -155,7 +157,7 @@ impl<'a> Names<'a> {
         extensions.any(|(_, found)| found == extension)
     }
 
-    /// Whether a run of the node of Meshroom has made the file.
+    /// Returns true if a run of the Meshroom node has produced the file.
     fn has_below(&self, node: &str, file: &str) -> bool {
         let bases = [self.folder.join(meshroom::CACHE), self.folder.to_owned()];
         let nodes = bases

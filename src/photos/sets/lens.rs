@@ -1,14 +1,14 @@
-//! The camera as a format tells it, before the size of its image is known.
+//! Camera intrinsics as a format states them, before the image size is known.
 //!
-//! Half of the formats do not hold the size of their photographs: the principal point is told from the middle, a focal
-//! length by the angle of the image. And photographs are often shipped smaller than they were calibrated. So a
-//! camera is made once its file was looked at.
+//! Half of the formats do not store the size of their images: the principal point is given relative to the image
+//! centre, a focal length by the field of view. Also, images are often shipped smaller than they were calibrated. So a
+//! camera is created only after its image file has been inspected.
 
 use super::photo::resized;
 use crate::rgbd::{Camera, Distortion};
 use glam::DVec2;
 
-/// What a format says of a camera.
+/// Camera intrinsics as stated by a format.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::photos) struct Lens {
     /// The size of the image that was calibrated, where the format holds it.
@@ -30,14 +30,14 @@ pub(in crate::photos) enum Focal {
     HeightAngle(f64),
 }
 
-/// Where the pixels of a format are counted from, to the right and down.
+/// Origin of the pixel coordinates of a format, which increase to the right and down.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::photos) enum Origin {
-    /// The middle of the first pixel.
+    /// Centre of the first pixel.
     FirstPixel,
-    /// The corner of the first pixel: its middle is at (½, ½).
+    /// Corner of the first pixel: its centre is at (½, ½).
     Corner,
-    /// The middle of the image.
+    /// Centre of the image.
     Middle,
 }
 
@@ -105,7 +105,8 @@ fn sides([width, height]: [u32; 2]) -> DVec2 {
     DVec2::new(f64::from(width), f64::from(height))
 }
 
-/// Whether one size is the other made smaller or larger, up to the rounding of its sides to pixels.
+/// Returns true if one size is a scaled version of the other, i.e. both have the same aspect ratio up to the rounding
+/// of the sides to pixels.
 fn is_same_shape([width, height]: [u32; 2], [other_width, other_height]: [u32; 2]) -> bool {
     let x = f64::from(other_width) / f64::from(width);
     let y = f64::from(other_height) / f64::from(height);

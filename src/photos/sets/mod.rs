@@ -1,4 +1,4 @@
-//! Calibrated photographs with their points as plain data. Knows no file format.
+//! Calibrated images with their points as plain data. Independent of any file format.
 
 pub(super) mod lens;
 pub(super) mod photo;

@@ -1,19 +1,19 @@
-//! A photograph: its file, the camera that took it, and where that camera stood.
+//! Posed image: its file, its camera model and its camera pose.
 //!
-//! Coordinates of a camera are x to the right, y down, z forward; centres of pixels are at integers. Readers turn the
-//! conventions of their formats into these, so that nothing behind them has to know any other.
+//! Camera coordinates are x to the right, y down, z forward; centres of pixels are at integers. Readers convert the
+//! conventions of their formats to these, so that nothing behind them has to know any other.
 
 use crate::photos::depth_file::DepthFile;
 use crate::rgbd::{Camera, CameraError};
 use glam::{DAffine3, DVec2, DVec3};
 use std::path::PathBuf;
 
-/// A photograph whose camera is known.
+/// Image with a known camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Photo {
     /// Its name in the file that lists it, as it is written there.
     pub name: String,
-    /// Its file; empty where its camera has none of the moment ([`Photo::has_file`]).
+    /// Image file; empty if its camera has no image for the time step ([`Photo::has_file`]).
     pub path: PathBuf,
     /// The camera, of the size of the file's image.
     pub camera: Camera,
@@ -21,7 +21,7 @@ pub struct Photo {
     pub camera_from_world: DAffine3,
     /// An image of what belongs to the object (bright) and what does not (dark).
     pub mask: Option<PathBuf>,
-    /// What is known of its depths.
+    /// Depth map information, if any.
     pub depth: Option<DepthFile>,
     /// Depths between which all that it shows lies, in the unit of the world, where the format says that: the nearer
     /// is above 0, the other one farther.
@@ -29,12 +29,12 @@ pub struct Photo {
 }
 
 impl Photo {
-    /// Whether there is a photograph, and not only a camera that has none of a moment.
+    /// Returns true if there is an image, not just a camera that has none for a time step.
     pub fn has_file(&self) -> bool {
         !self.path.as_os_str().is_empty()
     }
 
-    /// Where its camera stood, in the world.
+    /// Returns the camera centre in world coordinates.
     pub fn center(&self) -> DVec3 {
         center_of(self.camera_from_world)
     }
@@ -44,8 +44,8 @@ impl Photo {
         self.camera_from_world.matrix3.row(2)
     }
 
-    /// Where a point of the world is in the photograph, whether or not the image reaches as far; `None` behind the
-    /// camera and beyond what its lens shows.
+    /// Projects a world point into the image, regardless of the image bounds; `None` behind the camera and outside the
+    /// field of view of its lens.
     pub fn project(&self, point_in_world: DVec3) -> Option<DVec2> {
         self.camera
             .pixel(self.camera_from_world.transform_point3(point_in_world))
@@ -63,7 +63,8 @@ impl Photo {
     }
 }
 
-/// Where a camera stood, in the world. Precondition: `camera_from_world` is a turn and a shift.
+/// Returns the camera centre in world coordinates. Precondition: `camera_from_world` is a rigid transform (a rotation
+/// and a translation).
 pub fn center_of(camera_from_world: DAffine3) -> DVec3 {
     -(camera_from_world.matrix3.transpose() * camera_from_world.translation)
 }

@@ -1,16 +1,16 @@
-//! Sparse points of a reconstruction, and the pixels at which photographs saw them.
+//! Sparse points of a reconstruction, and the pixels at which images observed them.
 //!
-//! Tracks are one array with a start for each point: a million points with six observations each are two allocations
-//! and not a million.
+//! Tracks are one flat array with a start index for each point: a million points with six observations each are two
+//! allocations and not a million.
 
 use glam::{DVec3, Vec2, Vec3};
 
-/// A pixel of a photograph that shows a point.
+/// Observation of a point at a pixel of an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observation {
-    /// Index of the photograph.
+    /// Index of the image.
     pub photo: u32,
-    /// Where it was found; centres of pixels are at integers.
+    /// Pixel position of the observation; centres of pixels are at integers.
     pub pixel: Vec2,
 }
 
@@ -21,7 +21,7 @@ pub struct SparsePoints {
     colors: Vec<[u8; 3]>,
     normals: Vec<Vec3>,
     observations: Vec<Observation>,
-    /// Where the observations of each point end.
+    /// End index of the observations of each point.
     track_ends: Vec<usize>,
     /// Points that were nowhere.
     skipped: usize,
@@ -60,7 +60,7 @@ impl SparsePoints {
         self.positions.len()
     }
 
-    /// Whether there is none.
+    /// Returns true if there are no points.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
@@ -105,7 +105,7 @@ impl SparsePoints {
         some
     }
 
-    /// The same points with what `change` makes of each observation; `None` takes it off its track.
+    /// Returns the points with each observation mapped by `change`; `None` removes it from its track.
     #[must_use]
     pub(in crate::photos) fn with_observations(mut self, change: impl Fn(Observation) -> Option<Observation>) -> Self {
         let mut observations = Vec::with_capacity(self.observations.len());

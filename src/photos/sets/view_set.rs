@@ -1,8 +1,8 @@
-//! Calibrated photographs of one scene with its sparse points, and what can be measured of them.
+//! Calibrated images of one scene with its sparse points, and measurements on them.
 //!
 //! *Angles between views.* Views are weighted by the angle between two directions from a point of the surface (paper
-//! 004, section 3.2). Here the point is the middle of what a photograph sees: the median of the points in its tracks;
-//! where a format has no tracks, the place that the axes of all cameras come nearest to.
+//! 004, section 3.2). Here the point is the centre of what an image sees: the median of the points in its tracks; if a
+//! format has no tracks, the point closest to the optical axes of all cameras.
 
 use super::photo::Photo;
 use super::points::SparsePoints;
@@ -10,22 +10,23 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::path::PathBuf;
 
-/// Photographs of a scene.
+/// Calibrated images of a scene.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ViewSet {
-    /// In the order of their names, numbers in which are numbers; of a film in the order of its cameras.
+    /// Images in natural order of their names (digits compare as numbers); for a multi-view video, in camera order.
     pub photos: Vec<Photo>,
-    /// Sparse points; their tracks name photographs by index.
+    /// Sparse points; their tracks refer to images by index.
     pub points: SparsePoints,
-    /// A file of points that the format names instead of holding them, or that lies beside the photographs.
+    /// Point cloud file that the format names instead of embedding the points, or that lies next to the images.
     pub points_file: Option<PathBuf>,
-    /// A cloud that a dense stage made of the photographs: it is shown in place of the points.
+    /// Dense point cloud that a dense reconstruction stage created from the images: it is shown instead of the sparse
+    /// points.
     pub dense_file: Option<PathBuf>,
-    /// What was left out or taken for granted, a sentence each.
+    /// Notes on what was skipped or assumed, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// Distances between where points were found in a photograph and where its camera shows them.
+/// Reprojection error: distances between the observed pixels of points in an image and their projections by its camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReprojectionError {
     /// Observations that were measured.
@@ -38,34 +39,35 @@ pub struct ReprojectionError {
     pub median_px: f64,
 }
 
-/// A view beside another.
+/// View adjacent to another one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Neighbour {
-    /// Index of the photograph.
+    /// Index of the image.
     pub photo: usize,
-    /// Angle between the two cameras, seen from the middle of what the first one sees, in radians.
+    /// Angle between the two cameras as seen from the centre of what the first one sees, in radians.
     pub angle: f64,
 }
 
-/// Points of a track that the middle of a view is taken from: more move it by less than a pixel.
+/// Maximum number of track points used to compute the centre of a view: using more moves it by less than a pixel.
 const MOST_POINTS_OF_A_MIDDLE: usize = 4096;
 
-/// Where a single one of 2^53 steps would matter: axes as parallel as that meet nowhere.
+/// Tolerance for parallel optical axes, at which a single one of 2^53 steps would matter: axes as parallel as that have
+/// no intersection.
 const PARALLEL: f64 = 1e-6;
 
 impl ViewSet {
-    /// Whether a file says where the surface is. Else it is known by stereo alone.
+    /// Returns true if a file of points states where the surface is. Otherwise it is known by stereo alone.
     pub fn has_points(&self) -> bool {
         !self.points.is_empty() || self.points_file.is_some() || self.dense_file.is_some()
     }
 
-    /// How far the observations of photograph `photo` are from where its camera shows their points; `None` where no
-    /// point was observed in it.
+    /// Returns the reprojection error of image `photo`: the distances between its observations and the projections of
+    /// their points by its camera; `None` if no point was observed in it.
     pub fn reprojection_error(&self, photo: usize) -> Option<ReprojectionError> {
         self.reprojection_errors().get(photo).copied().flatten()
     }
 
-    /// [`Self::reprojection_error`] of every photograph, by one walk over the points.
+    /// Returns [`Self::reprojection_error`] of every image, in a single pass over the points.
     pub fn reprojection_errors(&self) -> Vec<Option<ReprojectionError>> {
         let mut squares: Vec<Vec<f64>> = vec![Vec::new(); self.photos.len()];
         let mut behind = vec![0; self.photos.len()];
@@ -84,13 +86,14 @@ impl ViewSet {
             .collect()
     }
 
-    /// The `count` views beside photograph `photo`, nearest first. Walks over all points: to be kept by who asks often.
+    /// Returns the `count` views adjacent to image `photo`, nearest first. Iterates over all points, so frequent
+    /// callers should keep the result.
     pub fn neighbours(&self, photo: usize, count: usize) -> Vec<Neighbour> {
         let middle = self.middles().get(photo).copied();
         middle.map_or_else(Vec::new, |middle| self.neighbours_around(middle, photo, count))
     }
 
-    /// [`Self::neighbours`] where the middle of what `photo` sees is known ([`Self::middles`]).
+    /// Variant of [`Self::neighbours`] for a known centre of what `photo` sees ([`Self::middles`]).
     pub fn neighbours_around(&self, middle: DVec3, photo: usize, count: usize) -> Vec<Neighbour> {
         let mut found = self.seen_from(middle, photo);
         let nearer = |a: &Neighbour, b: &Neighbour| a.angle.total_cmp(&b.angle).then(a.photo.cmp(&b.photo));
@@ -119,7 +122,7 @@ impl ViewSet {
         median(&mut angles)
     }
 
-    /// The place in the world that each photograph looks at.
+    /// Returns the point in the world that each image looks at.
     pub fn middles(&self) -> Vec<DVec3> {
         let mut seen: Vec<Vec<DVec3>> = vec![Vec::new(); self.photos.len()];
         for (point, &position) in self.points.positions().iter().enumerate() {

@@ -28,7 +28,7 @@ const OUTSIDE: u8 = 2 * CLASSES;
 /// Contexts of values.
 pub(in crate::reel) const CHANNEL_CONTEXTS: usize = OUTSIDE as usize + 1;
 
-/// Beside the faces that are near a parent in value: some are not.
+/// Flag bit, stored with the faces that are near a parent in value: set if some faces are not near.
 const EDGE: u8 = 1 << 7;
 
 /// Parts that values are interpolated in.
@@ -53,7 +53,7 @@ const fn shares() -> [i64; MOST_LEFT + 1] {
     table
 }
 
-/// What is left to very many points is told no further than this.
+/// Upper limit of the remainder owed to the children left; what is left to very many points is not tracked beyond this.
 const MOST_OWED: i32 = 1 << 30;
 
 /// Codes the values of a level, and leaves them as a decoder has them. Those of the level above are `parents`, as they
@@ -83,7 +83,7 @@ pub(in crate::reel) fn code_channels<C: SymbolCoder, const N: usize>(
     }
 }
 
-/// What is known of a level before it is coded.
+/// State of a level known before it is coded.
 struct Level<'a, const N: usize> {
     faces: &'a [Faces],
     /// Their channels side by side.
@@ -139,7 +139,8 @@ impl<const N: usize> Level<'_, N> {
         *coder = own;
     }
 
-    /// The contexts of all nodes that are told; and which faces of each parent that has octants are near it in value.
+    /// Returns the contexts of all coded nodes, and a mask of the faces of each parent with octants that are near it in
+    /// value.
     #[inline(always)]
     fn contexts(&self, families: impl Iterator<Item = Family>, nodes: usize) -> (Vec<u8>, Vec<u8>) {
         let mut contexts = Vec::with_capacity(nodes);
@@ -236,7 +237,7 @@ impl<const N: usize> Level<'_, N> {
         }
     }
 
-    /// Whether what a parent is off by says something of its children.
+    /// Returns true if the error of a parent carries information about its children, i.e. coding is lossless.
     #[inline(always)]
     fn is_exact(&self) -> bool {
         self.step == 1

@@ -2,8 +2,8 @@
 
 use crate::reel::tree::{Faces, NO_FACES};
 
-/// How many children the nodes of the level above have, one after the other; then nodes without siblings whose parent
-/// is no mean of them, as the root, and points outside of all cells.
+/// Child counts of the nodes of the level above, one after the other; then nodes without siblings whose parent is not a
+/// mean of them, such as the root, and points outside all cells.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::reel) enum Families<'a> {
     /// By the masks of the parents.
@@ -16,7 +16,7 @@ pub(in crate::reel) enum Families<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(in crate::reel) struct Above<'a> {
     pub(in crate::reel) families: Families<'a>,
-    /// Who is across the faces of each parent.
+    /// Neighbours across the faces of each parent.
     pub(in crate::reel) faces: &'a [Faces],
 }
 
@@ -32,7 +32,7 @@ pub(super) struct Family {
 }
 
 impl Family {
-    /// Whether the parent says it all.
+    /// Returns true if the children are fully determined given the parent.
     pub(super) fn is_clear(self) -> bool {
         self.count <= 1 && !self.is_outside
     }
@@ -75,7 +75,7 @@ pub(super) fn across(octant: usize) -> [usize; 3] {
     [octant & 1, 2 + (octant >> 1 & 1), 4 + (octant >> 2 & 1)]
 }
 
-/// The same as bits.
+/// Returns the neighbours across the faces as a bit mask.
 #[inline(always)]
 pub(super) fn across_bits(octant: usize) -> u32 {
     across(octant).map(|face| 1 << face).into_iter().sum()

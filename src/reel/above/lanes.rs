@@ -6,7 +6,7 @@
 pub(super) struct Lanes<const N: usize>;
 
 impl<const N: usize> Lanes<N> {
-    /// Where the next channel begins.
+    /// Bit offset between adjacent channels.
     const SHIFT: u32 = 16;
 
     /// One in each lane.
@@ -38,7 +38,7 @@ impl<const N: usize> Lanes<N> {
         }
     }
 
-    /// How much two nodes differ in each channel: by one less where the second is above the first.
+    /// Returns the absolute difference of two nodes in each channel, less one where the second is above the first.
     #[inline(always)]
     pub(super) fn differing(one: u64, other: u64) -> u64 {
         let above = (one | Self::HIGH) - other;
@@ -46,12 +46,12 @@ impl<const N: usize> Lanes<N> {
         (above & !Self::HIGH) ^ (is_below * Self::LOW)
     }
 
-    /// What a difference is compared with by [`Lanes::is_within`].
+    /// Returns the limit that [`Lanes::is_within`] compares a difference with.
     pub(super) fn limit(most: u64) -> u64 {
         (Self::LOW - most) * Self::ONES
     }
 
-    /// Whether no lane of a difference is above the limit.
+    /// Returns true if no lane of a difference exceeds the limit.
     #[inline(always)]
     pub(super) fn is_within(differing: u64, limit: u64) -> bool {
         (differing + limit) & Self::HIGH == 0

@@ -1,10 +1,11 @@
-//! Normals as places on the unfolded octahedron: as steps from a place between the parent's and those across its faces.
+//! Normals as positions on the unfolded octahedron, coded as steps from a position interpolated between the parent's
+//! and those across its faces.
 //!
-//! How it works: places are interpolated in 64ths of a third of a cell, so that even those of a smooth surface that is
-//! finely sampled are foreseen, to the half of a cell. Then they are counted in half cells along the first axis, as the
-//! two triangles of a cell follow each other there, and in cells along the second one. Both go around at the border of
-//! the square, so every number is a place. A small step along both is one symbol. Of finer grids the lowest bits of a
-//! step are told as they are.
+//! How it works: positions are interpolated in 64ths of a third of a cell, so that even those of a smooth surface that
+//! is finely sampled are predicted, to half a cell. Then they are counted in half cells along the first axis, as the
+//! two triangles of a cell follow each other there, and in cells along the second one. Both wrap around at the border
+//! of the square, so every number is a position. A small step along both is one symbol. On finer grids the lowest bits
+//! of a step are written verbatim.
 
 use super::families::{Above, Families, Family, across, across_bits, of_counts, of_masks};
 use crate::reel::attributes::{MISSING, NormalGrid};
@@ -25,7 +26,7 @@ pub(in crate::reel) const NORMAL_CONTEXTS: usize = OUTSIDE as usize + 1;
 const MOST_STEP: i32 = 7;
 const STEPS: i32 = 2 * MOST_STEP + 1;
 
-/// The symbols of a place that is told as it is, and of no normal.
+/// Symbols of a position that is written verbatim, and of a missing normal.
 const PLACE: u8 = (STEPS * STEPS) as u8;
 const NO_NORMAL: u8 = PLACE + 1;
 
@@ -49,7 +50,7 @@ const FAR: i32 = 18;
 const PARTS: i32 = 64;
 const CELL: i32 = 3 * PARTS;
 
-/// No place is so many cells from the middle.
+/// Upper bound of the distance of any position from the centre, in cells.
 const OUTMOST: i32 = 1 << 9;
 
 /// For each number of faces, what the sum of their steps from the parent is multiplied by.
@@ -121,17 +122,17 @@ pub(in crate::reel) fn code_normals<C: SymbolCoder>(
     }
 }
 
-/// What is known of a level before it is coded.
+/// State of a level known before it is coded.
 struct Level<'a> {
     faces: &'a [Faces],
     parents: &'a [[i16; 2]],
     /// Cells along half the square.
     half: i32,
-    /// How often its cells halve those of the coarsest grid.
+    /// Number of times its cells halve those of the coarsest grid.
     finer: u32,
 }
 
-/// Contexts of nodes that are told, and the half cells that they are foreseen in.
+/// Contexts of coded nodes, and the half cells in which they are predicted.
 #[derive(Default)]
 struct Foreseen {
     contexts: Vec<u8>,

@@ -1,9 +1,10 @@
-//! Offsets along the normal: what the cells around say of the surface, and the plane of the node before in the family.
+//! Offsets along the normal, predicted from the surrounding cells and from the plane of the previous node in the
+//! family.
 //!
-//! How it works: cells are occupied where the surface is, so their middles lie around it. The mean of those that touch
-//! a cell, along its normal, is about where the surface is; that is known before any offset is. The plane through the
-//! point of the node before meets the line through the own middle at a place that counts three times as much. Both
-//! together choose the table of a symbol.
+//! How it works: cells are occupied where the surface is, so their centres lie around it. The mean of those that touch
+//! a cell, along its normal, is approximately on the surface; that is known before any offset is. The plane through the
+//! point of the previous node meets the line through the node's own centre at a position with three times the weight.
+//! Both together choose the table of a symbol.
 
 use super::families::{Above, Families};
 use super::ways::{BEYOND, WITHIN, sums};
@@ -11,7 +12,7 @@ use crate::reel::attributes::{LARGEST_OFFSET, MISSING, NormalGrid, offset_of_cod
 use crate::reel::coder::{LANES, SymbolCoder, divided};
 use crate::reel::tree::{NO_FACES, NONE};
 
-/// Classes of where the surface is foretold, of nodes behind another one of the family and of the first.
+/// Context classes of the predicted surface position, for nodes behind another one of the family and for the first.
 const CLASSES: usize = 32;
 const FIRST: usize = CLASSES;
 

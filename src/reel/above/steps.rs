@@ -6,13 +6,13 @@
 
 use crate::reel::coder::SymbolCoder;
 
-/// Numbers of so many bits and more are told by eight.
+/// Bit length from which on numbers share one kind, with eight raw bits.
 const MOST_BITS: u32 = 5;
 
 /// Kinds of a number.
 const KINDS: usize = MOST_BITS as usize + 1;
 
-/// Bits that are told of a number of each kind: its sign, and what is below its highest bit.
+/// Raw bits of a number of each kind: its sign, and those below its highest bit.
 const TOLD: [u32; KINDS] = [0, 1, 2, 3, 4, 9];
 
 /// The least number of each kind.
@@ -27,7 +27,7 @@ const ESCAPE: u8 = 255;
 /// Bits of such a number.
 const ESCAPED_BITS: u32 = 18;
 
-/// For each symbol the kinds of three numbers, 4 bits each, and above 16 bits how many bits are told.
+/// Table that maps each symbol to the kinds of three numbers, 4 bits each, and above 16 bits the number of raw bits.
 static KINDS_OF: [u32; 256] = kinds();
 
 const fn kinds() -> [u32; 256] {

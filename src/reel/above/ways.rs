@@ -1,11 +1,11 @@
-//! Where the cells are that touch a cell, as far as its parent and the three nodes behind its faces tell.
+//! Directions to the cells that touch a cell, as far as its parent and the three nodes behind its faces show.
 //!
-//! A sum of ways is four bytes: of x, y and z, one more for each cell, and the number of cells.
+//! A sum of directions is four bytes: of x, y and z, one more for each cell, and the number of cells.
 
 /// The cells of a family that touch the one in an octant, by that octant and the mask.
 pub(super) static WITHIN: [[u32; 256]; 8] = within();
 
-/// Those of the node beyond a face, by the octant, the axis and the mask of that node.
+/// Touching cells of the node beyond a face, by the octant, the axis and the mask of that node.
 pub(super) static BEYOND: [[[u32; 256]; 3]; 8] = beyond();
 
 /// One cell, in steps from 0 to 2 along each axis.

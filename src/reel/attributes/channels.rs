@@ -1,17 +1,18 @@
-//! Colours, and everything else that is a few whole numbers a node: a predicting transform, lossless or within a bound.
+//! Colours, and every other attribute that is a few integers per node: a predicting transform, lossless or within a
+//! bound.
 //!
-//! How it works: the value of a node is that of its parent, the mean of its children, corrected by the nodes beside it
-//! that are known already. Of the last child hardly anything is left to tell, as the mean and the other children say
-//! what it has to be; so the levels above the last cost little of their own. What is not predicted is divided by the
-//! step and rounded: with a step of 2 e + 1 no value is wrong by more than e, on any level, since everything is
-//! predicted from values as a decoder has them. Later channels of a node (green, red, blue) are predicted with what
-//! the one before it was off by, as colours change in brightness more than in hue.
+//! How it works: the value of a node is that of its parent, the mean of its children, corrected by the adjacent nodes
+//! that are known already. For the last child hardly anything is left to code, as the mean and the other children
+//! determine it; so the levels above the last cost little of their own. The prediction residual is divided by the step
+//! and rounded: with a step of 2 e + 1 no value is wrong by more than e, on any level, since everything is predicted
+//! from values as a decoder has them. Later channels of a node (green, red, blue) are predicted with the residual of
+//! the one before, as colours change in brightness more than in hue.
 //!
 //! What remains is coded by models that are chosen by how well parent and neighbours agree.
 //!
-//! What bounds it: the next node waits for this one, and a channel for the one before. So what does not wait is worked
-//! out ahead, and there is no branch on what nobody can guess, as which nodes are beside. Frames that stand alone have
-//! no such chain ([`crate::reel::above`]).
+//! What bounds it: the next node waits for this one, and a channel for the one before. So what does not wait is
+//! computed ahead, and there is no unpredictable branch, such as on which nodes are adjacent. Frames that stand alone
+//! have no such chain ([`crate::reel::above`]).
 
 use super::value_coder::ValueCoder;
 use crate::reel::coder::{BitCoder, divided};
@@ -24,7 +25,7 @@ const AGREEMENTS: usize = 8;
 /// Classes of what the channel before was off by.
 const BEFORE: usize = 4;
 
-/// Contexts of a channel: with nodes beside; without; and of a last child.
+/// Contexts of a channel: with adjacent nodes; without; and of a last child.
 const CONTEXTS: usize = (AGREEMENTS + 2) * BEFORE;
 const ALONE: usize = AGREEMENTS;
 const LAST: usize = AGREEMENTS + 1;
@@ -135,7 +136,7 @@ pub(in crate::reel) fn code_channels<C: BitCoder, T: Channel, const N: usize>(
     }
 }
 
-/// The sum of what the nodes beside a node have, and how many these are.
+/// Returns the sum of the values of the adjacent nodes, and the number of these nodes.
 #[inline(always)]
 fn beside_of<T: Channel, const N: usize>(known: &Known, values: &[[T; N]]) -> ([i32; N], i32) {
     let (mut sums, mut count) = ([0; N], 0);

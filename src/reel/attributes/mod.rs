@@ -1,5 +1,5 @@
-//! How the values of moved nodes changed, each predicted from its parent and from nodes beside it that are known
-//! already; and what normals and offsets are.
+//! Attribute changes of moved nodes, each predicted from its parent and from adjacent nodes that are known already; and
+//! the definitions of normals and offsets.
 
 mod channels;
 mod normal_grid;

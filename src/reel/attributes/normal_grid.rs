@@ -1,10 +1,10 @@
-//! The triangles of the refined octahedron as places on a plane, where those that are beside each other are near.
+//! Triangles of the refined octahedron as positions on a plane, where adjacent triangles are close to each other.
 //!
 //! How it works: the index of a direction ([`quantise_direction`](crate::cloud::quantise_direction)) is a path from
-//! triangle to triangle. Following it with corners in whole numbers ends at a cell (u, v) of the face's grid of 2ˡ
-//! rows, and in its lower or upper half. The eight faces are then unfolded to a square as octahedral maps are: those
-//! above z = 0 in the middle, the others folded outwards over its corners. Middles of triangles are kept in thirds of a
-//! cell, so that all of it stays whole numbers.
+//! triangle to triangle. Following it with integer corners ends at a cell (u, v) of the face's grid of 2ˡ rows, and in
+//! its lower or upper half. The eight faces are then unfolded to a square as octahedral maps are: those above z = 0 in
+//! the centre, the others folded outwards over its corners. Centroids of triangles are kept in thirds of a cell, so
+//! that all of it stays in integers.
 
 use crate::cloud::{largest_normal_error, quantised_normals};
 use std::sync::OnceLock;
@@ -17,13 +17,13 @@ pub(in crate::reel) const MISSING: [i16; 2] = [i16::MIN; 2];
 pub(in crate::reel) struct NormalGrid {
     /// Cells along half the square.
     half: i32,
-    /// The place of each index, in thirds of a cell from the middle.
+    /// Position of each index, in thirds of a cell from the centre.
     places: Vec<[i16; 2]>,
     /// The place of each triangle, cells row by row and their halves; its unit vector, and that in 1024ths.
     by_cell: Vec<[i16; 2]>,
     units: Vec<glam::Vec3>,
     directions: Vec<[i16; 3]>,
-    /// Of the largest angle between a unit vector and what its place stands for.
+    /// Cosine of the largest angle between a unit vector and the direction of its quantised position.
     least_cosine: f32,
 }
 
@@ -91,7 +91,7 @@ impl NormalGrid {
         self.units[self.cell_of(place)]
     }
 
-    /// Whether a place is as near a unit vector as the place of it may be, at most.
+    /// Returns true if a position is within the largest quantisation error of a unit vector.
     pub(in crate::reel) fn is_near(&self, place: [i16; 2], direction: glam::Vec3) -> bool {
         place != MISSING && self.unit(place).dot(direction) >= self.least_cosine
     }
@@ -108,7 +108,7 @@ fn least_cosine(bits: u32) -> f32 {
     ((f64::from(largest_normal_error(bits)).cos() * parts).ceil() / parts) as f32
 }
 
-/// The place of the middle of a triangle.
+/// Returns the position of the centroid of a triangle.
 fn place_of(index: u32, level: u32) -> [i16; 2] {
     let half = 1i32 << level;
     let mut corners = [[half, 0], [0, half], [0, 0]];

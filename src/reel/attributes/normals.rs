@@ -17,17 +17,17 @@ const HALVES: usize = ALONG + SPREADS * 3;
 /// Contexts of normals.
 pub(in crate::reel) const NORMAL_CONTEXTS: usize = HALVES + 3 * 3 * 3 * 2;
 
-/// What is foreseen of a normal.
+/// Prediction of a normal.
 struct Foreseen {
     /// [`MISSING`] where nothing is.
     place: [i16; 2],
     /// Class of how far apart is what it was foreseen by.
     spread: usize,
-    /// How likely it is that there is none: 0 if nothing is foreseen, else 1 or 2.
+    /// Likelihood class of a missing normal: 0 if nothing is predicted, else 1 or 2.
     presence: usize,
 }
 
-/// What is known of the nodes of a level that had normals in the frame before.
+/// State of the nodes of a level that had normals in the previous frame.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::reel) struct Turned<'a> {
     pub(in crate::reel) plan: &'a [Known],
@@ -154,7 +154,7 @@ fn code_places<C: BitCoder>(
     }
 }
 
-/// The mean of what the parent and the nodes beside have, and a class of how far apart that is.
+/// Computes the mean of the normals of the parent and the adjacent nodes, and a class of how far apart they are.
 #[inline(always)]
 fn mean_around(half: i32, known: &Known, parent: [i16; 2], place_of: impl Fn(usize) -> [i16; 2]) -> ([i16; 2], usize) {
     let mut around = [MISSING; MOST_KNOWN];

@@ -1,4 +1,4 @@
-//! Offsets along the normal from the middle of a cell to the surface (paper 001 §5.1), in a few bits.
+//! Offsets along the normal from the centre of a cell to the surface (paper 001 §5.1), in a few bits.
 
 use super::normal_grid::NormalGrid;
 
@@ -15,8 +15,8 @@ pub(in crate::reel) fn offset_edges(code: u8, bits: u8) -> f64 {
     f64::from(offset_of_code(code, bits)) / 1024.0
 }
 
-/// The way from the middle of a cell that an offset along a normal stands for, in parts of the cell of which 2ᵇⁱᵗˢ are
-/// its edge.
+/// Returns the displacement from the centre of a cell for an offset along a normal, in parts of the cell of which 2ᵇⁱᵗˢ
+/// are its edge.
 pub(in crate::reel) fn offset_parts(
     grid: &NormalGrid,
     normal: [i16; 2],

@@ -2,7 +2,7 @@
 
 use crate::reel::coder::{BitCoder, BitModel, MagnitudeModel, RestModels};
 
-/// What is known of what is not predicted, by its context.
+/// Probability models of prediction residuals, by context.
 #[derive(Debug, Clone)]
 pub(in crate::reel) struct ValueModels {
     numbers: Vec<MagnitudeModel>,
@@ -29,7 +29,7 @@ pub(in crate::reel) struct ValueCoder<'a, C> {
     pub(in crate::reel) models: &'a mut ValueModels,
 }
 
-/// What damaged bytes say may be any number.
+/// Clamp limit for coded values, since damaged bytes may decode to any number.
 const MOST: i64 = 1 << 22;
 
 impl<C: BitCoder> ValueCoder<'_, C> {

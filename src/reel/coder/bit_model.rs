@@ -31,7 +31,7 @@ pub(in crate::reel) const PROBABILITY_BITS: u32 = 16;
 /// something, so that bytes bound the number of bits.
 const LEAST: u32 = 1 << 5;
 
-/// The same as a state has it.
+/// Equivalent of the minimum probability at the precision of a model state.
 const TARGET: i64 = (LEAST as i64) << (22 - PROBABILITY_BITS);
 
 /// The running probability of one bit.

@@ -1,8 +1,8 @@
-//! Which contexts share a table of a static coder.
+//! Clustering of contexts that share a table of a static coder.
 //!
 //! How it works: every context begins with a table of its own. As long as two of them together take fewer bits than
-//! each for itself, tables included, the two that gain most become one (greedy agglomeration). So short streams have
-//! one table or two, and long ones as many as tell contexts apart.
+//! separately, tables included, the two that gain most are merged (greedy agglomeration). So short streams have one
+//! table or two, and long ones as many as the contexts warrant.
 
 use super::frequencies::Counts;
 

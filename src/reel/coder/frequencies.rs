@@ -1,4 +1,4 @@
-//! How often each of 256 symbols comes, as a table of a static coder: whole parts of 4096.
+//! Symbol frequencies of a static coder: a table of 256 entries in integer parts of 4096.
 
 use super::number::{MagnitudeModel, RestModels};
 use super::range::BitCoder;
@@ -10,7 +10,7 @@ pub(in crate::reel) const SYMBOLS: usize = 256;
 /// Bits of a frequency.
 pub(in crate::reel) const SCALE_BITS: u32 = 12;
 
-/// What the frequencies of a table add up to.
+/// Sum of the frequencies of a table.
 pub(in crate::reel) const SCALE: u32 = 1 << SCALE_BITS;
 
 /// No symbol is more frequent, so that each costs something: bytes bound the number of symbols.
@@ -19,7 +19,7 @@ const MOST_FREQUENT: u32 = SCALE - 8;
 /// Bits of a logarithm behind the point.
 pub(in crate::reel) const LOG_BITS: u32 = 16;
 
-/// What a symbol of a table takes in a file, and a table beside its symbols, about, in 2⁻¹⁶ bits.
+/// Approximate size in a file of a symbol entry of a table, and of a table in addition to its symbols, in 2⁻¹⁶ bits.
 const SYMBOL_COST: u64 = 5 << LOG_BITS;
 const TABLE_COST: u64 = 16 << LOG_BITS;
 
@@ -59,7 +59,7 @@ fn logarithm(number: u64) -> u64 {
     (u64::from(whole) << LOG_BITS) + low + (((high - low) * part) >> 16)
 }
 
-/// How often symbols came.
+/// Histogram of symbol counts.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reel) struct Counts {
     of: Box<[u32; SYMBOLS]>,
@@ -86,7 +86,7 @@ impl Counts {
         self.end == 0
     }
 
-    /// What of both came together.
+    /// Returns the sum of both histograms.
     pub(in crate::reel) fn and(&self, other: &Self) -> Self {
         let mut sum = self.clone();
         sum.end = self.end.max(other.end);
@@ -175,7 +175,8 @@ impl Frequencies {
         Self(frequencies)
     }
 
-    /// Codes a table: of each symbol the number of bits, and the bits below the highest, until all are told.
+    /// Codes a table: for each symbol the number of bits, and the bits below the highest, until the frequencies are
+    /// complete.
     pub(in crate::reel) fn code<C: BitCoder>(&mut self, coder: &mut C, models: &mut TableModels) -> Result<(), Fault> {
         let (mut sum, mut last) = (0, 0);
         for frequency in &mut self.0 {
@@ -210,7 +211,7 @@ impl Frequencies {
     }
 }
 
-/// What is known of the frequencies of tables, by the number of bits of the one before.
+/// Probability models of table frequencies, by the number of bits of the previous one.
 #[derive(Debug, Default)]
 pub(in crate::reel) struct TableModels {
     lengths: [MagnitudeModel; SCALE_BITS as usize + 1],

@@ -63,7 +63,7 @@ const fn stretched() -> [i16; 4096] {
 /// Weights are in 2⁻¹⁶.
 const ONE: i32 = 1 << 16;
 
-/// How far an error moves a weight.
+/// Learning rate: how far an error moves a weight.
 const RATE: i32 = 6;
 
 /// A weight may not grow beyond this.

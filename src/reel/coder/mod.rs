@@ -1,9 +1,9 @@
 //! Adaptive binary range coding: bits of which each has its own running probability.
 //!
-//! Encoder and decoder are two types of one trait, [`BitCoder`], so what is modelled is written once: a function that
-//! codes a level takes the bits that are there and gives back the bits that a decoder will see.
+//! Encoder and decoder are two types of one trait, [`BitCoder`], so the modelling is written once: a function that
+//! codes a level takes the bits that are there and returns the bits that a decoder will see.
 //!
-//! Beside it static coding of symbols, [`SymbolCoder`], of which encoder and decoder are two types as well.
+//! In addition, static coding of symbols, [`SymbolCoder`], of which encoder and decoder are two types as well.
 
 mod bit_model;
 mod clusters;

@@ -3,7 +3,7 @@
 use super::bit_model::BitModel;
 use super::range::BitCoder;
 
-/// Numbers up to this are told one by one.
+/// Largest number that is coded in unary.
 const UNARY: usize = 14;
 
 /// Models of a number from 0 on: so many set bits as it has ones up to [`UNARY`], each with a model of its own, then
@@ -15,8 +15,8 @@ pub(in crate::reel) struct MagnitudeModel {
     sign: BitModel,
 }
 
-/// What is beyond the ones: an Elias-gamma code (Elias 1975), of which the length and the highest bit below it have
-/// models. Few numbers come here, so many models of magnitudes share these.
+/// Models of the remainder beyond the unary part: an Elias-gamma code (Elias 1975), of which the length and the highest
+/// bit below it have models. Few numbers come here, so many models of magnitudes share these.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reel) struct RestModels {
     length: [BitModel; 64],

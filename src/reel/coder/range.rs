@@ -11,7 +11,7 @@ const MOST_EVEN_BITS: u32 = 16;
 
 /// Codes bits in one direction or the other.
 pub(in crate::reel) trait BitCoder: Default {
-    /// Whether bits are read: what is handed in then says nothing.
+    /// True for a decoder: bits are read, and the bits passed in have no meaning.
     const DECODES: bool;
 
     /// Codes a bit of this probability (of a set one, in 2⁻¹⁶, neither 0 nor 1): the one given, or the one read.
@@ -147,7 +147,8 @@ fn last_word(bytes: &[u8], next: usize) -> u32 {
     u32::from_be_bytes(word)
 }
 
-/// Reads bits. Behind the last byte are zeros; whoever reads on is told by [`RangeDecoder::has_overrun`].
+/// Range decoder that reads bits. Behind the last byte are zeros; reading on is detected by
+/// [`RangeDecoder::has_overrun`].
 #[derive(Debug)]
 pub(in crate::reel) struct RangeDecoder<'a> {
     bytes: &'a [u8],
@@ -158,7 +159,7 @@ pub(in crate::reel) struct RangeDecoder<'a> {
 }
 
 impl Default for RangeDecoder<'_> {
-    /// Of no bytes.
+    /// Creates a decoder of no bytes.
     fn default() -> Self {
         Self::new(&[])
     }
@@ -195,7 +196,8 @@ impl<'a> RangeDecoder<'a> {
         }
     }
 
-    /// Whether more was read than an encoder ever wrote: the bytes are not all there, or not those that were written.
+    /// Returns true if more was read than an encoder ever wrote: the bytes are not all there, or not those that were
+    /// written.
     pub(in crate::reel) fn has_overrun(&self) -> bool {
         self.next > self.bytes.len() + 8 + 3
     }

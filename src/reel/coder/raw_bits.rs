@@ -70,7 +70,7 @@ impl<'a> RawReader<'a> {
         value as u32
     }
 
-    /// Whether all bits were read, and no more.
+    /// Returns true if all bits were read, and no more.
     pub(super) fn is_at_end(&self) -> bool {
         self.read.div_ceil(8) == self.bytes.len()
     }

@@ -1,17 +1,17 @@
-//! Static coding of symbols: tables of frequencies ahead, then as little work a symbol as there can be.
+//! Static coding of symbols: frequency tables up front, then as little work per symbol as possible.
 //!
 //! How it works: asymmetric numeral systems (Duda 2013) with ranges: the state of the coder is a number; a symbol of
 //! frequency f of 4096 makes it 4096 / f times as large, and what is beyond 32 bits is written, 16 bits at a time. One
-//! look-up by the lowest 12 bits of the state tells the symbol and the state before. Several states take turns (Giesen
-//! 2014), so that a processor works at several symbols at once: the caller says which, by numbers that the compiler
-//! knows, so that they stay in registers.
+//! look-up by the lowest 12 bits of the state yields the symbol and the previous state. Several states take turns
+//! (Giesen 2014), so that a CPU works on several symbols at once: the caller selects the state by numbers that are
+//! known at compile time, so that they stay in registers.
 //!
 //! When it wins: a symbol takes one look-up where an adaptive coder has several for each bit of it. What it costs: the
 //! tables, and that nothing is learnt on the way.
 //!
-//! The encoder writes down which symbols come in which context. Which contexts share a table is decided at the end
-//! ([`clustered`]), and the symbols are coded from the last to the first. Bits that are even anyway stand beside them,
-//! as they are ([`super::raw_bits`]).
+//! The encoder records which symbols come in which context. Which contexts share a table is decided at the end
+//! ([`clustered`]), and the symbols are coded from the last to the first. Bits of uniform probability are stored raw
+//! alongside them ([`super::raw_bits`]).
 
 use super::clusters::{MOST_TABLES, clustered};
 use super::frequencies::{Counts, Frequencies, SCALE, SCALE_BITS, SYMBOLS, TableModels};
@@ -31,7 +31,7 @@ const LEAST: u32 = 1 << 16;
 
 /// Codes symbols in one direction or the other.
 pub(in crate::reel) trait SymbolCoder: Default {
-    /// Whether symbols are read: what is handed in then says nothing.
+    /// True for a decoder: symbols are read, and the symbols passed in have no meaning.
     const DECODES: bool;
 
     /// Codes a symbol by a state and the table of a context: the one given, or the one read.
@@ -170,8 +170,8 @@ impl SymbolCoder for SymbolEncoder {
     }
 }
 
-/// What is behind each value of the lowest bits of a state: symbol, frequency and how far the value is above the
-/// start of the symbol, 8, 12 and 12 bits.
+/// Adds the decoding slots for each value of the lowest bits of a state: symbol, frequency and how far the value is
+/// above the start of the symbol, 8, 12 and 12 bits.
 fn add_slots(table: &Frequencies, slots: &mut Vec<u32>) {
     for (symbol, &frequency) in (0u32..).zip(&table.0) {
         let of_symbol = symbol << (2 * SCALE_BITS) | u32::from(frequency) << SCALE_BITS;
@@ -182,19 +182,19 @@ fn add_slots(table: &Frequencies, slots: &mut Vec<u32>) {
 /// Reads symbols.
 #[derive(Debug)]
 pub(in crate::reel) struct SymbolDecoder<'a> {
-    /// Those of all tables.
+    /// Decoding slots of all tables.
     slots: Vec<u32>,
-    /// Where the table of each context begins.
+    /// Start of the table of each context.
     tables: [u32; MOST_CONTEXTS],
     states: [u32; LANES],
     words: &'a [[u8; 2]],
-    /// Which word is next.
+    /// Index of the next word.
     next: usize,
     raw: RawReader<'a>,
 }
 
 impl Default for SymbolDecoder<'_> {
-    /// Of no symbols.
+    /// Creates a decoder of no symbols.
     fn default() -> Self {
         Self {
             slots: Vec::new(),
@@ -208,7 +208,8 @@ impl Default for SymbolDecoder<'_> {
 }
 
 impl<'a> SymbolDecoder<'a> {
-    /// Of bytes with symbols of so many contexts. Without bytes there are none to be read.
+    /// Creates a decoder of bytes with symbols of the given number of contexts. Without bytes there are none to be
+    /// read.
     pub(in crate::reel) fn new(bytes: &'a [u8], contexts: usize) -> Result<Self, Fault> {
         let mut decoder = Self::default();
         if bytes.is_empty() {
@@ -243,7 +244,7 @@ impl<'a> SymbolDecoder<'a> {
         Ok(decoder)
     }
 
-    /// Whether exactly the symbols were read that were written.
+    /// Returns true if exactly the symbols were read that were written.
     pub(in crate::reel) fn is_at_end(&self) -> bool {
         self.next == self.words.len() && self.states.iter().all(|&state| state == LEAST) && self.raw.is_at_end()
     }

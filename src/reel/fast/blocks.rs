@@ -20,7 +20,7 @@ const SAMPLES: usize = 1024;
 const SHIFT_BITS: u32 = 3;
 const MOST_SHIFT: u32 = (1 << SHIFT_BITS) - 1;
 
-/// What is above a level.
+/// Structure of the levels above a level.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::reel) struct Upwards<'a> {
     pub(in crate::reel) families: Families<'a>,
@@ -28,12 +28,12 @@ pub(in crate::reel) struct Upwards<'a> {
     pub(in crate::reel) masks: &'a [u8],
 }
 
-/// What is told of a level before all nodes.
+/// Coding parameters of a level, written before all nodes.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Scale {
-    /// Which ranges numbers are in: the larger, the more bits of each are told as they are.
+    /// Shift that selects the ranges of numbers: the larger, the more bits of each are written verbatim.
     pub(super) shift: u32,
-    /// Whether children are expected along slopes.
+    /// True if children are predicted along slopes.
     has_slopes: bool,
 }
 
@@ -44,10 +44,10 @@ pub(super) trait Kind {
     /// Ranges of numbers for the shift of a level.
     fn ranges(&self, shift: u32) -> Ranges;
 
-    /// A value by its parent, the slope there, and the word of what is told.
+    /// Reconstructs a value from its parent, the slope there, and the decoded word.
     fn below(&self, parent: Self::Value, slope: [i16; 4], word: u64) -> Self::Value;
 
-    /// The same of eight, or the parent if nothing is told.
+    /// Variant of [`Kind::below`] for eight values; writes the parent if nothing is coded.
     fn eight_below(
         &self,
         parent: Self::Value,
@@ -57,20 +57,20 @@ pub(super) trait Kind {
         below: &mut [Self::Value; 8],
     );
 
-    /// What is to be told of a value: the symbol, and the numbers that it has ranges of.
+    /// Returns the code of a value: the symbol, and the numbers that it has ranges of.
     fn symbol(&self, parent: Self::Value, slope: [i16; 4], value: Self::Value, shift: u32) -> (u8, [i32; NUMBERS]);
 
     /// The slopes of parents, if there are any of this kind.
     fn slopes<'a>(slopes: &'a mut OfParents<'_>, parents: &[Self::Value]) -> Option<&'a Slopes>;
 }
 
-/// How many children of a parent are told: an only child has what its parent has.
+/// Returns the number of coded children of a parent: an only child has the value of its parent.
 #[inline(always)]
 fn told_of(count: usize) -> usize {
     if count == 1 { 0 } else { count }
 }
 
-/// How many nodes of a level are told.
+/// Returns the number of coded nodes of a level.
 fn told_of_families(families: Families<'_>) -> usize {
     match families {
         Families::Masks(masks) => masks.iter().map(|mask| told_of(mask.count_ones() as usize)).sum(),
@@ -121,7 +121,7 @@ pub(super) fn code_level<C: SymbolCoder, K: Kind>(
     *coder = own;
 }
 
-/// What takes the fewest bits, by some families of a level.
+/// Chooses the coding parameters that take the fewest bits, estimated from some families of a level.
 fn scale_of<K: Kind>(kind: &K, upwards: Upwards<'_>, parents: &[K::Value], values: &[K::Value]) -> Scale {
     let samples = samples_of::<K>(upwards, parents, values);
     let can_slope = samples.iter().any(|&(_, slope, _)| slope != [0; 4]);
@@ -151,7 +151,7 @@ fn scale_of<K: Kind>(kind: &K, upwards: Upwards<'_>, parents: &[K::Value], value
 /// A parent, the slope where its child is, and the child.
 type Sample<V> = (V, [i16; 4], V);
 
-/// What is told of about [`SAMPLES`] families, evenly spread.
+/// Samples the coded values of about [`SAMPLES`] families, evenly spread.
 fn samples_of<K: Kind>(upwards: Upwards<'_>, parents: &[K::Value], values: &[K::Value]) -> Vec<Sample<K::Value>> {
     let every = (parents.len() / SAMPLES).max(1);
     let (mut samples, mut next) = (Vec::new(), 0);
@@ -186,7 +186,7 @@ struct Level<'a, K> {
     kind: &'a K,
     ranges: Ranges,
     scale: Scale,
-    /// Of a block.
+    /// Symbols of a block.
     symbols: Vec<u8>,
     words: Vec<u64>,
 }

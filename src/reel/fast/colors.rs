@@ -1,8 +1,8 @@
-//! Colours: how many steps green is off, red off green, and blue off red, since colours change in brightness more than
-//! in hue.
+//! Colour coding: how many steps green is off, red off green, and blue off red, since colours change in brightness more
+//! than in hue.
 //!
-//! With a step of 2 e + 1 no channel is wrong by more than e, on any level, since all is foretold from values as a
-//! decoder has them.
+//! With a step of 2 e + 1 no channel is wrong by more than e, on any level, since everything is predicted from values
+//! as a decoder has them.
 
 use super::blocks::{Kind, Upwards, code_level};
 use super::ranges::{NUMBERS, Range, Ranges};
@@ -61,14 +61,14 @@ struct Colors {
     step: u8,
 }
 
-/// What is expected of a channel.
+/// Returns the predicted value of a channel.
 #[inline(always)]
 fn expected(parent: u8, slope: i16) -> i32 {
     (i32::from(parent) + i32::from(slope)).clamp(0, 255)
 }
 
 impl Colors {
-    /// How many steps each number is.
+    /// Returns the residual of each number in steps.
     #[inline(always)]
     fn steps(&self, parent: [u8; 4], slope: [i16; 4], [red, green, blue, _]: [u8; 4]) -> [i32; NUMBERS] {
         let step = i32::from(self.step);

@@ -1,11 +1,11 @@
-//! The fast coding: for weak machines, and for more points than there is time for.
+//! Fast coding, for weak machines, and for more points than there is time for.
 //!
-//! How it works: a mask is one symbol, in the context of the mask above it ([`masks`]). A value is foretold by its
-//! parent alone, colours by how the parent and its siblings differ as well ([`slopes`]). What it is off by is one
-//! symbol of the one table of its stream, which says in which range each number is, and bits that stand for themselves
-//! ([`ranges`]). So there is no context to be found, no neighbour, no branch that nobody can guess. All work but the
-//! symbols goes on in lanes: the eight children that a node may have are written at once, and those that it has not are
-//! overwritten by the next. What is read goes from step to step in [`blocks`] that stay in the cache of a core.
+//! How it works: a mask is one symbol, in the context of the mask above it ([`masks`]). A value is predicted from its
+//! parent alone, colours by how the parent and its siblings differ as well ([`slopes`]). The residual is one symbol of
+//! the one table of its stream, which selects the range of each number, and raw bits ([`ranges`]). So there is no
+//! context to be found, no neighbour, no unpredictable branch. All work but the symbols is done in lanes: the eight
+//! children that a node may have are written at once, and those that it does not have are overwritten by the next. What
+//! is read goes from step to step in [`blocks`] that stay in the cache of a core.
 //!
 //! When it wins: in time, by six times, geometry alone by twelve. What it costs: up to a half more bits than the
 //! compact coding.

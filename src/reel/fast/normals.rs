@@ -9,14 +9,14 @@ use crate::reel::coder::SymbolCoder;
 /// A node without a normal.
 pub(in crate::reel) const NO_NORMAL: u32 = 1 << 31;
 
-/// Where the second axis begins.
+/// Bit offset of the second axis.
 const SECOND: u32 = 16;
 
 /// Steps of at most so much are symbols, and so many of them along an axis.
 const MOST_STEP: i32 = 7;
 const STEPS: i32 = 2 * MOST_STEP + 1;
 
-/// The symbols of a step that is told as it is, and of no normal.
+/// Symbols of a step that is written verbatim, and of a missing normal.
 const FAR: u8 = (STEPS * STEPS) as u8;
 const NONE: u8 = FAR + 1;
 
@@ -38,12 +38,12 @@ pub(in crate::reel) fn code_normals<C: SymbolCoder>(
 }
 
 struct Normals {
-    /// Of each axis.
+    /// Bits of each axis.
     bits: [u32; 2],
 }
 
 impl Normals {
-    /// What a word is kept to.
+    /// Returns the bit mask that a word is reduced to.
     #[inline(always)]
     fn mask(&self) -> u32 {
         let [first, second] = self.bits.map(|bits| (1 << bits) - 1);

@@ -1,4 +1,4 @@
-//! Offsets along the normal: two of them are a symbol. Nothing foretells them.
+//! Offsets along the normal, coded in pairs: two of them are one symbol. They are not predicted.
 
 use crate::reel::coder::SymbolCoder;
 

@@ -1,10 +1,10 @@
-//! Numbers as a symbol and bits: the symbol says in which range each of up to three numbers is, and the bits where in
-//! it.
+//! Numbers as a symbol and raw bits: the symbol selects the range of each of up to three numbers, and the bits the
+//! position in it.
 //!
 //! How it works: what a decoder needs of a number is always a multiple of it, in some lanes of a word. So a symbol has
 //! a word for the least numbers of its ranges, and what the bits of each are multiplied by is the same for all symbols:
-//! three products and sums, whatever the numbers mean, and no branch. Ranges grow with the *shift* of a level: so many
-//! bits of each number are told as they are.
+//! three products and sums, whatever the numbers mean, and no branch. Ranges grow with the *shift* of a level, the
+//! number of bits of each number that are written verbatim.
 
 use crate::reel::coder::SymbolCoder;
 
@@ -18,15 +18,15 @@ pub(super) struct Range {
     pub(super) bits: u32,
 }
 
-/// What a symbol stands for.
+/// Decoded meaning of a symbol.
 #[derive(Debug, Clone, Copy, Default)]
 struct Symbol {
-    /// Of the least numbers.
+    /// Word of the least numbers.
     word: u64,
     /// The first two numbers among the bits, and where the second and the third begin.
     masks: [u16; 2],
     starts: [u8; 2],
-    /// How many bits.
+    /// Number of bits.
     bits: u8,
 }
 
@@ -35,14 +35,15 @@ struct Symbol {
 pub(super) struct Ranges {
     symbols: Box<[Symbol; 256]>,
     factors: [u64; NUMBERS],
-    /// What the word is combined with in the end, exclusively.
+    /// XOR mask applied to the word at the end.
     flipped: u64,
     least: Vec<[i32; NUMBERS]>,
 }
 
 impl Ranges {
-    /// Of the ranges of symbols from 0 on; others are 0 and have no bits. A number counts as often as its factor says.
-    /// `flipped` is added to all words before bits are, and taken away in the end, as lanes have it.
+    /// Builds the table from the ranges of symbols from 0 on; other symbols are 0 and have no bits. A number counts as
+    /// often as its factor says. `flipped` is added to all words before bits are, and removed at the end, as lanes
+    /// require it.
     pub(super) fn new(factors: [u64; NUMBERS], flipped: u64, of: impl Iterator<Item = [Range; NUMBERS]>) -> Self {
         let mut symbols = Box::new([Symbol::default(); 256]);
         let mut least = Vec::with_capacity(256);
@@ -65,7 +66,7 @@ impl Ranges {
         }
     }
 
-    /// How many bits follow a symbol.
+    /// Returns the number of bits that follow a symbol.
     pub(super) fn bits(&self, symbol: u8) -> u64 {
         u64::from(self.symbols[usize::from(symbol)].bits)
     }

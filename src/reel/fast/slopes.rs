@@ -1,13 +1,13 @@
-//! How colours change within the children of a parent, as far as the parent and its siblings tell.
+//! Colour slopes within the children of a parent, as far as the parent and its siblings show.
 //!
 //! How it works: along each axis the mean of the siblings on the upper side is compared with that of those on the lower
-//! side. A child is a quarter of that way from the middle of its parent; an eighth of the difference is taken for each
-//! axis, as siblings that stand diagonally show the same slope along two. All children of one grandparent have the same
-//! eight sums, by their octant. A sixth of the time that nodes across faces take, and half of what they save.
+//! side. A child is a quarter of that distance from the centre of its parent; an eighth of the difference is taken for
+//! each axis, as siblings that stand diagonally show the same slope along two. All children of one grandparent have the
+//! same eight sums, by their octant. A sixth of the time that nodes across faces take, and half of what they save.
 
 use crate::reel::tree::OCTANTS;
 
-/// What is expected of the children in each octant beside their parent, red, green, blue and nothing.
+/// Expected difference of the children in each octant from their parent, as red, green, blue and nothing.
 pub(super) type Slopes = [[i16; 4]; 8];
 
 /// None.
@@ -34,7 +34,7 @@ pub(super) struct OfParents<'a> {
 }
 
 impl<'a> OfParents<'a> {
-    /// Of parents below nodes with these masks.
+    /// Creates the slopes of parents below nodes with these masks.
     pub(super) fn below(masks: &'a [u8]) -> Self {
         Self {
             masks: masks.iter(),
@@ -44,7 +44,7 @@ impl<'a> OfParents<'a> {
         }
     }
 
-    /// Those of the next parent; no slopes behind the last one.
+    /// Returns the slopes of the next parent; no slopes behind the last one.
     #[inline(always)]
     pub(super) fn next(&mut self, parents: &[[u8; 4]]) -> &Slopes {
         if self.left == 0 {

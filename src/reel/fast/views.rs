@@ -8,21 +8,22 @@
 /// Contexts of a mask below another one.
 pub(super) const VIEWS: usize = 40;
 
-/// Which axis each axis comes from.
+/// Axis permutations: the source axis of each axis.
 const ORDERS: [[u32; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
 
 const SYMMETRIES: usize = 48;
 
-/// How a mask is seen from an octant.
+/// View of a mask from an octant.
 #[derive(Debug, Clone, Copy)]
 struct View {
-    /// Which of the masks that are the least of their kind.
+    /// Index among the masks that are the least of their kind.
     context: u8,
     /// The symmetry that makes it that.
     symmetry: u8,
 }
 
-/// Where a symmetry brings an octant: mirrored by the lowest three bits, the axes ordered by the others.
+/// Returns the octant that a symmetry maps an octant to: mirrored by the lowest three bits, the axes ordered by the
+/// others.
 const fn moved(symmetry: usize, octant: usize) -> usize {
     let order = ORDERS[symmetry >> 3];
     let mirrored = octant ^ symmetry & 7;

@@ -3,20 +3,20 @@
 use super::bytes::{ByteReader, ByteWriter};
 use crate::reel::error::Fault;
 
-/// How every chunk begins. The first byte begins no UTF-8.
+/// Sync marker at the start of every chunk. The first byte begins no UTF-8.
 pub(in crate::reel) const SYNC: [u8; 4] = *b"\xf1rlc";
 
 /// Bytes before what is in it.
 pub(in crate::reel) const CHUNK_HEADER_BYTES: usize = 28;
 
-/// What is in a chunk.
+/// Kind of a chunk's contents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::reel) enum ChunkKind {
-    /// How the file was made.
+    /// Header describing how the file was made.
     Head,
     /// A group of frames.
     Group,
-    /// Where groups and frames are.
+    /// Index of the positions of groups and frames.
     Index,
     /// Something that only later versions know, to be passed over.
     Unknown([u8; 4]),
@@ -41,7 +41,7 @@ impl ChunkKind {
     }
 }
 
-/// What stands before the contents of a chunk.
+/// Header before the contents of a chunk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::reel) struct ChunkHeader {
     pub(in crate::reel) kind: ChunkKind,
@@ -53,7 +53,7 @@ pub(in crate::reel) struct ChunkHeader {
 }
 
 impl ChunkHeader {
-    /// Of contents that begin with what is checked.
+    /// Creates the header for contents that begin with the checksummed bytes `checked`.
     pub(in crate::reel) fn new(kind: ChunkKind, checked: &[u8], unchecked_len: u64) -> Self {
         Self {
             kind,
@@ -106,7 +106,7 @@ impl ChunkHeader {
         self.len - u64::from(self.checked_len)
     }
 
-    /// Whether the first bytes of the contents are those that were written.
+    /// Verifies the checksum of the first bytes of the contents.
     pub(in crate::reel) fn check(&self, checked: &[u8]) -> Result<(), Fault> {
         match crc32fast::hash(checked) {
             found if is_right(found, self.crc) => Ok(()),
@@ -115,7 +115,7 @@ impl ChunkHeader {
     }
 }
 
-/// Whether a checksum is that of its bytes. Fuzzers, which do not guess checksums, get past.
+/// Returns true if a checksum matches its bytes. Always true when fuzzing, as fuzzers do not guess checksums.
 pub(in crate::reel) fn is_right(expected: u32, found: u32) -> bool {
     expected == found || cfg!(fuzzing)
 }

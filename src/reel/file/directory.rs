@@ -26,7 +26,7 @@ pub(in crate::reel) struct StreamRecord {
 pub(in crate::reel) struct SectionRecord {
     /// Levels that it adds; none if it adds the points.
     pub(in crate::reel) levels: Range<usize>,
-    /// Where its bytes are, from the end of the directory on.
+    /// Byte offset of the section, from the end of the directory on.
     pub(in crate::reel) offset: u64,
     pub(in crate::reel) crc: u32,
     pub(in crate::reel) streams: Vec<StreamRecord>,
@@ -39,14 +39,14 @@ impl SectionRecord {
     }
 }
 
-/// What is known of a frame before it is decoded.
+/// Metadata of a frame, known before it is decoded.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reel) struct FrameRecord {
     pub(in crate::reel) name: String,
     pub(in crate::reel) time: Option<Duration>,
-    /// Whether it is told by the frame before.
+    /// True if it is encoded relative to the previous frame.
     pub(in crate::reel) is_moved: bool,
-    /// Which of the group's schemas.
+    /// Index of its schema in the group.
     pub(in crate::reel) schema: usize,
     /// Points of the cloud that was written.
     pub(in crate::reel) points_written: u64,
@@ -54,7 +54,7 @@ pub(in crate::reel) struct FrameRecord {
     pub(in crate::reel) points: [usize; 2],
     /// Nodes of each level.
     pub(in crate::reel) counts: Vec<usize>,
-    /// What is to be added to each scalar.
+    /// Offset to be added to each scalar.
     pub(in crate::reel) scalar_offsets: Vec<f64>,
     pub(in crate::reel) sensor: Option<DVec3>,
     pub(in crate::reel) convention: Option<AxisConvention>,
@@ -62,11 +62,11 @@ pub(in crate::reel) struct FrameRecord {
     pub(in crate::reel) image: Option<ImageGrid>,
     /// Those that are there.
     pub(in crate::reel) sections: Vec<SectionRecord>,
-    /// What is there of a frame that the end of the file cuts.
+    /// Extent of what is present of a frame that the end of the file truncates.
     pub(in crate::reel) cut: Option<FrameCut>,
 }
 
-/// What is there of a frame that the end of the file cuts.
+/// Extent of what is present of a frame that the end of the file truncates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::reel) struct FrameCut {
     /// Bytes that are there.
@@ -103,7 +103,7 @@ impl Directory {
         writer.bytes
     }
 
-    /// Of a group that has `data_bytes` bytes of data, as its chunk says.
+    /// Reads the directory of a group that has `data_bytes` bytes of data, as its chunk states.
     pub(in crate::reel) fn read(bytes: &[u8], data_bytes: u64) -> Result<Self, Fault> {
         let mut reader = ByteReader::new(bytes);
         let min = DVec3::new(reader.f64()?, reader.f64()?, reader.f64()?);
@@ -170,7 +170,7 @@ pub(super) fn time_number(time: Option<Duration>) -> u64 {
 }
 
 impl FrameRecord {
-    /// Whether points that are kept one by one are there.
+    /// Returns true if points that are kept individually are present.
     pub(in crate::reel) fn has_points(&self) -> bool {
         self.sections.last().is_some_and(|section| section.levels.is_empty())
     }

@@ -1,4 +1,4 @@
-//! How the file begins: magic, version, and a chunk that says how it was made.
+//! File header: magic, version, and a chunk that states how the file was made.
 
 use super::bytes::{ByteReader, ByteWriter};
 use super::part::FilePart;
@@ -10,16 +10,17 @@ pub(in crate::reel) const VERSION: [u16; 2] = [3, 2];
 /// Bytes before the first chunk.
 pub(in crate::reel) const MAGIC_AND_VERSION_BYTES: usize = 12;
 
-/// What a file says of itself.
+/// File header with the metadata that a file states about itself.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(in crate::reel) struct Head {
-    /// Frames a second, if stamps do not say it.
+    /// Frame rate in frames per second, if timestamps do not determine it.
     pub(in crate::reel) fps: Option<f64>,
     /// Frames of a group.
     pub(in crate::reel) keyframes: u32,
     /// Names and values, for people.
     pub(in crate::reel) settings: Vec<(String, String)>,
-    /// Which frames of a conversion the file has; `None` of files of other writers and before version 3.2.
+    /// Part of a conversion, i.e. the frames that the file has of it; `None` for files of other writers and before
+    /// version 3.2.
     pub(in crate::reel) part: Option<FilePart>,
 }
 
@@ -39,7 +40,7 @@ impl Head {
         writer.bytes
     }
 
-    /// What follows the part is of later versions.
+    /// Reads the header; anything after the part belongs to later versions.
     pub(in crate::reel) fn read(bytes: &[u8]) -> Result<Self, Fault> {
         let mut reader = ByteReader::new(bytes);
         let fps = reader.f64()?;

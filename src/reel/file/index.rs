@@ -1,4 +1,4 @@
-//! Where groups and frames are, at the end of the file: what is listed and drawn before any directory is read.
+//! Index of groups and frames, at the end of the file: it is listed and drawn before any directory is read.
 
 use super::bytes::{ByteReader, ByteWriter};
 use super::directory::{Directory, time_number};
@@ -10,10 +10,10 @@ use std::time::Duration;
 /// Bytes at the end of a file that was finished.
 pub(in crate::reel) const TRAILER_BYTES: usize = 20;
 
-/// How the file ends.
+/// End marker of the file.
 const END: [u8; 8] = *b"reel-end";
 
-/// Where the index is.
+/// Trailer with the offset of the index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::reel) struct Trailer {
     pub(in crate::reel) index_offset: u64,
@@ -38,7 +38,7 @@ impl Trailer {
     }
 }
 
-/// What is listed of a frame.
+/// Index entry of a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reel) struct FrameEntry {
     pub(in crate::reel) name: String,
@@ -49,10 +49,10 @@ pub(in crate::reel) struct FrameEntry {
     pub(in crate::reel) bytes: [u64; StreamKind::ALL.len()],
 }
 
-/// What is listed of a group.
+/// Index entry of a group.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reel) struct GroupEntry {
-    /// Where its chunk begins.
+    /// Byte offset of its chunk.
     pub(in crate::reel) offset: u64,
     /// Its frames.
     pub(in crate::reel) frames: Range<usize>,

@@ -1,22 +1,22 @@
-//! Which frames of which conversion a file has, so that parts that were written by several machines are joined as they
-//! belong together.
+//! Part of a conversion: which of its frames a file has, so that parts that were written by several machines are
+//! concatenated in the right order.
 
 use super::bytes::{ByteReader, ByteWriter};
 use crate::reel::error::Fault;
 use std::ops::Range;
 
-/// Which frames of a conversion a file has.
+/// Part of a conversion: the frames of it that a file has.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FilePart {
-    /// Which part, from 0.
+    /// Index of the part, from 0.
     pub index: u64,
-    /// How many parts there are; 1 of a file with all frames.
+    /// Number of parts; 1 for a file with all frames.
     pub count: u64,
     /// Its frames among those of the conversion, also those that could not be read.
     pub frames: Range<u64>,
     /// Frames of the conversion.
     pub of_frames: u64,
-    /// What the conversion reads, and its options: alike for all parts.
+    /// Source of the conversion and its options: the same for all parts.
     pub made_of: String,
 }
 

@@ -4,12 +4,12 @@ use std::fs::File;
 use std::io;
 use std::sync::Arc;
 
-/// What a sequence file is read from, by many threads at once.
+/// Random-access source of a sequence file, read by many threads at once.
 pub trait ReadAt: Send + Sync {
     /// Number of bytes there are now.
     fn len(&self) -> io::Result<u64>;
 
-    /// Whether there are none.
+    /// Returns true if there are no bytes.
     fn is_empty(&self) -> io::Result<bool> {
         Ok(self.len()? == 0)
     }

@@ -1,5 +1,5 @@
-//! What a directory claims, held against itself and against the bytes that there are: before anything of a group is
-//! allocated, decoded or drawn.
+//! Validation of a directory against itself and against the available bytes: before anything of a group is allocated,
+//! decoded or drawn.
 
 use super::directory::{Directory, FrameRecord};
 use crate::reel::error::Fault;
@@ -60,7 +60,7 @@ fn check_points(frame: &FrameRecord) -> Result<(), Fault> {
     Ok(())
 }
 
-/// A frame that is told by the one before has its nodes, in sections of the same levels.
+/// Checks that a frame encoded relative to the previous one has its nodes, in sections of the same levels.
 fn check_before(frame: &FrameRecord, before: Option<&FrameRecord>) -> Result<(), Fault> {
     let levels =
         |frame: &FrameRecord| -> Vec<_> { frame.sections.iter().map(|section| section.levels.clone()).collect() };

@@ -16,7 +16,7 @@ pub(in crate::reel) fn unordered32(ordered: u32) -> u32 {
     }
 }
 
-/// The same of double precision.
+/// Double-precision variant of [`ordered32`].
 pub(in crate::reel) fn ordered64(bits: u64) -> u64 {
     if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }
 }
@@ -30,7 +30,7 @@ pub(in crate::reel) fn unordered64(ordered: u64) -> u64 {
     }
 }
 
-/// How a column is written.
+/// Encoding of a column.
 const FLOATS: u64 = 0;
 const INTEGERS: u64 = 1;
 

@@ -1,4 +1,4 @@
-//! Which attributes a cloud has, and how options say that they are written.
+//! Schema of a cloud: the attributes it has, and how options have them written.
 
 use super::floats::Lattice;
 use super::schema::{Kept, ScalarSchema, Schema, Values};

@@ -58,7 +58,7 @@ impl DrawnNodes<'_> {
         normals.iter().map(unit).collect()
     }
 
-    /// The middles of cells, moved along normals.
+    /// Computes the centres of cells, moved along normals.
     fn positions<T>(&self, normals: Option<&[[f32; 3]]>, narrowed: impl Fn(&DVec3) -> T) -> Vec<T> {
         let edge = self.grid.edge(self.level);
         let lengths: [f64; 16] = std::array::from_fn(|code| offset_edges(code as u8, self.schema.offset_bits) * edge);

@@ -1,4 +1,4 @@
-//! What is kept of points one by one: how many are in each cell, where they are in it, and numbers as they are.
+//! Data kept per point: how many points are in each cell, where they are in it, and numbers verbatim.
 
 use super::columns::{code_counts, code_even, code_floats, code_missing_bits};
 use super::grid::Grid;

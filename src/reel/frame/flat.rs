@@ -25,7 +25,7 @@ struct Place<'a> {
 
 /// A kind in the form in which it is drawn, and in that in which levels are kept.
 struct Forms<V, K> {
-    /// Of the parent of the root.
+    /// Value of the parent of the root.
     root: V,
     blank: V,
     kept: fn(u8, V) -> K,
@@ -34,7 +34,7 @@ struct Forms<V, K> {
     bits: u8,
 }
 
-/// What each section of a part wrote, and the values of the last level or of the points.
+/// Bytes written by each section of a part, and the values of the last level or of the points.
 type Coded<V> = (Written, Vec<V>);
 
 /// Codes colours, normals, offsets and single numbers, those that there are, as parts from a number on; normals and the

@@ -1,11 +1,11 @@
-//! Which numbers the coordinates of a file may be, in their order: all floats, or those of a lattice.
+//! Numbers that the coordinates of a file may be, in their order: all floats, or those of a lattice.
 //!
-//! How it works: a coordinate that is kept to its last bit is told by its rank among the numbers that may be in its
-//! cell. Of all floats there are as many as the machine tells apart. But most files were written with so many digits:
-//! their coordinates are thousandths, or sixteenths of a pixel, or whole numbers. There are few of those in a cell.
-//! The lattice is looked for in the points; those that are not on it are kept outside of cells.
+//! How it works: a coordinate that is kept to its last bit is coded by its rank among the numbers that may be in its
+//! cell. Of all floats there are as many as the precision distinguishes. But most files were written with a fixed
+//! number of digits: their coordinates are thousandths, or sixteenths of a pixel, or integers. There are few of those
+//! in a cell. The lattice is looked for in the points; those that are not on it are kept outside of cells.
 //!
-//! When it wins: what was a text once, LAS, E57 with scaled integers, voxels. Of metres in thousandths around ten, in
+//! When it wins: former text files, LAS, E57 with scaled integers, voxels. For metres in thousandths around ten, in
 //! single precision, each coordinate saves ten bits; in double precision thirty.
 
 use super::columns::{ordered32, ordered64, unordered32, unordered64};
@@ -20,7 +20,7 @@ const MOST_NUMBER: f64 = (1u64 << 50) as f64;
 /// Ranks of numbers of a lattice begin so far below that of 0.
 const RANK_OF_ZERO: i64 = 1 << 60;
 
-/// How far the first number in a cell may be from where it is looked for.
+/// Maximum distance of the first number in a cell from where it is looked for, in steps.
 const MOST_STEPS: usize = 8;
 
 /// Whole numbers of the same fraction of a unit.
@@ -28,7 +28,7 @@ const MOST_STEPS: usize = 8;
 pub(in crate::reel) struct Lattice {
     /// Numbers in a unit.
     per_unit: u64,
-    /// What is added to products with the fraction; without it, whole numbers are divided, and zero is a number.
+    /// Offset added to products with the fraction; without it, integers are divided, and zero is a number.
     offset: Option<[f64; 3]>,
 }
 
@@ -76,12 +76,12 @@ impl Lattice {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Floats {
     pub(super) is_double: bool,
-    /// Of the lattice alone.
+    /// Lattice; if set, only numbers of the lattice.
     pub(super) lattice: Option<Lattice>,
 }
 
 impl Floats {
-    /// Of the precision that a file has.
+    /// Rounds a value to the precision of the file.
     fn rounded(self, value: f64) -> f64 {
         if self.is_double { value } else { f64::from(value as f32) }
     }
@@ -154,7 +154,7 @@ impl Floats {
         })
     }
 
-    /// How far the rank of a coordinate is above the first of its cell.
+    /// Returns the rank of a coordinate relative to the first of its cell.
     pub(super) fn rank_in_cell(self, grid: &Grid, positions: &Positions, index: usize, axis: usize) -> Option<u64> {
         let (first, count) = self.ranks(grid, axis, grid.index(axis, positions.get(index)[axis]));
         let above = self.rank(positions, index, axis)?.checked_sub(first)?;
@@ -235,7 +235,7 @@ pub(super) fn lattice_of(clouds: &[&RawCloud]) -> Option<Lattice> {
     })
 }
 
-/// Whether the points of a cloud are on a lattice, all but few.
+/// Returns true if the points of a cloud are on a lattice, all but few.
 fn is_on(lattice: Lattice, cloud: &RawCloud, stride: usize) -> bool {
     let floats = Floats {
         is_double: matches!(cloud.positions, Positions::F64(_)),
@@ -252,8 +252,8 @@ fn is_on(lattice: Lattice, cloud: &RawCloud, stride: usize) -> bool {
     })
 }
 
-/// What may have been added to whole numbers of a fraction: as round a number as there is that makes most of the first
-/// coordinates what they are.
+/// Estimates the offset that was added to integers of a fraction: the roundest number that reproduces most of the first
+/// coordinates.
 fn offset_of(cloud: &RawCloud, per_unit: u64) -> Option<[f64; 3]> {
     let mut offset = [0.0; 3];
     let count = cloud.positions.len();

@@ -10,7 +10,7 @@ use crate::reel::tree::{
 };
 use std::ops::Range;
 
-/// What each section has of it.
+/// Encodes the geometry, and returns the bytes of each section.
 pub(super) fn encode(levels: &mut [Level], sizes: Sizes<'_>) -> Vec<Vec<u8>> {
     let of_section = |levels: &Range<usize>| {
         let parts = 0..parts_of_section(sizes.counts, levels);
@@ -84,7 +84,8 @@ fn code_tree<C: BitCoder + Send>(coders: &mut [Vec<C>], sizes: Sizes<'_>, levels
     Ok(())
 }
 
-/// What is known of points: their cell, and the point before in it. Points outside are put beside each other.
+/// Returns the prediction plan of points: their cell, and the previous point in it. Points outside are placed next to
+/// each other.
 pub(super) fn plan_of_points(points: &PosePoints) -> Vec<Known> {
     let mut plan: Vec<Known> = Vec::with_capacity(points.len());
     let known = |parent: u32, before: Option<usize>, left: u32| Known {

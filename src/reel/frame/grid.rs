@@ -21,12 +21,12 @@ impl Grid {
         if index >= 0.0 { (index as u64).min(most) } else { 0 }
     }
 
-    /// Where a cell begins along an axis.
+    /// Returns the coordinate at which a cell begins along an axis.
     pub(in crate::reel) fn border(&self, axis: usize, index: u64) -> f64 {
         self.min[axis] + index as f64 * self.cell
     }
 
-    /// The middle of a cell of a level by its coordinates.
+    /// Returns the centre of a cell of a level by its coordinates.
     pub(in crate::reel) fn middle(&self, level: u32, cell: [u32; 3]) -> DVec3 {
         let edge = self.edge(level);
         let cell = DVec3::from_array(cell.map(f64::from));
@@ -38,7 +38,7 @@ impl Grid {
         self.cell * f64::from(1u32 << (self.depth - level.min(self.depth)))
     }
 
-    /// Whether coordinates can be computed with it.
+    /// Returns true if coordinates can be computed with the grid.
     pub(in crate::reel) fn is_usable(&self) -> bool {
         self.depth <= 21 && self.min.is_finite() && self.cell > 0.0 && (self.cell * (1u64 << 54) as f64).is_finite()
     }

@@ -1,6 +1,6 @@
 //! A frame as whole numbers on every level.
 
-/// What is known of the nodes of a level. Arrays of what a frame does not have are empty.
+/// Nodes of an octree level and their attributes. Arrays of what a frame does not have are empty.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(in crate::reel) struct Level {
     /// Occupied octants, of all levels but the deepest.
@@ -39,9 +39,9 @@ pub(in crate::reel) struct FlatValues {
 pub(in crate::reel) struct PosePoints {
     /// Points of each cell, one or more.
     pub(in crate::reel) counts: Vec<u32>,
-    /// How many of the bits below it the points of each cell lack, if cells say that.
+    /// Number of the bits below it that the points of each cell lack, if cells state that.
     pub(in crate::reel) missing_bits: Vec<u8>,
-    /// What is below the cell, or the rank among the floats in it.
+    /// Bits of the position below the cell, or the rank among the floats in it.
     pub(in crate::reel) below: Vec<[u64; 3]>,
     /// Coordinates, as bits, of points that are in no cell; they follow all others.
     pub(in crate::reel) outside: Vec<[u64; 3]>,

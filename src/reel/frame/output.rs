@@ -51,7 +51,7 @@ fn close(cloud: &mut RawCloud, edge: Option<f64>) {
     }
 }
 
-/// Where points are, and what they have.
+/// Positions of points, and their attributes.
 pub(super) struct Places<'a, I> {
     pub(super) values: &'a LevelValues,
     pub(super) at: I,

@@ -3,7 +3,7 @@
 use crate::reel::coder::SymbolCoder;
 use crate::reel::error::Fault;
 
-/// Where coders of symbols come from, and what becomes of them.
+/// Coding direction: source of the symbol coders, and handling of their output.
 pub(super) trait Direction: Sync {
     type Coder: SymbolCoder;
 
@@ -19,7 +19,7 @@ pub(super) struct Part<'a, D: Direction> {
     direction: &'a D,
     number: usize,
     coder: D::Coder,
-    /// Of the sections before this one.
+    /// Bytes of the sections before this one.
     bytes: Vec<Vec<u8>>,
 }
 
@@ -43,7 +43,7 @@ impl<'a, D: Direction> Part<'a, D> {
         Ok(&mut self.coder)
     }
 
-    /// What was written in each section.
+    /// Returns the bytes written in each section.
     pub(super) fn close(mut self) -> Result<Vec<Vec<u8>>, Fault> {
         self.bytes.push(self.direction.close(self.number, self.coder)?);
         Ok(self.bytes)

@@ -14,13 +14,13 @@ fn bits(positions: &Positions, index: usize, axis: usize) -> u64 {
     }
 }
 
-/// Whether a point is among the numbers of its cell, and so of all cells around that: always, but for rounding where
-/// cells are finer than floats, and for points off the lattice.
+/// Returns true if a point is among the numbers of its cell, and so of all cells around that: always, except for
+/// rounding where cells are finer than floats, and for points off the lattice.
 pub(super) fn has_rank(floats: Floats, grid: &Grid, positions: &Positions, index: usize) -> bool {
     (0..3).all(|axis| floats.rank_in_cell(grid, positions, index, axis).is_some())
 }
 
-/// What is below the cells of points.
+/// Returns the position bits below the cells of points.
 pub(super) fn below(schema: &Schema, grid: &Grid, positions: &Positions, order: &[u32]) -> Vec<[u64; 3]> {
     let of_point = |&point: &u32| {
         let index = point as usize;

@@ -20,8 +20,8 @@ use std::ops::Range;
 /// which every cell is occupied has four times as many.
 const GROWTH: f64 = 2.0;
 
-/// The same where the bits below a cell are those that its points need: as they are coded without regard of each other,
-/// the tree goes on as long as it tells many of them apart.
+/// Variant of [`GROWTH`] where the bits below a cell are those that its points need: as they are coded independently of
+/// each other, the tree goes on as long as it separates many of them.
 const GROWTH_OF_POINTS: f64 = 1.5;
 
 /// Most bits of the depth of the tree and of what is below it: numbers of so many have halves in doubles.
@@ -30,7 +30,7 @@ const MOST_BITS: u32 = 50;
 /// Larger coordinates, of which products may overflow, are kept outside of cells.
 const LARGEST: f64 = 1e150;
 
-/// What the frames of a group have in common, and the cells of each.
+/// Plan of a group: what its frames have in common, and the cells of each.
 #[derive(Debug)]
 pub(in crate::reel) struct GroupPlan {
     pub(in crate::reel) grid: Grid,
@@ -54,16 +54,16 @@ struct FrameCells {
     outside: Vec<u32>,
 }
 
-/// How points become cells.
+/// Quantisation of points to cells.
 struct Finest {
     grid: Grid,
     kept: Kept,
-    /// What coordinates are whole numbers of, where they are kept to the last bit.
+    /// Lattice of the coordinates, if they are kept to the last bit.
     lattice: Option<Lattice>,
 }
 
 impl GroupPlan {
-    /// Of frames with at least one entry of every attribute they have for each point.
+    /// Plans a group of frames with at least one entry of every attribute they have for each point.
     pub(in crate::reel) fn new(clouds: &[&RawCloud], options: &ReelOptions) -> Self {
         let mut finest = finest_grid(clouds, options);
         let largest_cells = match options.precision {
@@ -162,7 +162,7 @@ impl GroupPlan {
     }
 }
 
-/// Of the points of a cloud that can be in cells.
+/// Returns the largest cell edges of the points of a cloud that can be in cells.
 fn largest_cells_of(cloud: &RawCloud) -> Vec<f64> {
     let points = 0..cloud.positions.len() as u32;
     let placed = points.filter(|&point| is_placed(cloud.positions.get(point as usize)));

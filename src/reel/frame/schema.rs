@@ -1,11 +1,11 @@
-//! Which attributes a frame has and how each is written.
+//! Schema of a frame: the attributes it has and how each is written.
 
 use super::floats::{Floats, Lattice};
 use crate::reel::error::Fault;
 use crate::reel::file::{ByteReader, ByteWriter};
 use crate::reel::options::Coding;
 
-/// What a stream is about.
+/// Kind of data in a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum StreamKind {
@@ -13,7 +13,7 @@ pub enum StreamKind {
     Geometry,
     /// Numbers of points in cells, and coordinates below cells.
     Position,
-    /// Colours, alpha left out.
+    /// Colours without alpha.
     Color,
     /// Normals.
     Normal,
@@ -29,7 +29,7 @@ pub enum StreamKind {
     Ellipse,
     /// The order of the file.
     Order,
-    /// How far points moved since the frame before.
+    /// Displacement of points since the previous frame.
     Motion,
 }
 
@@ -67,7 +67,7 @@ impl StreamKind {
     }
 }
 
-/// What is kept of points.
+/// Position data that is kept of points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::reel) enum Kept {
     /// One point a cell.
@@ -78,7 +78,7 @@ pub(in crate::reel) enum Kept {
     Exact,
 }
 
-/// How single numbers are written.
+/// Encoding of single numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::reel) enum Values {
     /// There are none.
@@ -97,7 +97,7 @@ pub(in crate::reel) struct ScalarSchema {
     pub(in crate::reel) bits: u8,
     pub(in crate::reel) least: f32,
     pub(in crate::reel) most: f32,
-    /// Whether values are labels, of which there is no mean.
+    /// True if values are labels, which have no mean.
     pub(in crate::reel) is_label: bool,
 }
 
@@ -135,20 +135,20 @@ impl ScalarSchema {
     }
 }
 
-/// Which attributes a frame has and how each is written.
+/// Schema of a frame: the attributes it has and how each is written.
 #[expect(clippy::struct_excessive_bools, reason = "each is a bit of the file")]
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reel) struct Schema {
-    /// How geometry is coded.
+    /// Coding of the geometry.
     pub(in crate::reel) coding: Coding,
-    /// Whether values are foretold by their parents alone: those of the fast coding, but in files of version 3.0.
+    /// True if values are predicted from their parents alone: those of the fast coding, except in files of version 3.0.
     pub(in crate::reel) is_flat: bool,
-    /// Whether coordinates are of double precision.
+    /// True if coordinates are double-precision.
     pub(in crate::reel) is_double: bool,
     pub(in crate::reel) kept: Kept,
-    /// Whether each cell says how many of the bits below it its points have.
+    /// True if each cell states how many of the bits below it its points have.
     pub(in crate::reel) has_cell_bits: bool,
-    /// What coordinates are whole numbers of, where they are kept to the last bit.
+    /// Lattice of the coordinates, if they are kept to the last bit.
     pub(in crate::reel) lattice: Option<Lattice>,
     pub(in crate::reel) has_order: bool,
     /// An odd step of colours, or 0 without any.
@@ -157,7 +157,7 @@ pub(in crate::reel) struct Schema {
     /// 13, 15 or 17, or 0 without any.
     pub(in crate::reel) normal_bits: u8,
     pub(in crate::reel) has_exact_normals: bool,
-    /// Whether some points have no normal.
+    /// True if some points have no normal.
     pub(in crate::reel) normals_may_miss: bool,
     pub(in crate::reel) offset_bits: u8,
     pub(in crate::reel) radii: Values,
@@ -279,7 +279,7 @@ impl Schema {
         }
     }
 
-    /// Whether anything is told of nodes beside where they are.
+    /// Returns true if any attribute of nodes is coded in addition to their positions.
     pub(in crate::reel) fn has_values(&self) -> bool {
         self.color_step > 0 || self.normal_bits > 0 || self.offset_bits > 0 || self.singles() > 0
     }
@@ -297,12 +297,12 @@ impl Schema {
             .map_or(255, |scalar| self.scalars[scalar].most_code())
     }
 
-    /// Which single number is the radius.
+    /// Returns the index of the single number that is the radius.
     pub(in crate::reel) fn radius_single(&self) -> Option<usize> {
         (self.radii != Values::None).then_some(usize::from(self.has_alpha))
     }
 
-    /// Which stream a single number is in.
+    /// Returns the stream kind of a single number.
     pub(in crate::reel) fn stream_of_single(&self, single: usize) -> StreamKind {
         match (single, self.has_alpha, self.radii != Values::None) {
             (0, true, _) => StreamKind::Alpha,

@@ -51,7 +51,7 @@ pub(super) fn blank_sections(ranges: &[Range<usize>], has_points: bool) -> Vec<C
         .collect()
 }
 
-/// How much of a frame is to be decoded, and what is known of it.
+/// Extent to which a frame is to be decoded, and what is known of it.
 #[derive(Debug, Clone)]
 pub(in crate::reel) struct Wanted<'a> {
     pub(in crate::reel) schema: &'a Schema,
@@ -60,11 +60,11 @@ pub(in crate::reel) struct Wanted<'a> {
     pub(in crate::reel) counts: &'a [usize],
     /// Points that are kept one by one, in cells and outside.
     pub(in crate::reel) points: [usize; 2],
-    /// Whether the values of all levels are, and not those of the last one alone.
+    /// True if the values of all levels are wanted, and not those of the last one alone.
     pub(in crate::reel) keeps_levels: bool,
 }
 
-/// How many nodes each level has, and which levels each section adds.
+/// Number of nodes of each level, and the levels that each section adds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sizes<'a> {
     pub(super) counts: &'a [usize],
@@ -84,7 +84,7 @@ pub(super) fn places_of(ranges: &[Range<usize>], levels: usize, has_points: bool
     of_levels.chain(has_points.then_some(ranges.len())).collect()
 }
 
-/// The levels that sections add, those of points left out.
+/// Returns the levels that sections add, excluding sections of points.
 pub(super) fn ranges_of(sections: &[CodedSection]) -> Vec<Range<usize>> {
     let levels = sections.iter().map(|section| section.levels.clone());
     levels.filter(|levels| !levels.is_empty()).collect()

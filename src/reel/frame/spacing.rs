@@ -1,9 +1,10 @@
-//! How far apart points are around each point, and so the edge of the cell that may stand for it.
+//! Local point spacing around each point, and thus the edge of the cell that may stand for it.
 //!
 //! How it works: the distance of each point to the nearest other position is found; the spacing at a point is the
 //! median of that distance among the points around it. So two points that nearly coincide do not ask for cells that
-//! tell them apart, and a dense part of a scan gets finer cells than a sparse one. The medians of three neighbourhoods
-//! are taken and the least counts: where density changes, whoever measures it by another one finds the bound kept.
+//! separate them, and a dense part of a scan gets finer cells than a sparse one. The medians of three neighbourhoods
+//! are taken and the least counts: where density changes, measuring it over another neighbourhood still finds the bound
+//! kept.
 
 use crate::analysis::nearest_neighbours;
 use crate::cloud::{Positions, RawCloud};
@@ -16,11 +17,11 @@ pub(in crate::reel) const SPACING_PARTS: f64 = 8.0;
 /// Points around a point that are looked at.
 const NEIGHBOURS: usize = 12;
 
-/// How many of them are in each neighbourhood.
+/// Number of neighbours in each neighbourhood.
 const NEIGHBOURHOODS: [usize; 3] = [4, 8, NEIGHBOURS];
 
-/// The largest edge of a cell that may stand for each point: no corner of it is farther from the middle than the
-/// spacing allows, once the middle is rounded to a float of the file. Points that are not `placed` have none:
+/// Computes the largest edge of a cell that may stand for each point: no corner of it is farther from the centre than
+/// the spacing allows, once the centre is rounded to a float of the file. Points that are not `placed` have none:
 /// infinity.
 pub(super) fn largest_cells(cloud: &RawCloud, placed: &[u32]) -> Vec<f64> {
     // −0 is 0.

@@ -52,7 +52,7 @@ fn bit_parts(schema: &Schema) -> Vec<StreamKind> {
         .collect()
 }
 
-/// How many of some parts are of a stream.
+/// Returns the number of parts that belong to a stream.
 fn count_of(kind: StreamKind, parts: &[SymbolPart]) -> usize {
     parts.iter().filter(|part| part.kind == kind).count()
 }

@@ -80,7 +80,7 @@ fn place(grid: &NormalGrid, bits: u8, normal: Vec3) -> [i16; 2] {
     }
 }
 
-/// The mean of codes, of which 0 is none; of labels, the one in the middle.
+/// Computes the mean of codes, of which 0 is none; for labels, the median.
 fn single_mean(codes: &mut [u16], is_label: bool) -> [u16; 1] {
     codes.sort_unstable();
     let none = codes.partition_point(|&code| code == 0);
@@ -204,8 +204,8 @@ impl<'a> PointValues<'a> {
         single >= first_scalar && self.schema.scalars[single - first_scalar].is_label
     }
 
-    /// The code of the radius that covers, from the middle of a cell, all disks of its points: these are drawn there,
-    /// or beside it along the normal. Disks of single points would leave gaps, as they move apart.
+    /// Computes the code of the radius that covers, from the centre of a cell, all disks of its points: these are drawn
+    /// there, or offset along the normal. Disks of single points would leave gaps, as they move apart.
     fn covering_radius(&self, points: &[u32]) -> u16 {
         let Some(radii) = &self.cloud.attributes.radii else {
             return 0;
@@ -233,7 +233,7 @@ impl Summaries {
         &self.normals
     }
 
-    /// Puts other codes in place of those of a single number.
+    /// Replaces the codes of a single number.
     pub(super) fn set_single(&mut self, single: usize, codes: Vec<[u16; 1]>) {
         self.singles[single] = codes;
     }
@@ -295,7 +295,7 @@ impl Summaries {
     }
 }
 
-/// The offsets of leaves: from the middle to the mean of the points, along the normal.
+/// Computes the offsets of leaves: from the centre to the mean of the points, along the normal.
 pub(super) fn offsets(
     schema: &Schema,
     grid: &Grid,

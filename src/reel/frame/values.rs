@@ -10,7 +10,7 @@ use crate::reel::error::Fault;
 use crate::reel::tree::{Faces, NO_FACES, faces_below, first_children};
 use fearless_simd::{Level as SimdLevel, dispatch};
 
-/// What each section of a part wrote.
+/// Bytes written by each section of a part.
 pub(super) type Written = Vec<Vec<u8>>;
 
 /// A level, or the points: whose children its nodes are, and the section that it is in.
@@ -20,7 +20,7 @@ struct Place<'a> {
     section: usize,
 }
 
-/// What each level has of every kind.
+/// Attribute values of each level, by kind.
 pub(super) struct Kinds<'a> {
     pub(super) colors: Vec<&'a mut [[u16; 3]]>,
     pub(super) normals: Vec<&'a mut [[i16; 2]]>,
@@ -49,7 +49,7 @@ impl<'a> Kinds<'a> {
     }
 }
 
-/// Who is across the faces of the nodes of each level that has something below it.
+/// Returns the face neighbours of the nodes of each level that has something below it.
 fn faces_of(levels: &[Level], has_points: bool) -> Vec<Vec<Faces>> {
     let wanted = if has_points {
         levels.len()

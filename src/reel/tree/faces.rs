@@ -1,4 +1,4 @@
-//! Who shares a face with each node of a level, found from the level above: a sixth of the work for all 26 neighbours
+//! Face neighbours of each node of a level, found from the level above: a sixth of the work for all 26 neighbours
 //! ([`super::links`]), for values that need no more.
 
 use super::links::NONE;
@@ -6,10 +6,10 @@ use super::links::NONE;
 /// The nodes across the faces of a node, below and above along x, along y, along z; [`NONE`] where nobody is.
 pub(in crate::reel) type Faces = [u32; 6];
 
-/// Those of the root.
+/// Face neighbours of the root: none.
 pub(in crate::reel) const NO_FACES: Faces = [NONE; 6];
 
-/// Those of the children of the nodes of a level, which have these masks and first children.
+/// Computes the face neighbours of the children of the nodes of a level, which have these masks and first children.
 #[inline(always)]
 pub(in crate::reel) fn faces_below(faces: &[Faces], masks: &[u8], first: &[u32]) -> Vec<Faces> {
     let mut below = Vec::with_capacity(first.last().map_or(0, |&end| end as usize));

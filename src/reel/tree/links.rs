@@ -1,4 +1,4 @@
-//! Which nodes of a level are beside each other, found from the level above: no search, no hash.
+//! Neighbour links between the nodes of a level, found from the level above: no search, no hash.
 
 use super::window::{CUBE_OF_27, DIRECTIONS, MIDDLE, OWNERS, PLACED, shift_of};
 use fearless_simd::{Level, dispatch};
@@ -6,7 +6,7 @@ use fearless_simd::{Level, dispatch};
 /// No node is there.
 pub(in crate::reel) const NONE: u32 = u32::MAX;
 
-/// The nodes around a node by direction, itself in the middle.
+/// Neighbours of a node by direction, with the node itself at the centre.
 pub(in crate::reel) type Neighbours = [u32; DIRECTIONS];
 
 /// A level of which the nodes below are asked.
@@ -34,7 +34,7 @@ impl Links<'_> {
         self.window_of(node, NONE)
     }
 
-    /// The same of those of the nodes around that come before a node.
+    /// Variant of [`Links::window`] limited to cells of the surrounding nodes that come before a node.
     #[inline(always)]
     pub(in crate::reel) fn window_before(&self, node: usize) -> u64 {
         self.window_of(node, node as u32)

@@ -1,4 +1,4 @@
-//! The octree of a frame as occupancy masks, level by level, and who is beside whom in it.
+//! Octree of a frame as occupancy masks, level by level, and the neighbour relations in it.
 
 mod build;
 mod faces;

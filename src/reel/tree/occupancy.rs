@@ -28,7 +28,7 @@ use std::ops::Range;
 const FACES_MODELS: usize = 1 << 16;
 const OUTER_MODELS: usize = 1 << 16;
 
-/// What is known so far of how masks follow from what is around them.
+/// Adaptive models of occupancy masks, given what surrounds them.
 #[derive(Debug, Clone)]
 pub(in crate::reel) struct OccupancyModels {
     faces: Box<[BitModel; FACES_MODELS]>,
@@ -48,7 +48,7 @@ impl Default for OccupancyModels {
     }
 }
 
-/// Not on the stack, not for a moment: those of other threads are small.
+/// Allocates models directly on the heap, never on the stack: the stacks of other threads are small.
 #[expect(clippy::unnecessary_box_returns, reason = "a place on the heap is what it is for")]
 fn new_models<const COUNT: usize>() -> Box<[BitModel; COUNT]> {
     let models = vec![BitModel::default(); COUNT].into_boxed_slice();
@@ -173,7 +173,7 @@ struct Walk<'a, C> {
     masks: &'a mut [u8],
     /// Empty if they are not wanted.
     neighbours: &'a mut [Neighbours],
-    /// What is known of the level below, for each parent.
+    /// Known cells of the level below, for each parent.
     blocks: Vec<u64>,
     /// The parent of the next node, its octants from that node on, and its window.
     parent: usize,
@@ -208,7 +208,7 @@ impl<'a, C: BitCoder> Walk<'a, C> {
         }
     }
 
-    /// The next node, those left out that one even number tells.
+    /// Returns the next node, skipping those that are coded by a single raw number.
     #[inline(always)]
     fn next(&mut self, coder: &mut C, models: &mut OccupancyModels) -> Option<Around> {
         while self.node < self.masks.len() {
@@ -262,9 +262,9 @@ impl<'a, C: BitCoder> Walk<'a, C> {
     }
 }
 
-/// What is known of a node, and of the cells in it.
+/// Context of a node, and of the cells in it.
 struct Around {
-    /// Of the 27 nodes around.
+    /// Occupancy of the 27 nodes around.
     near: u64,
     /// Cells that may be occupied, as a window.
     possible: u64,
@@ -353,14 +353,14 @@ fn outer_nodes(near: u64, octant: usize) -> usize {
     ((rows & 0xf) | (rows >> 12 & 0xf0)) as usize
 }
 
-/// Which of the six cells that share a face with the middle of 27 there are.
+/// Returns the occupancy bits of the six cells that share a face with the centre of 27.
 #[inline(always)]
 fn face_bits(around: u64) -> usize {
     let bits = around & FACES;
     (bits >> 5 & 1 | bits >> 16 & 2 | bits >> 18 & 4 | bits >> 19 & 8 | bits >> 21 & 16 | bits >> 32 & 32) as usize
 }
 
-/// Which of the three nodes there are that share a face of the cell at an octant.
+/// Returns the occupancy bits of the three nodes that share a face of the cell at an octant.
 #[inline(always)]
 fn outer_faces(near: u64, octant: usize) -> usize {
     let x = near >> (20 + 2 * (octant & 1)) & 1;

@@ -1,14 +1,14 @@
-//! What the values of a node are predicted from: its parent, and nodes beside it that are known before it.
+//! Prediction plan for the values of a node: its parent, and adjacent nodes that are known before it.
 
 use super::links::{Links, NONE};
 use super::window::{MIDDLE, OWNERS, PLACED, cell_of, shift_of};
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
-/// Most nodes beside a node that it is predicted from.
+/// Maximum number of adjacent nodes that a node is predicted from.
 pub(in crate::reel) const MOST_KNOWN: usize = 3;
 
-/// What is known of a node when its value is coded: level by level in Morton order.
+/// Context known of a node when its value is coded: level by level in Morton order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::reel) struct Known {
     /// Its parent.
@@ -27,7 +27,7 @@ const BY_DISTANCE: [u8; 18] = [12, 10, 4, 14, 16, 22, 9, 3, 1, 11, 5, 15, 7, 21,
 /// Nodes that are worth handing to another thread.
 const NODES_PER_TASK: usize = 1 << 12;
 
-/// What is known of every child of the nodes of a level.
+/// Returns the prediction plan for every child of the nodes of a level.
 pub(in crate::reel) fn plan(links: Links<'_>) -> Vec<Known> {
     let nodes = links.masks.len();
     let parts: Vec<Vec<Known>> = (0..nodes.div_ceil(NODES_PER_TASK))

@@ -4,7 +4,7 @@
 //! each axis. The 27 cells around any of the eight are in it, found by one shift. Directions are numbered `x + 3 y + 9
 //! z` from 0 to 26, each coordinate 0 (below), 1 (same) or 2 (above).
 
-/// Number of directions, the middle one counted.
+/// Number of directions, including the centre.
 pub(in crate::reel) const DIRECTIONS: usize = 27;
 
 /// The direction of no step.
@@ -13,13 +13,13 @@ pub(in crate::reel) const MIDDLE: usize = 13;
 /// The cells around the one at (1, 1, 1), itself included, shifted to the corner.
 pub(in crate::reel) const CUBE_OF_27: u64 = 0x0777_0777_0777;
 
-/// Of [`CUBE_OF_27`] those that share a face with the middle.
+/// Cells of [`CUBE_OF_27`] that share a face with the centre.
 pub(in crate::reel) const FACES: u64 = 1 << 5 | 1 << 17 | 1 << 20 | 1 << 22 | 1 << 25 | 1 << 37;
 
 /// Those that share a corner alone.
 pub(in crate::reel) const CORNERS: u64 = 0x0505_0000_0505;
 
-/// The middle itself.
+/// Centre cell itself.
 pub(in crate::reel) const SELF: u64 = 1 << 21;
 
 /// Those that share an edge alone.
@@ -81,13 +81,13 @@ const fn owners() -> [(u8, u8); 64] {
     table
 }
 
-/// How far the cells around an octant are shifted in the window of its parent.
+/// Returns the bit shift of the cells around an octant in the window of its parent.
 #[inline(always)]
 pub(in crate::reel) const fn shift_of(octant: usize) -> u32 {
     (octant & 1 | (octant & 2) << 1 | (octant & 4) << 2) as u32
 }
 
-/// Where the cell in a direction is among 27 around a cell.
+/// Returns the index of the cell in a direction among 27 around a cell.
 #[inline(always)]
 pub(in crate::reel) const fn cell_of(direction: u8) -> u32 {
     (direction % 3 + 4 * (direction / 3 % 3) + 16 * (direction / 9)) as u32
@@ -110,8 +110,8 @@ pub(in crate::reel) const fn refined(around: u64) -> u64 {
     y & 0xffff | middle | middle << 16 | (y & 0xffff_0000_0000) << 16
 }
 
-/// The window around a node from blocks of 4 × 4 × 4 cells: the one that it is in, and those beside that at its
-/// octant's sides. `block(d)` is the block in direction `d`.
+/// Assembles the window around a node from blocks of 4 × 4 × 4 cells: the one that it is in, and the adjacent ones at
+/// its octant's sides. `block(d)` is the block in direction `d`.
 #[inline(always)]
 pub(in crate::reel) fn of_blocks(octant: usize, block: impl Fn(usize) -> u64) -> u64 {
     let (x, y, z) = (octant & 1, octant >> 1 & 1, octant >> 2);

@@ -1,9 +1,9 @@
-//! Which records may touch which tile of the picture.
+//! Tile binning: the records that may touch each tile of the image.
 //!
 //! How it works: records stand in an order in which neighbours in the list are neighbours in space (Morton), so the box
-//! around sixty-four of them is small. A box is projected in place of its records, and its block is noted for every
-//! tile that it may cover. The blocks of a tile come in their order, and so do the records of a block: what is blended
-//! in the order of the cloud is, and whatever is drawn does not depend on threads.
+//! around sixty-four of them is small. A box is projected instead of its records, and its block is noted for every tile
+//! that it may cover. The blocks of a tile come in their order, and so do the records of a block: blending follows the
+//! order of the cloud, and the result does not depend on threads.
 
 use super::tile::Tiles;
 use super::view::PixelView;
@@ -24,7 +24,7 @@ pub(super) trait Placed: Sync {
     fn reach(&self, record: usize) -> f32;
 }
 
-/// How far from their places records are drawn: the sum of these.
+/// Extent to which records are drawn beyond their positions: the sum of these.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Extent {
     /// A factor on [`Placed::reach`].
@@ -128,7 +128,7 @@ fn records_of(block: usize, record_count: usize) -> Range<usize> {
 #[derive(Debug)]
 pub(super) struct TileLists {
     blocks: Vec<u32>,
-    /// Where those of each tile end.
+    /// End of the list of each tile.
     ends: Vec<u32>,
     record_count: usize,
 }

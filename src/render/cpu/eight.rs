@@ -137,8 +137,7 @@ impl PixelView {
     }
 }
 
-/// What can be seen through a rectangle of pixels: the space in front of the near plane and between four planes through
-/// the eye.
+/// View pyramid of a rectangle of pixels: the space in front of the near plane and between four planes through the eye.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pyramid {
     /// Unit vectors inwards.
@@ -164,8 +163,8 @@ impl Pyramid {
         }
     }
 
-    /// Whether something within these distances of points in view space may be seen. Of the records of a block, which
-    /// is drawn by every tile that the block may touch, most touch one.
+    /// Returns a mask of the points in view space around which something within these distances may be visible. Of the
+    /// records of a block, which is drawn by every tile that the block may touch, most touch one.
     #[inline(always)]
     pub(super) fn may_touch<S: Simd>(&self, simd: S, centers: Vectors<S>, distances: f32x8<S>) -> mask32x8<S> {
         let [left, right, top, bottom] = self.sides;

@@ -13,7 +13,7 @@ use crate::render::constants::{EWA_LEAST_DETERMINANT, EWA_MEAN_WEIGHT, OPAQUE_WE
 use crate::scene::SplatFilter;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 
-/// Of the splat that a point becomes.
+/// Squared radius of the splat that a point becomes, in pixels.
 const RADIUS2_PX: f32 = SplatFilter::RADIUS_PX * SplatFilter::RADIUS_PX;
 
 /// Eight splats in view space.
@@ -26,7 +26,7 @@ pub(super) struct Splats<S: Simd> {
     pub(super) weights: f32x8<S>,
 }
 
-/// What the filter is made of: splats as they are seen, as if they were short.
+/// Screen-space splats as input of the filter, approximated as if they were short.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct OnScreen<S: Simd> {
     /// J: pixels to the right and down along both half edges.
@@ -77,7 +77,7 @@ impl<S: Simd> OnScreen<S> {
 }
 
 impl<S: Simd> Splats<S> {
-    /// As they are seen where these are their middles.
+    /// Projects the splats to the screen at these centres.
     #[inline(always)]
     pub(super) fn on_screen(&self, simd: S, view: &PixelView, centers: Vectors<S>) -> OnScreen<S> {
         let Self { u, v, .. } = *self;
@@ -108,7 +108,7 @@ impl<S: Simd> Splats<S> {
         }
     }
 
-    /// What they become.
+    /// Returns the filtered splats.
     #[inline(always)]
     pub(super) fn filtered(self, on_screen: &OnScreen<S>) -> Self {
         let Self { u, v, .. } = self;
@@ -124,7 +124,7 @@ impl<S: Simd> Splats<S> {
     }
 }
 
-/// How many pixels to the right and down an edge reaches from a middle, as if it were short.
+/// Returns the extent of an edge from a centre in pixels to the right and down, as if it were short.
 #[inline(always)]
 fn px_along<S: Simd>(view: &PixelView, centers: Vectors<S>, per_distance: f32x8<S>, edge: Vectors<S>) -> [f32x8<S>; 2] {
     let nearer = edge.z * per_distance;

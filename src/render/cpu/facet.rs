@@ -1,6 +1,6 @@
-//! A flat patch in space as functions of pixels: what a surfel, or the face of a voxel, is on the screen.
+//! Flat patch in space as functions of pixels: the screen-space form of a surfel, or of the face of a voxel.
 //!
-//! How it works: a patch is a middle `c` and two half edges `u` and `v`; a point of it is `c + p·u + q·v`. The ray
+//! How it works: a patch is a centre `c` and two half edges `u` and `v`; a point of it is `c + p·u + q·v`. The ray
 //! through a pixel, `t·d` with `d.z = −1`, meets its plane where `t·d = M·(p, q, 1)` with the columns `u, v, c` of M.
 //! By Cramer's rule `p = P/W`, `q = Q/W` and `t = |det M|/W` with
 //!
@@ -33,7 +33,7 @@ pub(super) struct Facet {
     pub(super) bounds: PixelRect,
 }
 
-/// What of a patch is drawn.
+/// Drawn outline of a patch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Outline {
     /// The disk that touches the edges.
@@ -42,14 +42,14 @@ pub(super) enum Outline {
     Parallelogram,
 }
 
-/// Where patches are drawn, and what of them.
+/// Target that patches are drawn to, and their outline.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Canvas<'a> {
     pub(super) view: &'a PixelView,
     pub(super) clip: PixelRect,
     pub(super) outline: Outline,
     pub(super) cull_back_faces: bool,
-    /// Bounds reach at least so many pixels from middles.
+    /// Minimum reach of bounds from centres, in pixels.
     pub(super) least_reach_px: f32,
 }
 
@@ -73,11 +73,11 @@ pub(super) struct Facets {
 }
 
 impl Facet {
-    /// What the functions `p`, `q` and `w` are multiplied with so that their sum is the product of a normal and the ray
-    /// that has z = −1, of a normal that need not be that of this patch, whose middle and half edges are given.
+    /// Returns the factors on the functions `p`, `q` and `w` whose weighted sum is the dot product of a normal and the
+    /// ray that has z = −1, for a normal that need not be that of this patch, whose centre and half edges are given.
     ///
-    /// The ray of a pixel meets the patch at `c + p·u + q·v`, which is the ray times the distance: what the normal and
-    /// that have in common is `(n·u)·P + (n·v)·Q + (n·c)·W` over W, and the reversed depth is `near` over the distance.
+    /// The ray of a pixel meets the patch at `c + p·u + q·v`, which is the ray times the distance: the dot product of
+    /// the normal and that is `(n·u)·P + (n·v)·Q + (n·c)·W` over W, and the reversed depth is `near` over the distance.
     #[inline(always)]
     pub(super) fn along_rays(&self, view: &PixelView, normal: Vec3, [c, u, v]: [Vec3; 3]) -> [f32; 3] {
         let per_distance = self.depth_per_w / view.near;
@@ -171,8 +171,8 @@ fn along_rays<S: Simd>(view: &PixelView, vectors: Vectors<S>) -> [f32x8<S>; 3] {
     [per_x, per_y, -vectors.z - to_middle]
 }
 
-/// Where the pixels that patches may cover begin and end: left, top, right, bottom. `vectors` are
-/// `c, u, v`; `rows` what rays are multiplied with to give P, Q and W, with either sign.
+/// Computes the pixel bounds that patches may cover: left, top, right, bottom. `vectors` are `c, u, v`; `rows` what
+/// rays are multiplied with to give P, Q and W, with either sign.
 #[inline(always)]
 fn bounds<S: Simd>(
     simd: S,
@@ -238,8 +238,8 @@ fn bounds<S: Simd>(
     [left, top, simd.select_f32x8(is_behind, left, right), bottom]
 }
 
-/// Where the pixels of `clip` along an axis begin and end whose middles are between two ends, or a hundredth of a pixel
-/// beyond for rounding; all of them where ends are not known.
+/// Returns the range of pixels of `clip` along an axis whose centres are between two ends, or a hundredth of a pixel
+/// beyond for rounding; all of them if the ends are not known.
 #[inline(always)]
 fn pixels_between<S: Simd>(
     simd: S,

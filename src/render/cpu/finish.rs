@@ -14,7 +14,7 @@ use crate::render::effects::background::cpu::Gradient;
 use crate::scene::{Lights, ScenePacket};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
 
-/// What the pixels of a tile hold when all is drawn.
+/// Contents of the pixels of a tile when everything is drawn.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Held {
     /// Colours where there is a depth.
@@ -23,7 +23,7 @@ pub(super) enum Held {
     BlendedColors,
     /// Sums of weighted colours, and of weights, which hide the background from this one on.
     Sums { opaque_weight: f32 },
-    /// The same, with sums of weighted normals, on which light falls.
+    /// Sums as in [`Held::Sums`], with sums of weighted normals, for lighting.
     Surfaces { opaque_weight: f32 },
     /// Keys of points.
     Keys,
@@ -57,18 +57,18 @@ impl Held {
     }
 }
 
-/// What becomes of the pixels of tiles.
+/// Final processing of the pixels of tiles.
 #[derive(Debug)]
 pub(super) struct Finish<'a> {
     pub(super) view: PixelView,
     pub(super) held: Held,
     pub(super) gradient: Gradient,
-    /// Where pixels hold surfaces.
+    /// Illumination, if pixels hold surfaces.
     pub(super) illumination: Option<Illumination<'a>>,
 }
 
 impl Finish<'_> {
-    /// Whether gaps in the surface are closed, when all is drawn.
+    /// Returns true if gaps in the surface are closed once everything is drawn.
     fn closes_gaps(&self) -> bool {
         let photographs = self
             .illumination
@@ -174,7 +174,7 @@ impl Tile {
         }
     }
 
-    /// Writes how much of the background the pixels of a row hide, in place of the alpha of an opaque picture.
+    /// Writes the fraction of the background that the pixels of a row hide, instead of the alpha of an opaque image.
     #[inline(always)]
     fn write_opacities(&self, row: usize, held: Held, depths: &[f32], pixels: &mut [[u8; 4]]) {
         if let Held::Sums { opaque_weight } | Held::Surfaces { opaque_weight } = held {

@@ -1,10 +1,11 @@
-//! How far from their middles splats reach on the screen at most: what covers the middle of no pixel needs no patch.
+//! Upper bounds of the screen-space reach of splats from their centres: a splat that covers no pixel centre needs no
+//! patch.
 //!
-//! How it works: a splat is inside of the ball around it. Of a ball of radius ρ whose middle is seen at the distance d
-//! along the view axis, with the slopes s, no point is seen farther than `ρ·√(1 + s²)/(d − ρ)` from the middle, in
-//! slopes. So a splat covers no pixel if the nearest middle of one is farther.
+//! How it works: a splat is inside of the ball around it. Of a ball of radius ρ whose centre is seen at the distance d
+//! along the view axis, with the slopes s, no point is seen farther than `ρ·√(1 + s²)/(d − ρ)` from the centre, in
+//! slopes. So a splat covers no pixel if the nearest pixel centre is farther.
 //!
-//! When it wins: from afar, where most splats of a large cloud lie between the middles of pixels. Their directions need
+//! When it wins: from afar, where most splats of a large cloud lie between the centres of pixels. Their directions need
 //! not even be unpacked.
 
 use super::eight::Vectors;
@@ -17,14 +18,14 @@ const SLACK_PX: f32 = 0.02;
 /// Eight splats on the screen.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Footprints<S: Simd> {
-    /// From the middle of the nearest pixel, squared.
+    /// Squared distance from the centre of the nearest pixel.
     from_pixel2_px: f32x8<S>,
     /// Infinite where a splat is so near that it may reach around the eye.
     reach_px: f32x8<S>,
 }
 
 impl<S: Simd> Footprints<S> {
-    /// Of splats with these middles, in view space, that reach so far.
+    /// Computes the footprints of splats with these centres, in view space, and this reach.
     #[inline(always)]
     pub(super) fn of(simd: S, view: &PixelView, centers: Vectors<S>, reach: f32x8<S>) -> Self {
         let splat = |value: f32| f32x8::splat(simd, value);
@@ -43,7 +44,7 @@ impl<S: Simd> Footprints<S> {
         }
     }
 
-    /// Those that may cover the middle of a pixel.
+    /// Returns a mask of the splats that may cover the centre of a pixel.
     #[inline(always)]
     pub(super) fn may_cover_middles(&self, simd: S) -> mask32x8<S> {
         let reach_px = self.reach_px + f32x8::splat(simd, SLACK_PX);
@@ -57,7 +58,7 @@ impl<S: Simd> Footprints<S> {
     }
 }
 
-/// From a slope along an axis to the middle of the pixel that it is seen in.
+/// Returns the distance from a slope along an axis to the centre of the pixel that it is seen in.
 #[inline(always)]
 fn from_pixel<S: Simd>(view: &PixelView, slope: f32x8<S>, axis: usize) -> f32x8<S> {
     let px = slope * view.px_per_slope[axis] + view.middle_px[axis];

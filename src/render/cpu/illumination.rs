@@ -1,4 +1,5 @@
-//! What light falls on, and from where, eight pixels at a time: shared by the ways to shade a surface.
+//! Illumination of surfaces, eight pixels at a time: which surfaces light falls on, and from where; shared by the
+//! shading models.
 
 use super::eight::Vectors;
 use super::photographs::Projected;
@@ -7,15 +8,15 @@ use crate::render::effects::shadow::cpu::ShadowMap;
 use crate::scene::{Lamp, Lights, PhysicalLight};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 
-/// What falls on surfaces, and what keeps it away.
+/// Light that falls on surfaces, and what blocks it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Illumination<'a> {
     pub(super) lights: Lights,
     pub(super) occlusion: Option<Occlusion<'a>>,
     pub(super) shadow: Option<ShadowMap<'a>>,
-    /// Where surfaces have a material, and there is an environment.
+    /// Physically based light, if surfaces have a material, and there is an environment.
     pub(super) physical: Option<&'a PhysicalLight>,
-    /// What surfaces have their colours from, if these are not those of points.
+    /// Projected images that surfaces are coloured from, if their colours are not those of points.
     pub(super) photographs: Option<&'a Projected<'a>>,
 }
 

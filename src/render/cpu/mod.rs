@@ -74,13 +74,13 @@ pub struct CpuRenderer {
     smooth: RgbaImage,
     /// Reversed depths of the picture, where something follows that needs them.
     depths: Vec<f32>,
-    /// The same, drawn before the picture, where light depends on them.
+    /// Reversed depths drawn before the image, if light depends on them.
     occluders: Vec<f32>,
     /// The depths that the key light sees, and what they were drawn from.
     shadow_map: Option<(ScenePacket, Vec<f32>)>,
-    /// The depths that photographs see.
+    /// Depth maps seen from the posed images.
     photograph_depths: KnownDepths,
-    /// What photographs say of the pixels of the picture, where holes are filled from around.
+    /// Samples of the posed images at the pixels of the rendered image, if holes are filled from around.
     photographed: Vec<PhotoAnswer>,
     stats: RenderStats,
 }
@@ -253,7 +253,7 @@ impl Renderer for CpuRenderer {
     }
 }
 
-/// What photographs say of all pixels of a packet.
+/// Samples the posed images at all pixels of a packet.
 fn look(photographs: &Projected<'_>, packet: &ScenePacket, blocks: &Blocks, told: &mut [PhotoAnswer]) {
     let illumination = Lights::of(packet).map(|lights| Illumination {
         lights,

@@ -23,7 +23,7 @@ impl<S: Simd> Ellipses<S> {
     }
 }
 
-/// How far ellipses reach where the radius is 1, without the rest of what is packed: their longer half axes.
+/// Returns the reach of ellipses for radius 1, i.e. their longer half axes, without unpacking the rest.
 #[inline(always)]
 pub(super) fn reach_each<S: Simd>(simd: S, packed: f32x8<S>) -> f32x8<S> {
     longer_half_axes(simd, ratios_of(simd, packed.bitcast()))
@@ -42,7 +42,7 @@ fn ratios_of<S: Simd>(simd: S, packed: i32x8<S>) -> f32x8<S> {
     simd.select_f32x8(is_circle, f32x8::splat(simd, 1.0), ratios)
 }
 
-/// Of the low half, from 0 to 1.
+/// Returns the value of the low half, from 0 to 1.
 #[inline(always)]
 fn share<S: Simd>(simd: S, packed: i32x8<S>) -> f32x8<S> {
     simd.cvt_f32_i32x8(packed & i32x8::splat(simd, 0xffff)) * (1.0 / ELLIPSE_STEPS)

@@ -11,23 +11,23 @@ use crate::scene::ScenePacket;
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
-/// What is drawn into tiles.
+/// Content that is drawn into tiles.
 pub(super) trait InTiles: Sync {
-    /// What a thread keeps from tile to tile.
+    /// Scratch memory that a thread keeps from tile to tile.
     type Scratch: Default;
 
     /// Draws what touches the tile of this number, within `clip`. The tile is cleared already.
     fn draw<S: Simd>(&self, simd: S, tile: &mut Tile, clip: PixelRect, number: usize, scratch: &mut Self::Scratch);
 }
 
-/// What all tiles of a picture share.
+/// State that all tiles of an image share.
 pub(super) struct Painter<'a> {
     pub(super) tiles: Tiles,
     finish: Finish<'a>,
 }
 
 impl<'a> Painter<'a> {
-    /// Of pixels that hold something, on which this light falls if they are surfaces.
+    /// Creates a painter for pixels that hold `held`, lit by this illumination if they are surfaces.
     pub(super) fn new(packet: &ScenePacket, held: Held, illumination: Option<Illumination<'a>>) -> Self {
         Self {
             tiles: Tiles::of_picture(packet.viewport_px),
@@ -83,7 +83,7 @@ impl<'a> Painter<'a> {
     }
 }
 
-/// Colours the surface in a tile from photographs. Compiled once, and not for each primitive.
+/// Colours the surface in a tile from images. Compiled once, and not for each primitive.
 #[inline(never)]
 fn color_tile<S: Simd>(simd: S, photographs: &Projected<'_>, tile: &mut Tile, view: &PixelView, clip: PixelRect) {
     simd.vectorize(
@@ -92,7 +92,7 @@ fn color_tile<S: Simd>(simd: S, photographs: &Projected<'_>, tile: &mut Tile, vi
     );
 }
 
-/// Writes what photographs say of the surface in a tile.
+/// Writes the image samples of the surface in a tile.
 #[inline(never)]
 fn look_at_tile<S: Simd>(
     simd: S,

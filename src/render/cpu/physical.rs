@@ -13,20 +13,20 @@ const LEAST_LOSS: f32 = 1e-6;
 
 /// Linear light on eight pixels, by what the surface makes of it.
 struct Light<S: Simd> {
-    /// What is mirrored for each unit of the reflectance at right angles, and beside that.
+    /// Reflected light per unit of the reflectance at normal incidence, and the light reflected in addition to that.
     mirrored: [f32x8<S>; 3],
     grazing: [f32x8<S>; 3],
-    /// What goes to further bounces, and what is let in.
+    /// Light that goes to further bounces, and light that is let in.
     lost: [f32x8<S>; 3],
     let_in: [f32x8<S>; 3],
 }
 
-/// How eight pixels lie in the light from around.
+/// Exposure of eight pixels to the ambient light.
 #[derive(Clone, Copy)]
 struct Exposure<S: Simd> {
     /// The cosine between their normal and the eye.
     facing: f32x8<S>,
-    /// What is mirrored of the environment: a factor on the reflectance, and what is added.
+    /// Reflection of the environment: a scale on the reflectance, and a bias.
     scale: f32x8<S>,
     bias: f32x8<S>,
     /// The share of that light that gets here.
@@ -122,7 +122,8 @@ fn on_surface<S: Simd>(
 }
 
 impl<S: Simd> Light<S> {
-    /// What a channel of the surface sends to the eye; towards the eye are shares of what is lost and let in.
+    /// Computes a colour channel of the light that the surface sends to the eye; the last argument has the fractions
+    /// lost and let in towards the eye.
     #[inline(always)]
     fn color(
         &self,
@@ -230,7 +231,7 @@ fn in_environment<S: Simd>(simd: S, physical: &PhysicalLight, direction: Vectors
     }
 }
 
-/// What a matt white surface with this normal sends back of the environment.
+/// Evaluates the spherical harmonics: the environment light that a matt white surface with this normal reflects.
 #[inline(always)]
 fn harmonics_at<S: Simd>(simd: S, physical: &PhysicalLight, normal: Vectors<S>) -> [f32x8<S>; 3] {
     let Vectors { x, y, z } = normal;
@@ -250,7 +251,8 @@ fn harmonics_at<S: Simd>(simd: S, physical: &PhysicalLight, normal: Vectors<S>) 
     [sums[0].max(nothing), sums[1].max(nothing), sums[2].max(nothing)]
 }
 
-/// What is mirrored from a direction: between the middles of four texels of the unfolded octahedron.
+/// Samples the environment reflected from a direction: interpolated between the centres of four texels of the unfolded
+/// octahedron.
 #[inline(always)]
 fn environment_at<S: Simd>(simd: S, physical: &PhysicalLight, direction: Vectors<S>) -> [f32x8<S>; 3] {
     let one = f32x8::splat(simd, 1.0);

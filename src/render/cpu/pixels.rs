@@ -21,7 +21,7 @@ fn byte<S: Simd>(simd: S, channel: f32x8<S>) -> u32x8<S> {
     simd.reinterpret_u32_i32x8(simd.cvt_i32_f32x8(within))
 }
 
-/// Of a picture whose rows are finished.
+/// Sets the alpha of an image whose rows are finished to opaque.
 #[inline(always)]
 pub(in crate::render) fn make_opaque(pixels: &mut [[u8; 4]]) {
     for pixel in pixels {
@@ -62,7 +62,7 @@ pub(in crate::render) fn pack<S: Simd>(simd: S, colors: [f32x8<S>; 3], pixels: &
     }
 }
 
-/// The same under the fourth bytes that are there.
+/// Writes eight colours like [`pack`], keeping the fourth bytes that are there.
 #[inline(always)]
 pub(in crate::render) fn repack<S: Simd>(simd: S, colors: [f32x8<S>; 3], pixels: &mut [[u8; 4]]) {
     let eight = opaque(simd, colors);

@@ -53,7 +53,8 @@ fn for_each<S: Simd>(simd: S, tile_rect: PixelRect, facet: &Facet, mut visit: im
 }
 
 impl<S: Simd> Fragments<S> {
-    /// Whether they are inside of the outline or, where depths are negative, of its mirror image behind the eye.
+    /// Computes the coverage mask of the fragments that lie inside the outline or, where depths are negative, inside
+    /// its mirror image behind the eye.
     #[inline(always)]
     fn are_inside(&self, outline: Outline) -> mask32x8<S> {
         match outline {
@@ -65,7 +66,7 @@ impl<S: Simd> Fragments<S> {
         }
     }
 
-    /// Of the functions of pixels, each times a factor.
+    /// Returns the weighted sum of the pixel functions, each multiplied by its factor.
     #[inline(always)]
     fn sum(&self, simd: S, [p, q, w]: [f32; 3]) -> f32x8<S> {
         let splat = |factor| f32x8::splat(simd, factor);
@@ -140,8 +141,8 @@ pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shadin
     );
 }
 
-/// The same of splats that are at least as large as [`SplatFilter::Clamp`](crate::scene::SplatFilter) says: a mask is
-/// that of the disk, or of the circle around its middle where that is stronger.
+/// Draws attributes of splats that are at least as large as [`SplatFilter::Clamp`](crate::scene::SplatFilter) requires:
+/// a mask is that of the disk, or of the circle around its centre where that is stronger.
 #[inline(always)]
 pub(super) fn attribute_clamped<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading, middle: &Middle) {
     let splat = |value: f32| f32x8::splat(simd, value);
@@ -178,7 +179,7 @@ pub(super) fn attribute_clamped<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet
     );
 }
 
-/// Where the middle of a splat is on the screen.
+/// Screen position of the centre of a splat.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Middle {
     pub(super) place_px: [f32; 2],
@@ -295,7 +296,8 @@ pub(super) fn solid<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &
     );
 }
 
-/// What eight fragments leave for deferred shading beside their colours: as [`Tile::surfaces`] has it.
+/// Computes the surface attributes that eight fragments leave for deferred shading in addition to their colours, in the
+/// layout of [`Tile::surfaces`].
 #[inline(always)]
 fn surface<S: Simd>(simd: S, normal: SurfaceNormal, fragments: &Fragments<S>, depths: f32x8<S>) -> [f32x8<S>; 4] {
     let splat = |value: f32| f32x8::splat(simd, value);
@@ -404,8 +406,8 @@ pub(super) fn head_light_of<S: Simd>(simd: S, facing: f32x8<S>) -> [f32x8<S>; 2]
     ]
 }
 
-/// What is between the values at the corners of a quad that is drawn as two triangles, parted from its second corner to
-/// its third.
+/// Interpolates between the values at the corners of a quad that is drawn as two triangles, split from its second
+/// corner to its third.
 #[inline(always)]
 fn between_corners<S: Simd>(simd: S, [a, b, c, d]: [f32; 4], fragments: &Fragments<S>) -> f32x8<S> {
     let splat = |value| f32x8::splat(simd, value);

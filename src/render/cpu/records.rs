@@ -14,13 +14,13 @@ use std::ops::Range;
 
 /// The records of a primitive, and how they are drawn.
 pub(super) trait DrawnRecords: Placed {
-    /// What a thread keeps from tile to tile.
+    /// Scratch data that a thread keeps from tile to tile.
     type Scratch: Default;
 
-    /// What pixels hold when all is drawn.
+    /// Returns the contents of the pixels when everything is drawn.
     fn held(&self, packet: &ScenePacket) -> Held;
 
-    /// How far from its place a record is drawn.
+    /// Returns the extent to which a record is drawn around its position.
     fn extent(&self) -> Extent;
 
     /// Draws those of some records that touch a tile.

@@ -1,16 +1,16 @@
-//! What lies behind rims of splats shines through them when all tiles are drawn, in place of the background. What a rim
-//! is, and what lies behind it: `scene/effects/rims.rs`.
+//! Splat edges, when all tiles are drawn: the surface behind them shows through instead of the background. The
+//! definitions of an edge and of what lies behind it are in `scene/effects/rims.rs`.
 //!
-//! How it works: rows are gone through at once, since what is met around a pixel is what was drawn, not what was
-//! changed; then changed pixels are written. Most pixels are opaque or open, and are passed over.
-//! `photographs/gaps.rs` asks photographs first.
+//! How it works: all rows are searched before any is written, since what is met around a pixel is what was drawn, not
+//! what was changed; then changed pixels are written. Most pixels are opaque or open, and are passed over.
+//! `photographs/gaps.rs` samples the input images first.
 
 use crate::render::effects::background::cpu::Gradient;
 use crate::scene::{GAP_ONE_SURFACE, PIXEL_LINES};
 use rayon::prelude::*;
 
-/// Opacities of pixels in eight bits. A graphics card asks for `RIM_OPEN` and `RIM_OPAQUE` of `scene/effects/rims.rs`,
-/// which are rounded to these.
+/// Opacities of pixels in eight bits. A GPU compares with `RIM_OPEN` and `RIM_OPAQUE` of `scene/effects/rims.rs`, which
+/// are rounded to these.
 const OPEN: u8 = 0;
 const OPAQUE: u8 = u8::MAX;
 
@@ -21,7 +21,8 @@ pub(super) struct Drawn<'a> {
     pub(super) pixels: &'a [[u8; 4]],
     /// Reversed.
     pub(super) depths: &'a [f32],
-    /// How far opaque pixels on both sides of a rim are apart, in steps from one to the other; 0: there are none.
+    /// Maximum distance of the opaque pixels on both sides of a splat edge, in steps from one to the other; 0: no edges
+    /// are covered.
     pub(super) rim_px: i32,
 }
 
@@ -32,7 +33,8 @@ struct End {
     at: usize,
 }
 
-/// Puts what lies behind rims into a picture with opacities in place of alpha, and these reversed depths.
+/// Fills splat edges with what lies behind them, in an image that has opacities instead of alpha, and these reversed
+/// depths.
 pub(super) fn cover_rims(size_px: [u32; 2], rim_px: u32, gradient: &Gradient, image: &mut [u8], depths: &[f32]) {
     fill_rows(size_px, rim_px, image, depths, |drawn, y| {
         drawn.covered_of_row(gradient.at_row(y), y)
@@ -150,7 +152,7 @@ impl Drawn<'_> {
     }
 }
 
-/// A pixel through which `behind` shines in place of the background.
+/// Returns a pixel through which `behind` shines instead of the background.
 pub(super) fn over([red, green, blue, opacity]: [u8; 4], background: [f32; 3], behind: [f32; 3]) -> [u8; 4] {
     let open = 1.0 - f32::from(opacity) / 255.0;
     let channel = |drawn: u8, axis: usize| {

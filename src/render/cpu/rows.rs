@@ -6,18 +6,18 @@ use crate::scene::ScenePacket;
 
 /// A row of tiles of what is made of their pixels.
 pub(super) enum TileRow<'a> {
-    /// Of a picture, four bytes a pixel.
+    /// Image pixels, four bytes per pixel.
     Bytes(&'a mut [u8]),
-    /// Of a picture that [`Screen`](super::screen::Screen) finishes: the fourth byte of a pixel is its opacity. And
+    /// Pixels of an image that [`Screen`](super::screen::Screen) finishes, the fourth byte being the opacity, with
     /// reversed depths.
     Unfinished { bytes: &'a mut [u8], depths: &'a mut [f32] },
     /// Reversed depths alone.
     Depths(&'a mut [f32]),
-    /// What photographs say of the surface, alone.
+    /// View-dependent texturing results of the surface, alone.
     Photographed(&'a mut [PhotoAnswer]),
 }
 
-/// What belongs to rows of tiles, of as many values for each pixel of a picture.
+/// Splits values into bands, one per row of tiles, with the same number of values for each pixel of an image.
 pub(super) fn bands_of<'a, T>(
     packet: &ScenePacket,
     values: &'a mut [T],

@@ -1,12 +1,12 @@
-//! What is done when all tiles are drawn: effects that look beyond them, as eye-dome lighting and the grid on the
-//! ground do, and gaps and rims.
+//! Screen-space steps after all tiles are drawn: effects that look beyond tiles, such as eye-dome lighting and the
+//! ground grid, and the filling of gaps and splat edges.
 //!
-//! How it works: tiles leave reversed depths beside the picture, and opacities in place of its alpha. Then rows are
-//! gone through once more, step after step, in place; most of them are in a cache still. Without such steps no
-//! depths are kept and nothing is gone through.
+//! How it works: tiles leave reversed depths next to the image, and opacities instead of its alpha. Then rows are
+//! processed once more, step after step, in place; most of them are still in a cache. Without such steps no depths are
+//! kept and no rows are processed again.
 //!
-//! Opacities are needed since the background is in the picture already, and is not shaded. Of a colour `c` that covers
-//! a pixel by `a` there is `a · c + (1 - a) · background`; with the shade `s` it is to be `s · a · c + (1 - a) ·
+//! Opacities are needed since the background is in the image already, and is not shaded. For a colour `c` that covers a
+//! pixel by `a` there is `a · c + (1 - a) · background`; with the shade `s` it is to be `s · a · c + (1 - a) ·
 //! background`, which is `s · picture + (1 - s) · (1 - a) · background`.
 
 use super::photographs::Projected;
@@ -25,12 +25,12 @@ const ROWS_PER_TASK: usize = 32;
 /// The steps of a packet.
 pub(super) struct Screen {
     view: PixelView,
-    /// Of what is drawn, before gaps and rims let others through.
+    /// Steps on the drawn scene, before gaps and splat edges let other surfaces through.
     drawn: Vec<Box<dyn RowStep>>,
-    /// Of the picture.
+    /// Steps on the finished image.
     picture: Vec<Box<dyn RowStep>>,
     gradient: Gradient,
-    /// How wide rims are at most through which others shine; 0: none.
+    /// Maximum width of the splat edges through which other surfaces shine; 0: none.
     rim_px: u32,
 }
 
@@ -95,7 +95,7 @@ impl Screen {
     }
 }
 
-/// Those of a stage.
+/// Returns the row steps of a stage.
 fn steps(packet: &ScenePacket, stage: Stage) -> Vec<Box<dyn RowStep>> {
     let of_stage = effects::of_stage(packet, stage);
     let steps = of_stage.filter_map(|effect| match effect.on_cpu {

@@ -1,4 +1,4 @@
-//! The head light of `shaders/common/light.wgsl`.
+//! Headlight of `shaders/common/light.wgsl`.
 
 use crate::render::constants::HEAD_LIGHT_SHININESS;
 use crate::scene::Lighting;
@@ -14,18 +14,19 @@ pub(super) struct Shading {
     pub(super) light: Light,
     /// A factor on the mask, where masks are summed up.
     pub(super) weight: f32,
-    /// Where light falls on the blended surface.
+    /// Normal at which the blended surface is lit, if it is lit.
     pub(super) normal: Option<SurfaceNormal>,
 }
 
-/// What a patch leaves for the sum of normals, in view space. Surfaces have two sides: what is summed up is turned
-/// towards the eye.
+/// Surface normal that a patch contributes to the sum of normals, in view space. Surfaces have two sides: what is
+/// summed up is turned towards the eye.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum SurfaceNormal {
-    /// Of all pixels.
+    /// One normal for all pixels.
     Same(Vec3),
-    /// Of a surface in another direction than the patch: the sum of the functions `p`, `q` and `w` of pixels times
-    /// `along_rays` is the product of the normal and the ray that has z = −1, whose sign says which side is seen.
+    /// Normal of a surface in another direction than the patch: the sum of the functions `p`, `q` and `w` of pixels
+    /// times `along_rays` is the product of the normal and the ray that has z = −1, whose sign determines which side is
+    /// seen.
     OfSideSeen { normal: Vec3, along_rays: [f32; 3] },
 }
 
@@ -38,12 +39,13 @@ pub(super) enum Light {
     OfCorners([[f32; 4]; 2]),
     /// Worked out at each pixel.
     OfPixels,
-    /// The same on a surface in another direction than the patch: as [`SurfaceNormal::OfSideSeen`] has it.
+    /// Light computed at each pixel, on a surface in another direction than the patch, as in
+    /// [`SurfaceNormal::OfSideSeen`].
     OfPixelsOn([f32; 3]),
 }
 
 impl Light {
-    /// Of a patch at `center` from the eye; its half edges may be needed.
+    /// Computes the lighting of a patch at `center` from the eye; its half edges may be needed.
     #[inline(always)]
     pub(super) fn new(lighting: Lighting, normal: Vec3, center: Vec3, u: Vec3, v: Vec3) -> Self {
         match lighting {
@@ -67,7 +69,7 @@ pub(super) fn head_light(normal: Vec3, from_eye: Vec3) -> [f32; 2] {
     head_light_of_cosine(normal.dot(from_eye.normalize_or_zero()).abs())
 }
 
-/// The same, from the cosine between the normal and the way to the eye.
+/// Computes the headlight from the cosine between the normal and the direction to the eye.
 #[inline(always)]
 pub(super) fn head_light_of_cosine(facing: f32) -> [f32; 2] {
     let facing8 = facing.powi(8);

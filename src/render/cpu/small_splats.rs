@@ -1,12 +1,12 @@
-//! Filtered splats that reach less than a pixel from their middles: where hundreds share a pixel, all of them do.
+//! Filtered splats that reach less than a pixel from their centres: where hundreds share a pixel, all of them do.
 //!
-//! How it works: such a splat covers the middles of two by two pixels at most. On the screen it is, as if it was flat
+//! How it works: such a splat covers the centres of two by two pixels at most. On the screen it is, as if it was flat
 //! there, the ellipse `sᵀ·K⁻¹·s ≤ 1` with `K = J·A·Jᵀ`, which has no division by the area of a splat (`ewa.rs`). So the
-//! masks of four pixels are worked out for eight splats at a time, and no patch is set up whose functions are those of
-//! a whole row of pixels. Depths are those of the plane, as those of patches are.
+//! masks of four pixels are computed for eight splats at a time, and no patch is set up whose functions are those of a
+//! whole row of pixels. Depths are those of the plane, as those of patches are.
 //!
-//! They are added once the depths of the tile are known. Until then only their numbers are kept: what is worked out of
-//! eight of them is 500 bytes, and to write those of a million and read them again took longer than to begin anew.
+//! They are added once the depths of the tile are known. Until then only their indices are kept: what is computed for
+//! eight of them is 500 bytes, and to write those of a million and read them back took longer than recomputing them.
 
 use super::eight::Vectors;
 use super::ewa::OnScreen;
@@ -21,8 +21,8 @@ use std::mem;
 /// Pixels of a splat: two columns of two rows.
 const PIXELS: usize = 4;
 
-/// Splats that reach no farther from their middles before they are filtered are small: K is at most `JJᵀ` and r² along
-/// the diagonal, and neither of its squares is to reach 1.
+/// Maximum reach of small splats from their centres before filtering: K is at most `JJᵀ` and r² along the diagonal, and
+/// neither of its squares is to reach 1.
 pub(super) const MOST_REACH_OF_SMALL_PX: f32 = 0.49;
 const _: () =
     assert!(MOST_REACH_OF_SMALL_PX * MOST_REACH_OF_SMALL_PX + SplatFilter::RADIUS_PX * SplatFilter::RADIUS_PX < 1.0);
@@ -61,8 +61,8 @@ pub(super) struct EightSmall<'a, S: Simd> {
     pub(super) is_lit: bool,
 }
 
-/// The sums of a tile's small splats. The channels of a pixel are beside one another, so that one addition serves all
-/// of them; all are zero between two tiles.
+/// Sums of a tile's small splats. The channels of a pixel are next to one another, so that one addition serves all of
+/// them; all are zero between two tiles.
 #[derive(Debug, Default)]
 pub(super) struct SmallSums {
     /// Weighted red, green, blue, and the weights.
@@ -73,7 +73,7 @@ pub(super) struct SmallSums {
     rows: [usize; 2],
 }
 
-/// Whether all splats are small, whatever of them is in the picture.
+/// Returns true if all splats are small, whichever of them are in the image.
 #[inline(always)]
 pub(super) fn are_small<S: Simd>(
     simd: S,
@@ -90,7 +90,7 @@ pub(super) fn are_small<S: Simd>(
 }
 
 impl SmallSplats {
-    /// Of eight that are small.
+    /// Computes the masks of eight small splats.
     #[inline(always)]
     fn of<S: Simd>(simd: S, eight: &EightSmall<'_, S>) -> Self {
         let splat = |value: f32| f32x8::splat(simd, value);
@@ -214,7 +214,7 @@ impl SmallSums {
         self.rows = [self.rows[0].min(first), self.rows[1].max(end)];
     }
 
-    /// Adds the sums to those of the tile, and begins anew.
+    /// Adds the sums to those of the tile, and resets them.
     pub(super) fn finish(&mut self, tile: &mut Tile, has_normals: bool) {
         let [first, end] = mem::replace(&mut self.rows, [HEIGHT, 0]);
         for at in first * WIDTH..end.min(HEIGHT) * WIDTH {

@@ -1,16 +1,16 @@
-//! Which pixels of a row a polygon covers.
+//! Scan conversion of polygons: the pixels of a row that a polygon covers.
 //!
-//! A pixel is covered where its middle is inside. Where an edge meets the middles of a row follows from its two ends
-//! alone, taken in one order, so the polygons on both sides of it get the same number, bit by bit: what ends there on
-//! the left begins there on the right. So surfaces have neither holes nor pixels that are drawn twice along their
+//! A pixel is covered where its centre is inside. Where an edge meets the pixel centres of a row follows from its two
+//! ends alone, taken in one order, so the polygons on both sides of it get the same number, bit by bit: what ends there
+//! on the left begins there on the right. So surfaces have neither holes nor pixels that are drawn twice along their
 //! edges, whatever is rounded; a closed mesh shows nothing of what is behind it.
 
 use super::view::PixelRect;
 use std::ops::Range;
 
-/// Calls `visit` with each row of `clip`, and those of its columns, whose middles a convex polygon covers. Corners are
-/// given in pixels, in their order around it. Middles on the left and the upper border are covered, those on the right
-/// and the lower one are not.
+/// Calls `visit` with each row of `clip`, and those of its columns, whose pixel centres a convex polygon covers.
+/// Corners are given in pixels, in their order around it. Centres on the left and the upper border are covered, those
+/// on the right and the lower one are not.
 #[inline(always)]
 pub(super) fn for_each_span(corners: &[[f64; 2]], clip: PixelRect, mut visit: impl FnMut(i32, Range<i32>)) {
     let (mut top, mut bottom) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -37,13 +37,14 @@ pub(super) fn for_each_span(corners: &[[f64; 2]], clip: PixelRect, mut visit: im
     }
 }
 
-/// The first pixel whose middle is not before a place.
+/// Returns the first pixel whose centre is not before a position.
 #[inline(always)]
 fn first_middle(place: f64) -> i32 {
     (place - 0.5).ceil() as i32
 }
 
-/// Where the line between two places, one above `y` and one not, crosses it: the same whichever is first.
+/// Returns the intersection of `y` with the line between two positions, one above `y` and one not: the same whichever
+/// is first.
 #[inline(always)]
 fn crossing(start: [f64; 2], end: [f64; 2], y: f64) -> f64 {
     let [upper, lower] = if start[1] <= end[1] { [start, end] } else { [end, start] };

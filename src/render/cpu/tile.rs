@@ -14,7 +14,7 @@ pub(super) const NOWHERE: usize = PIXELS;
 /// Pixels that are worked out together: those of a row that begin at a multiple of it.
 pub(in crate::render) const LANES: usize = 8;
 
-/// How a picture is divided.
+/// Tiling of an image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tiles {
     pub(super) columns: usize,
@@ -59,7 +59,7 @@ pub(super) struct Tile {
     pub(super) surfaces: [Vec<f32>; 4],
     /// The bits of the depth above 32 of colour, for points; and those from [`NOWHERE`] on.
     pub(super) keys: Vec<u64>,
-    /// Of the rays through pixels, for light that is worked out at each.
+    /// Reciprocal lengths of the rays through pixels, for light that is computed at each.
     pub(super) per_ray_length: Vec<f32>,
 }
 

@@ -1,8 +1,8 @@
-//! Triangles to pixels: what of the corners is seen in each, eight pixels of a row at a time.
+//! Triangle rasterisation: interpolates the corners at each pixel, eight pixels of a row at a time.
 //!
-//! A place on a triangle is `a + p·(b − a) + q·(c − a)`. As for patches (`facet.rs`), `p = P/W` and `q = Q/W` with
-//! functions that are affine in the pixel's coordinates, and the reversed depth is a multiple of W. Which pixels are
-//! covered is told apart (`spans.rs`): along edges the functions are rounded differently on both sides.
+//! A position on a triangle is `a + p·(b − a) + q·(c − a)`. As for patches (`facet.rs`), `p = P/W` and `q = Q/W` with
+//! functions that are affine in the pixel's coordinates, and the reversed depth is a multiple of W. The covered pixels
+//! are determined separately (`spans.rs`): along edges the functions are rounded differently on both sides.
 
 use super::deferred::rays;
 use super::eight::{Vectors, lane_numbers};
@@ -85,7 +85,7 @@ pub(super) struct ShadedTriangle<'a> {
 pub(super) struct TriangleShading<'a> {
     /// Red, green and blue at the corners, 0 to 1.
     pub(super) colors: [[f32; 3]; 3],
-    /// What colours are multiplied with, as light is.
+    /// Texture that colours are multiplied with, as with the light.
     pub(super) texture: Option<TextureOnTriangle<'a>>,
     pub(super) light: TriangleLight,
     /// In view space, at the corners: where light falls on the finished surface.
@@ -100,7 +100,7 @@ pub(super) struct TextureOnTriangle<'a> {
     pub(super) places: [[f32; 2]; 3],
 }
 
-/// Where light is evaluated.
+/// Lighting evaluation points of a triangle.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum TriangleLight {
     /// Factors, and white, at the corners.
@@ -110,7 +110,8 @@ pub(super) enum TriangleLight {
 }
 
 impl TriangleLight {
-    /// Of a triangle with these corners and normals, in view space; `face` is the normal of the whole.
+    /// Computes the lighting of a triangle with these corners and normals, in view space; `face` is the normal of the
+    /// whole.
     #[inline(always)]
     pub(super) fn new(lighting: Lighting, corners: [Vec3; 3], normals: [Vec3; 3], face: Vec3) -> Self {
         match lighting {
@@ -127,7 +128,7 @@ impl TriangleLight {
     }
 }
 
-/// Where eight pixels are.
+/// Positions of eight pixels on a triangle.
 struct Places<S: Simd> {
     /// On the triangle.
     p: f32x8<S>,
@@ -138,7 +139,7 @@ struct Places<S: Simd> {
 }
 
 impl<S: Simd> Places<S> {
-    /// What is between the values at the corners.
+    /// Interpolates between the values at the corners.
     #[inline(always)]
     fn between(&self, simd: S, [a, b, c]: [f32; 3]) -> f32x8<S> {
         let splat = |value: f32| f32x8::splat(simd, value);

@@ -13,7 +13,7 @@ pub(in crate::render) struct PixelView {
     pub(in crate::render) size_px: [u32; 2],
     /// Pixels from the view axis for a slope of 1, rightwards and downwards.
     pub(in crate::render) px_per_slope: [f32; 2],
-    /// Where the view axis meets the picture: its middle, but for a part of a larger one.
+    /// Principal point, where the view axis meets the image: its centre, except for a part of a larger image.
     pub(in crate::render) middle_px: [f32; 2],
 }
 
@@ -43,7 +43,7 @@ impl PixelView {
         self.rotation
     }
 
-    /// How long what covers so many pixels is at a distance of 1.
+    /// Returns the length that covers the given number of pixels at a distance of 1.
     pub(super) fn length_of_px(&self, px: f32) -> f32 {
         px / self.px_per_slope[0]
     }
@@ -98,7 +98,7 @@ impl PixelView {
         self.around_slopes(low, high).grown(margin_px).intersection(whole)
     }
 
-    /// Whether all of a box, which may reach behind the eye, is beyond one of the sides of the picture.
+    /// Returns true if all of a box, which may reach behind the eye, is beyond one of the sides of the image.
     fn is_beside(&self, center: Vec3, half: Vec3, margin_px: f32) -> bool {
         (0..2).any(|axis| {
             let edge_px = self.size_px[axis] as f32;
@@ -127,12 +127,13 @@ impl PixelView {
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Affine {
     pub(super) per_px: [f32; 2],
-    /// Where both coordinates are 0: the upper left corner of the upper left pixel.
+    /// Value of the function where both coordinates are 0: the upper left corner of the upper left pixel.
     pub(super) at_origin: f32,
 }
 
 impl Affine {
-    /// In the middle of a pixel; precise where pixels are far from the origin and the function is small.
+    /// Returns the value at the centre of a pixel; precise where pixels are far from the origin and the function is
+    /// small.
     #[inline(always)]
     pub(super) fn at_px(&self, x: i32, y: i32) -> f32 {
         let (x, y) = (x as f32 + 0.5, y as f32 + 0.5);
@@ -160,7 +161,8 @@ impl PixelRect {
         }
     }
 
-    /// The pixels whose middles lie between these ends, and some more for rounding; none where an end is no number.
+    /// Returns the pixels whose centres lie between these ends, and some more for rounding; none where an end is not a
+    /// number.
     #[inline(always)]
     pub(super) fn around(x: [f32; 2], y: [f32; 2]) -> Self {
         // Conversions saturate, and room is left for the next addition.

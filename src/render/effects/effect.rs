@@ -1,5 +1,5 @@
-//! What an effect is: a row that says when a packet has it, where it stands among the steps of a picture, and who draws
-//! it on both sides.
+//! Post-processing effects: an effect is a row with the condition under which a packet has it, its position among the
+//! steps of an image, and its implementation on both the CPU and the GPU.
 
 #[cfg(feature = "gpu")]
 use crate::render::gpu::passes::ScreenPass;
@@ -12,15 +12,15 @@ use std::fmt;
 #[derive(Debug)]
 pub(in crate::render) struct Effect {
     pub(in crate::render) stage: Stage,
-    /// Whether a packet has it, as it is drawn ([`ScenePacket::as_drawn`]).
+    /// Returns true if a packet has the effect, as it is drawn ([`ScenePacket::as_drawn`]).
     pub(in crate::render) is_on: fn(&ScenePacket) -> bool,
     #[cfg(feature = "gpu")]
-    /// On graphics cards: one pass, or one for each target that it may be drawn into.
+    /// GPU passes: one pass, or one for each target that it may be drawn into.
     pub(in crate::render) passes: &'static [&'static ScreenPass],
     pub(in crate::render) on_cpu: OnCpu,
 }
 
-/// Where an effect stands among the steps of a picture.
+/// Stage of an effect among the steps of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::render) enum Stage {
     /// Before all that is drawn.
@@ -33,10 +33,10 @@ pub(in crate::render) enum Stage {
     Shown,
 }
 
-/// What the software renderer does.
+/// Implementation of an effect in the software renderer.
 #[derive(Debug)]
 pub(in crate::render) enum OnCpu {
-    /// Nothing beside what it does with each tile.
+    /// No step in addition to what it does with each tile.
     InTiles,
     /// It changes rows when all tiles are drawn.
     Rows(fn(&ScenePacket) -> Option<Box<dyn RowStep>>),

@@ -1,10 +1,10 @@
-//! How much work the shaders of a picture are, counted in naga's intermediate representation: what Table 1 of paper 002
-//! counted in the instructions of its day.
+//! Shader complexity: the amount of work in the shaders of an image, counted in naga's intermediate representation, as
+//! Table 1 of paper 002 counted it in the instructions of its day.
 //!
 //! **How it works.** From an entry point calls are followed into functions, each counted as often as it is called, as
-//! compilers inline them. An operation is an expression that works something out, of numbers or of vectors; names,
-//! constants, and the parts of vectors are none. All branches count, and the body of a loop counts once. So the numbers
-//! rank shaders; how many instructions a driver makes of them is its own affair.
+//! compilers inline them. An operation is an expression that computes something, on numbers or on vectors; names,
+//! constants, and the parts of vectors do not count. All branches count, and the body of a loop counts once. So the
+//! numbers rank shaders; the number of instructions that a driver makes of them is its own affair.
 
 use super::passes::ScreenPass;
 use super::plan::Plan;
@@ -12,7 +12,7 @@ use super::shaders::Permutation;
 use crate::scene::ScenePacket;
 use wgpu::naga::{AddressSpace, Block, Expression, Function, Handle, Module, ShaderStage, Statement, front};
 
-/// What one stage does for a vertex or a fragment.
+/// Complexity of one stage per vertex or fragment.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct StageComplexity {
     /// Expressions that work something out.
@@ -23,7 +23,7 @@ pub struct StageComplexity {
     pub texture_reads: usize,
 }
 
-/// What a pass does.
+/// Complexity of a render pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PassComplexity {
     /// Its name.
@@ -113,7 +113,7 @@ impl StageComplexity {
     }
 }
 
-/// Whether a pointer leads into a uniform or a storage buffer.
+/// Returns true if a pointer leads into a uniform or a storage buffer.
 fn is_in_buffer(module: &Module, function: &Function, pointer: Handle<Expression>) -> bool {
     match function.expressions[pointer] {
         Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => is_in_buffer(module, function, base),

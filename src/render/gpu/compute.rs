@@ -1,6 +1,6 @@
-//! Compute passes: entry points of one shader, each with the storage buffers that it binds beside one uniform. A pass
-//! is a row, and the WGSL of its bindings is made of the rows. Passes that bind more than that, as the strategy
-//! `compute` does, have their buffers ([`BufferGroup`]) and pipelines from here.
+//! Compute passes: entry points of one shader, each with the storage buffers that it binds in addition to one uniform.
+//! A pass is a row, and the WGSL of its bindings is generated from the rows. Passes that bind more than that, such as
+//! the strategy `compute`, get their buffers ([`BufferGroup`]) and pipelines from here.
 
 use super::constants::declared;
 use super::context::Context;
@@ -9,10 +9,10 @@ use super::shader_file::GeneratedRow;
 use super::wgsl::{ImportError, ShaderFile, assembled, source_or_nothing};
 use std::fmt::Write;
 
-/// Of the uniform of every pass; storage buffers have the bindings behind it.
+/// Binding of the uniform of every pass; the bindings of storage buffers follow it.
 pub(super) const UNIFORM: u32 = 0;
 
-/// Of everything that is bound.
+/// Bind group of everything that is bound.
 const COMPUTE_GROUP: u32 = 0;
 
 /// An entry point.
@@ -21,7 +21,7 @@ pub(super) struct EntryRow {
     pub(super) entry: &'static str,
     /// The file that has it.
     pub(super) file: ShaderFile,
-    /// What it binds beside the uniform: eight buffers at most, which every adapter has.
+    /// Storage buffers bound in addition to the uniform: eight at most, which every adapter supports.
     pub(super) buffers: &'static [u32],
 }
 
@@ -29,7 +29,7 @@ pub(super) struct EntryRow {
 #[derive(Debug)]
 pub(super) struct BufferRow {
     pub(super) binding: u32,
-    /// Of the variable.
+    /// Name of the WGSL variable.
     pub(super) name: &'static str,
     /// Its type in WGSL.
     pub(super) holds: &'static str,
@@ -56,7 +56,7 @@ impl BufferRow {
     }
 }
 
-/// What passes do with a buffer.
+/// Access mode of a buffer in the passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Access {
     Read,
@@ -68,7 +68,7 @@ pub(super) enum Access {
 pub(super) struct ComputeShader {
     pub(super) label: &'static str,
     pub(super) rows: &'static [EntryRow],
-    /// What its files have from Rust: texts by the names that they are imported by.
+    /// Generated WGSL that its files import from Rust: texts by the names that they are imported by.
     pub(super) given: &'static [GeneratedRow],
     /// The uniform by the name of its variable.
     pub(super) uniform: (&'static str, &'static Layout),
@@ -84,7 +84,7 @@ impl ComputeShader {
         assembled(&given, &files)
     }
 
-    /// What is bound.
+    /// Returns the WGSL declarations of the bindings.
     fn declarations(&self) -> String {
         let (name, layout) = self.uniform;
         let mut text = declared![COMPUTE_GROUP] + "\n" + &layout.declaration();
@@ -270,7 +270,7 @@ impl ComputePrograms {
         }
     }
 
-    /// What a pass reads and writes; `buffer` knows what is bound to each binding.
+    /// Creates the bind group that a pass reads and writes; `buffer` returns the buffer for each binding.
     pub(super) fn group<'a>(
         &self,
         context: &Context,

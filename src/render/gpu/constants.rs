@@ -28,13 +28,13 @@ use std::fmt::Debug;
 
 /// Bind groups: the view is that of every pass.
 pub(super) const VIEW_GROUP: u32 = 0;
-/// Of a pass over the screen: the textures that it reads, and its uniforms.
+/// Bind group of a screen-space pass: the textures that it reads, and its uniforms.
 pub(super) const SOURCE_GROUP: u32 = 1;
-/// Of a pass over records: points or voxels, or the corners that the strategy `compute` has made of them.
+/// Bind group of a pass over records: points or voxels, or the corners that the strategy `compute` has made of them.
 pub(super) const STREAM_GROUP: u32 = 1;
-/// Of a pass over records: the stream of shapes.
+/// Bind group of a pass over records: the stream of shapes.
 pub(super) const SHAPE_GROUP: u32 = STREAM_GROUP + 1;
-/// What the compute stage writes.
+/// Bind group of the output of the compute stage.
 pub(super) const OUTPUT_GROUP: u32 = SHAPE_GROUP + 1;
 
 /// Edge of the pixels of a workgroup, and how many it holds with those around them that the widest window reads.
@@ -56,7 +56,7 @@ pub(super) const STEREO_MOST_LABELS: u32 = 512;
 /// Pixels over which sums of columns and squares run on.
 pub(super) const STEREO_STRIP_PX: u32 = 16;
 
-/// What stands for a label that is none: less than any.
+/// Sentinel value for a missing label: less than any label.
 pub(super) const NO_LABEL: f32 = -1e30;
 
 /// Slopes from which on a ray is none.
@@ -65,7 +65,7 @@ pub(super) const NO_RAY: f32 = 1e9;
 /// The radius of what is not drawn, which was not told before its record was written.
 const RADIUS_OF_NOTHING: f32 = -1.0;
 
-/// What becomes of a node of a sequence; open is what single floats leave so.
+/// Verdict of the selection test on a node of a sequence; open is one that single-precision floats leave undecided.
 const VERDICT_DROPPED: u32 = 0;
 const VERDICT_SMALL: u32 = 1;
 const VERDICT_DIVIDED: u32 = 2;
@@ -95,7 +95,7 @@ const NO_NORMAL: u32 = {
 /// The texture of a vertex without one.
 const NO_TEXTURE: u32 = VertexRecord::NO_TEXTURE;
 
-/// Photographs that are asked at a place, and blended there, at most.
+/// Maximum number of input images that are sampled at a position, and blended there.
 const PHOTO_MOST_ASKED: u32 = PhotoViews::MOST_ASKED as u32;
 const PHOTO_MOST_BLENDED: u32 = PhotoStyle::MOST_VIEWS as u32;
 
@@ -182,13 +182,13 @@ pub(super) fn shared() -> String {
     [pixel_lines(), declared].join("\n")
 }
 
-/// Those of the passes that make surfels of the screen.
+/// Returns the WGSL constants of the screen-space surfel passes.
 pub(super) fn of_screen_normals() -> String {
     /// The place of a point that is hidden.
     const NOT_VISIBLE: u32 = u32::MAX;
-    /// Where a picture of depths has none.
+    /// Sentinel for a pixel without depth in a depth map.
     const NO_DEPTH: f32 = f32::MAX;
-    /// What numbers are divided by that could be zero: a normal number, which no adapter takes for zero.
+    /// Lower bound of divisors that could be zero: a normal number, which no adapter flushes to zero.
     const LEAST_POSITIVE: f32 = 1e-30;
     [
         declaration("BORDER_PX", screen::BORDER_PX as u32),
@@ -215,7 +215,7 @@ pub(super) fn of_screen_normals() -> String {
     .join("\n")
 }
 
-/// Those of the passes that filter depth images and make points of them.
+/// Returns the WGSL constants of the passes that filter depth images and convert them to points.
 pub(super) fn of_depth_images() -> String {
     /// More than any depth.
     const NO_DEPTH: f32 = f32::MAX;
@@ -238,9 +238,9 @@ pub(super) fn of_depth_images() -> String {
     .join("\n")
 }
 
-/// Those of the passes that match pairs of photographs.
+/// Returns the WGSL constants of the stereo matching passes.
 pub(super) fn of_stereo() -> String {
-    /// Beside the label of a winner.
+    /// Uniqueness flag stored with the label of a winner.
     const IS_UNIQUE: u32 = 1 << 16;
     /// More than any cost.
     const STEREO_NEVER: u32 = u32::MAX;
@@ -263,7 +263,8 @@ pub(super) fn of_stereo() -> String {
     .join("\n")
 }
 
-/// Those of the shaders of an amplification: its vertices, and what a draw call counts for a record.
+/// Returns the WGSL constants of the shaders of an amplification: its vertices, and the count per record in a draw
+/// call.
 pub(super) fn of_amplification(vertices_per_record: u32, drawn_per_record: u32) -> String {
     [
         declaration("VERTICES_PER_RECORD", vertices_per_record),

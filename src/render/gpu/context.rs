@@ -5,7 +5,7 @@ use crate::render::RenderError;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 
-/// How to choose and limit the adapter.
+/// Adapter selection and limits.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ContextOptions {
     /// Take a software adapter even where there is a GPU. Tests do: their pictures then come from one rasteriser.
@@ -29,11 +29,11 @@ pub struct Context {
     pub info: wgpu::AdapterInfo,
     /// The adapter's limits: all of them were asked for.
     pub limits: wgpu::Limits,
-    /// Whether GPU time can be measured.
+    /// True if GPU time can be measured.
     pub has_timestamps: bool,
-    /// Whether fragments that write depths may be left out before they are drawn.
+    /// True if fragments that write depths may be discarded by an early depth test, before they are drawn.
     pub tests_depths_early: bool,
-    /// Whether what is drawn into textures of single floats can be blended.
+    /// True if blending is supported for textures of single-precision floats.
     pub blends_single_floats: bool,
     pub(super) max_chunk_records: Option<usize>,
     lost: Arc<Mutex<Option<String>>>,
@@ -149,7 +149,7 @@ impl Context {
         format!("{name} ({device_type:?}, {backend:?}, {driver} {driver_info})")
     }
 
-    /// Whether the adapter is a program that draws on the processor.
+    /// Returns true if the adapter is a software rasteriser that draws on the CPU.
     pub fn is_software(&self) -> bool {
         self.info.device_type == wgpu::DeviceType::Cpu
     }

@@ -43,12 +43,12 @@ struct Gathered {
     selection: Arc<Selection>,
     nodes: Vec<StreamKey>,
     streams: Vec<Stream>,
-    /// Of each chunk of each stream.
+    /// Allocated buffers of each chunk of each stream.
     rooms: Vec<Vec<Room>>,
     is_outdated: bool,
 }
 
-/// What is selected from what.
+/// Selection of records, with the nodes that it selects from.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Selected<'a> {
     pub(super) selection: &'a Arc<Selection>,
@@ -67,7 +67,7 @@ impl Gatherer {
         }
     }
 
-    /// Whether one binding holds so many bytes.
+    /// Returns true if a single binding can hold the given number of bytes.
     pub(super) fn can_hold(context: &Context, bytes: usize) -> bool {
         bytes as u64 <= context.max_storage_bytes()
     }
@@ -146,7 +146,7 @@ impl Gatherer {
         needed
     }
 
-    /// What is drawn of the selection.
+    /// Returns the streams to draw for the selection.
     pub(super) fn streams(&self) -> Vec<&Stream> {
         self.gathered
             .as_ref()

@@ -1,4 +1,4 @@
-//! What a graphics card tests of nodes, beside the processor: every bit is the same.
+//! Tests of node selection on the GPU against the CPU: every bit is the same.
 
 use super::context::{Context, ContextOptions};
 use super::gather_program::FILTER;
@@ -252,7 +252,7 @@ fn view(eye: Vec3, scale: f32, lod_px: f32, metric: LodMetric) -> SelectView {
     }
 }
 
-/// What the pass makes of the shapes of candidates.
+/// Runs the filter pass on the shapes of candidates and returns its output.
 fn filtered(context: &Context, filter: &SequenceFilter, shapes: &[ShapeRecord]) -> Vec<ShapeRecord> {
     let filtering = Filtering::of(filter, 0..filter.len() as u32, true);
     let results = run(

@@ -46,11 +46,11 @@ pub(super) const KERNEL_BOX: u32 = 2;
 const KERNEL_GAUSSIAN: u32 = 0;
 
 shared_struct! {
-    /// What `passes/gather.wgsl` brings together.
+    /// Uniform of `passes/gather.wgsl`: the records to gather.
     pub Gathering as "Gathering" {
         /// The first of these records among those that are selected.
         first: u32,
-        /// How many they are.
+        /// Number of records.
         count: u32,
         /// From one record to the next; 0 where indices say which.
         step: u32,
@@ -60,7 +60,7 @@ shared_struct! {
 }
 
 impl Gathering {
-    /// Of these records of a selection, with their radii or without.
+    /// Creates the uniform for these records of a selection, with their radii or without.
     pub fn of(selection: &Selection, records: Range<u32>, has_radii: bool) -> Self {
         let (step, factor) = match *selection {
             Selection::At(_) | Selection::Filtered(_) => (0, 1.0),
@@ -78,17 +78,17 @@ impl Gathering {
 }
 
 shared_struct! {
-    /// What `passes/filter.wgsl` tests candidates by.
+    /// Uniform of `passes/filter.wgsl`: the criteria that candidates are tested against.
     pub Filtering as "Filtering" {
         /// The first of these candidates.
         first: u32,
-        /// How many they are.
+        /// Number of candidates.
         count: u32,
         /// Candidates that are no leaves.
         inner_candidates: u32,
         /// Nodes of the tree that are no leaves. The root, which is the first of these, is no candidate, but divided.
         inners: u32,
-        /// Of the view.
+        /// Eye position of the view.
         eye: [f32; 3],
         /// 1 where nodes that are not drawn are marked, which shapes are.
         marks: u32,
@@ -100,9 +100,9 @@ shared_struct! {
         rough_area_px2: f32,
         /// Roughly the same as `small_px2`.
         rough_small_px2: f32,
-        /// Whether nodes have cones of normals.
+        /// Boolean: nodes have normal cones.
         is_oriented: u32,
-        /// Whether nodes that face away are not drawn.
+        /// Back-face culling flag: nodes that face away are not drawn.
         culls_back_faces: u32,
         /// Nodes of this level are not divided.
         deepest_level: u32,
@@ -112,13 +112,13 @@ shared_struct! {
         unused_b: u32,
         /// Padding.
         unused_c: u32,
-        /// Of the frustum.
+        /// Planes of the view frustum.
         planes: [[f32; 4]; Frustum::PLANES],
     }
 }
 
 impl Filtering {
-    /// Of these candidates, of which those that are not drawn are marked or not.
+    /// Creates the uniform for these candidates, with those that are not drawn marked or not.
     pub fn of(filter: &SequenceFilter, candidates: Range<u32>, marks: bool) -> Self {
         let numbers = filter.numbers();
         let words = |number: f64| [number.to_bits() as u32, (number.to_bits() >> 32) as u32];
@@ -163,25 +163,25 @@ shared_struct! {
         closing: f32,
         /// The rest of the eye.
         eye_low: [f32; 3],
-        /// Whether there is one.
+        /// Boolean: there is a sensor position.
         has_sensor: u32,
-        /// Of the sensor from the eye.
+        /// Sensor position relative to the eye.
         sensor: [f32; 3],
-        /// Of the cloud.
+        /// Number of points in the cloud.
         point_count: u32,
         /// Pixels for a slope of 1.
         px_per_slope: [f32; 2],
-        /// Where the view axis meets the picture.
+        /// Principal point, where the view axis meets the image.
         middle_px: [f32; 2],
-        /// Of the picture with its margin.
+        /// Size of the image with its margin.
         size_px: [u32; 2],
         /// The first record of what `surface` writes among all.
         first: u32,
-        /// How many it writes.
+        /// Number of records that `surface` writes.
         count: u32,
-        /// Of the cells that `coarsen` writes.
+        /// Level of the cells that `coarsen` writes.
         level: u32,
-        /// Whether points of no colour at all are holes of an image.
+        /// Boolean: points of no colour at all are holes of an image.
         has_holes: u32,
         /// Padding.
         unused_a: u32,
@@ -191,7 +191,7 @@ shared_struct! {
 }
 
 impl Screening {
-    /// Of so many points, in the view of a picture with its margin.
+    /// Creates the uniform for the given number of points, in the view of an image with its margin.
     pub fn of(view: &ScreenView, cloud: &ScreenCloud, point_count: u32) -> Self {
         let spacing = cloud.spacing.max(0.0);
         let sensor = cloud.sensor.map(|sensor| (sensor - view.eye_high) - view.eye_low);
@@ -219,37 +219,37 @@ impl Screening {
 shared_struct! {
     /// The filters of a depth image, and the points of its pixels (`depth_images/image.wgsl`).
     pub DepthImaging as "DepthImaging" {
-        /// Of the image.
+        /// Size of the depth image.
         size_px: [u32; 2],
         /// Nearer depths are dropped.
         near_m: f32,
         /// Farther depths are dropped.
         far_m: f32,
-        /// What the middle of the points is moved to, in the frame of the camera.
+        /// Origin of the points: what their centre is moved to, in the camera frame.
         origin: [f32; 3],
-        /// Whether samples are numbers of 16 bits, two in a word, that the table explains; else they are metres.
+        /// Boolean: samples are 16-bit codes, two in a word, that the table maps to metres; otherwise they are metres.
         is_coded: u32,
         /// Exponent of 2 by the square of the distance in pixels.
         exponent_per_px2: f32,
-        /// Of the bilateral filter, if it is the same everywhere, else 0.
+        /// Depth sigma of the bilateral filter, if it is the same everywhere, else 0.
         sigma_m: f32,
         /// On the noise of the sensor, where that is the measure.
         noise_factor: f32,
         /// Within what neighbours are near.
         flying_m: f32,
-        /// The same as a share of the depth.
+        /// Flying-pixel threshold as a fraction of the depth.
         flying_share: f32,
         /// Pixels with fewer near neighbours are dropped.
         least_neighbours: f32,
-        /// Of the newest image in the mean over time.
+        /// Weight of the newest image in the temporal mean.
         newest_share: f32,
         /// Depths that differ by less are of one surface.
         same_m: f32,
         /// For how many frames holes are filled.
         fill_frames: u32,
-        /// Whether there is an image of colours.
+        /// Boolean: there is a colour image.
         has_colors: u32,
-        /// Of all points where there is no image of colours: red, green, blue, alpha.
+        /// Colour of all points where there is no colour image: red, green, blue, alpha.
         one_color: u32,
         /// Padding.
         unused: u32,
@@ -257,7 +257,7 @@ shared_struct! {
 }
 
 impl DepthImaging {
-    /// Of an image of this size; what filters that are off would be told says nothing.
+    /// Creates the uniform for an image of this size; the values for disabled filters have no meaning.
     pub fn of(size_px: [u32; 2], filters: &Filters) -> Self {
         let (near_m, far_m) = filters.near.map_or((0.0, f32::MAX), |near| (near.near_m, near.far_m));
         let bilateral = filters.bilateral.unwrap_or(Bilateral::USUAL);
@@ -282,9 +282,9 @@ impl DepthImaging {
 }
 
 shared_struct! {
-    /// How a pair of photographs is matched (`stereo/pair.wgsl`).
+    /// Uniform of `stereo/pair.wgsl`: parameters for matching a stereo pair.
     pub StereoMatching as "StereoMatching" {
-        /// Of either image.
+        /// Size of either image.
         size_px: [u32; 2],
         /// Labels of a pixel, an even number; label k is the disparity `min_px` + k.
         count: u32,
@@ -292,27 +292,27 @@ shared_struct! {
         min_px: i32,
         /// From pixel to pixel of a path.
         path_step: [i32; 2],
-        /// Whether the path writes sums, as it is the first one; else it adds to them.
+        /// Boolean: the path is the first one and writes sums; otherwise it adds to them.
         is_first_path: u32,
-        /// Of the squares that costs are summed over.
+        /// Radius of the squares that costs are summed over.
         radius_px: u32,
         /// Penalty of a step of one label.
         p1: u32,
         /// Least penalty of a longer step.
         p2_least: u32,
-        /// How much more it is where brightness does not change.
+        /// Additional penalty of a longer step where brightness does not change.
         p2_above_least: u32,
         /// Change of brightness at which half of that is left.
         half_change: u32,
         /// By how much the best label must be better than others.
         unique_percent: u32,
-        /// Whether places between labels are those of a parabola.
+        /// Boolean: subpixel positions between labels are those of a parabola.
         by_parabola: u32,
     }
 }
 
 impl StereoMatching {
-    /// Of a pair of this size, before its first path. Precondition: penalties are valid.
+    /// Creates the uniform for a pair of this size, before its first path. Precondition: penalties are valid.
     pub fn of(size_px: [u32; 2], range: DisparityRange, matching: &Matching) -> Self {
         let (penalties, radius_px) = match matching.gathering {
             stereo::Gathering::SemiGlobal(penalties) => (penalties, 0),
@@ -353,9 +353,9 @@ shared_struct! {
         near: f32,
         /// Cotangents of half the field of view, horizontal and vertical.
         focal: [f32; 2],
-        /// Of the picture that is drawn.
+        /// Viewport size of the rendered image.
         viewport_px: [f32; 2],
-        /// Where the view axis meets the picture: 0, but for a part of a larger one.
+        /// Principal point, where the view axis meets the image: 0, except for a part of a larger image.
         center_ndc: [f32; 2],
         /// Pixels for a slope of 1, to the right and upwards.
         px_per_slope: [f32; 2],
@@ -363,13 +363,13 @@ shared_struct! {
         point_least_px: f32,
         /// Edge of a drawn point, scene units.
         point_edge: f32,
-        /// What is added to that for each unit of its radius.
+        /// Increase of the point edge per unit of the point's radius.
         point_edge_per_radius: f32,
         /// Half the edge of the octree's cube.
         cube_half_edge: f32,
-        /// How far the visibility pass and the shadow map are pushed back, in splat radii.
+        /// Depth offset by which the visibility pass and the shadow map are pushed back, in splat radii.
         depth_slack: f32,
-        /// How far they are pushed back beyond that, for splats that are filtered to the pixels.
+        /// Additional depth offset for splats that are filtered to the pixels.
         depth_slack_px: f32,
         /// Radius of the splat that a point becomes by that filter; 0 where there is none.
         filter_radius_px: f32,
@@ -381,7 +381,7 @@ shared_struct! {
         back_faces: u32,
         /// `KERNEL_*`, or Gaussian.
         kernel: u32,
-        /// How far away the middle of the cloud is: the unit of distances that half floats hold.
+        /// Distance of the centre of the cloud: the unit of distances that half floats hold.
         usual_distance: f32,
     }
 }
@@ -389,9 +389,9 @@ shared_struct! {
 shared_struct! {
     /// A draw call that a pass writes. The first four words are also those of a draw of vertices without indices.
     pub DrawIndexedIndirect as "DrawIndexedIndirect" {
-        /// How many indices are drawn.
+        /// Number of indices to draw.
         index_count: u32,
-        /// How often.
+        /// Number of instances.
         instance_count: u32,
         /// The first of them.
         first_index: u32,
@@ -475,7 +475,7 @@ impl ViewUniform {
         }
     }
 
-    /// The same for the attribute pass, whose splats are not pushed back, but filtered.
+    /// Returns the view uniform for the attribute pass, whose splats are not pushed back, but filtered.
     #[must_use]
     pub fn of_attributes(self, filter: SplatFilter) -> Self {
         let is = |other| if filter == other { filter.radius_px() } else { 0.0 };

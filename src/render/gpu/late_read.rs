@@ -18,7 +18,7 @@ pub(super) struct LateRead {
 }
 
 impl LateRead {
-    /// Of at most so many bytes.
+    /// Creates a readback buffer of at most the given number of bytes.
     pub(super) fn new(context: &Context, label: &'static str, bytes: u64) -> Self {
         Self {
             readable: context.device.create_buffer(&wgpu::BufferDescriptor {
@@ -31,7 +31,7 @@ impl LateRead {
         }
     }
 
-    /// Whether nothing is under way.
+    /// Returns true if no readback is in progress.
     pub(super) fn is_idle(&self) -> bool {
         self.state.load(Ordering::Acquire) == IDLE
     }

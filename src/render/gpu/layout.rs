@@ -16,7 +16,7 @@ pub struct Layout {
 /// A member of a structure.
 #[derive(Debug)]
 pub struct Member {
-    /// The same on both sides.
+    /// Member name, the same in Rust and WGSL.
     pub name: &'static str,
     /// Bytes before it, in Rust. Tests hold it against WGSL, which has rules of its own.
     pub offset: usize,
@@ -43,7 +43,7 @@ impl Layout {
 }
 
 impl Member {
-    /// Of this type.
+    /// Creates a member of this type.
     pub const fn new<T: SharedType>(name: &'static str, offset: usize) -> Self {
         Self {
             name,

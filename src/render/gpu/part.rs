@@ -1,9 +1,9 @@
-//! What the WGSL of a part of a picture has from Rust: constants, and a uniform of its own.
+//! Shader parts: the constants and the uniform that Rust provides to the WGSL of a part of an image.
 
 use super::layout::Layout;
 use crate::scene::ScenePacket;
 
-/// Of a pass over the screen, or of what several of them import.
+/// Shader part of a screen-space pass, or of what several of them import.
 #[derive(Debug)]
 pub(in crate::render) struct Part {
     /// Declarations that its WGSL counts on.
@@ -14,14 +14,14 @@ pub(in crate::render) struct Part {
 /// A uniform.
 #[derive(Debug)]
 pub(in crate::render) struct Uniform {
-    /// Of the variable; no other has the same.
+    /// Variable name of the uniform; no other has the same.
     pub(in crate::render) name: &'static str,
     pub(in crate::render) layout: &'static Layout,
-    /// Of a packet, as it is drawn ([`ScenePacket::as_drawn`]).
+    /// Uniform contents for a packet, as it is drawn ([`ScenePacket::as_drawn`]).
     pub(in crate::render) bytes: fn(&ScenePacket) -> Vec<u8>,
 }
 
-/// Of a part without constants.
+/// Returns the empty declarations of a part without constants.
 pub(in crate::render) const fn no_constants() -> String {
     String::new()
 }

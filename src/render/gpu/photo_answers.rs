@@ -1,9 +1,9 @@
-//! What photographs say of all pixels, where what they do not show is filled from around (push–pull: Gortler et al.
-//! 1996, *The Lumigraph*, §3.5; how it works: `render/cpu/photographs/push_pull.rs`).
+//! View-dependent texturing of all pixels, where what the input images do not show is filled from around (push–pull:
+//! Gortler et al. 1996, *The Lumigraph*, §3.5; how it works: `render/cpu/photographs/push_pull.rs`).
 //!
-//! A pass leaves what they say; then a pass for each level of half the size, up to a single pixel, and one for each
-//! level down again. Levels are textures of their own, since mip levels are rounded down, and a pass that reads one
-//! level draws into another. The light falls on what was filled.
+//! A pass writes the sampled results; then there is a pass for each level of half the size, up to a single pixel, and
+//! one for each level down again. Levels are textures of their own, since mip levels are rounded down, and a pass that
+//! reads one level draws into another. Lighting is applied to what was filled.
 
 use super::context::Context;
 use super::textures::{texture, view};
@@ -11,7 +11,7 @@ use super::textures::{texture, view};
 /// Half floats: every adapter blends them, and pictures have 8 bits.
 pub(super) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
-/// Of one viewport size.
+/// Textures of the view-dependent texturing results for one viewport size.
 #[derive(Debug)]
 pub(super) struct PhotoAnswers {
     /// Colours times how sure they are, and that: of the size of the picture, and each of half the size of the one

@@ -1,8 +1,8 @@
-//! Photographs as textures, for the passes that put them on surfaces (`shaders/common/photographs.wgsl`).
+//! Input images as textures, for the passes of view-dependent texturing (`shaders/common/photographs.wgsl`).
 //!
 //! All of them are layers of one texture, each in the upper left corner, with mip levels of their own: shaders read
-//! texels and filter them themselves, as the processor does. Depths are drawn by the processor, once for each frame.
-//! A small table says where the photographs are in this picture.
+//! texels and filter them themselves, as the CPU does. Depths are drawn by the CPU, once for each frame. A small table
+//! holds the projections of the input images in the rendered image.
 
 use super::context::Context;
 use crate::photos::{Photograph, Photographs};
@@ -13,14 +13,14 @@ use crate::scene::{
 };
 use std::sync::Arc;
 
-/// What shaders read of the choices that are no numbers.
+/// Bit flags of the non-numeric options, as shaders read them.
 pub(super) const PHOTO_LEAVES_HOLES: u32 = 1;
 pub(super) const PHOTO_CLIPS_BY_VOTE: u32 = 2;
 pub(super) const PHOTO_CLIPS_BY_ANY: u32 = 4;
 pub(super) const PHOTO_RELIGHTS: u32 = 8;
 pub(super) const PHOTO_IS_WHITE: u32 = 16;
 
-/// What they read of answers of photographs (`PhotoAnswer` of the software renderer).
+/// Result codes of view-dependent texturing, as shaders read them (`PhotoAnswer` of the software renderer).
 pub(super) const ANSWER_CLIPPED: f32 = -1.0;
 pub(super) const ANSWER_UNSEEN: f32 = 0.0;
 pub(super) const ANSWER_SHOWN: f32 = 1.0;
@@ -28,7 +28,7 @@ pub(super) const ANSWER_SHOWN: f32 = 1.0;
 /// Entries of a row of the table.
 const COLUMNS: usize = 8;
 
-/// Photographs on the graphics card.
+/// GPU textures of the input images.
 #[derive(Debug)]
 pub(super) struct PhotoTextures {
     texels: wgpu::TextureView,
@@ -40,7 +40,7 @@ pub(super) struct PhotoTextures {
 }
 
 impl PhotoTextures {
-    /// Those of a packet. What `known` has of it stays.
+    /// Creates the textures of a packet, reusing those that `known` already has.
     pub(super) fn of(
         context: &Context,
         known: Option<Self>,
@@ -72,13 +72,14 @@ impl PhotoTextures {
         [&self.table, &self.texels, &self.depths]
     }
 
-    /// Where they are in the picture, and what becomes of what they do not show.
+    /// Returns the table of the projections of the input images in the rendered image, and of the handling of what they
+    /// do not show.
     pub(super) fn table(&self) -> &wgpu::TextureView {
         &self.table
     }
 }
 
-/// Layers of a texture that an adapter has at most: photographs behind these are left out.
+/// Returns the number of texture layers, limited by the adapter: input images beyond the limit are ignored.
 fn layers(context: &Context, photographs: usize) -> usize {
     photographs.min(context.limits.max_texture_array_layers as usize).max(1)
 }
@@ -199,7 +200,7 @@ fn row(view: &PhotoView, photograph: &Photograph, map: &DepthMap) -> [[f32; 4]; 
     ]
 }
 
-/// How large a texture of layers is.
+/// Size of a layered texture.
 #[derive(Debug, Clone, Copy)]
 struct LayersSize {
     size_px: [u32; 2],

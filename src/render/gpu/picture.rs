@@ -16,7 +16,7 @@ use crate::scene::Background;
 /// Cleared depth: nothing, at infinity.
 const FAR: f32 = 0.0;
 
-/// What passes are recorded with.
+/// State for recording the passes of an image.
 #[derive(Debug)]
 pub(super) struct Recorder<'a> {
     pub(super) context: &'a Context,
@@ -26,7 +26,7 @@ pub(super) struct Recorder<'a> {
     pub(super) uniforms: &'a PartUniforms,
     pub(super) view_stride: u32,
     pub(super) encoder: &'a mut wgpu::CommandEncoder,
-    /// Where the adapter has timestamps.
+    /// Timer, if the adapter has timestamps.
     pub(super) timer: Option<&'a mut Timer>,
     pub(super) stats: &'a mut RenderStats,
 }
@@ -39,7 +39,7 @@ struct ColorTargets<'a> {
 }
 
 impl ColorTargets<'_> {
-    /// Where only depths are drawn.
+    /// No colour targets, for passes that draw only depths.
     const NONE: Self = Self {
         views: Vec::new(),
         load: wgpu::LoadOp::Load,
@@ -77,7 +77,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// What photographs say of all pixels, with what they do not show filled from around.
+    /// Records the view-dependent texturing of all pixels, with what the input images do not show filled from around.
     fn answers_of_photographs(&mut self, plan: &Plan<'_>) {
         let coarsest = self.targets.coarsest_photo_level();
         self.screen(&PHOTO_ANSWERS, plan, 0);

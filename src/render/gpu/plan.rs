@@ -18,22 +18,22 @@ use super::targets::{Precision, Source, Target};
 use crate::render::effects::{self, Stage};
 use crate::scene::{PhotoViews, PhysicalLight, ScenePacket, Shadow, Strategy};
 
-/// What a packet asks for, as it is drawn ([`ScenePacket::as_drawn`]).
+/// Render plan of a packet, as it is drawn ([`ScenePacket::as_drawn`]).
 #[derive(Debug)]
 pub(super) struct Plan<'a> {
     pub(super) drawable: Drawable<'a>,
-    /// What precedes the passes over records: the gradient, if there is one.
+    /// Background passes, which precede the passes over records: the gradient, if there is one.
     pub(super) behind: Vec<&'static ScreenPass>,
-    /// What follows the passes over records.
+    /// Screen-space passes that follow the passes over records.
     pub(super) finish: Vec<&'static ScreenPass>,
-    /// Of the key light, if it has one.
+    /// Shadow of the key light, if it has one.
     pub(super) shadow: Option<Shadow>,
-    /// Of surfaces with a material.
+    /// Lighting of surfaces with a material.
     pub(super) physical: Option<PhysicalLight>,
-    /// Of surfaces that have their colours from photographs.
+    /// Views for view-dependent texturing of surfaces.
     pub(super) photographs: Option<PhotoViews>,
     strategy: Strategy,
-    /// What sums are to be held in.
+    /// Floating-point precision of the sums.
     pub(super) precision: Precision,
 }
 
@@ -145,28 +145,28 @@ impl<'a> Plan<'a> {
         self.behind.iter().chain(of_answers).chain(&self.finish).copied()
     }
 
-    /// Whether the picture that is shown is another one than the one that is drawn.
+    /// Returns true if the displayed image is a different texture from the one that is drawn.
     pub(super) fn makes_another(&self) -> bool {
         self.finish.iter().any(|pass| pass.color.target == Target::Shown)
     }
 
-    /// Whether a pass into the picture reads it.
+    /// Returns true if a pass that draws into the image also reads it.
     pub(super) fn reads_picture(&self) -> bool {
         let mut passes = self.finish.iter();
         passes.any(|pass| pass.source == Some(Source::PictureCopy))
     }
 
-    /// Whether what photographs do not show is filled from around.
+    /// Returns true if holes that the input images do not show are filled from around.
     pub(super) fn fills_photo_holes(&self) -> bool {
         self.defers_shading() && self.photographs.as_ref().is_some_and(PhotoViews::fills_holes)
     }
 
-    /// Whether light falls on the blended surface.
+    /// Returns true if shading is deferred, so that the blended surface is lit.
     pub(super) fn defers_shading(&self) -> bool {
         self.drawable.draws_into(Target::Surfaces)
     }
 
-    /// Whether the depth buffer has what is drawn when the passes over records are done.
+    /// Returns true if the depth buffer contains what is drawn when the passes over records are done.
     pub(super) fn leaves_depths(&self) -> bool {
         self.drawable.passes.iter().any(|pass| pass.depth.is_some())
     }

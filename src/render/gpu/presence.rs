@@ -1,8 +1,8 @@
-//! Whether there may be a graphics card, without opening a driver.
+//! GPU presence test that does not open a driver.
 //!
-//! To open Vulkan only to learn that its one adapter is a program takes 0.3 s, and more where many drivers are
-//! installed. Linux shows a card as a device file, so there a look at the names in `/dev` is enough to know that there
-//! is none. Other systems always have a driver of their own, and are asked.
+//! To open Vulkan only to learn that its one adapter is a software rasteriser takes 0.3 s, and more where many drivers
+//! are installed. Linux exposes a GPU as a device file, so there a look at the names in `/dev` is enough to know that
+//! there is none. Other systems always have a driver of their own, and are queried.
 
 use std::io;
 use std::path::Path;
@@ -11,7 +11,7 @@ use std::path::Path;
 /// below Linux, AMD's for computing, and those of ARM, Qualcomm and NVIDIA's small boards.
 const DEVICES: &[&str] = &["nvidiactl", "dxg", "kfd", "mali0", "kgsl-3d0", "nvhost-gpu"];
 
-/// False where there is surely no graphics card, so that no driver needs to be opened to look for one.
+/// Returns false where there is certainly no GPU, so that no driver needs to be opened to look for one.
 pub(crate) fn may_have_gpu() -> bool {
     !cfg!(target_os = "linux") || may_have_gpu_in(Path::new("/dev"))
 }

@@ -1,9 +1,9 @@
-//! What compute passes and copies of a picture are recorded with.
+//! Command recording of compute passes and copies of an image.
 
 use super::context::Context;
 use super::timer::{Stamps, Timer};
 
-/// What compute passes are recorded with.
+/// State for recording compute passes.
 #[derive(Debug)]
 pub(super) struct Recording<'a> {
     pub(super) context: &'a Context,
@@ -12,7 +12,7 @@ pub(super) struct Recording<'a> {
 }
 
 impl<'a> Recording<'a> {
-    /// Of what comes before the passes of a picture.
+    /// Starts recording what comes before the passes of an image.
     pub(super) fn new(
         context: &'a Context,
         encoder: &'a mut wgpu::CommandEncoder,

@@ -25,7 +25,7 @@ use glam::Vec3;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// How many bytes of record streams stay on the GPU for pictures to come, unless somebody says otherwise.
+/// Default memory budget, in bytes, of the record streams that stay resident on the GPU for later images.
 pub const DEFAULT_RESIDENT_BUDGET_BYTES: u64 = 1 << 30;
 
 /// Draws packets with wgpu into a texture of its own.
@@ -40,7 +40,7 @@ pub struct GpuRenderer {
     gatherer: Gatherer,
     visible: VisibleMaker,
     depth_images: DepthMaker,
-    /// What culling and normals of a picture took last.
+    /// Most recent timings of culling and normal estimation of an image.
     screen_ms: [Option<f64>; 2],
     makes_surfels: bool,
     gathered: Gathered,
@@ -144,8 +144,8 @@ impl GpuRenderer {
         times.total_ms
     }
 
-    /// What the passes over the images of a frame take, once they are uploaded: of its filters and of its points.
-    /// `None` where the adapter has no clock, or the processor makes these points.
+    /// Returns the GPU times of the passes over the images of a frame, once they are uploaded: of its filters and of
+    /// its points. `None` where the adapter has no timestamps, or the CPU makes these points.
     pub fn depth_image_times(&mut self, frame: &Arc<DepthFrame>) -> Result<Option<PassTimes>, RenderError> {
         self.context.check_alive()?;
         let is_here = self.makes_surfels && DepthMaker::can_hold(&self.context, frame);
@@ -179,7 +179,7 @@ impl GpuRenderer {
         }
     }
 
-    /// What was found for normals of the screen, if the last picture has such and they were made here.
+    /// Returns the statistics of screen-space normals, if the last image has such and they were computed here.
     fn screen_stats(&self) -> Option<ScreenStats> {
         let drawn = &self.prepared.as_ref()?.drawn.content;
         let count = self.visible.count().filter(|_| matches!(drawn, Content::Visible(_)))?;
@@ -199,8 +199,8 @@ impl GpuRenderer {
         self.residency.set_budget_bytes(budget_bytes);
     }
 
-    /// Whether surfels of the screen are made by the adapter, or by the processor and uploaded: unless it is said here,
-    /// by real cards alone.
+    /// Sets if screen-space surfels are made by the adapter, rather than by the CPU and uploaded; by default only
+    /// hardware GPUs make them.
     pub fn set_makes_surfels(&mut self, makes_surfels: bool) {
         if self.makes_surfels != makes_surfels {
             self.makes_surfels = makes_surfels;
@@ -230,8 +230,8 @@ impl GpuRenderer {
         self.drawn = None;
     }
 
-    /// What is drawn of a packet. Nodes of which not all can be resident are gathered here, and surfels of the screen
-    /// are made here that the adapter does not make.
+    /// Returns the packet as it is drawn. Nodes that cannot all be resident are gathered here, and screen-space surfels
+    /// that the adapter does not make are made here.
     fn as_drawn(&mut self, packet: &ScenePacket) -> ScenePacket {
         let drawn = packet.as_drawn();
         if let Content::Visible(visible) = &drawn.content
@@ -342,8 +342,8 @@ impl GpuRenderer {
         }
     }
 
-    /// Uploads the photographs that surfaces have their colours from, and where they are in this picture. They stay
-    /// when the picture gets another size.
+    /// Uploads the input images for view-dependent texturing, and their projections in the rendered image. They stay
+    /// when the image is resized.
     fn ensure_photographs(&mut self, plan: &Plan<'_>, packet: &ScenePacket) -> Result<(), RenderError> {
         if let (Some(views), Some(shown), Some(targets)) = (&plan.photographs, &packet.photographs, &mut self.targets) {
             let known = targets.photographs.take();
@@ -536,7 +536,8 @@ impl Renderer for GpuRenderer {
     }
 }
 
-/// How the records of a plan reach the vertex stage: as the strategy has it, or as those of meshes always do.
+/// Returns the instancing by which the records of a plan reach the vertex stage: that of the strategy, or always the
+/// indexed one for meshes.
 fn instancing_of<'a>(
     plan: &Plan<'_>,
     of_strategy: &'a mut dyn RecordInstancing,
@@ -549,7 +550,7 @@ fn instancing_of<'a>(
     }
 }
 
-/// What a plan draws, as far as it is resident.
+/// Returns the streams that a plan draws, as far as they are resident.
 fn streams_of<'a>(
     plan: &Plan<'_>,
     residency: &'a Residency,

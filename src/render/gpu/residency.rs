@@ -1,9 +1,9 @@
-//! Which record streams are on the GPU: looping over a sequence, moving the camera and switching modes upload nothing
-//! that is there already.
+//! GPU residency of record streams: looping over a sequence, moving the camera and switching modes upload nothing that
+//! is there already.
 //!
-//! Streams are known by the allocation of their records. A weak reference is kept with each, so that the address of a
-//! cloud that is gone cannot be taken for that of a new one; streams whose cloud is gone are dropped first, then those
-//! not drawn for longest, down to the budget.
+//! Streams are identified by the allocation of their records. A weak reference is kept with each, so that the address
+//! of a cloud that is gone cannot be taken for that of a new one; streams whose cloud is gone are evicted first, then
+//! the least recently drawn, down to the budget.
 
 use super::instancing::Stream;
 use crate::cloud::{MeshRecords, PointRecord};
@@ -36,7 +36,7 @@ pub(super) struct StreamKey {
     use_of: StreamUse,
 }
 
-/// What records are resident for: it says how they are laid out.
+/// Usage of resident records, which determines their layout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum StreamUse {
     /// They are drawn.
@@ -64,12 +64,12 @@ pub(super) struct RecordSource<'a> {
     owner: Weak<dyn Any + Send + Sync>,
 }
 
-/// What becomes a stream.
+/// Contents of a stream.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum StreamContents<'a> {
     /// Records of 16 bytes.
     Records(&'a [u8]),
-    /// The same of all nodes of a structure.
+    /// Records of 16 bytes of all nodes of a structure.
     Nodes(&'a [u8]),
     /// Triangles and their vertices.
     Mesh(&'a MeshRecords),
@@ -82,7 +82,7 @@ impl<'a> RecordSource<'a> {
         Self::owned_by(records, StreamContents::Records(bytemuck::cast_slice(records)))
     }
 
-    /// The same records, some of which are gathered.
+    /// Converts to a source with the same records, some of which are gathered.
     pub(super) fn into_nodes(self) -> Self {
         Self {
             key: StreamKey {
@@ -97,7 +97,7 @@ impl<'a> RecordSource<'a> {
         }
     }
 
-    /// How many bytes of records; of meshes, none are told.
+    /// Returns the size of the records in bytes; 0 for meshes.
     pub(super) fn record_bytes(&self) -> usize {
         match self.contents {
             StreamContents::Records(bytes) | StreamContents::Nodes(bytes) => bytes.len(),
@@ -131,7 +131,7 @@ impl<'a> RecordSource<'a> {
         }
     }
 
-    /// What their stream is known by.
+    /// Returns the key that identifies the stream.
     pub(super) fn key(&self) -> StreamKey {
         self.key
     }

@@ -4,7 +4,7 @@ use super::context::Context;
 use super::instancing::{RECORD_BYTES, RecordInstancing, Room, Stream};
 use super::primitives::Amplification;
 
-/// What is used again has room for this many times as much as is needed, at most.
+/// Maximum capacity of reused buffers, as a multiple of what is needed.
 pub(super) const MOST_ROOM: usize = 4;
 
 /// Chunks for so many records, in `rooms` that are large enough. The amplification says how long chunks may be.

@@ -1,5 +1,5 @@
-//! What shaders import: files of `shaders/`, and WGSL that is made of what Rust knows. A file that one row names, as
-//! that of a pass, is with that row, and so is what it alone has from Rust.
+//! Shader imports: files of `shaders/`, and WGSL that is generated from what Rust knows. A file that a single row
+//! names, as that of a pass, is with that row, and so is what it alone gets from Rust.
 
 use super::constants;
 use super::gpu_data::{SplatVertex, ViewUniform};
@@ -38,7 +38,7 @@ pub(super) const LIBRARY: &[ShaderFile] = &[
     shader_file!("stereo/pair.wgsl"),
 ];
 
-/// What is made of what Rust knows.
+/// WGSL snippets that are generated from what Rust knows.
 pub(super) const GENERATED: &[GeneratedRow] = &[
     ("generated/constants", constants::shared),
     ("generated/splat_vertex", || SplatVertex::LAYOUT.declaration()),

@@ -1,12 +1,12 @@
-//! Shaders of a build for development are read anew when they change: if `POINTREEL_SHADERS` names a folder, files in
-//! it take the place of those that were compiled in. Other builds have the latter alone.
+//! Shader hot reload: shaders of a development build are re-read when they change: if `POINTREEL_SHADERS` names a
+//! folder, files in it replace those that were compiled in. Other builds have the latter alone.
 
 use super::shader_file::ShaderFile;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-/// How long changes may go unnoticed.
+/// Polling interval: the maximum time for which changes may go unnoticed.
 const PERIOD: Duration = Duration::from_millis(300);
 
 /// The folder, if there is one.
@@ -44,7 +44,7 @@ impl Watch {
         }
     }
 
-    /// Whether files have changed since this was asked last.
+    /// Returns true if files have changed since the last call.
     pub(super) fn has_news(&mut self) -> bool {
         if self.looked.elapsed() < PERIOD {
             return false;

@@ -35,13 +35,13 @@ pub enum Permutation {
     Amplify(&'static Amplification),
     /// The pass that gathers the records of selected nodes.
     Gather,
-    /// The same of those of a sequence, which it tests.
+    /// The pass that gathers the records of the nodes of a sequence, which it tests.
     Filter,
     /// The passes that make surfels of the screen.
     Visible,
     /// The passes that filter depth images and make points of them.
     DepthImages,
-    /// The passes that match pairs of photographs.
+    /// The stereo matching passes.
     Stereo,
     /// A pass over the screen.
     Screen(&'static ScreenPass),

@@ -1,4 +1,4 @@
-//! What is drawn into: colour (the picture), accumulation (weighted sums) and depth, all of the viewport's size.
+//! Render targets: colour (the image), accumulation (weighted sums) and depth, all of the viewport's size.
 
 use super::context::Context;
 use super::photo_answers::{self, PhotoAnswers};
@@ -16,7 +16,7 @@ pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth3
 /// Light is not display-referred, and brighter than white.
 const ENVIRONMENT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// What sums of weighted colours, normals and reversed distances are held in.
+/// Floating-point precision of the sums of weighted colours, normals and reversed distances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Precision {
     /// Half floats: every adapter blends them, and they hold a sum of some splats to a part in 2048.
@@ -25,7 +25,7 @@ pub(super) enum Precision {
     Single,
 }
 
-/// What is drawn into.
+/// Render target of a pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::render) enum Target {
     /// Over the background, which is there.
@@ -34,15 +34,15 @@ pub(in crate::render) enum Target {
     Sums,
     /// Three textures, cleared in the same way: sums of colours, of normals and of nearnesses, which light falls on.
     Surfaces,
-    /// Two textures: what photographs say of each pixel, as colours and as normals.
+    /// Two textures with the view-dependent texturing result of each pixel, as colours and as normals.
     PhotoAnswers,
     /// A level of the pyramid over these colours.
     PhotoLevel,
-    /// What antialiasing makes of the picture.
+    /// Antialiased image, which is displayed.
     Shown,
 }
 
-/// What a screen pass reads.
+/// Input textures of a screen-space pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::render) enum Source {
     Picture,
@@ -53,11 +53,11 @@ pub(in crate::render) enum Source {
     Depths,
     /// Sums of colours, of normals and of nearnesses; depths; the shadow map; and the environment.
     Surfaces,
-    /// The same, and photographs.
+    /// Inputs as for surfaces, and the input images.
     Photographed,
-    /// The same, with sums of colours on which light has fallen in place of the environment.
+    /// Inputs as for surfaces and the input images, with sums of lit colours instead of the environment.
     PhotographedSums,
-    /// The same as for surfaces, the table of photographs, and what these say of each pixel.
+    /// Inputs as for surfaces, the table of input images, and the view-dependent texturing result of each pixel.
     PhotoAnswers,
     /// The next finer level of the pyramid over what they say than the one that is drawn into.
     FinerLevel,
@@ -65,12 +65,12 @@ pub(in crate::render) enum Source {
     CoarserLevel,
 }
 
-/// How a texture is read.
+/// Texture binding type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TextureKind {
     /// Colours, or other numbers.
     Color,
-    /// The same in layers.
+    /// Colours or other numbers, in array layers.
     Layers,
     Depth,
 }
@@ -153,7 +153,7 @@ const ENVIRONMENT: usize = 5;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct SizesPx {
     pub(super) drawn: [u32; 2],
-    /// Where another one is shown.
+    /// Size of the displayed image, if it is a different one.
     pub(super) shown: Option<[u32; 2]>,
 }
 
@@ -180,7 +180,7 @@ pub(super) struct Targets {
     size_px: [u32; 2],
     /// The size of the picture that is shown, where that is another texture than the one that is drawn into.
     shown_px: Option<[u32; 2]>,
-    /// Of sums.
+    /// Precision of the sums.
     pub(super) precision: Precision,
     color: wgpu::Texture,
     color_view: wgpu::TextureView,
@@ -189,7 +189,7 @@ pub(super) struct Targets {
     shown: Option<(wgpu::Texture, wgpu::TextureView)>,
     pub(super) accumulation_view: wgpu::TextureView,
     pub(super) depth_view: wgpu::TextureView,
-    /// Those of [`Target::Surfaces`], once shading was deferred.
+    /// Textures of [`Target::Surfaces`], once shading was deferred.
     surfaces: Option<Vec<wgpu::TextureView>>,
     /// The depths that the key light sees, and what they were drawn from; a texel that is never read until then.
     shadow_map: wgpu::TextureView,
@@ -197,9 +197,9 @@ pub(super) struct Targets {
     /// The environment that physical shading reads, and what it was made of; a texel until then.
     environment: wgpu::TextureView,
     environment_of: Option<Arc<PhysicalTables>>,
-    /// What surfaces have their colours from, once they had.
+    /// Textures of the input images, once view-dependent texturing was used.
     pub(super) photographs: Option<PhotoTextures>,
-    /// What these say of each pixel, once what they do not show was filled.
+    /// Results of view-dependent texturing for each pixel, once holes that the input images do not show were filled.
     answers: Option<PhotoAnswers>,
 }
 
@@ -313,7 +313,7 @@ impl Targets {
         }
     }
 
-    /// What they were made for.
+    /// Returns the sizes that the targets were created for.
     pub(super) fn sizes_px(&self) -> SizesPx {
         SizesPx {
             drawn: self.size_px,
@@ -340,19 +340,19 @@ impl Targets {
         });
     }
 
-    /// Makes the textures of what photographs say of each pixel unless they are there.
+    /// Creates the textures for the per-pixel results of view-dependent texturing unless they exist.
     pub(super) fn ensure_photo_answers(&mut self, context: &Context) {
         self.answers
             .get_or_insert_with(|| PhotoAnswers::new(context, self.size_px));
     }
 
-    /// The coarsest level of the pyramid over what photographs say; 0 until it is there.
+    /// Returns the coarsest level of the pyramid over the view-dependent texturing results; 0 until it exists.
     pub(super) fn coarsest_photo_level(&self) -> usize {
         self.answers.as_ref().map_or(0, PhotoAnswers::coarsest)
     }
 
-    /// What a pass draws into; of a pyramid, `level`. Precondition for surfaces: [`Targets::ensure_surfaces`], for what
-    /// photographs say: [`Targets::ensure_photo_answers`].
+    /// Returns the texture views that a pass draws into; for a pyramid, those of `level`. Precondition for surfaces:
+    /// [`Targets::ensure_surfaces`], for view-dependent texturing results: [`Targets::ensure_photo_answers`].
     pub(super) fn views(&self, target: Target, level: usize) -> Vec<&wgpu::TextureView> {
         match target {
             Target::Picture => vec![&self.color_view],
@@ -364,7 +364,8 @@ impl Targets {
         }
     }
 
-    /// What a pass over the screen reads that draws into `level`, with the same preconditions.
+    /// Returns the texture views that a screen-space pass reads when it draws into `level`, with the same
+    /// preconditions.
     pub(super) fn sources(&self, source: Source, level: usize) -> Vec<&wgpu::TextureView> {
         match source {
             Source::Picture => vec![&self.color_view],

@@ -2,7 +2,7 @@
 
 use super::context::Context;
 
-/// Of one layer and level.
+/// Creates a texture with one layer and one mip level.
 pub(super) fn texture(
     context: &Context,
     [width, height]: [u32; 2],

@@ -21,7 +21,7 @@ pub(super) struct Timer {
     last: GpuTimes,
 }
 
-/// What was measured of a picture.
+/// GPU timings of an image.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct GpuTimes {
     /// From the beginning of the first pass to the end of the last.
@@ -29,7 +29,7 @@ pub(super) struct GpuTimes {
     pub(super) passes: PassTimes,
 }
 
-/// Where a pass leaves its timestamps.
+/// Timestamp query locations of a pass.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stamps<'a> {
     queries: &'a wgpu::QuerySet,
@@ -71,7 +71,7 @@ impl Timer {
         }
     }
 
-    /// Where the next pass leaves its timestamps, if it is timed.
+    /// Returns the timestamp locations of the next pass, if it is timed.
     pub(super) fn stamps(&mut self, pass: &'static str) -> Option<Stamps<'_>> {
         if !self.recorded || self.passes.len() == PassTimes::MOST {
             return None;
@@ -137,7 +137,7 @@ impl<'a> Stamps<'a> {
 }
 
 impl GpuTimes {
-    /// Of passes with a pair of ticks each.
+    /// Computes the timings of passes with a pair of ticks each.
     fn of(passes: &[&'static str], ticks: &[u64], period_ns: f32) -> Self {
         let pairs = ticks.as_chunks().0;
         let passes = passes.iter().zip(pairs);

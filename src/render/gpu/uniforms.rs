@@ -4,11 +4,11 @@ use super::context::Context;
 use super::passes::ScreenPass;
 use crate::scene::ScenePacket;
 
-/// Those of the picture that was prepared last.
+/// Uniforms of the image that was prepared last.
 #[derive(Debug)]
 pub(super) struct PartUniforms {
     buffer: wgpu::Buffer,
-    /// Where each is.
+    /// Buffer offset of each uniform.
     offsets: Vec<(&'static str, u64)>,
 }
 
@@ -44,7 +44,7 @@ impl PartUniforms {
         context.queue.write_buffer(&self.buffer, 0, &bytes);
     }
 
-    /// What is bound for a pass, if it has a uniform. Precondition: it was prepared.
+    /// Returns the uniform binding of a pass, if it has a uniform. Precondition: it was prepared.
     pub(super) fn binding(&self, pass: &ScreenPass) -> Option<wgpu::BindingResource<'_>> {
         let size = wgpu::BufferSize::new(pass.uniform_bytes())?;
         let &(_, offset) = self.offsets.iter().find(|(name, _)| *name == pass.name)?;

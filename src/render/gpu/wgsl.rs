@@ -1,5 +1,5 @@
-//! How the WGSL of a shader is put together. WGSL has no includes: files say in lines `#import NAME` what they need, a
-//! shader names some files, and what these need is put before them, each file once.
+//! WGSL assembly of a shader. WGSL has no includes: files declare in lines `#import NAME` what they need, a shader
+//! names some files, and what these need is put before them, each file once.
 //!
 //! A name is that of a file of `shaders/`, or of something that Rust knows as well (`generated/…`), so that no
 //! constant, structure or binding is written twice. What only some shaders have (as the source of records) is not
@@ -22,7 +22,7 @@ pub enum ImportError {
         file: String,
         /// Its line, from 1 on.
         line: usize,
-        /// What it names.
+        /// Name of the import.
         name: String,
     },
     /// A file needs itself.
@@ -32,7 +32,7 @@ pub enum ImportError {
         file: String,
         /// Its line, from 1 on.
         line: usize,
-        /// What it names.
+        /// Name of the import.
         name: String,
         /// From that file back to it.
         circle: String,
@@ -66,7 +66,7 @@ pub(super) fn source_or_nothing(source: Result<String, ImportError>) -> String {
     })
 }
 
-/// The same of any texts: `text_of` knows them by name.
+/// Assembles a shader from any texts: `text_of` looks them up by name.
 fn assembled_from<'a>(roots: &[&str], text_of: impl Fn(&str) -> Option<Cow<'a, str>>) -> Result<String, ImportError> {
     let mut assembly = Assembly {
         text_of,
@@ -88,7 +88,7 @@ struct Assembly<Texts> {
     text_of: Texts,
     /// The file that is being added, and those that import it.
     begun: Vec<String>,
-    /// What is in the source already.
+    /// Names of the files that are in the source already.
     done: Vec<String>,
     source: String,
 }
@@ -141,7 +141,7 @@ impl<'a, Texts: Fn(&str) -> Option<Cow<'a, str>>> Assembly<Texts> {
     }
 }
 
-/// What a line imports.
+/// Returns the name that a line imports.
 fn imported_by(line: &str) -> Option<&str> {
     line.strip_prefix("#import ").map(str::trim)
 }

@@ -1,10 +1,11 @@
-//! What a view should look like: slow pictures in f64 that those of renderers are measured against.
+//! Ground-truth rendering: slow reference images of a view in f64 that those of renderers are measured against.
 //!
-//! How it works: each pixel is the mean of 8×8 samples, and each sample asks its ray what it meets. Of a cloud that is
-//! all of its disks, or the ellipses of its file, without levels of detail (`surfels.rs`); of a shape with a formula it
-//! is the shape itself (`shapes.rs`). Light is worked out at each sample. Depths are those in the middles of pixels.
+//! How it works: each pixel is the mean of 8×8 samples, and each sample intersects its ray with the scene. For a cloud
+//! that is all of its disks, or the ellipses of its file, without levels of detail (`surfels.rs`); for a shape with a
+//! formula it is the shape itself (`shapes.rs`). Light is computed at each sample. Depths are those at the pixel
+//! centres.
 //!
-//! When it wins: only here is nothing rounded to a pixel, a byte or an f32 before the end, and nothing left out; it
+//! When it wins: only here is nothing rounded to a pixel, a byte or an f32 before the end, and nothing omitted; it
 //! takes seconds where renderers take milliseconds.
 
 mod rays;
@@ -30,7 +31,7 @@ const SAMPLES_PER_EDGE: u32 = 8;
 pub struct Truth {
     /// Display-referred, opaque.
     pub image: RgbaImage,
-    /// What is seen in the middle of each pixel.
+    /// Depth image, sampled at the centre of each pixel.
     pub depth: DepthImage,
     /// By how much a depth may differ and still be of that surface: a splat's diameter; infinite where nothing is seen.
     /// One for each pixel, scene units.

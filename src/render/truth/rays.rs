@@ -1,4 +1,4 @@
-//! What truths are made of: rays of a view, and what they meet.
+//! Ray casting for the ground truth: rays of a view, and their intersections.
 
 use crate::render::constants::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR};
 use crate::scene::{Background, Camera, Lighting};
@@ -23,7 +23,7 @@ pub struct TruthView {
     pub(super) background: Background,
 }
 
-/// What a ray meets.
+/// Ray intersection.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Hit {
     /// Along the view axis.
@@ -34,13 +34,13 @@ pub(super) struct Hit {
     pub(super) tolerance: f64,
 }
 
-/// What rays may meet.
+/// Geometry that rays may intersect.
 pub(super) trait Visible: Sync {
-    /// What the rays of `samples` meet, row by row.
+    /// Intersects the rays of `samples`, row by row.
     fn meet(&self, view: &TruthView, samples: &SampleGrid) -> Vec<Option<Hit>>;
 }
 
-/// The samples of a rectangle of pixels: `per_edge` along each edge of each pixel, in the middles of equal squares.
+/// Sample grid of a rectangle of pixels: `per_edge` along each edge of each pixel, at the centres of equal squares.
 pub(super) struct SampleGrid {
     pub(super) columns_px: Range<u32>,
     pub(super) rows_px: Range<u32>,
@@ -49,8 +49,8 @@ pub(super) struct SampleGrid {
 }
 
 impl TruthView {
-    /// What `camera` sees of frames relative to `origin`. Surfaces are lit at each sample unless they are not lit at
-    /// all.
+    /// Creates the view of `camera` of frames relative to `origin`. Surfaces are lit at each sample unless they are not
+    /// lit at all.
     pub fn new(camera: &Camera, origin: DVec3, size_px: [u32; 2], lighting: Lighting, background: Background) -> Self {
         let (px_per_slope, axis) = camera.px_per_slope(size_px);
         Self {
@@ -77,7 +77,7 @@ impl TruthView {
         self.view_from_frame * (position_in_frame - self.eye)
     }
 
-    /// A colour (0 to 1) under the head light of `shaders/common/light.wgsl`. Vectors in view space.
+    /// Returns a colour (0 to 1) lit by the headlight of `shaders/common/light.wgsl`. Vectors in view space.
     pub(super) fn lit(&self, color: DVec3, normal: DVec3, ray: DVec3) -> DVec3 {
         if self.lighting == Lighting::Unlit {
             return color;

@@ -10,9 +10,9 @@ use glam::{DVec2, DVec3};
 /// A shape to be met by rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RayTraced {
-    /// Which.
+    /// Shape to trace.
     pub shape: Shape,
-    /// Whether what faces away is left out; closed shapes are the same with and without.
+    /// True if back faces are culled; closed shapes are the same with and without.
     pub cull_back_faces: bool,
 }
 
@@ -46,7 +46,7 @@ impl Visible for Traced {
 }
 
 impl RayTraced {
-    /// How many times `direction` lies between `eye` and what is seen of the shape.
+    /// Returns the ray parameter of the visible intersection with the shape, as a multiple of `direction` from `eye`.
     pub(super) fn depth(self, eye: DVec3, direction: DVec3) -> Option<f64> {
         let is_seen = |depth: &f64| {
             let position = eye + direction * *depth;
@@ -80,7 +80,7 @@ impl RayTraced {
     }
 }
 
-/// Where a quadratic `c[0] x² + c[1] x + c[2]` is zero, in order. Precondition: not all are 0.
+/// Returns the roots of the quadratic `c[0] x² + c[1] x + c[2]`, in order. Precondition: not all are 0.
 fn roots([a, b, c]: [f64; 3]) -> impl Iterator<Item = f64> {
     let discriminant = b * b - 4.0 * a * c;
     // Both summands have one sign, so that no digits cancel.
@@ -91,8 +91,8 @@ fn roots([a, b, c]: [f64; 3]) -> impl Iterator<Item = f64> {
     roots.into_iter().filter(move |root| is_real && root.is_finite())
 }
 
-/// How many times `direction` lies between `eye` (outside) and where `distance` from a surface within 2 of the origin
-/// is 0.
+/// Returns the ray parameter, as a multiple of `direction` from `eye` (outside), at which `distance` from a surface
+/// within 2 of the origin is 0.
 fn trace(eye: DVec3, direction: DVec3, distance: impl Fn(DVec3) -> f64) -> Option<f64> {
     const MOST_STEPS: usize = 4096;
     let length = direction.length();

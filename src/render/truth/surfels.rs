@@ -1,12 +1,12 @@
-//! The surface that the disks or ellipses of a cloud make, met by rays one by one.
+//! Ray casting of the surface formed by the disks or ellipses of a cloud, one ray at a time.
 //!
-//! How it works: of the disks that a ray meets, the nearest says where the surface is. Its colour is the mean of those
-//! that are met no farther behind it than its radius, weighted by the Gaussian of paper 000 §V around their middles and
+//! How it works: of the disks that a ray meets, the nearest determines the surface. Its colour is the mean of those
+//! that are met no farther behind it than its radius, weighted by the Gaussian of paper 000 §V around their centres and
 //! normalised: what splatting in two passes (papers 000 §V-C, 002 §3) aims at, without its shortcuts. Everything is
 //! f64.
 //!
-//! Disks are as large as they are: beside a ray-traced sphere and torus, enlarged ones (as the second pass of splatting
-//! has them) were farther from the truth, by 30 to 60 % at 1.5 and by 60 to 110 % at 2 times the radius.
+//! Disks have their actual size: compared with a ray-traced sphere and torus, enlarged ones (as the second pass of
+//! splatting has them) were farther from the truth, by 30 to 60 % at 1.5 and by 60 to 110 % at 2 times the radius.
 
 use super::rays::{Hit, SampleGrid, TILE_PX, TruthView, Visible, unit_color};
 use crate::cloud::{PointRecord, ShapeRecord, decode_ellipse, oct_decode};
@@ -21,9 +21,9 @@ pub struct Disks<'a> {
     pub points: &'a [PointRecord],
     /// Normals and radii, as many.
     pub shapes: &'a [ShapeRecord],
-    /// Whether their ellipses count: those of a file. Estimated ones say less of a cloud than its points do.
+    /// True if their ellipses are used: those of a file. Estimated ones represent a cloud less well than its points do.
     pub are_ellipses: bool,
-    /// Whether what faces away is left out.
+    /// True if back faces are culled.
     pub cull_back_faces: bool,
 }
 
@@ -40,9 +40,9 @@ pub(super) struct SeenDisks {
 struct Disk {
     center: DVec3,
     normal: DVec3,
-    /// Of an ellipse the quadratic mean of its half axes.
+    /// Radius; for an ellipse the quadratic mean of its half axes.
     radius: f64,
-    /// Of an ellipse: what an offset is multiplied with for its share of either half axis.
+    /// Reciprocal half axes of an ellipse: factors from an offset to its fraction of either half axis.
     per_half_axis: Option<[DVec3; 2]>,
     color: DVec3,
     /// The places that it may cover: first and last in x and y.
@@ -131,8 +131,8 @@ fn covered_px(view: &TruthView, center: DVec3, radius: f64) -> Option<[[f64; 2];
 }
 
 impl Disk {
-    /// How deep a ray meets the plane of the disk, and how far from its middle, squared and as a share of how far its
-    /// rim is there; none where it does not.
+    /// Intersects a ray with the plane of the disk: returns the depth, and the distance from its centre, squared and as
+    /// a fraction of the distance of its edge there; `None` where they do not intersect.
     fn meet(&self, ray: DVec3) -> Option<[f64; 2]> {
         let depth = self.normal.dot(self.center) / self.normal.dot(ray);
         let offset = ray * depth - self.center;
@@ -144,12 +144,12 @@ impl Disk {
     }
 }
 
-/// What samples know of the surface.
+/// Accumulated surface of a sample.
 #[derive(Clone, Copy)]
 struct Sum {
-    /// Of the nearest disk.
+    /// Depth of the nearest disk.
     depth: f64,
-    /// How deep other disks may be met and still be of the same surface.
+    /// Maximum depth at which other disks still belong to the same surface.
     deepest: f64,
     /// Radius of the nearest disk.
     radius: f64,
@@ -197,8 +197,8 @@ impl Visible for SeenDisks {
 }
 
 impl SeenDisks {
-    /// Calls `then` with each meeting of a ray and a disk's plane near its middle: the sample, the disk, the ray, how
-    /// deep, and how far from the middle (squared, as a share of the way to the rim).
+    /// Calls `then` with each intersection of a ray and a disk's plane near its centre: the sample, the disk, the ray,
+    /// the depth, and the distance from the centre (squared, as a fraction of the distance to the edge).
     fn for_each_meeting(
         &self,
         view: &TruthView,

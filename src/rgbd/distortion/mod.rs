@@ -1,4 +1,4 @@
-//! What a lens does to directions: where on the image plane, at a focal length of 1, it shows them.
+//! Lens distortion: the mapping from directions to positions on the image plane, at a focal length of 1.
 //!
 //! *How it works.* Models are polynomials of the distance from the axis (Brown 1971, as OpenCV orders the coefficients)
 //! or of the angle from it (Kannala and Brandt 2006). They are fitted to the image, and mean nothing beyond the radius
@@ -26,7 +26,7 @@ pub enum Distortion {
         /// p₁, p₂.
         p: [f64; 2],
     },
-    /// The same over a second polynomial, of k₄ k₅ k₆.
+    /// Polynomial distortion divided by a second polynomial, of k₄ k₅ k₆.
     Rational {
         /// k₁ to k₆.
         k: [f64; 6],
@@ -85,7 +85,8 @@ impl Distortion {
         }
     }
 
-    /// Where the direction through `at` on the plane at 1 is shown. Precondition: it is within reach.
+    /// Returns the distorted position of the direction through `at` on the plane at 1. Precondition: it is within
+    /// reach.
     pub(super) fn distort(&self, at: DVec2) -> DVec2 {
         match self {
             Self::None => at,
@@ -104,7 +105,7 @@ impl Distortion {
         found.filter(|at| at.length_squared() <= reach * reach)
     }
 
-    /// Whether the tangential part leaves directions around `at` in order too.
+    /// Returns true if the distortion stays regular: the tangential part keeps directions around `at` in order too.
     #[cfg(test)]
     pub(super) fn is_regular(&self, at: DVec2) -> bool {
         self.radial().is_none_or(|radial| radial.stays_regular_to(at))

@@ -9,7 +9,7 @@ const MOST_STEPS: usize = 50;
 /// Halvings of a step that leads away.
 const MOST_HALVINGS: usize = 30;
 
-/// What is left of the error is far below the 10⁻⁶ of a pixel of any camera.
+/// Maximum residual error, far below the 10⁻⁶ of a pixel of any camera.
 const MOST_ERROR: f64 = 1e-11;
 
 /// x·(1 + k₁r² + k₂r⁴ + k₃r⁶) / (1 + k₄r² + k₅r⁴ + k₆r⁶), and a tangential part.
@@ -65,7 +65,7 @@ impl Radial {
         at * self.factor(s).0 + tangential
     }
 
-    /// How [`Self::distort`] changes around `at`.
+    /// Computes the Jacobian of [`Self::distort`] at `at`.
     fn jacobian(&self, at: DVec2) -> DMat2 {
         let (factor, slope) = self.factor(at.length_squared());
         let [p1, p2] = self.p;
@@ -104,7 +104,8 @@ impl Radial {
         is_found.then_some(at)
     }
 
-    /// Whether directions stay in order on the way from the axis to `at` and a little further.
+    /// Returns true if the distortion stays regular, with directions in order, from the axis to `at` and a little
+    /// further.
     #[cfg(test)]
     pub(super) fn stays_regular_to(&self, at: DVec2) -> bool {
         let is_regular = |share: f64| self.jacobian(share * at).determinant() > 1e-3;

@@ -1,9 +1,10 @@
-//! Where a polynomial of a lens turns back.
+//! Turning point of a lens polynomial.
 
 /// Tangent of 89 degrees: depth along the axis says nothing of what is further aside.
 pub(super) const WIDEST: f64 = 57.289_961_630_759_42;
 
-/// How near to the turn of its polynomial a lens is used: there the inverse loses all digits.
+/// Fraction of the turning point of its polynomial up to which a lens is used: nearer to it the inverse loses all
+/// digits.
 pub(super) const BEFORE_TURN: f64 = 0.999;
 
 /// The first `value` between 0 and `end` at which `is_beyond` is true, by steps and then by halves; `end` where there

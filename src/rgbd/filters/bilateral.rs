@@ -1,14 +1,14 @@
 //! The bilateral filter (paper 003, Eq. 3, in which I(q) stands where D(q) is meant): the mean of the neighbours that
 //! are at a similar depth. Noise is averaged, edges stay.
 //!
-//! `D'(p) = 1/W · Σ f·D(q), W = Σ f, f = exp(−(D(q) − D(p))² / 2σ_d²) · exp(−|q − p|² / 2σ_s²)`, over the pixels q of
-//! 9 × 9 that were measured.
+//! `D'(p) = 1/W · Σ f·D(q), W = Σ f, f = exp(−(D(q) − D(p))² / 2σ_d²) · exp(−|q − p|² / 2σ_s²)`, over the pixels q of 9
+//! × 9 that were measured.
 //!
 //! *How it works.* Both exponents are added, so a weight is one power of two: the whole part goes into the bits of the
 //! exponent, a polynomial stands for the rest. That is off by two thousandths at most, which moves a mean of neighbours
 //! that are within a centimetre by hundredths of a millimetre. The sum is one of differences, D(q) − D(p): a plane of
 //! one depth comes back exactly. What was not measured is so far away that its weight is 2⁻¹²⁶, which no sum that holds
-//! the 1 of the middle notices; so nothing is tested for it. Eight pixels of a row are worked out at once.
+//! the 1 of the centre notices; so nothing is tested for it. Eight pixels of a row are computed at once.
 
 use super::constants::{BILATERAL_REACH as REACH, LEAST_EXPONENT, SENSOR_BEST_M, SENSOR_NOISE_M, SENSOR_NOISE_PER_M};
 use super::padded::{LANES, Padded, by_blocks, load};
@@ -100,7 +100,7 @@ impl Bilateral {
 /// 2 to the power of `exponent`, which is not above 0; at least 2⁻¹²⁶.
 #[inline(always)]
 fn exp2<S: Simd>(simd: S, exponent: f32x8<S>) -> f32x8<S> {
-    /// Beside it, single precision has whole numbers alone: 1.5 · 2²³.
+    /// Magic number for rounding to an integer, near which single precision has whole numbers alone: 1.5 · 2²³.
     const WHOLE: f32 = 12_582_912.0;
     let exponent = exponent.max(f32x8::splat(simd, LEAST_EXPONENT));
     let shifted = exponent + WHOLE;

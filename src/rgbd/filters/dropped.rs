@@ -1,9 +1,9 @@
-//! Pixels that filters drop, counted filter by filter.
+//! Pixels dropped by the depth filters, counted filter by filter.
 //!
-//! Whoever chose the filters gets them. Those that nobody chose are for the usual sensor in the usual room: of another
-//! scene they may drop most of a frame. A usual filter that would drop more than half of the measured pixels is not
+//! Filters that the user chose are applied. The default ones are for a typical sensor in a typical room: in another
+//! scene they may drop most pixels. A default filter that would drop more than half of the measured pixels is not
 //! applied, and one that drops more than a fifth is named: of the recordings at hand (Redwood, PCL's grabbers) the
-//! usual filters drop a few per cent.
+//! default filters drop a few per cent.
 
 use super::parameters::KINDS;
 use super::{FilterKind, Filters};
@@ -20,7 +20,7 @@ const MOST_SHARE: f64 = 0.5;
 pub struct DroppedPixels {
     /// The filter.
     pub filter: &'static FilterKind,
-    /// Of the pixels that were measured.
+    /// Fraction of the measured pixels.
     pub share: f64,
 }
 

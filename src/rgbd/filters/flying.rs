@@ -21,7 +21,7 @@ const SPAN: usize = LANES + 2;
 pub struct FlyingPixels {
     /// Difference in depth that neighbours may have, in metres.
     pub most_m: f32,
-    /// The same as a share of the depth: the larger of both counts.
+    /// Distance threshold as a fraction of the depth: the larger of both applies.
     pub most_share: f32,
     /// Neighbours that have to be as near.
     pub least_neighbours: u8,

@@ -3,7 +3,7 @@
 //! *How it works.* Forgetful selection (McGuire 2008): of fourteen values neither the smallest nor the largest can be
 //! the median of 25, so both are forgotten and the next value is taken in, until three are left. Exchanges have no
 //! branches, so eight pixels are sorted at once. What was not measured counts in turn as less and as more than
-//! everything, less first: then the middle of 25 is the lower middle of those that were measured.
+//! everything, less first: then the median of 25 is the lower median of those that were measured.
 
 use super::constants::{MEDIAN_KEPT as KEPT, MEDIAN_REACH as REACH};
 use super::padded::{LANES, Padded, by_blocks, load};
@@ -69,7 +69,7 @@ struct Window<'a, S: Simd> {
     padded: &'a Padded,
     at: [usize; 2],
     next: usize,
-    /// What stands for the next hole of each lane.
+    /// Padding value that replaces the next hole of each lane.
     pad: f32x8<S>,
 }
 

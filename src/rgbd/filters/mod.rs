@@ -28,12 +28,12 @@ pub use text::ParseFiltersError;
 
 use super::images::DepthImage;
 
-/// Which filters are applied; none by default.
+/// Depth filters to apply; none by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Filters {
     /// Distances that are kept.
     pub near: Option<DepthRange>,
-    /// Whether the median of 5 × 5 pixels is taken.
+    /// True if the median filter of 5 × 5 pixels is applied.
     pub median: bool,
     /// The mean of 9 × 9 pixels that are at a similar depth.
     pub bilateral: Option<Bilateral>,
@@ -62,10 +62,10 @@ impl Filters {
         temporal: None,
     };
 
-    /// How many there are.
+    /// Number of filters.
     pub const COUNT: usize = 5;
 
-    /// Whether the range of depths has anything in it.
+    /// Returns true if the depth range is not empty.
     pub fn keep_any(&self) -> bool {
         self.near.is_none_or(|near| near.near_m < near.far_m)
     }

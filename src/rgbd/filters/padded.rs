@@ -34,8 +34,9 @@ impl Padded {
         Self { values, stride, border }
     }
 
-    /// What is around the eight pixels that begin at `column` of a row, in the row that is so far down: N pixels, of
-    /// which the first is as far to the left as the border is wide. Precondition: N is [`LANES`] and two borders.
+    /// Returns the neighbourhood of the eight pixels that begin at `column` of a row, in the row that is `down` rows
+    /// further down: N pixels, of which the first is as far to the left as the border is wide. Precondition: N is
+    /// [`LANES`] and two borders.
     #[inline(always)]
     pub(super) fn around<const N: usize>(&self, [column, row]: [usize; 2], down: usize) -> &[f32; N] {
         debug_assert_eq!(N, LANES + 2 * self.border);

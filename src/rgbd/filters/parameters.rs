@@ -1,5 +1,5 @@
-//! What filters of depth images are called and what can be set of each: read by the command line, session files and the
-//! window, so that a filter is described once.
+//! Names and parameters of the depth image filters: read by the command line, session files and the window, so that a
+//! filter is described once.
 
 use super::{Bilateral, DepthRange, Filters, FlyingPixels, Temporal};
 use std::ops::RangeInclusive;
@@ -11,13 +11,13 @@ pub struct FilterKind {
     pub name: &'static str,
     /// In the window.
     pub title: &'static str,
-    /// What it does.
+    /// Description of the filter's effect.
     pub hint: &'static str,
-    /// Whether it is applied.
+    /// Returns true if the filter is applied.
     pub is_on: fn(&Filters) -> bool,
     /// Applies it with its usual parameters, or leaves it out.
     pub set_on: fn(&mut Filters, bool),
-    /// What can be set of it.
+    /// Adjustable parameters of the filter.
     pub parameters: &'static [FilterParameter],
 }
 
@@ -28,11 +28,11 @@ pub struct FilterParameter {
     pub name: &'static str,
     /// In the window.
     pub title: &'static str,
-    /// What it does, with the usual value.
+    /// Description of the parameter's effect, with the default value.
     pub hint: &'static str,
     /// Behind the number.
     pub unit: &'static str,
-    /// What it may be.
+    /// Range of valid values.
     pub range: RangeInclusive<f32>,
     /// Digits behind the point; whole numbers have none.
     pub digits: u8,
@@ -41,7 +41,7 @@ pub struct FilterParameter {
 }
 
 impl FilterParameter {
-    /// Its value; `None` where its filter is left out.
+    /// Returns the parameter's value; `None` if its filter is disabled.
     pub fn get(&self, filters: &Filters) -> Option<f32> {
         (self.get)(filters)
     }
@@ -57,7 +57,7 @@ impl FilterParameter {
 }
 
 impl Filters {
-    /// What each is called and what can be set of it, in the order in which they are applied.
+    /// Returns the names and adjustable parameters of the filters, in the order in which they are applied.
     pub fn kinds() -> &'static [FilterKind] {
         &KINDS
     }

@@ -13,7 +13,7 @@ pub struct DepthRange {
 }
 
 impl DepthRange {
-    /// What depth cameras measure: nearer is glass and dust, further is steps of decimetres.
+    /// Default depth range, which depth cameras measure: nearer is glass and dust, further is steps of decimetres.
     pub const USUAL: Self = Self {
         near_m: 0.1,
         far_m: 10.0,

@@ -1,4 +1,4 @@
-//! The mean with the images before: a running one, which begins anew where something moved.
+//! Temporal filter, the mean with the images before: a running mean that is reset where something moved.
 
 use crate::rgbd::DepthImage;
 use rayon::prelude::*;
@@ -8,7 +8,7 @@ use rayon::prelude::*;
 pub struct Temporal {
     /// Share of the newest image, above 0 and up to 1.
     pub share: f32,
-    /// Difference in depth above which a pixel begins anew, in metres.
+    /// Difference in depth above which the mean of a pixel is reset, in metres.
     pub most_m: f32,
     /// For how many images a hole is filled with what was measured there last.
     pub fill_frames: u8,
@@ -50,7 +50,7 @@ impl TemporalFilter {
         }
     }
 
-    /// The next image, filtered. One of another size begins anew.
+    /// Filters the next image and returns it. An image of another size resets the filter.
     pub fn next(&mut self, depth: DepthImage) -> DepthImage {
         let Temporal {
             share,

@@ -22,15 +22,15 @@ pub enum ParseFiltersError {
         word: String,
         /// The filter.
         filter: &'static str,
-        /// What can be set, with ranges.
+        /// Adjustable parameters, with ranges.
         expected: String,
     },
     /// A range without anything in it.
     #[error("near:from={from}:to={to} keeps nothing: the first has to be below the second")]
     Empty {
-        /// Where it begins, metres.
+        /// Start of the range, metres.
         from: f32,
-        /// Where it ends, metres.
+        /// End of the range, metres.
         to: f32,
     },
 }

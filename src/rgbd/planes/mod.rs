@@ -7,10 +7,10 @@
 //!
 //! Depths of such sensors are steps that are many pixels wide. A window that is narrower sees a step or sees none, so
 //! planes of the nearest neighbours are terraces. Each pixel therefore has the widest window in which depths are on one
-//! plane but for noise. It need not be in the middle of it: of nine windows that it is in, those that cross an edge do
-//! not fit (Fusiello et al. 1997 do so for stereo). So planes end at edges, and corners stay sharp.
+//! plane but for noise. It need not be at its centre: of nine windows that it is in, those that cross an edge do not
+//! fit (Fusiello et al. 1997 do so for stereo). So planes end at edges, and corners stay sharp.
 //!
-//! How large noise is, the image tells itself (`noise.rs`). What is on a plane within that is put on it.
+//! The noise level is estimated from the image itself (`noise.rs`). What is on a plane within that is put on it.
 
 mod noise;
 mod pixels;
@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use windows::{Plane, PlanesOfWindows, Windows};
 
-/// Pixels between the middle of a window and its border, widest first.
+/// Half widths of the windows: pixels between the centre and the border, widest first.
 const HALF_WIDTHS_PX: [usize; 4] = [16, 8, 4, 2];
 
 /// Lines whose windows are summed together. More make fewer sums twice, fewer take less memory.
@@ -98,10 +98,10 @@ fn put_band_on_planes(pixels: &Pixels, noise: &Noise, lines: Range<usize>, point
     }
 }
 
-/// The plane that a pixel is on.
+/// Returns the plane that a pixel is on.
 ///
-/// Where the window around it does not fit, one of half the width around it is better, for what bends, than one as wide
-/// beside it: only then come those.
+/// If the window around it does not fit, one of half the width around it is better, for curved surfaces, than one of
+/// the same width next to it: those are tried only afterwards.
 fn plane_of(levels: &[PlanesOfWindows; 4], limit: f32, ray: &[f32; 3], pixel: [usize; 2]) -> Plane {
     let least = |first: &Plane, second: &Plane| first.error.total_cmp(&second.error);
     let fits = |plane: &Plane| plane.fits(limit, ray);

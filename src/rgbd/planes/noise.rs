@@ -1,10 +1,11 @@
-//! How far inverse depths of an image are from planes where it shows planes.
+//! Noise estimation: deviation of the inverse depths of an image from planes where it shows planes.
 
 use super::pixels::Pixels;
 use super::windows::plane_around;
 use rayon::prelude::*;
 
-/// Pixels between the middle of a window and its border: as wide as steps of depths are, and half of that.
+/// Half widths of the windows, pixels between the centre and the border: as wide as steps of depths are, and half of
+/// that.
 const HALF_WIDTHS_PX: [usize; 2] = [8, 4];
 
 /// Noise of the wider windows is at most so many times that of the others. Of what bends, it is four times as much.
@@ -13,7 +14,7 @@ const BENDS: f32 = 1.5;
 /// Pixels from one window to the next, either way.
 const STEP_PX: usize = 8;
 
-/// Of the windows of some depths, these are on planes: the flattest quarter.
+/// Divisor for the fraction of windows that are on planes: of the windows of some depths, the flattest quarter.
 const ON_PLANES: usize = 4;
 
 /// Fewer windows of a range of depths tell nothing of it; then it has the noise of all.
@@ -27,7 +28,7 @@ const LIMITS: [f32; 2] = [1e-5, 1e-2];
 
 pub(super) struct Noise {
     of_all: f32,
-    /// Of each range of inverse depths that has windows enough, ascending.
+    /// Noise of each range of inverse depths that has enough windows, ascending.
     of_ranges: Vec<(i32, f32)>,
 }
 

@@ -4,7 +4,7 @@ use super::pixels::Pixels;
 use glam::Vec3;
 use std::ops::Range;
 
-/// Of pixels with a depth, whose ray is (x, y) and inverse depth w: how many there are, and the sums of x, y, w, x²,
+/// Sums over pixels with a depth, whose ray is (x, y) and inverse depth w: their number, and the sums of x, y, w, x²,
 /// xy, y², xw, yw and w².
 type Sums = [f64; 10];
 
@@ -59,7 +59,7 @@ impl Plane {
         self.factors.dot(Vec3::new(x, y, 1.0))
     }
 
-    /// Whether the window is a plane but for noise up to `limit`, and the pixel is on it.
+    /// Returns true if the window is a plane except for noise up to `limit`, and the pixel is on it.
     pub(super) fn fits(&self, limit: f32, ray: &[f32; 3]) -> bool {
         self.error < limit && (ray[2] - self.inverse_depth(ray)).abs() < PIXEL_ON_PLANE * limit
     }
@@ -76,7 +76,7 @@ impl Plane {
 pub(super) struct Windows {
     lines: Range<usize>,
     width: usize,
-    /// Of all that is above and to the left of each corner of the pixels.
+    /// Summed-area table: the sums of all that is above and to the left of each corner of the pixels.
     corners: Vec<Sums>,
 }
 
@@ -142,7 +142,7 @@ impl PlanesOfWindows {
         is_there.then(|| self.planes[(line - self.middles.start) * self.width + column])
     }
 
-    /// Those of windows beside a pixel that have it at their border.
+    /// Returns the planes of the neighbouring windows that have a pixel at their border.
     pub(super) fn beside(&self, pixel: [usize; 2]) -> impl Iterator<Item = Plane> {
         let ways = (-1..=1).flat_map(|down| (-1..=1).map(move |right| [right, down]));
         ways.filter_map(move |way| self.at(pixel, way))

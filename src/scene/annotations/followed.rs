@@ -11,7 +11,7 @@ use crate::sequence::PreparedFrame;
 pub struct FollowedPoint {
     /// Its index in the file, points without finite coordinates counted.
     pub index_in_file: u32,
-    /// How many points the files have in which it is this one; `None` where any file with such a point will do.
+    /// Number of points in the files in which the index is this point; `None` where any file with such a point will do.
     pub points_in_file: Option<usize>,
 }
 

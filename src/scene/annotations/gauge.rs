@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// What is measured.
+/// Measured quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Gauge {
@@ -11,7 +11,7 @@ pub enum Gauge {
     Distance,
     /// The angle at the second of three points, degrees.
     Angle,
-    /// How much higher the second of two points is, along the up axis, scene units.
+    /// Height difference of the second of two points relative to the first, along the up axis, scene units.
     Height,
 }
 

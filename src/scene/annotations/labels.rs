@@ -17,25 +17,27 @@ pub const MAX_LABEL_CHARS: usize = 200;
 /// A text at a point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Label {
-    /// What it says, in one line.
+    /// Label text, in one line.
     pub text: String,
     /// Index of the frame in which it was put somewhere.
     pub frame: usize,
     /// The point that it follows.
     pub point: Option<FollowedPoint>,
-    /// Where it is in frames that have no such point, in the coordinates of the file; `None`: it is not shown there.
+    /// Fallback position in frames that have no such point, in the coordinates of the file; `None`: it is not shown
+    /// there.
     pub place: Option<DVec3>,
     /// The frames that show it.
     pub frames: PlayRange,
 }
 
 impl Label {
-    /// Whether frame `index` shows it.
+    /// Returns true if the label is shown in frame `index`.
     pub fn is_in_frame(&self, index: usize) -> bool {
         self.frames.first().is_none_or(|first| first <= index) && self.frames.last().is_none_or(|last| index <= last)
     }
 
-    /// Where it is in `frame`, whose positions are relative to `origin`; `None` where it is not shown.
+    /// Returns the position of the label in `frame`, whose positions are relative to `origin`; `None` where it is not
+    /// shown.
     pub fn place_in(&self, frame: &PreparedFrame, origin: DVec3) -> Option<DVec3> {
         if !self.is_in_frame(frame.index) {
             return None;
@@ -56,9 +58,9 @@ impl Label {
 /// A label in a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LabelOnPicture {
-    /// Which one.
+    /// Index of the label.
     pub label: usize,
-    /// Where its point is, pixels from the upper left corner; may be outside of the picture.
+    /// Position of its point, pixels from the upper left corner; may be outside the image.
     pub px: DVec2,
     /// Something is drawn before its point.
     pub is_hidden: bool,

@@ -89,7 +89,7 @@ fn texts_are_one_line() {
     assert_eq!(Label::as_text(&"é".repeat(500)).chars().count(), MAX_LABEL_CHARS);
 }
 
-/// A wall of points, and one far behind it, beside one that is seen past the wall.
+/// A wall of points, and one far behind it, next to one that is seen past the wall.
 #[test]
 fn what_is_behind_a_wall_is_hidden_and_what_is_on_it_or_beside_it_is_not() {
     let mut places = Vec::new();

@@ -1,7 +1,7 @@
-//! What the colours of a picture mean, as it is shown beside it: a ramp with round numbers, or classes.
+//! Colour legend of an image, as it is shown alongside it: a ramp with round numbers, or classes.
 //!
-//! It is text, colours and places from 0 to 1; the window (`app/panels/legend.rs`) and exports (`export/overlay`) draw
-//! it.
+//! It is text, colours and positions from 0 to 1; the window (`app/panels/legend.rs`) and exports (`export/overlay`)
+//! draw it.
 
 use crate::analysis::{ColorMap, ColorScale, NormalErrors, class_color, class_name, class_of};
 use crate::cloud::ValueSample;
@@ -10,13 +10,13 @@ use crate::sequence::{Paint, PaintValues, PreparedFrame, plain_field_name, value
 /// Most classes that are listed.
 const MAX_CLASSES: usize = 20;
 
-/// Most numbers beside a ramp.
+/// Maximum number of tick labels along a colour ramp.
 const MAX_TICKS: usize = 7;
 
-/// What the colours of a picture mean.
+/// Legend of the colours of an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Legend {
-    /// What is shown, and its unit if there is one.
+    /// Title: the displayed quantity, and its unit if there is one.
     pub title: String,
     /// The colours.
     pub body: LegendBody,

@@ -1,4 +1,4 @@
-//! Where places in world space are on the picture, in f64: for marks that are painted over it.
+//! Projection of world-space positions to the image, in f64: for marks that are painted over it.
 
 use crate::scene::Camera;
 use glam::{DVec2, DVec3};
@@ -26,8 +26,8 @@ impl Camera {
         Some([a, b].map(|end| self.view_to_px(end, viewport_px)))
     }
 
-    /// How far from `place` along `direction` the place is that is seen nearest to the pixel `px`, in lengths of
-    /// `direction`: what follows a pointer that drags it. `None` where the line is seen end on, or not at all.
+    /// Returns the distance from `place` along `direction` of the position that is seen nearest to the pixel `px`, in
+    /// lengths of `direction`: it follows a pointer that drags it. `None` where the line is seen end on, or not at all.
     pub fn along_line(&self, place: DVec3, direction: DVec3, px: DVec2, viewport_px: [u32; 2]) -> Option<f64> {
         let near = self.lens().near();
         let from = self.in_view_space(place);

@@ -9,13 +9,13 @@ use std::ops::RangeInclusive;
 pub struct ScaleBar {
     /// One, two or five times a power of ten, scene units.
     pub length: f64,
-    /// How long it is drawn, in the pixels of the height that it was made for.
+    /// Length of the bar as drawn, in the pixels of the height that it was made for.
     pub length_px: f64,
     unit: Option<LengthUnit>,
 }
 
 impl ScaleBar {
-    /// How long bars are: from one round length to the next it is a factor of 2.5 at most.
+    /// Range of bar lengths: from one round length to the next it is a factor of 2.5 at most.
     pub const LENGTHS_PX: RangeInclusive<f64> = 80.0..=200.0;
 
     /// The longest within [`Self::LENGTHS_PX`] times `scale` in a picture `height_px` high. In perspective, things

@@ -34,7 +34,7 @@ const MOST_RADIUS_OF_HEIGHT: f32 = 0.15;
 /// The largest ball in any picture: parts of large ones are drawn with as much around them.
 const MOST_RADIUS_PX: f32 = 512.0;
 
-/// What a picture's ambient occlusion depends on beside depths and normals.
+/// Ambient occlusion parameters of an image, in addition to depths and normals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AmbientOcclusion {
     /// Radius of the ball at the near plane; `near / distance` times that at a distance.
@@ -43,12 +43,13 @@ pub struct AmbientOcclusion {
     pub most_radius_px: f32,
     /// Pixels from the view axis for a slope of 1.
     pub px_per_slope: f32,
-    /// How much of the light is lost for what is filled; 1 is as much.
+    /// Strength: the fraction of the light that is lost relative to the fraction that is filled; 1 is the same
+    /// fraction.
     pub strength: f32,
 }
 
 impl AmbientOcclusion {
-    /// How many lines go through a ball: three rings of eight that stand for equal areas of its disk.
+    /// Number of lines through a ball: three rings of eight that represent equal areas of its disk.
     pub const LINES: usize = 24;
 
     /// Heights above the tangent plane that count as on it, in radii: splats are flat where surfaces bend.
@@ -72,13 +73,13 @@ impl AmbientOcclusion {
         })
     }
 
-    /// How far the farthest lines are, in columns or rows.
+    /// Returns the halo size: the distance of the farthest lines, in columns or rows.
     pub fn halo_px(&self) -> u32 {
         self.most_radius_px.ceil() as u32
     }
 
-    /// Where lines are in a ball of radius 1 around the origin. Opposite lines are pairs; no two rings look in the same
-    /// directions.
+    /// Returns the positions of the lines in a ball of radius 1 around the origin. Opposite lines are pairs; no two
+    /// rings look in the same directions.
     pub fn lines() -> [[f32; 2]; Self::LINES] {
         const RINGS: usize = 3;
         const PER_RING: usize = AmbientOcclusion::LINES / RINGS;

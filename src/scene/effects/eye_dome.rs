@@ -8,7 +8,7 @@
 //!   there both differ by 1.3 %. The bound leaves a little of the colour behind a silhouette, however far behind.
 //! - Neighbours are whole pixels, so their radius is rounded; steps are scaled to the radius that was asked for. So a
 //!   slope is as dark in small pictures as in large ones.
-//! - Nothing stands before what has only background beside it. Where a surface ends there, its last pixels get
+//! - Nothing stands before what has only background next to it. Where a surface ends there, its last pixels get
 //!   [`EDGE`]: all of it where three of eight neighbours are background, as along a straight border, and none from
 //!   [`EyeDomeLight::LONE`] on, so that points of one or two pixels that stand alone keep their colours. Wider points
 //!   have borders of their own, so there are no edges where these are drawn.
@@ -23,28 +23,29 @@ use crate::scene::{Primitive, ScenePacket};
 /// Distance of neighbours in a picture 720 pixels high.
 const RADIUS_PX_AT_720: f32 = 1.4;
 
-/// How dark steps are.
+/// Gain: the darkness of steps.
 const GAIN: f32 = 300.0;
 
-/// What counts of a step, relative to the distance. Pixels of which three neighbours are that near or nearer keep 6 %
-/// of their colour.
+/// Maximum depth step that counts, relative to the distance. Pixels of which three neighbours are that near or nearer
+/// keep 6 % of their colour.
 const MOST_STEP: f32 = 0.025;
 
-/// How dark an edge of the cloud is: exp(-0.5) of its colour.
+/// Darkness of an edge of the cloud: exp(-0.5) of its colour.
 const EDGE: f32 = 0.5;
 
 /// That share along a straight border.
 const BORDER: f32 = 3.0 / 8.0;
 
-/// How dark the pixels of a picture get, in terms of reversed depths `near / distance`.
+/// Eye-dome lighting (EDL) parameters, which darken the pixels of an image, in terms of reversed depths `near /
+/// distance`.
 ///
-/// Of a pixel with the depth `r` and neighbours with `r_n`, 0 where nothing is, the colour is multiplied with `exp(-(Σ
-/// clamp(gain · (r_n / r - 1), 0, most) + edge · b · max(LONE - b, 0)))`, where `b` is the share of neighbours without
-/// depth. Beyond the borders of the picture, neighbours are the pixels on the borders. Pixels without depth stay as
-/// they are.
+/// For a pixel with the depth `r` and neighbours with `r_n`, 0 where nothing is, the colour is multiplied by `exp(-(Σ
+/// clamp(gain · (r_n / r - 1), 0, most) + edge · b · max(LONE - b, 0)))`, where `b` is the fraction of neighbours
+/// without depth. Beyond the borders of the image, neighbours are the pixels on the borders. Pixels without depth stay
+/// as they are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EyeDomeLight {
-    /// How far neighbours in a row or a column are, and how many columns and rows those on diagonals are.
+    /// Neighbour distances: in a row or a column, and the number of columns and rows of those on diagonals.
     pub reach_px: [u32; 2],
     /// Factors on the steps to neighbours in a row or a column, and to those on diagonals.
     pub gains: [f32; 2],
@@ -95,7 +96,7 @@ impl EyeDomeLight {
         }
     }
 
-    /// How far the farthest neighbours are, in columns or rows.
+    /// Returns the halo size: the distance of the farthest neighbours, in columns or rows.
     pub fn halo_px(&self) -> u32 {
         self.reach_px[0].max(self.reach_px[1])
     }

@@ -1,28 +1,28 @@
-//! Gaps in a surface of splats, closed where photographs show that something is there.
+//! Gap filling in a surface of splats, where the input images show that something is there.
 //!
-//! **How it works.** Surfaces of points have gaps of a few pixels: where photographs disagree about a depth, where a
+//! **How it works.** Surfaces of points have gaps of a few pixels: where input images disagree about a depth, where a
 //! disk ends a little before the next one begins. A pixel that the surface does not cover whole is in a gap if all four
-//! lines through it (a row, a column, both diagonals) meet the surface on both sides, no more than [`gap_px`] steps
-//! apart (closings by lines: Serra 1982). So outlines stay as they are, but for holes that are as small, and a gap is
-//! closed as a whole. Beyond the borders of a picture nothing is known, and nothing speaks against a gap there. A slit,
+//! lines through it (its row, its column, both diagonals) meet the surface on both sides, no more than [`gap_px`] steps
+//! apart (closings by lines: Serra 1982). So outlines stay as they are, except for holes of that size, and a gap is
+//! closed as a whole. Beyond the borders of an image nothing is known, and nothing speaks against a gap there. A slit,
 //! as between a curtain and the wall behind it, is open along itself: of half the width it is closed if the three other
 //! lines meet the surface. (One line alone would round corners of outlines, and borders would be slits.)
 //!
-//! What lies in the gap is taken to be flat: along the shortest of the four lines through the pixel, the reversed
-//! depth of a plane goes from one end to the other in even steps. Where the ends are of two things, one behind the
-//! other, it is that of the farther: between them one looks past the nearer one. Photographs are asked about that
-//! place, as they are about others (`scene/photographs/mod.rs`). What they see through, and what none of them sees,
-//! stays open: a handle is a handle still. But along outlines, where photographs and points are a pixel apart,
-//! specks are left. Each pixel of one has the mean colour of what is closed around it along the four lines, if the
-//! ends of none are farther apart than a tenth of the width of gaps.
+//! What lies in the gap is taken to be flat: along the shortest of the four lines through the pixel, the reversed depth
+//! of a plane goes from one end to the other in even steps. Where the ends are of two things, one behind the other, it
+//! is that of the farther: between them one looks past the nearer one. The input images are sampled at that position,
+//! as they are at others (`scene/photographs/mod.rs`). What they see through, and what none of them sees, stays open: a
+//! handle is a handle still. But along outlines, where input images and points are a pixel apart, specks remain. Each
+//! pixel of one has the mean colour of what is closed around it along the four lines, if the ends of none are farther
+//! apart than a tenth of the width of gaps.
 //!
-//! Done after light has fallen, over the whole picture: `render/cpu/photographs/gaps.rs`,
+//! Done after lighting, over the whole image: `render/cpu/photographs/gaps.rs`,
 //! `shaders/passes/resolve_photographs.wgsl`.
 
 use crate::scene::{PhotoRelight, ScenePacket};
 
-/// How wide gaps are that are closed: steps of a column or a row or both from one side to the other; 0 where gaps stay
-/// open.
+/// Returns the maximum width of gaps that are closed: steps of a column or a row or both from one side to the other; 0
+/// where gaps stay open.
 pub fn gap_px(packet: &ScenePacket) -> u32 {
     let style = &packet.style;
     // Light has fallen when gaps are closed: what is lit anew would be lit around them alone.
@@ -36,7 +36,7 @@ pub fn gap_px(packet: &ScenePacket) -> u32 {
     (0.01 * style.photos.gaps * packet.whole_height_px()).round() as u32
 }
 
-/// How wide specks are where gaps of `gap_px` are closed.
+/// Returns the width of specks where gaps of `gap_px` are closed.
 pub(crate) fn speck_px(gap_px: u32) -> u32 {
     (gap_px as f32 / GAPS_PER_SPECK) as u32
 }
@@ -48,10 +48,10 @@ pub(crate) const PIXEL_LINES: [[i32; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
 /// other's.
 pub(crate) const GAP_ONE_SURFACE: f32 = 0.95;
 
-/// How many times as wide as slits gaps are that are closed.
+/// Ratio of the width of gaps to that of slits that are closed.
 pub(crate) const GAPS_PER_SLIT: f32 = 2.0;
 
-/// How many times as wide as specks gaps are that are closed.
+/// Ratio of the width of gaps that are closed to that of specks.
 pub(crate) const GAPS_PER_SPECK: f32 = 10.0;
 
 /// Opacity from which a pixel belongs to the surface around a gap.

@@ -1,8 +1,8 @@
-//! How far what follows the passes over records looks.
+//! Halo of the screen-space steps: the neighbourhood that those after the passes over records read.
 
 use crate::scene::{AmbientOcclusion, EyeDomeLight, ScenePacket, gap_px, rim_px, speck_px};
 
-/// How many pixels around one of a picture its colour depends on at most.
+/// Returns the halo size: the maximum distance in pixels at which others affect the colour of a pixel.
 pub fn halo_px(packet: &ScenePacket) -> u32 {
     let drawn = packet.as_drawn();
     let eye_dome = EyeDomeLight::of(&drawn).map_or(0, |light| light.halo_px());

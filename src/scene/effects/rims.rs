@@ -1,27 +1,28 @@
-//! Rims of a surface of splats before what lies behind it.
+//! Splat edges in front of another surface.
 //!
-//! **How it works.** Splats fade towards their rims, so that outlines before the background are smooth. At depths that
-//! the visibility pass found, nothing else is blended there: of what lies behind a rim nothing is known in its pixels,
-//! and the background would shine through, a line around everything that stands before something. So a pixel that the
-//! surface covers in part is at a rim between surfaces if one of four lines through it (a row, a column, both
-//! diagonals) meets opaque pixels on both sides, no more than [`rim_px`] steps apart, with no open pixel in between.
-//! What shines through is the colour of the farther end of the shortest such line, and where both ends are of one
-//! surface, what is between their colours.
+//! **How it works.** Splats fade towards their edges, so that outlines before the background are smooth. At depths that
+//! the visibility pass found, nothing else is blended there: of what lies behind an edge nothing is known in its
+//! pixels, and the background would shine through, a line around everything that stands before something. So a pixel
+//! that the surface covers in part is at an edge between surfaces if one of four lines through it (its row, its column,
+//! both diagonals) meets opaque pixels on both sides, no more than [`rim_px`] steps apart, with no open pixel in
+//! between. What shines through is the colour of the farther end of the shortest such line, and where both ends are of
+//! one surface, what is between their colours.
 //!
-//! Outlines before the background stay as they are, and so do edges of holes that are wider than rims: there the
+//! Outlines before the background stay as they are, and so do edges of holes that are wider than these: there the
 //! surface fades until a pixel is open. No open pixel is ever filled.
 //!
-//! Photographs know better where they are asked what lies in gaps (`scene/effects/gaps.rs`): rims are what is left.
+//! Input images know better if they are sampled for gaps (`scene/effects/gaps.rs`): only the splat edges that remain
+//! are handled here.
 //!
-//! Done over the whole picture, after light has fallen: `render/cpu/rims.rs`, `shaders/passes/resolve.wgsl`.
+//! Done over the whole image, after lighting: `render/cpu/rims.rs`, `shaders/passes/resolve.wgsl`.
 
 use crate::scene::{Content, OnOff, Primitive, ScenePacket};
 
-/// How wide rims are at most, as a share of the picture's height: splats of a near surface are large.
+/// Maximum width of splat edges, as a fraction of the image height: splats of a near surface are large.
 const WIDEST: f32 = 0.02;
 
-/// How many steps of a column or a row or both opaque pixels on both sides of a rim are apart at most; 0 where nothing
-/// fades at depths.
+/// Returns the maximum distance of opaque pixels on both sides of a splat edge, in steps of a column or a row or both;
+/// 0 where nothing fades at depths.
 pub fn rim_px(packet: &ScenePacket) -> u32 {
     let fades = match (packet.style.primitive, &packet.content) {
         (Primitive::Point, _) => packet.style.blends_at_depths(),

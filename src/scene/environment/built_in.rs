@@ -37,10 +37,10 @@ pub(super) fn uniform(_: Vec3) -> Vec3 {
 
 const SUN: Vec3 = Vec3::new(0.55, 0.64, 0.53);
 
-/// A rectangle of light with soft edges, as seen from the middle.
+/// Rectangular area light with soft edges, as seen from the centre.
 struct SoftLight {
     towards: Vec3,
-    /// Slopes from its middle to its edges, rightwards and upwards.
+    /// Slopes from its centre to its edges, rightwards and upwards.
     half: [f32; 2],
     brightness: f32,
     color: Vec3,

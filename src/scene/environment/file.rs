@@ -1,8 +1,8 @@
-//! Environments that a person has photographed: equirectangular pictures in files.
+//! Environment map files captured by a person: equirectangular images.
 //!
 //! Styles name a file by a number, so that they stay plain values: files are remembered for as long as the program
-//! runs, and each is read once. Left and right are as from the middle of the scene; what is in the middle of the
-//! picture is behind the cloud when that is seen from the front.
+//! runs, and each is read once. Left and right are as from the centre of the scene; what is at the centre of the image
+//! is behind the cloud when that is seen from the front.
 
 use super::map::EnvironmentMap;
 use glam::Vec3;
@@ -25,7 +25,7 @@ pub enum EnvironmentError {
     /// The file cannot be opened.
     #[error("cannot open the environment {}", path.display())]
     Open {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
         /// Why not.
         source: io::Error,
@@ -33,7 +33,7 @@ pub enum EnvironmentError {
     /// Its contents are no picture, or too many pixels.
     #[error("the environment {} is no picture", path.display())]
     Picture {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
         /// Why not.
         source: ImageError,
@@ -41,7 +41,7 @@ pub enum EnvironmentError {
     /// A picture without pixels.
     #[error("the environment {} has no pixels", path.display())]
     Empty {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
     },
 }
@@ -78,7 +78,7 @@ impl EnvironmentFile {
         }))
     }
 
-    /// The same, read now.
+    /// Opens the environment file at `path`, and reads it now.
     pub fn open(path: &Path) -> Result<Self, EnvironmentError> {
         let map = read(path)?;
         let file = Self::named(path);
@@ -87,12 +87,12 @@ impl EnvironmentFile {
         Ok(file)
     }
 
-    /// Where it is.
+    /// Returns the path of the file.
     pub fn path(self) -> PathBuf {
         self.of_known(|known| known.path.clone())
     }
 
-    /// What it holds; `None` if it cannot be read, which is logged once.
+    /// Returns the environment map of the file; `None` if it cannot be read, which is logged once.
     pub(super) fn map(self) -> Option<Arc<EnvironmentMap>> {
         let (path, map) = self.of_known(|known| (known.path.clone(), Arc::clone(&known.map)));
         let read_now = || {
@@ -142,7 +142,7 @@ struct Equirectangular {
 }
 
 impl Equirectangular {
-    /// Of bytes, which are display-referred, or of numbers, which are linear light.
+    /// Converts an image of bytes, which are display-referred, or of floats, which are linear light.
     fn of(picture: &DynamicImage) -> Self {
         let is_linear = matches!(picture, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
         let light: fn(f32) -> f32 = if is_linear { |value| value } else { to_linear };

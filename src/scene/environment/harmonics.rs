@@ -12,7 +12,7 @@ use glam::Vec3;
 pub struct Harmonics(pub [Vec3; 9]);
 
 impl Harmonics {
-    /// Those of an environment.
+    /// Computes the spherical harmonics of an environment.
     pub(super) fn of(map: &Octahedral) -> Self {
         let mut sums = [[0.0f64; 3]; 9];
         for (direction, light, share) in map.shares() {
@@ -45,7 +45,7 @@ impl Harmonics {
         light.max(Vec3::ZERO)
     }
 
-    /// The same light `factor` times.
+    /// Returns the light multiplied by `factor`.
     #[must_use]
     pub(in crate::scene) fn times(mut self, factor: f32) -> Self {
         for coefficient in &mut self.0 {

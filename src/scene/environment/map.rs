@@ -22,8 +22,8 @@ impl EnvironmentMap {
     /// Texels along an edge of the square that directions are mapped to, without its border.
     pub const EDGE: usize = 256;
 
-    /// Of the light from each direction, as bright as makes a matt white surface just white where most light falls on
-    /// it. Light that is no finite number of at least 0 counts as none.
+    /// Creates an environment map of the light from each direction, with the exposure at which a matt white surface is
+    /// just white where most light falls on it. Light that is not finite or is below 0 counts as none.
     pub(super) fn new(light: impl Fn(Vec3) -> Vec3 + Sync) -> Self {
         let light = |direction| {
             let light = light(direction);
@@ -54,8 +54,8 @@ impl EnvironmentMap {
         &self.harmonics
     }
 
-    /// What a surface of a roughness from 0 to 1 mirrors: rows of texels with a border of one around a square of
-    /// [`EnvironmentMap::EDGE`], between the two levels that are nearest.
+    /// Returns the prefiltered environment that a surface of a roughness from 0 to 1 reflects: rows of texels with a
+    /// border of one around a square of [`EnvironmentMap::EDGE`], interpolated between the two nearest levels.
     pub(in crate::scene) fn mirrored(&self, roughness: f32) -> Vec<[f32; 4]> {
         let place = roughness.clamp(0.0, 1.0) * EDGES.len() as f32;
         let first = (place as usize).min(EDGES.len() - 1);
@@ -70,7 +70,7 @@ impl EnvironmentMap {
     }
 }
 
-/// What makes the most light of a matt white surface 1; 1 where there is no light.
+/// Returns the exposure factor that makes the most light of a matt white surface 1; 1 where there is no light.
 fn exposure(harmonics: &Harmonics) -> f32 {
     let map = Octahedral::new(16, |normal| harmonics.at(normal));
     let most = map

@@ -1,12 +1,12 @@
-//! What is around the scene, and lights it from all sides: image-based lighting.
+//! Image-based lighting: an environment around the scene that lights it from all sides.
 //!
 //! **How it works.** An environment is a map of linear light by direction. Two things are made of it once
 //! ([`EnvironmentMap`]): nine numbers for matt surfaces (Ramamoorthi and Hanrahan 2001), and maps that are blurred as
-//! rough surfaces blur what they mirror (Karis 2013). Both renderers read the same numbers.
+//! rough surfaces blur what they reflect (Karis 2013). Both renderers read the same numbers.
 //!
-//! Environments stand still in the scene, with its up axis: they do not move with the camera, as lamps do. Reflections
-//! that slide over a surface while the camera goes around it are what tells polished from painted; and a sky has to
-//! stay above. Their light is scaled so that a matt white surface is at most white.
+//! Environments are fixed in the scene, with its up axis: they do not move with the camera, as lamps do. Reflections
+//! that slide over a surface while the camera goes around it are what distinguishes polished from painted; and a sky
+//! has to stay above. Their light is scaled so that a matt white surface is at most white.
 
 mod built_in;
 mod file;
@@ -25,7 +25,7 @@ use std::path::Path;
 use std::str::FromStr;
 use std::sync::{Arc, LazyLock};
 
-/// What is around the scene.
+/// Environment around the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Environment {
     /// Grey walls and soft lights on all sides.
@@ -44,13 +44,13 @@ pub enum Environment {
 /// A built-in environment in words.
 #[derive(Debug)]
 pub struct EnvironmentWord {
-    /// Which.
+    /// Environment that the word names.
     pub environment: Environment,
     /// On the command line and in files.
     pub word: &'static str,
     /// In the window.
     pub title: &'static str,
-    /// What it is.
+    /// Description of the environment.
     pub hint: &'static str,
 }
 

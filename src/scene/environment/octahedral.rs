@@ -21,7 +21,8 @@ pub(super) struct Octahedral {
 }
 
 impl Octahedral {
-    /// One with `edge` texels along an edge of the square; `light` is asked for the middle of each.
+    /// Creates an octahedral map with `edge` texels along an edge of the square; `light` is evaluated at the centre of
+    /// each.
     pub(super) fn new(edge: usize, light: impl Fn(Vec3) -> Vec3 + Sync) -> Self {
         let stride = edge + 2 * BORDER;
         let mut texels = vec![Vec3::ZERO; stride * stride];
@@ -67,7 +68,7 @@ impl Octahedral {
         self.texels[(self.edge + 2 * BORDER) * (y + BORDER) + x + BORDER]
     }
 
-    /// Light from a direction of any length but 0, blended between the middles of four texels.
+    /// Returns the light from a direction of any length but 0, interpolated between the centres of four texels.
     pub(super) fn at(&self, direction: Vec3) -> Vec3 {
         let place = (square_of(direction) * 0.5 + 0.5) * self.edge as f32 + (BORDER as f32 - 0.5);
         let first = place.floor();
@@ -93,8 +94,8 @@ impl Octahedral {
     }
 }
 
-/// The texel of the square that a place with the border repeats: beyond an edge the sphere goes on at the same edge,
-/// mirrored at its middle.
+/// Returns the texel of the square that a position with the border repeats: beyond an edge the sphere continues at the
+/// same edge, mirrored at its midpoint.
 fn within(edge: usize, column: usize, row: usize) -> [usize; 2] {
     let (x, y) = (column as isize - BORDER as isize, row as isize - BORDER as isize);
     let last = edge as isize - 1;
@@ -108,7 +109,7 @@ fn within(edge: usize, column: usize, row: usize) -> [usize; 2] {
     [x as usize, y as usize]
 }
 
-/// Where the middle of a texel is on the octahedron |x| + |y| + |z| = 1.
+/// Returns the position of the centre of a texel on the octahedron |x| + |y| + |z| = 1.
 fn unfolded(edge: usize, x: usize, y: usize) -> Vec3 {
     let place = (Vec2::new(x as f32, y as f32) + 0.5) * (2.0 / edge as f32) - 1.0;
     let up = 1.0 - place.x.abs() - place.y.abs();
@@ -124,7 +125,7 @@ fn direction_of(edge: usize, x: usize, y: usize) -> Vec3 {
     unfolded(edge, x, y).normalize()
 }
 
-/// Where a direction is on the square, from -1 to 1 along both edges.
+/// Returns the position of a direction on the square, from -1 to 1 along both edges.
 fn square_of(direction: Vec3) -> Vec2 {
     let on_octahedron = direction / (direction.x.abs() + direction.y.abs() + direction.z.abs());
     let place = Vec2::new(on_octahedron.x, on_octahedron.z);

@@ -1,9 +1,9 @@
-//! What surfaces of different roughness mirror: an environment, blurred as wide as each scatters light (Karis 2013).
+//! Environment prefiltering for surfaces of different roughness: blurred as wide as each scatters light (Karis 2013).
 //!
 //! A blurred map has the light of a surface that is seen along its normal. That its highlights are longer when it is
-//! seen edge-on is what the approximation leaves out. Samples are those of microfacet normals (Walter et al. 2007), and
-//! each takes the mean of as much of the environment as it stands for (Křivánek and Colbert 2008), so that a few make
-//! no noise. They are the same for each texel and each run.
+//! seen edge-on is what the approximation ignores. Samples are those of microfacet normals (Walter et al. 2007), and
+//! each takes the mean over the part of the environment that it represents (Křivánek and Colbert 2008), so that a few
+//! make no noise. They are the same for each texel and each run.
 
 use super::octahedral::Octahedral;
 use glam::Vec3;
@@ -31,7 +31,8 @@ pub(super) fn blurred(halves: &[Octahedral], roughness: f32, edge: usize) -> Oct
     })
 }
 
-/// Where light comes from relative to a normal along z, and how many times the environment is to be halved.
+/// Sample direction of the light relative to a normal along z, and the number of times that the environment is to be
+/// halved.
 struct Sample {
     toward: Vec3,
     level: f32,

@@ -1,4 +1,4 @@
-//! What points are coloured by where nobody has chosen it, with the reason.
+//! Default colour source of the points if nobody has chosen one, with the reason.
 
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::Frame;
@@ -7,11 +7,11 @@ use crate::sequence::{ColorHints, ColorSource, Coloring, FieldName};
 /// A guess of what to colour points by.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ColorGuess {
-    /// What points are coloured by.
+    /// Colour source of the points.
     pub source: ColorSource,
     /// Why, a clause; empty where the file has colours that tell something.
     pub why: String,
-    /// What they can be coloured by: the sources that the first frame has, with each of its fields.
+    /// Available colour sources: those that the first frame has, with each of its fields.
     pub offered: Vec<ColorSource>,
 }
 

@@ -1,8 +1,9 @@
-//! What was scanned, and by what: told by where the points lie around the place of the sensor.
+//! Capture kind: the subject and the type of sensor, estimated from the distribution of the points around the sensor
+//! position.
 //!
-//! **How it works.** A camera sees points before it, within a pyramid along one axis of its coordinates. A laser
-//! scanner stands among its points, all around, and they are the farther apart the farther away they are. Where no file
-//! says where the sensor stood, the zero of its coordinates is tried: sensors write their own.
+//! **How it works.** A camera sees points before it, within a pyramid along one axis of its coordinates. A LiDAR sensor
+//! stands among its points, all around, and they are the farther apart the farther away they are. Where no file states
+//! the sensor position, the zero of its coordinates is tried: sensors write their own.
 
 use super::sample::{CloudSample, quantile};
 use super::trim;
@@ -10,22 +11,22 @@ use super::up::Up;
 use crate::scene::UpAxis;
 use glam::{Vec3, Vec3Swizzles as _};
 
-/// What is looked at.
+/// Kind of capture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CaptureKind {
     /// Something to walk around.
     Object,
-    /// What a camera at one place saw.
+    /// Camera frame, captured from one position.
     CameraFrame,
-    /// What a laser scanner saw around itself.
+    /// LiDAR sweep around the sensor.
     Sweep,
     /// Wide and flat.
     Terrain,
 }
 
 impl CaptureKind {
-    /// Whether the ground is what was scanned.
+    /// Returns true if the ground was scanned.
     pub(super) fn is_of_ground(self) -> bool {
         matches!(self, Self::Sweep | Self::Terrain)
     }
@@ -81,12 +82,12 @@ pub(super) fn camera_frame(sample: &CloudSample, eye: Vec3) -> Option<Up> {
     camera.map(|camera| Up::by_points(camera.up, camera.why))
 }
 
-/// Whether points lie before a camera at zero that looks along +Z.
+/// Returns true if points lie before a camera at zero that looks along +Z.
 fn is_before_camera(seen: &[Vec3]) -> bool {
     /// Tangents of half the widest and the narrowest angle of view.
     const WIDEST: f32 = 1.6;
     const NARROWEST: f32 = 0.03;
-    /// The middle of the picture is so near to the axis, as a share of its edge.
+    /// Maximum offset of the image centre from the axis, as a fraction of the image edge.
     const OFF_AXIS: f32 = 0.3;
     /// Seen from above, plains are thin; a wall that a camera looks at fills its picture.
     const THIN: f32 = 0.15;
@@ -114,8 +115,8 @@ fn is_before_camera(seen: &[Vec3]) -> bool {
     is_centred && (!is_thin || is_full) && is_one_surface(seen)
 }
 
-/// Whether points that are seen in one direction are about as far away: a camera sees the nearest surface, and not what
-/// is behind it, while a tree that stands above zero is seen through.
+/// Returns true if points that are seen in one direction are at about the same distance, on one surface: a camera sees
+/// the nearest surface, and not what is behind it, while a tree that stands above zero is seen through.
 fn is_one_surface(seen: &[Vec3]) -> bool {
     /// Cells along an edge of the picture, and points of those that count.
     const CELLS: usize = 24;

@@ -1,11 +1,11 @@
-//! What to make of a sequence that nobody has chosen anything for: what it is, which way is up, where to stand, how to
-//! draw it.
+//! First look at a sequence that nobody has chosen settings for: guesses of its kind, up axis, viewpoint and render
+//! mode.
 //!
-//! **How it works.** A few thousand points of some frames stand for the sequence ([`CloudSample`]). Outliers are left
-//! out (`trim.rs`), the way the points lie around the sensor tells what was scanned (`kind.rs`), the format or the way
-//! things stand tells what is up (`up.rs`), and where most is seen is where to stand (`standpoint.rs`). Every guess
-//! comes with its reason, for the person who is to believe or change it. It takes a few milliseconds, of clouds of any
-//! size, and the same frames give the same answer.
+//! **How it works.** A few thousand points of some frames represent the sequence ([`CloudSample`]). Outliers are
+//! removed (`trim.rs`), the distribution of points around the sensor determines what was scanned (`kind.rs`), the
+//! format or the orientation of the scene determines the up axis (`up.rs`), and the viewpoint is where most is seen
+//! (`standpoint.rs`). Every guess comes with its reason, for the person who is to believe or change it. It takes a few
+//! milliseconds, for clouds of any size, and the same frames give the same answer.
 
 mod colors;
 mod ground;
@@ -48,13 +48,13 @@ const DARK_LUMA: f32 = 45.0;
 #[derive(Debug, Clone)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a guess of its own")]
 pub struct FirstLook {
-    /// What is looked at.
+    /// Kind of capture.
     pub kind: CaptureKind,
-    /// Which axis is up.
+    /// Up axis.
     pub up: UpAxis,
     /// Why it is.
     pub up_why: &'static str,
-    /// How strong the reason is.
+    /// Strength of the evidence for the up axis.
     pub up_evidence: Evidence,
     /// From where it is seen first.
     pub from: Standpoint,
@@ -62,34 +62,34 @@ pub struct FirstLook {
     pub primitive: Primitive,
     /// Why.
     pub primitive_why: &'static str,
-    /// Whether there are triangles that can be drawn in place of points.
+    /// True if there are triangles that can be drawn instead of points.
     pub has_faces: bool,
     /// Share of places of the cloud whose neighbours lie in a plane.
     pub planar_share: f32,
-    /// How many times as far apart as most points the sparse ones are.
+    /// Ratio of the spacing of the sparse points to that of most points.
     pub spacing_spread: f32,
-    /// Whether surfaces can be left out that face away: nothing is missed from any side.
+    /// True if back-face culling is safe: culling surfaces that face away hides nothing from any side.
     pub is_closed: bool,
-    /// Whether normals are known to point to the outside: the file has them, or a sensor saw the surface from there.
+    /// True if normals are known to point outwards: the file has them, or a sensor saw the surface from there.
     pub knows_outside: bool,
     /// Edge of points that are drawn as such, pixels.
     pub point_size_px: f32,
-    /// What points are coloured by, and why.
+    /// Guessed colour source of the points, and the reason for it.
     pub colors: ColorGuess,
-    /// Whether the colours are those of a camera, or of splats that were made of photographs: light is in them.
+    /// True if the colours have baked-in lighting: those of a camera, or of splats reconstructed from images.
     pub colors_have_light: bool,
-    /// Whether the colours of the file are so dark that the usual background would hide them.
+    /// True if the file's colours are so dark that the default background would hide them.
     pub is_dark: bool,
     /// The box around the points of the frames that were looked at, but for outliers, relative to the origin.
     pub trimmed: Aabb,
     /// The box around all points of these frames.
     pub full: Aabb,
-    /// Of the first frame, without outliers.
+    /// Sample of the first frame, without outliers.
     sample: CloudSample,
     /// Places that the first picture is to show, of all frames that were looked at.
     shown: Vec<Vec3>,
     eye: Option<Vec3>,
-    /// The first of the photographs that there are of it.
+    /// First of the posed images of the scene, if there are any.
     photo: Option<Photo>,
 }
 
@@ -169,9 +169,9 @@ impl FirstLook {
         }
     }
 
-    /// Guesses from the first frame of `sequence` and, of as many others as can be read beside it in no time, from
-    /// these: poses that walk through a room are all to be in the first picture. A frame that cannot be read is passed
-    /// over.
+    /// Guesses from the first frame of `sequence` and from as many others as can be read alongside it in no time:
+    /// frames of a scan that walks through a room should all be in the first view. A frame that cannot be read is
+    /// skipped.
     pub fn of_sequence(first: &Frame, sequence: &Sequence) -> Self {
         let others: Vec<Frame> = others(sequence.len(), first.points_in_file())
             .into_par_iter()
@@ -197,8 +197,8 @@ impl FirstLook {
         }
     }
 
-    /// The same where there are photographs: they are held upright, are put on a surface, and the first of them is the
-    /// first view.
+    /// Returns this guess adapted to posed images: they are held upright, are projected onto a surface, and the first
+    /// of them is the first view.
     fn with_photographs(mut self, set: &ViewSet) -> Self {
         let upwards = set.photos.iter().map(|photo| -photo.camera_from_world.matrix3.row(1));
         if let Some(upwards) = upwards.sum::<DVec3>().try_normalize() {
@@ -230,29 +230,29 @@ impl FirstLook {
         assumptions
     }
 
-    /// Whether the points sample a surface, so that disks or ellipses show it.
+    /// Returns true if the points sample a surface, so that disks or ellipses show it.
     pub fn has_surface(&self) -> bool {
         matches!(self.primitive, Primitive::Surfel | Primitive::Ellipse | Primitive::Mesh)
     }
 
-    /// Whether there are photographs of what is shown.
+    /// Returns true if there are posed images of the scene.
     pub fn has_photographs(&self) -> bool {
         self.photo.is_some()
     }
 
-    /// The view of a photograph, turning about the middle of what it sees.
+    /// Returns the camera of a posed image, orbiting about the centre of what it sees.
     pub fn camera_of_photo(&self, photo: &Photo, origin: DVec3) -> Camera {
         self.camera_of_pinhole(&photo.camera, photo.camera_from_world.inverse(), origin)
     }
 
-    /// The view of a pinhole, turning about the middle of what it sees.
+    /// Returns the camera of a pinhole, orbiting about the centre of what it sees.
     pub fn camera_of_pinhole(&self, pinhole: &rgbd::Camera, world_from_camera: DAffine3, origin: DVec3) -> Camera {
         let middle = origin + self.trimmed.center().as_dvec3();
         let distance = sensor_target_distance(&world_from_camera, middle, f64::from(self.trimmed.radius()));
         Camera::of_pinhole(pinhole, world_from_camera, distance, self.up)
     }
 
-    /// What is drawn where somebody has chosen a primitive that the files have not, in words.
+    /// Describes in words the primitive that is drawn instead if the files lack the chosen one.
     pub fn lack_of(&self, chosen: Primitive) -> Option<String> {
         let lacks = chosen == Primitive::Mesh && !self.has_faces;
         lacks.then(|| {
@@ -263,7 +263,7 @@ impl FirstLook {
         })
     }
 
-    /// The same, but for which axis is up: somebody knows.
+    /// Returns this guess with the up axis replaced by a known one.
     #[must_use]
     pub fn with_up(mut self, up: UpAxis) -> Self {
         self.up_why = "chosen";
@@ -278,7 +278,7 @@ impl FirstLook {
         color_hints(self.kind, self.up)
     }
 
-    /// Where the sensor stood, if a file or the points say so; relative to the origin.
+    /// Sensor position relative to the origin, if a file or the points reveal it.
     pub fn eye(&self) -> Option<Vec3> {
         self.eye
     }
@@ -295,7 +295,7 @@ impl FirstLook {
         camera
     }
 
-    /// The same where `up` is up, whatever was guessed.
+    /// Returns the initial camera with `up` as the up axis, whatever was guessed.
     pub fn camera_with_up(&self, up: UpAxis, origin: DVec3, aspect: f64) -> Camera {
         if up == self.up {
             return self.camera(origin, aspect);
@@ -303,8 +303,8 @@ impl FirstLook {
         self.clone().with_up(up).camera(origin, aspect)
     }
 
-    /// The view of the sensor that took a frame whose points are in the frame of its depth camera: that camera, turning
-    /// about the middle of what it sees.
+    /// Returns the camera of the sensor that captured a frame whose points are in the coordinate frame of its depth
+    /// camera: that camera, orbiting about the centre of what it sees.
     pub fn camera_of_sensor(&self, sensor: &Sensor, origin: DVec3) -> Camera {
         self.camera_of_pinhole(&sensor.rig.depth, DAffine3::IDENTITY, origin)
     }
@@ -337,7 +337,7 @@ fn color_hints(kind: CaptureKind, up: UpAxis) -> ColorHints {
     }
 }
 
-/// What the points and the file tell.
+/// Evidence from the points and the file.
 struct Told {
     kind: CaptureKind,
     up: Up,
@@ -408,8 +408,8 @@ impl Told {
     }
 }
 
-/// Frames that are looked at beside the first one of `count`, which has `point_count` points: as many as have a million
-/// together, four at most.
+/// Returns the indices of the frames examined in addition to the first one of `count`, which has `point_count` points:
+/// as many as have a million points together, four at most.
 fn others(count: usize, point_count: usize) -> Vec<usize> {
     const MOST_FRAMES: usize = 4;
     const MOST_POINTS_READ: usize = 1_000_000;
@@ -421,7 +421,7 @@ fn others(count: usize, point_count: usize) -> Vec<usize> {
     others
 }
 
-/// Whether the file has normals, but for a few.
+/// Returns true if the file has normals for all but a few points.
 fn has_normals(sample: &CloudSample) -> bool {
     let without = sample.normals.iter().filter(|&&normal| normal == Vec3::ZERO).count();
     !sample.normals.is_empty() && 20 * without <= sample.normals.len()

@@ -14,7 +14,8 @@ use glam::Vec3;
 /// ground, of which plants and gaps are a part.
 const SURFACE_SHARE: f32 = 0.4;
 const GROUND_SHARE: f32 = 0.75;
-/// Where some points are so many times as far apart as most, they would be drawn as large disks that show no surface.
+/// Largest spacing spread of a surface: where sparse points are this many times as far apart as most, they would be
+/// drawn as large disks that show no surface.
 const MAX_SPREAD: f32 = 3.5;
 /// Typical distance between points, as a share of the radius of the cloud, up to which disks look like a surface: the
 /// fourth neighbour on a sphere of 3,300 points; on ground of 2,800, which has more detail.
@@ -26,8 +27,8 @@ const MAX_WIDE_SPACING: f32 = 0.3;
 const WIDE: f32 = 3.0;
 const MAX_WIDE_AREA: f32 = 0.2;
 
-/// Outliers have the widest disks of all. So many, of a cloud that has fewer than so many points to each of them, are
-/// those of a sparse reconstruction from photographs.
+/// Minimum outlier count of a sparse reconstruction from images. Outliers have the widest disks of all. This many, in a
+/// cloud with few enough points per outlier, indicate such a reconstruction.
 const MANY_OUTLIERS: usize = 20;
 const FEW_TO_EACH: usize = 50;
 
@@ -35,7 +36,7 @@ const FEW_TO_EACH: usize = 50;
 pub(super) struct Captured<'a> {
     pub(super) kind: CaptureKind,
     pub(super) sample: &'a CloudSample,
-    /// Points of the sample that were left out as outliers.
+    /// Number of sample points excluded as outliers.
     pub(super) outliers: usize,
     /// Without outliers.
     pub(super) trimmed: &'a Aabb,
@@ -129,9 +130,9 @@ fn is_needle(bounds: &Aabb) -> bool {
     edges[1] < THIN * edges[2]
 }
 
-/// True if a scanner saw its surroundings as a surface: neighbours are apart by a small angle only. Scanners that turn
-/// once for a survey have a tenth of a degree or less from line to line, those that turn ten times a second have lines
-/// with nothing between.
+/// Returns true if a scanner saw its surroundings as a surface: neighbours are separated by a small angle only.
+/// Scanners that revolve once for a survey have a tenth of a degree or less from line to line; those that revolve ten
+/// times per second have lines with nothing in between.
 fn is_dense(sample: &CloudSample, eye: Vec3) -> bool {
     const DENSE: f32 = 0.003;
     let places = sample.positions.iter().zip(&sample.spacing);

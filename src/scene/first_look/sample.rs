@@ -1,9 +1,9 @@
-//! A few thousand points that stand for a frame, and what their surroundings look like.
+//! Sample of a few thousand points that represents a frame, with a description of their neighbourhoods.
 //!
-//! **How it works.** Points of a frame stand in Morton order, so what is close in memory is close in space: the
-//! distance to the neighbours of a point, and whether they lie in a plane, are told from the points around its slot,
-//! without any search. Some neighbours are missed that way at borders of Morton cells; medians over hundreds of places
-//! do not mind.
+//! **How it works.** Points of a frame are stored in Morton order, so what is close in memory is close in space: the
+//! distance to the neighbours of a point, and whether they lie in a plane, are estimated from the points around its
+//! slot, without any search. Some neighbours are missed that way at borders of Morton cells; medians over hundreds of
+//! places are robust to that.
 
 use crate::cloud::Frame;
 use crate::math::SymmetricMat3;
@@ -17,13 +17,15 @@ const SLOTS_AROUND: usize = 8;
 /// The distance to this neighbour is the spacing: one or two may be duplicates or a pair of outliers.
 const SPACING_NEIGHBOUR: usize = 4;
 
-/// How far away the nearest of points at random is, in distances of that one: √(ln 2/π) beside √(3.67/π).
+/// Distance to the nearest of randomly distributed points, in units of that to the spacing neighbour: √(ln 2/π) versus
+/// √(3.67/π).
 const RANDOM_SHARE: f32 = 0.43;
 
 /// The widest gap between 10,000 points at random is a circle with the area of nine of them, √(9/π) = 1.7 times as wide
 /// as the circle of one; the rims of disks weigh next to nothing.
 const MOST_CLOSING: f32 = 2.4;
-/// Places of [`typical_spacing`], which is asked for while frames play: their middle is within two per cent.
+/// Number of sampled positions of [`typical_spacing`], which is queried during playback: their median is accurate to
+/// within two per cent.
 const SPACED_PLACES: usize = 1 << 12;
 /// Places whose neighbourhoods are fitted by planes.
 const PLACES: usize = 512;
@@ -37,7 +39,7 @@ const NEIGHBOURS: usize = 12;
 pub(super) struct CloudSample {
     /// Relative to the sequence origin.
     pub(super) positions: Vec<Vec3>,
-    /// Of the file, zero where it gave none; empty if it has none at all.
+    /// Normals from the file, zero where it gave none; empty if it has none at all.
     pub(super) normals: Vec<Vec3>,
     /// To the fourth neighbour in the frame, scene units.
     pub(super) spacing: Vec<f32>,
@@ -60,12 +62,12 @@ impl CloudSample {
         }
     }
 
-    /// The middle of all spacings; 0 without points.
+    /// Returns the median of all spacings; 0 without points.
     pub(super) fn median_spacing(&self) -> f32 {
         quantile(&mut self.spacing.clone(), 0.5)
     }
 
-    /// How many times the median spacing the spacing of sparse points is: of the twentieth part that is sparsest.
+    /// Returns the ratio of the spacing of sparse points (the sparsest twentieth) to the median spacing.
     pub(super) fn spread(&self) -> f32 {
         let sparse = quantile(&mut self.spacing.clone(), 0.95);
         let median = self.median_spacing();
@@ -101,7 +103,7 @@ pub(super) fn median_luma(frame: &Frame) -> Option<f32> {
     (!lumas.is_empty()).then(|| quantile(&mut lumas, 0.5))
 }
 
-/// How far apart points are.
+/// Spacing of points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PointSpacing {
     /// Scene units; 0 without points.
@@ -111,7 +113,7 @@ pub(crate) struct PointSpacing {
     pub(crate) closing: f32,
 }
 
-/// How far apart the points of a frame are: the middle of some thousand places.
+/// Estimates the point spacing of a frame: the median over some thousand positions.
 pub(crate) fn typical_spacing(frame: &Frame) -> PointSpacing {
     let positions = frame.positions();
     let slots = even_slots(positions.len(), SPACED_PLACES);
@@ -141,7 +143,8 @@ pub(super) fn quantile(values: &mut [f32], share: f64) -> f32 {
     *values.select_nth_unstable_by(place.min(last), f32::total_cmp).1
 }
 
-/// How far away the nearest point is, and the one that tells the spacing; points at the same place are one.
+/// Returns the distance to the nearest point, and to the one that determines the spacing; coincident points count as
+/// one.
 fn spacings_at(positions: &[Vec3], slot: usize) -> (f32, f32) {
     /// Slots to either side that are looked at where many are copies.
     const MOST_SLOTS: usize = 16 * SLOTS_AROUND;
@@ -188,8 +191,8 @@ fn run_at(positions: &[Vec3], start: usize) -> Vec<Vec3> {
     run
 }
 
-/// Whether the neighbours of the point in the middle of a run lie in a plane, and not in a line of it as those of a
-/// scan line do.
+/// Returns true if the neighbours of the point at the centre of a run are planar, and not collinear as those of a scan
+/// line are.
 fn is_planar(run: &[Vec3]) -> bool {
     /// Thickness and width as shares of the whole variance.
     const MOST_THICKNESS: f64 = 0.06;

@@ -1,14 +1,14 @@
-//! The up axis told by the shape alone: what gravity makes of trees, people, buildings and ground.
+//! Up-axis estimation from shape alone: the effect of gravity on trees, people, buildings and ground.
 //!
-//! **How it works.** Each rule looks at one thing:
+//! **How it works.** Each rule examines one property:
 //!
-//! - *A slender thing* stands: trees, poles, people.
-//! - *Symmetry.* Things are alike on two sides, mostly left and right, and never above and below: of Y and Z, the axis
+//! - *A slender object* stands: trees, poles, people.
+//! - *Symmetry.* Objects are alike on two sides, mostly left and right, and never above and below: of Y and Z, the axis
 //!   along which a cloud is less like its mirror image is up.
-//! - *A height field.* Seen from an aircraft or a drone the ground has one height at each place.
+//! - *A height field.* Seen from an aircraft or a drone the ground has one height at each position.
 //!
-//! None of them says which end is up: it is the positive one. Rules that tried (crowns and ears are narrower than what
-//! carries them) put as much upside down as upright.
+//! None of them determines which end is up: it is the positive one. Rules that tried (crowns and ears are narrower than
+//! what carries them) put as many clouds upside down as upright.
 
 use super::sample::{CloudSample, quantile};
 use super::up::{Up, along};
@@ -18,7 +18,7 @@ use glam::Vec3;
 /// The axes that are up in files.
 const USUAL_AXES: [usize; 2] = [1, 2];
 
-/// Of a thing that is much longer along Y or Z than along both other axes.
+/// Guesses the up axis of an object that is much longer along Y or Z than along both other axes.
 pub(super) fn of_slender(bounds: &Aabb) -> Option<Up> {
     const LONGER: f32 = 2.5;
     let extent = bounds.extent();
@@ -29,7 +29,7 @@ pub(super) fn of_slender(bounds: &Aabb) -> Option<Up> {
     Some(Up::by_points(along(axis, true), "it is tall and slender"))
 }
 
-/// What symmetry tells.
+/// Evidence from symmetry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Symmetry {
     pub(super) up: Up,
@@ -37,9 +37,9 @@ pub(super) struct Symmetry {
     pub(super) is_strong: bool,
 }
 
-/// Of a thing that is symmetric along one of Y and Z, and less so along the other.
+/// Guesses the up axis of an object that is symmetric along one of Y and Z, and less so along the other.
 pub(super) fn of_symmetry(sample: &CloudSample, bounds: &Aabb) -> Option<Symmetry> {
-    /// How many times as unlike its mirror image it is along the up axis.
+    /// Minimum asymmetry ratio: how many times as unlike its mirror image a cloud is along the up axis.
     const MORE: f32 = 1.3;
     const MUCH_MORE: f32 = 2.0;
     /// Noise alone makes it so unlike.
@@ -67,8 +67,8 @@ pub(super) fn of_symmetry(sample: &CloudSample, bounds: &Aabb) -> Option<Symmetr
     })
 }
 
-/// How unlike its mirror image a cloud is along an axis: the share of it that has no counterpart, 0 to 1, in cells of a
-/// tenth of its size.
+/// Returns the asymmetry of a cloud along an axis: the fraction of it that has no mirrored counterpart, 0 to 1, in
+/// cells of a tenth of its size.
 fn asymmetry(sample: &CloudSample, axis: usize) -> f32 {
     const CELLS: usize = 10;
     /// Ends that a few points may reach.
@@ -105,15 +105,18 @@ fn asymmetry(sample: &CloudSample, axis: usize) -> f32 {
 /// Cells along an edge of a footprint.
 const GRID: usize = 24;
 
-/// Of ground seen from above. Low relief is that of maps, whose height is Z: facades are height fields along the other
-/// axes. Deep relief that fills its whole footprint, and nothing else, is a mountain along either axis.
+/// Guesses the up axis of a height field, ground seen from above. Low relief is that of maps, whose height is Z:
+/// facades are height fields along the other axes. Deep relief that fills its whole footprint, and nothing else, is a
+/// mountain along either axis.
 pub(super) fn of_height_field(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
-    /// Thickness within a cell, as a share of the extent: along the height of a field, and beside the other axes.
+    /// Maximum thickness within a cell, as a fraction of the extent: along the height of a field, and compared with the
+    /// other axes.
     const THIN: f32 = 0.3;
     const THINNER: f32 = 0.7;
     /// Height as a share of the narrower side; a face that was scanned from the front is deeper.
     const LOW: f32 = 0.5;
-    /// The same of deep relief, and how much of their footprints it and the others fill.
+    /// Maximum thickness within a cell for deep relief, and the fractions of their footprints that it and the others
+    /// fill.
     const THINNEST: f32 = 0.1;
     const FULL: f32 = 0.95;
     const EMPTY: f32 = 0.75;
@@ -139,7 +142,7 @@ pub(super) fn of_height_field(sample: &CloudSample, bounds: &Aabb) -> Option<Up>
     ))
 }
 
-/// What is seen along an axis.
+/// Footprint of the cloud, as seen along an axis.
 struct Footprint {
     /// Median extent of the points over a cell along the axis, as a share of that of all.
     thickness: f32,

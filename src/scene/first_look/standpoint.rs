@@ -30,14 +30,15 @@ const USUAL: Standpoint = Standpoint {
 /// From higher, so that what is wide and flat covers some of the picture.
 const TERRAIN_ELEVATION_DEG: f64 = 35.0;
 const SWEEP_ELEVATION_DEG: f64 = 30.0;
-/// Of views along the horizon, the nearer to the front the earlier.
+/// Azimuths of candidate views along the horizon, those closer to the front first.
 const AZIMUTHS_DEG: [f64; 11] = [
     -30.0, 0.0, 60.0, -60.0, 90.0, -90.0, 120.0, -120.0, 150.0, -150.0, 180.0,
 ];
 /// Another view is taken if it shows so many times as much.
 const CLEARLY_MORE: f32 = 1.25;
 
-/// Where to stand for the first picture. `eye` is the place of the sensor, if that is known or told by what it saw.
+/// Chooses the viewpoint of the first view. `eye` is the sensor position, if it is known or estimated from what the
+/// sensor saw.
 pub(super) fn standpoint(
     kind: CaptureKind,
     up: UpAxis,
@@ -108,7 +109,7 @@ const CELLS: usize = 48;
 
 /// The nearest point of a sample in each cell of a small picture by parallel rays.
 struct CoarsePicture {
-    /// How much the surface in a cell faces the view, −1 to 1; 1 where it has no normal. `None` where nothing is.
+    /// Facing ratio of the surface in each cell, −1 to 1; 1 where it has no normal. `None` for empty cells.
     cells: Vec<Option<f32>>,
 }
 
@@ -142,8 +143,8 @@ impl CoarsePicture {
     }
 }
 
-/// Whether nothing would be missing from any side if surfaces that face away were not drawn: each view shows fronts
-/// alone. False without normals.
+/// Returns true if back-face culling would leave nothing missing from any side: each view shows front faces only. False
+/// without normals.
 pub(super) fn is_closed(sample: &CloudSample, bounds: &Aabb) -> bool {
     /// Points near an outline face away a little although what they stand for does not.
     const CLEARLY_AWAY: f32 = -0.3;

@@ -24,7 +24,7 @@ pub(super) fn numbers(count: usize) -> impl Iterator<Item = [f32; 3]> {
     (0..count).map(move |index| [0.618_034, 0.754_878, 0.569_840].map(|ratio| fraction(ratio * step(index))))
 }
 
-/// What stands along Z, and the same along Y.
+/// Returns the points with Z as the up axis, and the same with Y.
 pub(super) fn turned(points: &[Vec3]) -> [(UpAxis, Vec<Vec3>); 2] {
     let along_y = points.iter().map(|p| Vec3::new(p.x, p.z, -p.y)).collect();
     [(UpAxis::Z, points.to_vec()), (UpAxis::Y, along_y)]

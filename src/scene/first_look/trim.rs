@@ -1,14 +1,14 @@
-//! Bounds that a few outliers do not decide.
+//! Bounding box that is robust to a few outliers.
 //!
 //! **How it works.** An outlier is far from everything: its spacing is many times that of the cloud. The most isolated
-//! points, one in twenty at most, are left out; what is dense stays, however thin or far away it is, so that an
+//! points, one in twenty at most, are excluded; what is dense stays, however thin or far away it is, so that an
 //! antenna, a second object or the end of a line is never cut off. Points that are hundreds of times as far from one
 //! another as those of the cloud, in all directions, sample nothing: up to a quarter may be such.
 
 use super::sample::CloudSample;
 use crate::math::Aabb;
 
-/// At most this share of the points is left out.
+/// Largest fraction of the points that is excluded as outliers.
 const MOST_OUTLIERS: f64 = 0.05;
 /// At most this share if they sample nothing, which they do from so many times the median spacing on.
 const MOST_STRAYS: f64 = 0.25;

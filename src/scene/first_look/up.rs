@@ -1,4 +1,4 @@
-//! Which axis is up, where neither the format nor the sensor says so: from how things stand.
+//! Up-axis estimation from how objects stand, where neither the format nor the sensor defines it.
 
 use super::sample::{CloudSample, quantile};
 use crate::assumption::Evidence;
@@ -44,7 +44,7 @@ pub(super) fn along(axis: usize, is_positive: bool) -> UpAxis {
 
 /// Models stand on the plane through zero: one end of one axis is there, and zero is well within the others.
 pub(super) fn on_zero(bounds: &Aabb, zero: Vec3) -> Option<Up> {
-    /// Of the extent: how near the end is to zero, and how far within the others it is.
+    /// Tolerance as a fraction of the extent: how close to zero the end is, and how far within the others it is.
     const NEAR: f32 = 0.03;
     const WITHIN: f32 = 0.2;
     let extent = bounds.extent();
@@ -79,7 +79,7 @@ pub(super) fn on_base(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
     /// Share of the footprint that a base covers, and how many times what the other side does.
     const BASE: f32 = 0.15;
     const BROADER: f32 = 5.0;
-    /// The same of a base above, as a share of the box too.
+    /// Threshold for a base above, as a fraction of the box as well.
     const BASE_ABOVE: f32 = 0.5;
     const BROADER_ABOVE: f32 = 8.0;
     let mut bases = [1, 2].into_iter().filter_map(|axis| {
@@ -99,7 +99,7 @@ pub(super) fn on_base(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
     is_alone.then(|| Up::by_points(base, "it stands on a flat base"))
 }
 
-/// What lies at one end.
+/// Contact area at one end of the cloud.
 #[derive(Debug, Clone, Copy, Default)]
 struct Contact {
     /// Share of the cells that have points.
@@ -111,7 +111,7 @@ struct Contact {
 /// Cells along an edge of the grid that footprints are counted in.
 const GRID: usize = 32;
 
-/// How much of the footprint along `axis` lies at the low or the high end.
+/// Returns the fraction of the footprint along `axis` that lies at the low or the high end.
 fn contact(sample: &CloudSample, bounds: &Aabb, axis: usize, is_low: bool) -> Contact {
     const THICKNESS: f32 = 0.03;
     let extent = bounds.extent();

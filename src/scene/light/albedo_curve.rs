@@ -1,27 +1,28 @@
-//! How much of the light rough surfaces mirror, and how much one pass over their microfacets loses.
+//! Directional albedo of rough surfaces: the light they mirror, and the energy that one pass over their microfacets
+//! loses.
 //!
 //! **How it works.** Microfacets are those of GGX (Walter et al. 2007) with the height-correlated masking of Smith
-//! (Heitz 2014). One bounce is all that their formula has. On rough surfaces light bounces again, so a white metal
-//! would be grey. Kulla and Conty 2017 give back what is lost as a second lobe, a product of the losses at both angles:
-//! it is the same when light and eye change places, and no energy is made or lost. A dielectric scatters the light that
-//! its microfacets let in, again in proportion at both angles.
+//! (Heitz 2014). Their formula covers one bounce only. On rough surfaces light bounces again, so a white metal would be
+//! grey. Kulla and Conty 2017 give back what is lost as a second lobe, a product of the losses at both angles: it is
+//! the same when light and eye change places, and energy is neither created nor lost. A dielectric scatters the light
+//! that its microfacets let in, again in proportion at both angles.
 //!
 //! The losses are integrals with one parameter, the cosine between normal and eye; they are tabulated for the roughness
-//! of a picture, and both renderers blend between the same entries. Samples are of the microfacets that the eye sees
-//! (Heitz 2018), on a regular grid: there is no noise.
+//! of an image, and both renderers interpolate between the same entries. Samples are of the microfacets that the eye
+//! sees (Heitz 2018), on a regular grid: there is no noise.
 
 use glam::Vec3;
 use std::f32::consts::PI;
 
-/// What a dielectric mirrors at right angles: glass and plastics, a refractive index of 1.5.
+/// Normal-incidence reflectance (F0) of a dielectric: glass and plastics, a refractive index of 1.5.
 pub(crate) const DIELECTRIC: f32 = 0.04;
 
 /// The reflectance of a surface of one roughness, by the cosine between its normal and the eye.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AlbedoCurve {
-    /// For cosines from 0 to 1 in equal steps: what is mirrored for each unit of the reflectance at right angles, and
-    /// beside that (the two sums of Karis 2013); the share of light that a bounce loses; and the share that the
-    /// microfacets of a dielectric let in.
+    /// Table entries for cosines from 0 to 1 in equal steps: the mirrored light per unit of the reflectance at normal
+    /// incidence, and that in addition to it (the two sums of Karis 2013); the fraction of light that a bounce loses;
+    /// and the fraction that the microfacets of a dielectric let in.
     pub entries: [[f32; 4]; Self::COUNT],
     /// Means over all directions of light, by their cosine, of the last two.
     pub mean_loss: f32,
@@ -36,7 +37,7 @@ impl AlbedoCurve {
     /// Entries.
     pub const COUNT: usize = 128;
 
-    /// Of a roughness from 0 to 1.
+    /// Creates the albedo curve of a roughness from 0 to 1.
     pub fn new(roughness: f32) -> Self {
         let alpha = roughness * roughness;
         let mut entries = [[0.0; 4]; Self::COUNT];
@@ -79,7 +80,7 @@ fn mean(entries: &[[f32; 4]; AlbedoCurve::COUNT], column: usize) -> f32 {
     (2.0 * pieces.sum::<f64>()) as f32
 }
 
-/// What is mirrored for each unit of the reflectance at right angles, and beside that.
+/// Returns the mirrored light per unit of the reflectance at normal incidence, and that in addition to it.
 fn mirrored(cosine: f32, alpha: f32) -> [f32; 2] {
     let cosine = cosine.max(1e-4);
     let to_eye = Vec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
@@ -116,8 +117,8 @@ fn masking(cosine: f32, alpha: f32) -> f32 {
     0.5 * ((1.0 + alpha * alpha * slope2).sqrt() - 1.0)
 }
 
-/// The normal of a microfacet that the eye sees, for a place on the disk that it projects them to: the root of `share`
-/// from its middle (Heitz 2018).
+/// Returns the normal of a microfacet that the eye sees, for a position on the disk that it projects them to: the root
+/// of `share` from its centre (Heitz 2018).
 fn seen_microfacet(to_eye: Vec3, alpha: f32, share: f32, angle: f32) -> Vec3 {
     let stretched = Vec3::new(alpha * to_eye.x, alpha * to_eye.y, to_eye.z).normalize();
     let aside = stretched.x.hypot(stretched.y);

@@ -1,12 +1,12 @@
-//! The lights of deferred shading: what falls on the finished surface of a picture, in linear light.
+//! Lights of deferred shading: the illumination of the finished surface of an image, in linear light.
 //!
-//! **How it works** (paper 003 §3.6; Botsch and Kobbelt 2003). Splats leave colours, normals and depths in place of lit
-//! colours; light is worked out once for each pixel of the blended surface. A packet's lights are given in view space,
-//! as renderers need them: lamps move with the camera, so that what is seen is lit. Colours are linear, and such that a
-//! white surface across a lamp of 1 is white.
+//! **How it works** (paper 003 §3.6; Botsch and Kobbelt 2003). Splats write colours, normals and depths instead of lit
+//! colours; lighting is evaluated once for each pixel of the blended surface. A packet's lights are given in view
+//! space, as renderers need them: lamps move with the camera, so that what is seen is lit. Colours are linear, and such
+//! that a white surface across a lamp of 1 is white.
 //!
-//! Light of a lamp follows Lambert, with the highlights of Blinn 1977 where they are asked for. The head light shines
-//! from the eye. Surfaces have two sides: normals are turned towards the eye first.
+//! Light of a lamp follows Lambert, with the highlights of Blinn 1977 where they are requested. The headlight shines
+//! from the eye. Surfaces are two-sided: normals are turned towards the eye first.
 
 use crate::scene::ScenePacket;
 use crate::scene::style::{LightRig, Lighting};
@@ -22,11 +22,11 @@ pub struct Lights {
     pub ambient: f32,
     /// Light from the eye.
     pub head: f32,
-    /// How white highlights are.
+    /// Intensity of specular highlights, which are white.
     pub specular: f32,
-    /// Those beside the head light; black ones are none.
+    /// Lamps in addition to the headlight; black ones are off.
     pub lamps: [Lamp; Lights::MOST_LAMPS],
-    /// How far away the middle of the cloud is: a unit of distances in which those of surfaces are near 1.
+    /// Distance to the centre of the cloud: a unit of distances in which those of surfaces are near 1.
     pub usual_distance: f32,
 }
 
@@ -53,14 +53,14 @@ impl Lamp {
         }
     }
 
-    /// Whether it shines.
+    /// Returns true if the lamp is on.
     pub fn is_on(&self) -> bool {
         self.color != Vec3::ZERO
     }
 }
 
 impl Lights {
-    /// How small highlights are: the power of Blinn 1977.
+    /// Specular exponent of Blinn 1977, which determines how small highlights are.
     pub const SHININESS: u32 = 32;
 
     /// The first lamp, if it is far away: its shadow can be told.
@@ -68,10 +68,10 @@ impl Lights {
         self.lamps.first().filter(|lamp| lamp.is_on() && lamp.place.w == 0.0)
     }
 
-    /// The most lamps beside the head light.
+    /// Maximum number of lamps in addition to the headlight.
     pub const MOST_LAMPS: usize = 4;
 
-    /// Those of a packet; `None` where light is worked out for each splat, or there is none.
+    /// Returns the lights of a packet; `None` where lighting is evaluated per splat, or there is none.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
         let light = &packet.style.light;
         let specular = match packet.lighting() {

@@ -1,4 +1,4 @@
-//! What metallic–roughness shading needs beside lamps: the material of a picture, and the light of its environment.
+//! Inputs of metallic–roughness shading in addition to lamps: the material of an image, and its environment lighting.
 //!
 //! **How it works.** A surface is a blend of a dielectric (4 % mirrored, the rest scattered in its colour) and of a
 //! metal (mirrored in its colour), as in glTF 2.0. For a lamp, with half vector h and cosines of the normal:
@@ -7,8 +7,8 @@
 //!   1994;
 //! - further bounces, and what is scattered below, are products of losses at both angles (`albedo_curve.rs`).
 //!
-//! So a white surface in white light from all sides is white, whatever it is made of: nothing is lost or made. Of the
-//! environment, one bounce is the split sum of Karis 2013, and the rest that of a matt surface.
+//! So a white surface in white light from all sides is white, whatever its material: no energy is lost or created. For
+//! the environment, one bounce is the split sum of Karis 2013, and the rest that of a matt surface.
 //!
 //! Light is in the unit of lamps: a matt white surface across a lamp of 1 is white. So formulas lack a π of the books.
 
@@ -20,13 +20,13 @@ use crate::scene::style::{LightRig, Lighting};
 use glam::Mat3;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// How bright the environment is that fills where lamps do not reach.
+/// Intensity of the environment that fills areas lamps do not reach.
 const ENVIRONMENT_BESIDE_LAMPS: f32 = 0.3;
 
 /// The material and the environment of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhysicalLight {
-    /// How much of a metal it is, 0 to 1.
+    /// Metalness of the material, 0 to 1.
     pub metallic: f32,
     /// Square of the roughness, for lamps.
     pub alpha: f32,
@@ -34,19 +34,20 @@ pub struct PhysicalLight {
     pub environment_from_view: Mat3,
     /// Factor on the texels.
     pub environment_light: f32,
-    /// What matt surfaces send back, by their normal in the environment; with that factor.
+    /// Diffuse irradiance of matt surfaces as spherical harmonics, by their normal in the environment; with that
+    /// factor.
     pub harmonics: Harmonics,
-    /// What depends on the roughness.
+    /// Lookup tables that depend on the roughness.
     pub tables: Arc<PhysicalTables>,
 }
 
-/// What a roughness makes of an environment, and of light at any angle.
+/// Lookup tables of a roughness: the filtered environment, and the reflection of light at any angle.
 #[derive(Debug, PartialEq)]
 pub struct PhysicalTables {
     /// Rows of [`PhysicalTables::WIDTH`]: the environment as the roughness mirrors it, and one more row that begins
     /// with the entries of the curve.
     pub texels: Vec<[f32; 4]>,
-    /// What is mirrored and lost.
+    /// Albedo curve: the mirrored and the lost light.
     pub curve: AlbedoCurve,
 }
 
@@ -64,9 +65,9 @@ impl PhysicalTables {
         Self { texels, curve }
     }
 
-    /// Those of a roughness, made anew if they are none of the last ones.
+    /// Returns the tables of a roughness, recomputed if they are not among the last ones.
     fn of(environment: Environment, roughness: f32) -> Arc<Self> {
-        /// Of how many pictures they are kept: of both halves of a comparison.
+        /// Number of images whose tables are cached: both halves of a comparison.
         const MOST_KEPT: usize = 4;
         static KEPT: Mutex<Vec<(Environment, u32, Arc<PhysicalTables>)>> = Mutex::new(Vec::new());
         // Entries are replaced whole.

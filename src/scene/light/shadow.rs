@@ -1,21 +1,22 @@
-//! The shadow of the key light: what the depth map of a lamp is drawn from, and where places of a picture are in it.
+//! Shadow map of the key light: the input of a lamp's depth map, and the lookup position of image points in it.
 //!
 //! **How it works** (Williams 1978, with percentage-closer filtering, Reeves et al. 1987). The first lamp of a rig is
-//! its key light. If it is far away, the cloud is drawn once more as it is seen from there, for its depths alone. A
-//! place of the picture is in shadow where something nearer to the lamp is drawn there. That is asked of a square of
-//! 3×3 texels around the place, which begins between texels: so borders of shadows are soft and do not flicker.
+//! its key light. If it is far away, the cloud is drawn once more as seen from there, for its depths alone. A point of
+//! the image is in shadow where something nearer to the lamp is drawn there. That is looked up in a square of 3×3
+//! texels around the point, which begins between texels: so borders of shadows are soft and do not flicker.
 //!
 //! Parallel rays are those through a telephoto lens from far away, as in orthographic views: the map needs no
-//! projection of its own, and is drawn by the passes that draw the picture.
+//! projection of its own, and is drawn by the passes that draw the image.
 //!
-//! A surface must not shadow itself. Two things see to that:
+//! A surface must not shadow itself. Two measures ensure that:
 //!
 //! - splats are pushed away from the lamp by their radius, as in the visibility pass, so that disks of one surface
-//!   count as one; cells by twice the way from their middle to a corner, since their faces are steps;
-//! - places are moved along their normal by [`Shadow::OFFSET_TEXELS`]: what a plane at a slope rises between a place
-//!   and the texels around it that are asked.
+//!   count as one; cells by twice the distance from their centre to a corner, since their faces are steps;
+//! - positions are moved along their normal by [`Shadow::OFFSET_TEXELS`]: what a plane at a slope rises between a
+//!   position
+//!   and the texels around it that are looked up.
 //!
-//! The map depends on the cloud and on the direction of the lamp in it: zooming and panning leave it as it is.
+//! The map depends on the cloud and on the direction of the lamp in it: zooming and panning leave it unchanged.
 
 use crate::scene::style::Primitive;
 use crate::scene::style::describe::Conditions as _;
@@ -33,9 +34,9 @@ pub struct Shadow {
     pub lamp_packet: ScenePacket,
     /// Rows of the matrix from the view space of the picture into that of the lamp.
     pub lamp_from_view: [Vec4; 3],
-    /// Edge of a texel in the middle of the cloud, scene units.
+    /// Edge length of a texel at the centre of the cloud, scene units.
     pub texel: f32,
-    /// How far what casts it is pushed away from the lamp, in radii of splats.
+    /// Depth bias: the distance by which casters are pushed away from the lamp, in radii of splats.
     pub slack_radii: f32,
 }
 
@@ -43,14 +44,15 @@ impl Shadow {
     /// Width and height of the map.
     pub const EDGE_PX: u32 = 1024;
 
-    /// How far places are moved along their normal, in texels: always, and for a lamp that is seen edge-on as much
-    /// again as a square of 3×3 texels between texels reaches, √2 · 2.
+    /// Normal offset of positions along their normal, in texels: always, and for a lamp that is seen edge-on
+    /// additionally the reach of a square of 3×3 texels between texels, √2 · 2.
     pub const OFFSET_TEXELS: [f32; 2] = [1.0, 2.83];
 
-    /// How far splats are pushed away from the lamp, in their radii; as the visibility pass pushes them from the eye.
+    /// Depth bias by which splats are pushed away from the lamp, in their radii; as the visibility pass pushes them
+    /// from the eye.
     const SLACK_RADII: f32 = 1.0;
 
-    /// The same where points are drawn. They face the screen: on a slope they are before and behind the surface that
+    /// Depth bias where points are drawn. They face the screen: on a slope they are before and behind the surface that
     /// casts their shadows, at 60 degrees by nearly two radii.
     const SLACK_OF_POINTS_RADII: f32 = 3.0;
 

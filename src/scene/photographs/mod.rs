@@ -1,4 +1,4 @@
-//! Photographs on surfaces: where they were taken from, how far away what each shows is.
+//! View-dependent texturing: camera positions of the posed images, and the depth of what each shows.
 
 pub(super) mod photo_depths;
 pub(super) mod photo_views;

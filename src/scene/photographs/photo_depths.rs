@@ -1,11 +1,12 @@
-//! How far away what each photograph shows is (paper 004 §3.3).
+//! Depth maps of the posed images (paper 004 §3.3).
 
 use rayon::prelude::*;
 
-/// How near a step has to be to count, texels.
+/// Maximum distance to a depth discontinuity for it to count, texels.
 const STEP_TEXELS: usize = 3;
 
-/// What photographs see of the surface of a frame, whatever the eye sees of it: a depth map for each, in their order.
+/// Depth maps of the surface of a frame as the posed images see it, whatever the eye sees of it: one for each image, in
+/// their order.
 #[derive(Debug, Default)]
 pub struct PhotoDepths {
     pub(crate) maps: Vec<DepthMap>,
@@ -27,29 +28,30 @@ pub(crate) struct DepthMap {
     pub(crate) distances: Vec<f32>,
     /// Places that are so much behind what is there are hidden by it.
     pub(crate) tolerance: f32,
-    /// Whether it was measured, and not drawn of the surface itself: it may contradict that.
+    /// True if the depth map was measured rather than drawn of the surface itself: it may contradict that.
     pub(crate) is_measured: bool,
 }
 
-/// Where a place is in relation to what a photograph shows there.
+/// Depth relation of a position to what an image shows there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum DepthRelation {
-    /// It is what the photograph shows, as far as anybody knows.
+    /// It is what the image shows, as far as is known.
     There,
     /// Something before it hides it.
     Hidden,
-    /// The photograph shows what is behind it.
+    /// The image shows what is behind it.
     Through,
 }
 
 impl DepthMap {
-    /// How much of the depth of what is seen a place may be behind it (paper 004 §4.1).
+    /// Depth tolerance: how far a position may be behind what is seen, as a fraction of the depth of that (paper 004
+    /// §4.1).
     const TOLERANCE: f32 = 0.05;
 
-    /// The same of how large the surface is, at least: a wall has no depth.
+    /// Minimum depth tolerance as a fraction of the surface's size: a wall has no depth.
     const LEAST_TOLERANCE: f32 = 0.01;
 
-    /// The same of how far away what is seen is, at most: stray points make any surface large.
+    /// Maximum depth tolerance as a fraction of the distance to what is seen: outliers make any surface large.
     const MOST_OF_DISTANCE: f32 = 0.03;
 
     /// A map of these distances. Precondition: they are as many as `size` has pixels, and these are some.
@@ -74,7 +76,8 @@ impl DepthMap {
         }
     }
 
-    /// What is at `share` of its width and height, 0 to 1, beside a place at `distance`; and whether a step is near.
+    /// Returns the depth relation at `share` of the map's width and height, 0 to 1, to a position at `distance`; and
+    /// true if a discontinuity is near.
     #[inline(always)]
     pub(crate) fn seen(&self, share: [f32; 2], distance: f32) -> (DepthRelation, bool) {
         let texel = |axis: usize| ((share[axis] * self.size[axis] as f32) as usize).min(self.size[axis] as usize - 1);
@@ -94,8 +97,9 @@ impl DepthMap {
     }
 }
 
-/// Makes negative what is within [`STEP_TEXELS`] of a step larger than `tolerance`, or of nothing: a little beside
-/// there, a photograph shows something else. Least and largest are found along lines, then across them.
+/// Marks depth discontinuities by making negative what is within [`STEP_TEXELS`] of a step larger than `tolerance`, or
+/// of nothing: slightly next to there, an image shows something else. Least and largest are found along lines, then
+/// across them.
 fn mark_steps(distances: &mut [f32], width: usize, tolerance: f32) {
     let height = distances.len() / width.max(1);
     let window = |at: usize, end: usize| at.saturating_sub(STEP_TEXELS)..(at + STEP_TEXELS + 1).min(end);

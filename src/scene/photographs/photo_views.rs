@@ -1,69 +1,69 @@
-//! Photographs on a surface (paper 004 §3): where they were taken from as a picture sees it, and what each of them may
-//! see.
+//! View-dependent texturing (paper 004 §3): camera poses of the posed images relative to the rendered view, and what
+//! each of them may see.
 //!
-//! **How it works.** Surfaces are drawn first, into the sums of deferred shading; then each pixel asks the photographs
-//! once. (The paper asks them for every fragment of every splat.) Photographs that look at a place from about where the
-//! eye is count most: `w = exp(−θ²/σ²)`, with θ between the ways from the place to both (§3.2). A photograph does not
-//! see a place that is behind what it shows (§3.3): that is told by a depth map for each, from its file or drawn of the
-//! whole surface as it sees it.
+//! **How it works.** Surfaces are drawn first, into the sums of deferred shading; then each pixel queries the posed
+//! images once. (The paper queries them for every fragment of every splat.) Images that look at a position from about
+//! where the eye is count most: `w = exp(−θ²/σ²)`, with θ between the directions from the position to both (§3.2). An
+//! image does not see a position that is behind what it shows (§3.3): that is determined by a depth map for each, from
+//! its file or drawn of the whole surface as it sees it.
 //!
 //! Weights are taken relative to that of the first view that is not blended any more ([`PhotoViews::blended`]), so that
 //! none of them appears or vanishes at once while the eye moves (Buehler et al. 2001).
 //!
-//! Surfaces can be lit anew by normals of the depths that photographs see (§4.1): `render/cpu/photographs/normals.rs`.
+//! Surfaces can be relit with depth-map normals of what the images see (§4.1): `render/cpu/photographs/normals.rs`.
 
 use crate::photos::Photograph;
 use crate::scene::style::Primitive;
 use crate::scene::{Content, PhotoClipping, PhotoGains, PhotoHoles, PhotoRelight, ScenePacket, ViewTransform, gap_px};
 use glam::{DMat3, DVec3, Vec3, Vec4};
 
-/// What is needed of photographs to colour one picture.
+/// Data of the posed images needed to colour one rendered image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhotoViews {
-    /// One for each photograph.
+    /// Views, one for each posed image.
     pub views: Vec<PhotoView>,
     /// `1/σ²`, per square radian.
     pub per_sigma2: f32,
-    /// How many are blended at a place at most, from 1 up.
+    /// Maximum number of views blended at a position, from 1 up.
     pub blended: usize,
-    /// What becomes of places of which photographs show something else.
+    /// Clipping of positions where the posed images show something else.
     pub clipping: PhotoClipping,
-    /// What places look like that no photograph sees.
+    /// Hole filling of positions that no posed image sees.
     pub holes: PhotoHoles,
-    /// How wide gaps in the surface are that are closed; 0: none ([`gap_px`]).
+    /// Maximum width of gaps in the surface that are closed; 0: none ([`gap_px`]).
     pub gap_px: u32,
-    /// Whether normals are those of their depths, and colours theirs.
+    /// Relighting: selects normals from the depths of the views, and their colours.
     pub relight: PhotoRelight,
 }
 
-/// Where one photograph was taken, as a picture sees it.
+/// Camera pose of one posed image, relative to the rendered view.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhotoView {
     /// Rows of the matrix from the view space of the picture into that of the camera: x right, y down, z forward.
     pub camera_from_view: [Vec4; 3],
-    /// Where the camera was, in the view space of the picture.
+    /// Camera centre, in the view space of the rendered image.
     pub center: Vec3,
     /// Focal lengths in texels of the finest level.
     pub focal: [f32; 2],
-    /// Where the camera's axis meets the photograph, texels from its upper left corner.
+    /// Principal point: where the camera's axis meets the image, texels from its upper left corner.
     pub principal: [f32; 2],
     /// Width and height of the finest level.
     pub size: [f32; 2],
-    /// What its colours are multiplied with.
+    /// Colour gain by which the image is multiplied.
     pub gain: Vec3,
 }
 
 impl PhotoViews {
-    /// How many photographs are asked at a place at most, those first that look at it as the eye does: in a hollow,
-    /// most are asked in vain.
+    /// Maximum number of posed images queried at a position, starting with those that look at it as the eye does: in a
+    /// hollow, most are queried in vain.
     pub const MOST_ASKED: usize = 16;
 
-    /// Whether what none of them sees is filled from around.
+    /// Returns true if holes, which none of the images sees, are filled from their surroundings.
     pub fn fills_holes(&self) -> bool {
         self.holes == PhotoHoles::Filled
     }
 
-    /// Those of a packet; `None` where surfaces have other colours.
+    /// Returns the views of a packet; `None` where surfaces have other colours.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
         let shown = packet.photographs.as_ref()?;
         let style = &packet.style.photos;
@@ -109,7 +109,7 @@ impl PhotoView {
     }
 }
 
-/// The surface as a photograph sees it, for its depths alone.
+/// Returns the packet of the surface as a posed image sees it, for its depths alone.
 pub fn seen_by_photograph(packet: &ScenePacket, photograph: &Photograph) -> Option<ScenePacket> {
     let shown = packet.photographs.as_ref()?;
     let surface = shown.surface.clone()?;
@@ -124,9 +124,9 @@ pub fn seen_by_photograph(packet: &ScenePacket, photograph: &Photograph) -> Opti
     Some(seen)
 }
 
-/// What a photograph sees, in a picture of `viewport_px` of all of it.
+/// Returns the view transform of a posed image, in a rendered image of `viewport_px` of all of it.
 fn view_of(photograph: &Photograph, origin: DVec3, packet: &ScenePacket, viewport_px: [u32; 2]) -> ViewTransform {
-    /// The near plane, as a share of the way to the middle of the cloud or of its radius.
+    /// Near plane, as a fraction of the distance to the centre of the cloud or of its radius.
     const NEAR: f64 = 1e-3;
     // From x right, y down, z forward to x right, y up, z backward.
     let flip = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));

@@ -1,20 +1,21 @@
-//! Photographs of what a packet shows.
+//! Posed images of what a packet shows.
 
 use crate::photos::Photographs;
 use crate::scene::{Content, PhotoDepths, Surfels};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Photographs for the frames of a packet.
+/// Posed images for the frames of a packet.
 #[derive(Debug, Clone)]
 pub struct PhotographsInFrame {
-    /// The photographs.
+    /// Posed images.
     pub photographs: Arc<Photographs>,
-    /// What places of the frame are relative to.
+    /// Origin that positions of the frame are relative to.
     pub origin: DVec3,
-    /// All of the surface, whatever of it is drawn: what photographs see of it does not change with the view.
+    /// Complete surface, whatever of it is drawn: what the posed images see of it does not change with the view.
     pub surface: Option<Surfels>,
-    /// What photographs see of it, if that was drawn ahead; else who draws the packet does that first.
+    /// Depth maps of the surface as the posed images see it, if they were drawn ahead; otherwise whoever draws the
+    /// packet does that first.
     pub depths: Option<Arc<PhotoDepths>>,
 }
 

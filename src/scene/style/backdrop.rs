@@ -1,12 +1,12 @@
-//! What is shown beside the cloud.
+//! Backdrop of the cloud: background and ground grid.
 
 use super::background::Background;
 use super::describe::{Section, Values, group};
 
 group! {
-    /// What is shown beside the cloud.
+    /// Backdrop settings: what is shown in addition to the cloud.
     Backdrop {
-        /// What is behind it.
+        /// Background behind the cloud.
         background: Background = Background::default(), "background" BACKGROUND {
             // The option takes what no style has: `transparent`.
             value_name: "COLOR",
@@ -19,7 +19,7 @@ group! {
             also: &["backdrop", "clear colour", "canvas"],
             values: Values::Background,
         }
-        /// Whether lines show the ground.
+        /// Visibility of the ground grid.
         grid: bool = false, "grid" GRID {
             flag: "grid",
             help: "Draw a ground grid",

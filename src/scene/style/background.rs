@@ -1,10 +1,10 @@
-//! What is behind the cloud.
+//! Background behind the cloud.
 
 use super::parse_error::ParseChoiceError;
 use crate::spelling::is_same_word;
 use std::str::FromStr;
 
-/// What is behind the cloud: a vertical gradient between two colours, or one colour when they are equal.
+/// Background behind the cloud: a vertical gradient between two colours, or one colour when they are equal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(try_from = "StoredBackground")]
 pub struct Background {
@@ -38,7 +38,7 @@ impl Background {
         ),
     ];
 
-    /// In place of the usual one, which is as dark as a scan at night.
+    /// Background used instead of the default one, which is as dark as a scan at night.
     pub const BEHIND_DARK: Self = Self {
         top: [150, 160, 172],
         bottom: [92, 100, 112],
@@ -58,7 +58,7 @@ pub(in crate::scene) fn luma([red, green, blue]: [u8; 3]) -> f32 {
     0.299 * f32::from(red) + 0.587 * f32::from(green) + 0.114 * f32::from(blue)
 }
 
-/// How a background is in a file: as it is written, or as the word of the command line, which `settings.json` had once.
+/// Serialised form of a background: as it is written, or as the word of the command line that `settings.json` once had.
 #[derive(serde::Deserialize)]
 #[serde(untagged)]
 enum StoredBackground {

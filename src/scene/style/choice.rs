@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 /// Choices that settings may leave open.
 pub trait Automatic: Setting<Decided = Self> + Copy + PartialEq + 'static {
-    /// Where a choice is left open and nothing decides otherwise.
+    /// Default value for a choice that is left open and that nothing else decides.
     const USUAL: Self;
 
     /// The words of [`Choice`]: that of the open choice, and one per value.
@@ -37,7 +37,7 @@ impl<T: Automatic> Choice<T> {
         }
     }
 
-    /// Whether it is left open.
+    /// Returns true if the choice is left open.
     pub fn is_open(self) -> bool {
         self.chosen().is_none()
     }

@@ -46,7 +46,7 @@ macro_rules! choices {
             /// Every choice, in the order the window lists them.
             pub const ALL: &'static [Self] = &[$(Self::$variant),+];
 
-            /// What each is called, in the same order.
+            /// Names of the choices, in the same order.
             pub const WORDS: &'static $crate::scene::describe::Words = &$crate::scene::describe::Words {
                 what: $what,
                 list: &[$($crate::scene::describe::Word {

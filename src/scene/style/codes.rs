@@ -1,11 +1,11 @@
-//! How surfels are drawn from byte codes of the octree.
+//! Rendering of surfels from byte codes of the octree.
 
 use super::choices::choices;
 use super::describe::{Label, Place, Section, Values, group};
 
 choices! {
-    /// What the software renderer draws surfels from, and as what. Effective in the splatting modes that begin with a
-    /// visibility pass; the GPU draws exact disks whatever it says.
+    /// Footprint shape and source that the software renderer draws surfels from. Effective in the splatting modes that
+    /// begin with a visibility pass; the GPU always draws exact disks.
     Footprint, "footprint" {
         Disks = "disks", "Exact disks", "Pixel by pixel, from the records of the points";
         /// Masks are worked out once for quantised normals (paper 001 §5.2).
@@ -59,9 +59,9 @@ impl OffsetBits {
 }
 
 group! {
-    /// How surfels are drawn from byte codes of the octree.
+    /// Rendering settings of surfels from byte codes of the octree.
     CodeStyle {
-        /// What the software renderer draws surfels from.
+        /// Footprint that the software renderer draws surfels from.
         footprint: Footprint = Footprint::Disks, "footprint" FOOTPRINT {
             flag: "footprint",
             value_name: "FOOTPRINT",

@@ -45,7 +45,7 @@ pub const RANGE: Described = Described {
     ..Described::USUAL
 };
 
-/// Whether its steps are factors.
+/// Logarithmic scale switch: the steps are factors.
 pub const LOGARITHM: Described = Described {
     flag: "color-log",
     help: "Map values logarithmically",

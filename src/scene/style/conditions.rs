@@ -1,4 +1,4 @@
-//! What is so of a way to draw: when settings have an effect, and what passes ask.
+//! Conditions on a render mode: when settings have an effect, and what passes query.
 
 use super::describe::Conditions;
 use super::{

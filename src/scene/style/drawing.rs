@@ -1,12 +1,11 @@
-//! What points become, and who draws them.
+//! Drawing settings: the primitive that points become, and the renderer.
 
 use super::Choice;
 use super::choices::choices;
 use super::describe::{Label, Numbers, Place, Typed, Unit, Values, group};
 
 choices! {
-    /// What a point becomes on the screen.
-    /// Which it is where nobody chooses, [`FirstLook`](crate::scene::FirstLook) says.
+    /// Primitive that a point is rendered as. If left open, [`FirstLook`](crate::scene::FirstLook) decides.
     Primitive, "primitive", auto Surfel = "Auto", "Surfels where the points sample a surface, else points" {
         /// Paper 000 §V.
         Surfel = "surfel", "Surfels", "Oriented disks with a Gaussian mask, blended where they overlap",
@@ -29,7 +28,7 @@ choices! {
 }
 
 choices! {
-    /// Who draws.
+    /// Renderer choice.
     RendererChoice, "renderer", auto Cpu = "Automatic", "The GPU if there is a hardware one, else the CPU" {
         Gpu = "gpu", "GPU", "The adapter of the graphics library, even a software one";
         Cpu = "cpu", "CPU", "The CPU, without instancing";
@@ -37,14 +36,14 @@ choices! {
 }
 
 impl RendererChoice {
-    /// The processor, or a graphics card.
+    /// Returns the CPU or the GPU renderer.
     pub fn of(is_processor: bool) -> Self {
         if is_processor { Self::Cpu } else { Self::Gpu }
     }
 }
 
 impl Choice<RendererChoice> {
-    /// Whether the processor draws, if the adapter is a program that draws there too, or a GPU.
+    /// Returns true if the CPU draws, given whether the adapter is a software one that draws there too, or a GPU.
     pub fn is_processor(self, adapter_is_software: bool) -> bool {
         match self {
             Self::Auto => adapter_is_software,
@@ -54,19 +53,20 @@ impl Choice<RendererChoice> {
 }
 
 choices! {
-    /// How instances reach the vertex stage (paper 000 §IV). What each is on the GPU: `render/gpu/instancing`.
+    /// Instancing strategy: how instances reach the vertex stage (paper 000 §IV). Their GPU implementations are in
+    /// `render/gpu/instancing`.
     Strategy, "instancing strategy" {
         Storage = "storage", "Storage buffer", "Records pulled from a storage buffer";
         Uniform = "uniform", "Uniform buffers", "Records in 64 KiB uniform buffers, one draw for each";
         Texture = "texture", "Texture", "Records fetched as texels";
         Vertex = "vertex", "Vertex attributes", "Records as attributes stepped per instance";
-        /// What the geometry shader did.
+        /// Replacement for the geometry shader.
         Compute = "compute", "Compute", "A compute pass writes the quads and cubes; one indirect draw";
     }
 }
 
 choices! {
-    /// What is done about the steps of edges.
+    /// Antialiasing mode for jagged edges.
     Antialiasing, "way of antialiasing" {
         None = "none", "None", "One sample per pixel, at its centre";
         /// Lottes 2009.
@@ -77,7 +77,7 @@ choices! {
 }
 
 impl Antialiasing {
-    /// How far along an edge its end is looked for.
+    /// Maximum number of search steps along an edge for its end.
     pub const FXAA_SEARCH_STEPS: u32 = 16;
 
     /// Pixels that are drawn for one that is shown, along both edges of the picture.
@@ -88,7 +88,7 @@ impl Antialiasing {
         }
     }
 
-    /// How many pixels around one it depends on.
+    /// Returns the halo in pixels: how many pixels around one it depends on.
     pub(in crate::scene) fn halo_px(self) -> u32 {
         match self {
             // Beside the end of an edge its corners count.
@@ -97,7 +97,8 @@ impl Antialiasing {
         }
     }
 
-    /// What is done where nothing is behind the cloud: how light the background is would change which edges FXAA finds.
+    /// Returns the antialiasing mode for images without a background: the lightness of the background would change
+    /// which edges FXAA finds.
     #[must_use]
     pub fn without_background(self) -> Self {
         match self {
@@ -108,9 +109,9 @@ impl Antialiasing {
 }
 
 group! {
-    /// Who draws, and how many pixels.
+    /// Drawing settings: the renderer, and the number of pixels.
     DrawingSettings decided DrawingStyle {
-        /// Who draws.
+        /// Renderer.
         renderer: Choice<RendererChoice> = Choice::Auto, "renderer" RENDERER {
             flag: "renderer",
             value_name: "RENDERER",
@@ -122,7 +123,7 @@ group! {
             also: &["rasterizer", "software rendering", "backend", "hardware acceleration", "graphics card"],
             values: Values::Words(Choice::<RendererChoice>::WORDS),
         }
-        /// How instances reach the GPU.
+        /// Instancing strategy: how instances reach the GPU.
         strategy: Strategy = Strategy::Storage, "strategy" STRATEGY {
             flag: "instancing",
             value_name: "STRATEGY",
@@ -153,7 +154,7 @@ group! {
                 ..Numbers::USUAL
             }),
         }
-        /// What is done about the steps of edges.
+        /// Antialiasing mode for jagged edges.
         antialiasing: Antialiasing = Antialiasing::None, "antialiasing" ANTIALIASING {
             flag: "antialiasing",
             value_name: "METHOD",

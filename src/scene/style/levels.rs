@@ -9,7 +9,7 @@ use crate::levels::{LevelsKind, Lod, LodMetric, SphereKind};
 use crate::math::morton;
 
 choices! {
-    /// What levels of detail of surfels are taken from.
+    /// Structure that levels of detail of surfels are taken from.
     LevelStructure, "structure of levels of detail" {
         Octree = "octree", "Octree", "Surfels of the octree's cells, as large as the level of detail says";
         None = "none", "None (list)",
@@ -28,7 +28,7 @@ choices! {
 }
 
 impl LevelStructure {
-    /// What surfels are taken from.
+    /// Returns the kind of levels that surfels are taken from.
     pub fn kind(self) -> LevelsKind {
         match self {
             Self::Octree => LevelsKind::Surfels,
@@ -304,7 +304,7 @@ impl Setting for LodMetric {
 }
 
 group! {
-    /// How deep the octree goes, and which of its cells are drawn.
+    /// Level-of-detail settings: the octree depth, and the selection of its cells that are drawn.
     LevelStyle {
         /// Surfels stand for cells of the octree, as [`LevelStyle::lod`] says, where they are small; else all points
         /// are drawn.
@@ -320,7 +320,7 @@ group! {
             also: &["lod", "simplify", "level of detail"],
             values: Values::Switch("Simplify far surfels"),
         }
-        /// What surfels that stand for others are taken from.
+        /// Level-of-detail structure: the source of surfels that stand for others.
         structure: LevelStructure = LevelStructure::Octree, "level_structure" STRUCTURE {
             flag: "lod-structure",
             other_flags: &["levels"],
@@ -336,7 +336,7 @@ group! {
             also: &["lod", "octree", "point tree"],
             values: Values::Words(LevelStructure::WORDS),
         }
-        /// How deep the octree goes: as far as voxels are closed, or as is said.
+        /// Stop criterion of the octree depth: as far as voxels are closed, or as specified.
         stop: StopCriterion = StopCriterion::default(), "stop" STOP {
             heading: HEADING,
             title: "Divide",
@@ -348,7 +348,7 @@ group! {
             also: &["octree depth", "leaf"],
             values: Values::Kinds(STOPS),
         }
-        /// Which of its cells are drawn.
+        /// Level of detail: selection of the octree cells that are drawn.
         lod: Lod = Lod::default(), "lod" LOD {
             heading: HEADING,
             title: "Level of detail",
@@ -359,7 +359,7 @@ group! {
             also: &["lod", "point budget", "detail", "decimate", "performance"],
             values: Values::Kinds(LODS),
         }
-        /// What of them is held against the threshold in pixels.
+        /// Level-of-detail metric that is compared with the threshold in pixels.
         metric: LodMetric = LodMetric::Edge, "lod_metric" METRIC {
             flag: "lod-metric",
             value_name: "METRIC",

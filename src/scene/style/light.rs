@@ -6,9 +6,8 @@ use super::describe::{Label, Numbers, Place, Section, Typed, Unit, Values, group
 use crate::scene::environment::Environment;
 
 choices! {
-    /// Where the head light is evaluated (paper 000 §V-B), or what deferred shading does with the finished surface
-    /// (paper 003 §3.6).
-    /// Colours of cameras have their light in them, and are not lit again.
+    /// Lighting mode: where the headlight is evaluated (paper 000 §V-B), or what deferred shading does with the
+    /// finished surface (paper 003 §3.6). Colours of cameras have their light in them, and are not lit again.
     Lighting, "lighting", auto PerFragment = "Automatic",
         "Smooth; none where cameras took the colours, which have light in them"
     {
@@ -29,14 +28,14 @@ choices! {
 }
 
 impl Lighting {
-    /// Whether light falls on the blended surface, not on splats.
+    /// Returns true if shading is deferred: light falls on the blended surface, not on splats.
     pub fn is_deferred(self) -> bool {
         matches!(self, Self::Lambert | Self::BlinnPhong | Self::Physical)
     }
 }
 
 choices! {
-    /// Which lights there are where shading is deferred; see [`Lights`](crate::scene::Lights).
+    /// Light rig of deferred shading; see [`Lights`](crate::scene::Lights).
     LightRig, "rig of lights", auto Head = "Automatic",
         "The headlight, or the environment alone where there is one"
     {
@@ -50,14 +49,14 @@ choices! {
 }
 
 impl LightRig {
-    /// Whether its first lamp is far away, so that its shadow can be told.
+    /// Returns true if the rig's first lamp is far away, so that its shadow can be determined.
     pub fn has_far_key(self) -> bool {
         matches!(self, Self::ThreePoint | Self::Colored)
     }
 }
 
 choices! {
-    /// Whether depths shade the picture.
+    /// Eye-dome lighting (EDL): shading of the image by its depths.
     EyeDome, "choice of eye-dome lighting", auto Off = "Automatic", "Where points have no other light" {
         On = "on", "On", "Whatever is drawn";
         Off = "off", "Off", "Never";
@@ -65,7 +64,7 @@ choices! {
 }
 
 choices! {
-    /// Whether something is done.
+    /// On/off switch.
     OnOff, "choice of on and off" {
         Off = "off", "Off", "Without it";
         On = "on", "On", "With it";
@@ -75,7 +74,7 @@ choices! {
 group! {
     /// Light that falls on surfaces, and light from depths.
     LightSettings decided LightStyle {
-        /// How surfaces are lit.
+        /// Lighting mode of surfaces.
         lighting: Choice<Lighting> = Choice::Auto, "lighting" LIGHTING {
             flag: "lighting",
             other_flags: &["shading"],
@@ -90,7 +89,7 @@ group! {
             also: &["shading", "illumination", "relight"],
             values: Values::Words(Choice::<Lighting>::WORDS),
         }
-        /// Which lights there are where shading is deferred.
+        /// Light rig of deferred shading.
         rig: Choice<LightRig> = Choice::Auto, "lights" RIG {
             flag: "lights",
             value_name: "RIG",
@@ -103,7 +102,7 @@ group! {
             also: &["light rig", "lamps", "light source"],
             values: Values::Words(Choice::<LightRig>::WORDS),
         }
-        /// How much of a metal a surface is.
+        /// Metalness of a surface.
         metallic: f32 = 0.0, "metallic" METALLIC {
             flag: "metallic",
             value_name: "0..1",
@@ -119,7 +118,7 @@ group! {
                 ..Numbers::USUAL
             }),
         }
-        /// How rough a surface is; the roughness of microfacets is its square.
+        /// Roughness of a surface; the roughness of microfacets is its square.
         roughness: f32 = 0.5, "roughness" ROUGHNESS {
             flag: "roughness",
             value_name: "0..1",
@@ -135,7 +134,7 @@ group! {
                 ..Numbers::USUAL
             }),
         }
-        /// What is around the scene.
+        /// Environment around the scene.
         environment: Environment = Environment::Studio, "environment" ENVIRONMENT {
             flag: "environment",
             value_name: "NAME|FILE",
@@ -148,7 +147,7 @@ group! {
             also: &["environment map", "hdri", "image-based lighting", "skybox"],
             values: Values::Environment,
         }
-        /// Whether the first lamp casts shadows.
+        /// Shadow casting by the first lamp.
         shadows: OnOff = OnOff::Off, "shadows" SHADOWS {
             flag: "shadows",
             value_name: "WHETHER",
@@ -162,7 +161,7 @@ group! {
             also: &["cast shadows"],
             values: Values::Words(OnOff::WORDS),
         }
-        /// Whether what is near a place keeps light from it (ambient occlusion).
+        /// Ambient occlusion: light blocked by what is near a point.
         ao: OnOff = OnOff::Off, "ao" AO {
             flag: "ao",
             value_name: "WHETHER",
@@ -176,7 +175,7 @@ group! {
             also: &["ssao", "ao", "pcv", "sky visibility", "contact shadows"],
             values: Values::Words(OnOff::WORDS),
         }
-        /// How much of that light is lost; 1 is as much as is kept away.
+        /// Ambient occlusion strength: the fraction of that light that is lost; 1 is as much as is blocked.
         ao_strength: f32 = 1.0, "ao_strength" AO_STRENGTH {
             flag: "ao-strength",
             value_name: "FACTOR",
@@ -194,7 +193,7 @@ group! {
                 ..Numbers::USUAL
             }),
         }
-        /// How far what keeps light away is at most: 1 is a fifth of the cloud's radius.
+        /// Ambient occlusion radius: the maximum distance of occluders; 1 is a fifth of the cloud's radius.
         ao_radius: f32 = 1.0, "ao_radius" AO_RADIUS {
             flag: "ao-radius",
             value_name: "FACTOR",
@@ -212,7 +211,7 @@ group! {
                 ..Numbers::USUAL
             }),
         }
-        /// Whether depths shade the picture as well (eye-dome lighting).
+        /// Eye-dome lighting (EDL): additional shading of the image by its depths.
         eye_dome: Choice<EyeDome> = Choice::Auto, "eye_dome" EYE_DOME {
             flag: "edl",
             other_flags: &["eye-dome"],
@@ -227,7 +226,7 @@ group! {
             also: &["edl", "depth shading", "outline"],
             values: Values::Words(Choice::<EyeDome>::WORDS),
         }
-        /// How much they do; 1 is usual.
+        /// Eye-dome lighting strength; 1 is the default.
         eye_dome_strength: f32 = 1.0, "eye_dome_strength" EYE_DOME_STRENGTH {
             flag: "edl-strength",
             other_flags: &["eye-dome-strength"],
@@ -247,7 +246,7 @@ group! {
                 ..Numbers::USUAL
             }),
         }
-        /// How bright the finished picture is between black and white, which stay; 1 leaves it as it is.
+        /// Gamma: brightness of the finished image between black and white, which stay; 1 leaves it unchanged.
         gamma: f32 = 1.0, "gamma" GAMMA {
             flag: "gamma",
             value_name: "GAMMA",

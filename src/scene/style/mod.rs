@@ -1,10 +1,10 @@
-//! Every choice a person has about a picture, in groups, and how it is drawn with nothing left open.
+//! Render settings in groups, and the style that they resolve to with nothing left open.
 //!
-//! [`Settings`] are what a person chooses: they are kept, and may be left open. [`Settings::resolved`] makes a
-//! [`Style`] of them, which leaves nothing open: packets and renderers know no other. What is derived for one picture
-//! alone is in [`PacketParams`](crate::scene::PacketParams).
+//! [`Settings`] are what the user chooses: they are persisted, and may be left open. [`Settings::resolved`] resolves
+//! them to a [`Style`], which leaves nothing open: packets and renderers know no other. Values derived for a single
+//! image are in [`PacketParams`](crate::scene::PacketParams).
 //!
-//!  Each is described beside its field (`describe.rs`).
+//!  Each is described next to its field (`describe.rs`).
 //!
 //! A new setting is one row in the file of its group, and its use: panel, command line, files, undo and labels of
 //! benchmarks read the row.
@@ -56,33 +56,33 @@ use crate::levels::octree::StopCriterion;
 use crate::sequence::Coloring;
 use describe::Conditions as _;
 
-/// How a picture is drawn: the [`Settings`] with nothing left open. Frames are asked for [`Coloring`], which says what
-/// to do where they lack colours; packets have [`DrawSettings`].
+/// Resolved render style of an image: the [`Settings`] with nothing left open. Frames are queried with [`Coloring`],
+/// which defines the fallback where they lack colours; packets have [`DrawSettings`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Style<C = Coloring> {
-    /// What points become.
+    /// Primitive that points are rendered as.
     pub primitive: Primitive,
-    /// Which colours are asked of frames; which they have, [`Paint`](crate::sequence::Paint) says of each.
+    /// Colours requested from frames; [`Paint`](crate::sequence::Paint) reports which each of them has.
     pub colors: C,
-    /// Who draws, and how many pixels.
+    /// Drawing style: the renderer, and the number of pixels.
     pub drawing: DrawingStyle,
-    /// How surfels are drawn.
+    /// Surfel style.
     pub surfels: SurfelStyle,
-    /// How points are drawn that stay points.
+    /// Style of points that stay points.
     pub points: PointStyle,
-    /// How voxels are drawn.
+    /// Voxel style.
     pub voxels: VoxelStyle,
-    /// How deep the octree goes, and which of its cells are drawn.
+    /// Level-of-detail style: the octree depth, and the selection of its cells that are drawn.
     pub levels: LevelStyle,
-    /// How surfels are drawn from byte codes of the octree.
+    /// Rendering style of surfels from byte codes of the octree.
     pub codes: CodeStyle,
     /// Light that falls on surfaces, and light from depths.
     pub light: LightStyle,
-    /// How photographs are put on surfaces.
+    /// View-dependent texturing style.
     pub photos: PhotoStyle,
-    /// What is shown beside the cloud.
+    /// Backdrop: what is shown in addition to the cloud.
     pub backdrop: Backdrop,
-    /// What belongs to one sequence.
+    /// Style data that belongs to one sequence.
     pub of_sequence: OfSequence,
 }
 
@@ -140,14 +140,14 @@ impl<C: Copy> Style<C> {
         shown_px.map(|edge| ((edge as f32 * self.drawing.resolution).round() as u32).max(1))
     }
 
-    /// Whether surfaces have their colours from photographs.
+    /// Returns true if surfaces take their colours from posed images.
     pub fn draws_photographs(&self) -> bool {
         self.of_sequence.has_photographs && self.photos.blended() > 0
     }
 
-    /// This style with light on the finished surface: white from all sides, where light is none or falls on splats.
-    /// Photographs are put on that surface, and have the light in them that they were taken in. Where they are to be
-    /// lit anew, light that falls on splats becomes matt light.
+    /// Returns this style with lighting on the finished surface: white from all sides, where lighting is off or falls
+    /// on splats. Posed images are projected onto that surface, and have the light in them that they were taken in.
+    /// Where they are to be relit, light that falls on splats becomes matt light.
     #[must_use]
     pub fn of_photographs(mut self) -> Self {
         if !self.light.lighting.is_deferred() {
@@ -161,26 +161,26 @@ impl<C: Copy> Style<C> {
         self
     }
 
-    /// Whether surfels are drawn, and blended at the surface that a pass of their depths finds.
+    /// Returns true if surfels are drawn, and blended at the surface that a depth pass finds.
     pub fn blends_surfels(&self) -> bool {
         self.draws_surfels() && self.surfels.splatting.sums_masks()
     }
 
-    /// Whether surfels are drawn, round and one for each point: then normals and radii can be those of the screen.
-    /// Ellipses and levels of detail are made of those of neighbours, and photographs see what is hidden.
+    /// Returns true if surfels are drawn whole, round and one for each point: then normals and radii can be in screen
+    /// space. Ellipses and levels of detail are built from those of neighbours, and posed images see what is hidden.
     pub fn draws_whole_surfels(&self) -> bool {
         matches!(self.primitive, Primitive::Surfel | Primitive::Sprite)
             && self.levels_kind().is_none()
             && !self.draws_photographs()
     }
 
-    /// Whether surfels are drawn of what the picture shows, with normals and radii of the screen.
+    /// Returns true if surfels are drawn of what the image shows, with screen-space normals and radii.
     pub fn has_screen_normals(&self) -> bool {
         let is_chosen = self.surfels.normals == NormalSource::Screen || self.shows_normal_errors();
         is_chosen && self.draws_whole_surfels()
     }
 
-    /// Whether surfels have the colours of errors of such normals.
+    /// Returns true if surfels are coloured by the error of screen-space normals.
     pub fn shows_normal_errors(&self) -> bool {
         self.surfels.shown == SurfelColors::NormalErrors && self.draws_whole_surfels()
     }
@@ -193,7 +193,7 @@ impl<C: Copy> Style<C> {
         self
     }
 
-    /// How splats are filtered to the pixels that they are seen in.
+    /// Returns the splat filter: how splats are filtered to the pixels that they are seen in.
     pub fn splat_filter(&self) -> SplatFilter {
         if self.blends_surfels() {
             self.surfels.filter
@@ -202,18 +202,18 @@ impl<C: Copy> Style<C> {
         }
     }
 
-    /// Whether splats are filtered to the pixels that they are seen in.
+    /// Returns true if splats are filtered to the pixels that they are seen in.
     pub fn filters_splats(&self) -> bool {
         self.splat_filter() != SplatFilter::Off
     }
 
-    /// Whether splats are drawn on squares that face the screen: those that reach beyond their disks in pixels are, as
-    /// no square on their planes would hold them.
+    /// Returns true if splats are drawn as screen-facing sprites: those that reach beyond their disks in pixels are, as
+    /// no square on their planes would contain them.
     pub fn draws_sprites(&self) -> bool {
         self.primitive == Primitive::Sprite || self.splat_filter() == SplatFilter::Clamp
     }
 
-    /// What the GPU draws splats as: squares where the picture shows these.
+    /// Returns the geometry that the GPU draws splats as: squares where the image shows these.
     pub fn splat_geometry(&self) -> SplatGeometry {
         if self.surfels.splatting == Splatting::Regular {
             SplatGeometry::Quad
@@ -222,7 +222,7 @@ impl<C: Copy> Style<C> {
         }
     }
 
-    /// How splats fall off: the filter is a convolution of Gaussians, and so are the masks of points.
+    /// Returns the falloff kernel of splats: the filter is a convolution of Gaussians, and so are the masks of points.
     pub fn kernel(&self) -> Kernel {
         if self.has_masks() {
             self.surfels.kernel
@@ -231,17 +231,17 @@ impl<C: Copy> Style<C> {
         }
     }
 
-    /// Whether surfels are left out that face away. Points have no back.
+    /// Returns true if back-face culling skips surfels that face away. Points have no back.
     pub fn culls_back_faces(&self) -> bool {
         self.primitive != Primitive::Point && self.surfels.back_faces == BackFaces::Culled
     }
 
-    /// Whether the light shows which side of a surfel is seen.
+    /// Returns true if lighting shows which side of a surfel is seen.
     pub fn darkens_back_faces(&self) -> bool {
         self.surfels.back_faces == BackFaces::Darker && self.light.lighting != Lighting::Unlit
     }
 
-    /// Whether points are drawn as surfels, round or not.
+    /// Returns true if points are drawn as surfels, round or not.
     pub fn draws_surfels(&self) -> bool {
         matches!(
             self.primitive,
@@ -249,12 +249,12 @@ impl<C: Copy> Style<C> {
         )
     }
 
-    /// Whether points are drawn that stay points: all of them, or those that belong to no triangle.
+    /// Returns true if points are drawn that stay points: all of them, or those that belong to no triangle.
     pub fn draws_points(&self) -> bool {
         matches!(self.primitive, Primitive::Point | Primitive::Mesh)
     }
 
-    /// How points are drawn: those between triangles have neither radii nor light nor masks.
+    /// Returns the point style in use: points between triangles have neither radii nor light nor masks.
     pub fn drawn_points(&self) -> PointStyle {
         if self.primitive != Primitive::Mesh {
             return self.points;
@@ -270,24 +270,24 @@ impl<C: Copy> Style<C> {
         }
     }
 
-    /// Whether points are drawn as points, as large as their surfels are.
+    /// Returns true if points are drawn as points with adaptive size, as large as their surfels are.
     pub fn has_adaptive_points(&self) -> bool {
         self.primitive == Primitive::Point && self.points.sizing == PointSizing::Adaptive
     }
 
-    /// Whether points are drawn as points on whose normals light falls.
+    /// Returns true if points are drawn as points that are lit by their normals.
     pub fn lights_points(&self) -> bool {
         self.primitive == Primitive::Point
             && self.points.light == PointLight::Normals
             && self.light.lighting != Lighting::Unlit
     }
 
-    /// Whether points are drawn as points, of which radii or normals are asked for.
+    /// Returns true if points are drawn as points whose radii or normals are needed.
     pub fn has_points_with_shapes(&self) -> bool {
         self.has_adaptive_points() || self.lights_points()
     }
 
-    /// Whether depths are drawn first, and then what lies at them is blended by its masks.
+    /// Returns true if a depth pass is drawn first, and then what lies at the depths is blended by its masks.
     pub fn blends_at_depths(&self) -> bool {
         if self.primitive == Primitive::Point {
             self.points.shape == PointShape::Gaussian
@@ -310,42 +310,43 @@ impl<C: Copy> Style<C> {
         }
     }
 
-    /// Whether what is drawn leaves depths, by which pictures can be shaded.
+    /// Returns true if what is drawn writes depths, by which images can be shaded.
     pub fn leaves_depths(&self) -> bool {
         !self.draws_surfels() || self.surfels.splatting != Splatting::NoDepth
     }
 
-    /// Whether light falls on the blended surface, which is somewhere.
+    /// Returns true if light falls on the blended surface, which has a position.
     pub fn is_shaded_with_distances(&self) -> bool {
         let shows_depths = self.draws_surfels() && self.surfels.splatting == Splatting::Visibility;
         self.is_lit_deferred() && self.leaves_depths() && !shows_depths
     }
 
-    /// The same, and there are depths that say how its surroundings are: points are steps of the surface.
+    /// Returns true if light falls on the blended surface and there are depths that describe its surroundings: points
+    /// are steps of the surface.
     pub fn is_shaded_with_depths(&self) -> bool {
         self.is_shaded_with_distances() && self.primitive != Primitive::Point
     }
 
-    /// Whether what is drawn are cells of an octree.
+    /// Returns true if octree cells are drawn.
     pub fn draws_cells(&self) -> bool {
         self.levels_kind().is_some_and(|kind| kind != LevelsKind::Codes)
     }
 
-    /// This style where the processor draws, or a graphics card.
+    /// Returns this style as drawn by the CPU or by a GPU.
     #[must_use]
     pub fn drawn_by(&self, is_processor: bool) -> Self {
         self.with(|style| style.drawing.renderer = RendererChoice::of(is_processor))
     }
 
-    /// Whether voxels are drawn whose light falls on normals.
+    /// Returns true if voxels are drawn that are lit by normals.
     pub fn lights_voxels_by_normals(&self) -> bool {
         self.primitive == Primitive::Voxel
             && self.voxels.light == VoxelLight::Normals
             && self.light.lighting != Lighting::Unlit
     }
 
-    /// What the octree is to be divided for: surfels and points that it is drawn as have no use for leaves as large as
-    /// the spacing.
+    /// Returns the stop criterion of the octree: surfels and points that it is drawn as have no use for leaves as large
+    /// as the spacing.
     pub fn octree_stop(&self) -> StopCriterion {
         match self.primitive {
             Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite | Primitive::Point => {
@@ -355,14 +356,14 @@ impl<C: Copy> Style<C> {
         }
     }
 
-    /// Whether surfels are drawn from the byte code of an octree; [`LevelStyle::lod`] says how finely. While something
-    /// is clipped the same surfels are drawn as disks: a code cannot be cut.
+    /// Returns true if surfels are drawn from the byte code of an octree; [`LevelStyle::lod`] controls how finely.
+    /// While something is clipped the same surfels are drawn as disks: a code cannot be cut.
     pub fn draws_codes(&self) -> bool {
         self.has_footprints() && self.codes.footprint != Footprint::Disks
     }
 
-    /// Whether [`CodeStyle::footprint`] has an effect: the processor alone draws byte codes. Where shading is deferred
-    /// there are none, as a code is lit by a table of normals, nor of ellipses, sprites, filtered splats or other
+    /// Returns true if [`CodeStyle::footprint`] has an effect: only the CPU draws byte codes. There are none for
+    /// deferred shading, as a code is lit by a table of normals, nor for ellipses, sprites, filtered splats or other
     /// kernels.
     pub fn has_footprints(&self) -> bool {
         self.draws_surfels()

@@ -1,4 +1,4 @@
-//! What is said of a word that names no choice.
+//! Parse error for a word that names no choice.
 
 /// A word that names no choice.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

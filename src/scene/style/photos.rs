@@ -1,10 +1,10 @@
-//! How photographs are put on surfaces (paper 004 §3).
+//! View-dependent texturing settings (paper 004 §3).
 
 use super::choices::choices;
 use super::describe::{Label, Numbers, Place, Section, Typed, Unit, Values, group};
 
 choices! {
-    /// What surfaces have their colours from where there are photographs of them.
+    /// View-dependent texturing mode: the colour source of surfaces that posed images show.
     PhotoMode, "way to use photographs" {
         /// Paper 004 §3.2.
         Vdts = "vdts", "View-dependent", "Blends the images whose cameras are closest to your viewpoint, per \
@@ -16,7 +16,7 @@ choices! {
 }
 
 choices! {
-    /// What becomes of places of which photographs show something else.
+    /// Clipping mode for positions where the posed images show something else.
     PhotoClipping, "way of clipping" {
         Vote = "vote", "Vote", "Carves points that most images see through";
         /// Paper 004 §4.1.
@@ -26,7 +26,7 @@ choices! {
 }
 
 choices! {
-    /// What places look like that no photograph sees.
+    /// Hole filling mode for positions that no posed image sees.
     PhotoHoles, "way to fill holes" {
         Points = "point-color", "Colours of points", "Have the points' own colours";
         Left = "discard", "Nothing", "Are not drawn";
@@ -36,7 +36,7 @@ choices! {
 }
 
 choices! {
-    /// Whether light falls on what photographs show.
+    /// Relighting mode of what the posed images show.
     PhotoRelight, "way of relighting" {
         Off = "off", "Off", "Uses the normals of points; without lighting, images keep the light they were taken \
             in";
@@ -47,7 +47,7 @@ choices! {
 }
 
 choices! {
-    /// Whether photographs are made as bright as each other.
+    /// Exposure compensation between posed images, which makes them equally bright.
     PhotoGains, "choice of gains" {
         On = "on", "On", "By what shared points look like in each";
         Off = "off", "Off", "As they were taken";
@@ -55,9 +55,9 @@ choices! {
 }
 
 group! {
-    /// How photographs are put on surfaces.
+    /// View-dependent texturing settings.
     PhotoStyle {
-        /// What surfaces have their colours from.
+        /// Colour source of surfaces.
         mode: PhotoMode = PhotoMode::Vdts, "photos" MODE {
             flag: "photos",
             value_name: "MODE",
@@ -77,7 +77,7 @@ group! {
             ],
             values: Values::Words(PhotoMode::WORDS),
         }
-        /// How many photographs are blended at a place.
+        /// Number of posed images blended at a position.
         views: f32 = 4.0, "photo_views" VIEWS {
             flag: "photo-views",
             value_name: "1..8",
@@ -96,7 +96,7 @@ group! {
                 ..Numbers::USUAL
             }),
         }
-        /// Angle at which the weight of a photograph has fallen to 1/e, as a factor on what is between neighbours.
+        /// Angle at which the weight of an image has fallen to 1/e, as a factor on the angle between neighbours.
         angle: f32 = 2.0, "photo_angle" ANGLE {
             flag: "photo-angle",
             value_name: "FACTOR",
@@ -115,7 +115,7 @@ group! {
                 ..Numbers::USUAL
             }),
         }
-        /// What becomes of places of which photographs show something else.
+        /// Clipping of positions where the posed images show something else.
         clipping: PhotoClipping = PhotoClipping::Vote, "photo_clipping" CLIPPING {
             flag: "clipping",
             value_name: "HOW",
@@ -128,7 +128,7 @@ group! {
             also: &["carve", "space carving"],
             values: Values::Words(PhotoClipping::WORDS),
         }
-        /// What places look like that no photograph sees.
+        /// Hole filling of positions that no posed image sees.
         holes: PhotoHoles = PhotoHoles::Points, "photo_holes" HOLES {
             flag: "holes",
             value_name: "MODE",
@@ -141,7 +141,7 @@ group! {
             also: &["hole filling", "inpainting", "push-pull"],
             values: Values::Words(PhotoHoles::WORDS),
         }
-        /// How wide gaps in a surface are that are closed, in percent of the height of a picture.
+        /// Maximum width of gaps in a surface that are closed, in percent of the height of an image.
         gaps: f32 = 5.0, "photo_gaps" GAPS {
             flag: "photo-gaps",
             value_name: "PERCENT",
@@ -162,7 +162,7 @@ group! {
                 ..Numbers::USUAL
             }),
         }
-        /// Whether light falls on what photographs show, and on which normals.
+        /// Relighting of what the posed images show, and the normals used for it.
         relight: PhotoRelight = PhotoRelight::Off, "photo_relight" RELIGHT {
             flag: "relight",
             value_name: "WHAT",
@@ -175,7 +175,7 @@ group! {
             also: &["clay", "relit"],
             values: Values::Words(PhotoRelight::WORDS),
         }
-        /// Whether photographs are made as bright as each other.
+        /// Exposure compensation between posed images, which makes them equally bright.
         gains: PhotoGains = PhotoGains::On, "photo_gains" GAINS {
             flag: "photo-gains",
             value_name: "WHETHER",
@@ -192,10 +192,10 @@ group! {
 }
 
 impl PhotoStyle {
-    /// The most photographs that are blended at a place.
+    /// Maximum number of posed images blended at a position.
     pub const MOST_VIEWS: usize = 8;
 
-    /// How many are.
+    /// Returns the number of posed images blended at a position.
     pub fn blended(&self) -> usize {
         match self.mode {
             PhotoMode::Vdts => (self.views as usize).clamp(1, Self::MOST_VIEWS),

@@ -1,13 +1,13 @@
-//! How points are drawn that stay points.
+//! Rendering of points that stay points.
 
 use super::choices::choices;
 use super::describe::{Label, Numbers, Place, Section, Unit, Values, group};
 
 choices! {
-    /// What a point is on the screen, where it is larger than a pixel.
+    /// Point shape on the screen, where it is larger than a pixel.
     PointShape, "shape of points" {
         Square = "square", "Square", "All pixels of a square of this size";
-        /// A pixel is covered where its middle is in the circle, and the pixel that the point is in.
+        /// A pixel is covered if its centre is in the circle, as is the pixel that the point is in.
         Disk = "disk", "Disk", "The pixels of the square that are in the circle in it: round points",
             also ["circle", "round"];
         /// Blended in two passes as surfels are, without normals.
@@ -17,16 +17,16 @@ choices! {
 }
 
 choices! {
-    /// What the light of points falls on.
+    /// Point lighting mode: what the light falls on.
     PointLight, "light of points" {
         None = "none", "None", "No light: the colours of the file";
-        /// Those of the file, or estimated ones.
+        /// Normals of the file, or estimated ones.
         Normals = "normals", "Normals", "The surface around a point: its normal";
     }
 }
 
 choices! {
-    /// What the size of a point is measured in.
+    /// Size mode of a point: the unit that its size is measured in.
     PointSizing, "size mode of points" {
         Pixels = "pixels", "Fixed", "The same size in pixels at any distance";
         /// *Attenuated* in other viewers.
@@ -37,9 +37,9 @@ choices! {
 }
 
 group! {
-    /// How points are drawn that stay points.
+    /// Rendering settings of points that stay points.
     PointStyle {
-        /// What their size is measured in.
+        /// Size mode: the unit that point sizes are measured in.
         sizing: PointSizing = PointSizing::Pixels, "point_size_mode" SIZING {
             flag: "point-size-mode",
             value_name: "MODE",
@@ -92,7 +92,7 @@ group! {
                 ..Numbers::USUAL
             }),
         }
-        /// What a point is on the screen.
+        /// Point shape on the screen.
         shape: PointShape = PointShape::Square, "point_shape" SHAPE {
             flag: "point-shape",
             value_name: "SHAPE",
@@ -106,7 +106,7 @@ group! {
             also: &["round points", "circles", "square points", "point style"],
             values: Values::Words(PointShape::WORDS),
         }
-        /// What light falls on.
+        /// Point lighting mode: what the light falls on.
         light: PointLight = PointLight::None, "point_light" LIGHT {
             flag: "point-light",
             value_name: "WHAT",

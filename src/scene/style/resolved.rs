@@ -1,4 +1,4 @@
-//! A style with what was guessed, or with another way to draw.
+//! Style resolution with guessed values, or with another render mode.
 
 use super::{
     BackFaces, Background, EyeDome, LightSettings, Lighting, PhotoRelight, Primitive, Settings, Style, SurfelSettings,
@@ -7,9 +7,9 @@ use crate::scene::FirstLook;
 use crate::sequence::ColorSource;
 
 impl Settings {
-    /// These settings, but drawn as `way` is: the colours, the background and the grid stay, what is clipped, and
-    /// whether back faces are left out. Eye-dome lighting is that of `way` where that decides, which ways to draw that
-    /// are measured do not.
+    /// Returns these settings with the render mode of `way`: the colours, the background and the grid stay, as do the
+    /// clip region and back-face culling. Eye-dome lighting is that of `way` where that decides, which render modes
+    /// that are measured do not.
     #[must_use]
     pub fn drawn_as(&self, way: &Self) -> Self {
         let decides = !way.light.eye_dome.is_open();
@@ -31,7 +31,7 @@ impl Settings {
         }
     }
 
-    /// How to draw what was looked at: what was guessed stands for every choice that is left open.
+    /// Resolves these settings to a style for what was looked at: every choice left open takes its guessed value.
     pub fn resolved(&self, look: &FirstLook) -> Style {
         let primitive = match self.primitive.chosen() {
             None => look.primitive,
@@ -69,8 +69,8 @@ impl Settings {
         }
     }
 
-    /// Whether surfaces have colours with light in them, drawn as `primitive` is. Voxels would have no edges without
-    /// light, and whoever asks for light on points or for photographs to be lit anew wants it.
+    /// Returns true if surfaces have colours with baked-in lighting, drawn as `primitive` is. Voxels would have no
+    /// edges without light, and whoever requests light on points or relighting of posed images wants it.
     fn shows_light_of(&self, look: &FirstLook, primitive: Primitive) -> bool {
         let is_surface = !matches!(primitive, Primitive::Voxel | Primitive::Point);
         let is_lit_anew = look.has_photographs() && self.photos.relight != PhotoRelight::Off;
@@ -89,7 +89,8 @@ fn usual_back_faces(look: &FirstLook) -> BackFaces {
     }
 }
 
-/// Where points have no other light. Of points that sample no surface, normals are noise.
+/// Returns the default eye-dome lighting: on where points have no other light. For points that sample no surface,
+/// normals are noise.
 fn usual_eye_dome(style: &Style, look: &FirstLook) -> EyeDome {
     let shows_shape = match style.primitive {
         Primitive::Mesh => true,

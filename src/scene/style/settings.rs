@@ -1,4 +1,4 @@
-//! What a person chooses, which may be left open and is kept between runs.
+//! User settings, which may be left open and are persisted between runs.
 
 use super::describe::{Described, Label, Place, Section, Setting as _, Shorthand, Value, Values, Word};
 use super::{
@@ -15,38 +15,39 @@ use crate::sequence::Coloring;
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct Settings {
-    /// What points become.
+    /// Primitive that points are rendered as.
     pub primitive: Choice<Primitive>,
-    /// Where colours come from, and how numbers become colours.
+    /// Colour source, and the mapping of numbers to colours.
     pub colors: Coloring,
-    /// Who draws, and how many pixels.
+    /// Drawing settings: the renderer, and the number of pixels.
     #[serde(flatten)]
     pub drawing: DrawingSettings,
-    /// How surfels are drawn.
+    /// Surfel settings.
     #[serde(flatten)]
     pub surfels: SurfelSettings,
-    /// How points are drawn that stay points.
+    /// Rendering settings of points that stay points.
     #[serde(flatten)]
     pub points: PointStyle,
-    /// How voxels are drawn.
+    /// Voxel settings.
     #[serde(flatten)]
     pub voxels: VoxelStyle,
-    /// How deep the octree goes, and which of its cells are drawn.
+    /// Level-of-detail settings: the octree depth, and the selection of its cells that are drawn.
     #[serde(flatten)]
     pub levels: LevelStyle,
-    /// How surfels are drawn from byte codes of the octree.
+    /// Rendering settings of surfels from byte codes of the octree.
     #[serde(flatten)]
     pub codes: CodeStyle,
     /// Light that falls on surfaces, and light from depths.
     #[serde(flatten)]
     pub light: LightSettings,
-    /// How photographs are put on surfaces.
+    /// View-dependent texturing settings.
     #[serde(flatten)]
     pub photos: PhotoStyle,
-    /// What is shown beside the cloud.
+    /// Backdrop: what is shown in addition to the cloud.
     #[serde(flatten)]
     pub backdrop: Backdrop,
-    /// What of the cloud is drawn; all if `None`. It belongs to one sequence, and is kept with that.
+    /// Clip region: the part of the cloud that is drawn; all if `None`. It belongs to one sequence, and is stored with
+    /// that.
     #[serde(skip)]
     pub clip: Option<Clip>,
 }
@@ -129,8 +130,8 @@ impl Settings {
         self
     }
 
-    /// How is drawn where nothing is known of what is looked at: what is usual stands for every choice that is left
-    /// open.
+    /// Resolves these settings to a style where nothing is known of the scene: every choice left open takes its
+    /// default.
     pub fn decided(&self) -> Style {
         Style {
             primitive: self.primitive.decided(),
@@ -151,7 +152,7 @@ impl Settings {
         }
     }
 
-    /// These settings where the processor draws, or a graphics card.
+    /// Returns these settings as drawn by the CPU or by a GPU.
     #[must_use]
     pub fn drawn_by(&self, is_processor: bool) -> Self {
         self.with(|settings| settings.drawing.renderer = RendererChoice::of(is_processor).into())

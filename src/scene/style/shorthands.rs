@@ -4,7 +4,7 @@ use super::Settings;
 use super::describe::{Shorthand, Value};
 
 impl Settings {
-    /// Whether this style has all of the values that a word is short for.
+    /// Returns true if this style has all the values that a shorthand stands for.
     pub fn has_all_of(&self, shorthand: &Shorthand) -> bool {
         let settings = self.settings();
         let has = |&(key, given): &(&str, Value)| settings.iter().any(|(it, value)| it.key == key && *value == given);

@@ -1,4 +1,4 @@
-//! How surfels are drawn.
+//! Surfel settings.
 
 use super::Choice;
 use super::choices::choices;
@@ -36,29 +36,29 @@ impl Splatting {
         }
     }
 
-    /// Whether a pass enlarges splats.
+    /// Returns true if a pass enlarges splats.
     pub fn enlarges(self) -> bool {
         matches!(self, Self::Enlarged | Self::TwoPassEnlarged)
     }
 
-    /// Whether masks are summed up at the surface.
+    /// Returns true if masks are summed up at the surface.
     pub fn sums_masks(self) -> bool {
         matches!(self, Self::TwoPass | Self::Enlarged | Self::TwoPassEnlarged)
     }
 
-    /// Whether splats fall off towards their rims.
+    /// Returns true if splats fall off towards their edges.
     pub fn has_masks(self) -> bool {
         !matches!(self, Self::Visibility | Self::Opaque)
     }
 
-    /// Whether depths are written before colours are blended.
+    /// Returns true if there is a visibility pass: depths are written before colours are blended.
     pub fn has_visibility_pass(self) -> bool {
         !matches!(self, Self::Regular | Self::NoDepth | Self::Opaque)
     }
 }
 
 choices! {
-    /// Whether splats are filtered to the pixels that they are seen in.
+    /// Splat filter: filtering of splats to the pixels that they are seen in.
     SplatFilter, "splat filter" {
         Off = "none", "None", "Splats as they are: those smaller than a pixel flicker";
         /// Ren et al. 2002.
@@ -70,12 +70,12 @@ choices! {
 
 impl SplatFilter {
     /// Radius of the splat that a point becomes: nearest to the mean of a pixel's square, of radii at which each splat
-    /// covers the middle of a pixel (`tests/pictures/ewa.rs`). The variance of its Gaussian, a sixth of the square, is
+    /// covers the centre of a pixel (`tests/pictures/ewa.rs`). The variance of its Gaussian, a sixth of the square, is
     /// 1/8; that of a pixel's square is 1/12.
     pub const RADIUS_PX: f32 = 0.87;
 
-    /// Radius of the least splat of [`SplatFilter::Clamp`], which covers the middle of a pixel wherever it is: its
-    /// variance is a half, as others have it, so that exp(−r²) is at its rim what masks are there.
+    /// Radius of the least splat of [`SplatFilter::Clamp`], which covers the centre of a pixel wherever it is: its
+    /// variance is a half, as others have it, so that exp(−r²) is at its edge what masks are there.
     pub const CLAMP_RADIUS_PX: f32 = 1.732_050_8;
 
     /// Radius of the splat that a point becomes.
@@ -93,7 +93,7 @@ impl SplatFilter {
 }
 
 choices! {
-    /// What the GPU draws a splat as (paper 002 §5.1). The processor fills the pixels of each splat and needs none.
+    /// Splat geometry that the GPU draws (paper 002 §5.1). The CPU fills the pixels of each splat and needs none.
     SplatGeometry, "splat geometry" {
         Quad = "quad", "Quad", "A square around each splat, in its plane: four vertices, two triangles";
         Triangle = "triangle", "Triangle",
@@ -102,7 +102,7 @@ choices! {
 }
 
 choices! {
-    /// How a splat falls off from its middle to its rim.
+    /// Falloff kernel of a splat from its centre to its edge.
     Kernel, "kernel" {
         /// The mask of paper 000 §V.
         Gaussian = "gaussian", "Gaussian", "A bell: smooth, and closed where rims meet";
@@ -112,8 +112,8 @@ choices! {
 }
 
 choices! {
-    /// Whether surfels are drawn whose normals point away from the eye. Where nobody chooses and the surface is not
-    /// closed they are drawn, and darker where the normals are known to point outwards; see
+    /// Back-face culling of surfels whose normals point away from the eye. If left open and the surface is not closed
+    /// they are drawn, and darker where the normals are known to point outwards; see
     /// [`FirstLook`](crate::scene::FirstLook).
     BackFaces, "choice for back faces", auto Culled = "Auto",
         "Left out where the surface is closed, so that nothing is missed"
@@ -126,7 +126,7 @@ choices! {
 }
 
 choices! {
-    /// What normals and radii of surfels are told by.
+    /// Normal source: the data from which normals and radii of surfels are estimated.
     NormalSource, "source of normals" {
         Neighbours = "neighbours", "Neighbours", "The file, else the nearest points of each: once for a frame";
         /// Paper 003 §3.5.
@@ -135,7 +135,7 @@ choices! {
 }
 
 choices! {
-    /// What the colours of surfels show.
+    /// Quantity that the colours of surfels show.
     SurfelColors, "choice of what is shown" {
         Points = "colors", "Colours", "The colours of the points";
         /// Paper 003, Figs. 5 and 6.
@@ -144,8 +144,8 @@ choices! {
     }
 }
 
-/// How it is read from files: as its word, or as it was written when there were two choices. To leave them out was the
-/// default then, so that says nothing.
+/// Serialised form in files: its word, or the form written when there were two choices. Culling was the default then,
+/// so that value carries no information.
 #[derive(serde::Deserialize)]
 #[serde(untagged)]
 enum StoredBackFaces {
@@ -163,9 +163,9 @@ fn stored_back_faces<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Resul
 }
 
 group! {
-    /// How surfels are drawn.
+    /// Surfel settings.
     SurfelSettings decided SurfelStyle {
-        /// How they become a surface.
+        /// Splatting mode: how surfels become a surface.
         splatting: Splatting = Splatting::TwoPass, "splatting" SPLATTING {
             flag: "splatting",
             value_name: "MODE",
@@ -177,7 +177,7 @@ group! {
             also: &["blending", "splat mode", "visibility pass"],
             values: Values::Words(Splatting::WORDS),
         }
-        /// Whether splats are filtered to the pixels.
+        /// Splat filter: filtering of splats to the pixels.
         filter: SplatFilter = SplatFilter::Off, "splat_filter" FILTER {
             flag: "splat-filter",
             value_name: "FILTER",
@@ -191,7 +191,7 @@ group! {
             also: &["ewa", "mip", "anti-aliasing"],
             values: Values::Words(SplatFilter::WORDS),
         }
-        /// What carries a splat through the GPU.
+        /// Splat geometry used on the GPU.
         geometry: SplatGeometry = SplatGeometry::Quad, "splat_geometry" GEOMETRY {
             flag: "splat-geometry",
             value_name: "SHAPE",
@@ -205,7 +205,7 @@ group! {
             full_name: "Splat geometry",
             values: Values::Words(SplatGeometry::WORDS),
         }
-        /// How splats fall off towards their rims.
+        /// Falloff kernel of splats towards their edges.
         kernel: Kernel = Kernel::Gaussian, "kernel" KERNEL {
             flag: "kernel",
             value_name: "KERNEL",
@@ -218,7 +218,7 @@ group! {
             also: &["falloff", "gaussian", "weights"],
             values: Values::Words(Kernel::WORDS),
         }
-        /// Whether what lies behind their rims shines through these, and not the background
+        /// Edge blending: what lies behind the splat edges shines through these, and not the background
         /// ([`rim_px`](crate::scene::rim_px)).
         rims: OnOff = OnOff::On, "rims" RIMS {
             flag: "soft-edges",
@@ -233,7 +233,7 @@ group! {
             label: Label::Unusual(Place::What, "rims {}"),
             values: Values::Words(OnOff::WORDS),
         }
-        /// What their normals and radii are told by.
+        /// Source from which normals and radii are estimated.
         normals: NormalSource = NormalSource::Neighbours, "surfel_normals" NORMALS {
             flag: "normals",
             value_name: "FROM",
@@ -248,7 +248,7 @@ group! {
             also: &["estimate normals", "compute normals"],
             values: Values::Words(NormalSource::WORDS),
         }
-        /// What their colours show.
+        /// Quantity that the colours show.
         shown: SurfelColors = SurfelColors::Points, "surfel_colors" SHOWN {
             flag: "show",
             value_name: "WHAT",
@@ -297,7 +297,7 @@ group! {
                 ..Numbers::USUAL
             }),
         }
-        /// Whether what faces away is drawn.
+        /// Back-face culling.
         #[serde(deserialize_with = "stored_back_faces")]
         back_faces: Choice<BackFaces> = Choice::Auto, "cull_back_faces" BACK_FACES {
             flag: "back-faces",

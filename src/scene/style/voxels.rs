@@ -1,10 +1,10 @@
-//! How voxels are drawn.
+//! Voxel settings.
 
 use super::choices::choices;
 use super::describe::{Label, Place, Section, Values, group};
 
 choices! {
-    /// What the light of voxels falls on.
+    /// Voxel lighting mode: what the light falls on.
     VoxelLight, "light of voxels" {
         /// From either side; the faces of cubes where normals are not known yet.
         Normals = "normals", "Normals", "The surface in a voxel: the mean normal of its points";
@@ -14,9 +14,9 @@ choices! {
 }
 
 group! {
-    /// How voxels are drawn.
+    /// Voxel settings.
     VoxelStyle {
-        /// What light falls on.
+        /// Voxel lighting mode: what the light falls on.
         light: VoxelLight = VoxelLight::Normals, "voxel_light" LIGHT {
             flag: "voxel-light",
             value_name: "WHAT",

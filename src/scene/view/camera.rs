@@ -11,7 +11,7 @@ use glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
 use std::str::FromStr;
 
 choices! {
-    /// Whether what is farther away is smaller.
+    /// Projection: perspective or orthographic, that is, with or without foreshortening.
     Projection, "projection" {
         Perspective = "perspective", "Perspective", "As an eye sees: what is farther away is smaller";
         /// Lengths across the view can be compared.
@@ -158,7 +158,7 @@ impl ViewPreset {
 /// (`tests/pictures/orthographic.rs`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// What it looks at, in world space.
+    /// Target that the camera looks at, in world space.
     pub target_in_world: DVec3,
     /// From the target to the eye, scene units; positive.
     pub distance: f64,
@@ -168,11 +168,11 @@ pub struct Camera {
     pub elevation_deg: f64,
     /// Vertical field of view, degrees.
     pub fov_deg: f64,
-    /// Which axis is up.
+    /// Up axis.
     pub up: UpAxis,
-    /// Whether what is farther away is smaller.
+    /// Projection: determines if what is farther away is smaller.
     pub projection: Projection,
-    /// Where its picture is on the view axis.
+    /// Picture plane: position of the image on the view axis.
     pub plane: PicturePlane,
 }
 
@@ -183,7 +183,7 @@ const DEFAULT_FOV_DEG: f64 = 45.0;
 /// leaves fewer bits of f32 for what is in the picture.
 pub(in crate::scene) const TELEPHOTO_FOCAL: f64 = 1_145.915_299_281_798;
 
-/// How much of the picture's height the bounding sphere fills after [`Camera::frame_bounds`].
+/// Fraction of the image height that the bounding sphere fills after [`Camera::frame_bounds`].
 const FRAMED_FRACTION: f64 = 0.95;
 
 /// The near plane, as a part of the distance to the target.
@@ -282,7 +282,7 @@ impl Camera {
         (self.up.basis() * turn * self.plane.rotation()).transpose()
     }
 
-    /// Where the eye is that pictures are drawn from, in world space.
+    /// Returns the eye position that images are drawn from, in world space.
     pub fn eye_in_world(&self) -> DVec3 {
         self.target_in_world + self.lens().distance * self.view_from_world_rotation().row(2)
     }
@@ -305,8 +305,8 @@ impl Camera {
         self.distance = (self.distance * factor).clamp(f64::MIN_POSITIVE.sqrt(), f64::MAX.sqrt());
     }
 
-    /// [`Camera::zoom`] toward what is seen so many pixels right of and below the middle of a picture `height_px` high:
-    /// at the depth of the target it stays there.
+    /// Performs a [`Camera::zoom`] toward what is seen the given number of pixels right of and below the centre of an
+    /// image `height_px` high: at the depth of the target it stays there.
     pub fn zoom_toward(&mut self, factor: f64, right_px: f64, down_px: f64, height_px: f64) {
         let before = self.distance;
         self.zoom(factor);
@@ -331,7 +331,7 @@ impl Camera {
         self.target_in_world += (before - after) * self.distance;
     }
 
-    /// How pictures are drawn.
+    /// Returns the lens that images are drawn with.
     pub(in crate::scene) fn lens(&self) -> Lens {
         let focal = 1.0 / (0.5 * self.fov_deg.clamp(1e-3, 179.0)).to_radians().tan();
         match self.projection {
@@ -346,7 +346,7 @@ impl Camera {
         }
     }
 
-    /// What shaders and the octree see, for frames relative to `origin`.
+    /// Returns the view transform used by shaders and the octree, for frames relative to `origin`.
     pub fn transform(&self, origin: DVec3, viewport_px: [u32; 2]) -> ViewTransform {
         let rotation = self.view_from_world_rotation();
         let eye = self.eye_in_world() - origin;
@@ -395,7 +395,7 @@ pub struct ViewTransform {
     pub view_from_frame_rotation: Mat3,
     /// The eye relative to the sequence origin, rounded to f32.
     pub eye_high: Vec3,
-    /// What the rounding left over.
+    /// Rounding remainder (low part).
     pub eye_low: Vec3,
     /// Cotangents of half the horizontal and vertical field of view.
     pub focal: [f32; 2],
@@ -403,13 +403,13 @@ pub struct ViewTransform {
     pub near: f32,
     /// A length `s` at distance `d` covers `s / d` times this many pixels.
     pub pixels_per_unit_at_1: f32,
-    /// Where the view axis meets the picture, in normalised device coordinates: `[0, 0]`, but for a part of a larger
-    /// picture and where the [`PicturePlane`] says so.
+    /// Principal point: where the view axis meets the image, in normalised device coordinates: `[0, 0]`, except for a
+    /// part of a larger image and where the [`PicturePlane`] shifts it.
     pub center_ndc: [f32; 2],
-    /// Where the upper and the lower edge are in the whole picture, as shares of its height from the top: `[0, 1]`, but
-    /// for a part.
+    /// Positions of the upper and the lower edge in the whole image, as fractions of its height from the top: `[0, 1]`,
+    /// except for a part.
     pub rows_of_whole: [f32; 2],
-    /// How many times farther away the eye is than the camera's distance: 1 in perspective.
+    /// Telephoto factor: ratio of the eye distance to the camera's distance; 1 in perspective.
     pub telephoto: f32,
     /// The axis of the frame that points up.
     pub up: UpAxis,
@@ -445,7 +445,7 @@ impl ViewTransform {
         }
     }
 
-    /// What a traversal of an octree needs of the view: down to the leaves, unless they project below `lod_px`.
+    /// Returns the view parameters for an octree traversal: down to the leaves, unless they project below `lod_px`.
     pub fn select_view(&self, lod_px: f32) -> SelectView {
         SelectView {
             frustum: self.frustum_in_frame(),

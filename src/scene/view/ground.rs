@@ -14,7 +14,7 @@ use glam::{DVec3, Vec3, Vec3Swizzles as _};
 /// Cells under the cloud at least.
 const LEAST_CELLS: f64 = 5.0;
 
-/// How far lines are seen, in widths of the cloud from its middle.
+/// Grid extent: how far lines are seen, in widths of the cloud from its centre.
 const REACH_WIDTHS: f32 = 2.0;
 
 /// Colours of lines before a dark and a light background.
@@ -24,13 +24,13 @@ const ON_LIGHT: [f32; 3] = [0.22, 0.25, 0.30];
 /// A plane with lines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GroundPlane {
-    /// Where two lines cross, near the middle of what stands on the plane, relative to the sequence origin.
+    /// Grid crossing of two lines, near the centre of what stands on the plane, relative to the sequence origin.
     pub point_in_frame: Vec3,
     /// The axis that is up.
     pub normal: Vec3,
     /// Between two lines, scene units: a power of ten.
     pub spacing: f32,
-    /// How far from the point lines are seen, scene units.
+    /// Grid extent: how far from the point lines are seen, scene units.
     pub reach: f32,
     /// Red, green and blue of the lines, 0 to 1. It is chosen with the packet, not when it is drawn: a picture with
     /// alpha is drawn on black and on white, and its lines must be the same on both.
@@ -94,7 +94,7 @@ pub struct SeenGround {
     pub height: f32,
     /// Unit vectors across the lines.
     pub axes: [Vec3; 2],
-    /// Where the point of the plane is along them, from the eye.
+    /// Coordinates of the plane's point along them, from the eye.
     pub point_along_axes: [f32; 2],
     /// As in [`GroundPlane`].
     pub spacing: f32,

@@ -1,4 +1,4 @@
-//! Where the picture is seen from: camera, camera path, view of a sensor, ground, text of a view.
+//! Viewpoint of the image: camera, camera path, view of a sensor, ground, text of a view.
 
 pub(super) mod camera;
 pub(super) mod ground;

@@ -1,27 +1,28 @@
-//! Pictures that are not upright, or whose middle is not on the view axis.
+//! Picture plane of images that are not upright, or whose centre is not on the view axis.
 
 use glam::{DMat3, DVec2};
 
-/// Where the picture of a camera is on its view axis.
+/// Picture plane: position of a camera's image on its view axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PicturePlane {
     /// Turn of the camera about its view axis, degrees; grows as the picture turns clockwise.
     pub roll_deg: f64,
-    /// Where the view axis meets the picture: from its middle to the right and upwards, in heights of the picture.
+    /// Principal point offset: where the view axis meets the image, from its centre to the right and upwards, in image
+    /// heights.
     pub shift: DVec2,
-    /// What a length is wide in pixels where it is one pixel high.
+    /// Pixel aspect ratio: the width in pixels of a length that is one pixel high.
     pub pixel_aspect: f64,
 }
 
 impl PicturePlane {
-    /// Upright, with the view axis in the middle and square pixels.
+    /// Upright, with the view axis in the centre and square pixels.
     pub const CENTERED: Self = Self {
         roll_deg: 0.0,
         shift: DVec2::ZERO,
         pixel_aspect: 1.0,
     };
 
-    /// The same turn, with the view axis in the middle and square pixels.
+    /// Returns a picture plane with the same rotation, the view axis in the centre and square pixels.
     #[must_use]
     pub fn centered(self) -> Self {
         Self {

@@ -8,8 +8,9 @@ use crate::scene::{Camera, PicturePlane, Projection, UpAxis};
 use glam::{DAffine3, DVec2, DVec3};
 
 impl Camera {
-    /// What a pinhole sees that is at `world_from_camera` (x right, y down, z forward), whose lens is left out: points
-    /// are where an image without distortion has them. `distance` is that of the target, which lies on its axis.
+    /// Creates the view of a pinhole camera at `world_from_camera` (x right, y down, z forward), whose lens distortion
+    /// is ignored: points are where an image without distortion has them. `distance` is that of the target, which lies
+    /// on its axis.
     ///
     /// Precondition: `world_from_camera` is a rotation and a translation, `distance` above 0.
     pub fn of_pinhole(pinhole: &rgbd::Camera, world_from_camera: DAffine3, distance: f64, up: UpAxis) -> Self {
@@ -40,8 +41,8 @@ impl Camera {
         camera
     }
 
-    /// Changes the vertical field of view, degrees. The picture of a sensor ends with that: it is one with the view
-    /// axis in the middle.
+    /// Sets the vertical field of view, degrees. The image of a sensor ends with that: it becomes one with the view
+    /// axis in the centre.
     pub fn set_fov_deg(&mut self, fov_deg: f64) {
         self.fov_deg = fov_deg;
         self.plane = self.plane.centered();
@@ -57,8 +58,8 @@ impl Camera {
     }
 }
 
-/// The distance of a target on the axis of a sensor at `world_from_camera`, so that the view turns about what it sees:
-/// as deep as `middle`, the middle of that; else `radius`, how large it is.
+/// Returns the distance of a target on the axis of a sensor at `world_from_camera`, so that the view orbits about what
+/// it sees: as deep as `middle`, the centre of that; otherwise `radius`, how large it is.
 pub fn sensor_target_distance(world_from_camera: &DAffine3, middle: DVec3, radius: f64) -> f64 {
     let depth = (middle - world_from_camera.translation).dot(world_from_camera.matrix3.z_axis);
     let least = f64::MIN_POSITIVE.sqrt();

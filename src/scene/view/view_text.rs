@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use std::fmt;
 use std::str::FromStr;
 
-/// What the line begins with, its version included.
+/// Prefix of the line, its version included.
 const HEAD: &str = "pointreel view 1:";
 
 /// Fields of view that a text may ask for, degrees.
@@ -27,15 +27,15 @@ pub enum ParseViewError {
     /// A part is not there.
     #[error("the view ends before its {what}")]
     Missing {
-        /// What was expected.
+        /// Expected content.
         what: &'static str,
     },
     /// Another word than the one that stands there.
     #[error("`{}` in a view where `{expected}` was expected", clipped(.found))]
     Word {
-        /// What was expected.
+        /// Expected content.
         expected: &'static str,
-        /// What is there.
+        /// Text found instead.
         found: String,
     },
     /// A number that is none, or not one of these.
@@ -43,9 +43,9 @@ pub enum ParseViewError {
     Number {
         /// Whose number it is.
         what: &'static str,
-        /// What is there.
+        /// Text found instead.
         found: String,
-        /// What was expected.
+        /// Expected content.
         expected: &'static str,
     },
     /// A word that names no choice.
@@ -54,7 +54,7 @@ pub enum ParseViewError {
     /// Something after the end.
     #[error("`{}` after the end of a view", clipped(.found))]
     TooMuch {
-        /// What is there.
+        /// Text found instead.
         found: String,
     },
 }
@@ -166,7 +166,7 @@ impl Asked {
     }
 }
 
-/// What is left of a text.
+/// Remaining tokens of a text.
 struct TextTokens<'a>(std::str::SplitWhitespace<'a>);
 
 impl<'a> TextTokens<'a> {

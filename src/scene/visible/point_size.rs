@@ -1,17 +1,18 @@
-//! How large points are drawn.
+//! Point size: how large points are drawn.
 //!
 //! **How it works.** A point is a square, or a disk in it, that faces the screen. Its edge is a length in the scene
-//! over the distance, or so many pixels where that would be less: no point vanishes. The length is the same for all
-//! points (*projected*), or follows the radius of each (*adaptive*), as the modes of Potree (`attenuated`, `adaptive`)
-//! do; with the scale 1 points close a surface that faces the eye, and are as large as the disks of surfels would be.
+//! divided by the distance, or the given number of pixels where that would be less: no point vanishes. The length is
+//! the same for all points (*projected*), or follows the radius of each (*adaptive*), as the modes of Potree
+//! (`attenuated`, `adaptive`) do; with the scale 1 points close a surface that faces the eye, and are as large as the
+//! disks of surfels would be.
 
 use crate::scene::ScenePacket;
 use crate::scene::style::{Lighting, PointShape, PointSizing, Primitive};
 use std::f32::consts::SQRT_2;
 
-/// So wide are points at least that are no plain ones of so many pixels: they cover the middle of a pixel wherever they
-/// are.
-/// A little more than squares and disks need for that, as rasterisers round corners to 1/256 pixel.
+/// Returns the minimum width in pixels of points that are not plain ones of a fixed number of pixels: they then cover
+/// the centre of a pixel wherever they are. A little more than squares and disks need for that, as rasterisers round
+/// corners to 1/256 pixel.
 fn least_px(shape: PointShape) -> f32 {
     match shape {
         PointShape::Square => 1.01,
@@ -24,14 +25,14 @@ fn least_px(shape: PointShape) -> f32 {
 pub struct PointSize {
     /// At least so many pixels.
     pub least_px: f32,
-    /// Of every point: scene units.
+    /// Edge length of every point, scene units.
     pub edge: f32,
     /// For each unit of the radius of a point.
     pub edge_per_radius: f32,
 }
 
 impl PointSize {
-    /// Those of a packet. Where nobody knows the radii of points, they are as far apart as most.
+    /// Returns the point size of a packet. Where the radii of points are unknown, they are the typical point spacing.
     pub fn of(packet: &ScenePacket) -> Self {
         let points = packet.style.drawn_points();
         let least_px = least_px(points.shape);
@@ -61,7 +62,7 @@ impl PointSize {
         }
     }
 
-    /// Whether every point is a pixel.
+    /// Returns true if every point is a pixel.
     pub fn is_pixel(&self) -> bool {
         self.edge == 0.0 && self.edge_per_radius == 0.0 && self.least_px <= 1.0
     }

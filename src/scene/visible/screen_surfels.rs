@@ -1,11 +1,11 @@
-//! Surfels of what a picture shows, with normals and radii from the picture ([`crate::analysis::screen`]).
+//! Screen-space surfels of what an image shows, with normals and radii from the image ([`crate::analysis::screen`]).
 //!
-//! **How it works.** They are made where packets are: a packet has records of visible points as it has those of a cut
-//! of levels of detail, and whoever draws, picks or exports needs to know no more. A graphics card makes them itself
-//! and gets all points once ([`Content::Visible`]); then a view costs it no upload, and the processor nothing. As long
-//! as view, points and what they are drawn for stay, the records are the same allocations.
+//! **How it works.** They are created where packets are: a packet has records of visible points as it has those of a
+//! cut of levels of detail, and whoever draws, picks or exports needs to know no more. A GPU creates them itself and
+//! gets all points once ([`Content::Visible`]); then a view costs it no upload, and the CPU nothing. As long as view,
+//! points and what they are drawn for stay, the records are the same allocations.
 //!
-//! Pictures of more than 2²³ pixels are looked at in coarser steps.
+//! Images of more than 2²³ pixels are processed in coarser steps.
 
 use super::visible_points::{PointImages, ScreenStats, VisiblePoints, VisibleSurfels};
 use crate::analysis::screen::{ScreenCloud, ScreenEstimator, ScreenView};
@@ -13,21 +13,21 @@ use crate::locks::lock;
 use crate::scene::{Content, Surfels, ViewTransform};
 use std::sync::{Arc, Mutex};
 
-/// Most pixels that points are told apart by.
+/// Maximum number of pixels by which points are distinguished.
 const MOST_PIXELS: f32 = (1 << 23) as f32;
 
-/// What surfels of the screen depend on.
+/// Inputs that screen-space surfels depend on.
 #[derive(Debug, Clone)]
 pub(in crate::scene) struct ScreenInput {
     /// The points; where errors are shown with the normals that are held to be true.
     pub(in crate::scene) content: Content,
-    /// What its points were made from, if they are all there and in those colours.
+    /// Images that its points were created from, if they are all there and in those colours.
     pub(in crate::scene) images: Option<PointImages>,
     pub(in crate::scene) view: ViewTransform,
     pub(in crate::scene) viewport_px: [u32; 2],
     pub(in crate::scene) cloud: ScreenCloud,
     pub(in crate::scene) shows_errors: bool,
-    /// Whether who draws makes them, unless errors are shown.
+    /// True if the renderer creates them, unless errors are shown.
     pub(in crate::scene) is_left_to_card: bool,
 }
 
@@ -38,7 +38,7 @@ pub(in crate::scene) struct ScreenSurfels {
     last: Option<(ScreenInput, Made)>,
 }
 
-/// What they are.
+/// Resulting surfels.
 #[derive(Debug, Clone)]
 enum Made {
     Here(VisibleSurfels),
@@ -58,7 +58,7 @@ impl Made {
 }
 
 impl ScreenSurfels {
-    /// What is drawn; content without points stays as it is.
+    /// Returns the content to draw; content without points stays unchanged.
     pub(in crate::scene) fn content(&mut self, from: ScreenInput) -> Content {
         if let Some((of, made)) = &self.last
             && *of == from
@@ -85,7 +85,7 @@ impl ScreenSurfels {
         content
     }
 
-    /// What the processor did for the last picture, if it had such surfels.
+    /// Returns the statistics of the CPU's work for the last image, if it had such surfels.
     pub(in crate::scene) fn stats(&self) -> Option<ScreenStats> {
         match self.last.as_ref().map(|(_, made)| made)? {
             Made::Here(surfels) => Some(surfels.stats),
@@ -111,7 +111,7 @@ impl PartialEq for ScreenInput {
     }
 }
 
-/// A view with the pixels that points are told apart by.
+/// Returns a view with the pixels by which points are distinguished.
 pub fn screen_view(view: &ViewTransform, viewport_px: [u32; 2]) -> ScreenView {
     let [width, height] = viewport_px.map(|edge| edge.max(1) as f32);
     let scale = (MOST_PIXELS / (width * height)).sqrt().min(1.0);

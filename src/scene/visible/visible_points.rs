@@ -1,10 +1,10 @@
-//! The points of a cloud that a picture shows, as surfels with normals from the picture ([`crate::analysis::screen`]):
-//! made here, or by a graphics card that has the points.
+//! Visible points of a cloud in an image, as surfels with normals from the image ([`crate::analysis::screen`]): created
+//! here, or by a GPU that has the points.
 //!
-//! **How it works.** [`VisiblePoints`] says what these surfels follow from: points, view and spacing. A graphics card
-//! needs no more (`render/gpu/visible`). Where points are those of a depth image in the colours of its camera, it has
-//! the images instead and makes points of them (`render/gpu/depth_images`). Whoever needs the records themselves asks
-//! for them, as picking does, and has them from the processor; once they are made, they stay.
+//! **How it works.** [`VisiblePoints`] states what these surfels follow from: points, view and spacing. A GPU needs no
+//! more (`render/gpu/visible`). Where points are those of a depth image in the colours of its camera, it has the images
+//! instead and creates points from them (`render/gpu/depth_images`). Whoever needs the records themselves requests
+//! them, as picking does, and gets them from the CPU; once they are created, they stay.
 
 use crate::analysis::NormalErrors;
 use crate::analysis::screen::{ScreenCloud, ScreenEstimator, ScreenView, Search};
@@ -16,7 +16,7 @@ use glam::Vec3;
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Instant;
 
-/// What was done for the last picture with normals of the screen.
+/// Statistics of the work done for the last image with screen-space normals.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct ScreenStats {
     /// Points that might have been seen.
@@ -39,7 +39,7 @@ pub struct ScreenStats {
 pub struct PointImages {
     /// The images.
     pub frame: Arc<DepthFrame>,
-    /// What points are relative to, in the frame of the camera.
+    /// Origin that points are relative to, in the frame of the camera.
     pub origin: Vec3,
     /// The colour of all of them, if it is not that of the image of colours.
     pub one_color: Option<[u8; 4]>,
@@ -50,11 +50,12 @@ pub struct PointImages {
 pub struct VisiblePoints {
     /// All of them.
     pub points: Arc<Vec<PointRecord>>,
-    /// What they were made from, where a graphics card can make the same of it: a point a pixel, holes among them.
+    /// Images that they were created from, where a GPU can create the same from them: one point per pixel, holes among
+    /// them.
     pub images: Option<PointImages>,
-    /// The pixels that they are told apart by.
+    /// View with the pixels by which they are distinguished.
     pub view: ScreenView,
-    /// What else is known of them.
+    /// Further properties of the points.
     pub cloud: ScreenCloud,
     estimator: Arc<Mutex<ScreenEstimator>>,
     made: OnceLock<VisibleSurfels>,
@@ -67,12 +68,12 @@ pub struct VisibleSurfels {
     pub points: Arc<Vec<PointRecord>>,
     /// Normals and radii.
     pub shapes: Arc<Vec<ShapeRecord>>,
-    /// What they took.
+    /// Statistics of their computation.
     pub stats: ScreenStats,
 }
 
 impl VisiblePoints {
-    /// Those of `points`; `estimator` is used by turns.
+    /// Creates the visible points of `points`; `estimator` is used by turns.
     pub fn new(
         points: Arc<Vec<PointRecord>>,
         images: Option<PointImages>,
@@ -98,20 +99,22 @@ impl VisiblePoints {
         })
     }
 
-    /// How many records who draws begins with: of an image a pixel each, whether it is a point or a hole.
+    /// Returns the number of records that the renderer begins with: for an image one per pixel, whether it is a point
+    /// or a hole.
     pub fn record_count(&self) -> usize {
         let pixels = self.images.as_ref().map(|images| images.frame.pixels());
         pixels.unwrap_or(self.points.len())
     }
 
-    /// What the processor did for them, if it was asked.
+    /// Returns the statistics of the CPU's work for them, if it was requested.
     pub fn stats(&self) -> Option<ScreenStats> {
         self.made.get().map(|made| made.stats)
     }
 }
 
 impl VisibleSurfels {
-    /// Those of `points`. With shapes of all points whose normals are held to be true, they have the colours of errors.
+    /// Computes the visible surfels of `points`. With shapes of all points whose normals are taken as ground truth,
+    /// they have the colours of errors.
     pub(in crate::scene) fn make(
         estimator: &mut ScreenEstimator,
         points: &[PointRecord],

@@ -7,15 +7,15 @@ use crate::analysis::ColorMap;
 /// The usual colour of every point under [`ColorSource::Uniform`]: a light grey that shows shading both ways.
 pub const UNIFORM_COLOR: [u8; 4] = [200, 200, 200, 255];
 
-/// The same without alpha.
+/// Uniform colour without alpha.
 pub(in crate::sequence) const UNIFORM_RGB: [u8; 3] = [200, 200, 200];
 
-/// How points are coloured. What is not there to be coloured by is replaced as [`ColorSource::Auto`] would.
+/// Colouring of points. A missing colour source is replaced as [`ColorSource::Auto`] would.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coloring {
-    /// What colours show.
+    /// Colour source: what the colours show.
     pub source: ColorSource,
-    /// How numbers become colours.
+    /// Colour map from numbers to colours.
     pub map: ColorMap,
     /// The numbers in the first and the last colour.
     pub range: ColorRange,

@@ -28,7 +28,8 @@ impl FieldName {
         std::str::from_utf8(&self.bytes[..usize::from(self.len)]).unwrap_or_default()
     }
 
-    /// Whether a field of this name is meant. Case does not matter, nor what `CloudCompare` writes before its names.
+    /// Returns true if a field of this name is meant. Case does not matter, nor what `CloudCompare` writes before its
+    /// names.
     pub fn names(&self, field: &str) -> bool {
         let field = Self::new(field);
         plain(self.as_str()).eq_ignore_ascii_case(plain(field.as_str()))

@@ -1,4 +1,4 @@
-//! Where the colours of points come from, as a person chooses it.
+//! Colour source of points, as the user chooses it.
 //!
 //! [`Coloring`] is the choice. Together with [`ColorHints`] and a frame it becomes a [`Paint`](super::Paint), in which
 //! nothing is open any more (`resolve.rs`), and that becomes the colours of records (`sequence/records.rs`).

@@ -1,4 +1,4 @@
-//! Which numbers have the first and the last colour.
+//! Value range: the numbers that have the first and the last colour.
 
 use super::parse_error::ParseColoringError;
 use crate::analysis::ColorMap;

@@ -19,16 +19,16 @@ const CLASSES: [&str; 3] = ["classification", "class", "label"];
 /// Names of fields that say when a point was measured.
 const TIMES: [&str; 5] = ["gps_time", "gpstime", "time", "timestamp", "t"];
 
-/// What is known of a sequence beyond its first frame, or wished; guessed from that frame where it is `None`.
+/// Colour hints: knowledge of a sequence beyond its first frame, or wishes; guessed from that frame where it is `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ColorHints {
     /// The unit vector that points up in the picture.
     pub up: Option<Vec3>,
-    /// Whether a cloud without colours is rather to be seen by its height than by its normals: terrain, streets.
+    /// True if a cloud without colours is better shown by its height than by its normals: terrain, streets.
     pub prefers_height: Option<bool>,
 }
 
-/// What the points of a frame are painted with: nothing is left open.
+/// Resolved colouring of the points of a frame: nothing is left open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Paint {
     /// The colours of the file.
@@ -41,11 +41,11 @@ pub enum Paint {
     Classes(FieldName),
     /// Numbers through a map.
     Scale {
-        /// Which numbers.
+        /// Values to colour by.
         values: PaintValues,
         /// The map.
         map: ColorMap,
-        /// What is where in the map, in numbers of the file.
+        /// Colour scale: the position in the map of the numbers of the file.
         scale: ColorScale,
     },
 }
@@ -55,7 +55,7 @@ pub enum Paint {
 pub enum PaintValues {
     /// A scalar field.
     Field(FieldName),
-    /// How far points are along this unit vector from the origin of the file's coordinates.
+    /// Signed distance of points along this unit vector from the origin of the file's coordinates.
     Height(Vec3),
     /// The distance from here, relative to the origin of the sequence.
     Distance(Vec3),
@@ -72,7 +72,7 @@ impl ColorHints {
 }
 
 impl ColorSource {
-    /// Whether `frame` itself has what this source is asked for.
+    /// Returns true if `frame` itself has the data that this colour source requires.
     pub fn is_of(self, frame: &Frame) -> bool {
         match self {
             Self::File => frame.colors().is_some(),
@@ -80,7 +80,7 @@ impl ColorSource {
         }
     }
 
-    /// Whether `fields` have what this source is asked for; always for one that is not asked for a field.
+    /// Returns true if `fields` have the data that this colour source requires; always for one that requires no field.
     pub fn is_of_fields(self, fields: &[ScalarField]) -> bool {
         match self {
             Self::Scalar(Some(name)) => fields.iter().any(|field| name.names(&field.name)),
@@ -102,7 +102,8 @@ impl Paint {
         }
     }
 
-    /// What it shows, in the words of a person's choice; never [`ColorSource::Auto`] or [`ColorSource::Time`].
+    /// Returns the colour source it shows, in the terms of a user's choice; never [`ColorSource::Auto`] or
+    /// [`ColorSource::Time`].
     pub fn source(&self) -> ColorSource {
         match self {
             Self::File => ColorSource::File,
@@ -119,7 +120,7 @@ impl Paint {
 }
 
 impl Coloring {
-    /// What the points of `frame` are painted with.
+    /// Returns the paint that the points of `frame` are coloured with.
     pub fn paint(&self, hints: &ColorHints, frame: &Frame) -> Paint {
         let sample = frame.value_sample();
         let chosen = match self.source {
@@ -228,7 +229,8 @@ impl Coloring {
         }
     }
 
-    /// Those of the ascending values whose places tell the range: all, or those that have a logarithm if there are any.
+    /// Returns the ascending values whose positions determine the range: all, or those that have a logarithm if there
+    /// are any.
     fn with_colors<'a>(&self, sorted: &'a [f32], offset: f64) -> &'a [f32] {
         let begin = sorted.partition_point(|&value| f64::from(value) + offset <= 0.0);
         match sorted.get(begin..) {
@@ -238,8 +240,8 @@ impl Coloring {
     }
 }
 
-/// How these numbers are asked of a sample, and what is to be added to the answers; `None` if it does not have the
-/// field.
+/// Returns the value kind by which these numbers are queried from a sample, and the offset to be added to the results;
+/// `None` if it does not have the field.
 pub fn value_kind(values: &PaintValues, sample: &ValueSample) -> Option<(ValueKind, f64)> {
     match values {
         PaintValues::Field(name) => {
@@ -289,13 +291,13 @@ fn sorted_field(sample: &ValueSample, name: &str) -> Option<Arc<[f32]>> {
     Some(sample.sorted(ValueKind::Field(place)))
 }
 
-/// Whether the field of this name has different values.
+/// Returns true if the field of this name has different values.
 fn varies(sample: &ValueSample, name: &str) -> bool {
     sorted_field(sample, name).is_some_and(|sorted| sorted.first() != sorted.last())
 }
 
-/// Whether the field of this name shows what was scanned: its values are spread. Where nearly all are one number, as
-/// the confidence of a range scan is, the others are specks.
+/// Returns true if the field of this name shows what was scanned: its values are spread. Where nearly all are one
+/// number, as the confidence of a range scan is, the others are specks.
 fn is_spread(sample: &ValueSample, name: &str) -> bool {
     const LEAST_SPREAD: f32 = 0.02;
     let Some(sorted) = sorted_field(sample, name).filter(|sorted| !sorted.is_empty()) else {
@@ -305,8 +307,8 @@ fn is_spread(sample: &ValueSample, name: &str) -> bool {
     at(0.75) - at(0.25) > LEAST_SPREAD * (at(0.99) - at(0.01))
 }
 
-/// Whether most of the values are so near to the low end of their range that steps of the logarithm tell them apart
-/// better: light that comes back from retroreflectors is a thousand times that from asphalt.
+/// Returns true if most of the values are so near to the low end of their range that steps of the logarithm separate
+/// them better: light that comes back from retroreflectors is a thousand times that from asphalt.
 fn is_skewed(sample: &ValueSample, name: &str) -> bool {
     const SKEWED: f32 = 0.2;
     let Some(sorted) = sorted_field(sample, name) else {
@@ -320,7 +322,7 @@ fn is_skewed(sample: &ValueSample, name: &str) -> bool {
     at(0.5) - at(0.01) < SKEWED * (at(0.99) - at(0.01))
 }
 
-/// The likely up axis of the points: depth cameras look along +Z with Y down, laser scanners stand among what they see
+/// Returns the likely up axis of the points: depth cameras look along +Z with Y down, LiDARs stand among what they see
 /// with Z up, surveys are wide and flat along Z, and everything else is taken for a model with Y up.
 fn likely_up(sample: &ValueSample) -> Vec3 {
     match sample.sensor {
@@ -331,7 +333,7 @@ fn likely_up(sample: &ValueSample) -> Vec3 {
     }
 }
 
-/// Whether points are the ground or a place, not an object: wide and flat, or around a scanner.
+/// Returns true if points are a survey of the ground or a place, not an object: wide and flat, or around a scanner.
 fn is_survey(sample: &ValueSample) -> bool {
     match sample.sensor {
         Some(_) => !is_seen_in_front(sample),

@@ -1,4 +1,4 @@
-//! What colours show.
+//! Colour source: what colours show.
 
 use super::{FieldName, ParseColoringError};
 use crate::spelling::is_same_word;
@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::fmt;
 use std::str::FromStr;
 
-/// What colours show.
+/// Colour source: what colours show.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum ColorSource {
     /// The file's colours if they differ, else its intensity if that does, else its classes if they do, else the height
@@ -20,9 +20,9 @@ pub enum ColorSource {
     /// A scalar field of the file through a colour map: the one of this name, else the best to colour by (intensity and
     /// the like).
     Scalar(Option<FieldName>),
-    /// How high the point is in file coordinates, through a colour map.
+    /// Height of the point in file coordinates, through a colour map.
     Height(HeightAxis),
-    /// How far the point is from somewhere, through a colour map.
+    /// Distance of the point from somewhere, through a colour map.
     Distance(DistanceFrom),
     /// The scalar field that says when a point was measured, through a colour map; without one as
     /// [`ColorSource::Scalar`].
@@ -33,7 +33,7 @@ pub enum ColorSource {
     Uniform,
 }
 
-/// Which way is up for [`ColorSource::Height`].
+/// Up axis for [`ColorSource::Height`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum HeightAxis {
     /// As for the picture.

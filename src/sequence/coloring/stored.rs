@@ -1,4 +1,4 @@
-//! How a way to colour stands in files that people keep: as its parts, or as one word, which says it in files of before
+//! Serialised form of a colouring in persistent files: as its parts, or as one word, which is the form in older files
 //! and where nothing else was chosen, so that earlier versions read that too.
 
 use super::{ColorRange, ColorSource, Coloring};
@@ -14,7 +14,7 @@ enum StoredColoring {
     Parts(Parts),
 }
 
-/// What is not there is as usual.
+/// Serialised parts; missing ones take their defaults.
 #[derive(Deserialize)]
 #[serde(default)]
 struct Parts {

@@ -1,4 +1,4 @@
-//! Averages that follow what was measured lately.
+//! Moving averages that follow recent measurements.
 
 /// Weight of the newest measurement in an average.
 const NEWEST: f64 = 0.25;

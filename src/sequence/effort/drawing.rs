@@ -1,32 +1,33 @@
-//! How many points can be drawn in the time of a frame.
+//! Point budget for drawing: the number of points that can be drawn in the time of a frame.
 //!
-//! Part of the time of a picture is spent whatever there is to draw, the rest goes with the points. How it goes with
-//! them is learned where their number changes; until then what fits in proportion to them surely fits. So playing
-//! begins with few points, or with what pictures drawn before tell, and goes to as many as fit at once. Where that says
-//! that no more fit, more are tried all the same, since the workers, which are busiest at the beginning, slow drawing
-//! as well: after each attempt without success, the next waits four times as long: a few pictures are late each time.
+//! Part of the time of an image is spent whatever there is to draw, the rest depends on the number of points. That
+//! dependence is learned where their number changes; until then what fits in proportion to them surely fits. So
+//! playback begins with few points, or with what is known from images drawn before, and goes to as many as fit at once.
+//! Where that says that no more fit, more are tried all the same, since the workers, which are busiest at the
+//! beginning, slow drawing as well: after each attempt without success, the next waits four times as long: a few images
+//! are late each time.
 
 use super::average::Average;
 use super::points::{FEWEST_POINTS, power_of_two};
 
-/// What pictures have told.
+/// Drawing statistics learned from images.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DrawingPace {
     /// As many points as frames should have; all if there is no number.
     pub(super) most_points: Option<u32>,
     picture_ms: Average,
-    /// Of how many points those pictures are, about.
+    /// Approximate number of points in those images.
     of_points: usize,
     /// Pictures since the number was changed.
     pictures: u32,
-    /// How many points pictures had before that, and what they took, milliseconds.
+    /// Number of points in earlier images, and their drawing time, milliseconds.
     before: Option<(usize, f64)>,
-    /// What a point more takes, milliseconds.
+    /// Cost of an additional point, milliseconds.
     slope_ms: Option<f64>,
     attempt: Attempt,
     /// Pictures to wait for before something is tried again.
     patience: u32,
-    /// Whether pictures have told anything yet.
+    /// True if images have yielded measurements yet.
     pub(super) is_known: bool,
 }
 
@@ -73,7 +74,7 @@ impl DrawingPace {
     /// changed.
     const LEAST_SLOPE: f64 = 0.25;
 
-    /// The same numbers, without what they follow from.
+    /// Returns the same numbers, without the measurements they follow from.
     pub(super) fn forgetful(self) -> Self {
         Self {
             most_points: self.most_points,
@@ -176,8 +177,8 @@ impl DrawingPace {
         most_points.map_or(points, |most| most.min(points_in_file.max(points)))
     }
 
-    /// What a point more takes, from the first of these pictures and the last ones before the number was changed:
-    /// later, other things may have changed as well.
+    /// Learns the cost of an additional point, from the first of these images and the last ones before the number was
+    /// changed: later, other things may have changed as well.
     fn learn_slope(&mut self, mean_ms: f64) {
         if let Some((points, before_ms)) = self.before
             && points != self.of_points
@@ -187,8 +188,8 @@ impl DrawingPace {
         }
     }
 
-    /// How many points fit into the time of a frame, from what pictures take now. Fewer are chosen in proportion: what
-    /// has just become slower need not go with the points as it did.
+    /// Returns the number of points that fit into the time of a frame, from the current drawing times. Fewer are chosen
+    /// in proportion: what has just become slower need not depend on the points as it did.
     fn fitting_points(&self, mean_ms: f64, interval_ms: f64) -> u32 {
         let of_points = self.of_points as f64;
         let left_ms = Self::PLANNED * interval_ms - mean_ms;

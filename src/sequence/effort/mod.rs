@@ -1,16 +1,16 @@
-//! How detailed frames can be at the rate that they are played at.
+//! Level-of-detail control: how detailed frames can be at their playback rate.
 //!
-//! **How it works.** Two things may be too slow for a frame rate. *Making* frames: what decoding takes and what a point
-//! takes after it are averaged over the frames made lately, as they were measured, with whatever else the machine did
-//! meanwhile; the workers' time between two frames, less decoding, says how many points there is time for. *Drawing*
-//! them: while pictures take longer than a frame lasts, frames of fewer points are wanted, as long as that helps; now
-//! and then twice the points are tried. Playing begins with few points, unless pictures were drawn before.
+//! **How it works.** Two things may be too slow for a frame rate. *Preparing* frames: the decoding time and the time
+//! per point after it are averaged over recently prepared frames, as they were measured, with whatever else the machine
+//! did meanwhile; the workers' time between two frames, less decoding, determines how many points there is time for.
+//! *Drawing* them: while images take longer than a frame lasts, frames of fewer points are wanted, as long as that
+//! helps; now and then twice the points are tried. Playback begins with few points, unless images were drawn before.
 //!
 //! Numbers of points are powers of two, and are raised only when there is time for a third more, so that they do not
 //! waver.
 //!
-//! What is made in a hurry is [`Effort::in_time`]; what may be made while all that is due soon is there already is
-//! [`Effort::at_best`], which only drawing limits. Nothing here looks at a clock.
+//! What is prepared in a hurry is [`Effort::in_time`]; what may be prepared while all that is due soon is there already
+//! is [`Effort::at_best`], which only drawing limits. Nothing here looks at a clock.
 
 mod average;
 mod drawing;
@@ -28,7 +28,7 @@ const FIRST_POINTS: u32 = 1 << 14;
 /// Part of the workers' time that is planned with.
 const PLANNED: f64 = 0.85;
 
-/// What making a frame took.
+/// Cost of preparing a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MakingCost {
     /// Decoding alone, milliseconds; `None` if nothing was decoded.
@@ -41,7 +41,7 @@ pub(super) struct MakingCost {
     pub(super) points_in_file: usize,
 }
 
-/// What was measured, and what follows.
+/// Performance measurements, and the level of detail that follows from them.
 #[derive(Debug, Clone)]
 pub(super) struct Effort {
     workers: usize,
@@ -49,7 +49,7 @@ pub(super) struct Effort {
     interval: Option<Duration>,
     decode_ms: Average,
     rest_ns_per_point: Average,
-    /// Of the largest frame.
+    /// Number of points in the largest frame.
     points_in_file: usize,
     made_for: Option<u32>,
     drawing: DrawingPace,
@@ -80,7 +80,7 @@ impl Effort {
         is_other
     }
 
-    /// Whether nothing is played.
+    /// Returns true if playback is stopped.
     pub(super) fn is_at_rest(&self) -> bool {
         self.interval.is_none()
     }
@@ -124,7 +124,7 @@ impl Effort {
         self.detail(self.drawing.most_points)
     }
 
-    /// How many frames should be ready, so that slow ones among them are waited for nowhere.
+    /// Returns the number of frames to buffer ahead, so that slow ones among them cause no waiting anywhere.
     pub(super) fn ahead_frames(&self) -> usize {
         const SPAN: Duration = Duration::from_secs(2);
         const FEWEST: f64 = 8.0;
@@ -144,12 +144,12 @@ impl Effort {
         }
     }
 
-    /// Whether no frame that is known of has more points.
+    /// Returns true if no known frame has more points.
     fn is_whole(&self, points: u32) -> bool {
         (1..=points as usize).contains(&self.points_in_file)
     }
 
-    /// How many points there is time to make frames of.
+    /// Plans the number of points that there is time to prepare frames with.
     fn plan(&mut self) {
         let (Some(interval), Some(ns_per_point)) = (self.interval, self.rest_ns_per_point.mean) else {
             return;

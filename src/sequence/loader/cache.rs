@@ -1,17 +1,18 @@
-//! What is known of every frame, and the memory of it: prepared frames, errors, work in flight, against a byte budget.
+//! Frame cache: the state of every frame, and its memory: prepared frames, errors, work in flight, against a byte
+//! budget.
 //!
 //! A frame may be here twice: with all its points, and as a *coarse* copy of fewer (see [`Detail`]), which stands in
 //! for it while there is no time for all. Coarse copies may take a quarter of the budget for good: they are dropped
 //! last, so that any frame of a long sequence can be shown at once.
 //!
 //! **How it works.** Bytes are counted in two sums: *resident* for prepared frames, *reserved* for frames that a worker
-//! is making (as large as the frame was before, or as the largest seen). Before work starts, frames that are needed
+//! is preparing (as large as the frame was before, or as the largest seen). Before work starts, frames that are needed
 //! later than its frame are evicted, the one needed last first, until both sums and the new reservation fit.
 //!
-//! **What is needed last** is, without looping, what lies farthest behind; in a loop, what was shown just now, because
+//! **The frame needed last** is, without looping, the one farthest behind; in a loop, the one shown just now, because
 //! the whole sequence comes before it again. A loop that does not fit then keeps up to half of the budget resident and
 //! streams the rest through the other half, where evicting the least recently used would read every frame again on
-//! every turn.
+//! every iteration.
 
 use super::facts::Facts;
 use super::stats::FrameState;
@@ -24,7 +25,7 @@ use std::sync::Arc;
 /// them.
 pub(super) const ALWAYS_AHEAD_FRAMES: usize = 4;
 
-/// Where the playhead is and where it goes: the order in which frames are needed.
+/// Playhead position and direction: the order in which frames are needed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Focus {
     pub(super) travel: Travel,
@@ -77,7 +78,7 @@ pub(super) struct Cache {
     coarse_bytes: usize,
     reserved_bytes: usize,
     in_flight: usize,
-    /// Of the frames prepared for the present needs with all their points.
+    /// Largest size of the frames prepared for the present needs with all their points.
     largest_bytes: Option<usize>,
     /// The most that a point took in frames prepared for the present needs.
     bytes_per_point: Option<f64>,
@@ -186,14 +187,14 @@ impl Cache {
         self.evicted
     }
 
-    /// Bytes that frame `index` holds or reserves now, coarse copies left out.
+    /// Returns the bytes that frame `index` holds or reserves now, excluding coarse copies.
     pub(super) fn held_bytes(&self, index: usize) -> usize {
         let entry = &self.entries[index];
         byte_size(entry.full.as_ref()) + entry.reserved_bytes.unwrap_or(0)
     }
 
-    /// How many bytes frame `index` is expected to take in `detail` beyond what it holds; `None` while no frame was
-    /// prepared for the present needs.
+    /// Returns the number of bytes that frame `index` is expected to take in `detail` beyond what it holds; `None`
+    /// while no frame was prepared for the present needs.
     pub(super) fn bytes_to_add(&self, index: usize, detail: Detail) -> Option<usize> {
         let entry = &self.entries[index];
         let reserved = entry.reserved_bytes.unwrap_or(0);
@@ -207,7 +208,7 @@ impl Cache {
         expected.map(|bytes| bytes.saturating_sub(held + reserved))
     }
 
-    /// How large frame `index` is expected to be with all its points.
+    /// Returns the expected size of frame `index` with all its points, in bytes.
     pub(super) fn expected_bytes(&self, index: usize) -> Option<usize> {
         let per_point = |bytes: f64| (bytes * self.largest_points as f64) as usize;
         self.entries[index]
@@ -304,14 +305,14 @@ impl Cache {
         is_there
     }
 
-    /// Whether frame `index` is to stay as it is.
+    /// Returns true if frame `index` is settled: it is to stay as it is.
     pub(super) fn is_settled(&self, index: usize) -> bool {
         let entry = self.entries.get(index);
         entry.is_some_and(|entry| entry.settled == Some(self.needs_epoch))
     }
 
-    /// Keeps a prepared frame in place of the one before of its kind. One that lacks what is asked for says nothing
-    /// about sizes.
+    /// Inserts a prepared frame into the cache, replacing the previous one of its kind. One that lacks what is
+    /// requested gives no information about sizes.
     pub(super) fn insert(&mut self, prepared: Arc<PreparedFrame>, is_complete: bool) {
         let index = prepared.index;
         let bytes = prepared.byte_size();
@@ -352,7 +353,7 @@ impl Cache {
         }
     }
 
-    /// Whether the file of frame `index` changed since a worker began to read it.
+    /// Returns true if the file of frame `index` changed since a worker began to read it.
     pub(super) fn take_outdated(&mut self, index: usize) -> bool {
         std::mem::take(&mut self.entries[index].is_outdated)
     }

@@ -1,20 +1,20 @@
-//! What stays known of frames that were prepared, after they have gone from memory.
+//! Frame facts that stay known of prepared frames after they have been evicted from memory.
 
 use crate::levels::octree::StopCriterion;
 use crate::math::Aabb;
 use crate::sequence::PreparedFrame;
 
-/// What is known of a frame that was prepared once.
+/// Facts known of a frame that was prepared once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameFacts {
     /// Points in the file.
     pub points: usize,
-    /// What holds them, relative to the sequence's origin; of some of the points, if all were never prepared.
+    /// Bounding box of the points, relative to the sequence's origin; of some of them, if all were never prepared.
     pub bounds: Aabb,
     /// Share of the points that have no leaf of their own in the octree, if it was built for the present needs.
     pub loss: Option<f32>,
-    /// RMS distance of points from the middles of their leaves, if the octree was built for the present needs; of
-    /// 1,024 of them.
+    /// RMS distance of points from the centres of their leaves, if the octree was built for the present needs; of 1,024
+    /// of them.
     pub voxel_error: Option<f32>,
 }
 
@@ -89,7 +89,7 @@ impl Facts {
         (0..frame_count).map(facts).collect()
     }
 
-    /// The needs have changed, and with them which losses and errors are told.
+    /// Notes that the needs have changed, and with them which losses and errors are reported.
     pub(super) fn changed(&mut self) {
         self.revision += 1;
     }

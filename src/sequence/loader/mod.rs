@@ -221,8 +221,8 @@ impl Loader {
         }
     }
 
-    /// Makes frame `index` before all others and blocks until it is there. What was requested goes on beside it;
-    /// without a request nothing but this frame is made.
+    /// Prepares frame `index` before all others and blocks until it is there. What was requested continues alongside
+    /// it; without a request nothing but this frame is prepared.
     pub fn wait(&self, index: usize, needs: &Needs) -> Result<Arc<PreparedFrame>, FrameError> {
         self.check_index(index)?;
         let mut queue = self.shared.queue();
@@ -265,7 +265,7 @@ impl Loader {
         queue.cache.states(queue.needs.as_ref(), first)
     }
 
-    /// What is known of every frame; `None` of those that were never prepared. O(n): ask again when
+    /// Returns the facts known of every frame; `None` for those that were never prepared. O(n): query again when
     /// [`Loader::facts_revision`] has changed.
     pub fn facts(&self) -> Vec<Option<FrameFacts>> {
         let queue = self.shared.queue();
@@ -278,7 +278,7 @@ impl Loader {
         self.shared.queue().cache.facts.revision()
     }
 
-    /// Whether a worker is on a frame.
+    /// Returns true if a worker is busy with a frame.
     pub fn is_busy(&self) -> bool {
         self.shared.queue().cache.in_flight() > 0
     }
@@ -288,7 +288,7 @@ impl Loader {
         self.shared.readings.list()
     }
 
-    /// Whether somebody has cancelled the reading of a frame, be it over or not.
+    /// Returns true if someone has cancelled the reading of a frame, be it over or not.
     pub fn was_cancelled(&self) -> bool {
         self.shared.readings.was_cancelled()
     }

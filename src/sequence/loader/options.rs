@@ -1,4 +1,4 @@
-//! How a loader works.
+//! Loader options.
 
 use crate::memory;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ const MAX_DEFAULT_WORKERS: usize = 8;
 /// Default budget: 150 frames of 100,000 surfels.
 const DEFAULT_BUDGET_BYTES: usize = 1 << 30;
 
-/// How a [`Loader`](super::Loader) works.
+/// Options of a [`Loader`](super::Loader).
 #[derive(Clone)]
 pub struct LoaderOptions {
     /// Number of threads, at least 1.
@@ -23,7 +23,7 @@ pub struct LoaderOptions {
     /// Large frames that are looked at come in stages, for who shows them as they come: some points, all points, the
     /// rest.
     pub shows_stages: bool,
-    /// Bytes that the machine has: what takes more is left out, and said.
+    /// Memory of the machine in bytes: what takes more is skipped, and reported.
     pub machine_bytes: u64,
     /// Called on a worker thread whenever a frame is finished, has failed or was given up. Must not block.
     pub wake: Arc<dyn Fn() + Send + Sync>,

@@ -1,17 +1,18 @@
-//! Which frame a worker takes next.
+//! Work queue: selects the frame that a worker takes next.
 //!
 //! **How it works.** There is no list of queued work that could become outdated. A worker that is free looks at the
 //! plan as it is now: frames somebody waits for, then the playhead's, then those the playhead will reach, in that
 //! order, and takes the first that is neither there nor failed nor in flight. What the playhead has passed, or what was
-//! wanted for older needs, is thereby forgotten at once. Work in flight asks between its stages whether it is still
+//! wanted for older needs, is thereby forgotten at once. Work in flight checks between its stages whether it is still
 //! wanted.
 //!
-//! **In what detail.** [`Effort`] says how many points there is time for while playing. Frames due soon are made of so
-//! many; once they are all there, later ones are made in full, so that a loop gains detail from turn to turn; and then,
-//! if the sequence is too long for the memory, coarse copies of all its frames, for scrubbing.
+//! **Level of detail.** [`Effort`] determines how many points there is time for during playback. Frames due soon are
+//! prepared with that many; once they are all there, later ones are prepared in full, so that a loop gains detail with
+//! each iteration; and then, if the sequence is too long for the memory, coarse copies of all its frames, for
+//! scrubbing.
 //!
-//! **Groups.** Frames that are made from one another ([`crate::source::Groups`]) are made by one worker at a
-//! time, in their order, while others make other groups. Backwards, a group that comes is begun at its first frame, so
+//! **Groups.** Frames that are decoded from one another ([`crate::source::Groups`]) are prepared by one worker at a
+//! time, in their order, while others prepare other groups. Backwards, the next group is begun at its first frame, so
 //! that each of its frames is decoded once.
 //!
 //! A look costs a multiple of [`LOOK_AHEAD_FRAMES`] steps, whatever the length of the sequence.
@@ -24,7 +25,7 @@ use crate::sequence::{Detail, FrameError, Needs, PreparedFrame, Sequence};
 use crate::timeline::LoopMode;
 use std::sync::Arc;
 
-/// How far ahead frames are prepared, if the budget allows: ten seconds of film.
+/// Look-ahead in frames that are prepared, if the budget allows: ten seconds of footage.
 pub(super) const LOOK_AHEAD_FRAMES: usize = 256;
 
 /// Points of the coarse copies that are kept of all frames, at most and at least.
@@ -39,13 +40,13 @@ pub(super) struct Waiter {
     pub(super) outcome: Option<Result<Arc<PreparedFrame>, Arc<FrameError>>>,
 }
 
-/// What a worker is to do.
+/// Job for a worker.
 #[derive(Debug)]
 pub(super) struct Job {
     pub(super) index: usize,
     pub(super) needs: Needs,
     pub(super) detail: Detail,
-    /// Prepared for other needs or in more detail: to be completed or thinned out, not decoded.
+    /// Existing frame prepared for other needs or in more detail: to be completed or subsampled, not decoded.
     pub(super) existing: Option<Arc<PreparedFrame>>,
     /// A coarse copy of a frame that may be far from the playhead.
     pub(super) is_for_scrubbing: bool,
@@ -53,14 +54,14 @@ pub(super) struct Job {
     pub(super) next_stage: Option<NextStage>,
 }
 
-/// What of a frame that comes in stages is to be made next.
+/// Next stage to prepare of a frame that comes in stages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NextStage {
     /// Some points, if they can be had without the others; else all.
     Sample,
     /// All points, of so many.
     AllPoints(usize),
-    /// What the points lack.
+    /// Completion: the attributes that the points lack.
     Completion,
 }
 
@@ -72,10 +73,10 @@ pub(super) struct Queue {
     /// Needs of the last request; `None` before the first: then only waiters are served.
     pub(super) needs: Option<Needs>,
     pub(super) effort: Effort,
-    /// Whether coarse copies of all frames are wanted, and where to look for the next that lacks one.
+    /// True if coarse copies of all frames are wanted, and where to look for the next that lacks one.
     keeps_coarse: bool,
     next_coarse: usize,
-    /// Whether large frames at rest come in stages.
+    /// True if large frames at rest come in stages.
     has_stages: bool,
     pub(super) waiters: Vec<Waiter>,
     pub(super) shutdown: bool,
@@ -123,8 +124,8 @@ impl Queue {
             .or_else(|| self.coarse_job(&needs))
     }
 
-    /// Whether the frame at the playhead is a large one at rest of which a stage is there, but not all: others wait for
-    /// it.
+    /// Returns true if the frame at the playhead is between stages: a large one at rest of which a stage is there, but
+    /// not all; others wait for it.
     fn is_between_stages(&self, needs: &Needs) -> bool {
         let index = self.focus.playhead;
         self.partial(index).is_some() && self.cache.error(index).is_none() && !self.serves(index, needs, Detail::Full)
@@ -175,12 +176,14 @@ impl Queue {
         None
     }
 
-    /// Whether there is nothing to do for frame `index`: somebody is on it, it has failed or is there in `detail`.
+    /// Returns true if there is nothing to do for frame `index`: a worker is on it, it has failed or is there in
+    /// `detail`.
     fn is_done(&self, index: usize, needs: &Needs, detail: Detail) -> bool {
         self.cache.error(index).is_some() || self.cache.is_in_flight(index) || self.serves(index, needs, detail)
     }
 
-    /// Whether somebody is on a frame of the group of `index`, whose decoder then knows what the others are made from.
+    /// Returns true if a worker is on a frame of the group of `index`, whose decoder then knows what the others are
+    /// decoded from.
     fn is_group_in_flight(&self, index: usize) -> bool {
         let frames = 0..self.cache.frame_count();
         let mut group = self.sequence.group(index);
@@ -213,7 +216,7 @@ impl Queue {
         fits.then(|| self.start(index, *needs, detail, bytes.unwrap_or(0)))
     }
 
-    /// What of frame `index` is made next if it comes in stages.
+    /// Returns the next stage of frame `index` if it comes in stages.
     fn next_stage(&self, index: usize, rank: usize, detail: Detail) -> Option<NextStage> {
         let may_come_so = self.has_stages && self.effort.is_at_rest();
         if !may_come_so || rank > 0 || detail != Detail::Full {
@@ -226,7 +229,7 @@ impl Queue {
         })
     }
 
-    /// Whether frame `index` is there as wanted.
+    /// Returns true if frame `index` is there as wanted.
     fn serves(&self, index: usize, needs: &Needs, detail: Detail) -> bool {
         if self.is_settled(index) {
             return true;
@@ -239,14 +242,15 @@ impl Queue {
             || coarse.is_some_and(|frame| detail.is_met_by(&frame.frame) && is_of_use(frame))
     }
 
-    /// Whether frame `index` has all that is needed, and nobody waits for more of it.
+    /// Returns true if frame `index` has all that is needed, and nobody waits for more of it.
     pub(super) fn is_complete(&self, index: usize, needs: &Needs) -> bool {
         let is_waited_for = |waiter: &Waiter| waiter.index == index && waiter.outcome.is_none();
         let full = self.cache.full(index);
         full.is_some_and(|frame| frame.satisfies(needs)) && !self.waiters.iter().any(is_waited_for)
     }
 
-    /// Whether frame `index` is at rest and stays as it is, as what it lacks was cancelled or does not fit the memory.
+    /// Returns true if frame `index` is at rest and stays as it is, as what it lacks was cancelled or does not fit the
+    /// memory.
     fn is_settled(&self, index: usize) -> bool {
         self.effort.is_at_rest() && self.cache.is_settled(index)
     }
@@ -302,8 +306,8 @@ impl Queue {
         None
     }
 
-    /// How detailed coarse copies of all frames can be; `None` where they are not wanted, all frames fit as they are,
-    /// or copies would have too few points to be of use.
+    /// Returns the level of detail that coarse copies of all frames can have; `None` if they are not wanted, all frames
+    /// fit as they are, or copies would have too few points to be of use.
     fn detail_for_scrubbing(&self) -> Option<Detail> {
         let (bytes_per_point, points) = self.cache.measure().filter(|_| self.keeps_coarse)?;
         let count = self.cache.frame_count();
@@ -321,7 +325,7 @@ impl Queue {
         self.used_bytes().saturating_add(bytes) <= self.cache.budget_bytes()
     }
 
-    /// Whether frames that come later may be dropped for the one of this rank, which with all nearer ones takes
+    /// Returns true if later frames may be evicted for the one of this rank, which with all nearer ones takes
     /// `through_here` bytes. In a loop only half of the budget streams, so that the other half is not read again.
     fn may_evict_for(&self, rank: usize, through_here: usize) -> bool {
         self.focus.travel.loop_mode == LoopMode::Off
@@ -329,7 +333,7 @@ impl Queue {
             || through_here <= self.cache.budget_bytes() / 2
     }
 
-    /// What frame `index` can be made of without decoding it.
+    /// Returns the existing frame that frame `index` can be prepared from without decoding it.
     fn existing(&self, index: usize, detail: Detail) -> Option<&Arc<PreparedFrame>> {
         let (full, coarse) = (self.cache.full(index), self.cache.coarse(index));
         match detail {

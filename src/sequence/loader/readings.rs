@@ -4,7 +4,7 @@ use crate::locks::lock;
 use crate::progress::Progress;
 use std::sync::Mutex;
 
-/// What is being done for a frame.
+/// Stage of the work on a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReadingStage {
     /// It is read, and prepared as far as pictures need it.
@@ -24,9 +24,10 @@ pub enum ReadingStage {
 pub struct Reading {
     /// Index of the frame that it is read for: the first one is read for any, as it decides the origin.
     pub index: usize,
-    /// What is being done.
+    /// Current stage.
     pub stage: ReadingStage,
-    /// How much of it is read, then how much of it is decoded, then how far its normals are if it has none.
+    /// Progress: how much of the frame is read, then how much of it is decoded, then the progress of its normal
+    /// estimation if it has none.
     pub progress: Progress,
 }
 
@@ -48,7 +49,7 @@ struct List {
 #[derive(Debug)]
 struct Entry {
     reading: Reading,
-    /// What it is made for is not asked for any more. It is cancelled, but by nobody.
+    /// True if the result is not needed any more. It is cancelled, but by nobody.
     is_superseded: bool,
 }
 
@@ -114,7 +115,7 @@ impl Readings {
         }
     }
 
-    /// Whether somebody has cancelled one of them, be it over or not.
+    /// Returns true if someone has cancelled one of them, be it over or not.
     pub(super) fn was_cancelled(&self) -> bool {
         lock(&self.0).was_cancelled()
     }
@@ -135,7 +136,7 @@ impl UnderWay<'_> {
         lock(&self.readings.0).has_read = true;
     }
 
-    /// Whether nobody needs what it adds any more.
+    /// Returns true if its result is superseded: nobody needs what it adds any more.
     pub(super) fn is_superseded(&self) -> bool {
         let list = lock(&self.readings.0);
         let mut under_way = list.under_way.iter();

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use super::queue::Job;
 
-/// What a frame costs.
+/// Cost of a frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Cost {
     pub(crate) decode_ms: f64,

@@ -22,7 +22,7 @@ pub(crate) const SAMPLE_POINTS: usize = 1 << 17;
 /// Frames of fewer points have no sample: all are read and sorted in less than a tenth of a second.
 pub(crate) const FEWEST_SAMPLED: usize = 1 << 19;
 
-/// Whether `frame` is shown with nothing but its points before `needs` are met, as these take long.
+/// Returns true if `frame` is shown with nothing but its points before `needs` are met, as these take long.
 pub(super) fn comes_in_stages(frame: &Frame, needs: &Needs) -> bool {
     let wants_shapes = needs.shapes || needs_normals(frame, needs);
     let takes_long =
@@ -30,7 +30,7 @@ pub(super) fn comes_in_stages(frame: &Frame, needs: &Needs) -> bool {
     frame.len() > STAGED_POINTS && takes_long
 }
 
-/// What the points of `frame` take of `needs` alone.
+/// Returns the subset of `needs` that the points of `frame` alone require.
 pub(super) fn points_alone(frame: &Frame, needs: &Needs) -> Needs {
     let colors = if needs_normals(frame, needs) {
         ColorSource::Uniform.into()
@@ -57,14 +57,14 @@ pub(super) fn completion_bytes(frame: &Frame, needs: &Needs) -> u64 {
     (frame.byte_size() + per_point * frame.len()) as u64
 }
 
-/// Bytes a point of estimating a surface, of few points and of many: see
+/// Bytes per point for estimating a surface, with few points and with many: see
 /// [`estimate_surface`](crate::analysis::estimate_surface).
 const ESTIMATED_BYTES: [usize; 2] = [130, 70];
 
-/// Bytes a point of building an octree.
+/// Bytes per point for building an octree.
 const OCTREE_BYTES: usize = 29;
 
-/// Whether the colours are those of normals that have to be estimated.
+/// Returns true if the colours are those of normals that have to be estimated.
 fn needs_normals(frame: &Frame, needs: &Needs) -> bool {
     needs.colors.paint(&needs.hints, frame) == Paint::Normal && frame.all_normals().is_none()
 }

@@ -1,8 +1,8 @@
-//! What the loader tells about itself.
+//! Loader statistics.
 
 use crate::sequence::Detail;
 
-/// Where a frame is, for the timeline.
+/// Loading state of a frame, for the timeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum FrameState {
     /// Not in memory.
@@ -50,12 +50,12 @@ pub struct LoaderStats {
     pub coarse_frames: usize,
     /// Their bytes.
     pub coarse_bytes: usize,
-    /// How detailed frames are made that are due soon.
+    /// Level of detail of frames that are due soon.
     pub detail: Detail,
     /// Bytes of frames being made, as far as known.
     pub in_flight_bytes: usize,
     /// The most bytes that were in use at once, resident and in flight.
     pub peak_bytes: usize,
-    /// What they are held against.
+    /// Memory budget that they are compared with.
     pub budget_bytes: usize,
 }

@@ -16,12 +16,13 @@ use crate::stopwatch::milliseconds_since;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-/// What the loader shares with its workers.
+/// State shared between the loader and its workers.
 pub(super) struct Shared {
-    /// Where a frame that is made alone has its stages shared out. Not the pool that draws: a picture must not wait for
-    /// a frame that is not even in it.
+    /// Thread pool for the stages of a frame that is prepared alone. Not the pool that draws: an image must not wait
+    /// for a frame that is not even in it.
     pub(super) pool: rayon::ThreadPool,
-    /// Where the points of a frame at rest are made: there is nothing else to draw, so these threads are behind nobody.
+    /// Thread pool for the points of a frame at rest: there is nothing else to draw, so these threads are behind
+    /// nobody.
     pub(super) first_pool: rayon::ThreadPool,
     pub(super) sequence: Arc<Sequence>,
     pub(super) queue: Mutex<Queue>,
@@ -268,7 +269,7 @@ fn load_mesh(
     Ok((Some(mesh), milliseconds_since(start) as f32))
 }
 
-/// Whether the machine has the memory that `frame` takes when it is completed for `needs`.
+/// Checks that the machine has the memory that `frame` takes when it is completed for `needs`.
 fn check_memory(shared: &Shared, index: usize, frame: &Frame, needs: &Needs) -> Result<(), FrameError> {
     let needed_bytes = stages::completion_bytes(frame, needs);
     if needed_bytes <= shared.machine_bytes {
@@ -302,7 +303,7 @@ fn sample(shared: &Shared, job: &Job) -> Option<Finished> {
     })
 }
 
-/// What `job` asks for from a frame that was prepared for other needs or with more points.
+/// Prepares what `job` requests from a frame that was prepared for other needs or with more points.
 fn from_existing(
     shared: &Shared,
     existing: &PreparedFrame,
@@ -322,7 +323,7 @@ fn from_existing(
     })
 }
 
-/// What `frame` will take when it is prepared, as far as it can be said before: all but the octree.
+/// Returns the expected memory of `frame` when it is prepared, as far as it can be predicted: all but the octree.
 fn expected_bytes(frame: &Frame, needs: &Needs) -> usize {
     let shape_bytes = if needs.shapes { size_of::<ShapeRecord>() } else { 0 };
     frame.byte_size() + frame.len() * (size_of::<PointRecord>() + shape_bytes)

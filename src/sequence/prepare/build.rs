@@ -1,4 +1,5 @@
-//! The steps from a validated frame to a prepared one, each left out if its result is known or not asked for.
+//! Frame preparation: the steps from a validated frame to a prepared one, each skipped if its result is known or not
+//! requested.
 
 use super::counters::{PrepareCounters, Timings};
 use super::frame::{PreparedFrame, next_id};
@@ -30,7 +31,7 @@ pub(super) struct Build<'a> {
     pub(super) mesh_of: Option<&'a PreparedFrame>,
     /// Shapes that are known.
     pub(super) shapes: Option<Shapes>,
-    /// Whether they have ellipses.
+    /// True if they have ellipses.
     pub(super) has_ellipses: bool,
     pub(super) timings: Timings,
     pub(super) counters: &'a PrepareCounters,

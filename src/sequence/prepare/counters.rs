@@ -1,4 +1,4 @@
-//! What preparing a frame took.
+//! Costs of preparing a frame.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -22,7 +22,7 @@ impl Timings {
     }
 }
 
-/// How much work was done; the proof that nothing is done twice. Shared between threads.
+/// Work counters; the proof that nothing is done twice. Shared between threads.
 #[derive(Debug, Default)]
 pub struct PrepareCounters {
     pub(super) surfaces_estimated: AtomicU64,

@@ -24,22 +24,22 @@ pub struct PreparedFrame {
     pub points: Arc<Vec<PointRecord>>,
     /// One record a point, if asked for, or if estimating normals for colours brought them anyway.
     pub shapes: Option<Arc<Vec<ShapeRecord>>>,
-    /// Whether `shapes` say how much longer than wide splats are; else all are disks.
+    /// True if `shapes` contain ellipses, which define how much longer than wide splats are; otherwise all are disks.
     pub has_ellipses: bool,
     /// By what the signs of the normals in `shapes` were decided: the back of a surfel says nothing unless they are
     /// right. `None` without shapes.
     pub orientation: Option<Orientation>,
     /// Its triangles, if they were asked for; without any of a frame that has none.
     pub mesh: Option<PreparedMesh>,
-    /// Photographs of what it shows, if they were loaded: see [`PreparedFrame::with_photographs`].
+    /// Posed images of what it shows, if they were loaded: see [`PreparedFrame::with_photographs`].
     pub photographs: Option<Arc<Photographs>>,
-    /// What photographs are put on, if that is finer than one disk a point.
+    /// Surface that posed images are projected onto, if that is finer than one disk per point.
     pub bent: Option<PhotoSurface>,
     /// The levels of detail that were asked for, in the colours of `points`.
     pub levels: LevelsSet,
-    /// What the last completion took; decoding included if it happened then.
+    /// Timings of the last completion; decoding included if it happened then.
     pub timings: Timings,
-    /// What was asked for, and what that is for this frame.
+    /// Requested colouring, and the result of resolving it for this frame.
     pub(super) asked: (Coloring, ColorHints),
     pub(super) paint: Paint,
 }
@@ -53,7 +53,7 @@ impl PreparedFrame {
             && needs.levels.is_none_or(|key| self.levels.has(key, needs.shapes))
     }
 
-    /// Whether the file has triangles that are needed and were not read.
+    /// Returns true if the file has triangles that are needed and were not read.
     pub(in crate::sequence) fn lacks_mesh_for(&self, needs: &Needs) -> bool {
         needs.mesh && self.mesh.is_none() && self.frame.has_faces()
     }
@@ -79,30 +79,30 @@ impl PreparedFrame {
         self.asked == (needs.colors, needs.hints) || self.paint == needs.colors.paint(&needs.hints, &self.frame)
     }
 
-    /// Where the colours of the points come from: see [`Paint::source`].
+    /// Returns the colour source of the points: see [`Paint::source`].
     pub fn colors(&self) -> ColorSource {
         self.paint.source()
     }
 
-    /// What the points are painted with.
+    /// Returns the paint that the points are coloured with.
     pub fn paint(&self) -> &Paint {
         &self.paint
     }
 
-    /// What is drawn of its triangles, if they were asked for and the file has some.
+    /// Returns the mesh records of its triangles to draw, if they were requested and the file has some.
     pub fn triangles(&self) -> Option<&Arc<MeshRecords>> {
         let mesh = self.mesh.as_ref().filter(|mesh| !mesh.mesh().triangles().is_empty());
         mesh.map(PreparedMesh::records)
     }
 
-    /// Whether it has fewer points than the file.
+    /// Returns true if the frame is a sample: it has fewer points than the file.
     pub fn is_sample(&self) -> bool {
         self.frame.is_sample()
     }
 
-    /// The same points in `colors`, one a point, which `paint` says, under an id of their own, with levels of detail
-    /// of the same kind. To be drawn, not to be completed: what is added later would have the colours of the file
-    /// again.
+    /// Returns a copy with the same points in `colors`, one per point, as `paint` specifies, under an id of their own,
+    /// with levels of detail of the same kind. To be drawn, not to be completed: what is added later would have the
+    /// colours of the file again.
     #[must_use]
     pub fn in_colors(&self, colors: &[[u8; 4]], paint: Paint) -> Self {
         let points = self.points.iter().zip(colors);
@@ -127,8 +127,9 @@ impl PreparedFrame {
         }
     }
 
-    /// The same with photographs, which are put on it where it is drawn: on the surface that was made of them, if there
-    /// is one. Else stray points hide nothing of them, and disks are [bent](Self::bent).
+    /// Returns a copy with posed images, which are projected onto it where it is drawn: onto the surface that was
+    /// reconstructed from them, if there is one. Otherwise outliers hide nothing of them, and disks are
+    /// [curved](Self::bent).
     #[must_use]
     pub fn with_photographs(&self, photographs: Arc<Photographs>) -> Self {
         let mut photographed = Self {
@@ -159,7 +160,7 @@ impl PreparedFrame {
         photographed
     }
 
-    /// The same, said to be painted as another frame: its points are among these.
+    /// Returns this frame marked as painted like another one: its points are among these.
     pub(crate) fn painted_as(mut self, other: &Self) -> Self {
         self.frame.share_sample(Arc::clone(other.frame.value_sample()));
         self.paint = other.paint;

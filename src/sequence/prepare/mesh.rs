@@ -20,7 +20,7 @@ impl PreparedMesh {
         Self::painted(mesh, triangles, paint)
     }
 
-    /// The same in another paint.
+    /// Returns the mesh in another paint.
     pub(super) fn repainted(&self, paint: &Paint) -> Self {
         let triangles = Arc::clone(&self.records.triangles);
         Self::painted(Arc::clone(&self.mesh), triangles, paint)
@@ -40,12 +40,12 @@ impl PreparedMesh {
         }
     }
 
-    /// What the records were made from.
+    /// Returns the mesh that the records were created from.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
     }
 
-    /// What is drawn, in the colours of the frame.
+    /// Returns the mesh records to draw, in the colours of the frame.
     pub fn records(&self) -> &Arc<MeshRecords> {
         &self.records
     }

@@ -50,8 +50,9 @@ pub fn prepare(
     prepare_observed(index, frame, None, decode_ms, needs, counters, &never)
 }
 
-/// [`prepare`] with the triangles of the frame, where they are wanted. It says in `progress` how much of the estimation
-/// of normals is done: the rest takes little beside it. Once that is cancelled, the answer is of no use.
+/// Performs [`prepare`] with the triangles of the frame, where they are wanted. It reports in `progress` how much of
+/// the normal estimation is done: the rest takes little compared with it. Once that is cancelled, the result is of no
+/// use.
 pub(super) fn prepare_observed(
     index: usize,
     frame: Arc<Frame>,

@@ -1,14 +1,14 @@
-//! The surface that photographs are put on.
+//! Surface for view-dependent texturing, which posed images are projected onto.
 //!
-//! Points of photographs are few, and some of them are wrong: what was taken for one thing in two photographs is
-//! somewhere in the air. The disk of a point that is far from all others is as large as what it hides. With photographs
-//! on it, it shows what is behind it at a wrong place. So [stray points](stray_points) shrink to dots, and normals and
-//! radii are estimated without them, for they had turned the disks around them.
+//! Points reconstructed from images are few, and some of them are wrong: what was taken for one thing in two images is
+//! somewhere in the air. The disk of a point that is far from all others is as large as what it hides. With images
+//! projected onto it, it shows what is behind it at a wrong position. So [outliers](stray_points) shrink to dots, and
+//! normals and radii are estimated without them, for they had turned the disks around them.
 //!
-//! The points of the frame stay: they are what the file has, and without photographs they are drawn.
+//! The points of the frame stay: they are what the file has, and without posed images they are drawn.
 //!
-//! A disk of few points reaches beyond an outline, and takes the photographs from what is behind it. So [disks are
-//! bent](bent_disks): smaller ones on the curved surface are drawn, and photographs are hidden by these.
+//! A disk of few points reaches beyond an outline, and takes the images from what is behind it. So [splats are
+//! curved](bent_disks): smaller ones on the curved surface are drawn, and images are occluded by these.
 
 use crate::analysis::{Disk, Surface, bent_disks, estimate_surface, splat_radii, stray_points};
 use crate::cloud::{Frame, PointRecord, ShapeRecord, oct_decode, oct_encode};
@@ -22,10 +22,11 @@ const MOST_POINTS: usize = 1 << 18;
 /// Disks of more points are too small to be seen as such; what they become would be up to 19 times as many.
 const MOST_BENT: usize = 1 << 15;
 
-/// The disk of a stray point, as a factor on its radius.
+/// Scale of an outlier's disk, as a factor on its radius.
 const SHRUNK: f32 = 1e-3;
 
-/// Which points are stray: none where the file says how large disks are, or there are too many points.
+/// Returns the outlier flag of each point: none is set if the file defines how large disks are, or there are too many
+/// points.
 pub(super) fn is_stray(frame: &Frame) -> Vec<bool> {
     if frame.len() > MOST_POINTS || frame.radii().is_some() {
         return vec![false; frame.len()];
@@ -33,8 +34,8 @@ pub(super) fn is_stray(frame: &Frame) -> Vec<bool> {
     stray_points(frame.positions())
 }
 
-/// The shapes of a frame without its stray points; `None` where there are none of these. Precondition: a shape for each
-/// point.
+/// Returns the shapes of a frame without its outliers; `None` if there are none of these. Precondition: a shape for
+/// each point.
 pub(super) fn without_stray_points(
     frame: &Frame,
     shapes: &[ShapeRecord],

@@ -16,10 +16,10 @@ pub(super) const MOST_CLIENTS: usize = 64;
 /// Clients that speak at all do so more often: pings come twice per second.
 const SPEAKS_WITHIN: Duration = Duration::from_secs(2);
 
-/// How long clients may take to hear that it is over.
+/// Timeout for clients to be notified that it is over.
 const PARTING: Duration = Duration::from_millis(500);
 
-/// What happens while a sequence is served.
+/// Event while a sequence is served.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum LiveEvent {
@@ -31,10 +31,10 @@ pub enum LiveEvent {
     Full(SocketAddr),
 }
 
-/// What a client was sent.
+/// Report of what a client was sent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClientReport {
-    /// Who it was.
+    /// Address of the client.
     pub address: SocketAddr,
     /// Frames that it was sent.
     pub sent_frames: u64,
@@ -44,7 +44,7 @@ pub struct ClientReport {
     pub sent_bytes: u64,
     /// Bytes that it would have been sent without a view; `None` where it has sent none.
     pub whole_bytes: Option<u64>,
-    /// How long it was there.
+    /// Duration of the connection.
     pub time: Duration,
     /// Why it is not there any more.
     pub reason: String,
@@ -57,7 +57,7 @@ pub(super) struct Client {
     pub(super) mailbox: Mailbox,
     pub(super) sent_frames: AtomicU64,
     pub(super) sent_bytes: AtomicU64,
-    /// Of the same frames, whole.
+    /// Bytes of the same frames, whole.
     pub(super) whole_bytes: AtomicU64,
     view: Mutex<Option<View>>,
     joined: Instant,
@@ -95,7 +95,7 @@ impl Client {
         }
     }
 
-    /// What it looks at, if it has said so.
+    /// Returns the view of the client, if it has sent one.
     pub(super) fn view(&self) -> Option<View> {
         *lock(&self.view)
     }
@@ -225,7 +225,7 @@ impl Audience {
         lock(&self.inside).clients.len()
     }
 
-    /// Whether anybody has said what it looks at.
+    /// Returns true if any client has sent its view.
     pub(super) fn has_views(&self) -> bool {
         let inside = lock(&self.inside);
         inside.clients.iter().any(|client| client.view().is_some())

@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Where there is no frame, it is said once in this time that the server is there.
+/// Heartbeat interval: if there is no frame, the server's presence is signalled once in this time.
 const HEARTBEAT: Duration = Duration::from_secs(1);
 
 /// Bytes of a message of a client.

@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// Bytes of bodies that are kept: a short sequence that is played over and over is made once.
 const MOST_KEPT_BYTES: usize = 256 << 20;
 
-/// How far apart points are is looked at anew after so many frames.
+/// Number of frames after which the point spacing is measured again.
 const SPACING_FRAMES: usize = 100;
 
 /// Makes bodies of the frames of a source.
@@ -30,7 +30,7 @@ pub(super) struct Feed {
     broken: BTreeSet<usize>,
     /// Frames whose colours cannot be sent, which was said.
     said: BTreeSet<usize>,
-    /// How far apart points are, and frames since that was looked at.
+    /// Point spacing, and the number of frames since it was measured.
     spacing: Option<(PointSpacing, usize)>,
 }
 

@@ -1,9 +1,9 @@
-//! What one client is to be sent: two frames at most, and answers.
+//! Mailbox of messages to send to one client: two frames at most, and answers.
 //!
-//! A frame that comes while two wait takes the place of the oldest: the newest wins. So that frames do not queue in the
-//! buffers of the network instead, which hold seconds of small ones, no more than two are on the way: a client says
-//! what it has received ([`crate::wire::Got`]). One that never says so is sent what the network takes. A client whose
-//! answers take longer than two frames last gets two frames in that time.
+//! A frame that arrives while two wait replaces the oldest: the newest wins. So that frames do not queue in the buffers
+//! of the network instead, which hold seconds of small ones, no more than two are in flight: a client reports what it
+//! has received ([`crate::wire::Got`]). One that never does so is sent what the network takes. A client whose answers
+//! take longer than two frames last gets two frames in that time.
 
 use super::outgoing::Outgoing;
 use crate::locks::lock;
@@ -21,7 +21,7 @@ const MOST_ANSWERS: usize = 8;
 /// Frames that are on the way to a client that says what it has received.
 const MOST_ON_THE_WAY: usize = 2;
 
-/// What is to be sent next.
+/// Next item of a client's send queue.
 #[derive(Debug)]
 pub(super) enum Next {
     Frame(Arc<Outgoing>),
@@ -32,7 +32,7 @@ pub(super) enum Next {
     End(String),
 }
 
-/// What one client is to be sent.
+/// Outgoing mailbox of one client: the messages queued for sending.
 #[derive(Debug, Default)]
 pub(super) struct Mailbox {
     inside: Mutex<Inside>,
@@ -129,7 +129,7 @@ impl Mailbox {
     }
 }
 
-/// What is said where there is no frame for a while.
+/// Returns the heartbeat message, sent when there has been no frame for a while.
 pub(super) fn heartbeat(clock_ns: u64, newest: Option<u64>) -> Message {
     Now { clock_ns, newest }.message()
 }

@@ -60,7 +60,8 @@ impl Outgoing {
         }
     }
 
-    /// The same with all of its points, for those who are sent what they see.
+    /// Attaches the whole frame with all of its points, for clients that are sent only the points visible in their
+    /// view.
     pub(super) fn with_whole(self, whole: Option<Arc<WholeFrame>>) -> Self {
         Self { whole, ..self }
     }

@@ -1,4 +1,4 @@
-//! Which frame is due when.
+//! Frame schedule: the due time of each frame.
 
 use std::time::Duration;
 
@@ -7,14 +7,14 @@ use std::time::Duration;
 pub struct Schedule {
     /// Since the first frame, ascending; at least one.
     begins: Vec<Duration>,
-    /// Of one turn.
+    /// Duration of one loop iteration.
     length: Duration,
     fps: f64,
 }
 
 impl Schedule {
-    /// Of `count` frames, of which each lasts `durations` frames of a rate of `fps`. At least one frame, and at least
-    /// a millisecond for all of them.
+    /// Creates a schedule of `count` frames, each lasting `durations` frames at a rate of `fps`. The schedule has at
+    /// least one frame, and lasts at least one millisecond in total.
     pub fn new(count: usize, fps: f64, durations: impl Fn(usize) -> f64) -> Self {
         let fps = if fps.is_finite() { fps.clamp(1e-3, 1e4) } else { 30.0 };
         let mut begins = Vec::with_capacity(count.max(1));
@@ -31,7 +31,7 @@ impl Schedule {
         }
     }
 
-    /// Frames a second, for most of the time.
+    /// Returns the frame rate in frames per second that applies for most of the time.
     pub fn fps(&self) -> f64 {
         self.fps
     }
@@ -41,7 +41,7 @@ impl Schedule {
         self.begins.len()
     }
 
-    /// Which frame of the sequence the one with this number is.
+    /// Returns the index in the sequence of the frame with this number.
     pub(super) fn index(&self, number: u64) -> usize {
         (number % self.begins.len() as u64) as usize
     }

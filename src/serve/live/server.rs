@@ -25,21 +25,21 @@ const LOOK: Duration = Duration::from_millis(10);
 /// Clients that wait for a place; more are left to the queue of the system.
 const MOST_WAITING: usize = 16;
 
-/// How a sequence is served.
+/// Options for serving a sequence live.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LiveOptions {
-    /// How images are sent.
+    /// Image coding used for sending.
     pub coding: ImageCoding,
-    /// Whether it begins again at its end.
+    /// True if playback loops: the sequence restarts at its end.
     pub repeats: bool,
     /// Most bytes that a frame may take in memory.
     pub most_bytes: u64,
 }
 
-/// What was done so far.
+/// Server statistics so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LiveReport {
-    /// Who is there.
+    /// Number of connected clients.
     pub clients: usize,
     /// Frames that were served, each counted once.
     pub served_frames: u64,
@@ -61,7 +61,7 @@ pub struct LiveServer {
     shared: Arc<Shared>,
 }
 
-/// What threads of clients share with the one that plays.
+/// State shared between the client threads and the playback thread.
 struct Shared {
     audience: Audience,
     estimators: Estimators,
@@ -139,12 +139,12 @@ impl LiveServer {
         Self { deadlines, ..self }
     }
 
-    /// Where it is: `tcp://127.0.0.1:9000`.
+    /// Returns the server's URL: `tcp://127.0.0.1:9000`.
     pub fn url(&self) -> io::Result<String> {
         Ok(format!("tcp://{}", self.listener.local_addr()?))
     }
 
-    /// What was done so far.
+    /// Returns the server statistics so far.
     pub fn report(&self) -> LiveReport {
         let shared = &self.shared;
         LiveReport {
@@ -162,7 +162,7 @@ impl LiveServer {
         self.shared.audience.all_have_spoken()
     }
 
-    /// Ends [`LiveServer::run`], which another thread is in: clients are told.
+    /// Stops [`LiveServer::run`], which is running on another thread; clients are notified.
     pub fn stop(&self) {
         self.shared.is_over.store(true, Ordering::Relaxed);
     }

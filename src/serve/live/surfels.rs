@@ -1,13 +1,13 @@
-//! The points of a frame that a client's view shows, with normals and radii, in place of the whole frame (paper 003:
-//! the renderer sends a view, the computer with the sensor answers with visible splats).
+//! Visible points (surfels) of a frame in a client's view, with normals and radii, sent instead of the whole frame
+//! (paper 003: the renderer sends a view, the computer with the sensor answers with visible splats).
 //!
-//! **How it works.** A frame is decoded once for all who have sent a view, with the filters of the server. Each of
-//! their senders tells visible points from hidden ones and fits planes around them ([`crate::analysis::screen`]) by the
-//! newest view that it knows when the frame is sent. What is sent is an ordinary message of points, so clients need to
-//! know no more.
+//! **How it works.** A frame is decoded once for all clients that have sent a view, with the filters of the server.
+//! Each of their senders separates visible points from hidden ones and fits planes around them
+//! ([`crate::analysis::screen`]), using the newest view that it knows when the frame is sent. What is sent is an
+//! ordinary message of points, so clients need no extra support.
 //!
-//! **When it wins.** Bytes and the work of the client depend on what is seen, not on what there is: for clouds that are
-//! larger than a picture, such as merged frames. A depth image by itself is smaller as an image.
+//! **When it wins.** Bytes and client work depend on what is visible, not on what exists: this pays for clouds that are
+//! larger than a rendered image, such as merged frames. A single depth image is smaller when sent as an image.
 
 use crate::analysis::screen::{ScreenCloud, ScreenEstimator, ScreenView, Search};
 use crate::cloud::{Frame, PointRecord, Positions, RawCloud, oct_decode};
@@ -15,7 +15,7 @@ use crate::scene::{PointSpacing, typical_spacing};
 use crate::wire::View;
 use glam::{DVec3, Vec3};
 
-/// How far apart the points of `cloud` are; `None` where it is no cloud.
+/// Returns the point spacing of `cloud`; `None` if it is not a valid cloud.
 pub(super) fn spacing_of(cloud: &RawCloud, origin: DVec3) -> Option<PointSpacing> {
     let frame = Frame::from_raw(cloud.clone(), origin).ok()?;
     Some(typical_spacing(&frame))
@@ -25,13 +25,14 @@ pub(super) fn spacing_of(cloud: &RawCloud, origin: DVec3) -> Option<PointSpacing
 #[derive(Debug)]
 pub(super) struct WholeFrame {
     cloud: RawCloud,
-    /// What positions of `records` are relative to.
+    /// Origin that the positions of `records` are relative to.
     origin: DVec3,
     records: Vec<PointRecord>,
     screen: ScreenCloud,
 }
 
-/// Where the coordinates of `cloud` are small: zero for single floats, else the middle.
+/// Returns an origin near which the coordinates of `cloud` are small: zero for single-precision floats, otherwise the
+/// centre of the bounding box.
 pub(super) fn origin_of(cloud: &RawCloud) -> DVec3 {
     match (&cloud.positions, cloud.positions.finite_bounds()) {
         (Positions::F64(_), (_, Some((min, max)))) => (0.5 * (min + max)).round(),
@@ -65,7 +66,7 @@ impl WholeFrame {
         }
     }
 
-    /// What `view` shows of it. Normals and radii of the file stay.
+    /// Returns the points visible in `view`. Normals and radii from the file are kept.
     pub(super) fn seen(&self, view: &View, estimator: &mut ScreenEstimator) -> RawCloud {
         let eye = view.eye - self.origin;
         let eye_high = eye.as_vec3();

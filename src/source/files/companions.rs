@@ -1,12 +1,12 @@
-//! Files beside the frames that are no frames: their normals, masks, labels.
+//! Companion files next to the frames that are not frames themselves: their normals, masks, labels.
 //!
-//! **How it works.** Names say which files to look at, headers say what these are. `7_normal.pcd` is looked at, as its
-//! name ends like that of normals; so is `7_mask.ply` beside `7.ply`, since two files share the number 7. Of files
-//! whose names are alike but for their numbers one is enough, if it has points. Normals go to the frame of their name,
-//! what holds no points is left out and said in a sentence. A folder in which every file has a number of its own is not
-//! looked at: there may be a hundred thousand.
+//! **How it works.** File names decide which files to check, headers decide what these are. `7_normal.pcd` is checked,
+//! as its name ends like that of normals; so is `7_mask.ply` next to `7.ply`, since two files share the number 7. Of
+//! files whose names are alike except for their numbers, one is enough if it has points. Normals are attached to the
+//! frame of their name; files that hold no points are skipped and reported in a sentence. A folder in which every file
+//! has a number of its own is not checked: there may be a hundred thousand.
 //!
-//! What was found out about a file is kept ([`Known`]): a folder that grows is listed every second.
+//! Results for a file are cached ([`Known`]): a folder that grows is listed every second.
 
 use crate::io::Format;
 use crate::io::normals::{RowContents, rows_of};
@@ -14,13 +14,14 @@ use crate::natural::{NamePiece, Runs, natural_order, split_name};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-/// What is behind the stem of a frame in the stem of its normals, in lower case.
+/// Suffixes that follow the stem of a frame in the stem of its normals file, in lower case.
 const SUFFIXES: [&str; 6] = ["_normal", "_normals", "-normal", "-normals", ".normal", ".normals"];
 
-/// How many files a sentence names.
+/// Maximum number of files named in a note.
 const NAMED_FILES: usize = 3;
 
-/// What the rows of files are. Files that do not tell, as they are being written, are looked at again.
+/// Cache of the row contents of files. Files whose contents cannot be determined, such as those still being written,
+/// are checked again.
 #[derive(Debug, Default)]
 pub(super) struct Known(HashMap<PathBuf, RowContents>);
 
@@ -35,17 +36,17 @@ impl Known {
     }
 }
 
-/// Which files belong to others.
+/// Companion files and the frames they belong to.
 #[derive(Debug, Default)]
 pub(super) struct Companions {
-    /// The normals of each file that has some beside it.
+    /// Companion normals of each file that has some.
     pub(super) normals: HashMap<PathBuf, PathBuf>,
     /// Files that are neither frames nor belong to one.
     pub(super) left_out: Vec<PathBuf>,
 }
 
 impl Companions {
-    /// Takes the normals that lie beside their points out of `files`.
+    /// Removes from `files` the normals files that accompany their points.
     pub(super) fn take_normals(&mut self, files: &mut Vec<PathBuf>, known: &mut Known) {
         let bases: Vec<Option<(PathBuf, String)>> = files.iter().map(|file| base_of(file)).collect();
         if bases.iter().all(Option::is_none) || bases.iter().all(Option::is_some) {
@@ -119,7 +120,7 @@ impl Companions {
         });
     }
 
-    /// What was left out, in a sentence.
+    /// Returns a note listing the skipped files, as a sentence.
     pub(super) fn note(&self) -> Option<String> {
         let mut left_out: Vec<&PathBuf> = self.left_out.iter().collect();
         left_out.sort_by(|one, other| natural_order(one, other));

@@ -30,7 +30,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// How many sub-folders the message of an empty folder names.
+/// Maximum number of sub-folders named in the error message for an empty folder.
 const NAMED_SUBFOLDERS: usize = 3;
 
 /// Names that the message of a pattern without a match has.
@@ -39,18 +39,18 @@ const NAMED_FILES: usize = 6;
 /// More NPY files than these are not opened to see whether each holds several frames, unless the first one does.
 const MAX_OPENED: usize = 64;
 
-/// Of more files, text is not opened to see whether it holds several frames.
+/// Maximum number of text files that are opened to check for several frames; if there are more, none is opened.
 const MAX_OPENED_TEXTS: usize = 16;
 
-/// What `inputs` hold.
+/// Discovered frames, recordings and notes of `inputs`.
 #[derive(Debug, Default)]
 pub(super) struct Discovered {
     /// All frames in order.
     pub(super) entries: Vec<FrameEntry>,
     pub(super) recordings: Vec<Recording>,
-    /// What of the inputs is skipped, a sentence each.
+    /// Notes on the skipped parts of the inputs, one sentence each.
     pub(super) notes: Vec<String>,
-    /// Where files are cut or damaged, a sentence each: also among the notes.
+    /// Descriptions of truncated or damaged files, one sentence each; also included in the notes.
     pub(super) damage: Vec<String>,
     pub(super) assumptions: Vec<Assumption>,
 }
@@ -214,7 +214,7 @@ fn keep_only(files: &mut Vec<PathBuf>, only: &str) -> Result<(), SequenceError> 
     Ok(())
 }
 
-/// Whether NPY files are opened to see whether each holds several frames.
+/// Returns true if NPY files are opened to check if each holds several frames.
 fn opens_arrays(paths: &[PathBuf]) -> bool {
     let mut arrays = paths.iter().filter(|path| is_array(path));
     let Some(first) = arrays.next() else { return false };

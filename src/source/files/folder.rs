@@ -1,11 +1,11 @@
-//! A folder → the files that are frames, wherever below it they are.
+//! Resolution of a folder to its frame files, wherever below it they are.
 //!
-//! **How it works.** Clouds directly in the folder are its frames. Otherwise its sub-folders are looked at: numbered
-//! ones with a cloud each are *a folder per frame*; numbered ones whose numbers go on from one to the next are parts of
-//! one sequence; of others the only one with clouds is opened, as in the roots of KITTI (`velodyne_points/data`,
-//! `velodyne`), nuScenes (`samples/LIDAR_TOP`) and SLAM programs (`pcd`, `Scans`). If several could be meant, the
-//! caller is told the choices. Clouds next to a folder of numbered frames, such as the map that a SLAM program merged,
-//! are skipped.
+//! **How it works.** Clouds directly in the folder are its frames. Otherwise its sub-folders are searched: numbered
+//! ones with one cloud each are *one folder per frame*; numbered ones whose file numbers continue from one to the next
+//! are parts of one sequence; of others the only one with clouds is opened, as in the roots of KITTI
+//! (`velodyne_points/data`, `velodyne`), nuScenes (`samples/LIDAR_TOP`) and SLAM programs (`pcd`, `Scans`). If several
+//! are possible, the choices are returned to the caller. Clouds next to a folder of numbered frames, such as the map
+//! that a SLAM program merged, are skipped.
 
 use super::names::{Minus, SplitName};
 use super::series::{Tier, is_list, largest_series};
@@ -97,7 +97,7 @@ impl Listing {
         Ok(Self { files, folders })
     }
 
-    /// Whether frames are among the files: clouds, arrays or numbered text, and not only lists.
+    /// Returns true if the files include frames: clouds, arrays or numbered text, and not only lists.
     fn has_frames(&self) -> bool {
         let is_cloud = |file: &PathBuf| Tier::of(file) != Tier::Text;
         self.files.iter().any(is_cloud) || largest_series(&self.files).len() > 1
@@ -160,13 +160,13 @@ fn frames_below_map(listing: &Listing, depth: usize) -> Option<FoundFiles> {
     Some(found)
 }
 
-/// Whether `folder` has the name of a folder for the frames of one sensor.
+/// Returns true if `folder` has a name typical of a folder with the frames of one sensor.
 pub(super) fn is_frame_folder(folder: &Path) -> bool {
     let name = folder.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     FRAME_FOLDERS.contains(&name.as_str())
 }
 
-/// What the sub-folders of `folder` hold; `None` if there are no clouds.
+/// Returns the files found in the sub-folders of `folder`; `None` if there are no clouds.
 fn below(folder: &Path, listing: &Listing, depth: usize) -> Result<Option<FoundFiles>, SequenceError> {
     let numbered = numbered_folders(&listing.folders);
     if numbered.len() > 1
@@ -300,7 +300,8 @@ fn clouds_of(found: &FoundFiles) -> Vec<PathBuf> {
     files
 }
 
-/// Whether the files of all folders have the same few names without numbers, as `000/body.ply` and `000/head.ply`.
+/// Returns true if the files of all folders have the same few names without numbers, as in `000/body.ply` and
+/// `000/head.ply`.
 fn have_equal_names(folders: &[Vec<PathBuf>]) -> bool {
     const MAX_NAMES: usize = 8;
     let names = |files: &[PathBuf]| -> Vec<String> {
@@ -313,7 +314,7 @@ fn have_equal_names(folders: &[Vec<PathBuf>]) -> bool {
     are_few && folders.iter().all(|files| names(files) == first)
 }
 
-/// Whether the numbers of files go on from each folder to the next, as those of a recording that was cut into parts.
+/// Returns true if file numbers continue from each folder to the next, as in a recording that was split into parts.
 fn go_on(folders: &[Vec<PathBuf>]) -> bool {
     let last_number = |file: &PathBuf| {
         let name = SplitName::of(&split_name(file).0, Minus::AfterSeparator);

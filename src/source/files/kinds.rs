@@ -1,4 +1,5 @@
-//! What names without a common number say: other things (`before`, `after`), levels of detail, or nothing.
+//! Classification of file names without a common number: different things (`before`, `after`), levels of detail, or
+//! nothing.
 
 use super::names::{Minus, SplitName, hexadecimal};
 use crate::assumption::{Assumption, Evidence, Subject};
@@ -6,8 +7,8 @@ use crate::natural::split_name;
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-/// Words of clouds that are no moments of one sequence: results of SLAM programs, stages of a reconstruction, what is
-/// compared with each other.
+/// Keywords in the names of clouds that are not frames of one sequence: results of SLAM programs, stages of a
+/// reconstruction, clouds compared with each other.
 const THINGS: [&str; 42] = [
     "after",
     "aligned",
@@ -56,7 +57,7 @@ const THINGS: [&str; 42] = [
 /// More files with a number are a sequence, whatever stands before it.
 const MOST_LEVELS: usize = 8;
 
-/// Whether the names of `files` are those of different things.
+/// Returns true if the names of `files` are those of different things.
 pub(super) fn are_different_things(files: &[PathBuf]) -> bool {
     let words: Vec<HashSet<String>> = files.iter().map(|file| words_of(&split_name(file).0)).collect();
     let is_common = |word: &str| words.iter().all(|others| others.contains(word));
@@ -64,7 +65,7 @@ pub(super) fn are_different_things(files: &[PathBuf]) -> bool {
     all.any(|word| THINGS.contains(&word.as_str()) && !is_common(word))
 }
 
-/// Whether the numbers of `files` are levels of detail or counts of points: `lod0`, `100k`.
+/// Returns true if the numbers of `files` are levels of detail or point counts: `lod0`, `100k`.
 pub(super) fn are_levels(files: &[PathBuf]) -> bool {
     if files.len() < 2 || files.len() > MOST_LEVELS {
         return false;
@@ -79,7 +80,8 @@ pub(super) fn are_levels(files: &[PathBuf]) -> bool {
     files.iter().all(is_level)
 }
 
-/// What is said of frames in an order that nothing but their names tells: names without numbers, or hexadecimal ones.
+/// Returns the assumption reported for frames whose order comes from their names alone: names without numbers, or
+/// hexadecimal ones.
 pub(super) fn without_order(frames: &[PathBuf]) -> Option<Assumption> {
     let names: Vec<String> = frames.iter().map(|file| split_name(file).0.into_owned()).collect();
     let distinct: HashSet<&String> = names.iter().collect();

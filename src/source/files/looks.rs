@@ -24,7 +24,7 @@ const OLD: Duration = Duration::from_secs(3);
 /// A file that never rests, as a log does, is taken after this time.
 const MAX_UNREST: Duration = Duration::from_secs(30);
 
-/// How long frames are waited for that are missing in the numbering.
+/// Maximum wait for frames missing from the numbering.
 const MAX_GAP_WAIT: Duration = Duration::from_secs(5);
 
 /// Normals are written within this time after their points.
@@ -42,7 +42,7 @@ struct Seen {
     first: Instant,
 }
 
-/// What earlier looks found.
+/// Results of earlier folder scans.
 #[derive(Debug, Default)]
 pub(super) struct Looks {
     /// Files that are not frames yet.
@@ -114,7 +114,7 @@ impl Looks {
         }
     }
 
-    /// Whether `entry`, which comes next after `entries`, can be a frame now.
+    /// Returns true if `entry`, which comes next after `entries`, can be appended as a frame now.
     pub(super) fn may_append(
         &mut self,
         entry: &FrameEntry,
@@ -138,7 +138,7 @@ impl Looks {
     }
 }
 
-/// Whether a number is missing between `entries`, whose numbers have equal steps, and `entry`.
+/// Returns true if a number is missing between `entries`, whose numbers have equal steps, and `entry`.
 fn jumps_ahead(entry: &FrameEntry, entries: &[Arc<FrameEntry>]) -> bool {
     const LAST: usize = 3;
     let Some(last) = entries.last_chunk::<LAST>() else {
@@ -152,7 +152,7 @@ fn jumps_ahead(entry: &FrameEntry, entries: &[Arc<FrameEntry>]) -> bool {
     is_even && entry.number.is_some_and(|number| number > third + step)
 }
 
-/// Whether the files of `entry` were not written to for a while.
+/// Returns true if the files of `entry` have not been written to for a while.
 pub(super) fn is_quiet(entry: &FrameEntry) -> bool {
     let normals = entry.normals.as_deref();
     is_older(&entry.path, QUIET) && normals.is_none_or(|normals| is_older(normals, QUIET))

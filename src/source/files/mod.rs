@@ -42,7 +42,7 @@ use std::sync::{Arc, Mutex, RwLock};
 use std::thread;
 use std::time::Duration;
 
-/// How often an empty folder is looked at that is waited for.
+/// Polling interval for an empty folder that is waited for.
 const EMPTY_INTERVAL: Duration = Duration::from_millis(300);
 
 /// Frames in files. Folders and patterns are looked at again.
@@ -55,7 +55,7 @@ pub struct Files {
     notes: Vec<String>,
     damage: Vec<String>,
     assumptions: Vec<Assumption>,
-    /// What was found out about files beside the frames.
+    /// Cache of results for companion files next to the frames.
     known: Mutex<Known>,
     looks: Mutex<Looks>,
     /// Frames whose files changed after they were found, in the order of the changes.
@@ -196,7 +196,7 @@ impl Samples for Files {
 }
 
 impl Growth for Files {
-    /// Whether a folder or a pattern is open, not only files.
+    /// Returns true if a folder or a pattern is open, not only files.
     fn may_grow(&self) -> bool {
         self.inputs.iter().any(|input| !input.is_file())
     }
@@ -252,7 +252,7 @@ impl Growth for Files {
     }
 }
 
-/// What tells frames of one file apart.
+/// Returns a string that distinguishes frames of one file from each other.
 fn place_in_file(entry: &FrameEntry) -> String {
     match &entry.content {
         FrameBytes::File(Part::Whole | Part::Sole) => String::new(),
@@ -260,7 +260,7 @@ fn place_in_file(entry: &FrameEntry) -> String {
     }
 }
 
-/// Gives the frames in `entries` the normals that `found` has beside the same files by now.
+/// Attaches to the frames in `entries` the companion normals that `found` now has for the same files.
 fn join_late_normals(entries: &mut [Arc<FrameEntry>], found: impl Iterator<Item = FrameEntry>) {
     let with_normals = found.filter(|entry| entry.normals.is_some());
     let late: HashMap<PathBuf, FrameEntry> = with_normals.map(|entry| (entry.path.clone(), entry)).collect();

@@ -21,7 +21,7 @@ pub(super) struct NameNumber {
     pub(super) value: f64,
     has_sign: bool,
     has_exponent: bool,
-    /// Whether a letter stands directly in front of it.
+    /// True if a letter directly precedes the number.
     pub(super) follows_letter: bool,
 }
 
@@ -43,7 +43,7 @@ pub(super) enum Minus {
 }
 
 impl NameNumber {
-    /// Whether it has a fraction or an exponent.
+    /// Returns true if the number has a fraction or an exponent.
     pub(super) fn is_decimal(&self) -> bool {
         self.fraction.is_some() || self.has_exponent
     }
@@ -147,7 +147,7 @@ pub(super) fn telling_name(file: &Path, is_folder_per_frame: bool) -> String {
     split_name(file).0.into_owned()
 }
 
-/// Whether each of several files is in a folder of its own.
+/// Returns true if each of several files is in a folder of its own.
 pub(super) fn is_folder_per_frame(files: &[PathBuf]) -> bool {
     let mut folders: Vec<Option<&Path>> = files.iter().map(|file| file.parent()).collect();
     folders.sort_unstable();

@@ -28,7 +28,7 @@ pub(in crate::source) fn topics_of(recordings: &[Recording]) -> Vec<Topic> {
     by_name.into_values().collect()
 }
 
-/// Says which point clouds are left out where nobody chose.
+/// Warns about the point clouds that are skipped because nobody chose one.
 pub(super) fn warn_of_unread(recordings: &[Recording]) {
     for Recording { path, topics } in recordings {
         let names = |is_read: bool| -> Vec<&str> {

@@ -1,8 +1,9 @@
-//! Whether clouds are in one coordinate system already, so that poses next to them must not move them once more.
+//! Registration check: detects clouds that are already in one coordinate system, so that poses next to them must not
+//! transform them again.
 //!
 //! **How it works.** SLAM programs write scans in the coordinates of the sensor or of the map, with poses next to both.
-//! Of two frames whose poses are a good way apart, the share of points that meet in cells is counted with the poses and
-//! without: poses that bring the clouds together are to be used, poses that take them apart are not.
+//! For two frames whose poses are well apart, the fraction of points that meet in the same cells is counted with the
+//! poses and without: poses that bring the clouds together are applied, poses that take them apart are not.
 
 use crate::cloud::{RawCloud, even_places};
 use crate::io;
@@ -27,7 +28,7 @@ const MIN_WAY: f64 = 0.1;
 /// Poses are wrong if so many more points meet without them.
 const MARGIN: f64 = 0.1;
 
-/// Whether the frames meet better without their `poses` than with them.
+/// Returns true if the frames are already registered: they overlap better without their `poses` than with them.
 pub(super) fn are_registered(entries: &[FrameEntry], poses: &[Option<DAffine3>]) -> bool {
     let compared = || {
         let first = points_of(entries.first()?)?;

@@ -1,12 +1,12 @@
-//! Files of a folder → those that are frames of one sequence.
+//! Selection of the files of a folder that are frames of one sequence.
 //!
 //! **How it works.** Files are of three tiers: point cloud formats; arrays and archives; text. Text next to numbered
 //! clouds lists times, poses and calibration, so a tier is skipped next to a higher one, unless it has a numbered
-//! series of more than twice the files. Within the tier that stays, files whose names differ only in their numbers form
-//! a *series*. One series is the sequence, and few other files next to it are skipped. Two series of like size are two
-//! sequences (two persons, two cameras), which are never played one after the other: the caller is told the choices.
-//! Names that form no series are frames in the order of their names, which is said, unless they are those of different
-//! things, as `before` and `after` are (`kinds.rs`): those are choices too.
+//! series of more than twice the files. Within the remaining tier, files whose names differ only in their numbers form
+//! a *series*. One series is the sequence, and a few other files next to it are skipped. Two series of similar size are
+//! two sequences (two persons, two cameras), which are never played one after the other: the choices are returned to
+//! the caller. Names that form no series are frames in the order of their names, which is reported, unless they are
+//! those of different things, as `before` and `after` are (`kinds.rs`): those are choices too.
 
 use super::kinds;
 use super::names::{Minus, SplitName, is_folder_per_frame, telling_name};
@@ -140,7 +140,8 @@ fn of_one_tier(files: Vec<PathBuf>) -> (Vec<PathBuf>, Vec<PathBuf>) {
     (frames, skipped)
 }
 
-/// Whether nearly all of `clouds` have a file of the same stem among `others`: these say something about them.
+/// Returns true if nearly all of `clouds` have a file of the same stem among `others`, which therefore describe the
+/// clouds.
 fn belong_to(others: &[PathBuf], clouds: &[PathBuf]) -> bool {
     let stems: HashSet<String> = others.iter().map(|file| split_name(file).0.into_owned()).collect();
     let paired = clouds
@@ -150,7 +151,7 @@ fn belong_to(others: &[PathBuf], clouds: &[PathBuf]) -> bool {
     clouds.len() > 1 && 2 * paired > clouds.len()
 }
 
-/// Whether `file` has the name of a list of times, poses or settings.
+/// Returns true if `file` has the name of a list of times, poses or settings.
 pub(super) fn is_list(file: &Path) -> bool {
     const WORDS: [&str; 17] = [
         "time",
@@ -251,7 +252,7 @@ fn alone(files: Vec<PathBuf>) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Vec<Openin
     Err(choices.collect())
 }
 
-/// The files, and apart from them arrays of the faces of a mesh whose vertices are beside them.
+/// Splits the files into those kept and the face arrays of a mesh whose vertices are in companion files.
 fn without_faces(files: Vec<PathBuf>) -> (Vec<PathBuf>, Vec<PathBuf>) {
     const VERTICES: [&str; 7] = ["v", "verts", "vertices", "points", "xyz", "coords", "positions"];
     const FACES: [&str; 9] = [

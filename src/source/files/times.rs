@@ -68,7 +68,7 @@ pub(super) fn stamp(entries: &mut [FrameEntry], folders: &[PathBuf]) -> FoundTim
     found
 }
 
-/// What is said of times that the file `list` has.
+/// Returns the assumption reported for timestamps read from the file `list`.
 pub(super) fn listed(times: &[Duration], list: &Path) -> Assumption {
     assumption(times, format!("{} lists them", list.display()), Evidence::File)
 }

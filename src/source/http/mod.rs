@@ -163,7 +163,7 @@ impl HttpFile {
         Ok((response, whole))
     }
 
-    /// What `attempt` returns, as often as it takes while the connection breaks and there is time.
+    /// Retries `attempt` while the connection fails and time remains, and returns its result.
     fn again_and_again<T>(
         &self,
         transfer: &mut Transfer<'_>,

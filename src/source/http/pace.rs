@@ -1,11 +1,11 @@
-//! No more bytes a second than are allowed.
+//! Rate limiter: caps the transfer rate at the allowed bytes per second.
 
 use crate::locks::lock;
 use std::sync::Mutex;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How many bytes a second are allowed, all readers together.
+/// Rate limit in bytes per second, shared by all readers.
 pub(super) struct BytePace {
     bytes_per_s: Option<f64>,
     /// When what was read so far is paid for.
@@ -13,7 +13,7 @@ pub(super) struct BytePace {
 }
 
 impl BytePace {
-    /// So many bytes a second; as many as there are for `None`.
+    /// Creates a rate limit of the given number of bytes per second; unlimited for `None`.
     pub(super) fn new(bytes_per_s: Option<f64>) -> Self {
         Self {
             bytes_per_s,

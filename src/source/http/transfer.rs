@@ -1,4 +1,4 @@
-//! How long is waited for some bytes of a file, whatever becomes of connections.
+//! Timeouts for transferring a byte range of a file, independent of individual connections.
 
 use crate::deadlines::LeastRate;
 use std::fmt;
@@ -12,7 +12,7 @@ pub(super) struct Transfer<'a> {
     what: String,
     least: LeastRate,
     begun: Instant,
-    /// How long we did not want any more, as the pace was limited.
+    /// Time during which no more data was wanted because the rate was limited.
     paused: Duration,
     /// Bytes that have come.
     came: u64,
@@ -47,7 +47,8 @@ impl<'a> Transfer<'a> {
         self.begun.elapsed().saturating_sub(self.paused)
     }
 
-    /// How long may be waited yet; `None` where all comes too slowly, or nothing has come for too long.
+    /// Returns the remaining time before timeout; `None` if the transfer as a whole is too slow, or nothing has arrived
+    /// for too long.
     pub(super) fn time_left(&self) -> Option<Duration> {
         let waited = self.waited();
         let of_all = self.least.time_left(self.came, waited)?;

@@ -1,7 +1,7 @@
-//! How far the server's clock is from ours.
+//! Clock offset between the server and this machine.
 //!
-//! A ping that comes back tells the difference of the clocks up to half of its time on the way, whatever the clocks say
-//! (Mills 1991). The fastest of the last pings is believed: the others waited somewhere, mostly in one direction.
+//! The round trip of a ping yields the offset of the clocks up to half of its duration, whatever the clocks show (Mills
+//! 1991). The fastest of the last pings is trusted: the others waited somewhere, mostly in one direction.
 
 use crate::wire::Pong;
 use std::collections::VecDeque;
@@ -15,7 +15,7 @@ pub(super) struct ClockDifference {
     measured: VecDeque<Measured>,
 }
 
-/// What one ping told.
+/// Measurement of one ping.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Measured {
     /// To be added to our clock to have the server's, ns.
@@ -43,8 +43,8 @@ impl ClockDifference {
         });
     }
 
-    /// How long ago it was, at `now_ns` of our clock, that the server's said `server_ns`; and how wrong that may be, in
-    /// seconds both. `None` before the first answer.
+    /// Returns the age of server timestamp `server_ns` at `now_ns` of the local clock, and its uncertainty, both in
+    /// seconds. `None` before the first answer.
     pub(super) fn since_s(&self, server_ns: u64, now_ns: u64) -> Option<(f64, f64)> {
         let best = self.measured.iter().min_by_key(|measured| measured.way_ns)?;
         let since_ns = i128::from(now_ns) + best.server_ahead_ns - i128::from(server_ns);

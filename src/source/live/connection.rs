@@ -67,7 +67,7 @@ fn connect(address: &str, deadlines: &ClientDeadlines) -> Result<TcpStream, Stri
     Err(problem)
 }
 
-/// What is never returned.
+/// Uninhabited type: never returned.
 enum Never {}
 
 /// Takes what comes until that is over.
@@ -207,7 +207,7 @@ impl Drop for Patient<'_> {
     }
 }
 
-/// Whether trying again is of no use, and why there is no connection.
+/// Returns the reason why there is no connection, and true if retrying is of no use.
 pub(super) fn problem(shared: &Shared) -> Option<(String, bool)> {
     lock(&shared.link).problem.clone()
 }

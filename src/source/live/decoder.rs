@@ -10,7 +10,7 @@ use crate::wire::{Content, Frame, RawImages};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Where frames of a stream are: in memory, or in a file.
+/// Storage of a stream's frames: in memory, or in a file.
 pub(super) trait FrameStore: Send + Sync {
     /// Frame `index`; the error is a sentence.
     fn frame(&self, index: usize) -> Result<Frame, String>;
@@ -64,12 +64,12 @@ impl<S: FrameStore> Decoder for StreamDecoder<S> {
     }
 }
 
-/// Whether a frame is images, which filters are for.
+/// Returns true if a frame consists of images, to which filters apply.
 pub(super) fn has_images(frame: &Frame) -> bool {
     matches!(frame.content, Content::Images(_))
 }
 
-/// What took a frame.
+/// Returns the sensor that captured a frame.
 pub(super) fn sensor(frame: &Frame) -> Option<Sensor> {
     match &frame.content {
         Content::Points(_) => None,

@@ -1,7 +1,7 @@
-//! A recording of a live stream: a file with the bytes of the stream.
+//! Recording of a live stream: a file with the bytes of the stream.
 //!
-//! The heads of messages are walked over once, 44 bytes a frame; a frame then reads its own part of the file. A file
-//! that breaks off, as one does whose writer was ended, has the frames that are whole.
+//! The message heads are walked over once, 44 bytes per frame; a frame then reads its own part of the file. A truncated
+//! file, such as one whose writer was terminated, has the frames that are complete.
 
 use super::decoder::{FrameStore, StreamDecoder, group, has_images, raw_images, sensor};
 use super::recorder::is_recording;
@@ -34,16 +34,16 @@ pub struct RecordedStream {
     inputs: [PathBuf; 1],
     notes: Vec<String>,
     fps: f64,
-    /// Whether frames are images, as the first one is.
+    /// True if frames consist of images, as the first one does.
     has_images: bool,
     received: Arc<ReceivedFrames>,
 }
 
-/// What decoders share.
+/// State shared by the decoders.
 #[derive(Debug)]
 struct Recorded {
     file: Mutex<File>,
-    /// Where the message of each frame begins.
+    /// Byte offset of the message of each frame.
     offsets: Vec<u64>,
     most_bytes: u64,
 }
@@ -96,10 +96,10 @@ impl RecordedStream {
     }
 }
 
-/// What a walk over the messages has found.
+/// Result of a walk over the messages.
 struct Walked {
     head: StreamHead,
-    /// Where each frame is, which one it is, and its time.
+    /// Offset, head and time of each frame.
     frames: Vec<(u64, FrameHead, Duration)>,
     /// Why the walk has ended before the end of the file, and where.
     damage: Option<(u64, WireError)>,

@@ -1,15 +1,15 @@
-//! Bytes and frames a second, of the last two seconds.
+//! Data rate in bytes and frames per second, over the last two seconds.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// What is older does not count.
+/// Sliding window of the rate: older data does not count.
 const WINDOW: Duration = Duration::from_secs(2);
 
 /// Entries that are kept: more come only from streams of tiny frames, whose rate is then that of a shorter time.
 const MOST_ENTRIES: usize = 1024;
 
-/// How much has come lately.
+/// Data rate received recently.
 #[derive(Debug, Default)]
 pub(super) struct Rate {
     came: VecDeque<(Instant, usize)>,
@@ -24,7 +24,7 @@ impl Rate {
         self.came.push_back((now, bytes));
     }
 
-    /// Bytes and frames a second.
+    /// Returns the rates in bytes and frames per second.
     pub(super) fn per_s(&self, now: Instant) -> (f64, f64) {
         let recent = self
             .came

@@ -1,13 +1,13 @@
-//! Writes what arrives to a file.
+//! Recorder that writes incoming data to a file.
 //!
-//! The file gets its name with its first frame, so that a recording which is there already is not lost to a stream that
-//! sends nothing. From then on it is a recording at any moment: each frame is handed to the system at once, and
-//! whatever ends the program leaves the frames before.
+//! The file gets its name with its first frame, so that an existing recording is not lost to a stream that sends
+//! nothing. From then on it is a valid recording at any time: each frame is handed to the system at once, and whatever
+//! ends the program leaves the frames before.
 //!
 //! The file has the bytes of the stream: a head, and the messages that are frames. So nothing is unpacked, packed or
-//! lost on the way, filters can be chosen later, and a recording that breaks off is read up to there. A sequence file
-//! (`.reel`) would have prepared points in place of images, coded while frames come; `pointreel convert` makes one
-//! of a recording afterwards.
+//! lost on the way, filters can be chosen later, and a truncated recording is read up to its end. A sequence file
+//! (`.reel`) would have prepared points instead of images, coded while frames come; `pointreel convert` makes one of a
+//! recording afterwards.
 
 use crate::kept::Partial;
 use crate::regular_file;
@@ -16,14 +16,14 @@ use std::fs::File;
 use std::io::{self, BufWriter, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Whether the file at `path` begins as a recording does.
+/// Returns true if the file at `path` begins with the signature of a recording.
 pub(super) fn is_recording(path: &Path) -> bool {
     let mut begin = [0; MAGIC.len()];
     let read = regular_file::open(path).and_then(|mut file| file.read_exact(&mut begin));
     read.is_ok() && begin == MAGIC
 }
 
-/// What was recorded.
+/// Summary of what was recorded.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StreamRecording {
     /// The file.
@@ -44,7 +44,7 @@ pub(super) struct Recorder {
 }
 
 impl Recorder {
-    /// A new file at `path` for a stream with this head, in place of a recording that may be there.
+    /// Creates a new file at `path` for a stream with this head, replacing any recording that exists there.
     pub(super) fn create(path: &Path, head: &StreamHead) -> io::Result<Self> {
         let has_bytes = path.metadata().is_ok_and(|there| !there.is_file() || there.len() > 0);
         if has_bytes && !is_recording(path) {

@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Bytes of all frames together at most: ten seconds of 640 × 480 as they are, 30 times a second.
+/// Maximum size of all frames together, in bytes: ten seconds of uncompressed 640 × 480 at 30 frames per second.
 const MOST_BYTES: usize = 512 << 20;
 
 /// Frames at most, of streams of tiny ones.

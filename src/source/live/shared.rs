@@ -1,4 +1,4 @@
-//! What the thread that is connected shares with the source and its decoders.
+//! State shared between the connection thread, the source and its decoders.
 
 use super::clock::ClockDifference;
 use super::decoder::FrameStore;
@@ -13,16 +13,16 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// What the thread that is connected shares.
+/// State shared by the connection thread.
 #[derive(Debug)]
 pub(super) struct Shared {
     pub(super) ring: Ring,
-    /// Whether nobody wants frames any more.
+    /// True if nobody wants frames any more.
     pub(super) is_closed: AtomicBool,
-    /// What our clock counts from.
+    /// Epoch of the local clock.
     begun: Instant,
     pub(super) link: Mutex<Link>,
-    /// What is looked at, and whether the server has still to be told.
+    /// Current view, and a flag that is true if it has yet to be sent to the server.
     view: Mutex<(Option<View>, bool)>,
     /// A disk that is slow keeps the thread that is connected, and nobody who asks how it is doing.
     pub(super) recorder: Mutex<Option<Recorder>>,
@@ -33,20 +33,20 @@ pub(super) struct Shared {
 pub(super) struct Link {
     /// Why there is no connection, and whether another one would not help.
     pub(super) problem: Option<(String, bool)>,
-    /// What the stream that was connected last began with.
+    /// Head of the stream that was connected last.
     pub(super) head: Option<StreamHead>,
     timeline: Timeline,
     clock: ClockDifference,
     /// The number of the newest frame, and how many have come since it was connected.
     newest: Option<u64>,
     came: u64,
-    /// How long the newest frame took, and how wrong that may be.
+    /// Latency of the newest frame, and its uncertainty.
     delay_s: Option<(f64, f64)>,
     received: u64,
     lost: u64,
     connections: u64,
     rate: Rate,
-    /// What the recorder has written.
+    /// State of the recording written so far.
     pub(super) recording: Option<StreamRecording>,
 }
 
@@ -93,7 +93,7 @@ impl Shared {
         }
     }
 
-    /// What the server has to be told, once.
+    /// Returns the view that has yet to be sent to the server, once.
     pub(super) fn view_to_tell(&self) -> Option<View> {
         let mut looked = lock(&self.view);
         let view = looked.0.filter(|_| looked.1);

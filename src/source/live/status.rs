@@ -1,15 +1,16 @@
-//! What a live stream tells of itself.
+//! Status of a live stream.
 
 use super::recorder::StreamRecording;
 use crate::wire::View;
 use std::path::Path;
 
-/// How a live stream is doing, and what records it.
+/// Status and recording of a live stream.
 pub trait Live: Send + Sync {
-    /// How it is doing now.
+    /// Returns the current status.
     fn status(&self) -> LiveStatus;
 
-    /// How many frames were served after frame `shown`, as far as it is known here; `None` for a frame that is gone.
+    /// Returns the number of frames served after frame `shown`, as far as is known here; `None` for a frame that is
+    /// gone.
     fn frames_behind(&self, shown: usize) -> Option<u64>;
 
     /// Says what is looked at. A stream that was opened for the points that are seen is sent these from then on; others
@@ -30,23 +31,23 @@ pub trait Live: Send + Sync {
     fn stop_recording(&self) -> Result<Option<StreamRecording>, String>;
 }
 
-/// How a live stream is doing.
+/// Status of a live stream.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct LiveStatus {
-    /// Whether it is connected.
+    /// Connection state.
     pub state: LiveState,
     /// Frames that were received.
     pub received_frames: u64,
     /// Frames that the server has played while it was connected and that did not come: they were dropped for newer
     /// ones, or not made in time.
     pub lost_frames: u64,
-    /// Bytes a second, lately.
+    /// Recent data rate, in bytes per second.
     pub bytes_per_s: f64,
-    /// Frames a second, lately.
+    /// Recent frame rate, in frames per second.
     pub frames_per_s: f64,
-    /// How long after it was served the newest frame had come, seconds, and how wrong that may be: half of the time of
-    /// a ping, as the clocks of two machines differ. `None` before the first ping has come back.
+    /// Latency of the newest frame, from being served to arriving, in seconds, and its uncertainty: half of the
+    /// round-trip time of a ping, as the clocks of two machines differ. `None` before the first ping has come back.
     pub delay_s: Option<(f64, f64)>,
     /// Seconds that can be gone back.
     pub kept_s: f64,
@@ -54,11 +55,11 @@ pub struct LiveStatus {
     pub kept_bytes: usize,
     /// Connections that were made again.
     pub reconnects: u64,
-    /// What is being recorded.
+    /// Recording in progress.
     pub recording: Option<StreamRecording>,
 }
 
-/// Whether a live stream is connected.
+/// Connection state of a live stream.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LiveState {

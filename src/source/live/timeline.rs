@@ -11,8 +11,8 @@ pub(super) struct Timeline {
 }
 
 impl Timeline {
-    /// The time of the next frame, since the first: as the server says, and later than the frame before by `spacing`
-    /// where another server, or the same one anew, counts from the beginning.
+    /// Returns the time of the next frame since the first: the server's timestamp, but `spacing` later than the frame
+    /// before where another server, or the same one restarted, counts from the beginning.
     pub(super) fn next(&mut self, session: u64, time_ns: u64, spacing: Duration) -> Duration {
         let time = Duration::from_nanos(time_ns);
         let goes_on = self.session == session && self.last.is_some();

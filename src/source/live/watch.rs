@@ -1,10 +1,10 @@
-//! Whether a connection has broken or is back since somebody looked last.
+//! Detection of lost and restored connections since the last check.
 
 use super::status::{LiveState, LiveStatus};
 use std::fmt;
 use std::time::Duration;
 
-/// What happened to a connection.
+/// Change in a connection's state.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ConnectionChange {
@@ -12,7 +12,7 @@ pub enum ConnectionChange {
     Broken(String),
     /// It is there again.
     Back {
-        /// How long it was not; `None` where it was away for less time than there is between two looks.
+        /// Duration of the disconnection; `None` if it was shorter than the interval between two checks.
         away: Option<Duration>,
     },
 }
@@ -27,7 +27,7 @@ pub struct ConnectionWatch {
 }
 
 impl ConnectionWatch {
-    /// What has changed since the last look. `now` is of any clock that never goes back.
+    /// Returns the connection change since the last check. `now` is from any monotonic clock.
     pub fn look(&mut self, status: &LiveStatus, now: Duration) -> Option<ConnectionChange> {
         let before = self.reconnects.replace(status.reconnects);
         let is_another = before.is_some_and(|before| status.reconnects > before);

@@ -1,9 +1,10 @@
-//! Images of several cameras → moments, by one clock.
+//! Grouping of images from several cameras into time steps, by a common clock.
 //!
-//! *How it works.* The clock of an image is the time in its name if names have such, else the number that counts, else
-//! its place in its folder. Images in the order of their clocks are of one moment until one is half of the usual step
-//! later than the first, or of a camera that has one already. So numbers have to be equal, and stamps of a common
-//! trigger may differ by what a network delays. A camera that lost an image has none in that moment, and no other.
+//! *How it works.* The clock of an image is the time in its name if names have such, otherwise the number that counts,
+//! otherwise its index in its folder. Images in the order of their clocks belong to one time step until one is more
+//! than half of the usual step later than the first, or from a camera that is already present. So numbers have to be
+//! equal, and stamps of a common trigger may differ by network delays. A camera that lost an image has none in that
+//! time step, and no other is affected.
 
 use crate::io::files::timestamps::times_of_names;
 use crate::natural::natural_order;
@@ -36,7 +37,7 @@ impl Timed {
     }
 }
 
-/// What was taken together: of each camera its index, or none.
+/// Group of images taken together: the image index for each camera, or none.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Together {
     pub(super) clock: f64,
@@ -82,7 +83,7 @@ fn times_of(entries: &[FrameEntry]) -> Vec<Option<Duration>> {
     times_of_names(&names)
 }
 
-/// The moments of cameras, each of which is in the order of its clock.
+/// Returns the time steps of cameras, each of which is sorted by its clock.
 pub(super) fn together(cameras: &[Vec<Timed>]) -> Vec<Together> {
     let most_apart = 0.5 * usual_step(cameras.iter().map(Vec::as_slice));
     let mut all: Vec<(f64, usize, usize)> = cameras
@@ -110,7 +111,7 @@ pub(super) fn together(cameras: &[Vec<Timed>]) -> Vec<Together> {
     moments
 }
 
-/// The place of that one of `others` which is of the same moment as `clock`.
+/// Returns the entry of `others` that belongs to the same time step as `clock`.
 pub(super) fn beside(others: &[Timed], clock: f64) -> Option<&Timed> {
     let most_apart = 0.5 * usual_step([others]);
     let nearest = others.iter().min_by(|left, right| {

@@ -1,13 +1,14 @@
-//! How the images of several cameras lie in folders.
+//! Folder layouts of multi-camera images.
 //!
-//! - *A folder a camera* beside one calibration, which names each camera once: by an image of its folder
-//!   (`cam00/0000.png`, as COLMAP has calibrated one moment), or by the folder (`cam00`, `cam00.png`).
-//! - *A folder a moment* beside one calibration: `0000/cam00.png`; it names the cameras as the files are named.
-//! - *A folder a moment with a calibration of its own*: `frame_0000/transforms.json`, `colmap_0/sparse`. These need no
-//!   calibration above them.
+//! - *One folder per camera* next to one calibration, which names each camera once: by an image of its folder
+//!   (`cam00/0000.png`, as COLMAP has calibrated one time step), or by the folder (`cam00`, `cam00.png`).
+//! - *One folder per time step* next to one calibration: `0000/cam00.png`; it names the cameras as the files are named.
+//! - *One folder per time step with a calibration of its own*: `frame_0000/transforms.json`, `colmap_0/sparse`. These
+//!   need
+//!   no calibration above them.
 //!
 //! *What is none of these.* A calibration that names several images of a folder is one of a camera that moved around
-//! one scene. Where the images that it names lie beside the numbered folders, these are copies of them (`images_4`).
+//! one scene. If the images that it names are next to the numbered folders, these are copies of them (`images_4`).
 
 use super::clock::{Timed, timed, together};
 use crate::natural::natural_order;
@@ -17,25 +18,25 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Folders of a scene in which those of cameras and of moments are.
+/// Folders of a scene that contain the folders of cameras and time steps.
 const BASES: &[&str] = &[
     "", "images", "image", "frames", "cameras", "videos", "input", "rgb", "photos", "imgs", "ims",
 ];
 
-/// Where images may be within the folder of a camera or a moment.
+/// Possible sub-folders for images within the folder of a camera or time step.
 const WITHIN: &[&str] = &["", "images", "image", "rgb", "data"];
 
 /// Entries of a folder that are looked at.
 const MOST_ENTRIES: usize = 200_000;
 
-/// Where the images are.
+/// Layout of the images in folders.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Layout {
     /// The folder of each camera; none of a camera without one.
     Cameras(Vec<Option<PathBuf>>),
-    /// Folders of moments, in which images have the names of their cameras (in lower case, without an extension).
+    /// Folders of time steps, in which images have the names of their cameras (in lower case, without an extension).
     Moments { family: Family, stems: Vec<String> },
-    /// Folders of moments, each with a calibration.
+    /// Folders of time steps, each with a calibration.
     Sets(Family),
 }
 
@@ -46,7 +47,7 @@ pub(super) struct Family {
     pattern: String,
 }
 
-/// A moment, and where its images are.
+/// Time step and the location of its images.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FoundMoment {
     /// Names it: an image of it, or its folder.
@@ -54,19 +55,19 @@ pub(super) struct FoundMoment {
     pub(super) images: Images,
 }
 
-/// The images of a moment.
+/// Images of a time step.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Images {
-    /// Of each camera, if it has one.
+    /// Image of each camera, if it has one.
     OfCameras(Vec<Option<PathBuf>>),
     /// In a folder with a calibration.
     InFolder(PathBuf),
-    /// Those of a calibration that were taken at one time, by their indices.
+    /// Images of a calibration that were taken at one time, by their indices.
     Listed(Vec<usize>),
 }
 
 impl Layout {
-    /// The layout of what `calibration` names; `None` where it names images of one moment.
+    /// Returns the layout of the images that `calibration` names; `None` if it names images of one time step.
     pub(super) fn of(calibration: &Calibration) -> Option<Self> {
         let names: Vec<String> = calibration.names().map(plain_name).collect();
         let bases: Vec<PathBuf> = calibration
@@ -97,7 +98,7 @@ impl Layout {
         families.find_map(is_one)
     }
 
-    /// The moments that there are now, in their order.
+    /// Returns the time steps that currently exist, in order.
     pub(super) fn moments(&self) -> Vec<FoundMoment> {
         match self {
             Self::Cameras(folders) => moments_of_cameras(folders),
@@ -132,7 +133,7 @@ impl Layout {
         }
     }
 
-    /// What to call camera `index` of the calibration.
+    /// Returns the display name of camera `index` of the calibration.
     pub(super) fn camera_name(&self, index: usize) -> Option<String> {
         match self {
             Self::Cameras(folders) => {
@@ -224,7 +225,7 @@ fn moments_in(bases: &[PathBuf], names: &[String]) -> Option<Layout> {
     })
 }
 
-/// `images_2`, `images_4`, `images_8`: the same photographs, smaller.
+/// Returns true for downscaled copies of the same images: `images_2`, `images_4`, `images_8`.
 fn are_copies(folders: &[PathBuf]) -> bool {
     let halvings = |path: &PathBuf| {
         let name = path.file_name()?.to_str()?;
@@ -250,7 +251,8 @@ fn moments_of_cameras(folders: &[Option<PathBuf>]) -> Vec<FoundMoment> {
     found.collect()
 }
 
-/// Folders with a number in their name, hidden ones left out, by the rest of it; each family in natural order.
+/// Returns the folders with a number in their name, except hidden ones, grouped by the rest of the name; each family in
+/// natural order.
 fn families_in(folder: &Path) -> BTreeMap<String, Vec<PathBuf>> {
     let mut families: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
     for path in entries_of(folder).into_iter().filter(|path| path.is_dir()) {
@@ -280,7 +282,7 @@ fn pictures_within(folder: &Path) -> Vec<PathBuf> {
     all.into_iter().find(|found| !found.is_empty()).unwrap_or_default()
 }
 
-/// The images in a folder, in natural order. Masks that lie beside them are none.
+/// Returns the images in a folder, in natural order, excluding companion masks.
 fn pictures_in(folder: &Path) -> Vec<PathBuf> {
     let is_mask = |path: &Path| {
         let stem = Path::new(path.file_stem().unwrap_or_default());
@@ -292,7 +294,7 @@ fn pictures_in(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// What is in a folder, in natural order, hidden files left out; nothing where it cannot be listed.
+/// Lists the entries of a folder in natural order, excluding hidden files; empty if it cannot be listed.
 pub(super) fn entries_of(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Vec::new();

@@ -1,11 +1,12 @@
-//! Photographs of several cameras that filmed: a sequence whose every frame is a set of calibrated photographs.
+//! Multi-view video: a sequence in which every frame is a set of calibrated images from several cameras.
 //!
-//! How it works. A calibration names cameras, folders hold their images (`layout.rs`), and the clock in the names says
-//! which belong together (`clock.rs`). Each moment is a set of its own, looked at when somebody asks for it. Its points
-//! are those of a file of that moment, else stereo makes them; those of the calibration are of the moment that was
-//! calibrated. A camera that has no image of a moment costs that one alone, and a warning says so.
+//! How it works. A calibration names cameras, folders hold their images (`layout.rs`), and the clock in the names
+//! determines which belong together (`clock.rs`). Each time step is a set of its own, examined when somebody asks for
+//! it. Its points are those of a file of that time step, otherwise they are computed by stereo; those of the
+//! calibration belong to the time step that was calibrated. A camera that has no image of a time step is missing from
+//! that one alone, and a warning is issued.
 //!
-//! Folders are looked at again. A moment is taken once all cameras have it, or once nothing came for some time.
+//! Folders are checked again. A time step is accepted once all cameras have it, or once nothing came for some time.
 
 mod clock;
 mod layout;
@@ -29,14 +30,14 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, RwLock};
 use std::time::Duration;
 
-/// Folders beside the images that hold the points of each moment.
+/// Companion folders of the images that hold the points of each time step.
 const POINT_FOLDERS: &[&str] = &["points", "pointclouds", "point_clouds", "clouds", "ply", "pcd"];
 
-/// Longest side of photographs that planes are swept before where pairs show nothing: a frame of a film has to be there
-/// soon. `--dense` takes as many pixels as for a single set.
+/// Longest side, in pixels, of images used for plane sweeping where pairs show nothing: a video frame has to be there
+/// soon. `--dense` uses as many pixels as for a single set.
 const MOST_SIDE_PX: u32 = 320;
 
-/// Photographs of a scene that moves.
+/// Multi-view video of a dynamic scene.
 #[derive(Debug)]
 pub struct PhotoVideo {
     known: Arc<Known>,
@@ -48,14 +49,14 @@ pub struct PhotoVideo {
     notes: Vec<String>,
 }
 
-/// What all moments share.
+/// Data shared by all time steps.
 #[derive(Debug)]
 enum Known {
-    /// Cameras that all moments share, whose images lie in folders.
+    /// Camera rig shared by all time steps, whose images are in folders.
     Rig(Box<Filming>),
-    /// A calibration for each moment.
+    /// Calibration for each time step.
     Sets(Layout),
-    /// One calibration that says when each photograph was taken.
+    /// Single calibration with the capture time of each image.
     Times(Box<Calibration>, Vec<FoundMoment>),
 }
 
@@ -64,7 +65,7 @@ enum Known {
 struct Filming {
     rig: Rig,
     layout: Layout,
-    /// Around which points of moments are looked for.
+    /// Folders around which points of time steps are looked for.
     folders: Vec<PathBuf>,
 }
 
@@ -77,7 +78,7 @@ struct Moment {
 }
 
 impl PhotoVideo {
-    /// What `calibration` names if that was filmed, and the calibration again if it was not.
+    /// Opens the multi-view video that `calibration` names, or returns the calibration again if it is not one.
     ///
     /// # Errors
     /// [`PhotosError::NoPhotos`] of a calibration without a camera that can be used.
@@ -116,7 +117,7 @@ impl PhotoVideo {
         Ok(Ok(Self::new(Known::Rig(Box::new(filming)), notes, inputs, options)))
     }
 
-    /// The folder that is the one input, if its folders are sets of photographs of one moment each.
+    /// Opens the folder that is the one input, if its folders are image sets of one time step each.
     pub(super) fn of_sets(inputs: &[PathBuf], options: &OpenOptions) -> Option<Self> {
         let [input] = inputs else { return None };
         let layout = Layout::of_sets(input)?;
@@ -183,7 +184,7 @@ impl Growth for PhotoVideo {
         false
     }
 
-    /// Looks at the folders again. What came between or before others is left out: frames keep their places.
+    /// Rescans the folders. Entries that appear between or before existing ones are ignored: frames keep their indices.
     fn look_again(&self) -> Result<usize, SequenceError> {
         let _guard = lock(&self.looks);
         let found = self.known.moments();
@@ -215,7 +216,7 @@ impl Photographed for PhotoVideo {
 }
 
 impl Known {
-    /// The moments that there are now.
+    /// Returns the time steps that currently exist.
     fn moments(&self) -> Vec<Moment> {
         match self {
             Self::Rig(filming) => {
@@ -255,7 +256,7 @@ impl Moment {
         Self::new(found, points)
     }
 
-    /// The photographs; looked at once.
+    /// Returns the image set; examined once.
     fn set(&self, index: usize, known: &Known) -> Result<Arc<ViewSet>, Arc<PhotosError>> {
         let look = || -> Result<ViewSet, PhotosError> {
             match (&self.images, known) {
@@ -306,9 +307,11 @@ impl Moment {
         is_before || shares(self, last)
     }
 
-    /// Whether nobody writes to it any more: all its images are there, or the others are late.
+    /// Returns true if the time step is complete and no longer being written: all its images are there, or the others
+    /// are late.
     fn is_whole(&self, images_of_each: usize) -> bool {
-        /// Who writes an image has it done in pieces that follow each other faster.
+        /// Quiet period after which a file counts as complete: a writer writes the pieces of an image at shorter
+        /// intervals.
         const QUIET: Duration = Duration::from_millis(500);
         /// Cameras of one clock are not later than that.
         const LATE: Duration = Duration::from_secs(3);
@@ -331,7 +334,7 @@ impl Moment {
     }
 }
 
-/// Makes points of moments.
+/// Decoder that computes the points of time steps.
 struct MomentDecoder {
     known: Arc<Known>,
     moments: Arc<RwLock<Vec<Arc<Moment>>>>,
@@ -372,8 +375,8 @@ impl MomentDecoder {
         Ok(self.by_stereo(set, progress)?)
     }
 
-    /// Of pairs, which are there soon, unless somebody asked for all that can be told; where photographs are too far
-    /// apart for pairs, many of them may tell more.
+    /// Computes points by stereo: from pairs, which is quick, unless dense points were requested; if images are too far
+    /// apart for pairs, using many of them may yield more.
     fn by_stereo(&self, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DenseError> {
         let usual = Dense {
             matcher: self.options.matcher.clone(),
@@ -399,8 +402,8 @@ impl MomentDecoder {
     }
 }
 
-/// The photographs of each time, where a calibration says when all of them were taken, and most times have several: one
-/// camera that goes around has one.
+/// Groups the images by time, if a calibration has the capture times of all of them and most times have several images:
+/// one camera that goes around has one.
 fn moments_by_time(calibration: &Calibration) -> Option<Vec<FoundMoment>> {
     let times = calibration.times()?;
     let names: Vec<&str> = calibration.names().collect();
@@ -423,7 +426,7 @@ fn moments_by_time(calibration: &Calibration) -> Option<Vec<FoundMoment>> {
     Some(found.collect())
 }
 
-/// Clouds of moments in a folder beside the images, in their order.
+/// Returns the clouds of time steps in a companion folder of the images, in order.
 fn clouds_in(folders: &[PathBuf]) -> Vec<Timed> {
     let all = folders
         .iter()
@@ -433,7 +436,7 @@ fn clouds_in(folders: &[PathBuf]) -> Vec<Timed> {
     first.and_then(|clouds| timed(vec![clouds]).pop()).unwrap_or_default()
 }
 
-/// Whether a file among images holds points: text and JSON are calibrations.
+/// Returns true if a file among images is a point cloud: text and JSON are calibrations.
 fn is_cloud(path: &Path) -> bool {
     let is_text = path.extension().is_some_and(|extension| {
         ["txt", "json", "csv", "bin"]

@@ -32,7 +32,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 pub(super) struct Recorded {
     frames: Vec<FrameImages>,
     pub(super) code: DepthCode,
-    /// What numbers of 16 bits are in metres, once it was asked for.
+    /// Lookup table from 16-bit values to metres, once it was asked for.
     table: OnceLock<Option<DepthTable>>,
     sizes: Sizes,
     pub(super) filters: Filters,
@@ -41,9 +41,9 @@ pub(super) struct Recorded {
     pub(super) read: ReadOptions,
     /// Edge of the cells in which points are joined where frames are merged, metres.
     pub(super) merge_edge_m: Option<f64>,
-    /// Frames whose points are left out where they are merged.
+    /// Frames whose points are excluded when merging.
     left_out: Vec<usize>,
-    /// Of each camera that was needed so far; there is one, or a few.
+    /// Cache of the prepared cameras that were needed so far; there is one, or a few.
     cameras: Mutex<Vec<Arc<PreparedRig>>>,
 }
 
@@ -96,7 +96,7 @@ impl Recorded {
         images.map(|image| image.path().to_owned()).collect()
     }
 
-    /// What decodes images that are in no recording: see [`Recorded::frame_cloud`].
+    /// Creates a decoder for images that are not part of any recording: see [`Recorded::frame_cloud`].
     pub(super) fn of_no_frames(
         code: DepthCode,
         filters: Filters,
@@ -117,7 +117,7 @@ impl Recorded {
         }
     }
 
-    /// The same recording with other filters.
+    /// Returns a copy of the recording with other filters.
     pub(super) fn filtered(&self, filters: Filters) -> Self {
         Self {
             frames: self.frames.clone(),
@@ -146,7 +146,7 @@ impl Recorded {
         })
     }
 
-    /// Where the camera of frame `index` was, if anybody knows.
+    /// Returns the camera pose of frame `index`, if known.
     pub(super) fn pose(&self, index: usize) -> Option<DAffine3> {
         self.frames.get(index)?.world_from_camera
     }
@@ -172,7 +172,7 @@ impl Recorded {
         }
     }
 
-    /// Whether the points of frame `index` are left out where frames are merged.
+    /// Returns true if the points of frame `index` are excluded when merging.
     pub(super) fn is_left_out(&self, index: usize) -> bool {
         self.left_out.contains(&index)
     }
@@ -189,7 +189,7 @@ impl Recorded {
         depth_px: [u32; 2],
         color_px: Option<[u32; 2]>,
     ) -> Result<Arc<PreparedRig>, NoCamera> {
-        /// A recording that changes its images more often makes the cameras anew.
+        /// Maximum number of cached cameras: a recording that changes its images more often prepares the cameras again.
         const MOST_KEPT: usize = 8;
         let is_it = |known: &&Arc<PreparedRig>| {
             let is_camera = Arc::ptr_eq(&known.calibration, calibration) || known.calibration == *calibration;
@@ -253,12 +253,12 @@ impl Recorded {
         Ok((filtered, Arc::clone(&prepared.rays)))
     }
 
-    /// What the filters do to frame `index`; `None` if it cannot be read.
+    /// Returns the filter report of frame `index`; `None` if it cannot be read.
     pub(super) fn filter_report(&self, index: usize) -> Option<FilterReport> {
         Some(self.depth(self.frames.get(index)?).ok()?.0.report)
     }
 
-    /// Whether nobody chose the filters, and there are some.
+    /// Returns true if nobody chose the filters, and there are some.
     pub(super) fn may_skip_filters(&self) -> bool {
         self.filters_are_automatic && self.filters != Filters::NONE
     }
@@ -267,8 +267,8 @@ impl Recorded {
         self.table.get_or_init(|| self.code.table()).clone()
     }
 
-    /// The images of frame `index` as they were recorded, unless their depths are in a code of their own: those become
-    /// metres. Colours are left out where they cannot be read.
+    /// Returns the raw images of frame `index` as recorded, except that depths in a custom code are converted to
+    /// metres. Colours are omitted if they cannot be read.
     pub(super) fn raw_images(&self, index: usize) -> Option<Result<RawImages, RgbdError>> {
         Some(self.raw_images_of(self.frames.get(index)?))
     }

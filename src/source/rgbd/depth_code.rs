@@ -1,22 +1,22 @@
-//! What the numbers of a depth image mean.
+//! Encoding of depth image values.
 
 use super::error::RgbdError;
 use crate::raster::{Raster, Samples};
 use crate::rgbd::{DepthImage, DepthTable, RayTable, is_measured};
 use std::path::Path;
 
-/// What the numbers of a depth image mean, but those that are no measurements in any code ([`is_measured`]).
+/// Encoding of depth image values, except those that are not measurements in any code ([`is_measured`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct DepthCode {
     bits: Bits,
-    /// How many of them are a metre; of floats only where somebody says it.
+    /// Units per metre; for floats only if stated explicitly.
     units_per_metre: f64,
     is_told: bool,
-    /// Whether they are lengths of rays, not depths along the axis.
+    /// True if the values are ray lengths, not depths along the axis.
     is_ray_length: bool,
 }
 
-/// What is done to 16 bits.
+/// Transformation applied to 16-bit values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Bits {
     Plain,
@@ -30,13 +30,13 @@ enum Bits {
 const KINECT: [f64; 2] = [351.3, 1092.5];
 
 impl DepthCode {
-    /// How long a unit is, where they are plain depths along the axis.
+    /// Returns the length of one unit in metres, if the values are plain depths along the axis.
     pub(super) fn metres_per_unit(&self) -> Option<f64> {
         let is_plain = self.bits == Bits::Plain && !self.is_ray_length;
         is_plain.then(|| self.units_per_metre.recip())
     }
 
-    /// How many units are a metre, where whole numbers are plain depths along the axis.
+    /// Returns the number of units per metre, if integers are plain depths along the axis.
     pub(super) fn units_per_metre(&self) -> Option<f64> {
         let is_plain = self.bits == Bits::Plain && !self.is_ray_length;
         is_plain.then_some(self.units_per_metre)
@@ -76,7 +76,7 @@ impl DepthCode {
         }
     }
 
-    /// The same in other units, which hold for floats too.
+    /// Returns the same depth code with other units, which apply to floats too.
     pub(super) fn told(self, units_per_metre: f64) -> Self {
         Self {
             units_per_metre,
@@ -85,7 +85,7 @@ impl DepthCode {
         }
     }
 
-    /// The same where a file beside the images says the units of whole numbers.
+    /// Returns the same depth code with integer units given by a companion file of the images.
     pub(super) fn with_units(self, units_per_metre: f64) -> Self {
         Self {
             units_per_metre,
@@ -123,7 +123,7 @@ impl DepthCode {
         })
     }
 
-    /// What each number of 16 bits means, where that does not depend on its pixel.
+    /// Returns the lookup table for all 16-bit values, if their meaning does not depend on the pixel.
     pub(super) fn table(&self) -> Option<DepthTable> {
         (!self.is_ray_length).then(|| DepthTable::new(|sample| self.metres(sample)))
     }

@@ -1,17 +1,18 @@
-//! How many units of depth images are a metre, by their numbers, where no file says it.
+//! Depth scale estimation: the number of units per metre, estimated from the depth values when no file states it.
 //!
 //! *Evidence.* Depth cameras measure rooms: half of what they see is 0.3 to 6 m away, and next to nothing is farther
-//! than 12 m. Numbers that are millimetres times five are all multiples of five, which measurements never are by chance
-//! (TUM and who follows it write 5000 units per metre out of millimetres). Depths of more than that (0 and 65535 are no
-//! measurements) decide between millimetres and 5000; the other units in use are named, as nobody can tell them apart.
+//! than 12 m. Values that are millimetres times five are all multiples of five, which measurements never are by chance
+//! (TUM and those that follow it write 5000 units per metre out of millimetres). Depths of more than that (0 and 65535
+//! are no measurements) decide between millimetres and 5000; the other units in use are named, as nobody can
+//! distinguish them.
 
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::rgbd::is_measured;
 
-/// What half of the depths of a room are nearer than, metres.
+/// Plausible range of the median depth in a room, in metres.
 const MEDIAN_M: std::ops::RangeInclusive<f64> = 0.3..=6.0;
 
-/// What 99 % of them are nearer than, metres.
+/// Depth in metres that 99 % of the values are below.
 const FAR_M: f64 = 12.0;
 
 /// Units per metre that are chosen from, the more common first.
@@ -28,7 +29,7 @@ const ALL: f64 = 0.98;
 /// Distinct numbers below which their multiples say nothing.
 const FEWEST_DISTINCT: usize = 64;
 
-/// How the units of a recording are known.
+/// Origin of a recording's depth units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Units {
     /// The format says it, or its code has no others.
@@ -54,7 +55,7 @@ impl DepthScale {
         Assumption::new(Subject::DepthScale, value, self.why.clone(), self.evidence)
     }
 
-    /// Of whole numbers, which would be `usual` units per metre; `None` where nothing was measured.
+    /// Estimates the scale of integer depths, by default `usual` units per metre; `None` if nothing was measured.
     pub(super) fn of_numbers(numbers: &[u16], usual: f64, units: Units) -> Option<Self> {
         let mut numbers: Vec<u16> = numbers.iter().copied().filter(|&number| is_measured(number)).collect();
         numbers.sort_unstable();
@@ -94,7 +95,8 @@ impl DepthScale {
         })
     }
 
-    /// Of floats, which are metres unless those would be farther than any depth camera sees: then millimetres.
+    /// Estimates the scale of float depths, which are metres unless those would be farther than any depth camera sees:
+    /// then millimetres.
     pub(super) fn of_floats(floats: &[f32]) -> Option<Self> {
         let mut depths: Vec<f32> = floats
             .iter()
@@ -142,7 +144,7 @@ impl Depths {
         })
     }
 
-    /// Whether they are depths of a room in these units.
+    /// Returns true if the depths are plausible for a room in these units.
     fn is_room(&self, units_per_metre: f64) -> bool {
         MEDIAN_M.contains(&(self.quantiles[1] / units_per_metre)) && self.quantiles[3] / units_per_metre <= FAR_M
     }
@@ -168,7 +170,7 @@ impl Depths {
     }
 }
 
-/// Whether they are multiples of five, and not of coarser steps. Precondition: `numbers` ascend.
+/// Returns true if the values are multiples of five, and not of coarser steps. Precondition: `numbers` ascend.
 fn are_fifths(numbers: &[u16]) -> bool {
     let distinct = numbers.chunk_by(|one, other| one == other).count();
     let share = |step: u16| {

@@ -1,4 +1,4 @@
-//! What can be wrong with a recording of depth images.
+//! Errors of depth image recordings.
 
 use crate::io::IoError;
 use crate::messages::frames_with_indices;
@@ -23,7 +23,7 @@ pub enum RgbdError {
         path: PathBuf,
         /// Its size.
         bytes: u64,
-        /// What is read at most.
+        /// Maximum size that is read, in bytes.
         most_bytes: u64,
     },
     /// An image of more pixels than there is memory for.
@@ -36,9 +36,9 @@ pub enum RgbdError {
         path: PathBuf,
         /// Width and height.
         size_px: [u32; 2],
-        /// What they would take.
+        /// Memory they would require, in bytes.
         bytes: u64,
-        /// What they may take.
+        /// Memory limit, in bytes.
         most_bytes: u64,
     },
     /// An image that cannot be decoded.
@@ -49,7 +49,7 @@ pub enum RgbdError {
     Image {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Reason for the error.
         reason: String,
     },
     /// A message of a recording whose image cannot be decoded.
@@ -57,7 +57,7 @@ pub enum RgbdError {
     Message {
         /// The topic.
         topic: String,
-        /// What is wrong, and where.
+        /// Underlying error and its location.
         reason: IoError,
     },
     /// A Matroska file that is no recording of a depth camera, or one that cannot be read.
@@ -65,7 +65,7 @@ pub enum RgbdError {
     Matroska {
         /// The file.
         path: PathBuf,
-        /// What is wrong, where, and what to do.
+        /// Description of the problem, its location and the remedy.
         problem: String,
     },
     /// An image in a Matroska file that cannot be decoded.
@@ -75,9 +75,9 @@ pub enum RgbdError {
         path: PathBuf,
         /// The name of the track.
         track: String,
-        /// Where the image begins.
+        /// Byte offset of the image.
         offset: u64,
-        /// What is wrong with it.
+        /// Description of the problem.
         problem: String,
     },
     /// An image of a live stream that cannot be decoded.
@@ -85,7 +85,7 @@ pub enum RgbdError {
     Received {
         /// The address, or the file of a recording.
         input: PathBuf,
-        /// What is wrong with it.
+        /// Reason for the error.
         reason: String,
     },
     /// An image of something else than depths.
@@ -97,7 +97,7 @@ pub enum RgbdError {
     NotDepth {
         /// The file.
         path: PathBuf,
-        /// What it holds.
+        /// Content that was found.
         found: &'static str,
     },
     /// An image of another size than its camera's.
@@ -112,7 +112,7 @@ pub enum RgbdError {
         found: [u32; 2],
         /// That of the camera.
         expected: [u32; 2],
-        /// Where that is from.
+        /// Origin of the value.
         because: String,
     },
     /// A file of a camera that says none.
@@ -124,7 +124,7 @@ pub enum RgbdError {
     Calibration {
         /// The file, or the text as given.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Reason for the error.
         reason: String,
     },
     /// A list or a trajectory with a line that is none.
@@ -134,7 +134,7 @@ pub enum RgbdError {
         path: PathBuf,
         /// The line, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// Reason for the error.
         reason: String,
     },
     /// A trajectory that is none.
@@ -147,13 +147,13 @@ pub enum RgbdError {
     Trajectory {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Reason for the error.
         reason: String,
     },
     /// Options that do not fit the input.
     #[error("{reason}")]
     Options {
-        /// What to do.
+        /// Suggested remedy.
         reason: String,
     },
     /// A folder of depth images without one.
@@ -164,7 +164,7 @@ pub enum RgbdError {
     NoDepth {
         /// The folder.
         path: PathBuf,
-        /// What was looked for.
+        /// Names or patterns that were searched for.
         looked_for: String,
     },
     /// A recording of OpenNI.

@@ -1,4 +1,4 @@
-//! What is in a folder, by names alone.
+//! Listing of a folder, by names alone.
 
 use super::error::RgbdError;
 use crate::io::Format;
@@ -14,7 +14,7 @@ const IMAGES: &[&str] = &[
 /// Extensions of arrays of numpy, which may hold depths; not of images alone.
 const ARRAYS: &[&str] = &["npy", "npz"];
 
-/// A folder: its files and folders in natural order, hidden ones left out.
+/// Folder listing: its files and folders in natural order, excluding hidden ones.
 #[derive(Debug)]
 pub(super) struct Folder {
     pub(super) path: PathBuf,
@@ -93,18 +93,18 @@ impl Folder {
             .collect()
     }
 
-    /// Whether there are point clouds in it, by their extensions; text may be anything.
+    /// Returns true if the folder has point clouds, judging by their extensions; text may be anything.
     pub(super) fn has_clouds(&self) -> bool {
         !self.clouds().is_empty()
     }
 }
 
-/// Whether `name` is that of an image.
+/// Returns true if `name` is that of an image file.
 pub(super) fn is_image(name: &str) -> bool {
     has_extension(name, IMAGES)
 }
 
-/// Whether `name` ends with one of these extensions, in any case.
+/// Returns true if `name` ends with one of these extensions, ignoring case.
 pub(super) fn has_extension(name: &str, extensions: &[&str]) -> bool {
     let extension = name.rsplit_once('.').map(|(_, extension)| extension);
     extension.is_some_and(|found| extensions.iter().any(|extension| found.eq_ignore_ascii_case(extension)))

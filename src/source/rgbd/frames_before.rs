@@ -12,7 +12,7 @@ pub(in crate::source) const GROUP_FRAMES: usize = 32;
 pub(in crate::source) struct FilteredDepth {
     pub(super) image: DepthImage,
     pub(super) samples: Arc<DepthSamples>,
-    /// What the filters did.
+    /// Filter report.
     pub(super) report: FilterReport,
 }
 
@@ -36,7 +36,7 @@ pub(in crate::source) struct FramesBefore {
 struct AfterFrame {
     index: usize,
     filter: TemporalFilter,
-    /// What it has seen.
+    /// Images that the filter has seen.
     images: Vec<Arc<DepthSamples>>,
 }
 

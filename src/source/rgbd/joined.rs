@@ -1,8 +1,8 @@
-//! Points of several frames, as one cloud.
+//! Merging of points from several frames into one cloud.
 //!
-//! How it works: a depth camera sees the same wall in hundreds of frames. All points are kept as long as there are no
-//! more than a picture takes a moment to draw; then they are joined in cells, which grow whenever there are too many of
-//! them. The mean of many measurements is nearer to the wall than each is.
+//! How it works: a depth camera sees the same wall in hundreds of frames. All points are kept as long as there are few
+//! enough to be rendered quickly; after that they are voxel-downsampled, with cells that grow whenever there are too
+//! many of them. The mean of many measurements is more accurate than each of them.
 
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{Cells, LengthUnit, Positions, RawCloud, TooManyCells};
@@ -27,9 +27,9 @@ const CELL_BYTES: u64 = 128;
 #[derive(Debug)]
 pub(super) struct Merged {
     points: RawCloud,
-    /// Where they are, once they are joined.
+    /// Voxel cells of the points, once they are downsampled.
     cells: Option<Cells>,
-    /// How many were joined.
+    /// Number of points merged into cells.
     joined: usize,
     /// As it was asked for.
     edge_m: Option<f64>,
@@ -40,8 +40,8 @@ pub(super) struct Merged {
 }
 
 impl Merged {
-    /// No points so far. They are joined in cells of `edge_m`; not at all if that is 0; and if nobody says it, in
-    /// cells as fine as [`MOST_POINTS`] allow. Cells take no more than `most_bytes`.
+    /// Creates an empty point set. Points are voxel-downsampled to cells of `edge_m`; not at all if that is 0; and if
+    /// it is not given, to cells as fine as [`MOST_POINTS`] allow. Cells take no more than `most_bytes`.
     pub(super) fn new(edge_m: Option<f64>, most_bytes: u64) -> Self {
         let most_cells = usize::try_from(most_bytes / CELL_BYTES).unwrap_or(usize::MAX).max(1);
         let mut points = RawCloud::from_positions(Positions::F64(Vec::new()));

@@ -15,7 +15,7 @@ use zip::ZipArchive;
 pub(super) struct MemberImage {
     pub(super) path: Arc<Path>,
     pub(super) name: String,
-    /// Of depths, which do not say it themselves; `None` of images as files have them.
+    /// Size of depth images, whose data does not contain it; `None` for images in ordinary file formats.
     pub(super) depth_px: Option<[u32; 2]>,
 }
 

@@ -25,12 +25,12 @@ pub struct MergedFrames {
     range: RangeInclusive<usize>,
     entry: Arc<FrameEntry>,
     notes: Vec<String>,
-    /// The colour images, as photographs of the cloud.
+    /// Colour images, as posed images of the cloud.
     photographs: Option<Arc<ViewSet>>,
 }
 
 impl MergedFrames {
-    /// Frames `first` to `last` of `recording`, those without a pose left out.
+    /// Merges frames `first` to `last` of `recording`, skipping those without a pose.
     ///
     /// # Errors
     /// [`RgbdError::NotMerged`] if there is no such frame, and if none has a pose.
@@ -162,8 +162,8 @@ impl ImageFiles for MergedFrames {
     }
 }
 
-/// The colour image of a frame as a photograph, with its depth image. Messages of recordings are none: photographs are
-/// files.
+/// Returns the colour image of a frame as a posed image, with its depth image. `None` for messages of recordings: posed
+/// images are files.
 fn photo(recording: &RgbdRecording, index: usize) -> Option<Photo> {
     let recorded = &recording.recorded;
     let path = recorded.color_file(index)?;

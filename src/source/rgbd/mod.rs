@@ -52,12 +52,13 @@ use super::{OpenOptions, SequenceError, Source};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Whether a recording of depth images lies in the folder, by names alone: lists and poses are not read.
+/// Returns true if the folder contains a depth image recording, by names alone: lists and poses are not read.
 pub(super) fn is_likely(folder: &Path) -> bool {
     folder::Folder::read(folder).is_ok_and(|folder| layouts::is_likely(&folder))
 }
 
-/// Whether `inputs` are one folder whose depth images count more than the photographs of its `transforms.json`.
+/// Returns true if `inputs` are one folder whose depth images take precedence over the posed images of its
+/// `transforms.json`.
 pub(super) fn comes_before_photographs(inputs: &[PathBuf], options: &OpenOptions) -> bool {
     match inputs {
         [folder] if folder.is_dir() && !options.dense => {

@@ -1,10 +1,11 @@
-//! Where a frame of reference is in the world over time, by the links that a robot publishes (`/tf`).
+//! Transform tree of moving frames: the pose of a frame of reference in the world over time, from the links that a
+//! robot publishes (`/tf`).
 //!
-//! *How it works.* Links form a tree: a frame has one parent. From the frame of a camera the way leads up to the root,
-//! which is the world as far as the recording knows it (`map`, `odom`, `world`). A link that moves is a list of places
-//! with their times; between two it goes straight and turns evenly, as `tf2` does. Beyond the first and the last it is
-//! known for as long as images of one moment may be apart. A camera without a link that moves above it has no pose:
-//! nobody has said that it moves, or where.
+//! *How it works.* Links form a tree: a frame has one parent. The chain from the frame of a camera leads up to the
+//! root, which is the world as far as the recording knows it (`map`, `odom`, `world`). A moving link is a list of
+//! transforms with their times; between two, translation is interpolated linearly and rotation at a constant rate, as
+//! `tf2` does. Before the first and after the last it is valid for the maximum time offset between images of one time
+//! step. A camera without a moving link above it has no pose: nobody has said that it moves, or where.
 
 use super::pairs::MOST_APART;
 use crate::io::recordings::recording::camera::Link;
@@ -19,11 +20,11 @@ pub(super) struct MovingFrames {
     parents: HashMap<String, Parent>,
 }
 
-/// Where a frame is in its parent.
+/// Transform of a frame relative to its parent.
 #[derive(Debug)]
 struct Parent {
     name: String,
-    /// Whether it holds for all times.
+    /// True if the transform is valid for all times.
     is_static: bool,
     /// In the order of time; one at least.
     places: Vec<(Duration, DAffine3)>,
@@ -52,8 +53,8 @@ impl MovingFrames {
         frames
     }
 
-    /// Where `frame` was in the root of its tree at `time`; `None` where nothing above it moves, and where nobody knows
-    /// it for this time.
+    /// Returns the pose of `frame` in the root of its tree at `time`; `None` if nothing above it moves, or its pose is
+    /// unknown at this time.
     pub(super) fn world_from(&self, frame: &str, time: Duration) -> Option<DAffine3> {
         let mut world_from_frame = DAffine3::IDENTITY;
         let mut moves = false;

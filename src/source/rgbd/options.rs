@@ -1,4 +1,4 @@
-//! How recordings of depth images are opened.
+//! Options for opening depth image recordings.
 
 use crate::rgbd::Filters;
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// The option that turns poses round.
 pub(in crate::source) const INVERT_POSES: &str = "--invert-poses";
 
-/// What a person says of a recording of depth images; what nobody says is found in its folder.
+/// User-supplied options of a depth image recording; everything unspecified is found in its folder.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RgbdOptions {
     /// Filters of the depth images.
@@ -30,6 +30,6 @@ pub struct RgbdOptions {
     /// Edge of the cells in which their points are joined, metres; 0 keeps all points. If nobody says it, points are
     /// joined where there are very many.
     pub merge_edge_m: Option<f64>,
-    /// Frames among these whose points are left out.
+    /// Frames among these whose points are excluded.
     pub left_out: Vec<usize>,
 }

@@ -1,11 +1,11 @@
-//! Which colour image belongs to which depth image.
+//! Pairing of colour images with depth images.
 
 use super::folder::name_of;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Stamps that are further apart are of different moments.
+/// Maximum time difference between timestamps of the same time step.
 pub(super) const MOST_APART: Duration = Duration::from_millis(20);
 
 /// Names that a note lists.
@@ -18,7 +18,7 @@ pub(super) struct Pairs {
     pub(super) notes: Vec<String>,
 }
 
-/// By what `key` says of the names: images with the same key are of one moment.
+/// Pairs images by the key that `key` extracts from their names: images with the same key belong to one time step.
 pub(super) fn by_key(depths: &[PathBuf], colors: &[PathBuf], key: impl Fn(&str) -> Option<String>) -> Pairs {
     let keyed = colors.iter().filter_map(|path| Some((key(name_of(path))?, path)));
     let by_key: HashMap<String, &PathBuf> = keyed.collect();

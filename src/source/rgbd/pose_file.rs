@@ -17,7 +17,8 @@ impl Trajectory {
         Ok(Self::read_and_tell(path)?.0)
     }
 
-    /// The same, and whether an order of quaternions was taken that no header says: `qx qy qz qw`.
+    /// Reads the trajectory as [`Trajectory::read`] does, and also returns true if a quaternion order was assumed that
+    /// no header states: `qx qy qz qw`.
     pub(super) fn read_and_tell(path: &Path) -> Result<(Self, bool), RgbdError> {
         let wrong = |reason: String| RgbdError::Trajectory {
             path: path.to_owned(),
@@ -61,7 +62,7 @@ impl Trajectory {
     }
 }
 
-/// Whether a text of any extension is JSON and no rows in brackets.
+/// Returns true if a text of any extension is JSON rather than rows in brackets.
 fn is_json(text: &str) -> bool {
     serde_json::from_str::<serde::de::IgnoredAny>(text).is_ok()
 }
@@ -204,7 +205,7 @@ fn of_log(path: &Path, lines: &[(usize, Vec<f64>)]) -> Result<Trajectory, RgbdEr
     Ok(Trajectory::Numbered(poses))
 }
 
-/// Matrices of 4 × 4 or 3 × 4 numbers, a row a line.
+/// Parses matrices of 4 × 4 or 3 × 4 numbers, one row per line.
 fn of_rows(lines: &[(usize, Vec<f64>)]) -> Result<Trajectory, String> {
     let rows: Vec<&[f64]> = lines.iter().map(|(_, row)| row.as_slice()).collect();
     if let Some(row) = rows.iter().find(|row| row.len() != 4) {

@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat4};
 use serde_json::Value;
 use std::collections::HashMap;
 
-/// Which way the matrix of a key leads, and whose axes its camera has.
+/// Direction and axis convention of the pose matrix stored under a key.
 #[derive(Debug, Clone, Copy)]
 enum Leads {
     ToWorld,

@@ -16,7 +16,7 @@ use std::time::Duration;
 /// Lines at the beginning that may name the columns.
 const HEADER_LINES: usize = 8;
 
-/// What a column holds.
+/// Role of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Role {
     Time,
@@ -33,7 +33,7 @@ enum Role {
     Other,
 }
 
-/// Where the columns of poses are.
+/// Column indices of poses.
 #[derive(Debug)]
 struct Columns {
     roles: Vec<Role>,
@@ -135,7 +135,7 @@ fn header(text: &str) -> Result<Option<Columns>, String> {
     Ok(found)
 }
 
-/// What the name of a column says.
+/// Returns the role indicated by a column name.
 fn role(name: &str) -> Role {
     let name = name.split('[').next().unwrap_or_default();
     let name = name.trim().trim_matches('"').to_ascii_lowercase();

@@ -29,7 +29,7 @@ pub(in crate::source) struct ReceivedFrames {
 }
 
 impl ReceivedFrames {
-    /// Of the stream at `input`.
+    /// Creates the frames received from the stream at `input`.
     pub(in crate::source) fn new(input: &Path, options: &OpenOptions) -> Self {
         Self {
             input: input.into(),
@@ -40,7 +40,7 @@ impl ReceivedFrames {
         }
     }
 
-    /// The same with other filters.
+    /// Returns a copy with other filters.
     pub(in crate::source) fn filtered(&self, filters: Filters) -> Self {
         Self {
             input: Arc::clone(&self.input),
@@ -90,9 +90,10 @@ impl ReceivedFrames {
         }
     }
 
-    /// What decodes depths of this unit, with the cameras that were prepared for it.
+    /// Returns the decoder for depths of this unit, with the cameras that were prepared for it.
     fn recorded(&self, units_per_metre: f64) -> Arc<Recorded> {
-        /// A stream that changes its unit with every frame prepares its cameras anew.
+        /// Maximum number of cached decoders: a stream that changes its unit with every frame prepares its cameras
+        /// again.
         const MOST_KEPT: usize = 4;
         let code = DepthCode::per_metre(units_per_metre);
         let mut decoders = lock(&self.decoders);

@@ -105,7 +105,8 @@ fn depth_numbers(archive: &ZipArchive<BufReader<File>>) -> Vec<u64> {
     numbers
 }
 
-/// What the metadata say, or the size of this kind that has as many pixels as the first image.
+/// Returns the depth image size from the metadata, otherwise the known size that has the same number of pixels as the
+/// first image.
 fn depth_size(json: &Value, first_depth: &[u8]) -> Result<[u32; 2], String> {
     if let Some(size) = size(json, ["dw", "dh"]) {
         return Ok(size);

@@ -9,7 +9,7 @@ use std::path::Path;
 pub(super) struct Recorder {
     /// Extensions of its files, in lower case, where no point cloud has them.
     pub(super) extensions: &'static [&'static str],
-    /// Whether a file is one, by its name or its first bytes.
+    /// Predicate that returns true if a file is of this format, by its name or its first bytes.
     pub(super) can_read: fn(&Path) -> bool,
     /// The recording in such a file; `None` if it holds none.
     pub(super) find: fn(&Path, &OpenOptions) -> Result<Option<Found>, RgbdError>,

@@ -1,4 +1,4 @@
-//! The frames of a recording of depth images: a folder, a file of messages, or a film of an Azure Kinect.
+//! Depth image recording frames: from a folder, a message file, or an Azure Kinect video.
 
 use super::calibration::Calibration;
 use super::decoder::{ImageDecoder, Recorded};
@@ -26,7 +26,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Frames a second where nothing says it: most depth cameras have it.
+/// Default frame rate in frames per second: that of most depth cameras.
 const USUAL_FPS: f64 = 30.0;
 
 /// The frames of a recording of depth images.
@@ -36,7 +36,7 @@ pub struct RgbdRecording {
     pub(super) entries: Vec<Arc<FrameEntry>>,
     inputs: Vec<PathBuf>,
     pub(super) notes: Vec<String>,
-    /// Where the input is cut or damaged: also among the notes.
+    /// Descriptions of truncated or damaged input: also among the notes.
     damage: Vec<String>,
     pub(super) assumptions: Vec<Assumption>,
     layout: &'static str,
@@ -129,7 +129,7 @@ impl RgbdRecording {
         }))
     }
 
-    /// The same with other filters. What was left out was said already.
+    /// Returns a copy with other filters. Notes on what was skipped were reported already.
     pub(super) fn with_filters(&self, filters: Filters) -> Self {
         Self {
             recorded: Arc::new(self.recorded.filtered(filters)),
@@ -240,7 +240,7 @@ fn note_of_poses(found: &FoundRecording) -> Option<String> {
     ))
 }
 
-/// What a person says holds for every frame.
+/// Applies user-supplied options, which hold for every frame.
 fn take_options(found: &mut FoundRecording, options: &OpenOptions) -> Result<(), RgbdError> {
     let rgbd = &options.rgbd;
     if let Some(intrinsics) = &rgbd.intrinsics {

@@ -1,8 +1,8 @@
-//! Sizes of images before they are decoded, and which of them the numbers of a camera are for.
+//! Image sizes before decoding, and the size that each camera's intrinsics refer to.
 //!
-//! A file of a camera seldom says for which size its numbers are. The principal point does: it is near the middle of
-//! the image, so that twice of it is about the size. It may be that of the colour images, of which depth images are
-//! smaller copies; films are not read, and there the size is a multiple of that of the depth images.
+//! A camera file seldom states the size that its intrinsics refer to. The principal point does: it is near the image
+//! centre, so that twice of it is about the size. It may be that of the colour images, of which depth images are
+//! smaller copies; videos are not read, and there the size is a multiple of that of the depth images.
 
 use super::calibration::{Calibration, Intrinsics};
 use super::layouts::FoundRecording;
@@ -23,7 +23,7 @@ pub(super) struct Sizes {
 }
 
 impl Sizes {
-    /// Of images that are not there yet.
+    /// Unknown sizes, for images that have not arrived yet.
     pub(super) const UNKNOWN: Self = Self {
         depth_px: None,
         color_px: None,
@@ -110,7 +110,7 @@ impl Sizes {
     }
 }
 
-/// Whether both sizes are of one shape.
+/// Returns true if both sizes have the same aspect ratio.
 fn is_scaled([width, height]: [u32; 2], other: [u32; 2]) -> bool {
     u64::from(width) * u64::from(other[1]) == u64::from(height) * u64::from(other[0])
 }

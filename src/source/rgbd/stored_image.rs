@@ -1,5 +1,4 @@
-//! Where an image is: in a file of its own, in a message of a recording, in a block of a film, or in memory as it was
-//! received.
+//! Image storage: in a file of its own, in a message of a recording, in a block of a video, or in memory as received.
 
 use super::error::RgbdError;
 use super::member_image::MemberImage;
@@ -60,7 +59,7 @@ pub(super) struct BlockImage {
     pub(super) block: Block,
 }
 
-/// What the bytes of a block are.
+/// Pixel format of the bytes in a block.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum BlockPixels {
     /// An image as a file has it.
@@ -139,7 +138,7 @@ impl StoredImage {
 
     /// Its colours as they are stored, and its size; `None` of what cannot be read.
     pub(super) fn raw_color(&self, options: &ReadOptions) -> Option<(RawColor, [u32; 2])> {
-        /// What a JPEG begins with.
+        /// JPEG signature.
         const JPEG: &[u8] = b"\xff\xd8\xff";
         if let Self::File(path) = self {
             let bytes = text::read_bytes(path, options.max_memory_bytes).ok()?;

@@ -1,10 +1,10 @@
-//! Depth images in messages of ROS: which topics are depths, colours, cameras, and where one camera is from another.
+//! ROS depth image topics: detection of depths, colours and cameras, and of the transform between cameras.
 //!
-//! Of several topics with depths, the one that is named by `--topic` is read, else the one with the most messages.
-//! Colours are those of a topic that shares the most of its name. Cameras are told by `CameraInfo` beside the images;
-//! images in one frame of reference and of one size are of one camera, pixel by pixel, others are joined by
-//! `tf_static`. Bags of `librealsense` have extensions of their own: no frames of reference, but the place of each
-//! stream from one of them (`…/tf/0`), and the unit of depths as an option.
+//! Of several topics with depths, the one that is named by `--topic` is read, otherwise the one with the most messages.
+//! Colours are those of the topic that shares the most of its name. Cameras are identified by the `CameraInfo` that
+//! accompanies the images; images in one frame of reference and of one size belong to one camera, pixel by pixel,
+//! others are linked by `tf_static`. Bags of `librealsense` have extensions of their own: no frames of reference, but
+//! the pose of each stream relative to one of them (`…/tf/0`), and the unit of depths as an option.
 //!
 //! Poses are those of the depth camera in the root of the links that `tf` publishes ([`MovingFrames`]).
 
@@ -35,7 +35,7 @@ use std::sync::Arc;
 /// Millimetres (REP 118); floats are metres.
 const UNITS_PER_METRE: f64 = 1000.0;
 
-/// Whether images are of a bag that `librealsense` has written.
+/// Returns true if the image topic is from a bag written by `librealsense`.
 fn is_realsense(topic: &str) -> bool {
     topic.starts_with("/device_")
 }
@@ -103,14 +103,14 @@ impl Stream<'_> {
         self.topic.kind == CameraMessage::Image
     }
 
-    /// Whether two cameras have one frame of reference.
+    /// Returns true if two cameras have the same frame of reference.
     fn is_framed_as(&self, other: &Self) -> bool {
         let frame = &self.head.frame_id;
         !is_realsense(&self.topic.name) && !frame.is_empty() && *frame == other.head.frame_id
     }
 }
 
-/// How many parts two names begin with in common.
+/// Returns the number of leading name parts that two names have in common.
 fn shared_parts(left: &str, right: &str) -> usize {
     let parts = left.split('/').zip(right.split('/'));
     parts.take_while(|(left, right)| left == right).count()
@@ -146,7 +146,7 @@ impl RosRecording<'_> {
         self.all.topics.iter().filter(move |topic| topic.kind == kind)
     }
 
-    /// What `parse` makes of the first message of `topic` that is sound.
+    /// Returns the result of `parse` for the first valid message of `topic`.
     fn first<T>(&self, topic: &CameraTopic, parse: impl Fn(&[u8], &io::Message) -> Option<T>) -> Option<T> {
         /// Some drivers begin with empty messages; a topic of thousands of broken ones is not read to its end.
         const MOST_TRIED: usize = 16;
@@ -187,7 +187,7 @@ impl RosRecording<'_> {
             .map(|(.., info)| info)
     }
 
-    /// Where the camera of `depth` is from that of `color`; `None` where nothing says it.
+    /// Returns the transform from the camera of `depth` to that of `color`; `None` if nothing states it.
     fn color_from_depth(&self, depth: &Stream<'_>, color: &Stream<'_>) -> Option<DAffine3> {
         if is_realsense(&depth.topic.name) {
             let place = |stream: &Stream<'_>| {
@@ -215,7 +215,7 @@ impl RosRecording<'_> {
         links.into_iter().flatten().collect()
     }
 
-    /// What moves. Bags of `librealsense` have no frames of reference.
+    /// Returns the moving frames. Bags of `librealsense` have no frames of reference.
     fn moving_frames(&self, depth: &Stream<'_>) -> MovingFrames {
         let moving = self.links(CameraMessage::Transforms);
         if moving.is_empty() || is_realsense(&depth.topic.name) {

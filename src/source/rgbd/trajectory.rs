@@ -1,4 +1,5 @@
-//! Poses of a camera, from the frame of the camera to that of the world, at moments or of numbered or named frames.
+//! Camera trajectories: poses from the frame of the camera to that of the world, at timestamps or of numbered or named
+//! frames.
 
 use super::pairs::nearest;
 use crate::natural::split_name;
@@ -10,11 +11,11 @@ use std::time::Duration;
 /// The poses of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::source) enum Trajectory {
-    /// At moments, which ascend.
+    /// Poses at timestamps, in ascending order.
     Stamped(Vec<(Duration, Option<DAffine3>)>),
-    /// Of frames by their numbers, from 0.
+    /// Poses of frames by their numbers, from 0.
     Numbered(HashMap<usize, Option<DAffine3>>),
-    /// Of frames by their names, as [`key_of`] has them.
+    /// Poses of frames by their names, as returned by [`key_of`].
     Named(HashMap<String, Option<DAffine3>>),
 }
 
@@ -95,7 +96,7 @@ impl Trajectory {
         (grow && !count(0) && !count(1)).then_some(times)
     }
 
-    /// How many there are, those of a lost camera among them.
+    /// Returns the number of poses, including those of a lost camera.
     pub(super) fn len(&self) -> usize {
         match self {
             Self::Stamped(poses) => poses.len(),
@@ -104,7 +105,7 @@ impl Trajectory {
         }
     }
 
-    /// The same poses the other way round: from the world to the camera.
+    /// Returns the inverse poses: from the world to the camera.
     #[must_use]
     pub(in crate::source) fn inverse(self) -> Self {
         let turned = |pose: Option<DAffine3>| pose.map(|pose| pose.inverse());
@@ -167,7 +168,7 @@ pub(super) fn of_backward(world_from_camera: DAffine3) -> DAffine3 {
     }
 }
 
-/// What names of one frame have in common: without folders and extension, in lower case.
+/// Returns the key shared by all names of one frame: without folders and extension, in lower case.
 pub(in crate::source) fn key_of(name: &str) -> String {
     let name = name.replace('\\', "/");
     let is_extension = |extension: &str| extension.starts_with(|c: char| c.is_ascii_alphabetic());

@@ -1,9 +1,10 @@
-//! Dense points of calibrated photographs: depths of each from its neighbours, kept where views agree.
+//! Dense multi-view stereo from calibrated images: depths of each view from its neighbours, kept where views agree.
 //!
-//! *How it works.* Photographs are made small enough; planes are swept before each, between the depths of its sparse
-//! points or, without any, between those that its format tells, or else around the place that all cameras
-//! look at; depths that views do not agree on are dropped, and what is left becomes points. Two photographs alone are a
-//! pair (`pair.rs`): they may look as parallel as they like, and nobody has to know how far away things are.
+//! *How it works.* Images are downscaled far enough; planes are swept before each, between the depths of its sparse
+//! points or, without any, within the depth range that its format states, otherwise around the point that all cameras
+//! look at; depths that views do not agree on are dropped, and the remaining ones become points. Exactly two images are
+//! matched as a pair (`pair.rs`): their viewing directions may be arbitrarily close to parallel, and the depth range
+//! need not be known.
 
 use super::cloud::cloud;
 use crate::cloud::RawCloud;
@@ -22,16 +23,16 @@ use crate::stereo::depths_of_pair;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// How dense points are made.
+/// Settings for dense stereo reconstruction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dense {
-    /// Photographs are halved until no side is longer.
+    /// Maximum side length in pixels: images are halved until no side is longer.
     pub most_side_px: u32,
-    /// Other photographs that each is compared with.
+    /// Number of neighbouring images that each image is compared with.
     pub neighbours: usize,
-    /// Which depths are kept.
+    /// Consistency criterion for keeping depths.
     pub consistency: Consistency,
-    /// Who matches two photographs that are alone.
+    /// Stereo matcher for a set of only two images.
     pub matcher: SharedMatcher,
 }
 
@@ -46,14 +47,14 @@ impl Default for Dense {
     }
 }
 
-/// Why photographs have no dense points.
+/// Error when computing dense points from images.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DenseError {
     /// Too few of them can be read.
     #[error("depth needs two photographs that see the same, and {count} could be read: {reason}")]
     TooFew {
-        /// How many could be read.
+        /// Number of images that could be read.
         count: usize,
         /// Why others could not.
         reason: String,
@@ -63,7 +64,7 @@ pub enum DenseError {
         "no depth was found in {photos} photographs: they show too little in common, or their cameras do not fit them"
     )]
     Nothing {
-        /// How many there are.
+        /// Number of images.
         photos: usize,
     },
     /// Views that do not fit together.
@@ -71,24 +72,25 @@ pub enum DenseError {
     Stereo(#[from] StereoError),
 }
 
-/// Pixels of all depths together: of more photographs every second, third … is swept, each with its nearest neighbours
-/// among all. Time and points grow with them, and what hundreds of photographs show is seen by dozens.
+/// Maximum number of pixels of all depth maps together: of larger image sets every second, third … image is swept, each
+/// with its nearest neighbours among all. Time and points grow with them, and what hundreds of images show is seen by
+/// dozens.
 const MOST_PIXELS: u64 = 12 << 20;
 
 /// Angles between neighbours whose depths tell most: smaller ones tell none, larger ones show other sides.
 pub(super) const ANGLES_DEG: std::ops::RangeInclusive<f64> = 1.5..=40.0;
 
-/// How much nearer and farther than its sparse points the surface may be.
+/// Factor by which the surface may be nearer or farther than its sparse points.
 const BEYOND_POINTS: f64 = 1.3;
 
-/// How much nearer and farther than the depths that a format tells the surface may be: those of LLFF leave out a
-/// thousandth of the points at each end.
+/// Factor by which the surface may be nearer or farther than the depth range that a format states: that of LLFF
+/// excludes a thousandth of the points at each end.
 const BEYOND_TOLD: f64 = 1.1;
 
 /// Depths that are tried around the place that all cameras look at, in depths of that place.
 pub(super) const AROUND_MIDDLE: [f64; 2] = [0.5, 1.7];
 
-/// A photograph that was read.
+/// Downscaled image that was read.
 pub(super) struct Small {
     pub(in crate::stereo) number: usize,
     photo: PreparedPhoto,
@@ -149,7 +151,7 @@ impl Dense {
         Ok(cloud)
     }
 
-    /// The views beside one, nearest first.
+    /// Returns the neighbouring views of one view, nearest first.
     fn others<'a>(
         &self,
         set: &ViewSet,
@@ -166,7 +168,8 @@ impl Dense {
     }
 }
 
-/// The photographs of a set that can be read, halved until no side is longer, and why others cannot.
+/// Reads the images of a set, halved until no side is longer, and returns those that can be read and the reasons why
+/// others cannot.
 ///
 /// # Errors
 /// [`DenseError::TooFew`] of less than two.
@@ -223,7 +226,7 @@ impl Small {
     }
 }
 
-/// The photographs beside one whose angles at `middle` tell depths, nearest first.
+/// Returns the neighbouring images whose viewing angles at `middle` are suited to depth estimation, nearest first.
 pub(super) fn telling(set: &ViewSet, middle: DVec3, number: usize) -> impl Iterator<Item = usize> {
     let around = set.neighbours_around(middle, number, set.photos.len());
     let told = around
@@ -232,13 +235,13 @@ pub(super) fn telling(set: &ViewSet, middle: DVec3, number: usize) -> impl Itera
     told.map(|other| other.photo)
 }
 
-/// Of how many photographs with so many pixels one is swept.
+/// Returns the stride N at which images with these pixel counts are swept: one of every N.
 fn every(pixels: impl Iterator<Item = u64>) -> usize {
     let all: u64 = pixels.sum();
     all.div_ceil(MOST_PIXELS).max(1) as usize
 }
 
-/// The points of two photographs, as the first of them has them; `None` of other counts, and of two that cannot be
+/// Computes the points of a pair of images, as seen by the first; `None` for other counts, and for two that cannot be
 /// rectified or show nothing of one another.
 pub(super) fn of_pair(
     small: &[Small],
@@ -259,8 +262,8 @@ pub(super) fn of_pair(
     Ok((!pair.positions.is_empty()).then_some(pair))
 }
 
-/// Between which depths the surface before a photograph is: if nothing tells more, from one part of the depth of
-/// `middle` to the other.
+/// Returns the depth range of the surface in front of an image: if nothing tells more, from one fraction of the depth
+/// of `middle` to the other.
 pub(super) fn depth_range(set: &ViewSet, number: usize, middle: Option<DVec3>, parts: [f64; 2]) -> Option<[f64; 2]> {
     told_range(set, number).or_else(|| {
         let depth = set.photos.get(number)?.depth_of(middle?);
@@ -268,7 +271,7 @@ pub(super) fn depth_range(set: &ViewSet, number: usize, middle: Option<DVec3>, p
     })
 }
 
-/// The same by sparse points, or as the format says.
+/// Returns the depth range of the surface estimated from sparse points, or as stated by the format.
 fn told_range(set: &ViewSet, number: usize) -> Option<[f64; 2]> {
     let photo = set.photos.get(number)?;
     let points = set.points.positions().iter().enumerate();

@@ -1,4 +1,4 @@
-//! Depths of photographs as one cloud of coloured points in the world.
+//! Fusion of depth maps of posed images into one cloud of coloured points in the world.
 
 use crate::cloud::{Positions, RawCloud};
 use crate::rgbd::DepthImage;
@@ -7,12 +7,12 @@ use crate::stereo::View;
 use glam::DVec2;
 use rayon::prelude::*;
 
-/// A point for each pixel that has a depth, with its colour, in the frame and the unit of the poses: view by view, line
-/// by line.
+/// Creates a coloured point cloud with one point for each pixel that has a depth, in the frame and the unit of the
+/// poses: view by view, line by line.
 ///
 /// # Errors
-/// [`StereoError::CountsDiffer`]; [`StereoError::OtherCamera`] of a map or a photograph that is not of the size of its
-/// camera; [`StereoError::NoPose`], [`StereoError::NoPinhole`].
+/// [`StereoError::CountsDiffer`]; [`StereoError::OtherCamera`] if a map or an image differs in size from its camera;
+/// [`StereoError::NoPose`], [`StereoError::NoPinhole`].
 pub fn cloud(maps: &[DepthImage], views: &[View<'_>]) -> Result<RawCloud, StereoError> {
     if maps.len() != views.len() {
         return Err(StereoError::CountsDiffer {

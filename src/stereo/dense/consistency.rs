@@ -1,8 +1,8 @@
-//! Which depths several views agree on.
+//! Depth consistency check: keeps depths that several views agree on.
 //!
-//! A depth of one view is a place in the world, and that place has a depth in each other view. Where the depth map of
-//! the other says the same, two views agree, each by matches of its own. Mistakes seldom agree by chance, so what at
-//! least three views agree on is kept (Merrell et al. 2007).
+//! A depth of one view is a position in the world, and that position has a depth in each other view. Where the depth
+//! map of the other has the same depth, two views agree, each by matches of its own. Errors seldom agree by chance, so
+//! depths that at least three views agree on are kept (Merrell et al. 2007).
 
 use crate::rgbd::{Camera, DepthImage};
 use crate::stereo::StereoError;
@@ -92,7 +92,7 @@ struct Other<'a> {
 }
 
 impl Other<'_> {
-    /// Whether the map of this view has `point` of the frame of the first one.
+    /// Returns true if the depth map of this view agrees with `point`, given in the frame of the first view.
     fn agrees(&self, point: glam::DVec3, tolerance: f64) -> bool {
         let point = self.from_first.transform_point3(point);
         let Some(pixel) = self.camera.pixel(point).filter(|&pixel| self.camera.contains(pixel)) else {

@@ -1,4 +1,4 @@
-//! Points of many photographs: depths of each view, kept where views agree, as one cloud or surface. Knows `matching`
+//! Dense multi-view stereo: depths of each view, kept where views agree, as one cloud or surface. Depends on `matching`
 //! and `views`.
 
 pub(super) mod all_views;

@@ -1,11 +1,12 @@
-//! Points of photographs soon enough for a film: each photograph is matched with one beside it (paper 004, §5 and Figs.
-//! 11 and 12, has 128 × 128 pixels of a pair).
+//! Pairwise stereo, fast enough for multi-view video: each image is matched with a neighbouring one (paper 004, §5 and
+//! Figs. 11 and 12, has 128 × 128 pixels of a pair).
 //!
-//! *How it works.* Photographs are made small. Each is matched once, with the one whose angle tells most: both are
-//! rectified, and what lies between the nearest and the farthest depth is matched semi-globally. Depths that no other
-//! view shares are dropped. What photographs are put on may be coarse: they bring the details themselves.
+//! *How it works.* Images are downscaled. Each is matched once, with the one whose angle gives the most depth
+//! information: both are rectified, and the range between the nearest and the farthest depth is matched semi-globally.
+//! Depths that no other view shares are dropped. Geometry for view-dependent texturing may be coarse: the images bring
+//! the details themselves.
 //!
-//! *When it wins.* Eight photographs of 160 × 120 pixels take a thirtieth of what a plane sweep of 320 × 240 takes; the
+//! *When it wins.* Eight images of 160 × 120 pixels take a thirtieth of the time of a plane sweep of 320 × 240; the
 //! sweep ([`Dense`](crate::stereo::Dense)) has finer depths, and wins where there is time.
 
 use super::all_views::{ANGLES_DEG, Small, depth_range, of_pair, read_small};
@@ -25,16 +26,16 @@ use crate::stereo::depths_of_pair;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// How points are made of photographs in pairs.
+/// Settings for computing points from pairs of images.
 #[derive(Debug, Clone)]
 pub struct Pairwise {
-    /// Photographs are halved until no side is longer.
+    /// Maximum side length in pixels: images are halved until no side is longer.
     pub most_side_px: u32,
-    /// How pairs are matched.
+    /// Settings for pair matching.
     pub matching: Matching,
-    /// Who matches them.
+    /// Stereo matcher of the pairs.
     pub matcher: SharedMatcher,
-    /// Which depths are kept.
+    /// Consistency criterion for keeping depths.
     pub consistency: Consistency,
 }
 
@@ -60,7 +61,7 @@ impl Default for Pairwise {
 /// The angle that tells most: depths are as fine as it is wide, and what both see differs the more.
 const BEST_ANGLE_DEG: f64 = 10.0;
 
-/// How near and far the surface may be, in depths of the place that all cameras look at.
+/// Near and far limits of the surface, in depths of the point that all cameras look at.
 const AROUND_CROSSING: [f64; 2] = [0.4, 8.0];
 
 impl Pairwise {
@@ -111,8 +112,8 @@ impl Pairwise {
     }
 }
 
-/// Which of `count` photographs are matched: each with the one that leaves least `doubt`, each once as far as there are
-/// as many.
+/// Returns the pairs of images to match among `count`: each image with the one of least `doubt`, each used once as far
+/// as there are enough.
 fn pairs(count: usize, doubt: impl Fn(usize, usize) -> Option<f64>) -> Vec<[usize; 2]> {
     let mut is_open = vec![true; count];
     let mut pairs = Vec::new();
@@ -132,8 +133,8 @@ fn pairs(count: usize, doubt: impl Fn(usize, usize) -> Option<f64>) -> Vec<[usiz
     pairs
 }
 
-/// How little two photographs tell of depths: by their angle, or, where nobody knows at what they look, by their
-/// distance. `None` where they tell nothing.
+/// Returns the depth uncertainty of an image pair: from its angle, or from its distance if the point looked at is
+/// unknown. `None` if the pair yields no depths.
 fn doubt([first, second]: [DVec3; 2], crossing: Option<DVec3>) -> Option<f64> {
     match crossing {
         Some(crossing) => {

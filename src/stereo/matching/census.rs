@@ -1,10 +1,11 @@
-//! The census transform of 9×7 pixels, and Hamming distances: costs that brightness and contrast leave alone.
+//! Census transform of 9×7 pixels, and Hamming distances: matching costs that are invariant to brightness and contrast.
 //!
-//! Each pixel is described by 62 bits: whether each of its neighbours is darker than itself (Zabih and Woodfill 1994,
-//! section 3.2). The cost of a match is the number of bits that differ. Any change of brightness that keeps its order
-//! keeps the bits, so photographs of different exposure match. Beyond the border, pixels are those of the border.
+//! Each pixel is described by 62 bits: each is set if the respective neighbour is darker than the pixel itself (Zabih
+//! and Woodfill 1994, section 3.2). The cost of a match is the number of bits that differ. Any change of brightness
+//! that keeps its order keeps the bits, so images of different exposure match. Beyond the border, pixels are those of
+//! the border.
 //!
-//! The right line is kept backwards, so that the disparities of one pixel are next to each other in memory.
+//! The right line is stored reversed, so that the disparities of one pixel are contiguous in memory.
 
 use super::constants::{CENSUS_HALF_HEIGHT as HALF_HEIGHT, CENSUS_HALF_WIDTH as HALF_WIDTH};
 use super::costs::Costs;

@@ -1,4 +1,4 @@
-//! Numbers that matching has on the processor and on a graphics card.
+//! Matching constants shared between the CPU and the GPU.
 
 /// Pixels to each side that the bits of the census know of.
 pub(crate) const CENSUS_HALF_WIDTH: usize = 4;

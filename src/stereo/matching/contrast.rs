@@ -1,8 +1,8 @@
-//! Where there is nothing to match: windows of one brightness.
+//! Contrast check: rejects uniform windows, where there is nothing to match.
 //!
-//! Sums along paths carry disparities from where they were seen over areas that show nothing, such as a black
-//! background or a sky that is white all over: an object would get a skirt, and all views would agree on it. So a
-//! pixel whose window, the 9 × 7 of the census, varies by 2 levels of 255 or less has no label.
+//! Sums along paths carry disparities from where they were seen over areas without texture, such as a black background
+//! or a sky that is white all over: an object would get a skirt, and all views would agree on it. So a pixel whose
+//! window, the 9 × 7 of the census, varies by 2 levels of 255 or less has no label.
 
 use super::constants::{CENSUS_HALF_HEIGHT as HALF_HEIGHT, CENSUS_HALF_WIDTH as HALF_WIDTH, EVEN_WINDOW};
 use crate::stereo::GrayImage;

@@ -1,4 +1,5 @@
-//! What semi-global matching and the local winner choose from: a cost for each pixel and each of its labels.
+//! Cost volume that semi-global matching and the local winner choose from: a cost for each pixel and each of its
+//! labels.
 
 use super::refine::{Around, BESIDE, NO_COST};
 use std::ops::Range;

@@ -1,9 +1,10 @@
-//! What is taken out of a map of disparities or depths: specks, and single pixels unlike those around.
+//! Filters for disparity and depth maps: remove specks, and single pixels unlike their surroundings.
 
 use rayon::prelude::*;
 
-/// The median of the 3×3 pixels around each that has a value, of those that have one. NaN stays NaN. Of an even number
-/// the lower of the two in the middle, so that every value is one that was found. Preconditions: whole lines.
+/// Applies a median filter: the median of the 3×3 neighbourhood of each pixel that has a value, over the pixels that
+/// have one. NaN stays NaN. For an even number the lower of the two central values is used, so that every value is one
+/// that was found. Preconditions: whole lines.
 pub(in crate::stereo) fn median(values: &[f32], width: usize) -> Vec<f32> {
     let height = values.len() / width;
     let mut out = vec![f32::NAN; values.len()];

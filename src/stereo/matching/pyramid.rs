@@ -1,8 +1,8 @@
-//! Which disparities a pair has, found on smaller copies of it.
+//! Disparity range of a pair, estimated on downscaled copies of it.
 //!
 //! Both images are halved until the longer side is at most 256 pixels. There every disparity up to three quarters of
-//! the width is tried either way, which takes a small part of the time of the whole image. Of what was found, areas of
-//! less than a 400th of the image are left out as mistakes. Two pixels of the small image are added to both ends for
+//! the width is tried in both directions, which takes a small part of the time of the whole image. Areas of the result
+//! smaller than a 400th of the image are discarded as errors. Two pixels of the small image are added to both ends for
 //! what it did not show, and an eighth of the range to the near one: near things are often thin.
 
 use crate::stereo::DisparityRange;

@@ -1,4 +1,4 @@
-//! Which disparities are tried.
+//! Range of disparities to try.
 
 use super::costs::LANES;
 use crate::stereo::StereoError;
@@ -42,7 +42,7 @@ impl DisparityRange {
         self.min + self.count as i32 - 1
     }
 
-    /// How many are tried.
+    /// Returns the number of disparities in the range.
     pub fn count(self) -> usize {
         self.count
     }

@@ -1,16 +1,16 @@
-//! Labels between whole ones, from the costs of pixels alone.
+//! Subpixel refinement: labels between whole ones, from the costs of pixels alone.
 //!
-//! Sums along paths hold labels to whole ones: a neighbour of the winner costs P1 more on each of eight paths, on both
-//! sides alike, and the lowest place of a curve through such sums is drawn to the middle (measured: 0.25 px became
-//! 0.05). So this curve goes through what was matched: costs at three labels, summed over a square of 7 × 7. Of the
-//! square count the pixels whose own label is the same or one off, so nothing is added across a step.
+//! Sums along paths pull labels to whole ones: a neighbour of the winner costs P1 more on each of eight paths, on both
+//! sides alike, and the minimum of a curve through such sums is drawn to the centre (measured: 0.25 px became 0.05). So
+//! this curve goes through the matching costs: costs at three labels, summed over a square of 7 × 7. Of the square,
+//! only pixels whose own label is the same or one off count, so nothing is added across a step.
 //!
-//! Hamming distances of the census rise from the right place in straight lines. So the place is where two lines of one
-//! slope meet, that of the steeper side (Shimizu and Okutomi 2001): 0.25 px became 0.253, and 0.17 by a parabola.
+//! Hamming distances of the census rise from the true position in straight lines. So the position is where two lines of
+//! one slope meet, that of the steeper side (Shimizu and Okutomi 2001): 0.25 px became 0.253, and 0.17 by a parabola.
 //!
-//! Neighbours of one surface are of one plane, to a few hundredths of a pixel, and err each in its own way. So each
-//! place is put on the plane that fits best to those in the square that are within a pixel of it (Haralick and Watson
-//! 1981, whose facets these are): slopes stay, and so do steps.
+//! Neighbours of one surface are of one plane, to a few hundredths of a pixel, and have independent errors. So each
+//! position is put on the best-fitting plane through those in the square that are within a pixel of it (Haralick and
+//! Watson 1981, whose facets these are): slopes stay, and so do steps.
 
 use super::constants::REFINE_REACH as REACH;
 use glam::{Vec2, Vec3};
@@ -19,7 +19,7 @@ use rayon::prelude::*;
 /// Labels to each side that are asked for: one, and one more for neighbours whose label is one off.
 pub(super) const BESIDE: usize = 2;
 
-/// What stands for a cost that is none.
+/// Sentinel for a missing cost.
 pub(super) const NO_COST: u8 = u8::MAX;
 
 /// Costs of the labels around that of a pixel, [`NO_COST`] where there are none.
@@ -109,7 +109,8 @@ impl PlaneSums {
         self.products += step * Vec2::new(x, y);
     }
 
-    /// How far the plane is from the pixel's own place there; 0 where there are too few places for one.
+    /// Returns the offset of the fitted plane at the pixel from the pixel's own position; 0 if there are too few
+    /// positions for a plane.
     fn at_middle(&self) -> f32 {
         let mean = self.first / self.count;
         let [xx, xy, yy] = self.squares;
@@ -126,7 +127,7 @@ impl PlaneSums {
     }
 }
 
-/// Adds the costs of the label that is `step` above that of a neighbour, and of those beside it.
+/// Adds the costs of the label that is `step` above that of a neighbour, and of the adjacent labels.
 fn add(step: f32, costs: Around, three: &mut [u16; 3]) {
     // Not a number is not near either.
     if step.abs() <= 1.0 {
@@ -140,7 +141,7 @@ fn add(step: f32, costs: Around, three: &mut [u16; 3]) {
     }
 }
 
-/// Where two lines of one slope through three costs meet, from −1 to 1.
+/// Returns the position, from −1 to 1, of the intersection of two lines of one slope through three costs.
 fn meeting([below, at, above]: [u16; 3]) -> f32 {
     let (below, above) = (f32::from(below) - f32::from(at), f32::from(above) - f32::from(at));
     let steeper = below.max(above);

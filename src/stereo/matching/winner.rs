@@ -1,22 +1,25 @@
-//! The label of each pixel from its costs: the cheapest, between labels, unless another is as good.
+//! Label selection: the cheapest label of each pixel from its costs, with subpixel precision, unless another is as
+//! good.
 //!
 //! - *Left and right*: the costs of a pixel of the right image are those of its partners in the left one, so both
-//!   winners come from one volume of costs (Hirschmüller 2008, section 2.4). A pixel keeps its disparity if that of its
-//!   partner is at most 1 px away.
-//! - *Unique*: any label but the winner and its neighbours has to cost some percent more. So nothing is said where
+//!   winners
+//!   come from one volume of costs (Hirschmüller 2008, section 2.4). A pixel keeps its disparity if that of its partner is
+//!   at most 1 px away.
+//! - *Unique*: any label but the winner and its neighbours has to cost some percent more. So there is no result where
 //!   nothing is seen: in an even wall all labels cost the same.
-//! - *Between labels*, if by [`Between::Parabola`]: the lowest place of a parabola through the winner and its
-//!   neighbours. Sums of pixels beside it in the line whose winners are the same or next to it are added, four to each
-//!   side, against the noise of single pixels.
+//! - *Between labels*, if by [`Between::Parabola`]: the minimum of a parabola through the winner and its neighbours.
+//!   Sums
+//!   of adjacent pixels in the line whose winners are the same or next to it are added, four to each side, against the
+//!   noise of single pixels.
 
 use super::constants::PARABOLA_REACH as REACH;
 use fearless_simd::{Level, dispatch};
 
-/// How the place between labels is found.
+/// Subpixel interpolation method between labels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Between {
-    /// Where two lines of one slope meet, that of the steeper side, through the costs of pixels alone (Shimizu and
+    /// Intersection of two lines of one slope, that of the steeper side, through the costs of pixels alone (Shimizu and
     /// Okutomi 2001). True to a hundredth of a pixel in the mean.
     #[default]
     Lines,
@@ -35,7 +38,7 @@ fn lowest([below, at, above]: [u32; 3]) -> f32 {
     }
 }
 
-/// How winners are chosen.
+/// Criteria for choosing winners.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::stereo) struct Choice {
     /// By how much all other labels have to cost more, in percent of the winner.

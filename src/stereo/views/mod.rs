@@ -1,4 +1,5 @@
-//! Photographs with their cameras: rectification, places in the world. Knows of matching only its result.
+//! Posed images with their cameras: rectification, triangulation of world positions. Of matching, only the result is
+//! used here.
 
 pub(super) mod pair;
 pub(super) mod places;

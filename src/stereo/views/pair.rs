@@ -1,4 +1,4 @@
-//! From two photographs to the depths of the first.
+//! Pair stereo: from two images to the depths of the first.
 
 use crate::rgbd::DepthImage;
 use crate::stereo::DisparityRange;

@@ -14,12 +14,13 @@ use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Places {
     world_from_match: DMat4,
-    /// What A maps from, so that its numbers are near 1 wherever the cameras stand.
+    /// Origin that A maps from, so that its numbers are near 1 wherever the cameras are.
     origin: DVec3,
 }
 
 impl Places {
-    /// Of rectified cameras: of one focal length, one row of their middle and one rotation, parted along x.
+    /// Creates the mapping for rectified cameras: with the same focal length, the same principal-point row and the same
+    /// rotation, separated along x.
     pub(in crate::stereo) fn new(cameras: &[Camera; 2], poses: &[DAffine3; 2]) -> Self {
         let origin = center_of(poses[0]);
         let rows = [0, 1].map(|index| {

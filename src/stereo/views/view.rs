@@ -1,4 +1,4 @@
-//! Photographs with their cameras.
+//! Posed images with their cameras.
 
 use crate::rgbd::{Camera, ColorImage, Distortion};
 use crate::stereo::StereoError;
@@ -7,10 +7,10 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 /// By how much the columns of a rotation may be off: files tell them with a few digits.
 const ROTATION_ERROR: f64 = 1e-4;
 
-/// A photograph and the pinhole that took it.
+/// Posed image and the pinhole camera that took it.
 #[derive(Debug, Clone, Copy)]
 pub struct View<'a> {
-    /// The photograph.
+    /// Input image.
     pub image: &'a ColorImage,
     /// A pinhole of its size; centres of pixels are at integers.
     pub camera: &'a Camera,

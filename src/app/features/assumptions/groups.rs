@@ -23,9 +23,9 @@ pub(in crate::app) struct Given<'a> {
     pub(in crate::app) lacks: Vec<(Primitive, String)>,
     /// The colours of the settings; `Auto` where they are guessed.
     pub(in crate::app) colors: ColorSource,
-    /// What points can be coloured by.
+    /// Colour sources offered for points.
     pub(in crate::app) offered_colors: &'a [ColorSource],
-    /// How the inputs were opened; `None` of what cannot be opened again.
+    /// Options with which the inputs were opened; `None` if they cannot be opened again.
     pub(in crate::app) open: Option<&'a OpenOptions>,
     /// The kind of the files.
     pub(in crate::app) file_kind: FileKind,

@@ -222,7 +222,7 @@ impl State {
     }
 }
 
-/// What is open was looked for with other choices of reading.
+/// Result of detecting the open inputs again with other read options.
 struct Reread {
     found: FoundSequence,
     changes: Vec<ReadChange>,

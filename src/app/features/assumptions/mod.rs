@@ -17,6 +17,6 @@ pub(in crate::app) use change::{Change, ReadChange};
 pub(in crate::app) use groups::{Given, Group, groups};
 pub(in crate::app) use read_rows::FileKind;
 
-/// The list of assumptions; it is made anew of what is open.
+/// List of assumptions; it is rebuilt from the open inputs.
 #[derive(Debug, Default)]
 pub struct Assumptions;

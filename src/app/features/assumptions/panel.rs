@@ -26,7 +26,7 @@ const HEIGHT: f32 = 700.0;
 /// Width of a field, points.
 const FIELD_WIDTH: f32 = 150.0;
 
-/// How strongly the chip asks to be looked at.
+/// Computes the evidence shown by the chip: the urgency of its call for attention.
 fn evidence_of_chip(groups: &[Group]) -> Option<Evidence> {
     groups.iter().filter_map(Group::weakest).max()
 }

@@ -10,7 +10,7 @@ use crate::source::NO_POSES;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What there is to choose depends on.
+/// Kind of file, which determines the available options.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::app) enum FileKind {
     /// Floats without a header (`.bin`).
@@ -29,7 +29,7 @@ impl FileKind {
     }
 }
 
-/// How a subject is changed.
+/// Row of the editor that changes a subject.
 pub(super) struct ReadRow {
     pub(super) subject: Subject,
     /// The choice in words; `None` where it is automatic.

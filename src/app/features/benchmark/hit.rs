@@ -1,11 +1,11 @@
-//! Which point of a plot the pointer is on.
+//! Hit test of the pointer against the points of a plot.
 
 use egui_plot::{PlotPoint, PlotResponse};
 
-/// How near to a point a click must be, points of the screen.
+/// Maximum distance of a click from a point, screen points.
 const REACH: f32 = 14.0;
 
-/// Of points at `places` of a plot, the one that is pointed at, and the one that was clicked.
+/// Finds, of points at `places` of a plot, the one that is hovered and the one that was clicked.
 pub(super) fn hit<R>(plot: &PlotResponse<R>, places: &[[f64; 2]]) -> (Option<usize>, Option<usize>) {
     let nearest = |pointer: egui::Pos2| {
         let on_screen = |[x, y]: [f64; 2]| plot.transform.position_from_point(&PlotPoint::new(x, y));

@@ -1,4 +1,4 @@
-//! Benchmarks of the open sequence, and what they have found of its ways to draw.
+//! Benchmarks of the open sequence, and their results on its render modes.
 
 use super::BenchmarkEnded;
 use super::ReportFormat;

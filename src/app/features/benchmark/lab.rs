@@ -1,4 +1,5 @@
-//! Ways to draw by time and error: a plot that grows while they are measured. A click on a point draws as it does.
+//! Render modes by time and error: a plot that grows while they are measured. A click on a point switches to its render
+//! mode.
 
 use super::hit::hit;
 use super::pictures::{beside_or_below, pictures_ui};
@@ -24,7 +25,7 @@ const KINDS: [(&str, Color32, &[Primitive]); 3] = [
     ("Points", ODD, &[Primitive::Point]),
 ];
 
-/// Who draws, and how that is marked.
+/// Renderers and their plot markers.
 const RENDERERS: [(&str, RendererChoice, MarkerShape); 2] = [
     ("CPU (round)", RendererChoice::Cpu, MarkerShape::Circle),
     ("GPU (square)", RendererChoice::Gpu, MarkerShape::Square),
@@ -83,7 +84,7 @@ fn words(point: &LabPoint) -> String {
     format!("{:.2} ms, FLIP {:.4}: {}", point.draw_ms, point.flip, point.label)
 }
 
-/// Where a way is in the plot: powers of ten of milliseconds, and the error.
+/// Plot position of a render mode: powers of ten of milliseconds, and the error.
 fn place(point: &LabPoint) -> [f64; 2] {
     [point.draw_ms.max(1e-3).log10(), point.flip]
 }

@@ -41,7 +41,7 @@ impl ReportFormat {
         }
     }
 
-    /// What its files end in.
+    /// Returns the file name extension of the format.
     pub(in crate::app) fn extension(self) -> &'static str {
         match self {
             Self::Json => "json",
@@ -56,15 +56,15 @@ impl ReportFormat {
 pub struct BenchmarkTable {
     /// Name of the suite.
     pub suite: String,
-    /// What it was measured on.
+    /// GPU adapter of the measurement.
     pub adapter: String,
-    /// What was measured; most suites have one table.
+    /// Result tables; most suites have one table.
     pub tables: Vec<bench::Table>,
-    /// What a reader must know, such as frames that were skipped.
+    /// Notes a reader must know, such as frames that were skipped.
     pub notes: Vec<String>,
     /// The instancing strategy that took the least time, and that time in milliseconds, where they were compared.
     pub fastest: Option<(Strategy, f64)>,
-    /// What the bars are.
+    /// Title of the bars.
     pub bars_title: String,
     /// Label and length of each bar of the chart.
     pub bars: Vec<(String, f64)>,
@@ -74,7 +74,7 @@ pub struct BenchmarkTable {
     pub csv: String,
     /// The report as a page; empty where there is none.
     pub html: String,
-    /// Ways to draw by time and error; most suites have none.
+    /// Render modes by time and error; most suites have none.
     pub points: Vec<Arc<LabPoint>>,
     /// Ways to keep a frame by rate and distortion; most suites have none.
     pub rates: Vec<Arc<RatePoint>>,
@@ -85,11 +85,11 @@ pub type BenchmarkJob = Box<dyn FnOnce(&dyn Fn(Step), &Progress) -> Result<Bench
 
 impl Message for BenchmarkEnded {}
 
-/// What a benchmark came to; `Err` is a text for the person.
+/// Outcome of a benchmark; `Err` is a text for the user.
 #[derive(Debug)]
 pub struct BenchmarkEnded(Result<BenchmarkTable, String>);
 
-/// What the benchmark window shows.
+/// Contents of the benchmark window.
 #[derive(Debug, Default)]
 pub enum Benchmark {
     /// Nothing was started.
@@ -105,10 +105,10 @@ pub enum Benchmark {
     Done(Box<BenchmarkTable>),
 }
 
-/// What a benchmark had measured when it ended too early.
+/// Partial results of a benchmark that ended too early.
 #[derive(Debug, Clone, Default)]
 pub struct SoFar {
-    /// Ways to draw by time and error.
+    /// Render modes by time and error.
     pub points: Vec<Arc<LabPoint>>,
     /// Ways to keep a frame by rate and distortion.
     pub rates: Vec<Arc<RatePoint>>,
@@ -119,7 +119,7 @@ pub struct SoFar {
 pub struct RunningBenchmark {
     /// Name of the suite.
     pub suite: String,
-    /// How far it is.
+    /// Progress of the benchmark.
     pub work: Work,
     label: Arc<Mutex<String>>,
     points: Arc<Mutex<Vec<Arc<LabPoint>>>>,
@@ -127,12 +127,12 @@ pub struct RunningBenchmark {
 }
 
 impl RunningBenchmark {
-    /// What is measured now.
+    /// Returns the label of the measurement in progress.
     pub fn label(&self) -> String {
         lock(&self.label).clone()
     }
 
-    /// The ways to draw whose time and error are known.
+    /// Returns the render modes whose time and error are known.
     pub fn points(&self) -> Vec<Arc<LabPoint>> {
         lock(&self.points).clone()
     }
@@ -144,12 +144,12 @@ impl RunningBenchmark {
 }
 
 impl Benchmark {
-    /// Whether one is under way.
+    /// Returns true if a benchmark is running.
     pub fn is_running(&self) -> bool {
         self.work().is_some()
     }
 
-    /// What is under way.
+    /// Returns the running work.
     pub(in crate::app) fn work(&self) -> Option<&Work> {
         match self {
             Self::Running(running) => Some(&running.work),
@@ -157,7 +157,7 @@ impl Benchmark {
         }
     }
 
-    /// The ways to draw whose time and error are known.
+    /// Returns the render modes whose time and error are known.
     pub fn points(&self) -> Vec<Arc<LabPoint>> {
         match self {
             Self::Running(running) => running.points(),

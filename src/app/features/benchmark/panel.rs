@@ -20,13 +20,13 @@ const BAR_HEIGHT: f32 = 22.0;
 /// Between the window and the edges of its room, points.
 const MARGIN: f32 = 10.0;
 
-/// Its width at first: the right half of the picture is seen beside it, points.
+/// Default width: the right half of the image is visible next to it, points.
 const USUAL_WIDTH: f32 = 460.0;
 
-/// What is smaller shows nothing, points.
+/// Minimum size: below it the window shows nothing, points.
 const LEAST_SIZE: [f32; 2] = [260.0, 140.0];
 
-/// What the panel asks of the window.
+/// Request of the panel to the window.
 #[derive(Debug, Clone)]
 pub(in crate::app) enum BenchmarkRequest {
     /// Write the report to a file that is chosen with a dialog.
@@ -39,8 +39,8 @@ pub(in crate::app) enum BenchmarkRequest {
     ShowKept(Arc<RatePoint>),
 }
 
-/// The window while it is open: at first as high as the picture and left of its middle, so that both are seen, then
-/// where it was left (`place`). It never moves or grows by itself.
+/// Shows the benchmark window while it is open: at first as high as the image and left of its centre, so that both are
+/// seen, then at its last position (`place`). It never moves or grows by itself.
 pub(in crate::app) fn benchmark_ui(
     ui: &mut Ui,
     is_open: &mut bool,
@@ -86,7 +86,7 @@ fn title_of(suite: &str) -> &str {
         .map_or(suite, |known| known.title)
 }
 
-/// What runs or has run, above all that scrolls.
+/// Shows the header with the running or completed benchmark, above all that scrolls.
 fn head(ui: &mut Ui, benchmark: &Benchmark, now: Duration) {
     match benchmark {
         Benchmark::Idle => {

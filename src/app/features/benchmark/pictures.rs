@@ -3,7 +3,7 @@
 use egui::{ColorImage, RichText, TextureHandle, TextureOptions, Ui};
 use image::RgbaImage;
 
-/// Pictures are beside the list in more room than this, points.
+/// Width above which images are next to the list, points.
 const BESIDE_WIDTH: f32 = 760.0;
 
 /// Side by side where there is room, else one below the other.

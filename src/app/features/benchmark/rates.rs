@@ -1,5 +1,5 @@
-//! Ways to keep a frame by rate and distortion: a plot that grows while they are measured. A click on a point shows the
-//! frame as it is then, beside the original.
+//! Compression settings for a frame by rate and distortion: a plot that grows while they are measured. A click on a
+//! point shows the frame as it is then, next to the original.
 
 use super::hit::hit;
 use super::pictures::{beside_or_below, pictures_ui};
@@ -13,7 +13,7 @@ const PLOT_HEIGHT: f32 = 300.0;
 
 const LIST_HEIGHT: f32 = 170.0;
 
-/// What is lost.
+/// Kind of loss.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 enum Loss {
     #[default]
@@ -53,7 +53,7 @@ impl Loss {
         }
     }
 
-    /// Where its curves do not go.
+    /// Corner of the plot that its curves do not reach.
     fn free_corner(self) -> Corner {
         match self {
             Self::D1 | Self::D2 | Self::Colors => Corner::RightBottom,
@@ -61,7 +61,8 @@ impl Loss {
         }
     }
 
-    /// Of a way to keep the frame; `None` where there is no loss of this kind, and decibels would be infinite.
+    /// Returns the loss of a compression setting for the frame; `None` where there is no loss of this kind, and
+    /// decibels would be infinite.
     fn of(self, point: &RatePoint) -> Option<f64> {
         let loss = match self {
             Self::D1 => point.error.d1_psnr_db(),

@@ -13,7 +13,7 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How often is looked whether the other window has measured itself.
+/// Polling interval for the measurement of the other window.
 const LOOK_INTERVAL: Duration = Duration::from_millis(100);
 
 /// The job that runs `suite` on `sequence`: with a GPU context of its own, or in a window of its own.

@@ -1,11 +1,11 @@
-//! How far the points of two frames are from each other.
+//! Distances between the points of two frames.
 
 use crate::app::work::outcome::Message;
 use crate::measure::Change;
 use crate::sequence::PreparedFrame;
 use glam::{DVec3, Vec3};
 
-/// How far the points of one frame are from those of another, scene units.
+/// One-way distances of the points of one frame from those of another, scene units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OneWay {
     /// Mean distance to the nearest point.
@@ -18,7 +18,7 @@ pub struct OneWay {
 
 impl Message for Option<FrameDistances> {}
 
-/// How far two frames are from each other, scene units.
+/// Distances between two frames, scene units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameDistances {
     /// From each point of A to the nearest of B.

@@ -1,4 +1,4 @@
-//! A second sequence beside the open one: opening and closing it, its pictures, its share of the memory.
+//! Second sequence for comparison next to the open one: opening and closing it, its images, its fraction of the memory.
 
 use super::FrameDistances;
 use super::panel::{BesideRequest, beside_ui};
@@ -51,8 +51,8 @@ impl State {
         })
     }
 
-    /// Shows `sequence` beside the open one, in place of what that was compared with before, laid out like that. The
-    /// camera stays.
+    /// Shows `sequence` for comparison next to the open one, replacing the previous comparison, with the same layout.
+    /// The camera stays.
     pub fn compare_with(&mut self, sequence: Arc<Sequence>) {
         let Some(player) = &self.player else {
             let text = "There is nothing to compare with yet: open a sequence first";
@@ -83,12 +83,12 @@ impl State {
         self.share_budget();
     }
 
-    /// Finds the frames of `inputs` on a thread and shows them beside the open sequence.
+    /// Finds the frames of `inputs` on a thread and shows them next to the open sequence for comparison.
     pub fn compare_paths(&mut self, inputs: Vec<PathBuf>) {
         self.find(inputs, self.shared.options.open.clone(), Side::B);
     }
 
-    /// Opens the recording beside the open sequence again, with the point clouds of another topic.
+    /// Reopens the compared recording next to the open sequence, with the point clouds of another topic.
     pub fn compare_topic(&mut self, topic: &str) {
         if let Some(beside) = &self.features.beside {
             let inputs = beside.companion.sequence().source().inputs().to_vec();
@@ -240,7 +240,7 @@ impl State {
         Some(packet)
     }
 
-    /// Whether all pictures that are to be seen have been drawn of frames that are due.
+    /// Returns true if all visible images have been drawn from frames that are due.
     pub(in crate::app) fn is_drawn(&self) -> bool {
         let is_drawn_beside = |beside: &Beside| {
             beside.companion.waiting_for().is_none()
@@ -249,7 +249,7 @@ impl State {
         self.main.drawing.is_drawn() && self.features.beside.as_ref().is_none_or(is_drawn_beside)
     }
 
-    /// What is seen of both pictures, as one: side by side, or on both sides of the line. The first one alone if there
+    /// Composes both visible images into one: side by side, or on both sides of the line. The first one alone if there
     /// is no other sequence, or no frame of it. With the labels that are in the window.
     pub fn joined(&self, a: RgbaImage, b: Option<RgbaImage>) -> RgbaImage {
         let Some((beside, b)) = self.features.beside.as_ref().zip(b) else {
@@ -296,7 +296,7 @@ impl Beside {
         });
     }
 
-    /// Whether each has a half of its own.
+    /// Returns true if the layout is side by side, with half of the space for each.
     pub(in crate::app) fn is_side_by_side(&self) -> bool {
         self.layout == Layout::SideBySide
     }

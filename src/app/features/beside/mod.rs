@@ -1,9 +1,9 @@
-//! A second sequence beside the open one: the same camera, settings and clock, its own frames.
+//! Second sequence for comparison next to the open one: the same camera, settings and clock, its own frames.
 //!
-//! How it works. A [`Companion`] brings the frames that belong to those of the player; here is how its picture is laid
-//! out, drawn and compared. Both clouds stay where their files say: each is drawn relative to the origin of its
+//! How it works. A [`Companion`] provides the frames that belong to those of the player; here its image is laid out,
+//! drawn and compared. Both clouds stay where their files put them: each is drawn relative to the origin of its
 //! sequence, which is one for both wherever that loses nothing. Distances of the two clouds are measured on a thread,
-//! when a person asks for them.
+//! when a user asks for them.
 
 mod distances;
 mod in_window;
@@ -27,7 +27,7 @@ use std::time::Duration;
 /// The narrowest half, as a share of the width.
 const NARROWEST: f32 = 0.1;
 
-/// How two pictures are laid out.
+/// Layout of two images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layout {
     /// Each in a half of its own.
@@ -41,9 +41,9 @@ pub enum Layout {
 pub struct Beside {
     /// Its frames.
     pub companion: Companion,
-    /// What people know it by.
+    /// Display name.
     pub name: String,
-    /// How both are laid out.
+    /// Layout of both images.
     pub layout: Layout,
     /// Both pictures; compared where they are of the same view and size, one over the other.
     pub pictures: PicturePair,
@@ -51,7 +51,7 @@ pub struct Beside {
     distances: Option<FrameDistances>,
     /// Frames whose distances are being measured, and the work on that.
     measuring: Option<([u64; 2], Progress)>,
-    /// Where both are has been looked at.
+    /// True if the gap between both has been checked.
     knows_gap: bool,
 }
 
@@ -106,7 +106,7 @@ impl Beside {
         self.pictures.forget_difference();
     }
 
-    /// Where the pictures of A and of B are within `rect`: the same place, or a half each.
+    /// Computes the rectangles of the images of A and of B within `rect`: the same rectangle, or a half each.
     pub(in crate::app) fn places(&self, rect: Rect, line: f32) -> [Rect; 2] {
         match self.layout {
             Layout::SideBySide => [rect.with_max_x(line), rect.with_min_x(line)],
@@ -114,7 +114,7 @@ impl Beside {
         }
     }
 
-    /// How far the line between the pictures may go, as shares of the width.
+    /// Returns the range of the line between the images, as fractions of the width.
     pub(in crate::app) fn line_range(&self) -> std::ops::RangeInclusive<f32> {
         match self.layout {
             Layout::SideBySide => NARROWEST..=1.0 - NARROWEST,
@@ -122,7 +122,7 @@ impl Beside {
         }
     }
 
-    /// Whether `place` in a picture over `rect` is on B's side of the line.
+    /// Returns true if `place` in an image over `rect` is on B's side of the line.
     pub(in crate::app) fn is_of_b(&self, place: Pos2, places: [Rect; 2]) -> bool {
         match self.layout {
             Layout::SideBySide => places[1].contains(place) && !places[0].contains(place),
@@ -157,7 +157,7 @@ impl Beside {
         self.distances.as_ref().filter(|known| ids == Some(known.ids))
     }
 
-    /// Whether distances are being measured.
+    /// Returns true if distances are being measured.
     pub fn is_measuring(&self) -> bool {
         self.measuring.is_some()
     }

@@ -10,7 +10,7 @@ use egui::{Button, DragValue, RichText, Ui};
 /// Offsets that can be dragged to.
 const MAX_OFFSET: i64 = 1_000_000;
 
-/// What the bar asks of the window.
+/// Request of the bar to the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::app) enum BesideRequest {
     /// Measure the distances of the shown frames.
@@ -82,7 +82,7 @@ fn layout_ui(ui: &mut Ui, beside: &mut Beside) {
     }
 }
 
-/// Which frames belong together.
+/// Shows the frame pairing controls.
 fn pairing_ui(ui: &mut Ui, beside: &mut Beside) {
     let companion = &mut beside.companion;
     ui.label("Frames by");

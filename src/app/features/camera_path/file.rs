@@ -23,7 +23,7 @@ pub enum PathFile {
     Saved {
         /// Its file.
         file: PathBuf,
-        /// What is in it.
+        /// Contents of the file.
         draft: Arc<Draft>,
     },
 }

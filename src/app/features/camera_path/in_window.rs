@@ -58,7 +58,7 @@ impl State {
         }
     }
 
-    /// Beyond its last frame the sequence begins anew, as in videos.
+    /// Shows a frame of the path; beyond its last frame the sequence restarts, as in videos.
     fn show_of_path(&mut self, camera: Camera, frame: usize) {
         self.motion.turntable.is_on = false;
         self.camera = camera;
@@ -145,7 +145,7 @@ impl State {
         self.ask_or_do(Question::Quit);
     }
 
-    /// What would be lost by the end of the program, a sentence each.
+    /// Returns the unsaved data that would be lost by quitting the program, one sentence each.
     pub(in crate::app) fn losses(&self) -> Vec<&'static str> {
         let losses = Features::rows::<Self>().into_iter();
         let losses = losses.filter_map(|feature| feature.loss(self));
@@ -266,7 +266,7 @@ impl Feature<State> for FeatureOf<PathEditor> {
         outcome.give(|path: PathFile| state.take_path_file(path))
     }
 
-    /// What is in no file is not lost without a question.
+    /// Forgets the sequence; unsaved data is not lost without a question.
     fn forget_sequence(&self, state: &mut State) {
         if state.is_kept() || !state.features.path.is_unsaved() {
             state.stop_preview();

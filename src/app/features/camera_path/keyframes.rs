@@ -12,7 +12,7 @@ const COLUMNS: [(&str, f32); 4] = [("Go to", 46.0), ("Time", 78.0), ("Frame", 62
 /// Keyframes that are shown at once; others are scrolled to.
 const ROWS: f32 = 9.0;
 
-/// How the sequence can go on after a keyframe, in what it usually plays.
+/// Playback rates of the sequence after a keyframe, relative to its default.
 const PACES: [(&str, f64, &str); 6] = [
     (
         "Plays",
@@ -30,7 +30,7 @@ const PACES: [(&str, f64, &str); 6] = [
     ("Backward, × 0.5", -0.5, "It plays backward at half of its frame rate"),
 ];
 
-/// What is asked of one keyframe.
+/// Action requested on one keyframe.
 #[derive(Clone, Copy)]
 enum Asked {
     Go,
@@ -138,7 +138,7 @@ fn row(ui: &mut Ui, draft: &Draft, index: usize, is_present: bool, fps: f64) -> 
     asked
 }
 
-/// What the sequence does after a keyframe, as a share of its frame rate.
+/// Playback rate of the sequence after a keyframe, as a fraction of its frame rate.
 fn pace_choice(ui: &mut Ui, number: usize, width: f32, pace: f64) -> Option<f64> {
     let is_pace = |other: f64| (pace - other).abs() < 5e-4;
     let known = PACES.iter().find(|(_, other, _)| is_pace(*other));

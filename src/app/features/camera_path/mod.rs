@@ -28,21 +28,21 @@ const DEFAULT_STEP_S: f64 = 2.0;
 /// The camera path of the window.
 #[derive(Debug)]
 pub struct PathEditor {
-    /// What there is of it; undo knows its states.
+    /// Current state of the path; undo keeps its states.
     pub draft: Arc<Draft>,
-    /// Where in the video the next keyframe is set, seconds.
+    /// Time in the video at which the next keyframe is set, seconds.
     pub(in crate::app) time_s: f64,
     /// The time moves on by so much after a keyframe at the end, seconds.
     pub(in crate::app) step_s: f64,
-    /// What its file has.
+    /// Saved state in its file.
     saved: Arc<Draft>,
     file: Option<PathBuf>,
     preview: Option<Preview>,
-    /// What waits for an answer.
+    /// Question waiting for an answer.
     pub(in crate::app) question: Option<Question>,
 }
 
-/// What would lose something.
+/// Action that would lose unsaved data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::app) enum Question {
     /// Another path is to be opened.
@@ -88,7 +88,7 @@ impl PathEditor {
         change(Arc::make_mut(&mut self.draft));
     }
 
-    /// Sets a keyframe at its time, or does so in place of the one that is there. At the end the time moves on.
+    /// Sets a keyframe at its time, or replaces an existing one. At the end the time advances.
     pub(in crate::app) fn set_keyframe(&mut self, camera: Camera, frame: f64) -> Result<(), PathError> {
         let key = Keyframe {
             time_s: self.time_s,
@@ -118,7 +118,7 @@ impl PathEditor {
         Ok(())
     }
 
-    /// What is seen at its time, if that is within the path.
+    /// Returns the camera and frame at its time, if that is within the path.
     pub(in crate::app) fn at_time(&self) -> Option<(Camera, usize)> {
         let (path, times_s) = (self.draft.path()?, self.draft.times_s()?);
         times_s
@@ -138,14 +138,14 @@ impl PathEditor {
         self.preview.take().map(|preview| preview.resumes)
     }
 
-    /// Where a path that plays is at `now`; `None` if somebody else has moved the camera.
+    /// Returns the position of the playing path at `now`; `None` if the camera has been moved by something else.
     pub(in crate::app) fn step(&mut self, camera: &Camera, now: Duration) -> Option<Moment> {
         let moment = self.preview.as_mut()?.step(camera, now)?;
         self.time_s = moment.time_s;
         Some(moment)
     }
 
-    /// Takes another path in place of the one there is.
+    /// Replaces the path by another.
     pub(in crate::app) fn take(&mut self, draft: Arc<Draft>, file: Option<PathBuf>) {
         self.saved = Arc::clone(&draft);
         self.time_s = draft.times_s().map_or(0.0, |times| *times.start());

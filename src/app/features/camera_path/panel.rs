@@ -14,7 +14,7 @@ use egui::{Align2, Button, Checkbox, Pos2, RichText, Slider, Ui, vec2};
 /// Times that are offered, seconds.
 const TIMES_S: std::ops::RangeInclusive<f64> = 0.0..=1e6;
 
-/// The window while it is open, at `corner`. The sequence plays `fps` frames a second.
+/// Shows the window while it is open, at `corner`. The sequence plays at `fps` frames per second.
 pub(in crate::app) fn camera_path_ui(
     ui: &mut Ui,
     is_open: &mut bool,

@@ -10,13 +10,13 @@ pub(in crate::app) struct Preview {
     /// Seconds after the first keyframe at `begun`.
     from_s: f64,
     begun: Duration,
-    /// Where it put the camera last.
+    /// Camera set last.
     last: Camera,
     /// The sequence was playing before.
     pub(in crate::app) resumes: bool,
 }
 
-/// Where a path that plays is.
+/// Playback position of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::app) struct Moment {
     /// Seconds from the beginning of the video.
@@ -41,7 +41,7 @@ impl Preview {
         }
     }
 
-    /// Where it is at `now`; `None` if `camera` is not where it was put: somebody else has it.
+    /// Returns the playback position at `now`; `None` if `camera` is not where it was put: something else controls it.
     pub(in crate::app) fn step(&mut self, camera: &Camera, now: Duration) -> Option<Moment> {
         if *camera != self.last {
             return None;

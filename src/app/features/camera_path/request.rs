@@ -1,8 +1,8 @@
-//! What the panel of the camera path asks for.
+//! Requests of the camera path panel.
 
 use crate::app::command::Command;
 
-/// What the panel asks of the window.
+/// Request of the panel to the window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::app) enum PathRequest {
     /// Do what keys and menus do as well.

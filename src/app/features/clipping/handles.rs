@@ -1,4 +1,4 @@
-//! The outline of what is clipped, over the picture, with handles that are dragged and the numbers beside them.
+//! Outline of the clip volume, over the image, with handles that are dragged and the numbers next to them.
 
 use super::outline::{edges, foot, plane};
 use super::{ClippedFrames, Clipping, Held};
@@ -22,14 +22,14 @@ const LABEL_HEIGHT: f32 = 30.0;
 /// The axes, coloured as those in the corner of the picture.
 const AXES: [(&str, Color32); 3] = [("X", AXIS_COLORS[0]), ("Y", AXIS_COLORS[1]), ("Z", AXIS_COLORS[2])];
 
-/// What is dragged along a line.
+/// Handle that is dragged along a line.
 struct Handle {
     name: String,
-    /// Where it is, in the coordinates of the file.
+    /// Position in the coordinates of the file.
     place: DVec3,
-    /// Of the line; a unit vector.
+    /// Direction of the line; a unit vector.
     direction: DVec3,
-    /// The number beside it.
+    /// Number next to the handle.
     value: f64,
     color: Color32,
 }
@@ -60,7 +60,7 @@ pub(in crate::app) fn handles_ui(
     }
 }
 
-/// How far a handle that is dragged is from where it was in this pass.
+/// Computes the displacement of a dragged handle from its position in this pass.
 fn dragged(canvas: &PictureOverlay<'_>, clipping: &mut Clipping, handle: &Handle, response: &Response) -> Option<f64> {
     let pointer = response.interact_pointer_pos();
     if response.drag_started() {
@@ -75,7 +75,7 @@ fn dragged(canvas: &PictureOverlay<'_>, clipping: &mut Clipping, handle: &Handle
     Some(along - (handle.place - held.place).dot(handle.direction))
 }
 
-/// One in the middle of each side of a box; the foot of a plane.
+/// Creates the handles: one at the centre of each side of a box; the foot of a plane.
 fn handles(shape: ClipShape, frames: &ClippedFrames) -> Vec<Handle> {
     match shape {
         ClipShape::Box { min, max } => {

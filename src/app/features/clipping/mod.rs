@@ -1,4 +1,4 @@
-//! What of the cloud is clipped: around which frames a box is put, and its outline in the picture with handles to drag.
+//! Clipping of the cloud: the frames a box is fitted around, and its outline in the image with handles to drag.
 
 pub(in crate::app) mod handles;
 mod in_window;
@@ -9,14 +9,14 @@ use crate::math::Aabb;
 use crate::scene::{Clip, ClipShape};
 use glam::DVec3;
 
-/// What the window knows of clipping beside what is clipped.
+/// Clipping state of the window, in addition to the clip itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clipping {
-    /// Whether the picture shows the outline with its handles.
+    /// Visibility of the outline with its handles in the image.
     pub shows_outline: bool,
     /// The shape that was put around all frames: as long as nobody changes it, it grows with frames that become known.
     around_all: Option<ClipShape>,
-    /// What is dragged.
+    /// Handle being dragged.
     held: Option<Held>,
     /// Bounds of the frames, at this revision of what is known of them.
     known: Option<(u64, KnownBounds)>,
@@ -36,20 +36,20 @@ impl Default for Clipping {
 /// A handle in the hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Held {
-    /// Where it was when it was taken hold of.
+    /// Position at the start of the drag.
     place: DVec3,
-    /// How far from there the pointer was along its line.
+    /// Distance of the pointer from that position along its line.
     slack: f64,
 }
 
-/// What is known of the bounds of all frames.
+/// Known bounds of all frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::app) struct KnownBounds {
     /// Around the frames that are known, relative to the origin of the sequence.
     pub(in crate::app) bounds: Aabb,
-    /// How many these are.
+    /// Number of frames with known bounds.
     pub(in crate::app) known: usize,
-    /// Of how many.
+    /// Total number of frames.
     pub(in crate::app) count: usize,
 }
 
@@ -83,7 +83,7 @@ impl ClippedFrames {
         ClipShape::around(&self.bounds(fit), self.origin)
     }
 
-    /// The plane through the middle of the frames.
+    /// Creates the plane through the centre of the frames.
     pub(in crate::app) fn through_middle(&self, normal: DVec3, fit: ClipFit) -> ClipShape {
         let middle = self.origin + self.bounds(fit).center().as_dvec3();
         let offset = normal.dot(middle);
@@ -118,7 +118,7 @@ impl Clipping {
         self.around_all = (fit == ClipFit::AllFrames).then_some(shape);
     }
 
-    /// Whether the clip is still as it was put around all frames.
+    /// Returns true if the clip is still as it was put around all frames.
     pub(in crate::app) fn is_around_all(&self, clip: &Clip) -> bool {
         self.around_all == Some(clip.shape)
     }

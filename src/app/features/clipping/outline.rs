@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// How much larger than the box around the cloud the part of a plane is that is shown.
+/// Margin by which the visible part of a plane exceeds the box around the cloud.
 const MARGIN: f64 = 0.1;
 
 /// The twelve edges between two corners.
@@ -40,7 +40,7 @@ pub(super) fn plane(normal: DVec3, offset: f64, [min, max]: [DVec3; 2]) -> Vec<D
     corners
 }
 
-/// The place of a plane that is nearest to the middle of a box.
+/// Returns the point of a plane that is nearest to the centre of a box.
 pub(super) fn foot(normal: DVec3, offset: f64, [min, max]: [DVec3; 2]) -> DVec3 {
     let middle = min.midpoint(max);
     middle + normal * (offset - normal.dot(middle))

@@ -1,4 +1,5 @@
-//! What of the cloud is drawn: a box or one side of a plane, in the coordinates of the file.
+//! Clipping controls for the part of the cloud that is drawn: a box or one side of a plane, in the coordinates of the
+//! file.
 
 use super::{ClipFit, ClippedFrames, Clipping};
 use crate::app::widgets::rows::{choice, row, rows};
@@ -28,7 +29,7 @@ fn kind_of(clip: Option<Clip>) -> ClipKind {
     }
 }
 
-/// What the section shows and changes.
+/// Context that the section shows and changes.
 pub(super) struct ClipContext<'a> {
     pub(super) clip: &'a mut Option<Clip>,
     pub(super) clipping: &'a mut Clipping,

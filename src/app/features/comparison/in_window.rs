@@ -1,4 +1,4 @@
-//! Two ways to draw in the window: their bar, and when their pictures are compared.
+//! Two render modes in the window: their bar, and when their images are compared.
 
 use super::PicturePair;
 use super::panel::{ComparisonRequest, comparison_ui};
@@ -23,7 +23,7 @@ const COMMANDS: &[Row] = &[
 ];
 
 impl Feature<State> for FeatureOf<Option<Comparison>> {
-    /// Of two sequences as well.
+    /// Updates the comparison, of two sequences as well.
     fn update(&self, state: &mut State) -> bool {
         let now = state.now();
         let is_due = state.pictures_mut().is_some_and(|pair| pair.is_due(now));
@@ -94,7 +94,7 @@ impl State {
         self.features.comparison = None;
     }
 
-    /// The settings are those of `side` of two ways to draw from now on.
+    /// Selects the side, of two compared render modes, to which the settings apply from now on.
     pub(in crate::app) fn edit_side(&mut self, side: Side) {
         if let Some(comparison) = self
             .features
@@ -119,7 +119,7 @@ impl State {
         }
     }
 
-    /// The two pictures beside each other, if there are two.
+    /// Returns the two images next to each other, if there are two.
     pub fn pictures(&self) -> Option<&PicturePair> {
         let beside = self.features.beside.as_ref().map(|beside| &beside.pictures);
         let comparison = self.features.comparison.as_ref();

@@ -1,9 +1,9 @@
-//! Two ways to draw one pose side by side, and how far apart their pictures are.
+//! Two render modes of one frame side by side, and the difference of their images.
 //!
 //! How it works: the settings of the window are those of the side that is edited; the other side's are here, with a
-//! scene, a packet and what its pictures need of the frame beyond what is prepared. That is completed when it is drawn:
-//! it is a way to look at a pose, not to play. Once both pictures have rested for a moment they are read back and
-//! compared on a thread.
+//! scene, a packet and what its images need of the frame beyond what is prepared. That is completed when it is drawn:
+//! it is a method to look at a frame, not to play. Once both images have been stable for a short time they are read
+//! back and compared on a thread.
 
 mod in_window;
 mod pair;
@@ -17,10 +17,10 @@ use crate::scene::{Scene, ScenePacket, Settings, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use std::sync::Arc;
 
-/// Another way to draw beside that of the window.
+/// Second render mode, alongside that of the window.
 #[derive(Debug)]
 pub struct Comparison {
-    /// How the side draws that is not edited.
+    /// Settings of the side that is not edited.
     pub other: Settings,
     /// The side that the settings of the window are of.
     pub edited: Side,
@@ -33,7 +33,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// The same settings on both sides; the right one is edited.
+    /// Creates a comparison with equal settings on both sides; the right one is edited.
     pub(in crate::app) fn new(style: Settings) -> Self {
         Self {
             other: style,

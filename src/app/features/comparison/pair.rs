@@ -9,24 +9,24 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-/// How long both pictures must have been the same before they are compared.
+/// Time for which both images must have been unchanged before they are compared.
 const REST: Duration = Duration::from_millis(250);
 
 /// Pairs of pictures so far, so that the answer for one that has gone is known as such.
 static PAIRS: AtomicU64 = AtomicU64::new(0);
 
-/// Two pictures beside each other.
+/// Pair of images next to each other.
 #[derive(Debug)]
 pub struct PicturePair {
-    /// Where the line between them is, as a share of the width from the left.
+    /// Position of the dividing line between them, as a fraction of the width from the left.
     pub split: f32,
     /// Shows where the pictures differ instead of them.
     pub shows_difference: bool,
-    /// How far apart the pictures are, once they have been compared.
+    /// Difference of the images, once they have been compared.
     pub difference: Option<PictureDifference>,
     /// When the pictures are to be compared.
     due: Option<Duration>,
-    /// Which pair of pictures it is.
+    /// Identifier of the image pair.
     pair: u64,
 }
 
@@ -44,7 +44,7 @@ impl Default for PicturePair {
 
 impl Message for PictureDifference {}
 
-/// How far B is from A.
+/// Difference of image B from image A.
 #[derive(Debug, Clone)]
 pub struct PictureDifference {
     /// Mean FLIP, 0 to 1.

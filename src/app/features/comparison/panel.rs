@@ -4,7 +4,7 @@ use super::{Comparison, PicturePair};
 use crate::app::side::Side;
 use egui::{Checkbox, Ui};
 
-/// What the bar asks of the window.
+/// Request of the bar to the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::app) enum ComparisonRequest {
     /// The settings are those of this side from now on.
@@ -13,7 +13,7 @@ pub(in crate::app) enum ComparisonRequest {
     Use(Side),
 }
 
-/// The bar while two ways to draw are compared.
+/// Shows the bar while two render modes are compared.
 pub(in crate::app) fn comparison_ui(ui: &mut Ui, comparison: &mut Comparison) -> Option<ComparisonRequest> {
     let mut edited = comparison.edited;
     let mut used = None;
@@ -50,13 +50,13 @@ pub(in crate::app) fn comparison_ui(ui: &mut Ui, comparison: &mut Comparison) ->
     used.map(ComparisonRequest::Use).or(edit)
 }
 
-/// Whether the pictures are shown, or where they differ.
+/// Shows the toggle between the images and their error map.
 pub(in crate::app) fn error_map_ui(ui: &mut Ui, pictures: &mut PicturePair) {
     ui.add(Checkbox::new(&mut pictures.shows_difference, "Error map"))
         .on_hover_text("FLIP per pixel with A as the reference: black is no visible difference, pale is the largest");
 }
 
-/// How far the pictures are from each other.
+/// Shows the difference of the images.
 pub(in crate::app) fn difference_ui(ui: &mut Ui, pictures: &PicturePair) {
     ui.separator();
     match &pictures.difference {

@@ -1,4 +1,4 @@
-//! What a person chose to export.
+//! Export settings of the user.
 
 use crate::export::{MAX_EDGE_PX, VideoFormat};
 use std::path::PathBuf;
@@ -6,13 +6,13 @@ use std::path::PathBuf;
 /// Longest edge of the pictures of a video: several of them are in memory at a time.
 const MAX_VIDEO_EDGE_PX: u32 = 16_384;
 
-/// Pictures a second of what moves by itself.
+/// Default frame rate in frames per second of animations that move by themselves.
 pub(super) const USUAL_RATE: f64 = 30.0;
 
-/// What is exported.
+/// Subject of the export.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExportSubject {
-    /// What is on the screen, in any size.
+    /// Image on the screen, in any size.
     Picture,
     /// The camera turns about the up axis.
     Turntable,
@@ -23,7 +23,7 @@ pub enum ExportSubject {
 }
 
 impl ExportSubject {
-    /// What files are called after.
+    /// Returns the base name of files.
     pub(super) fn word(self) -> &'static str {
         match self {
             Self::Picture => "picture",
@@ -34,30 +34,30 @@ impl ExportSubject {
     }
 }
 
-/// What a person chose, and what is known of the machine.
+/// Export settings of the user, and capabilities of the machine.
 #[derive(Debug, Clone)]
 #[expect(
     clippy::struct_excessive_bools,
     reason = "each is a check box, and one is known of the machine"
 )]
 pub struct Export {
-    /// What is shown.
+    /// Subject that is shown.
     pub subject: ExportSubject,
     /// Width and height of the pictures; those of the window if `None`.
     pub size_px: Option<[u32; 2]>,
-    /// What videos are written as; pictures are PNG files.
+    /// Video format; images are PNG files.
     pub format: VideoFormat,
-    /// Pictures a second.
+    /// Frame rate in frames per second.
     pub per_second: f64,
     /// Pictures of a turntable.
     pub pictures: usize,
     /// Its turns, negative the other way.
     pub turns: f64,
-    /// The turntable holds the shown frame in place of playing.
+    /// True if the turntable holds the shown frame instead of playing.
     pub holds_frame: bool,
     /// Nothing is behind the cloud, where the format can say so.
     pub is_transparent: bool,
-    /// What the colours mean is drawn over the pictures.
+    /// True if the colour legend is drawn over the images.
     pub has_legend: bool,
     /// A bar of a round length is at the lower left.
     pub has_scale_bar: bool,
@@ -65,9 +65,9 @@ pub struct Export {
     pub folder: String,
     /// Its name without extension; made from sequence and subject if `None`.
     pub name: Option<String>,
-    /// Whether MP4 can be written.
+    /// True if MP4 can be written.
     pub has_ffmpeg: bool,
-    /// Whether the last file that was looked for is there.
+    /// Last checked file and its existence.
     pub(in crate::app) taken: Option<(PathBuf, bool)>,
 }
 
@@ -93,12 +93,12 @@ impl Default for Export {
 }
 
 impl Export {
-    /// Whether pictures are without background: as chosen, where the format can be.
+    /// Returns true if images have a transparent background: as chosen, where the format supports it.
     pub fn has_alpha(&self) -> bool {
         self.is_transparent && self.can_have_alpha()
     }
 
-    /// Whether the format can be without background.
+    /// Returns true if the format supports a transparent background.
     pub fn can_have_alpha(&self) -> bool {
         self.subject == ExportSubject::Picture || self.format.has_alpha()
     }
@@ -111,7 +111,7 @@ impl Export {
         }
     }
 
-    /// What the file's name ends in.
+    /// Returns the suffix of the file name.
     pub(in crate::app) fn suffix(&self) -> &'static str {
         match (self.subject, self.format) {
             (ExportSubject::Picture, _) => ".png",

@@ -1,4 +1,4 @@
-//! What is exported under the present choices, and whether it can be.
+//! Exportable content under the present settings, and its availability.
 
 use super::choices::{Export, ExportSubject, USUAL_RATE};
 use crate::app::features::camera_path::Draft;
@@ -7,12 +7,12 @@ use crate::timeline::Clock;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What there is to export.
+/// Content available for export.
 #[derive(Debug, Clone)]
 pub(in crate::app) struct Exportable {
-    /// Of the open sequence, if there is one.
+    /// Clock of the open sequence, if there is one.
     pub(in crate::app) clock: Option<Clock>,
-    /// What is open, for names of files.
+    /// File stem of the open input, for names of files.
     pub(in crate::app) stem: String,
     /// The camera path.
     pub(in crate::app) path: Arc<Draft>,
@@ -23,7 +23,7 @@ pub(in crate::app) struct Exportable {
 }
 
 impl Export {
-    /// Begins to choose, `subject` if one is named. Files are looked for anew.
+    /// Opens the export settings, for `subject` if one is named. Files are checked again.
     pub(in crate::app) fn begin(
         &mut self,
         subject: Option<ExportSubject>,
@@ -73,7 +73,7 @@ impl Export {
         Path::new(&self.folder).join(self.file_stem(stem) + self.suffix())
     }
 
-    /// How many pictures there will be, nearly where time stamps say how long frames last.
+    /// Returns the number of images to be exported, approximate where time stamps define how long frames last.
     pub(in crate::app) fn picture_count(&self, of: &Exportable) -> usize {
         match self.subject {
             ExportSubject::Picture => 1,
@@ -127,7 +127,7 @@ impl Export {
         })
     }
 
-    /// Whether a file has the name already. Looked for when the name changes.
+    /// Returns true if a file with the name exists already. Checked when the name changes.
     pub(in crate::app) fn replaces(&mut self, of: &Exportable) -> bool {
         let output = numbered(&self.output(&of.stem), 0, self.picture_count(of));
         match &self.taken {

@@ -53,7 +53,7 @@ impl State {
         self.features.export.choose(subject, clock);
     }
 
-    /// What there is to export.
+    /// Returns the content available for export.
     pub(in crate::app) fn exportable(&self) -> Exportable {
         Exportable {
             clock: self.player.as_ref().map(Player::clock).cloned(),
@@ -166,7 +166,8 @@ impl State {
         })
     }
 
-    /// What other poses add to the picture on the screen. Trails that are still being found are not there yet.
+    /// Returns the compose options: derived frames that add to the image on the screen. Trails that are still being
+    /// computed are not there yet.
     fn compose_options(&self) -> ComposeOptions {
         let trails = self.features.trails.found();
         ComposeOptions {
@@ -176,7 +177,7 @@ impl State {
         }
     }
 
-    /// Cancels exports and saving as the program ends, and waits a moment until what is not whole is removed.
+    /// Cancels exports and saving as the program ends, and waits briefly until partial files are removed.
     pub(in crate::app) fn end_exports(&mut self) {
         let begun = Instant::now();
         let kinds = [WorkKind::Export, WorkKind::Save];

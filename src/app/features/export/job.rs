@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What is written.
+/// Content that is written.
 #[derive(Debug)]
 pub(in crate::app) enum Shows {
     /// A frame as a picture.
@@ -37,7 +37,7 @@ pub(in crate::app) enum Shows {
 pub(in crate::app) struct ExportJob {
     pub(in crate::app) sequence: Arc<Sequence>,
     pub(in crate::app) style: Style,
-    /// Who is to draw.
+    /// Renderer that draws.
     pub(in crate::app) renderer: Choice<RendererChoice>,
     /// Additions to each pose.
     pub(in crate::app) options: ComposeOptions,
@@ -53,12 +53,12 @@ pub(in crate::app) struct ExportJob {
     pub(in crate::app) budget_bytes: usize,
 }
 
-/// What was written.
+/// Written export.
 #[derive(Debug)]
 pub struct Exported {
     /// The file, or with `{frame}` the files.
     pub(in crate::app) output: PathBuf,
-    /// How many pictures are in it.
+    /// Number of images in the file.
     pub(in crate::app) pictures: usize,
     /// Why frames are not shown in it.
     pub(in crate::app) failed: Vec<String>,
@@ -66,7 +66,7 @@ pub struct Exported {
 
 impl Message for ExportEnded {}
 
-/// What an export came to.
+/// Outcome of an export.
 #[derive(Debug)]
 pub struct ExportEnded(pub(in crate::app) Result<Exported, ExportError>);
 

@@ -1,4 +1,4 @@
-//! What is exported, how, and where to.
+//! Export panel: subject, format and destination.
 
 use super::{Export, ExportSubject, Exportable};
 use crate::app::open_panels::PanelId;
@@ -8,7 +8,7 @@ use crate::app::widgets::tool_window::tool_window;
 use crate::export::VideoFormat;
 use egui::{Align2, Button, Checkbox, ComboBox, DragValue, Pos2, RichText, Slider, TextEdit, Ui, vec2};
 
-/// Sizes that are offered beside that of the window.
+/// Image sizes offered in addition to that of the window.
 const SIZES: [(&str, [u32; 2], &str); 6] = [
     ("1280 × 720", [1280, 720], "HD"),
     ("1920 × 1080", [1920, 1080], "Full HD"),
@@ -25,7 +25,7 @@ const SIZES: [(&str, [u32; 2], &str); 6] = [
 /// Width of the fields for folder and name, points.
 const FIELD_WIDTH: f32 = 300.0;
 
-/// What the panel asks of the window.
+/// Request of the panel to the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::app) enum ExportRequest {
     /// Choose folder and name with a dialog.

@@ -1,13 +1,14 @@
-//! Which frame is shown when, and from where, in videos that a person does not write keyframes for.
+//! Export plan: the frame shown at each time, and its camera, in videos that need no keyframes written by a user.
 //!
-//! **How it works.** A keyframe a picture: it shows the frame that the player would show in the middle of that picture,
-//! whatever its time stamps, speed, direction and range. Videos take their pictures exactly at keyframes then.
+//! **How it works.** One keyframe per image: it shows the frame that the player would show at the midpoint of that
+//! image's interval, whatever its time stamps, speed, direction and range. Video frames are sampled exactly at
+//! keyframes then.
 
 use crate::scene::{Camera, CameraPath, Keyframe, PathError};
 use crate::timeline::{Clock, Direction, LoopMode};
 use std::time::Duration;
 
-/// The clock is anchored anew after so many pictures: it counts the frames since then.
+/// Number of images after which the clock is re-anchored: it counts the frames since then.
 const ANCHOR_PICTURES: usize = 128;
 
 /// A clock at the frame at which its range begins; with `LoopMode::Loop` at its present frame.

@@ -10,13 +10,13 @@ use glam::DVec3;
 /// the place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Anchor {
-    /// Which of two sequences it is of.
+    /// Side of the anchor, of two sequences.
     pub side: Side,
     /// Index in the file.
     pub index_in_file: u32,
     /// Index of the frame that it was last found in.
     pub frame: usize,
-    /// Where it is, in the coordinates of the file.
+    /// Position in the coordinates of the file.
     pub place: DVec3,
     /// Index of the frame in which it was clicked on.
     pub(in crate::app) clicked_in: usize,

@@ -1,4 +1,4 @@
-//! What was clicked on, over the picture: rings, lines and values.
+//! Marks of clicked points, over the image: rings, lines and values.
 
 use super::measuring::value_text;
 use super::{Anchor, Inspection};

@@ -21,7 +21,7 @@ pub(super) fn value_text(gauge: Gauge, value: Option<f64>, unit: Option<LengthUn
 /// A finished measurement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
-    /// What was measured.
+    /// Kind of measurement.
     pub gauge: Gauge,
     /// Its points, as many as the gauge takes.
     pub points: Vec<Anchor>,
@@ -44,7 +44,7 @@ impl Measurement {
         })
     }
 
-    /// What it says now.
+    /// Returns the current value of the measurement.
     pub fn value(&self, up: DVec3) -> Option<f64> {
         let places: Vec<DVec3> = self.points.iter().map(|point| point.place).collect();
         self.gauge.value(&places, up)

@@ -1,4 +1,4 @@
-//! What is measured, and the list of what was.
+//! Measurement panel: the kind of measurement, and the list of those made.
 
 use super::measuring::{Measurement, value_text};
 use super::{Inspection, Tool};

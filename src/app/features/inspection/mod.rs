@@ -16,7 +16,7 @@ use crate::sequence::PreparedFrame;
 use glam::DVec3;
 use measuring::Measurement;
 
-/// What a click on the picture does.
+/// Tool: the action of a click on the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Tool {
     /// Nothing: the mouse moves the camera alone.
@@ -33,20 +33,20 @@ pub enum Tool {
 /// A point whose values are shown.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inspected {
-    /// Which one.
+    /// Anchor of the inspected point.
     pub anchor: Anchor,
     /// Its values in the last frame that has it.
     pub values: Pick,
 }
 
-/// What was clicked on.
+/// Inspection state: clicked points and measurements.
 #[derive(Debug, Clone, Default)]
 pub struct Inspection {
-    /// What the next click does.
+    /// Tool of the next click.
     pub tool: Tool,
     /// The point whose values are shown.
     pub point: Option<Inspected>,
-    /// What is measured next.
+    /// Kind of the next measurement.
     pub gauge: Gauge,
     /// Points of a measurement that has not enough of them yet.
     pub begun: Vec<Anchor>,
@@ -63,17 +63,17 @@ impl Inspection {
         self.tool = if self.tool == tool { Tool::Camera } else { tool };
     }
 
-    /// Whether clicks on the picture are for a tool.
+    /// Returns true if clicks on the image are for a tool.
     pub(in crate::app) fn takes_clicks(&self) -> bool {
         self.tool != Tool::Camera
     }
 
-    /// Whether each click of a double click counts.
+    /// Returns true if each click of a double click counts.
     pub(in crate::app) fn takes_double_clicks(&self) -> bool {
         matches!(self.tool, Tool::Measure | Tool::Label)
     }
 
-    /// How many measurements are of no document, as they have points of B.
+    /// Returns the number of measurements that belong to no document, as they have points of B.
     pub(in crate::app) fn undocumented(&self) -> usize {
         let of_b = |measurement: &&Measurement| measurement.measured().is_none();
         self.measurements.iter().filter(of_b).count()
@@ -119,8 +119,8 @@ impl Inspection {
         self.followed[Side::B as usize] = None;
     }
 
-    /// Takes the measurements of a document in place of those of the open sequence. Those that there are already stay
-    /// where their points are in the shown frame, and so do those of B, which is in no document.
+    /// Replaces the measurements of the open sequence by those of a document. Those that exist already stay where their
+    /// points are in the shown frame, and so do those of B, which is in no document.
     pub(in crate::app) fn show_measured(&mut self, list: &[Measured]) {
         let before = std::mem::take(&mut self.measurements);
         let shown = |measured: &Measured| {

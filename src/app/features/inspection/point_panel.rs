@@ -10,17 +10,17 @@ use crate::scene::{Camera, Pick, PickedNormal, Projection};
 use egui::{Button, Grid, Pos2, RichText, ScrollArea, Ui, vec2};
 use glam::DVec3;
 
-/// What the values of a point depend on beside the point.
+/// Context of a point's values, in addition to the point.
 #[derive(Debug)]
 pub(in crate::app) struct PointContext<'a> {
     pub(in crate::app) camera: &'a Camera,
-    /// What both sequences are called, where there are two.
+    /// Names of both sequences, where there are two.
     pub(in crate::app) names: Option<[String; 2]>,
     /// Length and speeds of its trail, where that is shown.
     pub(in crate::app) trail: Option<TrailMeasure>,
     /// Frames of the sequence.
     pub(in crate::app) frame_count: usize,
-    /// Of lengths, where the file says it.
+    /// Unit of lengths, where the file states it.
     pub(in crate::app) unit: Option<LengthUnit>,
 }
 
@@ -177,7 +177,7 @@ fn normal_row(normal: PickedNormal) -> ValueRow {
     }
 }
 
-/// How far and how fast the point goes, where its trail is shown.
+/// Returns the rows of the distance and speed of the point, where its trail is shown.
 fn trail_rows(measure: &TrailMeasure, unit: Option<LengthUnit>) -> Vec<ValueRow> {
     let values = [
         (

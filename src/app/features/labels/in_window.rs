@@ -45,7 +45,7 @@ impl State {
         self.panels.set(PANEL, true);
     }
 
-    /// Begins to put labels by clicks, with the list beside, or ends that.
+    /// Starts or ends label mode, in which clicks place labels, with the list next to the image.
     fn toggle_label_tool(&mut self) {
         self.features.inspection.toggle(Tool::Label);
         if self.features.inspection.tool == Tool::Label {
@@ -82,7 +82,7 @@ impl State {
         picture
     }
 
-    /// Shows a label: its frame, and its place in the middle of the picture.
+    /// Shows a label: its frame, with its position at the centre of the image.
     pub(in crate::app) fn go_to_label(&mut self, index: usize) {
         let Some(label) = self.features.labels.list.get(index) else {
             return;
@@ -129,7 +129,7 @@ impl Feature<State> for FeatureOf<Labels> {
         state.features.labels.take(Arc::clone(&document.labels));
     }
 
-    /// Of two sequences they are those of the first.
+    /// Paints the labels; of two sequences they are those of the first.
     fn paint(&self, state: &State, canvas: &PictureOverlay<'_>, is_first: bool) {
         if is_first {
             paint_labels(canvas, &state.features.labels);

@@ -21,17 +21,17 @@ pub(in crate::app) const MAX_LABELS: usize = 1000;
 pub struct Labels {
     /// All of them, oldest first.
     pub list: Arc<Vec<Label>>,
-    /// Whether they are in the picture and in exports.
+    /// Visibility of the labels in the image and in exports.
     pub is_shown: bool,
     /// The one whose text is to be written next.
     pub(in crate::app) written: Option<usize>,
-    /// What `places` is of.
+    /// Key of `places`: the frame and labels they were computed for.
     placed_of: Option<(u64, Arc<Vec<Label>>)>,
-    /// Where each is; `None` where it is not shown.
+    /// Position of each label; `None` where it is not shown.
     places: Vec<Option<DVec3>>,
-    /// What `hidden` is of.
+    /// Key of `hidden`: the view it was computed for.
     hidden_of: Option<(u64, Camera)>,
-    /// Which are behind something.
+    /// Occlusion of each label: true if it is behind something.
     hidden: Vec<bool>,
 }
 
@@ -59,7 +59,7 @@ impl Labels {
         }
     }
 
-    /// Whether there is something in the picture.
+    /// Returns true if any label is visible in the image.
     pub(in crate::app) fn are_shown(&self) -> bool {
         self.is_shown && !self.list.is_empty()
     }
@@ -80,7 +80,7 @@ impl Labels {
         change(Arc::make_mut(&mut self.list));
     }
 
-    /// Takes another list in place of the one there is.
+    /// Replaces the list of labels.
     pub(in crate::app) fn take(&mut self, list: Arc<Vec<Label>>) {
         self.list = list;
         self.written = None;
@@ -144,7 +144,7 @@ impl Labels {
         shown
     }
 
-    /// Where a label is in the frame that is shown, or was put.
+    /// Returns the position of a label in the shown frame, or where it was placed.
     pub(in crate::app) fn place(&self, index: usize) -> Option<DVec3> {
         let shown = self.places.get(index).copied().flatten();
         shown.or_else(|| self.list.get(index)?.place)

@@ -17,7 +17,7 @@ const TEXT_WIDTH: f32 = 170.0;
 /// Around the list in a window that is as wide as the program's, points.
 const MARGINS: f32 = 40.0;
 
-/// What the list asks for.
+/// Request of the label list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::app) enum LabelsRequest {
     /// To begin or end putting labels by clicks.
@@ -26,7 +26,7 @@ pub(in crate::app) enum LabelsRequest {
     GoTo(usize),
 }
 
-/// What is asked of one label.
+/// Action requested on one label.
 enum Asked {
     Go,
     Text(String),

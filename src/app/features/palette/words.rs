@@ -109,7 +109,7 @@ fn stem(text: &str) -> &str {
     }
 }
 
-/// How much a word of a query is like another one, from 0 to 1.
+/// Computes the similarity of a query word to another word, from 0 to 1.
 pub(super) fn likeness(word: &Word, other: &Word) -> f32 {
     let (typed, other_text) = (word.text.as_str(), other.text.as_str());
     let (length, other_length) = (typed.chars().count(), other_text.chars().count());
@@ -134,14 +134,14 @@ pub(super) fn likeness(word: &Word, other: &Word) -> f32 {
     }
 }
 
-/// Whether one letter is wrong, missing or too much, or two are exchanged. The first letter is right.
+/// Returns true if one letter is wrong, missing or too many, or two are swapped (a typo). The first letter is right.
 pub(super) fn is_mistyped(typed: &str, other: &str) -> bool {
     let is_near = typed.len().abs_diff(other.len()) <= MAX_BYTES_OF_LETTER;
     is_near && typed.chars().next() == other.chars().next() && edit_distance(typed, other) == 1
 }
 
-/// Whether the letters of `typed` are in `other` in their order, from its first one: either only vowels are missing
-/// (`frm`), or the better part of the word is there.
+/// Abbreviation test: returns true if the letters of `typed` are in `other` in their order, from its first one: either
+/// only vowels are missing (`frm`), or most of the word is there.
 fn is_abbreviated(typed: &str, other: &str) -> bool {
     if typed.len() < 3 || typed.chars().next() != other.chars().next() {
         return false;

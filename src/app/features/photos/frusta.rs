@@ -1,5 +1,5 @@
-//! Where photographs were taken, in the picture: a pyramid each, from the camera to the corners of its image. A click
-//! on a camera stands there.
+//! Camera frusta of the input images: one pyramid each in the rendered view, from the camera to the corners of its
+//! image. A click on a camera moves to its position.
 
 use super::Photos;
 use crate::app::theme::{ACCENT, ODD};
@@ -9,7 +9,7 @@ use egui::{CursorIcon, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
-/// How long the axis of a pyramid is, as a share of the way between the camera and what it looks at.
+/// Length of the pyramid axis, as a fraction of the distance between the camera and what it looks at.
 const LENGTH: f64 = 0.08;
 
 /// Half the edge of what takes a click on a camera, points.

@@ -1,4 +1,4 @@
-//! Photographs of what is shown, in the window.
+//! View-dependent texturing in the window: input images of what is shown.
 
 use super::frusta::frusta_ui;
 use super::panel::{PANEL, PhotosRequest, photos_ui};
@@ -54,7 +54,7 @@ impl Feature<State> for FeatureOf<Photos> {
     }
 }
 
-/// Where photographs were taken, over the picture of the open sequence.
+/// Paints the camera frusta of the input images over the rendered view of the open sequence.
 fn photo_frusta(ui: &Ui, state: &mut State) {
     let set = state.player.as_ref().and_then(Player::photographs);
     let Some(set) = set.filter(|_| state.features.photos.shows_frusta) else {

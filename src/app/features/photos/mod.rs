@@ -1,10 +1,10 @@
-//! Photographs of what is shown: they are loaded on a thread, and put on the frame that is drawn.
+//! View-dependent texturing: input images are loaded on a thread, and projected on the frame that is drawn.
 //!
-//! How it works. The source says which photographs there are of a frame; their pixels take long, so the first frame is
-//! shown in the colours of its points until they are there. As long as frames have the same set, it is loaded once. Of
-//! what was filmed each frame has a set of its own: those of the next frames are loaded ahead, and put on these frames
-//! (`photographed.rs`); playing waits for them as for frames, and sets are kept as long as all of them fit into the
-//! budget.
+//! How it works. The source states which images there are of a frame; decoding their pixels takes long, so the first
+//! frame is shown in the colours of its points until they are available. As long as frames have the same set, it is
+//! loaded once. In multi-view video each frame has a set of its own: those of the next frames are loaded ahead, and
+//! projected on these frames (`photographed.rs`); playing waits for them as for frames, and sets are kept as long as
+//! all of them fit into the budget.
 
 pub(in crate::app) mod frusta;
 mod in_window;
@@ -44,22 +44,22 @@ struct LoadedSet {
     used: Arc<Photographs>,
 }
 
-/// Frames whose photographs are loaded before they are shown.
+/// Number of frames whose images are loaded before they are shown.
 const FRAMES_AHEAD: usize = 3;
 
 /// Sets of frames that follow each other share the budget: the shown one, those ahead, and some to go back to.
 const SHARES: u64 = FRAMES_AHEAD as u64 + 3;
 
-/// What the window knows of photographs.
+/// View-dependent texturing state of the window.
 #[derive(Debug, Default)]
 pub struct Photos {
-    /// Whether the picture shows where they were taken.
+    /// Visibility of the camera frusta in the rendered view.
     pub shows_frusta: bool,
     /// The one that was asked for last comes last.
     loaded: Vec<LoadedSet>,
     /// That of the shown frame.
     shown: Option<Arc<ViewSet>>,
-    /// What the photographs of a set look at: a walk over all of its points.
+    /// Positions that the images of a set look at: a walk over all of its points.
     middles: Option<(Arc<ViewSet>, Arc<[DVec3]>)>,
     running: Option<(Arc<ViewSet>, Progress)>,
     /// Those that are not used, by their numbers.
@@ -75,30 +75,30 @@ impl Photos {
         self.off.iter().copied().collect()
     }
 
-    /// The place that each photograph of a set looks at.
+    /// Returns the position that each image of a set looks at.
     fn middles_of(&mut self, set: &Arc<ViewSet>) -> Arc<[DVec3]> {
         let known = self.middles.take().filter(|(of, _)| Arc::ptr_eq(of, set));
         let known = known.unwrap_or_else(|| (Arc::clone(set), set.middles().into()));
         Arc::clone(&self.middles.insert(known).1)
     }
 
-    /// Whether a photograph is put on the surface.
+    /// Returns true if an input image is projected on the surface.
     pub(in crate::app) fn is_used(&self, number: usize) -> bool {
         !self.off.contains(&number)
     }
 
-    /// How well the camera of a photograph fits its points, once they are loaded.
+    /// Returns the reprojection error of an image's camera against its points, once they are loaded.
     pub(in crate::app) fn reprojection_error(&self, number: usize) -> Option<ReprojectionError> {
         self.shown_set()?.errors.get(number).copied().flatten()
     }
 
-    /// What the colours of a photograph are multiplied with, once it is loaded.
+    /// Returns the colour gain of an image, once it is loaded.
     pub(in crate::app) fn gain(&self, number: usize) -> Option<Vec3> {
         let photographs = &self.shown_set()?.loaded.photographs;
         Some(photographs.numbered(number)?.gain)
     }
 
-    /// Uses a photograph, or does not.
+    /// Enables or disables an input image.
     pub(in crate::app) fn set_used(&mut self, number: usize, is_used: bool) {
         let is_changed = if is_used {
             self.off.remove(&number)
@@ -110,8 +110,8 @@ impl Photos {
         }
     }
 
-    /// Whether frame `index` is there with its photographs, if it has some that are to be drawn. Before the first ones
-    /// are loaded, nothing is waited for.
+    /// Returns true if frame `index` is available with its input images, if it has some that are to be drawn. Before
+    /// the first ones are loaded, nothing is waited for.
     pub(in crate::app) fn are_there(&self, source: &dyn Source, index: usize, style: &Style) -> bool {
         if !style.draws_photographs() || self.loaded.is_empty() || !source.frames().contains(&index) {
             return true;
@@ -127,7 +127,7 @@ impl Photos {
         self.loaded.iter().find(|loaded| Arc::ptr_eq(&loaded.set, set))
     }
 
-    /// The frame with what is used of its photographs, once they are loaded.
+    /// Returns the frame with the used ones of its input images, once they are loaded.
     fn parts(&self, frame: &Arc<PreparedFrame>, set: &Arc<ViewSet>, style: &Style) -> Option<Parts> {
         let used = self.loaded(set).map(|loaded| &loaded.used);
         used.filter(|used| !used.all().is_empty()).map(|used| Parts {
@@ -137,8 +137,8 @@ impl Photos {
         })
     }
 
-    /// Starts to load the photographs of the shown frame, and then of those that follow, if the style draws them, and
-    /// to put them on these frames; ends what nobody waits for.
+    /// Starts to load the input images of the shown frame, and then of those that follow, if the style draws them, and
+    /// to project them on these frames; ends what nobody waits for.
     pub(in crate::app) fn follow<T>(&mut self, player: &Player, style: &Style, tasks: &Tasks<T>)
     where
         T: TaskOutcome + From<PhotosLoaded> + From<PhotographedFrame>,
@@ -153,7 +153,7 @@ impl Photos {
         self.put_on(player, &frames, style, tasks);
     }
 
-    /// Starts to load the photographs of the first of `frames` whose photographs are not there.
+    /// Starts to load the input images of the first of `frames` whose images are not available.
     fn load<T: TaskOutcome + From<PhotosLoaded>>(&mut self, player: &Player, frames: &[usize], tasks: &Tasks<T>) {
         let wanted = sets_of(player, frames);
         let is_wanted = |known: &Arc<ViewSet>| wanted.iter().any(|wanted| Arc::ptr_eq(wanted, known));
@@ -197,7 +197,7 @@ impl Photos {
         });
     }
 
-    /// Starts to put photographs on what is drawn without, else on the first of `frames` that lacks them.
+    /// Starts to project images on the frame drawn without them, else on the first of `frames` that lacks them.
     fn put_on<T: TaskOutcome + From<PhotographedFrame>>(
         &mut self,
         player: &Player,
@@ -223,12 +223,12 @@ impl Photos {
         }
     }
 
-    /// Takes a frame that photographs were put on.
+    /// Takes a frame that input images were projected on.
     pub(in crate::app) fn take_frame(&mut self, made: PhotographedFrame) {
         self.frames.take_in(made);
     }
 
-    /// Takes photographs that were loaded; what was wrong with others.
+    /// Takes loaded input images; returns the errors of others.
     pub(in crate::app) fn take_in(&mut self, PhotosLoaded(loaded): PhotosLoaded) -> Vec<String> {
         let Some(loaded) = loaded else {
             return Vec::new();
@@ -247,7 +247,7 @@ impl Photos {
         notes
     }
 
-    /// `frame` with its photographs, once that is there.
+    /// Returns `frame` with its input images, once that is available.
     pub(in crate::app) fn drawn(
         &mut self,
         frame: &Arc<PreparedFrame>,
@@ -258,7 +258,7 @@ impl Photos {
         self.frames.drawn(parts)
     }
 
-    /// How far those of the shown frame are, in words, while they are loaded and their surface is made.
+    /// Returns the progress text of the images of the shown frame, while they are loaded and their surface is built.
     pub(in crate::app) fn loading(&self) -> Option<String> {
         let is_shown = |set: &Arc<ViewSet>| self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, set));
         let (set, progress) = self.running.as_ref().filter(|(set, _)| is_shown(set))?;
@@ -331,7 +331,7 @@ fn frames_wanted(player: &Player) -> Vec<usize> {
     wanted
 }
 
-/// The photographs of frames, each set once.
+/// Returns the input image sets of frames, each set once.
 fn sets_of(player: &Player, frames: &[usize]) -> Vec<Arc<ViewSet>> {
     let source = player.sequence().source();
     let mut sets: Vec<Arc<ViewSet>> = Vec::new();

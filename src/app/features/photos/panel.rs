@@ -1,4 +1,4 @@
-//! The list of photographs: what each is, how well its camera fits, and whether it is used.
+//! List of input images: description, reprojection error of the camera, and use of each.
 
 use super::Photos;
 use crate::app::open_panels::PanelId;
@@ -8,7 +8,7 @@ use crate::app::widgets::tool_window::tool_window;
 use crate::photos::ViewSet;
 use egui::{Align2, Checkbox, Grid, Pos2, RichText, ScrollArea, Ui, vec2};
 
-/// What the list asks for.
+/// Request of the image list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::app) enum PhotosRequest {
     /// To look from where this one was taken.
@@ -18,7 +18,7 @@ pub(in crate::app) enum PhotosRequest {
 /// The name of the window among panels.
 pub(in crate::app) const PANEL: PanelId = PanelId::new("photographs");
 
-/// The window while it is open, at `corner`; `shown` is the photograph that the camera stands at.
+/// Shows the window while it is open, at `corner`; `shown` is the input image whose camera is the current view.
 pub(in crate::app) fn photos_ui(
     ui: &mut Ui,
     is_open: &mut bool,

@@ -1,9 +1,9 @@
-//! Frames with photographs on them.
+//! View-dependent texturing of frames: frames with input images on them.
 //!
-//! How it works. To put photographs on a frame, stray points are looked for and disks are bent with the surface, then
-//! the depths that each photograph sees of it are drawn. All of it takes longer than a picture, so it is done on
-//! threads: for what is drawn first, then for the frames that follow it. Until that is there, a frame is drawn in the
-//! colours of its points, or as it was before: of fewer points, with other photographs, or with smaller disks.
+//! How it works. To texture a frame, outliers are searched and splats are curved with the surface, then the depths that
+//! each image sees of it are rendered. All of it takes longer than rendering a frame, so it is done on threads: for
+//! what is drawn first, then for the frames that follow it. Until that is available, a frame is drawn in the colours of
+//! its points, or as it was before: of fewer points, with other images, or with smaller disks.
 
 use crate::app::work::outcome::Message;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
@@ -20,10 +20,11 @@ use std::sync::Arc;
 /// Frames that are kept, however large they are: the shown one, those ahead, and some to go back to.
 const KEPT: usize = 6;
 
-/// More are kept as long as all take no more than this together: a short film is played over and over.
+/// Budget for keeping more frames, as long as all take no more than this together: a short multi-view video is played
+/// over and over.
 const KEPT_BYTES: usize = 256 << 20;
 
-/// What a frame with photographs is made of.
+/// Parts of a textured frame.
 #[derive(Debug, Clone)]
 pub(super) struct Parts {
     pub(super) frame: Arc<PreparedFrame>,
@@ -40,7 +41,7 @@ impl PartialEq for Parts {
     }
 }
 
-/// Photographs that are put on one frame.
+/// Input images that are projected on one frame.
 #[derive(Debug)]
 struct Loaded<'a> {
     photographs: &'a Arc<Photographs>,
@@ -62,7 +63,7 @@ impl Frames for Loaded<'_> {
 
 impl Message for PhotographedFrame {}
 
-/// A frame with photographs on it.
+/// Frame with input images projected on it.
 #[derive(Debug, Clone)]
 pub(in crate::app) struct PhotographedFrame {
     of: Parts,
@@ -92,12 +93,12 @@ impl PhotographedFrame {
         Self { of, composed }
     }
 
-    /// The frame with the photographs.
+    /// Returns the textured frame.
     pub(in crate::app) fn frame(&self) -> &Arc<PreparedFrame> {
         &self.composed.frame
     }
 
-    /// The same on `pose`, which the frame was made from.
+    /// Composes the texturing on `pose`, which the frame was made from.
     pub(in crate::app) fn composed(&self, pose: &Arc<PreparedFrame>) -> Composed {
         Composed {
             pose: Arc::clone(pose),
@@ -105,7 +106,7 @@ impl PhotographedFrame {
         }
     }
 
-    /// What the photographs were put on.
+    /// Returns the frame that the images were projected on.
     pub(in crate::app) fn bare(&self) -> &Arc<PreparedFrame> {
         &self.of.frame
     }
@@ -122,13 +123,13 @@ pub(super) struct PhotographedFrames {
     /// The one that was asked for last comes last.
     made: Vec<PhotographedFrame>,
     running: Option<Parts>,
-    /// What is drawn without photographs, or with others.
+    /// Parts drawn without input images, or with others.
     drawn_without: Option<Parts>,
 }
 
 impl PhotographedFrames {
-    /// The frame that is drawn. Until that is there, the same with other photographs, or what stood for it: a coarse
-    /// copy becomes the whole frame when playing stops.
+    /// Returns the frame that is drawn. Until that is available, the same with other images, or its substitute: a
+    /// coarse copy becomes the whole frame when playing stops.
     pub(super) fn drawn(&mut self, parts: Parts) -> Option<&PhotographedFrame> {
         let is_same_frame = |made: &PhotographedFrame| Arc::ptr_eq(&made.of.frame, &parts.frame);
         let is_same_pose = |made: &PhotographedFrame| made.of.frame.index == parts.frame.index;
@@ -144,7 +145,7 @@ impl PhotographedFrames {
         self.made.last()
     }
 
-    /// Whether the frame at `index` is there with these photographs.
+    /// Returns true if the frame at `index` is available with these images.
     pub(super) fn has(&self, index: usize, photographs: &Arc<Photographs>, surfels: &SurfelStyle) -> bool {
         self.made.iter().any(|made| {
             let of = &made.of;
@@ -152,8 +153,8 @@ impl PhotographedFrames {
         })
     }
 
-    /// What is to be made next, if nothing is under way: what is drawn without, else the first of `following` that is
-    /// not there.
+    /// Returns the next parts to texture, if nothing is under way: what is drawn without, else the first of `following`
+    /// that is not available.
     pub(super) fn next(&self, following: impl Iterator<Item = Parts>) -> Option<Parts> {
         if self.running.is_some() {
             return None;

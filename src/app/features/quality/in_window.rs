@@ -1,5 +1,5 @@
-//! A way to draw that was chosen by its measured time and error, or with a session. Who draws and how many pixels is no
-//! part of a document; that of such a way is used for the open sequence alone, and comes back with the next.
+//! Render mode chosen by its measured time and error, or restored with a session. The renderer and the pixel count are
+//! not part of a document; those of such a mode are used for the open sequence alone, and are restored with the next.
 
 use super::MeasuredQuality;
 use super::panel::{QualityRequest, quality_ui};
@@ -25,7 +25,7 @@ impl State {
         self.opening.measured_way.map_or(style, |way| way.undone(style))
     }
 
-    /// The settings, those of A where two ways to draw are compared.
+    /// Returns the settings, those of A where two render modes are compared.
     pub(in crate::app) fn style_of_a(&self) -> Settings {
         let comparison = self.features.comparison.as_ref();
         let of_a = comparison.filter(|comparison| comparison.edited == Side::B);

@@ -1,4 +1,4 @@
-//! What was measured of the ways to draw the open sequence, from fast to exact, and what a person would spend at most.
+//! Measured quality of the render modes of the open sequence, from fast to exact, and the budget limits of the user.
 
 mod in_window;
 mod panel;
@@ -6,7 +6,7 @@ mod panel;
 use crate::bench::{LabPoint, Quality, QualityKey};
 use crate::sequence::Sequence;
 
-/// What a person would spend at most.
+/// Maximum time and error that the user accepts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QualityLimits {
     /// Largest FLIP of the object, 0 to 1.
@@ -25,14 +25,14 @@ impl Default for QualityLimits {
     }
 }
 
-/// What is known of the open sequence's ways to draw.
+/// Measured quality of the open sequence's render modes.
 #[derive(Debug, Default)]
 pub struct MeasuredQuality {
     /// The ways that no other beats, once they were measured.
     pub known: Option<Quality>,
-    /// What a person would spend at most.
+    /// Budget limits set by the user.
     pub limits: QualityLimits,
-    /// Where it is kept; known once sequence and adapter are.
+    /// Cache key of the measurement; known once sequence and adapter are.
     key: Option<QualityKey>,
 }
 

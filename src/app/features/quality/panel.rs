@@ -1,4 +1,4 @@
-//! From fast to exact by one slider, once it is known what each way to draw takes and how wrong it is.
+//! Quality slider from fast to exact, once the time and error of each render mode are known.
 
 use super::{MeasuredQuality, QualityLimits};
 use crate::app::widgets::rows::{heading, row, rows};
@@ -6,9 +6,9 @@ use crate::bench::{Quality, QualityChoice};
 use crate::scene::Settings;
 use egui::{Button, DragValue, Slider, Ui};
 
-/// What the section asks of the window.
+/// Request of the section to the window.
 pub(super) enum QualityRequest {
-    /// Measure the ways to draw.
+    /// Measure the render modes.
     Measure,
     /// Draw the open sequence so.
     DrawAs(Box<Settings>),
@@ -28,7 +28,7 @@ pub(super) fn quality_ui(ui: &mut Ui, quality: &mut MeasuredQuality, style: &Set
     button.clicked().then_some(QualityRequest::Measure)
 }
 
-/// The slider and the limits; the way to draw that was chosen now.
+/// Shows the slider and the limits; returns the render mode chosen in this pass.
 fn choose(ui: &mut Ui, quality: &Quality, limits: &mut QualityLimits, style: &Settings) -> Option<Settings> {
     let choices = quality.choices();
     let current = choices

@@ -1,4 +1,4 @@
-//! What a person chose about the files.
+//! Save settings of the user.
 
 use super::estimates::Estimates;
 use crate::convert::{Place, Target};
@@ -11,11 +11,11 @@ use std::path::PathBuf;
 pub enum SaveFormat {
     /// One sequence file.
     Reel,
-    /// A folder with a file a frame.
+    /// Folder with one file per frame.
     Files(WriteFormat),
 }
 
-/// How precisely positions are kept in a sequence file.
+/// Precision of positions in a sequence file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PrecisionKind {
     /// Every point, within a part of how far apart points are around it.
@@ -31,12 +31,12 @@ pub enum PrecisionKind {
 }
 
 impl PrecisionKind {
-    /// Whether points are kept one by one, so that they can have an order and numbers as they are.
+    /// Returns true if points are kept one by one, so that they can have an order and numbers as they are.
     pub(super) fn keeps_points(self) -> bool {
         matches!(self, Self::PointSpacing | Self::Length | Self::Lossless)
     }
 
-    /// The same with the points of each cell merged or not, where that is a choice of its own.
+    /// Returns this precision with the points of each cell merged or not, where that is a choice of its own.
     pub(super) fn merged(self, merges: bool) -> Self {
         match (self, merges) {
             (Self::PointSpacing, true) => Self::SamplingDensity,
@@ -46,13 +46,13 @@ impl PrecisionKind {
     }
 }
 
-/// What a person chose.
+/// Save settings of the user.
 #[derive(Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a choice of its own")]
 pub struct Save {
     /// As what it is written.
     pub format: SaveFormat,
-    /// Of positions.
+    /// Precision of positions.
     pub precision: PrecisionKind,
     /// For [`PrecisionKind::Bits`].
     pub bits: u8,
@@ -76,9 +76,9 @@ pub struct Save {
     pub name: Option<String>,
     /// Points of the open sequence sample a surface.
     pub(in crate::app) samples_surface: bool,
-    /// What was there when a place was looked at last.
+    /// Target state found at the last check of a destination.
     pub(in crate::app) found: Option<(PathBuf, Target, Place)>,
-    /// What the choices come to.
+    /// Size and quality estimates for the settings.
     pub estimates: Estimates,
 }
 
@@ -122,7 +122,7 @@ impl Save {
         self.precision = precision;
     }
 
-    /// What frames are written as, of a sequence of so many frames a second.
+    /// Returns the write target of the frames, for a sequence of `fps` frames per second.
     pub fn target(&self, fps: f64) -> Target {
         match self.format {
             SaveFormat::Reel => Target::Reel(self.reel_options(fps)),

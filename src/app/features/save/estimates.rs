@@ -1,9 +1,9 @@
-//! What the choices come to, judged on a thread while they are made.
+//! Estimates for the save settings, computed on a thread while they are edited.
 //!
-//! **How it works.** The shown frame and some others are judged one after the other ([`SampleFrame`]), so the first
-//! numbers are there soon. A change of the choices cancels what is under way; nothing begins before they have rested
-//! for a moment. Decoded frames are kept for the next choices as long as they are small. The numbers of the choices
-//! before stay to be seen until there are new ones.
+//! **How it works.** The shown frame and some others are evaluated one after the other ([`SampleFrame`]), so the first
+//! numbers are there soon. A change of the settings cancels what is under way; nothing begins before they have been
+//! stable for a short time. Decoded frames are kept for the next settings as long as they are small. The numbers of the
+//! previous settings stay visible until there are new ones.
 
 use crate::app::work::outcome::Message;
 use crate::app::work::pool::PoolBehindDrawing;
@@ -24,7 +24,7 @@ const FRAMES: usize = 5;
 /// Decoded frames that take no more than this together are kept while the dialog is open.
 const KEPT_BYTES: usize = 256 << 20;
 
-/// What is judged.
+/// Key of the current evaluation.
 #[derive(Debug, Clone, PartialEq)]
 struct Question {
     /// Its address tells sequences apart.
@@ -34,7 +34,7 @@ struct Question {
     shown: usize,
 }
 
-/// What is to be judged.
+/// Evaluation request.
 pub(super) struct Asked<'a> {
     pub(super) sequence: &'a Arc<Sequence>,
     pub(super) target: Target,
@@ -44,7 +44,7 @@ pub(super) struct Asked<'a> {
     pub(super) is_playing: bool,
 }
 
-/// What the choices come to, as far as it is known.
+/// Estimates for the settings, as far as they are known.
 #[derive(Debug, Default)]
 pub struct Estimates {
     question: Option<Question>,
@@ -53,11 +53,11 @@ pub struct Estimates {
     judged: Vec<SampleEstimate>,
     /// Why a frame cannot be judged, the first of them.
     problem: Option<String>,
-    /// What is under way, and the work on it.
+    /// Running evaluation, and its progress.
     running: Option<Progress>,
     /// When the next frame may begin.
     due: Duration,
-    /// Of the choices before.
+    /// Estimate of the previous settings.
     before: Option<Estimate>,
     kept: Vec<Arc<SampleFrame>>,
     /// Bytes of the files that the frames are in, if anybody knows.
@@ -71,7 +71,7 @@ struct SourceBytes(Option<u64>);
 
 impl Message for Box<Estimated> {}
 
-/// What became of a frame.
+/// Result of the evaluation of a frame.
 #[derive(Debug)]
 pub struct Estimated {
     question: Question,
@@ -83,13 +83,13 @@ pub struct Estimated {
 }
 
 impl Estimates {
-    /// What is known of the present choices; else of those before, and then the second is true.
+    /// Returns the estimate for the present settings; else that of the previous ones, and then the second is true.
     pub fn estimate(&self) -> Option<(Estimate, bool)> {
         let present = Estimate::of(&self.judged).map(|estimate| (estimate, false));
         present.or_else(|| self.before.clone().map(|estimate| (estimate, true)))
     }
 
-    /// Whether more frames are going to be judged.
+    /// Returns true if more frames are to be evaluated.
     pub fn is_busy(&self) -> bool {
         !self.waiting.is_empty() || self.running.is_some()
     }

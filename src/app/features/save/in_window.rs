@@ -1,4 +1,4 @@
-//! The open sequence is written anew: the choices, the beginning and the end.
+//! Re-encoding of the open sequence: the settings, the start and the end.
 
 use super::panel::{SaveRequest, save_ui};
 use super::{Estimated, Save};
@@ -39,7 +39,7 @@ impl State {
         }
     }
 
-    /// What there is to write.
+    /// Returns the content available for writing.
     pub(in crate::app) fn savable(&self) -> Savable {
         let player = self.player.as_ref();
         let shown = player.and_then(Player::shown);
@@ -113,7 +113,7 @@ impl State {
             .start("save", move || job::run(&sequence, conversion, &progress));
     }
 
-    /// Shows what a sequence file with the present choices would give beside what is open.
+    /// Compares the open sequence with the result of a sequence file with the present settings.
     pub(in crate::app) fn compare_with_saved(&mut self) {
         if let Some(player) = &self.player
             && let Target::Reel(options) = self.features.save.target(player.sequence().fps())
@@ -122,7 +122,7 @@ impl State {
         }
     }
 
-    /// Shows what a sequence file with `options`, which are told as `words`, would give beside what is open.
+    /// Compares the open sequence with the result of a sequence file with `options`, which are described by `words`.
     pub fn compare_with_kept(&mut self, options: ReelOptions, words: &str) {
         if let Err(problem) = options.check() {
             return self.notices.error(problem.to_string());

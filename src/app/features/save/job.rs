@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 impl Message for SaveEnded {}
 
-/// What writing came to.
+/// Outcome of writing.
 #[derive(Debug)]
 pub struct SaveEnded {
     pub(in crate::app) conversion: Conversion,

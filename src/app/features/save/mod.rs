@@ -1,7 +1,9 @@
-//! The open sequence written anew: as one sequence file, or as a file a frame. What it comes to is shown before.
+//! Re-encoding of the open sequence: as one sequence file, or as one file per frame. An estimate of the result is shown
+//! before.
 //!
-//! **How it works.** [`choices`] are what a person chose, [`plan`] makes a conversion of them and says why there is
-//! none, [`estimates`] judges the choices by some frames on a thread while they are made, [`job`] writes.
+//! **How it works.** [`choices`] are the settings of the user, [`plan`] turns them into a conversion and gives the
+//! reason if there is none, [`estimates`] evaluates the settings on some frames on a thread while they are edited,
+//! [`job`] writes.
 
 mod choices;
 mod estimates;

@@ -18,18 +18,18 @@ const FIELD_WIDTH: f32 = 300.0;
 /// Width of the window's contents, points: numbers that come and go below do not move it.
 const WIDTH: f32 = 470.0;
 
-/// What the names of numbers take of it.
+/// Width of the names of numbers in it.
 const VALUE_INDENT: f32 = 110.0;
 
 /// Colour errors that are offered; others are for the command line.
 const MOST_COLOR_ERROR: u8 = 32;
 
-/// What the panel asks of the window.
+/// Request of the panel to the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::app) enum SaveRequest {
     /// Choose folder and name with a dialog.
     ChoosePlace,
-    /// Show what would be written beside what is open.
+    /// Compare the result of writing with the open sequence.
     Compare,
     /// Begin.
     Start,
@@ -144,7 +144,7 @@ fn precision(ui: &mut Ui, save: &mut Save, of: &Savable) {
     }
 }
 
-/// Whether points are merged, where that is a choice of its own, and what it costs and saves.
+/// Shows the merging option for points, where that is a choice of its own, with its cost and savings.
 fn merging(ui: &mut Ui, save: &mut Save, of: &Savable) {
     let mut merges = save.precision == PrecisionKind::SamplingDensity;
     if !merges && save.precision != PrecisionKind::PointSpacing {

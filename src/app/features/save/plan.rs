@@ -1,4 +1,4 @@
-//! What is written under the present choices, and whether it can be.
+//! Write plan under the present settings, and its availability.
 
 use super::choices::{Save, SaveFormat, usual_length};
 use super::estimates::{Asked, Estimated};
@@ -11,13 +11,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What there is to write.
+/// Content available for writing.
 #[derive(Debug, Clone)]
 #[expect(clippy::struct_excessive_bools, reason = "each is known of what is open")]
 pub(in crate::app) struct Savable {
     /// The open sequence, if there is one.
     pub(in crate::app) sequence: Option<Arc<Sequence>>,
-    /// What is open, for names of files.
+    /// File stem of the open input, for names of files.
     pub(in crate::app) stem: String,
     /// Frames from in to out point.
     pub(in crate::app) range: std::ops::Range<usize>,
@@ -57,7 +57,7 @@ impl Save {
         self.estimates.follow(asked, tasks, now);
     }
 
-    /// Begins to choose. Files are looked for anew.
+    /// Opens the save settings. Files are checked again.
     pub(in crate::app) fn begin(&mut self, folder: impl FnOnce() -> PathBuf, of: &Savable) {
         self.found = None;
         if self.folder.is_empty() {
@@ -84,7 +84,7 @@ impl Save {
         self.name.clone().unwrap_or_else(|| stem.to_owned())
     }
 
-    /// What the name ends in.
+    /// Returns the suffix of the file name.
     pub(in crate::app) fn suffix(&self) -> &'static str {
         match self.format {
             SaveFormat::Reel => ".reel",
@@ -122,7 +122,7 @@ impl Save {
         })
     }
 
-    /// What is at the place. Looked for when place or choices change.
+    /// Returns the state of the destination. Checked when destination or settings change.
     pub(in crate::app) fn place(&mut self, of: &Savable) -> Place {
         let Some((sequence, conversion)) = of.sequence.as_ref().zip(self.conversion(of)) else {
             return Place::Free;

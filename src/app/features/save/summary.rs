@@ -7,7 +7,7 @@ use crate::convert::{Estimate, EstimatedErrors};
 /// A line: what, how much, and what is meant by it.
 pub(super) type Line = (&'static str, String, &'static str);
 
-/// What files of `frames` frames come to, beside a source of so many bytes.
+/// Returns the estimated size lines of files of `frames` frames, compared with a source of `source_bytes` bytes.
 pub(super) fn lines(estimate: &Estimate, frames: usize, source_bytes: Option<u64>, of: &Savable) -> Vec<Line> {
     let whole = estimate.frame_bytes * frames as f64;
     let mut lines = vec![(
@@ -35,8 +35,8 @@ pub(super) fn lines(estimate: &Estimate, frames: usize, source_bytes: Option<u64
     lines
 }
 
-/// What merging the points of cells costs and saves, by an estimate of a file that is merged or not; `None` where only
-/// one of both is known.
+/// Computes the price of merging the points of cells, in costs and savings, by an estimate of a file that is merged or
+/// not; `None` where only one of both is known.
 pub(super) fn merge_price(estimate: &Estimate, is_merged: bool, frames: usize) -> Option<String> {
     let other = estimate.other_way?;
     let size = |frame_bytes: f64| bytes((frame_bytes * frames as f64) as u64);
@@ -53,7 +53,7 @@ pub(super) fn merge_price(estimate: &Estimate, is_merged: bool, frames: usize) -
     ))
 }
 
-/// What is to be known before much is lost: points of a scan that is no surface are merged where they are dense.
+/// Returns a warning before much is lost: points of a scan that is not a surface are merged where they are dense.
 pub(super) fn warning(estimate: &Estimate) -> Option<String> {
     const MUCH: f64 = 0.2;
     let lost = 1.0 - estimate.kept_points / estimate.points.max(1.0);

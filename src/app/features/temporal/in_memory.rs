@@ -7,7 +7,8 @@ use crate::playback::Player;
 use crate::sequence::{FrameError, Needs, PreparedFrame, Slot};
 use std::sync::Arc;
 
-/// Those of the open sequence; photographs are loaded by their feature (`features/photos`), which runs their lane.
+/// Frames of the open sequence in memory; input images are loaded by their feature (`features/photos`), which runs
+/// their lane.
 #[derive(Debug)]
 pub(super) struct FramesInMemory<'a> {
     pub(super) player: &'a Player,

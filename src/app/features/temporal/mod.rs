@@ -1,8 +1,9 @@
-//! What other poses say of the shown one: how far it is from one of them in colours, and ghosts of its neighbours.
+//! Temporal comparison: derived frames that relate the shown frame to others: its distance from one of them in colours
+//! (change map), and onion skins of its neighbours.
 //!
-//! How it works. Both are stages of composition ([`Lane::Poses`]) that make another frame from the one that the player
-//! shows, on a thread. Until it is there the pose is shown as it is, but for a moment the frame that was made of the
-//! pose before stays, so that the picture does not flicker while playing. What is under way for a pose that the
+//! How it works. Both are stages of composition ([`Lane::Poses`]) that build another frame from the one that the player
+//! shows, on a thread. Until it is available the frame is shown as it is, but for a short time the derived frame of the
+//! previous one stays, so that the image does not flicker while playing. What is under way for a frame that the
 //! playhead has left is cancelled. Distances are kept, as they take longest; colours follow from them.
 
 mod in_memory;
@@ -24,15 +25,15 @@ use known::Known;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// So long the picture of a pose that the playhead has left stays in place of one that is being made.
+/// Time for which the image of a frame that the playhead has left stays instead of one that is being computed.
 const HOLD: Duration = Duration::from_millis(120);
 
 /// The colours of a pose by how far each point is from another pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChangeMap {
-    /// Whether they are shown.
+    /// Visibility of the change map.
     pub is_on: bool,
-    /// How many frames later the other pose is; negative for earlier.
+    /// Frame offset of the other frame; negative for earlier.
     pub step: i64,
     /// The distance in the last colour, scene units; that which 99 % of the points do not exceed if `None`.
     pub range: Option<f64>,
@@ -121,7 +122,7 @@ impl ChangeMap {
 }
 
 impl Temporal {
-    /// What is drawn in place of the shown pose, if there is something.
+    /// Returns the frame drawn instead of the shown one, if there is one.
     pub(in crate::app) fn shown(&self) -> Option<&ComposedFrame> {
         self.made.as_ref()
     }

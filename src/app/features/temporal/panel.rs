@@ -1,4 +1,4 @@
-//! What other poses say of the shown one: the choices, and the numbers of the change with its legend.
+//! Panel of the temporal comparison with other frames: the settings, and the numbers of the change with its legend.
 
 use super::{ChangeMap, OnionSkin, Temporal};
 use crate::analysis::ColorMap;
@@ -13,7 +13,7 @@ use egui::{Align2, Checkbox, DragValue, Grid, Pos2, RichText, Sense, Slider, Ui,
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-/// How far away the other pose may be, frames.
+/// Range of the offset of the other frame, frames.
 const STEPS: std::ops::RangeInclusive<i64> = -1000..=1000;
 
 /// The rows of the settings.

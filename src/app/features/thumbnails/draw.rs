@@ -47,7 +47,7 @@ pub(super) struct ThumbnailJob {
     pub(super) sequence: Arc<Sequence>,
 }
 
-/// What came of it.
+/// Outcome of a thumbnail job.
 #[derive(Debug)]
 pub(super) enum Thumbnail {
     /// The picture.
@@ -57,7 +57,7 @@ pub(super) enum Thumbnail {
 }
 
 impl Thumbnail {
-    /// Writes the picture to a file; one that cannot be written is told of in the log.
+    /// Writes the thumbnail to a file; one that cannot be written is reported in the log.
     pub(super) fn keep(&self, file: &Path) {
         let Self::Picture(picture) = self else {
             return;
@@ -79,7 +79,7 @@ impl Thumbnail {
 }
 
 impl ThumbnailJob {
-    /// Does it. Whatever goes wrong is told of by whoever shows the frame; here it is a mark.
+    /// Runs the job. Errors are reported by whoever shows the frame; here they are a mark.
     pub(super) fn run(self) -> Thumbnail {
         let made = catch_unwind(AssertUnwindSafe(|| self.made()));
         made.ok().flatten().unwrap_or(Thumbnail::Broken)

@@ -1,13 +1,13 @@
-//! Small pictures of frames, on a strip over the timeline and in its tooltips.
+//! Thumbnails of frames, on a strip over the timeline and in its tooltips.
 //!
-//! **How it works.** One picture at a time is made on a thread of its own, from points that are in memory where they
-//! are, else from the file. [`schedule`] says which frame is next and when there is time for it: while frames are
-//! played only what is in memory is drawn, at most ten pictures a second, and nothing while playing falls behind or a
-//! benchmark runs; files are read when nothing is played and no frame is being prepared. Pictures are kept in 16 MiB
-//! ([`store`]).
+//! **How it works.** One thumbnail at a time is rendered on a thread of its own, from points that are in memory where
+//! they are, else from the file. [`schedule`] determines the next frame and when there is time for it: while frames are
+//! played only what is in memory is drawn, at most ten thumbnails per second, and nothing while playing falls behind or
+//! a benchmark runs; files are read when nothing is played and no frame is being prepared. Thumbnails are kept in 16
+//! MiB ([`store`]).
 //!
-//! All are seen from one view, so that motion is seen: the first view of the sequence ([`FirstLook`]). It stays until
-//! the up axis or the source of the colours changes, or somebody asks for new pictures.
+//! All are rendered from one view, so that motion is visible: the first view of the sequence ([`FirstLook`]). It stays
+//! until the up axis or the source of the colours changes, or a user asks for new thumbnails.
 
 mod draw;
 mod in_window;
@@ -44,7 +44,7 @@ type ThumbnailKey = (UpAxis, Coloring, ColorHints);
 /// The pictures of the open sequence.
 #[derive(Debug)]
 pub struct Thumbnails {
-    /// Whether they are shown and made.
+    /// Thumbnail generation and visibility.
     pub is_on: bool,
     wanted: WantedFrames,
     store: Store,
@@ -56,13 +56,13 @@ pub struct Thumbnails {
     /// When the last picture was begun.
     begun: Option<Duration>,
     pool: PoolBehindDrawing,
-    /// Where the next picture is kept as a file.
+    /// File in which the next thumbnail is kept.
     keep_at: Option<PathBuf>,
 }
 
 impl Message for Box<Delivery> {}
 
-/// What the thread has made of a frame.
+/// Thumbnail that the thread has rendered for a frame.
 #[derive(Debug)]
 pub struct Delivery {
     generation: u64,
@@ -104,7 +104,7 @@ impl Thumbnails {
         self.store.bytes()
     }
 
-    /// Forgets all pictures, so that they are made anew, from a view of what is known by now.
+    /// Forgets all thumbnails, so that they are regenerated, from a view of what is known by now.
     pub fn redo(&mut self) {
         self.store = Store::default();
         self.view = None;
@@ -143,7 +143,7 @@ impl Thumbnails {
         self.wanted.hovered = frame;
     }
 
-    /// How `frame` is shown in the window of `ctx`.
+    /// Returns the thumbnail state of `frame` in the window of `ctx`.
     pub(in crate::app) fn look(&mut self, ctx: &Context, frame: usize) -> ThumbnailState {
         self.store.look(ctx, frame)
     }

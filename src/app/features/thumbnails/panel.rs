@@ -4,7 +4,7 @@ use super::Thumbnails;
 use crate::app::widgets::rows::{row, rows};
 use egui::{Checkbox, Ui};
 
-/// Whether they are shown.
+/// Shows the toggle of the thumbnails.
 pub(in crate::app) fn thumbnails_ui(ui: &mut Ui, thumbnails: &mut Thumbnails) {
     rows(ui, "thumbnails", |ui| {
         row(

@@ -1,8 +1,8 @@
-//! Which frames have a picture on the strip, which is made next, and whether there is time for it.
+//! Thumbnail scheduling: the frames on the strip, the next one to render, and the time available for it.
 
 use std::collections::BTreeSet;
 
-/// The frame in the middle of each of `cells` equal parts of a sequence; every frame once where there are fewer.
+/// Returns the central frame of each of `cells` equal parts of a sequence; every frame once where there are fewer.
 pub(in crate::app) fn strip_frames(frame_count: usize, cells: usize) -> Vec<usize> {
     let cells = cells.min(frame_count);
     let middle = |cell: usize| (2 * cell + 1) * frame_count / (2 * cells);
@@ -12,7 +12,7 @@ pub(in crate::app) fn strip_frames(frame_count: usize, cells: usize) -> Vec<usiz
 /// Frames whose pictures can be seen.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct WantedFrames {
-    /// Those of the strip, in order.
+    /// Frames of the strip, in order.
     pub(super) strip: Vec<usize>,
     /// The one under the pointer.
     pub(super) hovered: Option<usize>,
@@ -40,7 +40,7 @@ impl WantedFrames {
     }
 }
 
-/// What goes on in the window.
+/// Activity of the window.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[expect(
     clippy::struct_excessive_bools,

@@ -13,17 +13,17 @@ pub(in crate::app) const PICTURE_PX: [u32; 2] = [160, 120];
 /// Bytes of a picture.
 pub(super) const PICTURE_BYTES: usize = 4 * PICTURE_PX[0] as usize * PICTURE_PX[1] as usize;
 
-/// So many cells of a strip fit into the budget, and some pictures under the pointer beside them.
+/// Maximum number of cells of a strip that fit into the budget, with some thumbnails under the pointer in addition.
 pub(in crate::app) const MAX_CELLS: usize = BUDGET_BYTES / PICTURE_BYTES * 3 / 4;
 
-/// What is known of a frame.
+/// Cached thumbnail of a frame.
 enum StoredThumbnail {
     Picture(Arc<ColorImage>, Option<TextureHandle>),
     /// It cannot be read.
     Broken,
 }
 
-/// How a frame is shown.
+/// Display state of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::app) enum ThumbnailState {
     /// Not made yet.
@@ -58,7 +58,7 @@ impl Store {
         PICTURE_BYTES * self.order.len()
     }
 
-    /// Whether it is known how `frame` looks.
+    /// Returns true if the thumbnail of `frame` is known.
     pub(super) fn has(&self, frame: usize) -> bool {
         self.entries.contains_key(&frame)
     }
@@ -84,7 +84,7 @@ impl Store {
             .insert(frame, StoredThumbnail::Picture(Arc::new(image), None));
     }
 
-    /// How `frame` is shown in the window of `ctx`; its texture is made when it is first asked for.
+    /// Returns the thumbnail state of `frame` in the window of `ctx`; its texture is created on first use.
     pub(super) fn look(&mut self, ctx: &Context, frame: usize) -> ThumbnailState {
         match self.entries.get_mut(&frame) {
             None => ThumbnailState::Unknown,
@@ -105,7 +105,7 @@ impl Store {
         self.order.retain(|&other| other != frame);
     }
 
-    /// Textures are made anew: they were those of another window.
+    /// Forgets the textures so that they are re-created: they belonged to another window.
     pub(super) fn forget_textures(&mut self) {
         for entry in self.entries.values_mut() {
             if let StoredThumbnail::Picture(_, texture) = entry {

@@ -1,13 +1,13 @@
-//! A number of every frame as a curve.
+//! Timeline curve of one number per frame.
 //!
 //! **How it works.** A column of pixels shows the least and the greatest value of the frames that lie in it, so that no
-//! spike of a long sequence is lost; painting costs a line a column. Columns are made anew when values or width have
+//! spike of a long sequence is lost; painting costs one line per column. Columns are rebuilt when values or width have
 //! changed.
 
 use crate::sequence::{FrameFacts, Loader};
 use std::ops::Range;
 
-/// What a curve shows.
+/// Quantity shown by a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// Points in the file.
@@ -24,7 +24,7 @@ impl Quantity {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Points, Self::Loss, Self::Bounds, Self::Error];
 
-    /// What the window calls it.
+    /// Returns the display name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Points => "Points",
@@ -34,7 +34,7 @@ impl Quantity {
         }
     }
 
-    /// What it is, with its unit.
+    /// Returns the tooltip: description and unit.
     pub fn tooltip(self) -> &'static str {
         match self {
             Self::Points => "Number of points in the file of each frame",

@@ -1,4 +1,4 @@
-//! What a person puts on the timeline of the open sequence, and what is kept of it.
+//! Timeline annotations of the open sequence by the user, and their persistence.
 
 use super::Timeline;
 use super::panel::{TimelineContext, TimelineRequest, timeline_ui};

@@ -1,4 +1,4 @@
-//! What a user puts on the timeline: markers, a curve. The playhead and the range are the player's.
+//! Timeline annotations: markers, a curve. The playhead and the range are the player's.
 
 mod in_window;
 pub(in crate::app) mod panel;
@@ -22,7 +22,7 @@ use std::time::Duration;
 pub struct Timeline {
     /// Named frames.
     pub markers: Markers,
-    /// What the curve under the bar shows.
+    /// Quantity of the curve under the bar.
     pub quantity: Option<Quantity>,
     /// The marker whose name is being written, and the name so far.
     pub(in crate::app) renaming: Option<(usize, String)>,
@@ -31,7 +31,7 @@ pub struct Timeline {
     pub(in crate::app) visible: VisibleFrames,
     /// Numbers that are missing between the frames, of so many of which that was found.
     gaps: (usize, Vec<NumberGap>),
-    /// Where the bar is in the window, points.
+    /// Rectangle of the bar in the window, points.
     pub(in crate::app) bar_rect: egui::Rect,
     /// The playhead is in the hand, and playing goes on when it is let go.
     resumes: bool,
@@ -62,7 +62,7 @@ impl Timeline {
         self.gaps = (0, Vec::new());
     }
 
-    /// Takes the markers of a document in place of those that there are. What is left out of them is said.
+    /// Replaces the markers by those of a document. Returns a message about those that are skipped.
     pub(in crate::app) fn take_markers(&mut self, list: Vec<Marker>) -> Option<String> {
         let mut left_out = Vec::new();
         self.renaming = None;

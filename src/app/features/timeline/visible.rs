@@ -19,7 +19,7 @@ struct Zoomed {
 }
 
 impl VisibleFrames {
-    /// Which of `count` frames these are; at least one where there is one.
+    /// Returns the frame range within `count` frames; at least one where there is one.
     pub(in crate::app) fn of(self, count: usize) -> Range<usize> {
         let Some(Zoomed { first, shown }) = self.zoomed else {
             return 0..count;
@@ -29,7 +29,7 @@ impl VisibleFrames {
         first..(first + shown).min(count)
     }
 
-    /// Whether frames are left out.
+    /// Returns true if the timeline is zoomed, so that frames are excluded.
     pub(in crate::app) fn is_zoomed(self) -> bool {
         self.zoomed.is_some()
     }

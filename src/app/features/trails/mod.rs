@@ -24,9 +24,9 @@ use std::sync::{Arc, Weak};
 /// Trails of points that are spread evenly over the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TrailField {
-    /// Whether they are shown.
+    /// Visibility of the trails.
     pub is_on: bool,
-    /// How many.
+    /// Number of points.
     pub points: usize,
     /// Over so many frames before the shown one.
     pub length: usize,
@@ -39,7 +39,7 @@ impl TrailField {
     pub const MAX_LENGTH: usize = 240;
 }
 
-/// What is to be found.
+/// Trail request to be computed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Wish {
     request: TrailRequest,
@@ -51,24 +51,24 @@ struct Wish {
 #[derive(Debug)]
 struct Running {
     wish: Wish,
-    /// Of the frames that are looked at.
+    /// Progress over the visited frames.
     progress: Progress,
 }
 
 impl Message for Traced {}
 
-/// What a task has found; `None` if it was cancelled.
+/// Result of a trail task; `None` if it was cancelled.
 #[derive(Debug)]
 pub struct Traced(Option<composition::Trails>);
 
-/// Which trails are shown, and what is known of them.
+/// Trails: the selection shown, and their known data.
 #[derive(Debug)]
 pub struct Trails {
-    /// Those of the picked points are shown.
+    /// True if the trails of the picked points are shown.
     pub is_on: bool,
     /// Points whose trails stay when others are picked.
     pub kept: Vec<Anchor>,
-    /// Those of other points.
+    /// Trails of other points.
     pub field: TrailField,
     /// The frame whose points [`Trails::field`] is of, and how many its file has.
     field_of: Option<(usize, usize)>,
@@ -94,12 +94,12 @@ impl Default for Trails {
 }
 
 impl Trails {
-    /// What was found, if that is known for what is asked now.
+    /// Returns the trails, if they are known for the current request.
     pub fn found(&self) -> Option<&composition::Trails> {
         self.found.as_ref().map(|(_, trails)| trails)
     }
 
-    /// Whether trails are drawn, or are to be.
+    /// Returns true if trails are drawn, or are to be.
     pub(in crate::app) fn are_shown(&self) -> bool {
         self.is_on || self.field.is_on || !self.kept.is_empty()
     }
@@ -129,7 +129,7 @@ impl Trails {
         [0..picked, picked..count]
     }
 
-    /// How all of them are drawn.
+    /// Returns the appearance of all trails.
     pub(in crate::app) fn looks(&self) -> Vec<TrailLook> {
         let [picked, others] = self.parts();
         let count = others.len();
@@ -302,7 +302,7 @@ impl Trails {
 /// Trails of a field have the colours of the map from here on: the first ones are as dark as the background.
 const FIRST_COLOR: f32 = 0.3;
 
-/// Where the colour of one of `count` trails of a field is on the map, 0 to 1.
+/// Returns the colour map position of one of `count` trails of a field, 0 to 1.
 pub(in crate::app) fn field_place(number: usize, count: usize) -> f32 {
     FIRST_COLOR + (1.0 - FIRST_COLOR) * (number as f32 + 0.5) / count as f32
 }

@@ -1,4 +1,4 @@
-//! Trails of points: buttons and numbers beside a point's values, and how they are painted over the picture.
+//! Trails of points: buttons and numbers next to a point's values, and painting over the image.
 
 use super::{TrailField, Trails, field_place, pieces};
 use crate::analysis::ColorMap;
@@ -14,7 +14,7 @@ use crate::app::widgets::rows::{row, rows};
 /// Most reasons why trails end that are listed.
 const MAX_REASONS: usize = 3;
 
-/// How bright the part of a trail is that is still to come.
+/// Brightness of the part of a trail that is still to come.
 const TO_COME: f32 = 0.6;
 
 /// Below the values of a point.
@@ -52,7 +52,7 @@ pub(in crate::app) fn trail_ui(ui: &mut Ui, trails: &mut Trails, anchor: Anchor)
     }
 }
 
-/// How far finding trails is, or where they end and why.
+/// Shows the progress of the trail search, or where the trails end and why.
 fn status_ui(ui: &mut Ui, trails: &mut Trails) {
     if let Some((done, all)) = trails.progress() {
         ui.horizontal(|ui| {

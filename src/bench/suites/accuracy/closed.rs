@@ -1,8 +1,9 @@
-//! Voxels beside surfels: whether they close what surfels close, what they add to it, and how alike the pictures are.
+//! Voxels compared with surfels: whether they close what surfels close, what they add to it, and how alike the images
+//! are.
 //!
 //! How it works: each frame is drawn from around it as surfels, from both sides, and as voxels: with the paper's δ,
 //! whose cells are smaller than the spacing of the points, and with leaves as large as the spacing, lit by their faces
-//! and by normals. Surfels are the measure, since they are made to close the surface.
+//! and by normals. Surfels are the reference, since they are made to close the surface.
 
 use super::columns::{CLOSED, row};
 use super::pictures::{DrawnView, draw, parts};
@@ -16,7 +17,7 @@ use crate::levels::octree::StopCriterion;
 use crate::scene::{BackFaces, Scene, Style, VoxelLight};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 
-/// The ways to draw voxels, and the words for them.
+/// Returns the render modes for voxels, and the words for them.
 fn ways() -> [(&'static str, Style); 3] {
     let paper = voxel_style();
     let stop = StopCriterion::Spacing;
@@ -26,7 +27,7 @@ fn ways() -> [(&'static str, Style); 3] {
     [("δ 5 %", paper), ("spacing", faces), ("spacing, normals", normals)]
 }
 
-/// What was measured of one sequence, for each of [`ways`].
+/// Measurements of one sequence, for each of [`ways`].
 #[derive(Default)]
 pub(super) struct ClosedSamples([WaySamples; 3]);
 

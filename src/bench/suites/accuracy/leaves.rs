@@ -1,9 +1,9 @@
-//! Octrees: how far a point is from the middle of the leaf that is drawn for it, by acceptable loss δ.
+//! Octrees: distance of a point from the centre of the leaf that is drawn for it, by acceptable loss δ.
 //!
-//! A leaf is a cube of edge h, so no point is farther from its middle than half the diagonal, √3/2 · h. For points that
-//! lie anywhere in their leaves with equal chance the mean would be 0.480 · h (half the mean distance from the middle
-//! of a cube to its points, 0.960 for an edge of 2). Each point is looked up by its place in f64, with none of the code
-//! that built the tree; a point whose cell is no leaf is counted.
+//! A leaf is a cube of edge h, so no point is farther from its centre than half the diagonal, √3/2 · h. For points that
+//! lie anywhere in their leaves with equal probability the mean would be 0.480 · h (half the mean distance from the
+//! centre of a cube to its points, 0.960 for an edge of 2). Each point is looked up by its position in f64, with none
+//! of the code that built the tree; a point whose cell is not a leaf is counted.
 
 use super::columns::{LEAVES, row};
 use crate::bench::BenchError;
@@ -18,10 +18,10 @@ use std::collections::HashMap;
 /// Acceptable losses, percent.
 const DELTAS_PERCENT: [u8; 5] = [2, 5, 10, 25, 50];
 
-/// Farthest place of a cube from its middle, in edges: √3/2.
+/// Largest distance of a point of a cube from its centre, in edges: √3/2.
 const BOUND_EDGES: f64 = 0.866_025_403_784_438_6;
 
-/// What was measured of one sequence, for each of [`DELTAS_PERCENT`].
+/// Measurements of one sequence, for each of [`DELTAS_PERCENT`].
 #[derive(Default)]
 pub(super) struct LeafSamples([DeltaSamples; DELTAS_PERCENT.len()]);
 
@@ -94,7 +94,7 @@ impl DeltaSamples {
     }
 }
 
-/// From each point that has a leaf to the middle of the voxel that is drawn for it, scene units.
+/// Returns the distance from each point that has a leaf to the centre of the voxel that is drawn for it, scene units.
 fn leaf_distances(positions: &[Vec3], tree: &Octree) -> Vec<f64> {
     let cube = tree.cube();
     let cells_along = f64::from(1u32 << tree.depth());

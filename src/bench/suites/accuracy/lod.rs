@@ -1,13 +1,14 @@
-//! Levels of detail by projected size: what a LOD threshold τ saves, and what it does to the picture.
+//! Levels of detail by projected size: what a LOD threshold τ saves, and what it does to the image.
 //!
 //! How it works: each frame is drawn as voxels from around it, as a whole and from farther away, once with all its
-//! leaves (τ = 0, the truth) and once for each τ. PSNR is that of the mean squared error over all pictures. Most of a
-//! picture is background, which is always right, so FLIP is given over the picture and over the pixels of the object:
-//! those that show it in either picture.
+//! leaves (τ = 0, the ground truth) and once for each τ. PSNR is that of the mean squared error over all images. Most
+//! of an image is background, which is always right, so FLIP is given over the image and over the pixels of the object:
+//! those that show it in either image.
 //!
-//! All leaves are the truth about what the threshold leaves out, not about the surface: at a small δ nearly every point
-//! has a leaf of its own, smaller than its share of the surface, and coarser cells close the gaps. So each picture is
-//! also compared with that of surfels, which close the surface; part of that error is that cubes are shaded as cubes.
+//! All leaves are the ground truth about what the threshold omits, not about the surface: at a small δ nearly every
+//! point has a leaf of its own, smaller than its share of the surface, and coarser cells close the gaps. So each image
+//! is also compared with that of surfels, which close the surface; part of that error is that cubes are shaded as
+//! cubes.
 
 use super::columns::{LOD, row};
 use super::pictures::{DrawnView, ObjectPart, draw, parts};
@@ -24,10 +25,10 @@ use crate::sequence::PreparedFrame;
 /// LOD thresholds, pixels; the first is the truth.
 const LOD_PX: [f32; 5] = [0.0, 1.0, 2.0, 4.0, 8.0];
 
-/// How far the eye is, in distances from which the picture just holds the object.
+/// Eye distances, as multiples of the distance from which the object just fits the image.
 pub(super) const DISTANCES: [f64; 2] = [1.0, 4.0];
 
-/// What was measured of one sequence from one distance, for each of [`LOD_PX`].
+/// Measurements of one sequence from one distance, for each of [`LOD_PX`].
 #[derive(Default)]
 pub(super) struct LodSamples([ThresholdSamples; LOD_PX.len()]);
 

@@ -1,11 +1,11 @@
-//! How far from the truth the stages are, beside what they take: normals, octrees and levels of detail.
+//! Accuracy of the stages against the ground truth, together with their cost: normals, octrees and levels of detail.
 //!
 //! | table | truth | error |
 //! |---|---|---|
-//! | [`normals`] | shapes with known normals, noise and outliers | angle, by number of neighbours and way to fit |
-//! | [`leaves`] | the points of each sequence | distance of a point to the middle of its leaf, by δ |
-//! | [`lod`] | pictures of all leaves, τ = 0, and of surfels | PSNR and FLIP, by LOD threshold τ |
-//! | [`closed`] | pictures of surfels | what voxels cover of them, what beside them, and FLIP, by δ and light |
+//! | [`normals`] | shapes with known normals, noise and outliers | angle, by number of neighbours and fitting method |
+//! | [`leaves`] | the points of each sequence | distance of a point to the centre of its leaf, by δ |
+//! | [`lod`] | images of all leaves, τ = 0, and of surfels | PSNR and FLIP, by LOD threshold τ |
+//! | [`closed`] | images of surfels | what voxels cover of them, what outside them, and FLIP, by δ and light |
 
 mod closed;
 mod columns;
@@ -47,8 +47,8 @@ pub const ACCURACY: &Suite = &Suite {
     bar_labels: 3,
 };
 
-/// One step to prepare a frame, one for its leaves, one for its levels of detail at each distance, one for voxels
-/// beside surfels.
+/// Number of steps per frame: one to prepare a frame, one for its leaves, one for its levels of detail at each
+/// distance, one for voxels compared with surfels.
 const STEPS_PER_FRAME: usize = 3 + lod::DISTANCES.len();
 
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {

@@ -18,7 +18,7 @@ use std::time::Instant;
 /// Points on each shape: of a sphere, about a hundred along its diameter.
 const POINTS: usize = 20_000;
 
-/// What is wrong with the points: the standard deviation of noise, as a part of the diameter, and whether one point in
+/// Disturbances of the points: the standard deviation of noise, as a fraction of the diameter, and whether one point in
 /// [`OUTLIERS`] is far off the surface.
 const DISTURBANCES: [(f32, bool); 6] = [
     (0.0, false),

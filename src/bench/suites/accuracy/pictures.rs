@@ -23,7 +23,7 @@ const BACKGROUNDS: [[u8; 3]; 2] = [[119; 3], [255; 3]];
 /// One view of a frame by some settings.
 pub(super) struct DrawnView {
     image: RgbaImage,
-    /// Which pixels show the object, row by row.
+    /// Mask of the pixels that show the object, row by row.
     shows_object: Vec<bool>,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct ObjectPart {
 /// Pixels around the object that are compared too. FLIP's widest filter reaches ten pixels at [`PIXELS_PER_DEGREE`].
 const MARGIN_PX: u32 = 16;
 
-/// How far a picture is from the truth.
+/// Error of an image against the ground truth.
 pub(super) struct PictureError {
     /// Mean squared error of the channels over all pixels.
     pub(super) squared: f64,
@@ -124,7 +124,7 @@ impl DrawnView {
 }
 
 impl ObjectPart {
-    /// What the mean of something over this part is over the whole, if it is 0 elsewhere.
+    /// Converts a mean over this part to the mean over the whole, if the value is 0 elsewhere.
     fn over_whole(&self, mean: f64) -> f64 {
         mean * self.shows_object.len() as f64 / self.whole_count.max(1) as f64
     }
@@ -135,8 +135,8 @@ impl ObjectPart {
         covered as f64 / self.whole_count.max(1) as f64
     }
 
-    /// Of the pixels that show the object in `other`, of the same view, the share that show it here as well; and those
-    /// that show it here alone, as a share of the same number.
+    /// Returns two fractions of the number of pixels that show the object in `other`, which is of the same view: those
+    /// of these pixels that show it here as well, and the pixels that show it here alone.
     pub(super) fn shares_of(&self, other: &Self) -> [f64; 2] {
         let count = |is_counted: fn(bool, bool) -> bool| {
             let pixels = self.shows_object.iter().zip(&other.shows_object);

@@ -1,13 +1,13 @@
-//! The error lab: how fast *and how wrong* each way to draw is.
+//! The error lab: how fast *and how wrong* each render mode is.
 //!
-//! How it works: each frame is seen from viewpoints around it. The truth of a view is ray-traced where the input is a
-//! shape with a formula, else drawn from all points, 8×8 samples a pixel (`render/truth`). Each way draws the same
-//! views; its time is from the camera to the finished picture, traversal and uploads of what it chose included, as a
-//! person who turns the object waits for them. Its errors are means over all pictures. Of each sequence the ways that
-//! no other beats in both are its front.
+//! How it works: each frame is seen from viewpoints around it. The ground truth of a view is ray-traced where the input
+//! is a shape with a formula, else drawn from all points, 8×8 samples per pixel (`render/truth`). Each mode draws the
+//! same views; its time is from the camera to the finished image, traversal and uploads of what it chose included, as a
+//! user who turns the object waits for them. Its errors are means over all images. For each sequence the modes that no
+//! other beats in both form its front.
 //!
-//! Depths, by which surfaces are told apart, are drawn by the software renderer for the adapter's ways too: both draw
-//! the same surfaces, which `tests/pictures/cpu_renderer.rs` holds.
+//! Depths, which distinguish surfaces, are drawn by the software renderer for the adapter's modes too: both draw the
+//! same surfaces, which `tests/pictures/cpu_renderer.rs` checks.
 
 mod view;
 mod ways;
@@ -68,7 +68,7 @@ const COLUMNS: &[Column] = &[
     Column::number("pictures", "pictures", 0).hidden(),
 ];
 
-/// Errors of pictures beside their times, for every way to draw.
+/// Image errors together with draw times, for every render mode.
 pub const ERROR: &Suite = &Suite {
     name: "error",
     brief: "image error and time of every render mode",
@@ -97,7 +97,7 @@ pub const ERROR: &Suite = &Suite {
     bar_labels: 2,
 };
 
-/// What was measured of one way on one sequence.
+/// Measurements of one mode on one sequence.
 #[derive(Default)]
 struct ErrorSamples {
     draw_ms: Vec<f64>,
@@ -110,11 +110,11 @@ struct ErrorSamples {
     drawn_records: Vec<f64>,
     visited_nodes: Vec<f64>,
     drawn_px: [u32; 2],
-    /// Of the first view.
+    /// Thumbnails of the first view.
     thumbnails: Option<[RgbaImage; 2]>,
 }
 
-/// Who draws: the processor always, an adapter if there is one.
+/// Renderers: always the CPU, and an adapter if there is one.
 struct Runners {
     processor: Runner,
     /// Draws depths, so that the processor's clocks are not disturbed.
@@ -278,12 +278,12 @@ fn measure_way(
     Ok(())
 }
 
-/// Whether depths of what a way shows can be drawn: not of splats without depth, nor of byte codes.
+/// Returns true if depths can be drawn of what a mode shows: not for splats without depth, nor for byte codes.
 fn shows_known_surface<C: Copy>(way: &Style<C>) -> bool {
     way.leaves_depths() && !way.draws_codes()
 }
 
-/// What lies where in the picture of a packet, if it shows one surface.
+/// Renders the depth image of a packet, if it shows one surface.
 fn depths(renderer: &mut CpuRenderer, packet: &ScenePacket) -> Result<Option<crate::measure::DepthImage>, BenchError> {
     if !shows_known_surface(&packet.style) {
         return Ok(None);

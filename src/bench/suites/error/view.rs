@@ -20,7 +20,7 @@ pub(super) struct View {
     perceived: Perceived,
 }
 
-/// How far a picture is from the truth.
+/// Error of an image against the ground truth.
 pub(super) struct PictureError {
     pub(super) map: ErrorMap,
     /// FLIP over the pixels that show the object in the truth or in the picture.
@@ -32,12 +32,12 @@ pub(super) struct PictureError {
     pub(super) surface: SurfaceError,
 }
 
-/// A picture of a way to draw.
+/// Image rendered in one render mode.
 pub(super) struct DrawnWay {
     pub(super) image: RgbaImage,
-    /// The same on white, by which the object is told from the background.
+    /// Image of the same view on white, by which the object is separated from the background.
     pub(super) on_white: RgbaImage,
-    /// What lies where, in the size in which it was drawn; `None` where the way shows no surface in particular.
+    /// Depth image, at the size at which it was drawn; `None` where the mode shows no particular surface.
     pub(super) depth: Option<DepthImage>,
 }
 
@@ -81,7 +81,7 @@ impl View {
         }
     }
 
-    /// How far `drawn` is from the truth.
+    /// Returns the error of `drawn` against the ground truth.
     pub(super) fn compare(&self, drawn: DrawnWay) -> Result<(PictureError, RgbaImage), BenchError> {
         let size_px = self.truth.depth.size_px;
         let depth = drawn.depth.map(|depth| enlarged(&depth, size_px));
@@ -128,7 +128,7 @@ impl View {
     }
 }
 
-/// How much of a pixel the object covers, from what shows of the two backgrounds.
+/// Returns the object's coverage of a pixel, computed from what shows of the two backgrounds.
 fn opacity(on_grey: [u8; 4], on_white: [u8; 4]) -> f32 {
     let through: i32 = (0..3)
         .map(|channel| i32::from(on_white[channel]) - i32::from(on_grey[channel]))

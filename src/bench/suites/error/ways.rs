@@ -1,4 +1,4 @@
-//! The ways to draw that are compared: the default, and what it becomes when one choice after the other changes.
+//! Compared render modes: the default, and what it becomes when one choice after the other changes.
 
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
@@ -11,13 +11,13 @@ use crate::scene::{
 /// Behind the object: a grey of medium lightness, so that it is no colour of most objects.
 pub(super) const BACKGROUND: [u8; 3] = [119; 3];
 
-/// Shares of a picture's edges that are drawn, beside all of it.
+/// Resolution scales to draw at, as fractions of an image's edges, in addition to full resolution.
 const RESOLUTIONS: [f32; 2] = [0.75, 0.5];
 
-/// LOD thresholds of surfels and of voxels in pixels, beside the default of 1.
+/// LOD thresholds of surfels and of voxels in pixels, in addition to the default of 1.
 const THRESHOLDS_PX: [f32; 3] = [2.0, 4.0, 8.0];
 
-/// Acceptable losses, beside leaves as large as the spacing of points.
+/// Acceptable losses, in addition to leaves as large as the spacing of points.
 const DELTAS: [f32; 4] = [0.02, 0.05, 0.2, 0.5];
 
 /// All ways, first those of the processor, then those of the adapter if there is one.
@@ -112,7 +112,7 @@ fn of_splats(base: &Settings) -> Vec<Settings> {
     ways
 }
 
-/// Structures of levels of detail by what they leave out.
+/// Returns level-of-detail structures by what they omit.
 fn of_structures(base: &Settings, voxel: &Settings) -> Vec<Settings> {
     let detail = base.with(|style| style.levels.surfel_lod = true);
     let mut ways = Vec::new();

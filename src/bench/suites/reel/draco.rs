@@ -1,9 +1,9 @@
-//! Draco beside sequence files: the same cells, by its kd-tree and its sequential coder.
+//! Draco compared with sequence files: the same cells, by its kd-tree and its sequential coder.
 //!
-//! How it works: Draco is given what the sequence file of ten bits gives back, so that both keep the same points, each
-//! once. Cells are whole numbers, which it keeps as they are. Normals are three numbers of eight bits each there, as
-//! its own tool has them; colours are lossless, which ours are only on request. Its compression level is 7, the usual
-//! one of its tool.
+//! How it works: Draco is given the decoded output of the ten-bit sequence file, so that both store the same points,
+//! each once. Cells are integers, which it keeps as they are. Normals are three numbers of eight bits each there, as
+//! its own tool has them; colours are lossless, which ours are only on request. Its compression level is 7, the default
+//! of its tool.
 
 use super::samples::{KeptSamples, Measured};
 use crate::bench::BenchError;
@@ -19,13 +19,13 @@ use glam::DVec3;
 use std::path::Path;
 use std::time::Instant;
 
-/// Of 0 to 10.
+/// Draco compression level, 0 to 10.
 const COMPRESSION_LEVEL: i32 = 7;
 
 /// Bits of each of the three numbers of a normal.
 const NORMAL_BITS: i32 = 8;
 
-/// How Draco keeps points.
+/// Draco encoding method for points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Coder {
     /// The kd-tree coder, positions alone.
@@ -170,7 +170,7 @@ impl CellFrame {
         cloud
     }
 
-    /// What a reader of the file has, in the coordinates of the sequence.
+    /// Decodes the file as a reader would, in the coordinates of the sequence.
     fn read_back(&self, file: &[u8]) -> Result<DecodedFrame, BenchError> {
         let read = crate::io::read_bytes(Path::new("frame.drc"), file);
         let mut cloud = read.map_err(|error| BenchError::Draco(error.to_string()))?;

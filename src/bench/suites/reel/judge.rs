@@ -1,8 +1,9 @@
-//! How far frames that were kept are from the original: points, colours, normals, and the picture.
+//! Distortion of stored frames against the original: points, colours, normals, and the rendered image.
 //!
-//! How it works: points are compared by [`ReferenceCloud`]. The picture is drawn by the software renderer as surfels
-//! with the usual settings, from views around the frame, of both clouds as a sequence would prepare them. FLIP is the
-//! mean over the pixels that show one or the other. What shows is what differs between two backgrounds.
+//! How it works: points are compared by [`ReferenceCloud`]. The image is drawn by the software renderer as surfels with
+//! the default settings, from views around the frame, of both clouds as a sequence would prepare them. FLIP is the mean
+//! over the pixels that show one or the other. A pixel shows something unless it is the background colour on each of
+//! two backgrounds.
 
 use crate::bench::runner::Runner;
 use crate::bench::subject::Subject;
@@ -17,7 +18,8 @@ use glam::DVec3;
 use image::RgbaImage;
 use std::sync::Arc;
 
-/// By which pixels are told that show something: a grey of medium lightness, which pictures are compared on, and white.
+/// Backgrounds that distinguish the pixels that show something: a grey of medium lightness, on which images are
+/// compared, and white.
 const BACKGROUNDS: [[u8; 3]; 2] = [[119; 3], [255; 3]];
 
 /// The original, and where it is looked at from.
@@ -37,7 +39,7 @@ struct OriginalView {
     shows: Vec<bool>,
 }
 
-/// How far a frame is from the original.
+/// Distortion of a frame against the original.
 pub(super) struct Distortion {
     pub(super) error: CloudError,
     /// Mean over all views, 0 to 1.

@@ -1,9 +1,9 @@
-//! Sequence files: bits a point, time and distortion.
+//! Sequence files: bits per point, time and distortion.
 //!
-//! How it works: some frames that follow each other are written to memory as a sequence file ([`crate::reel`]) and read
-//! back, with one choice of options after the other. Bits are those of all bytes, the directory included. Times are
-//! those of one thread, so that they hold for any number of them. The distortion is that of the last frame
-//! ([`judge`]). Beside them stands what Draco makes of the same points ([`draco`]).
+//! How it works: some consecutive frames are written to memory as a sequence file ([`crate::reel`]) and read back, with
+//! one choice of options after the other. Bits are those of all bytes, the directory included. Times are those of one
+//! thread, so that they hold for any number of them. The distortion is that of the last frame ([`judge`]). Next to them
+//! stands what Draco makes of the same points ([`draco`]).
 
 mod draco;
 mod judge;

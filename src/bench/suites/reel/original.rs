@@ -23,8 +23,8 @@ impl Original {
     }
 }
 
-/// As many frames as were chosen, but one behind the other from the first on: what follows is foretold by what came
-/// before.
+/// Returns the chosen number of frames, but consecutive from the first one on: each frame is predicted from the
+/// preceding ones.
 pub(super) fn consecutive(subject: &Subject<'_>) -> Result<Vec<Original>, BenchError> {
     let first = subject.chosen.first().copied().unwrap_or(0);
     let frames = subject.sequence.frames().skip_while(|&index| index < first);

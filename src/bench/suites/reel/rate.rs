@@ -75,7 +75,7 @@ const NORMAL_BITS: [u8; 3] = [13, 15, 17];
 /// Errors of colours that are compared.
 const COLOR_ERRORS: [u8; 7] = [0, 1, 2, 4, 8, 16, 32];
 
-/// What is compared of a frame.
+/// Comparison made for a frame.
 struct Choice {
     sweep: Sweep,
     label: String,
@@ -95,7 +95,7 @@ impl Choice {
     }
 }
 
-/// What is compared of `cloud`: only what it has.
+/// Returns the comparisons for `cloud`: only of attributes that it has.
 fn choices(cloud: &RawCloud) -> Vec<Choice> {
     let usual = ReelOptions::merged();
     let (_, bounds) = cloud.positions.finite_bounds();

@@ -1,4 +1,4 @@
-//! What keeping frames takes: bytes, bits by stream, times.
+//! Cost of storing frames: bytes, bits by stream, times.
 
 use super::judge::Distortion;
 use super::original::Original;
@@ -10,7 +10,7 @@ use crate::stopwatch::milliseconds_since;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What was measured of one way to keep frames.
+/// Measurements of one storage method for frames.
 pub(super) struct KeptSamples {
     pub(super) frames: usize,
     /// Points of all of them, once they are read back.

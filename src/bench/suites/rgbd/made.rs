@@ -12,7 +12,7 @@ pub(super) const MADE_PX: [u32; 2] = [640, 480];
 const FOCAL_PX: f64 = 525.0;
 const PRINCIPAL_PX: [f64; 2] = [319.5, 239.5];
 
-/// The middle of the ball.
+/// Centre of the ball.
 pub(super) const SCENE_MIDDLE: DVec3 = DVec3::new(0.0, 0.0, 1.5);
 
 const BALL_RADIUS: f64 = 0.5;
@@ -51,7 +51,7 @@ pub(super) fn made_cloud(points: usize) -> RawCloud {
     RawCloud::from_positions(Positions::F32(positions))
 }
 
-/// Where a sensor stands: around the first, all look at the ball.
+/// Returns the sensor pose of a view: around the first, all look at the ball.
 fn pose(view: u32) -> DAffine3 {
     if view == 0 {
         return DAffine3::IDENTITY;
@@ -70,7 +70,7 @@ fn ray(column: u32, row: u32) -> DVec3 {
     DVec3::new(x / FOCAL_PX, y / FOCAL_PX, 1.0)
 }
 
-/// What a sensor measures at a pixel, metres; 0 where it measures nothing.
+/// Returns the depth that a sensor measures at a pixel, metres; 0 where it measures nothing.
 fn measured_z(pose: &DAffine3, at: u32, view: u32) -> f64 {
     let z = true_z(pose, ray(at % MADE_PX[0], at / MADE_PX[0]));
     let seed = at.wrapping_add(view.wrapping_mul(0x9e37_79b9));

@@ -1,10 +1,10 @@
-//! Depth images: decoding and each filter, on one thread, on all, and on a graphics card; then what becomes of their
-//! points in a picture (`screen.rs`).
+//! Depth images: decoding and each filter, on one thread, on all, and on a GPU; then what becomes of their points in an
+//! image (`screen.rs`).
 //!
 //! How it works: the frames of a recording are decoded as they are played, without filters. Each filter is then applied
-//! to the image that those before it made, as often as asked for; the two numbers of threads take turns, so that what
-//! slows the machine down slows both. Where a card makes points of depth images, all of its passes over the image are
-//! timed by its own clock, as often. Sequences that are no depth images are measured by an image that is made here: a
+//! to the output of the preceding ones, as often as requested; the two numbers of threads take turns, so that what
+//! slows the machine down slows both. Where a GPU creates points from depth images, all of its passes over the image
+//! are timed by its own clock, as often. Sequences that are not depth images are measured with a synthetic image: a
 //! ball before a wall, with the noise, the steps, the outliers and the holes of a sensor (`made.rs`).
 
 mod made;
@@ -99,7 +99,7 @@ const POINTS_STAGE: &str = "reproject";
 /// The first frame of a sequence is drawn, too.
 const STEPS_PER_SEQUENCE: usize = 1;
 
-/// What was measured of one stage.
+/// Measurements of one stage.
 struct Stage {
     name: &'static str,
     frames: usize,
@@ -219,7 +219,7 @@ fn filter(
     time(run, stage, one_thread, || drop(black_box(cloud(&image, rays, None))))
 }
 
-/// What a card took for its passes over one image.
+/// GPU times of the passes over one image.
 struct CardTimes(PassTimes);
 
 impl CardTimes {

@@ -1,10 +1,10 @@
-//! Visible points, their normals and their picture, beside Table 1 and Fig. 4 of paper 003.
+//! Visible points, their normals and their image, compared with Table 1 and Fig. 4 of paper 003.
 //!
 //! How it works: clouds of the paper's sizes are made by merging views of one scene, as many as it takes, each from
-//! another place and with noise of its own: more and more points of the same surface, of which a picture shows what it
-//! can. All stages are timed from memory to memory, in turns with the search of `AutoSplats` for the same visible
-//! points. Where a graphics card makes these surfels, a picture of a new view is drawn besides, whose passes are timed
-//! by its own clock.
+//! another position and with noise of its own: more and more points of the same surface, of which an image shows what
+//! it can. All stages are timed from memory to memory, in turns with the search of `AutoSplats` for the same visible
+//! points. Where a GPU creates these surfels, an image of a new view is drawn as well, whose passes are timed by its
+//! own clock.
 
 use super::made::{MADE_PX, SCENE_MIDDLE, made_cloud, pinhole};
 use crate::analysis::screen::{ScreenCloud, ScreenEstimator, Search};
@@ -25,7 +25,7 @@ use std::time::Instant;
 /// Points of the clouds of the paper's Table 1, and its milliseconds for all stages (GTX 1060).
 const PAPER: [(usize, f64); 4] = [(36_000, 3.92), (307_000, 7.56), (3_600_000, 19.92), (5_000_000, 28.90)];
 
-/// Clouds beside those of the sequences.
+/// Number of clouds in addition to those of the sequences.
 pub(super) const CLOUDS: usize = PAPER.len();
 
 const TABLE: &str = "Visible points, their normals and their picture";
@@ -33,7 +33,7 @@ const TABLE: &str = "Visible points, their normals and their picture";
 /// Columns between the name of a stage and the number of threads, which are of filters.
 const FILTER_COLUMNS: usize = 9;
 
-/// What was measured of one cloud.
+/// Measurements of one cloud.
 #[expect(clippy::struct_field_names, reason = "names have their unit")]
 #[derive(Default)]
 struct Samples {
@@ -118,7 +118,7 @@ fn prepared(frame: Frame) -> PreparedFrame {
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
 }
 
-/// Surfels with normals of the screen.
+/// Returns a style of surfels with screen-space normals.
 fn style() -> Style {
     Style::default().with(|style| {
         style.primitive = Primitive::Surfel;

@@ -1,12 +1,12 @@
-//! What both [`COVERAGE_BACKGROUNDS`](crate::bench::run::COVERAGE_BACKGROUNDS) tell: what shows either of them through
-//! is not covered.
+//! Coverage test with both [`COVERAGE_BACKGROUNDS`](crate::bench::run::COVERAGE_BACKGROUNDS): a pixel that lets either
+//! of them show through is not covered.
 
 use image::Rgba;
 
 /// So much of 255 of a background may show through: 3 %.
 const MOST_SHOWN_THROUGH: u8 = 8;
 
-/// Whether a pixel, as it is on each of them, is covered.
+/// Returns true if a pixel, given its colour on each of them, is covered.
 pub(super) fn is_covered(dark: Rgba<u8>, bright: Rgba<u8>) -> bool {
     (0..3).all(|channel| dark[channel].abs_diff(bright[channel]) <= MOST_SHOWN_THROUGH)
 }

@@ -1,9 +1,9 @@
-//! Fig. 5 of paper 004 in numbers: a checker on a few points, from near, from afar and from the side, with and without
-//! mip levels.
+//! Fig. 5 of paper 004 in numbers: a checkerboard on a few points, from near, from afar and from the side, with and
+//! without mip levels.
 //!
-//! How it works: a square of the plane z = 0 has few points and one photograph from above. The truth is the mean of 8×8
-//! rays a pixel of the checker itself. Without levels, one texel or the four around a place stand for all that a pixel
-//! covers.
+//! How it works: a square of the plane z = 0 has few points and one image from above. The ground truth is the mean of
+//! 8×8 rays per pixel of the checkerboard itself. Without mip levels, one texel or the four around a position stand for
+//! all that a pixel covers.
 
 use super::columns::{FILTERED, row};
 use super::filmed::{Filmed, StyledFrame};
@@ -26,7 +26,7 @@ const SQUARES: f64 = 48.0;
 /// Points along an edge.
 const POINTS: usize = 20;
 
-/// Of the photograph and of pictures.
+/// Edge length of the input image and of rendered images.
 const PHOTO_PX: u32 = 1024;
 const PICTURE_PX: u32 = 256;
 
@@ -42,7 +42,7 @@ const VIEWS: [(&str, f64, f64); 3] = [("near", 20.0, 1.0), ("far", 20.0, 8.0), (
 /// Rows of [`measure`], each a step.
 pub(super) const STEPS: usize = 3 * VIEWS.len();
 
-/// What of the checker is compared: disks end at its border.
+/// Fraction of the checkerboard that is compared: disks end at its border.
 const COMPARED: f64 = 0.9;
 
 fn color(place: DVec2) -> f64 {
@@ -54,7 +54,7 @@ fn color(place: DVec2) -> f64 {
     }
 }
 
-/// A camera that looks at the middle.
+/// Returns a camera that looks at the centre.
 fn looking(edge_px: u32, degrees: f64, distance: f64) -> Option<(rgbd::Camera, DAffine3)> {
     let edge = f64::from(edge_px);
     let (focal, principal) = (DVec2::splat(FOCAL * edge), DVec2::splat(0.5 * edge - 0.5));
@@ -112,7 +112,7 @@ fn plane() -> RawCloud {
     }
 }
 
-/// Pictures of the checker beside the truth.
+/// Compares images of the checkerboard with the ground truth.
 pub(super) fn measure(run: &mut Run<'_>, runner: &mut Runner, settings: &Settings) -> Result<Vec<Row>, BenchError> {
     let frame = Arc::new(Frame::from_raw(plane(), DVec3::ZERO)?);
     let look = FirstLook::of(&[&frame], DVec3::ZERO);

@@ -1,7 +1,7 @@
-//! Fig. 10 of paper 004 in numbers: pictures with and without clipping, by how many points there are.
+//! Fig. 10 of paper 004 in numbers: images with and without clipping, by the number of points.
 //!
-//! How it works: photographs have the depths of all points, and are put on fewer and fewer of them. Disks that are as
-//! large as points are apart reach beyond the outline, where depths say that they are not there.
+//! How it works: input images have the depths of all points, and are projected onto fewer and fewer of them. Disks
+//! whose size is the spacing of the points reach beyond the outline, where depths show that there is no surface.
 
 use super::columns::CLIPPED;
 use super::filmed::{Errors, Filmed, StyledFrame, TrueView};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 const POINTS: [usize; 5] = [1_000, 3_000, 10_000, 30_000, 100_000];
 
-/// How many rows there are of a cloud of so many points; each is a step.
+/// Returns the number of rows for a cloud of the given number of points; each is a step.
 pub(super) fn steps(points: usize) -> usize {
     PhotoClipping::ALL.len() * POINTS.into_iter().filter(|&few| few < points).count()
 }

@@ -2,7 +2,7 @@
 
 use crate::bench::report::{Cell, Column, Row};
 
-/// Photographs that were left out, beside pictures from where they were taken.
+/// Table of held-out images, compared with renderings from their viewpoints.
 pub(super) const LEFT_OUT: &str = "left out";
 /// Table 2 of the paper.
 pub(super) const SIZES: &str = "sizes";

@@ -1,4 +1,4 @@
-//! A cloud that photographs are made of, and pictures of it beside the truth.
+//! A cloud that images are generated from, and renderings of it compared with the ground truth.
 
 use super::backgrounds::is_covered;
 use super::columns::row;
@@ -18,7 +18,7 @@ use glam::DVec3;
 use image::RgbaImage;
 use std::sync::Arc;
 
-/// A cloud without photographs, and how it is drawn.
+/// A cloud without images, and its render style.
 pub(super) struct Filmed<'a> {
     pub(super) name: &'a str,
     /// All of its points.
@@ -49,7 +49,7 @@ impl Filmed<'_> {
         ))
     }
 
-    /// What is drawn of a frame of it.
+    /// Builds the scene packet of one of its frames.
     pub(super) fn packet(
         &self,
         drawn: StyledFrame<'_>,
@@ -72,11 +72,11 @@ impl Filmed<'_> {
 pub(super) struct TrueView {
     camera: Camera,
     picture: RgbaImage,
-    /// Where the picture shows something.
+    /// Mask of the pixels where the image shows the object.
     is_object: Vec<bool>,
 }
 
-/// How far pictures of several views are from the truth.
+/// Errors of the rendered images of several views against the ground truth.
 #[derive(Default)]
 pub(super) struct Errors {
     squared: Vec<f64>,
@@ -86,7 +86,7 @@ pub(super) struct Errors {
 }
 
 impl TrueView {
-    /// Of all points, as disks without light: see [`Truth`].
+    /// Renders the ground truth from all points, as unlit disks: see [`Truth`].
     pub(super) fn new(cache: &TruthCache, filmed: &Filmed<'_>, camera: Camera, size_px: [u32; 2]) -> Self {
         let background = Background::solid(COVERAGE_BACKGROUNDS[0]);
         let view = TruthView::new(&camera, filmed.origin, size_px, Lighting::Unlit, background);
@@ -111,7 +111,7 @@ impl TrueView {
 }
 
 impl Errors {
-    /// Of pictures of a frame in these views.
+    /// Measures the errors of a frame's rendered images in these views.
     pub(super) fn of(
         run: &Run<'_>,
         runner: &mut Runner,
@@ -172,7 +172,7 @@ impl Errors {
     }
 }
 
-/// What pictures of a frame take in these views, in the size that was asked for.
+/// Measures the draw times of a frame's images in these views, at the requested size.
 pub(super) fn times_ms(
     run: &Run<'_>,
     runner: &mut Runner,

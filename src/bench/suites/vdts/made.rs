@@ -1,7 +1,7 @@
-//! Photographs of what has none: pictures of all its points.
+//! Synthetic input images of clouds that have none: renderings of all their points.
 //!
-//! That is the experiment of paper 004 (§6, Table 2): what a few thousand points with photographs show of a dense
-//! cloud.
+//! That is the experiment of paper 004 (§6, Table 2): what a few thousand points with view-dependent texturing show of
+//! a dense cloud.
 
 use super::backgrounds::is_covered;
 use super::filmed::{Filmed, StyledFrame};
@@ -16,7 +16,7 @@ use crate::rgbd::{self, DepthImage, Distortion};
 use crate::scene::{Camera, FirstLook};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 
-/// Photographs that are made, and their width and height. Without every eighth there are 50, as many as the paper has
+/// Number of generated images, and their width and height. Without every eighth there are 50, as many as the paper has
 /// of the Buddha, and as large.
 const COUNT: usize = 58;
 const EDGE_PX: u32 = 512;
@@ -24,7 +24,8 @@ const EDGE_PX: u32 = 512;
 /// Cotangent of half the field of view.
 const FOCAL: f64 = 2.5;
 
-/// Pictures of all points of a cloud from around it, with the depths of all points; `None` where it has no middle.
+/// Renders images of all points of a cloud from around it, with the depths of all points; `None` where it has no
+/// centre.
 pub(super) fn make(
     run: &mut Run<'_>,
     runner: &mut Runner,
@@ -86,7 +87,7 @@ pub(super) fn make(
     Ok(Some(Photographs::new(photographs, Some(angle))))
 }
 
-/// The same photographs without depths: those of what they are put on are drawn.
+/// Returns the images without their depths: depths of the surface they are projected onto are then drawn.
 pub(super) fn without_depths(photographs: &Photographs) -> Photographs {
     let photographs_without = photographs.all().iter().map(|photograph| Photograph {
         name: photograph.name.clone(),
@@ -99,7 +100,7 @@ pub(super) fn without_depths(photographs: &Photographs) -> Photographs {
     Photographs::new(photographs_without.collect(), Some(angle))
 }
 
-/// Of a camera that looks at `middle`.
+/// Returns the pose of a camera that looks at `middle`.
 fn pose(look: &FirstLook, middle: DVec3, distance: f64, [azimuth_deg, elevation_deg]: [f64; 2]) -> DAffine3 {
     let mut camera = Camera::framing(&look.trimmed, DVec3::ZERO, look.up);
     camera.azimuth_deg = azimuth_deg;

@@ -1,13 +1,13 @@
-//! Photographs on points (paper 004): pictures seen from photographs that were left out, beside these.
+//! View-dependent texturing (paper 004): rendered images at the viewpoints of held-out images, compared with these.
 //!
-//! How it works: some photographs of each set are left out, all at once, and drawn from where they were taken by the
-//! others. What they show there is the truth. It is compared where something was drawn: a hole says nothing of colours,
-//! and its share is told apart. Points of depth images that are left out are left out as well (`--leave-out`), and the
-//! surface of photographs without depths is made of those that are used.
+//! How it works: some images of each set are held out, all at once, and their viewpoints are rendered from the others.
+//! What they show there is the ground truth. It is compared where something was drawn: a hole says nothing about
+//! colours, and the fraction of holes is reported separately. Points of held-out depth images are held out as well
+//! (`--leave-out`), and the surface for images without depths is built from those that are used.
 //!
-//! Sequences without photographs are photographed (`made.rs`), and a tree is beside them (`tree.rs`). Of these the
-//! truth is known, and so there are tables of what the paper shows: bytes beside errors (`sizes.rs`), clipping
-//! (`clipped.rs`), and what a checker looks like (`checker.rs`).
+//! For sequences without images, images are generated (`made.rs`), and a tree is added to them (`tree.rs`). For these
+//! the ground truth is known, and so there are tables of what the paper shows: bytes and errors (`sizes.rs`), clipping
+//! (`clipped.rs`), and what a checkerboard looks like (`checker.rs`).
 
 mod backgrounds;
 mod checker;
@@ -43,7 +43,7 @@ use std::sync::Arc;
 const POINTS: usize = 5_000;
 const POINTS_OF_TREE: usize = 145_000;
 
-/// Photographs that are left out, drawn by the others.
+/// Suite of held-out images, rendered from the others.
 pub const VDTS: &Suite = &Suite {
     name: "vdts",
     brief: "view-dependent texturing",
@@ -76,7 +76,7 @@ pub const VDTS: &Suite = &Suite {
 
 const MODES: [PhotoMode; 3] = [PhotoMode::Vdts, PhotoMode::Colored, PhotoMode::Single];
 
-/// A picture beside the photograph that was left out.
+/// Rendered image with the held-out image that it is compared with.
 struct Compared<'a> {
     photograph: &'a Photograph,
     mode: PhotoMode,
@@ -107,7 +107,7 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// Says whether photographs were made of it.
+/// Measures a sequence. Returns true if images were generated from it.
 fn measure_sequence(
     run: &mut Run<'_>,
     runner: &mut Runner,
@@ -169,13 +169,13 @@ fn measure_sequence(
     Ok(true)
 }
 
-/// The photographs that are to be left out, by their numbers.
+/// Returns the held-out images, by their numbers.
 fn left_out(run: &Run<'_>, photographs: &Photographs) -> Vec<usize> {
     let numbers = photographs.all().iter().map(|photograph| photograph.number + 1);
     run.options.leave_out.of(numbers.max().unwrap_or(0))
 }
 
-/// Pictures from where photographs were taken that are left out, by those that are used.
+/// Renders the viewpoints of held-out images from those that are used.
 fn leave_out(
     run: &mut Run<'_>,
     runner: &mut Runner,
@@ -230,7 +230,7 @@ fn tables_of_paper(
     Ok(rows)
 }
 
-/// Photographs have their light in them.
+/// Returns the render settings: unlit, as images have their lighting baked in.
 fn settings() -> Settings {
     Settings::default().with(|settings| {
         settings.primitive = Primitive::Surfel.into();
@@ -302,7 +302,7 @@ fn compare<'a>(
     })
 }
 
-/// What a photograph shows, as bright as the others.
+/// Returns the ground truth of an image: its content, adjusted to the brightness of the others.
 fn truth_of(photograph: &Photograph) -> RgbaImage {
     let picture = &photograph.texture.levels()[0];
     let [width, height] = picture.size_px();

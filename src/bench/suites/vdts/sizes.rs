@@ -1,9 +1,9 @@
-//! Table 2 of paper 004 with what there is here: bytes beside errors and times, for a few points with photographs and
-//! for many without.
+//! Table 2 of paper 004 with what is available here: bytes compared with errors and times, for a few points with
+//! view-dependent texturing and for many without.
 //!
-//! How it works: points are counted as a sequence file of them, photographs as JPEG files, as in the paper. What all
-//! points look like as disks of f64 is the truth; photographs were made of the same points by the software renderer,
-//! and those of the views that are compared are left out.
+//! How it works: points are counted as a sequence file of them, images as JPEG files, as in the paper. The ground truth
+//! is what all points look like as disks of f64; images were generated from the same points by the software renderer,
+//! and those of the compared views are held out.
 
 use super::columns::SIZES;
 use super::filmed::{Errors, Filmed, StyledFrame, TrueView, times_ms};
@@ -21,7 +21,7 @@ use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
 use std::sync::Arc;
 
-/// The splats without photographs, at most: as many as the paper has.
+/// Maximum number of splats without images: as many as the paper has.
 const MOST_SPLATS: usize = 1_000_000;
 
 /// The paper says "high".
@@ -30,7 +30,7 @@ const JPEG_QUALITY: u8 = 90;
 /// Rows of [`measure`], each a step.
 pub(super) const STEPS: usize = 4;
 
-/// What a few points are without photographs, with them, and what many are.
+/// Measures a few points without images, the same with them, and many points.
 pub(super) fn measure(
     run: &mut Run<'_>,
     runner: &mut Runner,

@@ -1,8 +1,8 @@
-//! A tree, as the paper has one (Table 2): what photographs show of leaves, and points do not.
+//! A tree, as in the paper (Table 2): what images show of leaves, and points do not.
 //!
-//! How it works: branches are cones that part into thinner ones, each turned from its parent by angles that a generator
-//! of numbers gives; those that part no more carry leaves, small disks in all directions. Points are spread by area,
-//! half of them on bark.
+//! How it works: branches are cones that split into thinner ones, each turned from its parent by angles from a random
+//! number generator; those that split no further carry leaves, small disks in all directions. Points are spread by
+//! area, half of them on bark.
 
 use crate::cloud::{Attributes, Positions, RawCloud};
 use crate::sequence::{FrameEntry, Sequence};
@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 /// Points of it.
 const POINTS: usize = 300_000;
 
-/// How often branches part.
+/// Number of times that branches split.
 const GENERATIONS: u32 = 6;
 
 /// Leaves of the thinnest branches.

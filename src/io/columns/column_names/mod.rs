@@ -184,7 +184,7 @@ const NORMALS: [[&str; 3]; 6] = [
 const NORMAL_STEMS: &[&str] = &["normal", "normals", "n"];
 const NORMAL_ROLES: [&str; 3] = ["nx", "ny", "nz"];
 
-/// How the names of coordinates were found, surest first.
+/// Match quality of the names of coordinates, surest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::io) enum Match {
     /// `x`, `y` and `z`.
@@ -285,7 +285,7 @@ fn unquoted(name: &str) -> &str {
     name.trim_start_matches('#').trim_start_matches("//").trim()
 }
 
-/// What stands before the first bracket and in it.
+/// Splits off the first bracket: returns the text before it and the text in it.
 fn split_bracket(name: &str) -> (&str, Option<&str>) {
     match name.split_once(['(', '[', '{']) {
         Some((before, rest)) => {

@@ -1,7 +1,7 @@
-//! E57 of laser scanners: one or more scans, each with its own fields and pose.
+//! E57 files of LiDAR scanners: one or more scans, each with its own fields and pose.
 //!
-//! The crate `e57` reads the header and the description (XML) and checks the sums of the pages. The points are read
-//! here, see
+//! The crate `e57` reads the header and the description (XML) and verifies the checksums of the pages. The points are
+//! read here, see
 //! [`streams`]: the crate would make an object of every number, and fills memory where a record has no bits.
 
 mod scan;
@@ -24,7 +24,7 @@ use std::path::Path;
 use std::time::Duration;
 use streams::Pages;
 
-/// ASTM E57 of laser scanners; E2807 has it in metres.
+/// ASTM E57 format of LiDAR scanners; E2807 specifies metres.
 pub(in crate::io) const FORMAT: Format = Format::new(&Traits {
     name: "E57",
     extensions: &["e57"],
@@ -127,7 +127,7 @@ fn entry(index: usize, scan: &PointCloud) -> Entry {
 }
 
 fn open<T: Read + Seek>(mut file: T, length: u64) -> Result<E57Reader<T>, Fault> {
-    /// Where the header says how long the description is.
+    /// Byte range of the header field that holds the length of the description.
     const DESCRIPTION_BYTES: std::ops::Range<usize> = 32..40;
     let mut header = Vec::new();
     file.by_ref()

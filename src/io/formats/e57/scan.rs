@@ -46,7 +46,7 @@ pub(super) struct Scan {
 
 /// Fails where `scans` have more points than fit into `file_bytes`, or more than `options` allow.
 pub(super) fn check_claims(scans: &[PointCloud], file_bytes: usize, options: &ReadOptions) -> Result<(), Fault> {
-    /// What a point takes while it is read, beside its fields as the file has them.
+    /// Memory of a point in bytes while it is read, in addition to its fields as stored in the file.
     const POINT_BYTES: u128 = 96;
     let (mut claimed_bits, mut memory_bytes) = (0u128, 0u128);
     for (index, scan) in scans.iter().enumerate() {
@@ -99,7 +99,7 @@ struct ScanFields<'a> {
 }
 
 impl ScanFields<'_> {
-    /// Whether the scan has such a field, be it without a point.
+    /// Returns true if the scan has such a field, even without a point.
     fn has(&self, name: &RecordName) -> bool {
         self.scan.prototype.iter().any(|record| record.name == *name)
     }
@@ -260,8 +260,8 @@ impl ScanFields<'_> {
         Some(colors)
     }
 
-    /// What is dark and bright in a channel: by the limits of the scan, by those of the field, or by the brightest
-    /// number.
+    /// Returns the value range, black and white level, of a colour channel: from the limits of the scan, from those of
+    /// the field, or from the largest value.
     fn range(&self, channel: usize, name: &RecordName, largest: f64) -> (f64, f64) {
         let kind = self
             .scan
@@ -305,7 +305,7 @@ impl ScanFields<'_> {
     }
 }
 
-/// How the pose turns the scan.
+/// Returns the rotation of the scan's pose.
 fn rotation(scan: &PointCloud) -> DQuat {
     let Some(pose) = &scan.transform else {
         return DQuat::IDENTITY;

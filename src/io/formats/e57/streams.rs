@@ -28,7 +28,7 @@ impl Pages {
         }
     }
 
-    /// What is from `offset` of the file on.
+    /// Returns the payload bytes from file offset `offset` on.
     fn from(&self, offset: u64) -> Option<&[u8]> {
         let sums = offset / self.page_bytes * SUM_BYTES;
         self.payload.get(usize::try_from(offset - sums).ok()?..)
@@ -104,7 +104,7 @@ pub(super) fn read<'a>(
     progress: &Progress,
 ) -> Result<Vec<FieldStream<'a>>, Fault> {
     const SECTION_BYTES: usize = 32;
-    /// Where the header of the section says where the packets begin.
+    /// Byte position of the header field of the section that holds the offset of the packets.
     const PACKETS_AT: usize = 16;
     const DATA_PACKET: u8 = 1;
     const DATA_HEADER_BYTES: usize = 6;

@@ -7,7 +7,7 @@ use crate::io::error::Fault;
 use crate::io::options::ReadOptions;
 use std::cell::Cell;
 
-/// What accessors are read from.
+/// Data source of accessors.
 pub(super) struct AccessorSource<'a> {
     pub(super) document: &'a Document,
     pub(super) buffers: &'a Buffers<'a>,
@@ -73,7 +73,7 @@ impl AccessorSource<'_> {
         )
     }
 
-    /// Colours, of which alpha may be left out.
+    /// Reads colours, with or without an alpha channel.
     pub(super) fn read_colors(&self, index: usize) -> Result<Vec<[f32; 4]>, Fault> {
         let accessor = at(&self.document.accessors, index, "accessor")?;
         if components(accessor, index)? == 4 {

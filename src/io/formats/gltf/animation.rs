@@ -1,7 +1,7 @@
-//! Where animations have moved the nodes at a moment.
+//! Animation playback: the node transforms at a point in time.
 //!
-//! A file may hold several: the longest one is played, and with it those that move other things, as programs that give
-//! each object its own animation write them.
+//! A file may hold several animations: the longest one is played, and with it those that move other nodes, as programs
+//! that give each object its own animation write them.
 
 use super::accessor::AccessorSource;
 use super::document::{Sampler, at};
@@ -9,7 +9,7 @@ use crate::io::error::Fault;
 use glam::{DQuat, DVec3};
 use std::collections::HashSet;
 
-/// What animations change of a node.
+/// Animated properties of a node.
 #[derive(Debug, Default, Clone)]
 pub(super) struct NodePose {
     pub(super) translation: Option<DVec3>,
@@ -60,7 +60,7 @@ pub(super) fn played(source: &AccessorSource<'_>) -> Result<(Vec<usize>, f64), F
     Ok((played, longest))
 }
 
-/// What the animations of these indices change of each node at `time` in seconds.
+/// Evaluates the animations of these indices at `time` in seconds and returns the changed properties of each node.
 pub(super) fn changes(source: &AccessorSource<'_>, animations: &[usize], time: f64) -> Result<Vec<NodePose>, Fault> {
     let mut changes = vec![NodePose::default(); source.document.nodes.len()];
     for &animation in animations {
@@ -137,7 +137,7 @@ fn lerp<const N: usize>(a: [f32; N], b: [f32; N], fraction: f32) -> [f32; N] {
     std::array::from_fn(|index| a[index] + (b[index] - a[index]) * fraction)
 }
 
-/// The value at `time`; before the first and behind the last moment theirs.
+/// Samples the value at `time`; before the first and after the last keyframe, that keyframe's value.
 fn sample<const N: usize>(
     source: &AccessorSource<'_>,
     sampler: &Sampler,

@@ -1,4 +1,4 @@
-//! The bytes that a glTF file refers to: within it, in `data:` URIs, or in files beside it.
+//! Buffers that a glTF file refers to: within it, in `data:` URIs, or in companion files.
 
 use super::document::{Buffer, Document, at};
 use crate::io::error::{Fault, mebibytes};
@@ -35,8 +35,7 @@ impl<'a> Buffers<'a> {
         Ok(Self { loaded })
     }
 
-    /// The same, without the file.
-    /// Memory that they take next to the file.
+    /// Returns the memory taken by the buffers in addition to the file, which is not counted.
     pub(super) fn owned_bytes(&self) -> usize {
         let owned = self.loaded.iter().map(|bytes| match bytes {
             Some(Cow::Owned(bytes)) => bytes.len(),

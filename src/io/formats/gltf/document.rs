@@ -60,11 +60,11 @@ objects! {
     }
     /// Entries that differ from those in the view.
     Sparse { count: usize, indices: SparsePart, values: SparsePart }
-    /// Which entries, or what they are.
+    /// Indices or values of the sparse entries.
     SparsePart { buffer_view: usize, byte_offset: usize, component_type: u32 }
     /// Movements that belong together.
     Animation { channels: Vec<Channel>, samplers: Vec<Sampler> }
-    /// What a sampler moves.
+    /// Animation channel: connects a sampler to the property it animates.
     Channel { sampler: usize, target: Target }
     /// A property of a node.
     Target { node: Option<usize>, path: String }
@@ -82,13 +82,13 @@ objects! {
     }
     /// A picture.
     Image { uri: Option<String>, buffer_view: Option<usize> }
-    /// How a surface looks.
+    /// Material: the appearance of a surface.
     Material { pbr_metallic_roughness: Pbr }
     /// The colour of a surface.
     Pbr { base_color_factor: Option<[f32; 4]>, base_color_texture: Option<TextureUse> }
     /// A texture and which coordinates it is looked up with.
     TextureUse { index: usize, tex_coord: usize, extensions: TextureExtensions }
-    /// Of them only the transform counts.
+    /// Texture extensions, of which only the transform counts.
     TextureExtensions {
         #[serde(rename = "KHR_texture_transform")]
         transform: Option<TextureTransform>
@@ -119,7 +119,7 @@ objects! {
         scale: Option<[f64; 3]>,
         weights: Vec<f32>,
     }
-    /// What is shown.
+    /// Scene: the nodes that are shown.
     Scene { nodes: Vec<usize> }
     /// Bones.
     Skin { inverse_bind_matrices: Option<usize>, joints: Vec<usize> }

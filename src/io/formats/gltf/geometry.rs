@@ -12,10 +12,10 @@ use glam::{DAffine3, DMat3, DVec3};
 const VERTEX_BYTES: u64 = 128;
 const FACE_BYTES: u64 = 12;
 
-/// Of a number of a vertex.
+/// Bytes of a vertex index.
 const INDEX_BYTES: u64 = 4;
 
-/// What the scene shows, point by point.
+/// Scene geometry, vertex by vertex.
 #[derive(Default)]
 pub(super) struct Geometry {
     pub(super) positions: Vec<DVec3>,
@@ -25,7 +25,7 @@ pub(super) struct Geometry {
     /// Linear light; white where a shape has none.
     pub(super) colors: Vec<[f32; 4]>,
     pub(super) has_colors: bool,
-    /// Where each vertex is in the texture of its material.
+    /// Texture coordinates of each vertex in the texture of its material.
     pub(super) texture_places: Vec<[f32; 2]>,
     /// Material of each vertex.
     pub(super) materials: Vec<Option<usize>>,

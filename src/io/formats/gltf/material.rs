@@ -15,7 +15,7 @@ use image::RgbaImage;
 use std::path::Path;
 use std::sync::Arc;
 
-/// How the surfaces of a file look.
+/// Surface appearance: the materials of a file.
 pub(super) struct Surfaces<'a> {
     pub(super) materials: &'a [Material],
     pub(super) textures: &'a Textures,
@@ -25,7 +25,7 @@ pub(super) struct Surfaces<'a> {
 pub(super) struct Textures(Vec<Option<RgbaImage>>);
 
 impl Textures {
-    /// Those of the file `path` that `geometry` needs.
+    /// Loads the textures of the file `path` that `geometry` needs.
     pub(super) fn load(source: &AccessorSource<'_>, geometry: &Geometry, path: &Path) -> Result<Self, Fault> {
         let materials = &source.document.materials;
         let mut is_used = vec![false; materials.len()];
@@ -123,7 +123,7 @@ impl Surfaces<'_> {
     }
 }
 
-/// Where a vertex is in the picture of its material.
+/// Returns the texture coordinates of a vertex in the image of its material.
 fn in_picture(pbr: &Pbr, place: [f32; 2]) -> [f32; 2] {
     let texture = pbr.base_color_texture.as_ref();
     let Some(transform) = texture.and_then(|texture| texture.extensions.transform.as_ref()) else {

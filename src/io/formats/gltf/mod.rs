@@ -1,9 +1,9 @@
 //! glTF and GLB: scenes of meshes, which may move.
 //!
-//! A scene that is animated is one frame for each 24th of a second of its longest animation. A frame is the vertices of
-//! all shapes as the nodes, bones and morph targets put them at its moment, or points sampled on their faces: at the
-//! same places of the surface in every frame, spread evenly over the scene as it is before anything moves, so that
-//! point `i` can be followed through time. Coordinates are those of the file, with y up.
+//! An animated scene is one frame for each 24th of a second of its longest animation. A frame is the vertices of all
+//! shapes as the nodes, bones and morph targets place them at its time step, or points sampled on their faces: at the
+//! same positions on the surface in every frame, spread evenly over the scene at rest, so that point `i` can be
+//! followed through time. Coordinates are those of the file, with y up.
 //!
 //! The JSON is read with `serde` into the few objects that count ([`document`]). The crate `gltf` was not used: its
 //! accessors overflow and panic on counts of zero, and it refuses files for extensions that do not concern the shapes.
@@ -42,7 +42,7 @@ pub(in crate::io) const FORMAT: Format = Format::new(&Traits {
     ..Traits::PLAIN
 });
 
-/// Frames a second of animations.
+/// Frame rate of animations in frames per second.
 const FRAME_RATE: f64 = 24.0;
 
 /// Longer animations end there: more than an hour.
@@ -83,7 +83,8 @@ fn list_bytes(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Vec<En
     Ok((0..frames).map(entry).collect())
 }
 
-/// The scene at the moment that `part` says, by default the first; sampled already where `options` ask for it.
+/// Decodes the scene at the time step given by `part`, by default the first; already sampled where `options` ask for
+/// it.
 pub(in crate::io) fn decode(path: &Path, bytes: &[u8], part: &Part, options: &ReadOptions) -> Result<RawCloud, Fault> {
     let time_s = match part {
         Part::Moment(time) => time.as_secs_f64(),

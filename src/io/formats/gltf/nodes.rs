@@ -1,4 +1,4 @@
-//! Where the nodes of the scene are, each within its parent.
+//! Node transforms of the scene, each within its parent.
 
 use super::animation::{NodePose, unit};
 use super::document::{Document, Node, at};

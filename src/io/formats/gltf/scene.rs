@@ -1,4 +1,5 @@
-//! What all frames of a file share: the parsed document, its buffers, textures, and where points are sampled.
+//! Shared state of all frames of a file: the parsed document, its buffers, textures, and the positions at which points
+//! are sampled.
 
 use super::accessor::AccessorSource;
 use super::animation::{self, NodePose};
@@ -27,9 +28,10 @@ pub(in crate::io) struct Scene<'a> {
     /// Indices of the animations that are played.
     played: Vec<usize>,
     textures: Textures,
-    /// The same as they are handed over, where they are.
+    /// Textures in the form in which they are handed over with the cloud, if they are.
     kept_textures: Option<Arc<cloud::Textures>>,
-    /// Where points are sampled, if they are: found on the scene at rest, so that they are the same in every frame.
+    /// Sample positions, if points are sampled: determined on the scene at rest, so that they are the same in every
+    /// frame.
     places: Option<(Places, NonZeroUsize)>,
     /// Taken by textures of the memory that one frame may take.
     spent_bytes: u64,
@@ -69,7 +71,7 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// The same, without the bytes of the file.
+    /// Converts the scene to an owned one, without the bytes of the file.
     pub(in crate::io) fn into_owned(self) -> Scene<'static> {
         Scene {
             document: self.document,

@@ -42,7 +42,7 @@ fn walk<'a>(
     file_bytes: usize,
     mut page: impl FnMut(Range<usize>) -> Option<Cow<'a, [u8]>>,
 ) -> Option<Vec<Vec<LazChunk>>> {
-    /// In place of a count of points: the entry is a further page.
+    /// Page marker instead of a point count: the entry is a further page.
     const PAGE: i32 = -1;
     let mut levels: Vec<Vec<LazChunk>> = Vec::new();
     let mut pages = vec![(start, length)];

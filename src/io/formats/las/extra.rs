@@ -1,4 +1,4 @@
-//! Further numbers a point, which the standard record of extra bytes describes.
+//! Extra bytes: further values per point, which the standard record of extra bytes describes.
 
 use super::header::{LasHeader, Record, take};
 use crate::io::columns::column::Scalar;
@@ -9,7 +9,7 @@ const DESCRIPTION_BYTES: usize = 192;
 /// A plain number.
 #[derive(Debug, Clone)]
 pub(super) struct ExtraField {
-    /// Of the file; may be empty, or that of another field.
+    /// Field name in the file; may be empty, or that of another field.
     pub(super) name: String,
     /// Counted from 1.
     pub(super) number: usize,
@@ -23,7 +23,7 @@ pub(super) struct ExtraField {
 }
 
 impl ExtraField {
-    /// Whether the numbers in the file are what they mean.
+    /// Returns true if the field is unscaled: the numbers in the file are the values themselves.
     pub(super) fn is_plain(&self) -> bool {
         self.no_data.is_none() && (self.scale, self.offset) == (1.0, 0.0)
     }

@@ -14,7 +14,7 @@ const HEADER_1_4_BYTES: usize = 375;
 /// Bytes of a point of each format without extra bytes.
 const POINT_BYTES: [usize; 11] = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67];
 
-/// What the header says.
+/// Parsed LAS header.
 #[derive(Debug, Clone)]
 pub(super) struct LasHeader {
     /// Point format, 0 to 10.
@@ -25,13 +25,13 @@ pub(super) struct LasHeader {
     pub(super) point_bytes: usize,
     /// Points that the file claims.
     pub(super) count: u64,
-    /// Where the points begin.
+    /// Byte offset of the points.
     pub(super) points_start: usize,
     pub(super) scale: [f64; 3],
     pub(super) offset: [f64; 3],
-    /// Where the records behind the header begin, and how many there are said to be.
+    /// Byte offset of the variable length records after the header, and their number according to it.
     records: (usize, u32),
-    /// The same for those behind the points.
+    /// Byte offset and number of the records after the points.
     late_records: (u64, u32),
 }
 
@@ -158,13 +158,13 @@ impl LasHeader {
         bytes.get(self.points_start..end).unwrap_or_default()
     }
 
-    /// Where the records behind the points begin, if there are any.
+    /// Returns the byte offset of the records after the points, if there are any.
     pub(super) fn late_records_start(&self) -> Option<u64> {
         let (start, count) = self.late_records;
         (count > 0).then_some(start)
     }
 
-    /// The same for bytes that have the records behind the points at `start`.
+    /// Returns the header for bytes that have the records after the points at byte offset `start`.
     pub(super) fn with_late_records_at(self, start: usize) -> Self {
         let (_, count) = self.late_records;
         Self {

@@ -30,7 +30,7 @@ pub(super) struct LazChunk {
     pub(super) points: usize,
 }
 
-/// How the points of a file are compressed.
+/// Compression parameters of the points of a file.
 pub(super) struct Compression {
     record: LazVlr,
     /// Newer files have a stream of bytes for each field (layers), older ones one for all.
@@ -185,7 +185,7 @@ impl Compression {
 
     /// Bytes of the layered chunk at the start of `bytes` as its own sizes say.
     fn layered_bytes(&self, bytes: &[u8]) -> Option<usize> {
-        /// How many points there are, behind the first of them.
+        /// Size of the point count, which follows the first point.
         const COUNT_BYTES: usize = 4;
         let sizes: usize = self.record.items().iter().copied().map(fields::layers).sum();
         let sizes_start = self.point_bytes + COUNT_BYTES;
@@ -196,8 +196,8 @@ impl Compression {
         })
     }
 
-    /// The points of `chunks`, in their order; they are the steps that `progress` is told of. The caller has checked
-    /// that there is memory for them.
+    /// Decompresses the points of `chunks`, in their order; the chunks are the steps reported to `progress`. The caller
+    /// has checked that there is memory for them.
     pub(super) fn unpack(&self, bytes: &[u8], chunks: &[LazChunk], progress: &Progress) -> Result<Vec<u8>, Fault> {
         let points: usize = chunks.iter().map(|chunk| chunk.points).sum();
         progress.set(0, points);

@@ -1,7 +1,7 @@
 //! The running median by which LAZ predicts the next step.
 
-/// The middle one of five values. A new one takes the place of the largest or the smallest, by turns: when it falls
-/// into the half from which one was dropped, the next is dropped from the other half.
+/// Running median of five values. A new value replaces the largest or the smallest, alternately: when it falls into the
+/// half from which one was dropped, the next is dropped from the other half.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Median {
     sorted: [i32; 5],

@@ -43,12 +43,12 @@ pub(in crate::io) const FORMAT: Format = Format::new(&Traits {
     ..Traits::PLAIN
 });
 
-/// What names the record that describes the compression.
+/// User ID of the record that describes the compression.
 const COMPRESSION_USER: &[u8] = b"laszip encoded";
 const COMPRESSION_ID: u16 = 22204;
 
-/// What the crate `laz` keeps for each extra byte of a point, on each thread, while it unpacks: four models of 256
-/// symbols in layers, one in the older stream.
+/// Memory that the crate `laz` keeps for each extra byte of a point, on each thread, while it decompresses: four models
+/// of 256 symbols in layers, one in the older stream.
 const EXTRA_MODEL_BYTES: u64 = 4 * 2400;
 
 pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Progress) -> Result<RawCloud, Fault> {
@@ -112,8 +112,8 @@ pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Prog
     with_unit(points::cloud(&header, &extra, &rows))
 }
 
-/// What is said of a file whose header counts no points although there are bytes for some: who wrote it was
-/// interrupted before the header was filled. Points that can be read are counted in `header` then.
+/// Returns the warning about a file whose header has a point count of zero although there are bytes for some: the
+/// writer was interrupted before the header was filled in. Points that can be read are then counted in `header`.
 fn unfinished(header: &mut LasHeader, bytes: &[u8]) -> Option<String> {
     /// An empty compressed file has a table of its chunks.
     const EMPTY_LAZ_BYTES: usize = 256;

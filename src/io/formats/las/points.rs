@@ -8,7 +8,7 @@ use crate::io::columns::column::{Column, Scalar, Values};
 use rayon::prelude::*;
 use std::collections::HashSet;
 
-/// Where the fields lie that not every format has at the same place.
+/// Byte offsets of the fields whose position depends on the point format.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
     /// Formats 6 to 10 have wider counts of returns and classes.
@@ -37,7 +37,7 @@ impl Layout {
         }
     }
 
-    /// Bytes that a point takes in the cloud, and beside it while it is read.
+    /// Returns the bytes that a point takes in the cloud, and in addition to it while it is read.
     pub(super) fn cloud_bytes(self, extra: &[ExtraField]) -> usize {
         let scalars = STANDARD.len() + usize::from(self.gps_time.is_some()) + extra.len();
         // One column at a time is also there with all its digits. Most files have a few of the fields.
@@ -131,7 +131,7 @@ const INTENSITY: &str = "intensity";
 /// Degrees of a step of the scan angle from point format 6 on.
 pub(super) const ANGLE_STEP: f32 = 0.006;
 
-/// Where the numbers of a standard field are.
+/// Bit layout of a standard field.
 #[derive(Debug, Clone, Copy)]
 enum FieldBits {
     U8(usize),
@@ -209,7 +209,7 @@ fn used_bits(rows: &[u8], step: usize) -> [u8; STANDARD_BYTES] {
 const POINTS_PER_TASK: usize = 1 << 14;
 
 impl StandardField {
-    /// Whether a point with these bits has a number that is not zero.
+    /// Returns true if a point with these bits has a non-zero value in the field.
     fn is_in(self, used: &[u8; STANDARD_BYTES]) -> bool {
         match self.place {
             FieldBits::U8(at) | FieldBits::I8(at) => used[at] != 0,

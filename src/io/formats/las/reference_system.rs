@@ -2,7 +2,7 @@
 
 use super::header::{Record, take};
 
-/// What names the records with coordinate reference systems.
+/// User ID of the records with coordinate reference systems.
 pub(super) const PROJECTION_USER: &[u8] = b"LASF_Projection";
 pub(super) const GEO_KEYS_ID: u16 = 34735;
 pub(super) const WELL_KNOWN_TEXT_ID: u16 = 2112;

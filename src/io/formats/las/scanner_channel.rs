@@ -1,10 +1,10 @@
-//! What predicts layered points of one scanner channel (see [`super::layered_point`]): its last point, and all that
-//! adapts to its points.
+//! Prediction context of the layered points of one scanner channel (see [`super::layered_point`]): its last point, and
+//! all models that adapt to its points.
 //!
-//! A symbol says what changes, in the context of what kind of return the last one was. Steps in the plane are predicted
-//! by the median of those between returns alike, heights by the last return as far from the end of its pulse, classes
-//! by the last one, and intensities by that of the last return alike. For steps and intensities, returns are alike only
-//! if both or none of them have a new time, thus begin a pulse.
+//! A symbol encodes what changes, in the context of what kind of return the last one was. Steps in the plane are
+//! predicted by the median of those between similar returns, heights by the last return at the same distance from the
+//! end of its pulse, classes by the last one, and intensities by that of the last similar return. For steps and
+//! intensities, returns are similar only if both or none of them have a new time, and thus begin a pulse.
 //!
 //! Source: LAZ Specification 1.4 R1 (rapidlasso), item `POINT14`.
 
@@ -21,7 +21,7 @@ pub(super) type Layer = ArithmeticDecoder<Cursor<Vec<u8>>>;
 
 pub(super) const POINT_BYTES: usize = 30;
 
-/// Where parts are in a point; the coordinates are at its start.
+/// Byte offsets of the fields in a point; the coordinates are at its start.
 const INTENSITY: usize = 12;
 const RETURNS: usize = 14;
 const CHANNEL: usize = 15;
@@ -31,7 +31,7 @@ const TIME: usize = 22;
 const CHANNEL_SHIFT: u32 = 4;
 const CHANNEL_MASK: u8 = 3 << CHANNEL_SHIFT;
 
-/// What the symbol of changes says about other parts than the return number, which is in its last two bits.
+/// Flags of the change symbol for fields other than the return number, which is in its last two bits.
 pub(super) const OTHER_CHANNEL: u32 = 1 << 6;
 const OTHER_TIME: u32 = 1 << 4;
 const OTHER_COUNT: u32 = 1 << 2;
@@ -57,7 +57,7 @@ const PULSES: [&[u8; 16]; 16] = [
 ];
 const PULSE_KINDS: usize = 6;
 
-/// What predicts the points of one scanner channel.
+/// Prediction context of the points of one scanner channel.
 pub(super) struct Channel {
     /// The last one.
     point: [u8; POINT_BYTES],
@@ -138,25 +138,25 @@ impl Channel {
         (returns >> 4, returns & 15)
     }
 
-    /// Whether the last return was the first of its pulse, the last, and had a new time.
+    /// Returns the kind of the last return as bit flags: first of its pulse, last of its pulse, new time.
     fn last_kind(&self) -> usize {
         let (count, number) = self.pulse();
         usize::from(number == 1) | usize::from(number >= count) << 1 | usize::from(self.has_new_time) << 2
     }
 
-    /// Whether this return is the last of its pulse, and the first.
+    /// Returns the kind of this return as bit flags: last of its pulse, first of its pulse.
     fn kind(&self) -> usize {
         let (count, number) = self.pulse();
         usize::from(number >= count) | usize::from(number == 1) << 1
     }
 
-    /// What changes; a point of another channel goes on there.
+    /// Decodes the change symbol of the next point; a point of another channel continues there.
     pub(super) fn next_changes(&mut self, layer: &mut Layer) -> Result<u32> {
         let kind = self.last_kind();
         layer.decode_symbol(&mut self.changes[kind])
     }
 
-    /// How many channels further the point is, 1 to 3.
+    /// Decodes the channel offset of the point, 1 to 3.
     pub(super) fn next_other_channel(&mut self, layer: &mut Layer) -> Result<usize> {
         Ok(1 + layer.decode_symbol(&mut self.other_channels)? as usize)
     }

@@ -17,8 +17,8 @@ fn of_geo_keys(keys: &GeoKeys<'_>) -> Option<LengthUnit> {
     LengthUnit::of_epsg(keys.value(LINEAR_UNITS_KEY)?)
 }
 
-/// Of `PROJCS["…", GEOGCS[…], …, UNIT["metre",1], …]`, or `PROJCRS[…, LENGTHUNIT["metre",1]]`: the unit that belongs to
-/// the projection itself, or to its first axis.
+/// Returns the unit in `PROJCS["…", GEOGCS[…], …, UNIT["metre",1], …]`, or `PROJCRS[…, LENGTHUNIT["metre",1]]`: the one
+/// that belongs to the projection itself, or to its first axis.
 fn of_text(text: &str) -> Option<LengthUnit> {
     let start = ["PROJCS[", "PROJCRS["]
         .iter()

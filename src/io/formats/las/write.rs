@@ -27,7 +27,7 @@ struct Axis {
 }
 
 impl Axis {
-    /// Of a thousandth.
+    /// Minimum number of decimal digits: a thousandth.
     const LEAST_DIGITS: i32 = 3;
     /// More than coordinates of double precision have.
     const MOST_DIGITS: i32 = 15;

@@ -1,7 +1,7 @@
-//! Where scalar fields go in a point of LAS: to the place that the format has for them, or into extra bytes.
+//! Mapping of scalar fields to a LAS point: to the standard field that the format has for them, or to extra bytes.
 //!
-//! A field goes to its place if that holds all of its numbers as they are. Intensity, class and time go there in any
-//! case, as other programs look for them nowhere else: intensities are rounded to 16 bits.
+//! A field goes to its standard field if that represents all of its numbers exactly. Intensity, class and time go there
+//! in any case, as other programs look for them nowhere else: intensities are rounded to 16 bits.
 
 use super::points::ANGLE_STEP;
 use crate::cloud::ScalarField;
@@ -109,7 +109,8 @@ impl<'a> StandardFields<'a> {
         rows.extend(if time.is_finite() { time } else { 0.0 }.to_le_bytes());
     }
 
-    /// How many points are which return, of `total` of which `finite` are written. Without returns all are first ones.
+    /// Returns the number of points per return number, of `total` of which `finite` are written. Without returns all
+    /// are first ones.
     pub(super) fn return_counts(&self, total: usize, finite: u64) -> [u64; 15] {
         let mut counts = [0; 15];
         match self.return_number {
@@ -172,7 +173,8 @@ impl<'a> ExtraBytes<'a> {
     }
 }
 
-/// What is lost of `scalars`: fields beyond those that can be described, and values that their place rounds.
+/// Returns the losses of `scalars`: fields beyond those that can be described, and values that their standard field
+/// rounds.
 pub(super) fn lost(scalars: &[ScalarField]) -> Vec<(Loss, f64)> {
     let standard = StandardFields::of(scalars);
     let extra = scalars.iter().filter(|field| !standard.has(field));
@@ -206,7 +208,7 @@ pub(super) fn lost(scalars: &[ScalarField]) -> Vec<(Loss, f64)> {
     lost
 }
 
-/// Whether single precision does not hold the numbers.
+/// Returns true if single precision cannot represent the numbers.
 fn is_wide(field: &ScalarField) -> bool {
     field.offset != 0.0
 }
@@ -219,7 +221,7 @@ fn numbers(field: &ScalarField) -> impl Iterator<Item = f64> {
     field.values.iter().map(|&value| f64::from(value) + field.offset)
 }
 
-/// What makes 16 bits of an intensity: other programs have it from 0 to 1.
+/// Returns the scale factor from intensities to 16 bits: other programs have intensities from 0 to 1.
 fn intensity_scale(field: &ScalarField) -> f64 {
     let is_fraction = numbers(field).any(|value| value.fract() != 0.0)
         && !numbers(field).any(|value| !(0.0..=1.0).contains(&value) && value.is_finite());

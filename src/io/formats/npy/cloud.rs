@@ -96,7 +96,7 @@ pub(super) fn place_of_positions(arrays: &[NamedArray<'_>]) -> Option<usize> {
     named.or((arrays.len() == 1).then_some(0))
 }
 
-/// The arrays of `members`. Those of words and the like are left out, unless they are to be the coordinates.
+/// Parses the arrays of `members`. Those of words and the like are skipped, unless they are to be the coordinates.
 pub(super) fn parsed(members: &[(String, Vec<u8>)]) -> Result<Vec<NamedArray<'_>>, Fault> {
     let mut arrays = Vec::new();
     let mut first_fault = None;
@@ -217,7 +217,7 @@ pub(super) fn cloud_of_archive(
     Ok(cloud)
 }
 
-/// Adds what the `arrays` beside the coordinates say of each of `count` points.
+/// Adds columns from the `arrays` other than the coordinates that have values for each of `count` points.
 fn add_columns_beside<'a>(columns: &mut Vec<Column<'a>>, arrays: &[NamedArray<'a>], count: usize) -> Result<(), Fault> {
     let is_one_of = |names: &[&str], name: &str| names.contains(&name);
     for (name, array) in arrays {

@@ -1,7 +1,8 @@
-//! The frames of a file of arrays.
+//! Frames of a file of arrays.
 //!
-//! **How it works.** The headers alone tell how many layers there are. Arrays are unpacked once for all frames of a
-//! file (`io/shared.rs`); a frame then is a view of its layer, also of those arrays beside it that have as many.
+//! **How it works.** The number of layers is determined from the headers alone. Arrays are unpacked once for all frames
+//! of a file (`io/shared.rs`); a frame then is a view of its layer, also of those companion arrays that have the same
+//! number of layers.
 
 use super::cloud::{MOST_DEFLATED, cloud_of_archive, parsed, place_of_positions, unpacked};
 use super::header::Array;
@@ -99,7 +100,8 @@ pub(in crate::io) fn list_array(path: &Path, options: &ReadOptions) -> Result<Ve
     Ok(entries(layers.filter(|_| !may_be_one || is_one() != Some(true))))
 }
 
-/// Whether the array at `place` is one image of points, or nothing that has frames: its reading then says why.
+/// Returns true if the array at `place` is one image of points, or nothing that has frames: reading it then reports
+/// why.
 fn is_one_cloud(mut arrays: Vec<(String, Array<'_>)>, place: usize, options: &ReadOptions) -> bool {
     refuse(&arrays[place].1, options.columns).is_err() || take_point_map(&mut arrays, place, options.columns).is_some()
 }

@@ -14,8 +14,8 @@ pub(super) struct Array<'a> {
     pub(super) is_fortran: bool,
     pub(super) payload: &'a [u8],
     row_bytes: usize,
-    /// Where the first entry is, and how far apart the next ones along the first dimension are, entries: in the order
-    /// of Fortran alone.
+    /// Index of the first entry, and stride of the next ones along the first dimension, in entries: for Fortran order
+    /// only.
     first: usize,
     apart: usize,
 }
@@ -107,7 +107,7 @@ impl<'a> Array<'a> {
         }
     }
 
-    /// A table with a layer of one beside its rows and columns, as those of shape N × 1 × 3, without that: its numbers
+    /// Returns a table without single layers in addition to its rows and columns, as in shape N × 1 × 3: its numbers
     /// lie in the same order.
     pub(super) fn without_single_layers(mut self) -> Self {
         while self.shape.len() > 2

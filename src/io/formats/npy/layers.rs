@@ -1,7 +1,7 @@
-//! Sequences in one array: T × N × 3, a layer a frame, or T × H × W × 3, an image of points a frame.
+//! Sequences in one array: T × N × 3, one layer per frame, or T × H × W × 3, one image of points per frame.
 //!
-//! A single image of points, H × W × 3, has the shape of the first: its values tell ([`super::looks`]). An array with
-//! one layer is one frame.
+//! A single image of points, H × W × 3, has the same shape as the first: they are distinguished by its values
+//! ([`super::looks`]). An array with one layer is one frame.
 
 use super::header::{Array, ArrayLayout};
 use crate::assumption::{Assumption, Evidence, Subject};
@@ -11,7 +11,7 @@ use crate::io::error::Fault;
 /// An array and its name, in lower case.
 pub(super) type NamedArray<'a> = (String, Array<'a>);
 
-/// Columns of a table that are told by their number.
+/// Maximum number of columns at which an array is recognised as a table by its column count.
 pub(super) const MAX_COLUMNS: usize = 64;
 
 /// The number of the layer that a part of a file is.
@@ -22,8 +22,8 @@ pub(in crate::io) fn layer_of(part: &Part) -> usize {
     }
 }
 
-/// Makes images of points, T × H × W × 3 at `place`, the layers T × H·W × 3, as well as what is beside them of each of
-/// their points. Height and width of these images; `None` if there are none.
+/// Reshapes images of points, T × H × W × 3 at `place`, into layers T × H·W × 3, together with the companion arrays
+/// that have values for each of their points. Returns height and width of these images; `None` if there are none.
 pub(super) fn unroll_images(arrays: &mut [NamedArray<'_>], place: usize) -> Option<[usize; 2]> {
     let positions = &arrays[place].1;
     let (ArrayLayout::Table(_), &[frames, height, width, columns]) = (&positions.kind, &positions.shape[..]) else {
@@ -42,7 +42,7 @@ pub(super) fn unroll_images(arrays: &mut [NamedArray<'_>], place: usize) -> Opti
     Some([height, width])
 }
 
-/// How many frames an array is: `None` if it is one.
+/// Returns the number of frames (layers) of an array; `None` if it is one frame.
 pub(super) fn layer_count(array: &Array<'_>) -> Option<usize> {
     let (ArrayLayout::Table(_), &[layers, points, width]) = (&array.kind, &array.shape[..]) else {
         return None;

@@ -1,5 +1,5 @@
-//! What an array is, by its shape, its type and its values: images, depths, voxels and poses are refused by name, and
-//! a point in each pixel of one image (H × W × 3) is told from T frames of N points.
+//! Classification of an array by its shape, its type and its values: images, depths, voxels and poses are refused by
+//! name, and a single image with one point per pixel (H × W × 3) is distinguished from T frames of N points.
 //!
 //! **How it works.** Neighbouring rows of an image of points are about as near to each other as neighbours in a row,
 //! and a row is a thin strip of the scene. Neighbouring frames are the same points moved a little, or others, and each
@@ -106,7 +106,8 @@ fn holds_bits(array: &Array<'_>) -> bool {
         .all(|&byte| byte <= 1)
 }
 
-/// Whether the plane of two dimensions, the first of its kind, holds values of one kind, or whole numbers of 16 bits.
+/// Returns true if the array is an image: the plane of two dimensions, the first of its kind, holds values of one kind,
+/// or 16-bit integers.
 fn is_image(array: &Array<'_>, plane: &[usize; 2]) -> bool {
     const MIN_WIDTH: usize = 16;
     const MAX_WIDTH: usize = 256;
@@ -126,13 +127,14 @@ fn is_image(array: &Array<'_>, plane: &[usize; 2]) -> bool {
     number.scalar == Some(Scalar::U16) || is_grid(&columns)
 }
 
-/// What `--columns frame=…` says of an array of three dimensions: frames, or none.
+/// Returns the interpretation that `--columns frame=…` specifies for an array of three dimensions: frames, or none.
 fn given(columns: Option<ColumnMap>) -> Option<bool> {
     columns.and_then(ColumnMap::frame).map(|frame| frame.is_some())
 }
 
-/// Height and width of the array at `place` if it is one image of points, with the assumption unless a person says so:
-/// it becomes a table, as well as what is beside it of each pixel.
+/// Takes the array at `place` as a point map if it is one image of points, and returns its height and width, with the
+/// assumption unless specified by the user: it becomes a table, together with the companion arrays that have values for
+/// each pixel.
 pub(super) fn take_point_map(
     arrays: &mut [NamedArray<'_>],
     place: usize,
@@ -179,13 +181,13 @@ fn can_be_point_map(array: &Array<'_>) -> bool {
 }
 
 fn is_point_map(array: &Array<'_>) -> bool {
-    /// Of one side to the other.
+    /// Maximum aspect ratio of one side to the other.
     const MAX_ASPECT: usize = 64;
-    /// Of the distance of points that are far away from each other in the array.
+    /// Maximum step as a fraction of the distance of points that are far away from each other in the array.
     const MAX_STEP: f64 = 0.25;
-    /// Of the steps along rows and along columns.
+    /// Maximum ratio of the steps along rows and along columns.
     const MAX_RATIO: f64 = 16.0;
-    /// Of the extent of all.
+    /// Maximum thickness as a fraction of the extent of all.
     const MAX_THICKNESS: f64 = 0.35;
     let [height, width] = [array.shape[0], array.shape[1]];
     let is_image = height >= MIN_SIDE && width >= MIN_SIDE;

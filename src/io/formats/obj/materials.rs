@@ -1,7 +1,7 @@
-//! Materials of OBJ files: of each its diffuse colour and the picture that may be in its place.
+//! Materials of OBJ files: the diffuse colour of each, and the texture image that may replace it.
 //!
-//! They stand in libraries (MTL) beside the file, read by `tobj`, and name pictures in the same folder. What of them
-//! cannot be read is a warning: what the shape is does not depend on it.
+//! Materials are in material libraries (MTL), companions of the file, read by `tobj`, and name images in the same
+//! folder. Anything that cannot be read is a warning: the shape does not depend on it.
 
 use crate::cloud::Textures;
 use crate::io::codec::Encoded;
@@ -12,7 +12,7 @@ use image::RgbaImage;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// How a face looks.
+/// Appearance of a face.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Paint {
     /// One colour: `Kd`. White where the material says nothing, or is not there.
@@ -22,7 +22,7 @@ pub(super) enum Paint {
     Picture(u32),
 }
 
-/// What is known of the materials of a file.
+/// Materials of a file.
 #[derive(Debug, Default)]
 pub(super) struct Materials {
     /// In the order in which they were asked for.
@@ -32,7 +32,7 @@ pub(super) struct Materials {
 }
 
 impl Materials {
-    /// Those of `names` in the libraries of a file.
+    /// Loads the materials of `names` from the libraries of a file.
     pub(super) fn load(libraries: &[String], names: &[String], file: &Encoded<'_>) -> Result<Self, Fault> {
         let mut reading = Reading {
             file,
@@ -64,7 +64,7 @@ impl Paint {
     pub(super) const WHITE: Self = Self::Color([255; 4]);
 }
 
-/// What was read so far.
+/// Progress of reading the materials.
 struct Reading<'a> {
     file: &'a Encoded<'a>,
     /// Memory that pictures may still take.
@@ -133,8 +133,8 @@ impl Reading<'_> {
         picture::decode(&bytes, self.left_bytes).map_err(|error| format!("`{name}`: {error}"))
     }
 
-    /// The file of a name, or where that leads elsewhere the one beside the OBJ file with the last part of the name:
-    /// programs write the paths of the machine that they ran on.
+    /// Returns the bytes of the named file, or, where the name leads elsewhere, those of the file next to the OBJ file
+    /// with the last component of the name: programs write the paths of the machine that they ran on.
     fn bytes_beside(&self, name: &str) -> Result<Vec<u8>, String> {
         let read = |name: &str| beside::read(name, self.file.name, self.left_bytes, self.file.options);
         let name = name.replace('\\', "/");

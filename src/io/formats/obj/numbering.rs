@@ -1,4 +1,4 @@
-//! How statements name what stands before them.
+//! Element numbering: references of statements to elements defined before them.
 
 /// The index of what `word` names among `count`, if it is there. Numbers count from 1, negative ones backwards from the
 /// last.

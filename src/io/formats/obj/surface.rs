@@ -1,4 +1,5 @@
-//! What lies on the faces of an OBJ file: which material each has, and where its corners are in the material's picture.
+//! Surface attributes of the faces of an OBJ file: the material of each, and the texture coordinates of its corners in
+//! the material's image.
 
 use super::counts::Counts;
 use super::materials::{Materials, Paint};
@@ -19,7 +20,8 @@ const NO_PLACE: u32 = u32::MAX;
 pub(super) struct Corners {
     /// Texture coordinates as they stand in the file: to the right, and upwards.
     places: Vec<[f32; 2]>,
-    /// Of each corner of each face, which of the places; shorter than the list of faces if no more of them have any.
+    /// Indices of the texture coordinates of each corner of each face; shorter than the list of faces if no more of
+    /// them have any.
     places_of_faces: Vec<[u32; 3]>,
     polygon: Vec<u32>,
     /// Faces before the polygon.
@@ -126,7 +128,7 @@ impl Corners {
         })
     }
 
-    /// Where a corner is in a picture, 0 to 1 from left to right and from top to bottom.
+    /// Returns the texture coordinates of a corner, 0 to 1 from left to right and from top to bottom.
     fn place(&self, corner: Corner) -> [f32; 2] {
         match self.places.get(corner.place as usize) {
             Some([right, up]) => [*right, 1.0 - up],

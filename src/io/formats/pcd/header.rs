@@ -19,7 +19,7 @@ const MAX_NUMBERS: usize = 4096;
 /// The name of bytes that mean nothing.
 const PADDING: &str = "_";
 
-/// How points are stored.
+/// Encoding of the points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -27,7 +27,7 @@ pub(super) enum Encoding {
     BinaryCompressed,
 }
 
-/// What the header says.
+/// Parsed PCD header.
 #[derive(Debug)]
 pub(super) struct Header {
     pub(super) fields: Vec<PcdField>,
@@ -41,7 +41,7 @@ pub(super) struct Header {
     pub(super) encoding: Encoding,
     /// Bytes up to the points.
     pub(super) byte_size: usize,
-    /// What was skipped or renamed, a clause each with its line.
+    /// Warnings about what was skipped or renamed, one clause each with its line.
     pub(super) warnings: Vec<String>,
 }
 
@@ -107,7 +107,7 @@ impl Header {
         ))
     }
 
-    /// Whether fields are said to have no number.
+    /// Returns true if the header declares fields without a number.
     pub(super) fn has_empty_fields(&self) -> bool {
         self.fields.iter().any(|field| field.count == 0)
     }
@@ -323,14 +323,14 @@ impl Lines {
     }
 }
 
-/// Whether no machine has floating-point numbers of so many bytes: the header is wrong. Others (halves, `long double`)
-/// are skipped.
+/// Returns true if no machine has floating-point numbers of that size: the header is wrong. Other sizes (halves, `long
+/// double`) are skipped.
 fn is_no_float(kind: &str, number_bytes: usize) -> bool {
     let is_float = ["f", "float"].iter().any(|name| kind.eq_ignore_ascii_case(name));
     is_float && ![2, 4, 8, 10, 12, 16].contains(&number_bytes)
 }
 
-/// Of two fields of the same name the first keeps it.
+/// Renames duplicate fields: of two fields of the same name the first keeps it.
 fn rename_duplicates(fields: &mut [PcdField], line: usize, warnings: &mut Vec<String>) {
     let named = fields.iter_mut().filter(|field| field.name != PADDING);
     let named: Vec<&mut PcdField> = named.collect();

@@ -101,8 +101,8 @@ pub(in crate::io) fn point_names(head: &[u8]) -> Option<Vec<String>> {
     Some(fields.map(|field| field.name).collect())
 }
 
-/// Where the points are in a file that begins with `head`, if they can be read without the whole of it. What there is
-/// to say of the header the reading of whole files says.
+/// Returns the layout of the point rows in a file that begins with `head`, if they can be read without the whole of it.
+/// Warnings about the header are reported when whole files are read.
 pub(in crate::io) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
     let header = Header::parse(head).ok()?;
     // The last line of a header that is as long as `head` may be cut off.
@@ -178,7 +178,7 @@ impl Table {
             .is_some_and(|needed| needed <= bytes)
     }
 
-    /// Whether the first line of text has a word for every number.
+    /// Returns true if the first line of text has a word for every number.
     fn is_line(&self, payload: &[u8]) -> bool {
         let lines = payload.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
         let first = lines.into_iter().find(|line| !line.is_empty()).unwrap_or_default();
@@ -400,7 +400,8 @@ impl Table {
         Ok(())
     }
 
-    /// What `make` makes of the columns, the number of rows and what is odd behind the header, in this encoding.
+    /// Returns the result of `make` for the columns, the number of rows and the oddities after the header, in this
+    /// encoding.
     fn with_columns<T>(
         &self,
         encoding: Encoding,

@@ -95,8 +95,8 @@ pub(super) fn rows(vertex: &Element, start: usize, big_endian: bool) -> Option<F
     })
 }
 
-/// Where the points are in a file with this header, if their rows are of one length, all before them is, and no faces
-/// follow.
+/// Returns the layout of the point rows in a file with this header, if all rows and all data before them are of fixed
+/// length, and no faces follow.
 pub(super) fn fixed_rows(header: &PlyHeader, big_endian: bool) -> Option<FixedRows> {
     let has_faces = |element: &Element| element.count > 0 && FaceList::of(element).is_some();
     if header.elements.iter().any(has_faces) {

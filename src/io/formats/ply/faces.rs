@@ -1,9 +1,9 @@
 //! Triangles from the lists of a PLY file: polygons of the `face` element, strips of the `tristrips` element.
 //!
-//! Items of a list arrive one by one and are made into triangles at its end, so that no list is stored twice. The
+//! Items of a list arrive one by one and are turned into triangles at its end, so that no list is stored twice. The
 //! triangles take at most twelve bytes for each byte of the file: three indices for a further item.
 //!
-//! A face that names vertices that are not there is left out, as are faces behind the end of the file
+//! A face that names vertices that do not exist is skipped, as are faces after the end of the file
 //! (`io/meshes/broken_faces.rs`).
 
 use super::header::{Element, PropertyKind};
@@ -16,7 +16,7 @@ use crate::io::options::ReadOptions;
 /// Names of the list with the vertices of a face.
 const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 
-/// What takes memory, in messages.
+/// Name of the memory consumer in messages.
 const FACES: &str = "the faces";
 
 /// Between two strips in one list.
@@ -43,10 +43,10 @@ pub(super) struct Faces {
     broken: BrokenFaces,
 }
 
-/// Where in an element the vertices of its faces are.
+/// Location of the vertex indices of faces in an element.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FaceList {
-    /// Which of the properties.
+    /// Index of the property.
     pub(super) property: usize,
     shape: FaceKind,
 }

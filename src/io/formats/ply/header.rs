@@ -11,7 +11,7 @@ use std::collections::HashSet;
 /// Longer headers are not believed to be headers.
 const MAX_HEADER_BYTES: usize = 1 << 20;
 
-/// What the header says.
+/// Parsed PLY header.
 #[derive(Debug)]
 pub(super) struct PlyHeader {
     pub(super) encoding: Encoding,
@@ -86,7 +86,7 @@ impl PlyHeader {
     }
 }
 
-/// What is said of lines of elements of which two have the same name.
+/// Returns the message about elements of which two have the same name.
 fn same_name(declared: &[&str]) -> String {
     let names = declared.iter().filter_map(|line| line.split_whitespace().nth(1));
     let mut seen = HashSet::new();

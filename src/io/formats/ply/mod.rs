@@ -86,11 +86,11 @@ pub(in crate::io) fn point_names(head: &[u8]) -> Option<Vec<String>> {
     Some(properties.map(|property| property.name).collect())
 }
 
-/// What the rows of a file say.
+/// Parsed rows of a file.
 struct PlyRows<'a> {
-    /// Of the points.
+    /// Columns of the points.
     columns: Vec<Column<'a>>,
-    /// How many points there are.
+    /// Number of points.
     count: usize,
     faces: Faces,
     warnings: Vec<String>,
@@ -129,7 +129,7 @@ fn read_rows<'a>(
     })
 }
 
-/// What is said of a file without points.
+/// Returns the error for a file without points.
 fn no_points(header: &PlyHeader) -> Fault {
     let elements: Vec<String> = header
         .elements
@@ -154,7 +154,7 @@ fn no_points(header: &PlyHeader) -> Fault {
     ))
 }
 
-/// Where the points are in a file that begins with `head`, if they can be read without the whole of it.
+/// Returns the layout of the point rows in a file that begins with `head`, if they can be read without the whole of it.
 pub(in crate::io) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
     let header = PlyHeader::parse(head).ok()?;
     let mut rows = match header.encoding {

@@ -1,5 +1,6 @@
-//! Splats that move: "Spacetime Gaussian Feature Splatting" (Li et al. 2024, §3.1 and §3.2) gives each a moment at
-//! which it is seen best, a width in time, a polynomial for its path and a rotation that changes. One moment is shown.
+//! Dynamic splats: "Spacetime Gaussian Feature Splatting" (Li et al. 2024, §3.1 and §3.2) gives each splat a time at
+//! which it is most visible, a width in time, a polynomial for its path and a rotation that changes. One time step is
+//! shown.
 //!
 //! Their colours are light from 0 to 1, not harmonics.
 
@@ -11,9 +12,9 @@ use glam::{DVec3, Quat};
 const CENTER: &str = "trbf_center";
 /// The natural logarithm of the width.
 const WIDTH: &str = "trbf_scale";
-/// Of the path: three numbers for each power of the time since the centre, from the first on.
+/// Prefix of the path columns: three numbers for each power of the time since the centre, from the first on.
 const MOTION: &str = "motion_";
-/// What is added to the rotation in a unit of time.
+/// Columns of the change of rotation per unit of time.
 const TURN: [&str; 4] = ["omega_0", "omega_1", "omega_2", "omega_3"];
 
 /// Columns by which other methods make splats move ("4D Gaussian Splatting", "4D-Rotor", "`FreeTimeGS`", splats with
@@ -66,8 +67,8 @@ impl<'a> MovingSplats<'a> {
         })
     }
 
-    /// Moves the points of `cloud` and `rotations` to one moment, the median of their centres, and puts into `shares`
-    /// how much of each splat is seen then.
+    /// Moves the points of `cloud` and `rotations` to one time, the median of their centres, and puts the visible
+    /// fraction of each splat at that time into `shares`.
     pub(super) fn put_into(self, cloud: &mut RawCloud, rotations: &mut [Quat], shares: &mut [f32]) {
         let count = cloud.positions.len();
         let centers = self.center.to_f32(count);

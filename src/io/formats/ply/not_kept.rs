@@ -1,5 +1,5 @@
-//! What of a PLY file becomes no part of a cloud: lists that points have, what faces have beside their corners, and
-//! the harmonics of splats.
+//! Unsupported parts of a PLY file that do not become part of a cloud: lists that points have, properties of faces in
+//! addition to their corners, and the harmonics of splats.
 
 use super::faces::FaceList;
 use super::header::{Element, PlyHeader, Property, PropertyKind};
@@ -7,7 +7,7 @@ use super::kept_columns::POINTS;
 use super::splats::is_unread;
 use crate::cloud::NotKept;
 
-/// Of all that has rows.
+/// Returns the properties that are not kept, of all elements that have rows.
 pub(super) fn not_kept(header: &PlyHeader) -> Vec<NotKept> {
     let filled = header.elements.iter().filter(|element| element.count > 0);
     filled.filter_map(of_element).collect()
@@ -29,7 +29,7 @@ fn of_element(element: &Element) -> Option<NotKept> {
     (!names.is_empty()).then(|| NotKept::noted(format!("{what} are not read: {}", names.join(", "))))
 }
 
-/// Of splats, which are points here.
+/// Returns the properties of splats, which are points here, that are not kept.
 pub(super) fn not_kept_of_splats(header: &PlyHeader) -> Option<NotKept> {
     let vertex = header.elements.iter().find(|element| element.name == POINTS)?;
     let unread = vertex.properties.iter().filter(|property| is_unread(&property.name));

@@ -1,9 +1,9 @@
-//! Splats that are packed into four words each, as `PlayCanvas` and `SuperSplat` save them (`.compressed.ply`).
+//! Packed splats of four words each, as `PlayCanvas` and `SuperSplat` save them (`.compressed.ply`).
 //!
-//! 256 splats are a chunk, of which the file has the least and the largest coordinates, logarithms of half axes, and,
-//! in later files, colours. A word holds 11, 10 and 11 bits of a place between those, from the top down; a rotation is
-//! two bits for its largest part (the real one first) and ten for each of the others; colour and opacity are bytes.
-//! Harmonics behind the splats are left out.
+//! 256 splats are a chunk, for which the file has the least and the largest coordinates, logarithms of half axes, and,
+//! in later files, colours. A word holds 11, 10 and 11 bits of a position between those, from the top down; a rotation
+//! is two bits for its largest component (the real one first) and ten for each of the others; colour and opacity are
+//! bytes. Harmonics after the splats are ignored.
 
 use super::super::splats::{LARGEST_OF_OTHERS, SPLAT_BYTES, SplatShape, byte, put_shapes, with_largest};
 use super::binary::rows;
@@ -109,7 +109,7 @@ fn unpack(
     Ok(cloud)
 }
 
-/// Where the rows of an element begin.
+/// Returns the byte offset of the rows of an element.
 fn start_of(header: &PlyHeader, element: &Element) -> Option<usize> {
     let before = header.elements.iter().take_while(|other| other.name != element.name);
     before.into_iter().try_fold(header.byte_size, |start, other| {

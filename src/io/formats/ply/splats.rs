@@ -19,7 +19,7 @@ const OPACITY: &str = "opacity";
 const SCALES: [&str; 3] = ["scale_0", "scale_1", "scale_2"];
 /// Real part first.
 const ROTATION: [&str; 4] = ["rot_0", "rot_1", "rot_2", "rot_3"];
-/// Where there is more of a rotation, it is one of space and time.
+/// Column that marks a rotation in space and time: further rotation components exist only there.
 const ROTATION_IN_TIME: &str = "rot_4";
 
 /// Beginnings of names of columns that nothing is made of: harmonics that change with direction, features that a
@@ -31,7 +31,7 @@ const UNREAD: [&str; 3] = ["f_rest_", "f_dc_", "f_t_"];
 const ANCHOR: &str = "f_anchor_feat_";
 const OF_ANCHORS: [&str; 5] = ["f_offset_", ANCHOR, "opacity", "scale_", "rot_"];
 
-/// Whether rows with the columns that `is_there` knows are splats.
+/// Returns true if rows with the columns that `is_there` knows are splats.
 pub(super) fn are_splats(is_there: &dyn Fn(&str) -> bool) -> bool {
     let has_colors = COLORS.iter().all(|name| is_there(name));
     let has_rotation = ROTATION.iter().all(|name| is_there(name));
@@ -40,12 +40,12 @@ pub(super) fn are_splats(is_there: &dyn Fn(&str) -> bool) -> bool {
     is_there(SCALES[0]) && groups.iter().filter(|&&is_there| is_there).count() >= 3 && !is_anchor
 }
 
-/// Whether a column of splats of this name has nothing that is shown.
+/// Returns true if a column of splats of this name contains nothing that is shown.
 pub(super) fn is_unread(name: &str) -> bool {
     !COLORS.contains(&name) && UNREAD.iter().any(|prefix| name.starts_with(prefix))
 }
 
-/// Whether a column of this name is one of anchors that a network makes splats of.
+/// Returns true if a column of this name is one of anchors from which a network generates splats.
 pub(super) fn is_anchor(name: &str) -> bool {
     name.starts_with(ANCHOR)
 }
@@ -69,7 +69,7 @@ pub(super) struct Splats<'a> {
     scales: Vec<Column<'a>>,
     rotation: Option<[Column<'a>; 4]>,
     moving: Option<MovingSplats<'a>>,
-    /// Whether the columns are those of a rotation in space and time, which is not read.
+    /// True if the columns are those of a rotation in space and time, which is not read.
     turns_in_time: bool,
 }
 
@@ -144,7 +144,7 @@ impl<'a> Splats<'a> {
         moving_splats::warn_of_unknown(cloud);
     }
 
-    /// What is said of groups of columns that are not there.
+    /// Returns the message about groups of columns that are missing.
     fn missing(&self) -> Option<String> {
         let mut parts = Vec::new();
         if self.opacity.is_none() {

@@ -28,7 +28,7 @@ pub(in crate::io) struct SplatArray<'a> {
     pub(in crate::io) columns: Vec<Column<'a>>,
 }
 
-/// Whether an array of this name, in lower case, says something of splats.
+/// Returns true if an array of this name, in lower case, is a splat attribute.
 pub(in crate::io) fn is_used(name: &str) -> bool {
     [&SCALES[..], &ROTATIONS, &OPACITIES, &HARMONICS]
         .iter()

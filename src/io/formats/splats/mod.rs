@@ -1,10 +1,10 @@
 //! Gaussian splats: each point is an ellipsoid with three sizes, a rotation, an opacity, and a colour as spherical
 //! harmonics (Kerbl et al. 2023).
 //!
-//! What is seen of an ellipsoid from most sides is its two large axes, so the splat lies across the smallest one: an
+//! From most sides the two large axes of an ellipsoid are visible, so the splat lies across the smallest one: an
 //! ellipse with these half axes, and their geometric mean for its radius. They are shown as disks of that radius, which
 //! keeps the area. The harmonics' constant term is the colour seen on average from all sides; those that change with
-//! direction are left out.
+//! direction are ignored.
 
 pub(in crate::io) mod arrays;
 pub(in crate::io) mod bare;
@@ -13,7 +13,8 @@ pub(in crate::io) mod spz;
 use crate::cloud::{AxisConvention, Ellipse, RawCloud};
 use glam::{Mat3, Quat, Vec3};
 
-/// What a splat takes in a cloud: position, colour, normal, radius, ellipse; the lists of shapes grow as they are made.
+/// Memory of a splat in a cloud: position, colour, normal, radius, ellipse; the lists of shapes grow as they are
+/// created.
 pub(super) const SPLAT_BYTES: usize = 16 + 2 * 32;
 
 /// Constant term of spherical harmonics: 1 / (2 √π).
@@ -42,7 +43,7 @@ pub(super) fn colors_of_harmonics(
     (colors, broken)
 }
 
-/// What is said of splats whose colours are no numbers, and of those that a renderer of splats would not show.
+/// Adds warnings about splats whose colours are not numbers, and about those that a splat renderer would not show.
 pub(super) fn warn_of_colors(cloud: &mut RawCloud, broken: usize) {
     let colors = cloud.attributes.colors.as_deref().unwrap_or_default();
     let count = colors.len();
@@ -60,12 +61,12 @@ pub(super) fn warn_of_colors(cloud: &mut RawCloud, broken: usize) {
     }
 }
 
-/// What a file says of a splat.
+/// Splat shape as stored in a file.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SplatShape {
     /// Natural logarithms of the half axes; minus infinity where splats are flat.
     pub(super) log_scales: [f32; 3],
-    /// Of any length; as no turn where it has none.
+    /// Rotation quaternion of any length; a zero-length one counts as no rotation.
     pub(in crate::io) rotation: Quat,
 }
 
@@ -143,7 +144,7 @@ impl Unusable {
 }
 
 impl SplatShape {
-    /// Whether the half axes are lengths that can be drawn: of flat splats one is zero.
+    /// Returns true if the half axes are lengths that can be drawn: of flat splats one is zero.
     fn has_scales(&self) -> bool {
         let scales = self.log_scales.map(f32::exp);
         let is_length = |scale: &f32| scale.is_finite();
@@ -192,7 +193,7 @@ pub(super) fn with_largest([a, b, c]: [f32; 3], largest: u32) -> [f32; 4] {
     }
 }
 
-/// What is seen of an ellipsoid.
+/// Visible disk of an ellipsoid.
 struct Splat {
     normal: Vec3,
     radius: f32,
@@ -200,7 +201,7 @@ struct Splat {
 }
 
 impl Splat {
-    /// Of sizes, of which the file has the logarithms, along the columns of `axes`.
+    /// Creates a splat from its sizes, given as logarithms as in the file, along the columns of `axes`.
     fn of(log_scales: [f32; 3], axes: Mat3) -> Self {
         let [x, y, z] = log_scales;
         let smallest = if z <= x && z <= y { 2 } else { usize::from(y <= x) };

@@ -30,10 +30,10 @@ pub(in crate::io) const FORMAT: Format = Format::new(&Traits {
 
 const MAGIC: &[u8] = b"NGSP";
 
-/// Of a file that is packed as a whole.
+/// Header size of a file that is compressed as a whole.
 const HEADER_BYTES: usize = 16;
 
-/// Of one whose arrays are packed.
+/// Header size of a file whose arrays are compressed.
 const LONG_HEADER_BYTES: usize = 32;
 
 /// The size of a stream before and after unpacking.
@@ -42,13 +42,13 @@ const TABLE_ROW_BYTES: usize = 16;
 /// The version whose arrays are packed one by one.
 const STREAMS_VERSION: u32 = 4;
 
-/// What constant terms of harmonics are divided by in the file.
+/// Scale of the constant terms of harmonics in the file: they are divided by it.
 const COLOR_SCALE: f32 = 0.15;
 
 /// Steps of a part of a rotation of three parts from zero to its largest value.
 const PART_STEPS: u32 = (1 << 9) - 1;
 
-/// What the header says.
+/// Parsed SPZ header.
 struct Header {
     version: u32,
     count: usize,
@@ -59,7 +59,7 @@ struct Header {
 const ARRAYS: [&str; 5] = ["positions", "opacities", "colours", "sizes", "rotations"];
 
 impl Header {
-    /// Of 16 bytes at least.
+    /// Parses the header from 16 bytes at least.
     fn of(head: &[u8; HEADER_BYTES]) -> Result<Self, Fault> {
         if !head.starts_with(MAGIC) {
             return Err(Fault::header("it does not begin with `NGSP`: this is no SPZ file"));

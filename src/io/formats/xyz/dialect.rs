@@ -1,9 +1,9 @@
-//! How cells are separated and numbers written, determined from the first lines.
+//! Text dialect: cell separators and number notation, determined from the first lines.
 
 use crate::io::columns::numbers::parse_number;
 use crate::io::files::timestamps::time_of_text;
 
-/// How cells are separated and numbers written.
+/// Text dialect: the cell separator and the number notation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::io) struct Dialect {
     /// `1,5` is one and a half, not two numbers.

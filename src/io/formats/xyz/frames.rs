@@ -32,7 +32,7 @@ pub(super) struct Frame {
     pub(super) time: Option<Duration>,
 }
 
-/// What the name of a column says about frames.
+/// Meaning of a column for frames, by its name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Counter {
     /// It numbers frames.
@@ -108,7 +108,7 @@ const LIDAR_WORDS: [&str; 12] = [
     "gps",
 ];
 
-/// Whether `names` are those of the points of a LiDAR.
+/// Returns true if `names` are those of the points of a LiDAR.
 pub(super) fn is_of_lidar(names: &[String]) -> bool {
     let has_word = |name: &String| {
         Words::of(name)
@@ -124,7 +124,7 @@ pub(super) struct Groups {
     by_value: Vec<(f64, Vec<u32>)>,
     /// Rows without a value.
     pub(super) without: usize,
-    /// Whether each value is one block of rows.
+    /// True if each value is one contiguous block of rows.
     is_sorted: bool,
     /// The value rises from most rows to the next, as in tracks one after the other.
     is_rising: bool,
@@ -177,7 +177,7 @@ impl Groups {
         rows as f64 / self.by_value.len() as f64
     }
 
-    /// Whether nearly all values have the same number of rows.
+    /// Returns true if nearly all values have the same number of rows.
     fn are_equal(&self) -> bool {
         let mut sizes: Vec<usize> = self.by_value.iter().map(|(_, rows)| rows.len()).collect();
         sizes.sort_unstable();
@@ -185,14 +185,14 @@ impl Groups {
         sizes.iter().filter(|&&size| size == median).count() * 10 >= sizes.len() * 9
     }
 
-    /// Whether the values number frames.
+    /// Returns true if the values are frame numbers.
     pub(super) fn are_numbers_of_frames(&self) -> bool {
         /// Below that a path of one point per frame is meant.
         const MIN_ROWS: f64 = 1.5;
         self.mean_rows() >= MIN_ROWS
     }
 
-    /// Whether all frames but half have about as many rows as the median one.
+    /// Returns true if at least half of the frames have about the same number of rows as the median one.
     fn are_similar(&self) -> bool {
         const MAX_RATIO: usize = 4;
         let mut sizes: Vec<usize> = self.by_value.iter().map(|(_, rows)| rows.len()).collect();
@@ -202,7 +202,8 @@ impl Groups {
         sizes.iter().filter(is_similar).count() * 2 >= sizes.len()
     }
 
-    /// Whether the values are evenly spaced, and no closer than frames are: rounded times of points are as even.
+    /// Returns true if the values are evenly spaced, and no closer than frames are: rounded times of points are as
+    /// even.
     fn are_even(&self, seconds: f64) -> bool {
         /// 200 frames per second.
         const MIN_STEP_SECONDS: f64 = 0.005;
@@ -217,13 +218,13 @@ impl Groups {
         median * seconds >= MIN_STEP_SECONDS && even * 10 >= steps.len() * 9
     }
 
-    /// Whether the values, of which a step of 1 is so many `seconds`, are times of frames, not of single points. A
-    /// LiDAR stamps firings and packets, each of which sees a part of what is around it.
+    /// Returns true if the values, in units of `seconds`, are timestamps of frames, not of single points. A LiDAR
+    /// stamps firings and packets, each of which sees a part of its surroundings.
     pub(super) fn are_times_of_frames(&self, seconds: f64, is_of_lidar: bool, positions: [&[f64]; 3]) -> bool {
         /// Part of the width and breadth of everything that a frame has.
         const MIN_COVERAGE: f64 = 0.4;
         const MIN_ROWS: f64 = 64.0;
-        /// Of frames at uneven times.
+        /// Minimum number of rows of frames at uneven times.
         const MIN_ROWS_OF_UNEVEN: f64 = 500.0;
         /// Tracks of a few points.
         const MIN_TRACKS: f64 = 2.0;
@@ -291,9 +292,9 @@ impl Groups {
 
 /// True if a row is much closer to the next one, as the places of a track are, than to one far away in the table.
 fn moves_little(positions: [&[f64]; 3]) -> bool {
-    /// Of the distance between rows that are far away from each other.
+    /// Maximum step as a fraction of the distance between rows that are far away from each other.
     const MAX_STEP: f64 = 0.5;
-    /// Of the rows. In no simple ratio to the length of tracks.
+    /// Row offset of far points as a fraction of the rows. In no simple ratio to the length of tracks.
     const FAR: f64 = 0.618;
     let rows = positions[0].len();
     let far = (rows as f64 * FAR) as usize;
@@ -387,7 +388,7 @@ pub(super) enum BlockEvidence {
     Apart,
 }
 
-/// What blocks that begin at `starts` and at 0 are, by the coordinates of their points.
+/// Returns the evidence for what the blocks that begin at `starts` and at 0 are, by the coordinates of their points.
 pub(super) fn evidence(starts: &[usize], positions: [&[f64]; 3]) -> BlockEvidence {
     /// Part of the space of two blocks that both fill.
     const MIN_OVERLAP: f64 = 0.3;

@@ -32,13 +32,13 @@ pub(super) struct Head {
     pub(super) claimed: Option<usize>,
     /// Cells of a row; `None` if there are no rows.
     pub(super) width: Option<usize>,
-    /// Of the first rows.
+    /// Cell kinds of the first rows.
     pub(super) kinds: Vec<Kind>,
     /// The numbers in the first rows, column by column; missing where there is none.
     pub(super) sample: Vec<Vec<f64>>,
-    /// Whether the first cells of the first rows are words, or count from 0 or 1.
+    /// True if the first cells of the first rows are words, or count from 0 or 1.
     pub(super) first_is_index: bool,
-    /// Where the first row starts.
+    /// Byte offset of the first row.
     pub(super) byte_count: usize,
     pub(super) line_count: usize,
 }

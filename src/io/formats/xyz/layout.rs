@@ -8,7 +8,7 @@ use super::dialect::{comment, sample};
 use super::encoding::utf8;
 use std::borrow::Cow;
 
-/// The text of a file, and what was left out of it, a clause each.
+/// Plain text of a file, and what was skipped in it, one clause each.
 pub(super) struct Plain<'a> {
     pub(super) text: Cow<'a, [u8]>,
     pub(super) notes: Vec<&'static str>,
@@ -46,7 +46,7 @@ fn are_most(count: usize, all: usize) -> bool {
     count > 0 && count * 10 >= all * 9
 }
 
-/// Spaces in place of the line breaks in quoted cells; `None` where there are none.
+/// Returns the text with spaces instead of the line breaks in quoted cells; `None` where there are none.
 fn with_joined_cells(text: &[u8]) -> Option<Vec<u8>> {
     /// Longer cells are a quote that is not closed.
     const MAX_CELL_BYTES: usize = 4096;
@@ -83,7 +83,7 @@ fn has_bracketed_rows(text: &[u8]) -> bool {
     are_most(bracketed, rows.len())
 }
 
-/// Spaces in place of brackets, and of the comma or semicolon behind the last of them.
+/// Returns the text with spaces instead of brackets, and instead of the comma or semicolon after the last of them.
 fn without_brackets(text: &[u8]) -> Vec<u8> {
     let mut plain = Vec::with_capacity(text.len());
     for line in text.split_inclusive(|&byte| byte == b'\n') {
@@ -108,7 +108,7 @@ fn without_brackets(text: &[u8]) -> Vec<u8> {
     plain
 }
 
-/// Whether rows are numbers with decimal commas and a comma behind each but the last.
+/// Returns true if rows are numbers with decimal commas and a comma after each but the last.
 fn has_commas_of_both_kinds(text: &[u8]) -> bool {
     let is_number = |word: &[u8]| {
         let digits = word.strip_prefix(b"-").or(word.strip_prefix(b"+")).unwrap_or(word);
@@ -138,7 +138,7 @@ fn has_commas_of_both_kinds(text: &[u8]) -> bool {
     are_most(rows.iter().filter(fits).count(), rows.len())
 }
 
-/// Semicolons in place of commas before white space.
+/// Returns the text with semicolons instead of commas before white space.
 fn with_semicolons(text: &[u8]) -> Vec<u8> {
     let mut plain = text.to_vec();
     for place in 0..plain.len().saturating_sub(1) {

@@ -11,12 +11,12 @@ const MIN_ROWS: usize = 8;
 /// The columns before the coordinates.
 pub(super) struct Leading {
     pub(super) names: &'static [&'static str],
-    /// Whether they say nothing of the points.
+    /// True if the columns are a mere index, without information about the points.
     pub(super) is_index: bool,
     pub(super) assumption: Assumption,
 }
 
-/// Those of the rows of `head`, which are atoms or tracks behind counts if they are `counted`.
+/// Returns the leading columns of the rows of `head`, which are atoms or tracks after counts if they are `counted`.
 pub(super) fn leading(head: &Head, is_counted: bool) -> Option<Leading> {
     let sample = &head.sample;
     let is_gromacs = head.claimed.is_some()

@@ -1,4 +1,4 @@
-//! What each column is, by the line of names, by the user or by place.
+//! Column roles, determined by the header line, by the user or by position.
 
 use super::head::{Head, Header, names_fit, strs};
 use super::leading::leading;
@@ -16,7 +16,7 @@ use crate::io::error::{Fault, Place};
     reason = "not said, said to be none, and a column are three answers"
 )]
 pub(super) struct Naming {
-    /// Of all columns; `None` where the values tell them.
+    /// Names of all columns; `None` where they are determined by the values.
     pub(super) names: Option<Vec<String>>,
     pub(super) positions: [usize; 3],
     /// Coordinates are longitude and latitude in degrees, and height.
@@ -36,8 +36,8 @@ pub(super) struct Naming {
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl Naming {
-    /// Of a table with a row at least; `width` is that of `head`, and rows follow lines that count them if they are
-    /// `counted`.
+    /// Determines the naming of a table with at least one row; `width` is that of `head`, and rows follow lines that
+    /// count them if they are `counted`.
     pub(super) fn of(head: &Head, width: usize, map: Option<ColumnMap>, is_counted: bool) -> Result<Self, Fault> {
         let raw = head.header.as_ref().and_then(|header| aligned(header, head, width));
         if let Some(map) = map.filter(|map| !map.roles().is_empty()) {

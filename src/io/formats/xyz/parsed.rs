@@ -14,6 +14,6 @@ pub(super) struct Parsed {
     pub(super) title: String,
     pub(super) naming: Naming,
     pub(super) counted: Option<Counted>,
-    /// Whether all points of a file of several counts are one cloud.
+    /// True if all points of a file of several counts are one cloud.
     pub(super) is_one_cloud: bool,
 }

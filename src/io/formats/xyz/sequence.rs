@@ -53,7 +53,7 @@ pub(in crate::io) fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entr
     Ok(frames.into_iter().enumerate().map(entry).collect())
 }
 
-/// Whether the first lines name a column of frames or times, or count the rows of the first block.
+/// Returns true if the first lines name a column of frames or times, or count the rows of the first block.
 fn has_counter(bytes: &[u8], options: &ReadOptions) -> bool {
     if options.columns.is_some_and(|map| map.frame().is_some()) {
         return true;
@@ -66,7 +66,7 @@ fn has_counter(bytes: &[u8], options: &ReadOptions) -> bool {
         || header.is_some_and(|header| header.names.iter().any(counts) || !markers(&strs(&header.names)).is_empty())
 }
 
-/// Whether something else than a row stands between two rows.
+/// Returns true if a block break, anything other than a row, stands between two rows.
 fn has_breaks(text: &[u8]) -> bool {
     let is_digit_or_sign = |line: &[u8]| {
         line.first()

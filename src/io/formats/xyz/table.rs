@@ -42,7 +42,7 @@ pub(in crate::io) struct Table {
 }
 
 impl Table {
-    /// Of the file `name` with these `bytes`.
+    /// Opens the table of the file `name` with these `bytes`.
     pub(in crate::io) fn open(
         name: &Path,
         bytes: &[u8],

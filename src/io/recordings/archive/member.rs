@@ -1,4 +1,4 @@
-//! Where a file is within an archive.
+//! Location of a file within an archive.
 
 use crate::io::files::unpack::Packing;
 use std::fmt;
@@ -24,7 +24,7 @@ impl Member {
     }
 }
 
-/// Where a member's bytes are.
+/// Location of a member's bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum MemberPlace {
     /// In the archive's file.

@@ -1,8 +1,8 @@
 //! ZIP and TAR archives of frames, and single files packed with gzip.
 //!
 //! The directory is read once, by `zip` and `tar`; each [`Member`] then knows where its bytes are, so that one is read
-//! without the others. Nothing is ever unpacked to disk: names in an archive are names for people, not paths. A
-//! compressed TAR cannot be entered in the middle, so it is unpacked once into memory that its members share.
+//! without the others. Nothing is ever unpacked to disk: names in an archive are for display, not paths. A compressed
+//! TAR offers no random access, so it is unpacked once into memory that its members share.
 
 mod member;
 mod refusal;
@@ -100,7 +100,8 @@ pub(in crate::io) fn list(path: &Path, format: Format, options: &ReadOptions) ->
     })
 }
 
-/// Name (the archive's path and the member's within it) and bytes of a member; `progress` is told of the packed ones.
+/// Reads a member: its name (the archive's path and the member's within it) and bytes; `progress` reports the
+/// compressed ones.
 pub(in crate::io) fn read(
     path: &Path,
     member: &Member,
@@ -188,7 +189,7 @@ fn is_frame(path: &Path, member: &Member) -> bool {
     format.is_some_and(|format| !format.is_container())
 }
 
-/// What a member begins with; none of it where it cannot be read.
+/// Returns the first bytes of a member; none of it where it cannot be read.
 fn first_bytes(path: &Path, member: &Member) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     match &member.place {

@@ -9,12 +9,12 @@ use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
 /// Size of a header.
 pub(super) const BLOCK_BYTES: usize = 512;
 
-/// What an archive has.
+/// Contents of an archive.
 #[derive(Debug)]
 pub(super) struct Listed {
     /// All files.
     pub(super) members: Vec<Member>,
-    /// Where it is cut, if it is.
+    /// Damage: the position at which the archive is truncated, if it is.
     pub(super) damage: Option<String>,
 }
 

@@ -8,12 +8,12 @@ use super::super::recording::walk::Walk;
 /// The first bytes of a file of elements: the id of its header.
 pub(super) const MAGIC: [u8; 4] = [0x1a, 0x45, 0xdf, 0xa3];
 
-/// Whether a file that begins with these bytes is one of elements.
+/// Returns true if a file that begins with these bytes consists of EBML elements.
 pub(crate) fn is_one(start: &[u8]) -> bool {
     start.starts_with(&MAGIC)
 }
 
-/// What stands before the body of an element.
+/// Header of an element, before its body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Head {
     /// With the bits that tell its length, as specifications print it.

@@ -1,4 +1,4 @@
-//! What bodies of small elements say: tracks and tags.
+//! Parsing of the bodies of small elements: tracks and tags.
 
 use super::element::{children, text, unsigned};
 use super::found::{Tag, Track};

@@ -1,17 +1,17 @@
-//! What is found in a file: tracks, tags, attached files, and where frames are.
+//! Contents found in a Matroska file: tracks, tags, attached files, and the positions of frames.
 
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::Path;
 use std::time::Duration;
 
-/// What a file has.
+/// Contents of a Matroska file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Matroska {
     pub(crate) tracks: Vec<Track>,
     pub(crate) tags: Vec<Tag>,
     pub(crate) attachments: Vec<Attachment>,
-    /// Whether it ends within an element.
+    /// True if the file is truncated within an element.
     pub(crate) breaks_off: bool,
 }
 
@@ -22,14 +22,14 @@ pub(crate) struct Track {
     pub(crate) uid: u64,
     pub(crate) name: String,
     pub(crate) codec: String,
-    /// What the codec wants to know; see [`Track::fourcc`].
+    /// Codec initialisation data; see [`Track::fourcc`].
     pub(crate) codec_private: Vec<u8>,
     /// Width and height; zeros of a track that is no video.
     pub(crate) size_px: [u32; 2],
-    /// Whether frames are packed once more, by zlib or without their first bytes.
+    /// True if frames have an additional content encoding: zlib compression, or header stripping of their first bytes.
     pub(crate) is_packed: bool,
     pub(crate) frames: Vec<Block>,
-    /// Blocks that hold several frames, which are left out.
+    /// Number of laced blocks, which hold several frames and are skipped.
     pub(crate) laced: usize,
 }
 
@@ -47,7 +47,7 @@ pub(crate) struct Attachment {
     pub(crate) content: Block,
 }
 
-/// Where the bytes of a frame are, and when it was taken.
+/// Block: the position of the bytes of a frame, and its timestamp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Block {
     /// Since the first frame; of an attachment 0.
@@ -65,9 +65,9 @@ pub(crate) enum MatroskaError {
     /// A file of another kind, or a damaged one.
     #[error("byte {offset}: {problem}")]
     Invalid {
-        /// Where.
+        /// Byte offset of the error.
         offset: u64,
-        /// What was expected.
+        /// Description of what was expected.
         problem: String,
     },
 }

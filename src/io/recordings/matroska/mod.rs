@@ -1,11 +1,11 @@
-//! Matroska files: which tracks they have, what is said of these, and where their frames are (RFC 9559).
+//! Matroska files: their tracks, the metadata of these, and the positions of their frames (RFC 9559).
 //!
-//! *How it works.* One walk goes over the heads of elements (RFC 8794: an id, a length, a body), reads the bodies of
-//! small ones, and steps over those of frames and of attached files: a recording of gigabytes opens by its heads, and
-//! whoever wants a frame reads its bytes alone. The crates for it read the bytes of each frame to come to the next,
-//! know no attachments, or refuse a file that was not written to its end.
+//! *How it works.* A single pass reads the headers of elements (RFC 8794: an id, a length, a body), reads the bodies of
+//! small ones, and skips those of frames and of attached files: a recording of gigabytes is opened by its headers, and
+//! reading a frame reads its bytes alone. The crates for it read the bytes of each frame to come to the next, do not
+//! support attachments, or refuse a file that was not written to its end.
 //!
-//! A file that breaks off is read as far as it goes, and says so.
+//! A truncated file is read as far as it goes, and reports so.
 
 mod element;
 mod entries;

@@ -40,10 +40,10 @@ const MOST_BLOCK_HEAD_BYTES: u64 = 8 + 2 + 1 + 1;
 const LACING: u8 = 0b0000_0110;
 
 impl Matroska {
-    /// What the file at `path` has.
+    /// Reads the contents of the file at `path`.
     ///
     /// # Errors
-    /// [`MatroskaError`]: the system's, and where it is no Matroska file or has no tracks.
+    /// [`MatroskaError`]: the system's, and where it is not a Matroska file or has no tracks.
     pub(crate) fn read(path: &Path) -> Result<Self, MatroskaError> {
         read_file(File::open(path)?, path)
     }
@@ -78,7 +78,7 @@ struct Reader {
     walk: Walk,
     found: Matroska,
     scale_ns: u64,
-    /// Of the cluster that is gone through, in units.
+    /// Timestamp of the current cluster, in units.
     cluster_time: u64,
     /// By the numbers of their tracks, which may come later.
     blocks: HashMap<u64, Blocks>,

@@ -12,7 +12,7 @@ use std::time::Duration;
 /// Kind, length and byte order of a section; kind, length and more of other blocks.
 pub(super) const HEAD_BYTES: usize = 12;
 
-/// What each section begins with, in either byte order.
+/// Magic bytes at the start of each section, in either byte order.
 pub(super) const SECTION: [u8; 4] = [0x0a, 0x0d, 0x0d, 0x0a];
 
 /// The byte order of a section, in the big one.
@@ -26,9 +26,9 @@ pub(super) struct InBlock {
     /// `None` where the block does not say it.
     pub(super) time: Option<Duration>,
     pub(super) link: Link,
-    /// Where in the block its bytes are.
+    /// Byte range of the packet within the block.
     pub(super) bytes: Range<usize>,
-    /// Whether it was longer than what was captured of it.
+    /// True if the packet was truncated: longer than its captured bytes.
     pub(super) is_cut: bool,
 }
 
@@ -47,7 +47,7 @@ pub(super) fn order(head: &[u8], layout: &Layout) -> ByteOrder {
     }
 }
 
-/// Whether what follows depends on the block that begins with `head`.
+/// Returns true if the interpretation of what follows depends on the block that begins with `head`.
 pub(super) fn matters(head: &[u8], order: ByteOrder) -> bool {
     head.starts_with(&SECTION) || order.u32(head, 0).is_some_and(|kind| PACKETS.contains(&kind))
 }

@@ -32,14 +32,14 @@ const LENGTH_AT: usize = 8;
 /// A packet as it was captured.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Packet<'a> {
-    /// Where its record begins in the file.
+    /// Byte offset of the packet's record in the file.
     pub(super) offset: u64,
     /// When it was captured, since 1970.
     pub(super) time: Duration,
     pub(super) link: Link,
     /// From the header of the link on, as much of it as was captured.
     pub(super) bytes: &'a [u8],
-    /// Whether it was longer than what was captured of it.
+    /// True if the packet was truncated: longer than its captured bytes.
     pub(super) is_cut: bool,
 }
 
@@ -51,7 +51,7 @@ pub(super) type Next<'a> = (Packet<'a>, &'a Arc<Layout>);
 pub(super) struct Capture {
     window: Window,
     layout: Arc<Layout>,
-    /// Of the packet before.
+    /// Timestamp of the previous packet.
     time: Duration,
     clock: Clock,
     fractions: Fractions,
@@ -120,7 +120,7 @@ impl Capture {
         })
     }
 
-    /// Where in the file the next record begins.
+    /// Returns the byte offset of the next record in the file.
     pub(super) fn offset(&self) -> u64 {
         self.window.offset()
     }

@@ -76,7 +76,7 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// Notes a packet; the sensor's clock counts from any moment, or from the hour.
+    /// Adds a clock sample of a packet; the sensor's clock counts from an arbitrary epoch, or from the hour.
     pub(super) fn add(&mut self, captured: Duration, mut measured: Duration) {
         if self.first.is_some() && measured + HOUR / 2 < self.last.1 {
             measured += HOUR;
@@ -99,7 +99,7 @@ impl Samples {
 /// Records of a capture, as far as they were looked at.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Fractions {
-    /// Whether the header says nanoseconds; `None` of captures that say the unit of each interface.
+    /// True if the header specifies nanoseconds; `None` for captures that specify the unit of each interface.
     pub(super) is_nanoseconds: Option<bool>,
     /// The largest part of a second, in the unit of the header.
     pub(super) largest: u32,

@@ -1,9 +1,10 @@
-//! Files beside a capture that its packets cannot be read without: metadata of Ouster, calibrations of the HDL-64E.
+//! Companion files of a capture that its packets cannot be read without: metadata of Ouster, calibrations of the
+//! HDL-64E.
 //!
-//! There is no rule for their names. `ouster-cli` writes `drive.json` beside `drive.pcap`, recorders of several sensors
-//! write `drive_0.json`, `drive_1.json`, and calibrations are called `db.xml`. So all files of the extension in the
-//! folder are looked at, but not more than [`MOST_FILES`], and those whose names have most in common with the capture's
-//! come first. Packets that come from a network have one such file, which is named behind the address.
+//! There is no rule for their names. `ouster-cli` writes `drive.json` next to `drive.pcap`, recorders of several
+//! sensors write `drive_0.json`, `drive_1.json`, and calibrations are called `db.xml`. So all files of the extension in
+//! the folder are examined, but not more than [`MOST_FILES`], and those whose names have most in common with the
+//! capture's come first. Packets that come from a network have one such file, which is named after the address.
 
 use crate::io::error::Fault;
 use crate::io::files::beside;
@@ -15,7 +16,7 @@ use std::sync::Arc;
 /// Files of a folder that are looked into.
 const MOST_FILES: usize = 64;
 
-/// Where such files are.
+/// Source of the companion files.
 #[derive(Debug, Clone)]
 pub(super) enum Companions {
     /// In the folder of a capture.
@@ -25,7 +26,7 @@ pub(super) enum Companions {
 }
 
 impl Companions {
-    /// The capture that they are beside.
+    /// Returns the capture whose companions they are.
     pub(super) fn capture(&self) -> Option<&Path> {
         match self {
             Self::Beside { capture, .. } => Some(capture),
@@ -46,7 +47,8 @@ impl Companions {
         }
     }
 
-    /// Where one with `extension` is expected, as the end of a sentence; `address` is such as a person would name.
+    /// Returns the expected location of a companion file with `extension`, as the end of a sentence; `address` is an
+    /// example of what a user would enter.
     pub(super) fn expected(&self, extension: &str, address: &str) -> String {
         match self {
             Self::Beside { capture, .. } => format!(
@@ -58,12 +60,12 @@ impl Companions {
     }
 }
 
-/// What is wrong with the file `name`.
+/// Returns the error message for the file `name`.
 pub(super) fn told(name: &str, fault: &Fault) -> String {
     format!("{}, {}: {}", name.escape_default(), fault.place, fault.problem)
 }
 
-/// The name that a file beside `path` would best have.
+/// Returns the preferred name of a companion file of `path`.
 fn expected(path: &Path, extension: &str) -> String {
     let name = path.with_extension(extension);
     let name = name.file_name().unwrap_or_default();

@@ -33,7 +33,7 @@ use std::time::Duration;
 /// More sensors are none of a recording, but a network's whole traffic, or noise.
 const MOST_SENSORS: usize = 64;
 
-/// What is found in a capture.
+/// Sensors found in a capture.
 pub(super) struct FoundSensors {
     makers: Makers,
     sensors: BTreeMap<(IpAddr, u16), Sensor>,
@@ -54,7 +54,7 @@ struct Sensor {
 struct Received<'a> {
     datagram: Datagram<'a>,
     time: Duration,
-    /// Where in the file the record of its first piece begins, and that of its last one.
+    /// Byte offset of the record of its first fragment in the file, and that of its last one.
     begin: u64,
     last: u64,
 }

@@ -23,7 +23,7 @@ const MAX_SPAN_BYTES: u64 = 4 << 20;
 pub(super) struct Joined {
     /// The bytes behind the header of IP.
     pub(super) bytes: Vec<u8>,
-    /// Where in the file the record of its earliest piece begins.
+    /// Byte offset of the record of its earliest fragment in the file.
     pub(super) begin: u64,
 }
 

@@ -1,9 +1,9 @@
-//! What has to be known of a capture to read packets from a place in it on.
+//! Capture layout: the state needed to read packets from a given position of a capture on.
 
 use super::link::Link;
 use std::time::Duration;
 
-/// What tells of the packets behind a place of a capture.
+/// Layout of the packets after a position of a capture.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Layout {
     /// libpcap.
@@ -12,7 +12,7 @@ pub(super) enum Layout {
     Blocks(Section),
 }
 
-/// How the records of libpcap are written.
+/// Record format of libpcap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Records {
     pub(super) order: ByteOrder,
@@ -30,7 +30,7 @@ pub(super) struct Section {
     pub(super) interfaces: Vec<Interface>,
 }
 
-/// Where packets of a section came in.
+/// Capture interface of the packets of a section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Interface {
     pub(super) link: Link,
@@ -39,7 +39,7 @@ pub(super) struct Interface {
     pub(super) offset_s: i64,
 }
 
-/// Of the numbers of a file.
+/// Byte order of the numbers of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ByteOrder {
     Little,

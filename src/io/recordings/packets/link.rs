@@ -3,7 +3,7 @@
 use etherparse::{EtherType, IpFragOffset, IpNumber, LaxNetSlice, LaxSlicedPacket, UdpSlice};
 use std::net::IpAddr;
 
-/// What a captured packet begins with: <https://www.tcpdump.org/linktypes.html>.
+/// Link type, the header that a captured packet begins with: <https://www.tcpdump.org/linktypes.html>.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Link {
     Ethernet,
@@ -13,7 +13,7 @@ pub(super) enum Link {
     Loopback,
     /// Linux, any interface.
     Cooked,
-    /// The same in its second version.
+    /// Linux cooked capture, second version.
     Cooked2,
     /// No link that carries the packets of a scanner.
     Other,
@@ -25,7 +25,7 @@ pub(super) struct Datagram<'a> {
     pub(super) source: IpAddr,
     /// The port that it was sent to: sensors keep it, and may send from any.
     pub(super) port: u16,
-    /// How many bytes its header says that were sent in it.
+    /// Byte count sent in the datagram, according to its header.
     pub(super) byte_count: usize,
     /// As many of them as are there.
     pub(super) bytes: &'a [u8],
@@ -41,12 +41,12 @@ pub(super) struct Fragment<'a> {
     pub(super) bytes: &'a [u8],
 }
 
-/// What a captured packet is.
+/// Content of a captured packet.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Content<'a> {
     Datagram(Datagram<'a>),
     Fragment(Fragment<'a>),
-    /// Nothing that a laser scanner sends.
+    /// Content that no LiDAR sends.
     Other,
 }
 
@@ -63,7 +63,7 @@ impl Link {
         }
     }
 
-    /// What is in a packet.
+    /// Parses the content of a packet.
     pub(super) fn content(self, bytes: &[u8]) -> Content<'_> {
         self.found(bytes).unwrap_or(Content::Other)
     }
@@ -131,7 +131,7 @@ impl Link {
 }
 
 impl<'a> Datagram<'a> {
-    /// Of the bytes behind the header of IP, or of the first of them.
+    /// Parses the datagram from the bytes after the IP header, or from the first of them.
     pub(super) fn of(source: IpAddr, bytes: &'a [u8]) -> Option<Self> {
         let udp = UdpSlice::from_slice_lax(bytes).ok()?;
         Some(Self {

@@ -37,7 +37,7 @@ pub(crate) struct LiveTurn {
     packets: Vec<Box<[u8]>>,
 }
 
-/// How long azimuths are looked at before the first turn: two of the slowest sensors.
+/// Duration for which azimuths are observed before the first revolution: two revolutions of the slowest sensors.
 const LEARNING: Duration = Duration::from_millis(400);
 
 /// Azimuths in which a sensor measures, before its turns are cut.
@@ -58,15 +58,15 @@ pub(crate) struct LiveTurns {
     learning: Option<Learning>,
     /// The turn whose packets come now.
     current: Option<LiveTurn>,
-    /// Whether the current one was there from its beginning.
+    /// True if the current revolution was received from its beginning.
     is_whole: bool,
 }
 
 impl Companion {
-    /// What the file at `path` is.
+    /// Reads and identifies the companion file at `path`.
     ///
     /// # Errors
-    /// What is wrong with it, with its name.
+    /// The problem with the file, with its name.
     pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let mut bytes = Vec::new();
         let kinds = || MAKERS.iter().map(|maker| &maker.companion);
@@ -264,7 +264,7 @@ impl LiveTurns {
     }
 }
 
-/// Whether frame `now` follows `frame`: numbers have 16 bits, or 32.
+/// Returns true if frame `now` follows `frame`: frame numbers have 16 bits, or 32.
 fn is_next(frame: FrameId, now: FrameId) -> bool {
     let is_end = frame.number == u32::from(u16::MAX) && now.number == 0;
     is_end || frame.number.wrapping_add(1) == now.number

@@ -21,25 +21,25 @@ pub(super) struct Maker {
     pub(super) packets: &'static str,
     /// The file that packets of some of its sensors cannot be read without.
     pub(super) companion: CompanionKind,
-    /// What knows its packets, where `Companions` are the files beside them.
+    /// Creates the recogniser of the maker's packets, where `Companions` are their companion files.
     pub(super) recogniser: fn(&Companions) -> Box<dyn Recogniser>,
 }
 
 /// A file that packets of some sensors cannot be read without.
 pub(super) struct CompanionKind {
     pub(super) most_bytes: u64,
-    /// Whether a text is one, or was meant as one.
+    /// Returns true if a text is such a companion, or was meant as one.
     pub(super) is_one: fn(&str) -> bool,
-    /// What is wrong with a text, if something is.
+    /// Validates a text; the error is the problem with it, if there is one.
     pub(super) check: fn(&str) -> Result<(), Fault>,
 }
 
 /// Knows the packets of a maker in a capture, or of those that come to a port.
 pub(super) trait Recogniser: Send {
-    /// Whether a datagram may be of a sensor of the maker: asked of every one.
+    /// Returns true if a datagram may be from a sensor of the maker: called for every datagram.
     fn may_be(&self, datagram: &Datagram<'_>) -> bool;
 
-    /// How certain a datagram is of a sensor of the maker; `None` of none.
+    /// Returns the maker's claim to a datagram, with its confidence; `None` if it is from none of its sensors.
     fn can_read(&mut self, datagram: &Datagram<'_>) -> Option<Claim>;
 
     /// The sensor that sent a datagram.
@@ -55,12 +55,12 @@ pub(super) struct Claim {
     pub(super) sort: Sort,
 }
 
-/// How certain a maker is of a datagram, the less certain first.
+/// Confidence of a maker's claim to a datagram, the less certain first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Confidence {
     /// By its length, which packets of others may have as well.
     Likely,
-    /// By its first bytes, or by a file beside it.
+    /// By its first bytes, or by a companion file.
     Certain,
 }
 
@@ -69,7 +69,7 @@ pub(super) type Sort = Cow<'static, str>;
 
 /// A sensor, packet by packet. Packets that it does not send say nothing.
 pub(super) trait Sensor: Send {
-    /// What makes points of its packets.
+    /// Returns the scanner that converts its packets to points.
     fn scanner(&self) -> Arc<dyn Scanner>;
 
     /// Notes the azimuths that a packet measured.
@@ -81,11 +81,11 @@ pub(super) trait Sensor: Send {
     /// Turns begin at `seam` from the next packet on.
     fn set_seam(&mut self, seam: Seam);
 
-    /// What the next packet is to the turns.
+    /// Returns the step of the next packet within the revolutions.
     fn step(&mut self, packet: &[u8]) -> Option<Step>;
 }
 
-/// What a packet is to the turns of its sensor.
+/// Step of a packet within the revolutions of its sensor.
 pub(super) enum Step {
     /// Cycles, at one of which a turn begins, if one does: 0 is the first.
     Cycles(Option<u8>),
@@ -95,10 +95,10 @@ pub(super) enum Step {
 
 /// A sensor, and all that is needed to make points of its packets.
 pub(super) trait Scanner: Debug + Send + Sync {
-    /// The names of what is known of a point beside its place, the one to colour by first.
+    /// Returns the names of the attributes of a point in addition to its position, the one to colour by first.
     fn names(&self) -> &'static [&'static str];
 
-    /// What makes points of the packets of a turn.
+    /// Returns the unpacker that converts the packets of a revolution to points.
     fn unpack(&self, part: TurnPart) -> Box<dyn Unpack + '_>;
 }
 
@@ -108,7 +108,7 @@ pub(super) trait Unpack {
     fn add(&mut self, packet: &[u8], position: Position, points: &mut Points) -> bool;
 }
 
-/// Which packet of a turn it is; one may be both.
+/// Position of a packet in a revolution, first or last; one may be both.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Position {
     pub(super) is_first: bool,

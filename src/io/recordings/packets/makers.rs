@@ -10,13 +10,13 @@ use super::unread::{Unread, unread};
 use super::{ouster, velodyne};
 use crate::messages::listed;
 
-/// Of those that are as certain of a datagram, the first has it.
+/// Supported makers; among those that are equally certain of a datagram, the first takes precedence.
 pub(super) const MAKERS: &[Maker] = &[velodyne::MAKER, ouster::MAKER];
 
 /// All makers, as far as the packets of one capture or one port are concerned.
 pub(super) struct Makers(Vec<Box<dyn Recogniser>>);
 
-/// Who has sent a packet.
+/// Sender of a packet.
 pub(super) enum Sender {
     /// A sensor of a maker whose packets are read.
     Read { maker: usize, sort: Sort },
@@ -25,17 +25,17 @@ pub(super) enum Sender {
 }
 
 impl Makers {
-    /// Where `companions` are beside the packets.
+    /// Creates the recognisers of all makers, where `companions` are the companion files of the packets.
     pub(super) fn new(companions: &Companions) -> Self {
         Self(MAKERS.iter().map(|maker| (maker.recogniser)(companions)).collect())
     }
 
-    /// Whether a datagram may be of a sensor that is read.
+    /// Returns true if a datagram may be from a supported sensor.
     pub(super) fn may_be(&self, datagram: &Datagram<'_>) -> bool {
         self.0.iter().any(|maker| maker.may_be(datagram))
     }
 
-    /// Who has sent a datagram: whoever is certain of it, else who is likely.
+    /// Returns the sender of a datagram: the maker that is certain of it, otherwise a likely one.
     pub(super) fn sender(&mut self, datagram: &Datagram<'_>) -> Option<Sender> {
         let mut likely = None;
         for (maker, recogniser) in self.0.iter_mut().enumerate() {

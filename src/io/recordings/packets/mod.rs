@@ -1,13 +1,14 @@
-//! Captures of what laser scanners sent: packets of Velodyne and Ouster in files of pcap and pcapng.
+//! LiDAR packet captures: packets of Velodyne and Ouster in files of pcap and pcapng.
 //!
-//! **How it works.** [`list`] walks over the packets once and notes where each turn of each sensor begins and ends
-//! ([`found`]); [`read`] then reads the packets of one turn, and nothing before or behind them. `pcap-parser` reads the
-//! records of a capture ([`capture`], [`block`]), `etherparse` the headers of the network ([`link`]) and what came in
-//! fragments ([`fragments`]). What is in the packets is ours: a folder per maker ([`velodyne`], [`ouster`]), after
-//! their manuals, and a row of [`makers`]. Packets that come from a network instead of a file are turns by [`live`].
+//! **How it works.** [`list`] walks over the packets once and notes where each revolution of each sensor begins and
+//! ends ([`found`]); [`read`] then reads the packets of one revolution, and nothing before or after them. `pcap-parser`
+//! reads the records of a capture ([`capture`], [`block`]), `etherparse` the network headers ([`link`]) and the
+//! fragmented datagrams ([`fragments`]). The packet contents are parsed here: one folder per maker ([`velodyne`],
+//! [`ouster`]), after their manuals, and a row of [`makers`]. Packets that come from a network instead of a file are
+//! grouped into revolutions by [`live`].
 //!
-//! Sensors take the place of the topics of a recording: the one that sent most packets is read unless another is named.
-//! The stamps of frames are the times at which their first packets were captured; times of points are the sensor's.
+//! Sensors take the role of the topics of a recording: the one that sent most packets is read unless another is named.
+//! The timestamps of frames are the times at which their first packets were captured; times of points are the sensor's.
 
 mod block;
 mod capture;

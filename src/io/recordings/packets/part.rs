@@ -1,6 +1,6 @@
-//! What of some packets is one turn's.
+//! Part of a run of packets that belongs to one revolution.
 
-/// What of the packets of a turn is the turn's.
+/// Part of the packets of a revolution that belongs to that revolution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TurnPart {
     /// From this cycle of the first packet to before that cycle of the last one.

@@ -5,28 +5,28 @@ use crate::io::error::Fault;
 use crate::io::options::ReadOptions;
 use glam::DVec3;
 
-/// What a laser measured.
+/// A single laser measurement.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Measured {
     /// In the frame of the sensor, metres.
     pub(super) position: [f64; 3],
-    /// Which laser, counted from the lowest.
+    /// Index of the laser (ring), counted from the lowest.
     pub(super) ring: u16,
-    /// Seconds since whatever moment the other points of the turn count from.
+    /// Timestamp in seconds, relative to the same epoch as the other points of the revolution.
     pub(super) time_s: f64,
-    /// Of several echoes of a shot, counted from 1 in the order of the packets.
+    /// Return number among several echoes of a shot, counted from 1 in the order of the packets.
     pub(super) return_number: u8,
     /// One number for each of the names that the sensor has.
     pub(super) values: [f32; MOST_VALUES],
 }
 
-/// Most numbers that a sensor has of a point beside the others.
+/// Maximum number of additional values per point that any sensor provides.
 pub(super) const MOST_VALUES: usize = 4;
 
 /// The points of a turn.
 #[derive(Debug)]
 pub(super) struct Points {
-    /// What [`Measured::values`] are called, the one to colour by first.
+    /// Names of [`Measured::values`], the default one for colouring first.
     names: &'static [&'static str],
     positions: Vec<[f32; 3]>,
     values: Vec<[f32; MOST_VALUES]>,

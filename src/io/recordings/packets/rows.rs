@@ -19,9 +19,9 @@ pub(super) struct Row {
 #[derive(Default)]
 pub(super) struct Rows {
     pub(super) all: Vec<Row>,
-    /// Of all revolutions.
+    /// Packet count over all revolutions.
     pub(super) packets: u64,
-    /// Whether revolutions end by time alone, as the head stands.
+    /// True if revolutions are split by time alone because the head does not rotate.
     is_cut_by_time: bool,
 }
 
@@ -82,8 +82,8 @@ impl Rows {
         }
     }
 
-    /// Drops the first and the last revolution where they are less than half of one, as a capture begins and ends in
-    /// the middle of it; a sentence that says so.
+    /// Drops the first and the last revolution if they are less than half complete, since a capture begins and ends
+    /// mid-revolution; returns a sentence that reports it.
     pub(super) fn drop_stubs(&mut self) -> Option<String> {
         let whole = self.whole_packets()?;
         let is_stub = |row: Option<&Row>| row.is_some_and(|row| row.packets * 2 < whole);

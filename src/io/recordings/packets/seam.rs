@@ -24,7 +24,7 @@ const MAX_LEAST_FALL: i32 = 2000;
 #[derive(Debug, Clone)]
 pub(super) struct Coverage(Vec<bool>);
 
-/// Where revolutions begin.
+/// Seam azimuth at which revolutions begin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Seam {
     /// An azimuth, from 0 to before [`TURN`].

@@ -6,7 +6,8 @@ use super::unread::{Unread, unread};
 use std::collections::BTreeMap;
 use std::net::IpAddr;
 
-/// Kinds of datagrams that are told apart: more are no sensors, but a network's whole traffic.
+/// Maximum number of datagram kinds that are distinguished: more than that are not sensors, but a network's whole
+/// traffic.
 const MAX_KINDS: usize = 1024;
 
 /// Kinds that a sentence names.

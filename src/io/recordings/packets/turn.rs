@@ -1,4 +1,4 @@
-//! Where a turn of a laser scanner is in a capture.
+//! Location of a LiDAR revolution within a capture.
 
 use super::layout::Layout;
 use super::maker::Scanner;
@@ -7,21 +7,21 @@ use std::net::IpAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A turn of a laser scanner in a capture of packets.
+/// A LiDAR revolution in a packet capture.
 #[derive(Clone)]
 pub struct Turn {
     pub(super) place: TurnPlace,
-    /// Who sent it, and the port that it was sent to.
+    /// Source address of the packets, and the port that they were sent to.
     pub(super) sensor: (IpAddr, u16),
     pub(super) scanner: Arc<dyn Scanner>,
-    /// What tells of the packets from its first one on.
+    /// Packet layout that applies from its first packet on.
     pub(super) layout: Arc<Layout>,
 }
 
-/// Which packets a turn is.
+/// Packet range of a revolution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct TurnPlace {
-    /// Where the record of its first packet begins in the file, and that of its last one.
+    /// File offsets of the records of its first and of its last packet.
     pub(super) begin: u64,
     pub(super) last: u64,
     pub(super) part: TurnPart,
@@ -42,7 +42,7 @@ impl std::fmt::Debug for Turn {
 }
 
 impl PartialEq for Turn {
-    /// The same packets; what is made of them is left to the files beside the capture.
+    /// Compares the packet ranges for equality; the results of decoding them depend on the files next to the capture.
     fn eq(&self, other: &Self) -> bool {
         (self.place, self.sensor) == (other.place, other.sensor)
     }

@@ -23,7 +23,7 @@ impl<'a> Unpacking<'a> {
         }
     }
 
-    /// What the sensor sent in a datagram.
+    /// Adds a datagram sent by the sensor.
     pub(super) fn add(&mut self, bytes: &[u8], position: Position) {
         self.packets += u64::from(self.unpack.add(bytes, position, &mut self.points));
     }

@@ -7,7 +7,7 @@ pub(super) struct Unread {
     pub(super) name: &'static str,
     /// The way to points, after a colon; empty for packets without points.
     pub(super) advice: &'static str,
-    /// Whether a datagram that was sent to this port is one.
+    /// Predicate that returns true if a datagram that was sent to this port is of this kind.
     is_one: fn(u16, &[u8]) -> bool,
 }
 

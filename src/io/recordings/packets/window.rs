@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom};
 
-/// What is read at once; records are a hundredth of it.
+/// Number of bytes read at once; records are a hundredth of it.
 const PIECE_BYTES: usize = 1 << 20;
 
 /// Bytes of a file that are in memory, from a place that only moves forward.
@@ -11,10 +11,10 @@ const PIECE_BYTES: usize = 1 << 20;
 pub(super) struct Window {
     file: File,
     bytes: Vec<u8>,
-    /// Where in `bytes` the next record begins, and where they end.
+    /// Position in `bytes` of the next record, and of the end of the records.
     begin: usize,
     end: usize,
-    /// Where in the file `begin` is.
+    /// File offset of `begin`.
     offset: u64,
 }
 
@@ -31,7 +31,7 @@ impl Window {
         })
     }
 
-    /// Where in the file the next byte is.
+    /// Returns the file offset of the next byte.
     pub(super) fn offset(&self) -> u64 {
         self.offset
     }

@@ -39,7 +39,7 @@ struct RecordHeader {
     unpacked_bytes: Option<u32>,
     /// Messages of a connection in a chunk.
     count: Option<u32>,
-    /// Where the index of the whole bag begins; 0 until it is closed.
+    /// File offset of the index of the whole bag; 0 until it is closed.
     index_at: Option<u64>,
     /// Chunks of the whole bag, and connections in its index.
     chunks: Option<u32>,
@@ -84,7 +84,7 @@ fn time(seconds: u32, nanos: u32) -> Duration {
     Duration::from_secs(seconds.into()) + Duration::from_nanos(nanos.into())
 }
 
-/// What is wanted of the file that `walk` is at the start of.
+/// Finds the wanted messages of the file that `walk` is at the start of.
 pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Result<FoundMessages, Fault> {
     let magic = walk.take(MAGIC.len() as u64).unwrap_or_default();
     if magic != MAGIC {
@@ -127,10 +127,10 @@ pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Re
     Ok(found)
 }
 
-/// What the header of a bag claims, which is written anew when it is closed, against what was met.
+/// Claims of a bag's header, which is rewritten when it is closed, compared with the records that were met.
 #[derive(Debug, Default)]
 struct Closing {
-    /// Where the index begins, and the number of chunks.
+    /// Claimed file offset of the index, and number of chunks.
     claimed: Option<(u64, u32)>,
     chunks: u32,
     /// Connections in the index that are claimed, and those that were met.

@@ -1,6 +1,6 @@
 //! Numbers and strings read one after the other from bytes, as messages and records have them.
 
-/// What is left to read.
+/// Remaining bytes to read.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bytes<'a> {
     all: &'a [u8],
@@ -31,7 +31,7 @@ impl<'a> Bytes<'a> {
         }
     }
 
-    /// Where the next is read.
+    /// Returns the position of the next read.
     pub(super) fn position(&self) -> usize {
         self.at
     }

@@ -1,10 +1,10 @@
-//! Where many messages are packed together.
+//! Chunks: locations of many messages that are packed together.
 
 use crate::io::files::unpack::{Packing, unpack};
 use crate::io::options::ReadOptions;
 use std::io::{Read as _, SeekFrom};
 
-/// Where many messages are packed together.
+/// Location of a chunk in which many messages are packed together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct MessageChunk {
     pub(super) offset: u64,

@@ -15,7 +15,7 @@ use std::io::Read as _;
 use std::path::Path;
 use std::time::Duration;
 
-/// What zstd begins with: messages may be packed one by one.
+/// Magic number of zstd: messages may be compressed one by one.
 const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 /// Kind of CDR and time stamp.
 const START_BYTES: u64 = 12;
@@ -26,7 +26,7 @@ const MAX_TABLES: u32 = 1000;
 /// Those that a message has.
 const MAX_NAMED_TABLES: usize = 6;
 
-/// What is wanted of the database at `path`.
+/// Finds the wanted messages of the database at `path`.
 pub(super) fn find(path: &Path, wanted: Wanted) -> Result<FoundMessages, Fault> {
     find_rows(path, wanted).map_err(|error| match (error, journal_of(path)) {
         (Failure::Sql(error), Some(journal)) => Fault::header(format!("{journal} ({error})")),
@@ -173,7 +173,7 @@ fn find_rows(path: &Path, wanted: Wanted) -> Result<FoundMessages, Failure> {
     Ok(found)
 }
 
-/// What of the pages that the header counts is missing. (<https://www.sqlite.org/fileformat2.html>)
+/// Describes the missing part of the pages that the header counts. (<https://www.sqlite.org/fileformat2.html>)
 fn cut_of(path: &Path, file_bytes: u64) -> Option<String> {
     const HEADER_BYTES: usize = 100;
     let mut header = [0; HEADER_BYTES];
@@ -218,7 +218,7 @@ fn start_of(database: &Connection, id: i64) -> Result<Vec<u8>, String> {
 pub(super) struct Messages(Connection);
 
 impl Messages {
-    /// Those of the database at `path`; the error is a sentence without its place.
+    /// Opens the messages of the database at `path`; the error is a sentence without its location.
     pub(super) fn open(path: &Path) -> Result<Self, String> {
         open(path).map(Self).map_err(said)
     }
@@ -242,7 +242,7 @@ impl Messages {
     }
 }
 
-/// What is wrong, as a sentence.
+/// Returns the error message of a failure, as a sentence.
 fn said(failure: Failure) -> String {
     match failure {
         Failure::Sql(error) => {

@@ -1,4 +1,4 @@
-//! How messages with point clouds are written.
+//! Encodings of messages with point clouds.
 
 use super::serialisation::Serialisation;
 use super::{foxglove, livox, pointcloud2};
@@ -7,7 +7,7 @@ use crate::io::error::Fault;
 use crate::io::options::ReadOptions;
 use std::time::Duration;
 
-/// What a message with a point cloud is, and how its fields are written.
+/// Encoding of a message with a point cloud: its type, and the serialisation of its fields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     /// `sensor_msgs/PointCloud2` as ROS writes it.

@@ -1,4 +1,4 @@
-//! What the walk over a recording finds: topics, and where their messages are.
+//! Results of the walk over a recording: topics, and the locations of their messages.
 
 use super::camera::{CameraMessage, CameraTopic, CameraTopics};
 use super::encoding::{Encoding, encoding_of};
@@ -9,12 +9,12 @@ use crate::io::contents::{Contents, Entry, Part, Topic};
 use std::collections::{BTreeMap, HashMap};
 use std::time::Duration;
 
-/// Which messages are looked for.
+/// Kind of messages that are looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Wanted {
     /// Those with point clouds.
     Clouds,
-    /// What cameras publish.
+    /// Camera messages.
     Cameras {
         /// Also where the recording has point clouds; else it is one of these, and is not looked into.
         beside_clouds: bool,
@@ -26,11 +26,11 @@ pub(super) enum Wanted {
 struct FoundTopic {
     name: String,
     encoding: Encoding,
-    /// What cameras publish on it; `None` of point clouds.
+    /// Kind of camera message on the topic; `None` for point clouds.
     camera: Option<CameraMessage>,
 }
 
-/// What is found in a recording.
+/// Messages found in a recording.
 #[derive(Debug)]
 pub(super) struct FoundMessages {
     wanted: Wanted,
@@ -134,7 +134,7 @@ impl FoundMessages {
         self.topics.insert(id, topic);
     }
 
-    /// Whether messages of a topic are looked for, as far as is known.
+    /// Returns true if messages of a topic are looked for, as far as is known.
     pub(super) fn has_topic(&self, id: u32) -> bool {
         matches!(self.topics.get(&id), Some(Some(_)))
     }
@@ -163,7 +163,7 @@ impl FoundMessages {
                 .any(|topic| self.topics.get(topic).is_none_or(Option::is_some))
     }
 
-    /// What cameras publish, each topic in the order of time.
+    /// Returns the camera topics, each with its messages in time order.
     pub(super) fn cameras(self) -> CameraTopics {
         let damage = self.damage();
         let mut by_name: BTreeMap<&str, CameraTopic> = BTreeMap::new();

@@ -27,7 +27,7 @@ struct Cloud<'a> {
     data: Cow<'a, [u8]>,
 }
 
-/// Where the cloud lies in its frame of reference.
+/// Pose of the cloud in its frame of reference.
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Pose {

@@ -16,7 +16,7 @@ pub(super) struct Kind {
     pub(super) known_as: fn(&Path) -> Option<&'static Foreign>,
 }
 
-/// How messages are found.
+/// Method of finding messages.
 pub(super) enum Find {
     /// From record to record of the file.
     Walk(fn(&mut Walk, Wanted, &ReadOptions) -> Result<FoundMessages, Fault>),

@@ -21,7 +21,7 @@ const POINT_BYTES: u64 = 28;
 
 const SECONDS_PER_TICK: f64 = 1e-9;
 
-/// Whether messages of this type are clouds of Livox: `package/CustomMsg` or `package/msg/CustomMsg`.
+/// Returns true if messages of this type are Livox clouds: `package/CustomMsg` or `package/msg/CustomMsg`.
 pub(super) fn is_type(kind: &str) -> bool {
     let mut parts = kind.split('/');
     parts.next().is_some_and(|package| package.starts_with(PACKAGES)) && parts.next_back() == Some(TYPE)

@@ -20,10 +20,10 @@ const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 const HEAD_BYTES: u64 = 9;
 /// Schemas and channels are text; more is none that is needed here.
 const MOST_TEXT_BYTES: u64 = 16 << 20;
-/// Of a chunk, what stands before its bytes; of a message, what stands before its own, and its time stamp, even in
-/// words.
+/// Number of bytes that cover a record's header: for a chunk, everything before its data; for a message, everything
+/// before its own data, plus its timestamp, even in words.
 const START_BYTES: u64 = 256;
-/// Of an index: time and place.
+/// Size of an index entry in bytes: time and offset.
 const INDEX_ENTRY_BYTES: u32 = 16;
 /// Channel, sequence, two times.
 const MESSAGE_HEAD_BYTES: u64 = 22;
@@ -41,7 +41,7 @@ struct Finder {
     found: FoundMessages,
 }
 
-/// What is wanted of the file that `walk` is at the start of.
+/// Finds the wanted messages of the file that `walk` is at the start of.
 pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Result<FoundMessages, Fault> {
     if walk.take(MAGIC.len() as u64).as_deref() != Some(MAGIC) {
         return Err(Fault::new(

@@ -1,4 +1,4 @@
-//! Where a message with a point cloud is.
+//! Location of a message with a point cloud.
 
 use super::chunk::MessageChunk;
 use super::encoding::Encoding;
@@ -14,7 +14,7 @@ pub struct Message {
 pub(super) enum MessagePlace {
     /// So many bytes from there on in the file.
     File { offset: u64, byte_count: u64 },
-    /// The same within an unpacked chunk.
+    /// Location within an unpacked chunk.
     Chunk {
         chunk: MessageChunk,
         offset: u64,

@@ -75,8 +75,8 @@ pub(in crate::io) fn list(
     Ok(find(path, format, Wanted::Clouds, options)?.contents(topic))
 }
 
-/// What cameras have published in the recording at `path`; nothing where it has point clouds, unless cameras are asked
-/// for `beside_clouds`.
+/// Returns the camera topics of the recording at `path`; nothing if it has point clouds, unless cameras are requested
+/// with `beside_clouds`.
 pub(in crate::io) fn cameras(
     path: &Path,
     format: Format,
@@ -155,7 +155,8 @@ pub(crate) fn read_parsed<T>(
     parse(&message_bytes(path, message, options).ok()?, message)
 }
 
-/// Reads many small messages of a camera by `parse`, and unpacks what neighbours share once. Damaged ones are left out.
+/// Reads many small messages of a camera by `parse`, and unpacks data shared by neighbours once. Damaged messages are
+/// skipped.
 pub(crate) fn read_all_parsed<'a, T>(
     path: &Path,
     messages: impl Iterator<Item = &'a Message>,

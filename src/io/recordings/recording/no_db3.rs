@@ -1,4 +1,4 @@
-//! In place of [`db3`](super::db3), in a build without `SQLite`: such files are refused.
+//! Stub of [`db3`](super::db3) for a build without `SQLite`: such files are refused.
 
 use super::found::{FoundMessages, Wanted};
 use crate::io::error::Fault;

@@ -79,7 +79,7 @@ pub(super) fn decode(message: &[u8], serialisation: Serialisation, options: &Rea
     Ok(read)
 }
 
-/// Where the points are in the bytes of a cloud.
+/// Layout of the points in the bytes of a cloud.
 struct Grid {
     width: u64,
     height: u64,

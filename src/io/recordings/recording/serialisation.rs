@@ -1,4 +1,4 @@
-//! How ROS writes the fields of a message one after the other.
+//! ROS serialisation: reads the consecutively written fields of a message.
 
 use super::bytes::Bytes;
 use std::time::Duration;
@@ -7,7 +7,7 @@ use std::time::Duration;
 const CDR_HEAD_BYTES: usize = 4;
 const NANOS_PER_SECOND: u32 = 1_000_000_000;
 
-/// How the fields of a message are written one after the other.
+/// Serialisation of the consecutively written fields of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Serialisation {
     /// ROS 1: little endian without gaps.

@@ -1,6 +1,6 @@
-//! What a node of a coded cloud has, in eight bytes.
+//! Attributes of a node of a coded cloud, in eight bytes.
 //!
-//! | bits | what |
+//! | bits | attribute |
 //! |---|---|
 //! | 0–16 | normal, see [`crate::cloud::quantise_normal`] |
 //! | 17–19 | offset along the normal, in eighths of −√3/2 to √3/2 cell edges |
@@ -12,7 +12,7 @@ use bytemuck::{Pod, Zeroable};
 use std::f32::consts::PI;
 use std::sync::LazyLock;
 
-/// The surface in a cell is within so many cell edges of its middle: √(3/4), half a diagonal (001 §5.1).
+/// Maximum distance of the surface in a cell from the cell centre, in cell edges: √(3/4), half a diagonal (001 §5.1).
 pub const LARGEST_OFFSET: f32 = 0.866_025_4;
 
 const NORMAL_MASK: u32 = (1 << crate::cloud::FINEST_NORMAL_BITS) - 1;

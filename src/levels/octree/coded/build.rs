@@ -3,7 +3,7 @@
 //! How it works: a leaf takes the means of its points (as [`NodeSurfel`] has them), and a node above those of its
 //! children, weighted by points, so that the points are read once and each level costs a third of the one below. The
 //! surface in a cell is taken for the plane through the mean position across the mean normal: the offset is where the
-//! line through the middle of the cell along the normal meets it (001 §5.1). The radius is the smallest that covers all
+//! line through the centre of the cell along the normal meets it (001 §5.1). The radius is the smallest that covers all
 //! disks below from there. Normals are used as they will be decoded, so that a cone holds what is drawn.
 
 use super::attributes::NodeAttributes;
@@ -15,7 +15,7 @@ use bytemuck::Zeroable;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// What is known of a node while it is summed up.
+/// Intermediate summary of a node while it is aggregated.
 #[derive(Debug, Clone, Copy)]
 struct Summary {
     mean: Vec3,
@@ -23,11 +23,11 @@ struct Summary {
     color: Vec3,
     point_count: f32,
     cell: [u32; 3],
-    /// Of all disks below, from `drawn_at`.
+    /// Bounding radius of all disks below, from `drawn_at`.
     radius: f32,
     /// Half the opening of the cone of normals, in radians.
     cone: f32,
-    /// Where its splat is.
+    /// Position of its splat.
     drawn_at: Vec3,
     /// The normal as it is decoded, and its index.
     drawn_normal: Vec3,
@@ -169,7 +169,7 @@ impl Summary {
         }
     }
 
-    /// How far a point is from the middle of the splat, across the normal.
+    /// Returns the distance of a point from the centre of the splat, perpendicular to the normal.
     fn distance_in_plane(&self, point: Vec3) -> f32 {
         let offset = point - self.drawn_at;
         (offset - self.drawn_normal * offset.dot(self.drawn_normal)).length()

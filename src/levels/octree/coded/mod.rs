@@ -1,20 +1,13 @@
-//! A cloud as the byte code of its octree, with attributes for every node: what is drawn as it is stored (paper 001).
+//! A cloud as the byte code of its octree, with attributes for every node: it is rendered directly from its stored form
+//! (paper 001).
 //!
-//! # Layout
-//! Nodes are numbered breadth-first: the root is 0, each level in Morton order. Node `i` above the deepest level has a
-//! byte, its occupied octants; the children of all nodes stand in the order of the bits, so the first child of `i` is
-//! one more than the bits before byte `i`. To find it without counting from the beginning, the number of bits before
-//! every 64th byte is kept (half a bit for a byte); the rest is eight population counts. Whoever goes through a level
-//! in order needs not even that.
+//! # Layout Nodes are numbered breadth-first: the root is 0, each level in Morton order. Node `i` above the deepest level has a byte, its occupied octants; the children of all nodes stand in the order of the bits, so the first child of `i` is one more than the bits before byte `i`. To find it without counting from the beginning, the number of bits before every 64th byte is kept (half a bit for a byte); the rest is eight population counts. A sequential walk over a level does not even need that.
 //!
 //! All nodes have attributes, leaves or not (the easiest solution of 001 §4.4, a third more of them). So the bytes of
 //! the upper levels, and the attributes that belong to them, are a coarser cloud, and any prefix of levels can be
 //! drawn.
 //!
-//! # Attributes
-//! Eight bytes a node: the normal as 17 bits of the refined octahedron (of which less may be used), the *offset*, 3
-//! bits, along the normal from the middle of the cell to the surface (001 §5.1), a radius and the cone of the normals
-//! below, 8 bits each, and a colour.
+//! # Attributes Eight bytes per node: the normal as 17 bits of the refined octahedron (of which less may be used), the *offset*, 3 bits, along the normal from the centre of the cell to the surface (001 §5.1), a radius and the cone of the normals below, 8 bits each, and a colour.
 //!
 //! The paper needs no radius: its cells are as large as samples are far apart, and so are splats. Here the tree goes as
 //! deep as its stop criterion says, which is mostly deeper, and points may be irregular: a radius says what a node's
@@ -56,7 +49,7 @@ pub struct CodedCloud {
     of: Sources,
 }
 
-/// What it was made of, if that is still there: an address in use again names something else.
+/// Source records that it was made of, if they still exist: an address in use again names something else.
 #[derive(Debug)]
 struct Sources {
     octree: Weak<Octree>,
@@ -64,12 +57,13 @@ struct Sources {
     shapes: Weak<Vec<ShapeRecord>>,
 }
 
-/// What a coded cloud takes, in bits for each leaf.
+/// Storage size of a coded cloud, in bits per leaf.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CodedBits {
     /// The byte code. On a surface whose cells are as large as its samples are far apart, 2.67 at most (001 §3).
     pub masks: f64,
-    /// The same, if bytes took as many bits as their frequency is worth (what an entropy coder makes of them).
+    /// Entropy of the masks in the same unit: their size if bytes took as many bits as their frequency is worth (the
+    /// result of an entropy coder).
     pub masks_entropy: f64,
     /// Normals of all nodes with 13 bits.
     pub normals: f64,
@@ -131,7 +125,7 @@ impl CodedCloud {
         }
     }
 
-    /// Whether it was made of these.
+    /// Returns true if it was made of these records.
     pub fn is_of(&self, octree: &Arc<Octree>, points: &Arc<Vec<PointRecord>>, shapes: &Arc<Vec<ShapeRecord>>) -> bool {
         std::ptr::eq(self.of.octree.as_ptr(), Arc::as_ptr(octree))
             && std::ptr::eq(self.of.points.as_ptr(), Arc::as_ptr(points))
@@ -177,8 +171,8 @@ impl CodedCloud {
         self.largest_radii.get(level as usize).copied().unwrap_or(0.0)
     }
 
-    /// How far splats of every level and those below it reach from their cells, in scene units, where radii are drawn
-    /// by a factor.
+    /// Returns the reach of the splats of every level and of those below it beyond their cells, in scene units, with
+    /// radii scaled by a factor.
     pub(crate) fn reaches(&self, scale: f32) -> Vec<f32> {
         let mut farthest = 0f32;
         let mut reaches: Vec<f32> = (0..=self.depth())
@@ -228,7 +222,7 @@ impl CodedCloud {
             + size_of_val(self.largest_radii.as_slice())
     }
 
-    /// What it takes for each leaf; `None` without leaves.
+    /// Returns the storage size in bits per leaf; `None` without leaves.
     pub fn bits_per_leaf(&self) -> Option<CodedBits> {
         let leaves = self.level(self.depth()).len();
         if leaves == 0 {

@@ -1,11 +1,11 @@
 //! COLMAP: cameras, images and points, as text or binary.
 //!
-//! Its manual, *Output format*: a pose takes points of the world to the camera (x right, y down, z forward), turned by
-//! the quaternion w x y z and then shifted; the middle of the first pixel is at (½, ½). The rows of a file come in any
-//! order and are told by their numbers; photographs are ordered by theirs, so that text and binary files agree.
+//! Its manual, *Output format*: a pose takes points of the world to the camera (x right, y down, z forward), rotated by
+//! the quaternion w x y z and then shifted; the centre of the first pixel is at (½, ½). The rows of a file come in any
+//! order and are identified by their numbers; input images are ordered by theirs, so that text and binary files agree.
 //!
-//! From 3.12 on there are rigs and frames as well, which say what moves together. The pose of each photograph is still
-//! whole among the images, so these files are not read.
+//! From 3.12 on there are rigs and frames as well, which define what moves together. The full pose of each input image
+//! is still stored among the images, so these files are not read.
 
 mod binary;
 mod depth;
@@ -54,7 +54,8 @@ const FOLDERS: &[&str] = &[
     "rig_calibration",
 ];
 
-/// Models of one scene whose numbers are tried: COLMAP makes one of each group of photographs that hangs together.
+/// Maximum number of models of one scene whose numbers are tried: COLMAP creates one for each connected group of
+/// images.
 const MOST_MODELS: u32 = 50;
 
 /// Names of the files of a model.
@@ -87,7 +88,7 @@ fn model_in(folder: &Path) -> Option<PathBuf> {
     models.into_iter().rev().max_by_key(size_of)
 }
 
-/// Whether the folder holds a model.
+/// Returns true if the folder holds a model.
 fn is_in(folder: &Path) -> bool {
     let has = |name: &str| folder.join(name).is_file();
     ["bin", "txt"]
@@ -95,7 +96,7 @@ fn is_in(folder: &Path) -> bool {
         .any(|extension| has(&format!("cameras.{extension}")) && has(&format!("images.{extension}")))
 }
 
-/// The photographs of the model in `folder`.
+/// Reads the input images of the model in `folder`.
 fn read(folder: &Path) -> Result<Drafts, PhotosError> {
     let is_binary = folder.join("cameras.bin").is_file() && folder.join("images.bin").is_file();
     let extension = if is_binary { "bin" } else { "txt" };

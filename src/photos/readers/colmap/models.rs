@@ -1,7 +1,7 @@
 //! The camera models of COLMAP by number and name, and those of them that are shown.
 //!
-//! Models 0 to 6 are pinholes with the polynomials that `rgbd` has. Others are known by name, to be refused by it: a
-//! photograph through a lens that is not understood would be drawn in the wrong place.
+//! Models 0 to 6 are pinholes with the polynomials that `rgbd` has. Others are known by name, to be refused by it: an
+//! image through a lens that is not understood would be drawn in the wrong place.
 
 use crate::photos::sets::lens::{Focal, Lens, Origin};
 use crate::rgbd::Distortion;

@@ -17,11 +17,11 @@ pub(super) struct Image {
     pub(super) shift: DVec3,
     pub(super) camera: u32,
     pub(super) name: String,
-    /// Where features were found; the middle of the first pixel is at (½, ½).
+    /// Positions of the features; the centre of the first pixel is at (½, ½).
     pub(super) features: Vec<Vec2>,
 }
 
-/// Where the rows of points find the photographs that they name.
+/// Feature lookup, by which rows of points find the images that they name.
 pub(super) struct Features<'a> {
     pub(super) images: HashMap<u32, (u32, &'a [Vec2])>,
 }

@@ -1,4 +1,4 @@
-//! `cameras.txt`, `images.txt` and `points3D.txt`: a row a line, `#` before remarks. A photograph has two lines, the
+//! `cameras.txt`, `images.txt` and `points3D.txt`: one row per line, `#` before remarks. An image has two lines, the
 //! second of which may be empty.
 
 use super::models::{Model, refusal};

@@ -1,4 +1,4 @@
-//! How a frame differs from the one before.
+//! Differences of a frame from the previous one.
 
 use super::super::levels::LevelValues;
 use super::super::schema::{Schema, StreamKind};
@@ -6,28 +6,28 @@ use super::followed::{Followed, FollowedLevel};
 use crate::reel::attributes::NormalGrid;
 use glam::Vec3;
 
-/// How a frame differs from the one before.
+/// Differences of a frame from the previous one.
 #[derive(Debug)]
 pub(in crate::reel) struct Changes {
-    /// Of each level, and then of the points.
+    /// Changes of each level, and then of the points.
     pub(super) levels: Vec<LevelChanges>,
 }
 
-/// How the nodes of a level differ.
+/// Differences of the nodes of a level.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LevelChanges {
     /// In parts of the deepest cells.
     pub(super) steps: Vec<[i32; 3]>,
     pub(super) colors: Vec<[i32; 3]>,
     pub(super) singles: Vec<Vec<[i32; 1]>>,
-    /// Those of this frame.
+    /// Normals of this frame.
     pub(super) normals: Vec<[i16; 2]>,
-    /// What an encoder has rounded to those.
+    /// Unit normals of an encoder before they were rounded to those.
     pub(super) directions: Vec<Vec3>,
 }
 
 impl Changes {
-    /// Of a frame that is as the one before.
+    /// Creates the changes of a frame identical to the previous one.
     pub(super) fn none(followed: &Followed) -> Self {
         let of_level = |level: &FollowedLevel| {
             let none = |codes: &Vec<[u16; 1]>| vec![[0]; codes.len()];
@@ -44,7 +44,7 @@ impl Changes {
         }
     }
 
-    /// What is followed becomes the next frame.
+    /// Applies the changes, which turns the followed frame into the next one.
     pub(super) fn apply(self, schema: &Schema, followed: &mut Followed) {
         for (changes, level) in self.levels.into_iter().zip(&mut followed.levels) {
             changes.apply(schema, level);
@@ -84,7 +84,7 @@ impl LevelChanges {
         }
     }
 
-    /// Whether so much has changed in a stream that it is told.
+    /// Returns true if a stream has changed enough to be coded.
     pub(super) fn differs(&self, schema: &Schema, kind: StreamKind, before: &LevelValues) -> bool {
         match kind {
             StreamKind::Color => {

@@ -1,4 +1,4 @@
-//! How nodes moved and changed, as streams and back.
+//! Coding of the motion and changes of nodes, as streams and back.
 
 use super::super::schema::{Schema, StreamKind};
 use super::super::sections::{CodedSection, blank_sections, places_of, ranges_of, sections_of};
@@ -100,10 +100,10 @@ pub(in crate::reel) fn decode(
     Ok(())
 }
 
-/// What each level tells of one number.
+/// Coded values of one number, for each level.
 type OfLevels<'a, T> = Vec<&'a mut Vec<T>>;
 
-/// What a stream tells.
+/// Contents of a stream.
 enum Told<'a> {
     Motion(OfLevels<'a, [i32; 3]>),
     Colors(OfLevels<'a, [i32; 3]>),
@@ -113,7 +113,7 @@ enum Told<'a> {
     Singles(Vec<OfLevels<'a, [i32; 1]>>),
 }
 
-/// What every stream tells.
+/// Returns the contents of every stream.
 fn told<'a>(schema: &Schema, changes: &'a mut Changes) -> Vec<(StreamKind, Told<'a>)> {
     let mut motion = Vec::new();
     let mut colors = Vec::new();

@@ -1,4 +1,4 @@
-//! What the next frame of a group is told by: where the nodes of every level are, and what they have.
+//! Reference state for the next frame of a group: the positions of the nodes of every level, and their attributes.
 
 use super::super::geometry::plan_of_points;
 use super::super::grid::Grid;
@@ -12,16 +12,16 @@ use crate::reel::attributes::{MISSING, NormalGrid, offset_parts};
 use crate::reel::tree::{ALONE, Known, Links, Neighbours, first_children, neighbours_below, plan};
 use glam::DVec3;
 
-/// A frame that the next one is told by.
+/// Reference frame that the next one is encoded relative to.
 #[derive(Debug, Clone)]
 pub(in crate::reel) struct Followed {
     /// The nodes of each level that was decoded, from the root down; then the points, if they are kept one by one.
     pub(super) levels: Vec<FollowedLevel>,
-    /// What each is predicted from.
+    /// Prediction plan of each node.
     pub(super) plans: Vec<Vec<Known>>,
-    /// Who is around the nodes of each level that has something below it, and what that is.
+    /// Neighbours and children of the nodes of each level that has something below it.
     pub(super) families: Vec<Family>,
-    /// Whether the last of them are points.
+    /// True if the last level consists of points.
     pub(super) has_points: bool,
     /// The index in the file of each point.
     order: Vec<u32>,
@@ -39,7 +39,8 @@ pub(super) struct FollowedLevel {
 }
 
 impl Followed {
-    /// A frame that stands alone, or its first levels, as a decoder has it; `None` of one that no frame is told by.
+    /// Creates the reference from a frame that stands alone, or from its first levels, as a decoder has it; `None` if
+    /// no frame is encoded relative to it.
     pub(in crate::reel) fn of(schema: &Schema, grid: &Grid, pose: &Pose) -> Option<Self> {
         let part_bits = part_bits(schema, grid)?;
         if pose.points.as_ref().is_some_and(|points| !points.outside.is_empty()) {
@@ -110,7 +111,7 @@ impl Followed {
     }
 }
 
-/// Puts nodes from the middles of their cells to the surface, where it is told how far that is.
+/// Moves nodes from the centres of their cells to the surface, where an offset is stored.
 fn lift(schema: &Schema, part_bits: u32, values: &LevelValues, middles: &mut [[i32; 3]]) {
     if values.offsets.is_empty() || schema.normal_bits == 0 {
         return;
@@ -132,7 +133,7 @@ pub(super) struct Family {
     pub(super) first: Vec<u32>,
 }
 
-/// What is known of the nodes of every level, and who is around them where something is below.
+/// Returns the prediction plans of the nodes of every level, and their neighbours where something is below.
 fn plans_of(levels: &[Level], has_points: bool) -> (Vec<Vec<Known>>, Vec<Family>) {
     if levels.first().is_none_or(|root| root.cells.is_empty()) {
         let nobody = Family {

@@ -1,14 +1,14 @@
-//! Frames that are told by the one before: its nodes, moved and changed.
+//! Frames that are encoded relative to the previous one: its nodes, moved and changed.
 //!
 //! How it works: where the points of a file keep their order from frame to frame, those of a cell of the key frame stay
-//! together, and the node that stands for them moves as their mean does. How far is one more attribute of the nodes of
-//! the key frame's octree, coded level by level: a node moves as its parent does, and otherwise as the motion around
-//! that says ([`slope`]). Colours and single numbers are changes, by the transform that colours have in frames that
-//! stand alone; normals turn as those around them.
+//! together, and the node that stands for them moves as their mean does. The displacement is one more attribute of the
+//! nodes of the key frame's octree, coded level by level: a node moves as its parent does, corrected by the surrounding
+//! motion ([`slope`]). Colours and single numbers are changes, by the transform that colours have in frames that stand
+//! alone; normals turn as those around them.
 //!
-//! When it wins: models that are animated, surfaces that are tracked. What a point has told once it need not tell
+//! When it wins: models that are animated, surfaces that are tracked. What a point has stated once need not be coded
 //! again: of a textured body hardly anything is left but how it moves, and points keep their identity, so nothing
-//! flickers. Where every frame is sampled anew, no two points belong together, and frames stand alone.
+//! flickers. If every frame is resampled, no two points belong together, and frames stand alone.
 //!
 //! What it costs: a frame is decoded after those before it, back to the key frame. Coarse levels are decoded from
 //! coarse levels alone.
@@ -27,14 +27,13 @@ pub(in crate::reel) use run::{Run, follows};
 use super::grid::Grid;
 use super::schema::{Kept, Schema, Values};
 
-/// Most parts of a cell that a node is told to move by: within it, quotients are exact
-/// ([`crate::reel::coder::divided`]).
+/// Maximum coded motion of a node in parts of a cell: within it, quotients are exact ([`crate::reel::coder::divided`]).
 const MOST_CHANGE: i32 = 1 << 13;
 
 /// Most bits of a position, so that it may leave the cube.
 const MOST_POSITION_BITS: u32 = 28;
 
-/// How precisely nodes move.
+/// Precision of node motion.
 #[derive(Debug, Clone, Copy)]
 struct MotionScale {
     /// Bits of the parts of a deepest cell.
@@ -54,7 +53,7 @@ impl MotionScale {
     }
 }
 
-/// How precisely the nodes of a frame move.
+/// Returns the precision of the motion of a frame's nodes.
 fn motion_scale(schema: &Schema) -> MotionScale {
     match schema.kept {
         // Points that are kept one by one are off by half a cell at most: a tolerance, half a step, and rounding.

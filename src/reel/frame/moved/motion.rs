@@ -1,9 +1,9 @@
-//! How far the nodes of each level move, as bits and back.
+//! Motion of the nodes of each level, as bits and back.
 //!
-//! How it works: a node moves as its parent does and as the slope of motion around that says ([`super::slope`]), and
-//! what its sisters moved otherwise it makes up for, as the parent's step is their mean. Coarse levels are told in
-//! small steps, as everything below moves with them; finer ones in larger and larger ones, so that of a smooth motion
-//! nothing is left to tell of them.
+//! How it works: a node moves as its parent does, corrected by the slope of the surrounding motion ([`super::slope`]),
+//! and compensates for what its siblings moved otherwise, as the parent's step is their mean. Coarse levels are coded
+//! in small steps, as everything below moves with them; finer ones in larger and larger ones, so that of a smooth
+//! motion nothing is left to code of them.
 
 use super::followed::Followed;
 use super::slope::Below;
@@ -14,7 +14,7 @@ use crate::reel::tree::{Known, NONE};
 /// Classes of what earlier axes, and nodes, were off by.
 const CLASSES: usize = 4;
 
-/// What is known of what is not predicted.
+/// Probability models of motion residuals.
 struct MotionModels {
     models: Vec<MagnitudeModel>,
     rest: RestModels,
@@ -64,12 +64,12 @@ pub(super) fn code_motion<C: BitCoder>(
     }
 }
 
-/// What is known of the steps of a level before they are coded.
+/// Prediction of the steps of a level, known before they are coded.
 struct Foreseen<'a> {
     plan: &'a [Known],
     /// The steps of the level above.
     parents: &'a [[i32; 3]],
-    /// How each node is foreseen to move otherwise than its parent.
+    /// Predicted difference of each node's motion from that of its parent.
     differences: &'a [[i32; 3]],
 }
 

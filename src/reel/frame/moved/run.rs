@@ -1,4 +1,4 @@
-//! What an encoder knows of frames that follow a key frame: which points belong to which node, and where they are now.
+//! Encoder state for frames that follow a key frame: which points belong to which node, and where they are now.
 
 use super::super::levels::{LevelValues, Pose};
 use super::super::prepare::GroupPlan;
@@ -11,20 +11,20 @@ use crate::cloud::RawCloud;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
-/// Frames that are told by a key frame.
+/// Run of frames that are encoded relative to a key frame.
 #[derive(Debug)]
 pub(in crate::reel) struct Run<'a> {
     plan: &'a GroupPlan,
     schema: &'a Schema,
     /// The points of the key frame in the order of its nodes.
     order: &'a [u32],
-    /// Those of each node of the deepest level.
+    /// Point ranges of each node of the deepest level.
     nodes: Vec<Range<usize>>,
     masks: Vec<Vec<u8>>,
     /// From the mean of the points of a node to where a decoder puts it in the key frame, in parts; of points that are
     /// kept one by one there are none.
     anchors: Vec<DVec3>,
-    /// Where the finest nodes should be in the frame that is followed, in parts.
+    /// Target positions of the finest nodes in the frame that is followed, in parts.
     truth: Vec<DVec3>,
     /// Codes of radii that reach over the node, and over the largest disk in it.
     radii: Option<(Vec<[u16; 1]>, Vec<u16>)>,
@@ -78,7 +78,8 @@ impl<'a> Run<'a> {
         Some(run)
     }
 
-    /// How frame `index` of the group differs from the one that is followed; `None` if its nodes move too far.
+    /// Computes the changes of frame `index` of the group relative to the one that is followed; `None` if its nodes
+    /// move too far.
     pub(in crate::reel) fn changes(&mut self, index: usize, cloud: &RawCloud, followed: &Followed) -> Option<Changes> {
         let depth = self.plan.grid.depth as usize;
         let finest = followed.levels.last()?;
@@ -118,7 +119,7 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// What a node, or a point that is kept by itself, may be off by in frame `index`, in parts.
+    /// Returns the position tolerance of a node, or of a point that is kept individually, in frame `index`, in parts.
     fn tolerance(&self, index: usize, node: usize) -> f64 {
         let scale = motion_scale(self.schema);
         let Some(largest) = self.plan.largest_cells(index) else {
@@ -129,8 +130,8 @@ impl<'a> Run<'a> {
         (half - 2.1).max(scale.tolerance)
     }
 
-    /// Where the finest nodes should be, in parts: points that are kept one by one where the file puts them; a node
-    /// that stands for several as far from their mean as in the key frame.
+    /// Computes the target positions of the finest nodes, in parts: points that are kept individually where the file
+    /// puts them; a node that stands for several as far from their mean as in the key frame.
     fn truth_of(&self, cloud: &RawCloud) -> Vec<DVec3> {
         let in_parts = |place: DVec3| (place - self.plan.grid.min) * self.parts_per_unit;
         if self.anchors.is_empty() {
@@ -204,11 +205,11 @@ fn mean_steps(below: &[[i32; 3]], nodes: &[Range<usize>]) -> Vec<[i32; 3]> {
 /// Points whose distances are compared.
 const MOST_PAIRS: usize = 4096;
 
-/// How much farther apart points may be than in the key frame.
+/// Maximum factor by which points may be farther apart than in the key frame.
 const MOST_STRETCH: f64 = 2.0;
 
-/// Whether frame `other` of a group has the points of frame `key` in the same order, and those that were beside each
-/// other still are.
+/// Returns true if frame `other` of a group has the points of frame `key` in the same order, and points that were next
+/// to each other still are.
 pub(in crate::reel) fn follows(plan: &GroupPlan, clouds: &[&RawCloud], key: usize, other: usize) -> bool {
     let order = plan.order(key);
     let is_alike = plan.schemas[key] == plan.schemas[other]

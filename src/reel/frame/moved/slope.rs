@@ -1,14 +1,15 @@
-//! What the motion of the nodes of a level says of how those below them move.
+//! Prediction of how child nodes move from the motion of the nodes of a level.
 //!
-//! How it works: a body that turns moves by another step at each of its points, and that difference is as good as
+//! How it works: a body that rotates moves by another step at each of its points, and that difference is practically
 //! linear from a node to those around it. The linear map that fits the steps of the nodes around a node best (least
-//! squares) says how its children move otherwise than it does.
+//! squares) predicts how the motion of its children differs from its own.
 
 use super::followed::Family;
 use crate::reel::tree::NONE;
 use glam::DVec3;
 
-/// Of the squared edge of a cell: directions in which nothing is beside a node, as across a surface, get no slope.
+/// Regularisation as a factor on the squared edge of a cell: directions in which a node has no neighbours, as across a
+/// surface, get no slope.
 const STIFFNESS: f64 = 0.125;
 
 /// The nodes of a level, and of those below them.
@@ -17,7 +18,7 @@ pub(super) struct Below<'a> {
     pub(super) family: &'a Family,
     /// For each node how far it moves.
     pub(super) steps: &'a [[i32; 3]],
-    /// Where the children are.
+    /// Positions of the children.
     pub(super) positions: &'a [[i32; 3]],
     /// Edge of the cells of the nodes, in parts.
     pub(super) edge: f64,
@@ -71,9 +72,9 @@ impl Below<'_> {
 
 /// Steps around a node against ways to it: sums of products, a column for each axis of the way.
 struct Slope {
-    /// Of ways with ways.
+    /// Products of direction vectors with direction vectors.
     spread: [DVec3; 3],
-    /// Of steps with ways.
+    /// Products of steps with direction vectors.
     turned: [DVec3; 3],
 }
 

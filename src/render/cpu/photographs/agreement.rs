@@ -1,24 +1,24 @@
-//! What several photographs say of one place, where some of them are wrong.
+//! Robust mean of what several images show at one point, where some of them are wrong.
 //!
 //! How it works: the mean of all is taken, in which those count most that look from nearest to where the eye is. Then
-//! it is taken again with shares by how far each is from it, `q = 1 / (1 + d² / s²)` (Cauchy's weights, Holland and
-//! Welsch 1977), twice. So the one photograph of four that shows something else (a person who walked by, what is before
-//! or behind an outline, a wrong pose) fades. No photograph appears or vanishes at once.
+//! it is taken again with weights by how far each is from it, `q = 1 / (1 + d² / s²)` (Cauchy's weights, Holland and
+//! Welsch 1977), twice. So the one image of four that shows something else (a person who walked by, what is before or
+//! behind an outline, a wrong pose) fades. No image appears or vanishes at once.
 //!
-//! What is wrong with the place is seen shifted by as much as a photograph looks from aside: the variance of what it
-//! shows grows with the square of its angle θ, and the best mean has shares of `n = (θ₁² + a²) / (θ² + a²)`, with θ₁ of
-//! the nearest one (inverse variances; Buehler et al. 2001 take 1/θ). That noise of all photographs is the same speaks
-//! against it. So `q + (1 − q) · n` is taken: where photographs agree, all of them count, and noise is averaged; where
-//! they do not, the nearest is right.
+//! An error in the position shows up as a shift that grows with how far an image looks from aside: the variance of what
+//! it shows grows with the square of its angle θ, and the best mean has weights of `n = (θ₁² + a²) / (θ² + a²)`, with
+//! θ₁ of the nearest one (inverse variances; Buehler et al. 2001 take 1/θ). That noise is the same in all images speaks
+//! against it. So `q + (1 − q) · n` is taken: where images agree, all of them count, and noise is averaged; where they
+//! do not, the nearest is right.
 
 use crate::render::constants::{PHOTO_AGREEMENT_ROUNDS, PHOTO_PER_DISAGREEMENT2};
 use glam::Vec3;
 
-/// What one photograph shows of a place.
+/// Colour that one image shows at a point.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Shown {
     pub(super) color: Vec3,
-    /// Its weight beside the others.
+    /// Weight relative to the others.
     pub(super) share: f32,
     /// A factor on that where they disagree: 1 of the nearest to the eye's direction, less of others.
     pub(super) nearness: f32,

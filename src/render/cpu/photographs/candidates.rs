@@ -1,4 +1,4 @@
-//! Which photographs look at a place, and from how near to the eye's direction: eight of them at a time.
+//! Candidate images that see a point, and their angles from the eye's direction: eight of them at a time.
 
 use crate::render::constants::PHOTO_NOT_LOOKING;
 use crate::render::cpu::eight::Vectors;
@@ -6,13 +6,13 @@ use crate::scene::PhotoView;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 use glam::Vec3;
 
-/// Photographs that are asked together.
+/// Number of images that are evaluated together.
 const LANES: usize = 8;
 
-/// A number of each of eight photographs.
+/// One number for each of eight images.
 type Eight = [f32; LANES];
 
-/// Eight photographs; those that are none have no pixels.
+/// Group of eight images; unused entries have no pixels.
 #[derive(Debug, Clone, Default)]
 struct Group {
     /// Rows of the matrices into the spaces of their cameras.
@@ -23,13 +23,13 @@ struct Group {
     size: [Eight; 2],
 }
 
-/// All photographs of a picture.
+/// Candidate images of a rendered frame.
 #[derive(Debug)]
 pub(super) struct Candidates {
     groups: Vec<Group>,
 }
 
-/// How photographs see one place.
+/// Scores of the images for one point.
 #[derive(Debug, Default)]
 pub(super) struct Scores {
     /// The cosine of the angle between the ways to the camera and to the eye; [`Scores::NONE`] where it does not look.
@@ -38,7 +38,7 @@ pub(super) struct Scores {
     largest: Vec<f32>,
     /// Squares of these angles.
     angles2: Vec<f32>,
-    /// Where it is in them, texels from the upper left corner.
+    /// Position of the point in the images, in texels from the upper left corner.
     places: [Vec<f32>; 2],
     /// Along the axes of their cameras.
     distances: Vec<f32>,
@@ -72,7 +72,7 @@ impl Candidates {
         }
     }
 
-    /// Scores all photographs for a place in view space. `to_eye` has length 1, and `normal` too if it is known.
+    /// Scores all images for a point in view space. `to_eye` has length 1, and `normal` too if it is known.
     #[inline(always)]
     pub(super) fn score<S: Simd>(&self, simd: S, place: Vec3, to_eye: Vec3, normal: Vec3, scores: &mut Scores) {
         let zero = f32x8::splat(simd, 0.0);
@@ -182,7 +182,7 @@ impl Scores {
         }
     }
 
-    /// The photograph that looks from nearest to the eye's direction; it is not found again.
+    /// Returns the image that looks from nearest to the eye's direction; it is not found again.
     #[inline(always)]
     pub(super) fn take_best(&mut self) -> Option<usize> {
         let (mut group, mut cosine) = (0, Self::NONE);
@@ -207,7 +207,7 @@ impl Scores {
         self.angles2[view]
     }
 
-    /// Where the place is in a photograph, texels from its upper left corner.
+    /// Returns the position of the point in an image, in texels from its upper left corner.
     pub(super) fn place(&self, view: usize) -> [f32; 2] {
         [self.places[0][view], self.places[1][view]]
     }
@@ -217,7 +217,7 @@ impl Scores {
         self.facings[view]
     }
 
-    /// How far away it is along the axis of its camera.
+    /// Returns the distance of the point along the axis of its camera.
     pub(super) fn distance(&self, view: usize) -> f32 {
         self.distances[view]
     }

@@ -1,10 +1,10 @@
-//! Gaps in a surface are closed when all tiles are drawn, where photographs show that something is there. What a gap
-//! is, and what lies in it: `scene/effects/gaps.rs`.
+//! Closing of gaps in a surface once all tiles are drawn, where images show that something is there. For the definition
+//! of a gap and its contents see `scene/effects/gaps.rs`.
 //!
-//! How it works: rows are gone through at once, since what is met around a pixel is what was drawn, not what was
-//! closed; then closed pixels are written. Most pixels that are not covered are background: the ways to the left and
-//! upwards tell that of most of them. The one is known while a row is gone through, the other is worked out before.
-//! Specks are looked for in what came of it.
+//! How it works: rows are processed in parallel, since what is met around a pixel is what was drawn, not what was
+//! closed; then closed pixels are written. Most pixels that are not covered are background: the distances to the left
+//! and upwards show that for most of them. The one is known while a row is processed, the other is computed before.
+//! Specks are looked for in the result.
 
 use super::{PhotoAnswer, Place, Projected, Scores};
 use crate::render::cpu::rims::{Drawn, fill_rows, over};
@@ -14,7 +14,7 @@ use crate::scene::{GAP_ONE_SURFACE, GAP_SOLID, GAPS_PER_SLIT, PIXEL_LINES, speck
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
 
-/// Where a line from a pixel meets the surface, or the border of the picture.
+/// End of a line from a pixel, where it meets the surface or the border of the image.
 #[derive(Debug, Clone, Copy)]
 struct End {
     steps: i32,
@@ -23,8 +23,8 @@ struct End {
 }
 
 impl Projected<'_> {
-    /// Closes gaps in a picture with opacities in place of alpha, and these reversed depths; and puts what lies behind
-    /// into rims of which photographs say nothing, and what is around into specks that are left.
+    /// Closes gaps in an image with opacities instead of alpha, and these reversed depths; fills edges without image
+    /// samples with what lies behind, and remaining specks with what is around them.
     pub(in crate::render::cpu) fn close_gaps(
         &self,
         view: &PixelView,
@@ -93,7 +93,8 @@ impl Projected<'_> {
     }
 }
 
-/// How many rows each pixel is below the nearest one of its column that belongs to the surface, or below the border.
+/// Computes the number of rows from each pixel up to the nearest one of its column that belongs to the surface, or to
+/// the border.
 fn rows_from_solid(size_px: [u32; 2], image: &[u8]) -> Vec<u16> {
     let width = size_px[0] as usize;
     let (pixels, _) = image.as_chunks::<4>();

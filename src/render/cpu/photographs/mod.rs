@@ -1,12 +1,13 @@
-//! Surfaces have their colours from photographs (paper 004 §3.2–3.4); what that is: `scene/photographs/mod.rs`.
+//! View-dependent texturing: surfaces get their colours from images (paper 004 §3.2–3.4); for the definition see
+//! `scene/photographs/mod.rs`.
 //!
-//! How it works: when all splats of a tile are summed up, each pixel of the surface asks where all photographs have it,
-//! eight of them at a time. It then goes through those that look at it, the nearest to the eye's direction first, and
-//! leaves out those from which something hides it, until there are enough. Only these are sampled, and those that
-//! disagree with the others count little (`agreement.rs`).
+//! How it works: when all splats of a tile are summed up, each pixel of the surface is projected into all images, eight
+//! of them at a time. The images that see it are then visited, the nearest to the eye's direction first, skipping those
+//! from which something hides it, until there are enough. Only these are sampled, and those that disagree with the
+//! others count little (`agreement.rs`).
 //!
-//! What fills holes from around looks beyond a tile. There, what photographs say of all pixels is told first, in a pass
-//! of its own ([`Projected::look`]), then holes are filled (`push_pull.rs`), and the picture is drawn by what was told
+//! Filling holes from around looks beyond a tile. In that case the images are sampled at all pixels first, in a pass of
+//! its own ([`Projected::look`]), then holes are filled (`push_pull.rs`), and the frame is drawn from these samples
 //! ([`Projected::with_told`]).
 
 mod agreement;
@@ -33,14 +34,14 @@ use normals::normal;
 use sampling::{Footprint, sample};
 use std::sync::Arc;
 
-/// The photographs of a picture.
+/// Posed images projected onto the surface of a rendered frame.
 #[derive(Debug)]
 pub(super) struct Projected<'a> {
     views: &'a PhotoViews,
     photographs: &'a [Arc<Photograph>],
     depths: &'a [DepthMap],
     candidates: Candidates,
-    /// What was told of all pixels of the picture before.
+    /// Image samples computed earlier for all pixels of the rendered frame.
     told: Option<&'a [PhotoAnswer]>,
 }
 
@@ -48,30 +49,30 @@ pub(super) struct Projected<'a> {
 #[derive(Debug, Clone, Copy)]
 struct Place {
     position: Vec3,
-    /// Of length 1.
+    /// Unit vector to the eye.
     to_eye: Vec3,
-    /// Of length 1, towards the eye; zero where nobody knows it.
+    /// Unit normal towards the eye; zero if it is not known.
     normal: Vec3,
-    /// How far the place moves for a pixel to the right, and for one downwards.
+    /// Displacement of the point for a pixel to the right, and for one downwards.
     per_px: [Vec3; 2],
 }
 
-/// A photograph that sees a place.
+/// Image that sees a point.
 #[derive(Debug, Clone, Copy, Default)]
 struct Seeing {
     view: usize,
     /// Square of the angle between the ways to it and to the eye.
     angle2: f32,
-    /// What it shows of the surface beside what the eye sees of it.
+    /// Fraction of the surface that it sees, relative to what the eye sees of it.
     share: f32,
     /// Factors on its weight, the share among them.
     trust: f32,
 }
 
-/// What the photographs say of a place.
+/// Result of sampling the images at a point.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) enum PhotoAnswer {
-    /// What its colour is; and its normal in view space, if that is not to be the points' own: else of length 0.
+    /// Colour of the point; and its normal in view space, if that is not to be the points' own: else of length 0.
     Shown { color: [f32; 3], normal: [f32; 3] },
     /// None of them sees it.
     Unseen,
@@ -81,7 +82,7 @@ pub(super) enum PhotoAnswer {
 }
 
 impl<'a> Projected<'a> {
-    /// Precondition: there is a depth map for each photograph, in their order.
+    /// Creates the projection. Precondition: there is a depth map for each image, in their order.
     pub(super) fn new(views: &'a PhotoViews, photographs: &'a [Arc<Photograph>], depths: &'a [DepthMap]) -> Self {
         Self {
             views,
@@ -92,17 +93,17 @@ impl<'a> Projected<'a> {
         }
     }
 
-    /// Whether holes are filled from around: then [`Projected::look`] comes first.
+    /// Returns true if holes are filled from around: then [`Projected::look`] comes first.
     pub(super) fn fills_holes(&self) -> bool {
         self.views.fills_holes()
     }
 
-    /// Whether gaps in the surface are closed.
+    /// Returns true if gaps in the surface are closed.
     pub(super) fn closes_gaps(&self) -> bool {
         self.views.gap_px > 0
     }
 
-    /// The same where it is known what they say of each pixel of the picture.
+    /// Returns the projection with known image samples for each pixel of the rendered frame.
     pub(super) fn with_told(self, told: &'a [PhotoAnswer]) -> Self {
         Self {
             told: Some(told),
@@ -244,7 +245,8 @@ impl<'a> Projected<'a> {
         (-angle2 * self.views.per_sigma2).exp()
     }
 
-    /// What those that see a place show there, nearest first, with one more than is blended if there are as many.
+    /// Blends the colours of the images that see a point, nearest first, with one more than is blended if there are as
+    /// many.
     #[inline(always)]
     fn blend(&self, place: &Place, seeing: &[Seeing], scores: &Scores) -> PhotoAnswer {
         let Some(nearest) = seeing.first() else {
@@ -303,7 +305,7 @@ impl<'a> Projected<'a> {
         }
     }
 
-    /// What a pixel covers of a photograph: the derivative of its projection.
+    /// Computes the footprint of a pixel in an image: the derivative of its projection.
     #[inline(always)]
     fn footprint(&self, view: usize, place: &Place, scores: &Scores) -> Footprint {
         let of_view = &self.views.views[view];
@@ -327,7 +329,8 @@ impl<'a> Projected<'a> {
     }
 }
 
-/// What a photograph shows of a surface beside what the eye sees of it: less, if it sees it more from the side.
+/// Returns the fraction of a surface that an image sees relative to what the eye sees of it: less, if it sees it at a
+/// more grazing angle.
 #[inline(always)]
 fn share_seen(place: &Place, facing: f32) -> f32 {
     let facing_eye = place.normal.dot(place.to_eye);
@@ -338,8 +341,8 @@ fn share_seen(place: &Place, facing: f32) -> f32 {
     share * share
 }
 
-/// How much a photograph is to be believed beside others. The surface is not quite where the points say it is: near a
-/// step that is seen from another direction than the eye's, a photograph shows what is beside.
+/// Returns the trust in an image relative to others. The surface is not quite where the points are: near a depth
+/// discontinuity that is seen from another direction than the eye's, an image shows what is next to it.
 #[inline(always)]
 fn trust(angle2: f32, is_near_step: bool) -> f32 {
     if !is_near_step {
@@ -349,7 +352,7 @@ fn trust(angle2: f32, is_near_step: bool) -> f32 {
     PHOTO_TRUST_NEAR_STEPS + (1.0 - PHOTO_TRUST_NEAR_STEPS) * near
 }
 
-/// Photographs fade towards their borders.
+/// Returns the fade-out factor of an image towards its borders.
 #[inline(always)]
 fn rim(place: [f32; 2], size: [f32; 2]) -> f32 {
     let inwards = |axis: usize| place[axis].min(size[axis] - place[axis]) / (PHOTO_RIM * size[axis]);

@@ -1,11 +1,11 @@
-//! Normals of what photographs show, from their depth maps (paper 004 §4.1, Eqs. 5–7), for light that falls on it anew.
+//! Depth-map normals of what images show (paper 004 §4.1, Eqs. 5–7), for relighting.
 //!
-//! How it works: the four texels around a depth are projected back to places in the space of the camera, each with its
-//! own depth, and the normal stands on the ways between opposite ones: `(l − r) × (u − d)`. Depths are along the axis,
-//! so planes have their normals exactly. There is none where one of the four is beyond a step, or unknown; nor where
-//! the surface is seen at more than 80° from its normal, as at silhouettes the ways are as long as the surface is
-//! curved. Between texels, the normals of the four around a place are blended. Nothing is stored: a picture asks for
-//! some 16 normals a pixel, which are fewer than those of all maps.
+//! How it works: the four texels around a depth are projected back to positions in camera space, each with its own
+//! depth, and the normal is perpendicular to the vectors between opposite ones: `(l − r) × (u − d)`. Depths are along
+//! the axis, so planes have exact normals. There is none where one of the four is beyond a step, or unknown; nor where
+//! the surface is seen at more than 80° from its normal, as at silhouettes the vectors are as long as the surface is
+//! curved. Between texels, the normals of the four around a position are blended. Nothing is stored: a rendered frame
+//! asks for some 16 normals per pixel, which are fewer than those of all maps.
 //!
 //! The same arithmetic: `shaders/common/photographs.wgsl`.
 
@@ -20,8 +20,9 @@ struct DepthView<'a> {
     principal: [f32; 2],
 }
 
-/// The normal of what a photograph shows, in the view space of the picture, of length 1 and towards its camera; zero
-/// where the depths do not tell. `place` is in texels of the finest level of the photograph.
+/// Returns the depth-map normal of what an image shows, in the view space of the rendered frame, of length 1 and
+/// towards its camera; zero where it cannot be determined from the depths. `place` is in texels of the finest level of
+/// the image.
 #[inline(always)]
 pub(super) fn normal(map: &DepthMap, view: &PhotoView, place: [f32; 2]) -> Vec3 {
     let scale = [0, 1].map(|axis| map.size[axis] as f32 / view.size[axis]);
@@ -73,8 +74,8 @@ impl DepthView<'_> {
         }
     }
 
-    /// What is at a texel, in the space of the camera; at the camera where nothing is known. Beyond the border is what
-    /// is at the border.
+    /// Returns the position at a texel, in camera space; at the camera where nothing is known. Texels beyond the border
+    /// are clamped to it.
     #[inline(always)]
     fn place(&self, column: i32, row: i32) -> Vec3 {
         let [width, height] = self.map.size.map(|edge| edge as i32);

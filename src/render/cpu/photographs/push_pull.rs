@@ -1,10 +1,10 @@
-//! Holes that photographs leave, filled from around (Gortler et al. 1996, *The Lumigraph*, §3.5: push–pull).
+//! Hole filling where images leave holes, from what is around (Gortler et al. 1996, *The Lumigraph*, §3.5: push–pull).
 //!
-//! How it works: what photographs say of all pixels is kept beside the picture. Going up (pull), each pixel of a level
-//! of half the size has the mean colour of its four, weighted by how sure they are, and is as sure as all of them
-//! together, at most 1. Going down (push), what is not quite sure takes the rest from the level above, between whose
-//! pixels it lies. So a small hole has the colour of its rim, and a large one is smooth; the work is that of a third
-//! more pixels. Pixels that are no surface neither give nor take.
+//! How it works: the image samples of all pixels are kept separately from the rendered frame. Going up (pull), each
+//! pixel of a level of half the size has the mean colour of its four, weighted by confidence, and has the confidence of
+//! all of them together, at most 1. Going down (push), what is not fully confident takes the rest from the level above,
+//! between whose pixels it lies. So a small hole has the colour of its edge, and a large one is smooth; the work is
+//! that of a third more pixels. Pixels that are not surface neither give nor take.
 
 use super::PhotoAnswer;
 use rayon::prelude::*;
@@ -18,8 +18,8 @@ struct Level {
     pixels: Vec<Sure>,
 }
 
-/// Gives what no photograph sees the colours of what is around. Precondition: `found` has `size_px` pixels, rows of
-/// which follow each other. Where no photograph sees anything, nothing changes.
+/// Fills pixels that no image sees with the colours around them. Precondition: `found` has `size_px` pixels, rows of
+/// which follow each other. If no image sees anything, nothing changes.
 pub(in crate::render::cpu) fn fill_holes(found: &mut [PhotoAnswer], size_px: [u32; 2]) {
     let is_hole = |found: &PhotoAnswer| *found == PhotoAnswer::Unseen;
     if !found.par_iter().any(is_hole) {
@@ -81,7 +81,7 @@ impl Level {
         Some(Self { size, pixels })
     }
 
-    /// What is not quite sure takes the rest from between the pixels of `coarser`.
+    /// Completes pixels that are not fully confident by interpolating between the pixels of `coarser`.
     fn complete(&mut self, coarser: &Self) {
         let [width, _] = self.size;
         self.pixels.par_chunks_mut(width).enumerate().for_each(|(row, line)| {
@@ -94,8 +94,8 @@ impl Level {
         });
     }
 
-    /// What is at a pixel of the next finer level: its middle lies a quarter of a pixel from that of the one it is in,
-    /// towards one on each axis.
+    /// Interpolates at a pixel of the next finer level: its centre lies a quarter of a pixel from that of the one it is
+    /// in, towards one on each axis.
     fn between(&self, finer: [usize; 2]) -> Sure {
         let [columns, rows] = [0, 1].map(|axis| {
             let own = finer[axis] / 2;

@@ -1,15 +1,15 @@
-//! Colours of photographs between and across texels (paper 004 §3.4): trilinear along the short axis of what a pixel
-//! covers, several times along its long one.
+//! Sampling of image colours between and across texels (paper 004 §3.4): trilinear along the short axis of a pixel's
+//! footprint, several times along its long one.
 
 use crate::photos::Texture;
 use crate::render::constants::PHOTO_MOST_TAPS;
 use glam::Vec4;
 
-/// A place in a photograph, and what one pixel of the picture covers there; all in texels of the finest level.
+/// Position in an image, and the footprint of one pixel of the rendered frame there; all in texels of the finest level.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Footprint {
     pub(super) place: [f32; 2],
-    /// How far the place moves for a pixel to the right, and for one downwards.
+    /// Displacement of the position for a pixel to the right, and for one downwards.
     pub(super) per_px: [[f32; 2]; 2],
 }
 

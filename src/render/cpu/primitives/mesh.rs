@@ -44,8 +44,8 @@ impl Placed for Mesh<'_> {
 }
 
 impl<'a> Mesh<'a> {
-    /// The same with its vertices where they are in the picture: each is asked for by several triangles, and these by
-    /// several tiles.
+    /// Projects the vertices of the mesh to the image once: each is needed by several triangles, and these by several
+    /// tiles.
     pub(super) fn seen(&self, packet: &ScenePacket) -> SeenMesh<'a> {
         let view = PixelView::new(packet);
         let vertices = self.records.vertices.par_iter().with_min_len(VERTICES_PER_TASK);
@@ -67,9 +67,9 @@ pub(super) struct SeenMesh<'a> {
 struct SeenVertex {
     /// In view space.
     place: Vec3,
-    /// The same; zero where light falls on the faces.
+    /// Normal in view space; zero if lighting is per face.
     normal: Vec3,
-    /// Of no use behind the near plane.
+    /// Pixel position; not meaningful behind the near plane.
     px: [f64; 2],
 }
 
@@ -126,7 +126,7 @@ impl DrawnRecords for SeenMesh<'_> {
         }
     }
 
-    /// Of two as far away the later one is seen.
+    /// Draws the triangles; of two at the same distance the later one is visible.
     #[inline(always)]
     fn draw<S: Simd>(
         &self,
@@ -298,7 +298,7 @@ fn in_front(view: &PixelView, corners: [&SeenVertex; 3]) -> (usize, [[f64; 2]; 4
     (count, outline)
 }
 
-/// Where the line from a place in front of the near plane to one behind it meets the plane.
+/// Returns the intersection of the near plane with the line from a point in front of it to one behind it.
 fn on_near_plane(view: &PixelView, in_front: Vec3, behind: Vec3) -> Vec3 {
     let share = (-view.near - in_front.z) / (behind.z - in_front.z);
     let mut place = in_front + (behind - in_front) * share;
@@ -306,7 +306,7 @@ fn on_near_plane(view: &PixelView, in_front: Vec3, behind: Vec3) -> Vec3 {
     place
 }
 
-/// Whether the box around an outline has pixels of `clip`.
+/// Returns true if the bounding box of an outline has pixels of `clip`.
 #[inline(always)]
 fn may_touch(outline: &[[f64; 2]], clip: PixelRect) -> bool {
     (0..2).all(|axis| {

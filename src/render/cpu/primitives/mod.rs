@@ -1,4 +1,4 @@
-//! What is drawn on the processor: one file or folder a primitive, with the names of `render/gpu/primitives`.
+//! Primitives drawn on the CPU: one file or folder per primitive, with the names of `render/gpu/primitives`.
 
 mod coded;
 mod mesh;
@@ -18,7 +18,7 @@ use points::Points;
 use surfels::Surfels;
 use voxels::Cubes;
 
-/// What a packet shows: the one place where its content is asked for, once a picture.
+/// Drawable content of a packet: the only place where its content is matched, once per rendered frame.
 pub(super) enum Drawable<'a> {
     Points(Points<'a>),
     Surfels(Surfels<'a>),
@@ -34,12 +34,12 @@ impl<'a> Drawable<'a> {
         Self::with_slack(packet, [DEPTH_SLACK_RADII, 0.0])
     }
 
-    /// What leaves depths in a shadow map.
+    /// Returns the drawable that writes depths to a shadow map.
     pub(super) fn of_shadow(shadow: &'a Shadow) -> Self {
         Self::with_slack(&shadow.lamp_packet, [shadow.slack_radii; 2])
     }
 
-    /// What lies on the surface that [`of_surfaces`] shows.
+    /// Returns the drawable that lies on the surface that [`of_surfaces`] shows.
     pub(super) fn of_surface(packet: &'a ScenePacket) -> Self {
         match Self::with_slack(packet, [0.0; 2]) {
             Self::Coded(_) => Self::Nothing,

@@ -19,11 +19,11 @@ use std::ops::Range;
 /// Cells of a packet, and how they are drawn.
 pub(in crate::render::cpu) struct Cubes<'a> {
     records: &'a [VoxelRecord],
-    /// Of the surfaces in cells, where light falls on them.
+    /// Surface normals of the cells, if they are lit.
     normals: Option<&'a [ShapeRecord]>,
     cube_edge: f32,
     lighting: Lighting,
-    /// How far a shadow map is pushed back, in ways from corner to corner of a cell.
+    /// Depth offset by which a shadow map is pushed back, in cell diagonals.
     slack: f32,
 }
 
@@ -177,9 +177,9 @@ impl<'a> Cubes<'a> {
 
 /// Eight cells.
 struct EightCells<S: Simd> {
-    /// Of their middles from the eye, in the axes of the frame.
+    /// Offsets of the cell centres from the eye, in the axes of the frame.
     offsets: Vectors<S>,
-    /// The same in view space.
+    /// Cell centres in view space, relative to the eye.
     centers: Vectors<S>,
     half_edges: f32x8<S>,
     may_touch: mask32x8<S>,

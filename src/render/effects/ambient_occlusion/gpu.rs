@@ -1,4 +1,4 @@
-//! What `shaders/effects/ambient_occlusion.wgsl` has from Rust.
+//! Rust-side constants and bindings of `shaders/effects/ambient_occlusion.wgsl`.
 
 use crate::render::gpu::constants::declared;
 use crate::render::gpu::layout::{Shared, shared_struct};
@@ -6,7 +6,7 @@ use crate::render::gpu::part::{Part, Uniform};
 use crate::scene::{AmbientOcclusion, ScenePacket};
 use bytemuck::Zeroable;
 
-/// Of passes that let light fall.
+/// Shader part for passes that apply lighting.
 pub(in crate::render) const PART: Part = Part {
     constants: || [lines(), declared![OCCLUSION_LINE_COUNT, OCCLUSION_ROUGHNESS]].join("\n"),
     uniform: Some(Uniform {
@@ -19,7 +19,7 @@ pub(in crate::render) const PART: Part = Part {
 const OCCLUSION_LINE_COUNT: u32 = AmbientOcclusion::LINES as u32;
 const OCCLUSION_ROUGHNESS: f32 = AmbientOcclusion::ROUGHNESS;
 
-/// Where the lines are.
+/// Returns the sampling lines of the ambient occlusion as WGSL.
 fn lines() -> String {
     let lines = AmbientOcclusion::lines().map(|[x, y]| format!("vec2f({x:?}, {y:?})"));
     format!("const OCCLUSION_LINES = array({});", lines.join(", "))
@@ -32,7 +32,7 @@ shared_struct! {
         near_radius_px: f32,
         /// The largest one.
         most_radius_px: f32,
-        /// How much it darkens; 0 where there is none.
+        /// Strength of the darkening; 0 if there is no ambient occlusion.
         strength: f32,
         /// Padding.
         unused: f32,

@@ -1,8 +1,8 @@
-//! Eye-dome lighting on the processor (`shaders/effects/eye_dome.wgsl`): the shades of eight pixels of a row at a time.
+//! Eye-dome lighting on the CPU (`shaders/effects/eye_dome.wgsl`): the shades of eight pixels of a row at a time.
 //!
-//! How it works: of the row, and of the rows above and below in which neighbours are, the depths of eight pixels are
-//! read from where the neighbours begin; one division, and a product and two comparisons for each of them, give the sum
-//! of steps. Beside the borders of the picture neighbours are gathered one by one.
+//! How it works: from the row, and from the rows above and below that contain neighbours, the depths of eight pixels
+//! are read from where the neighbours begin; one division, and a product and two comparisons for each of them, give the
+//! sum of steps. Near the borders of the image neighbours are gathered one by one.
 
 use crate::render::cpu::pixels::{repack, unpacked};
 use crate::render::cpu::tile::LANES;
@@ -55,7 +55,7 @@ struct EyeDome<'a> {
 }
 
 impl<'a> EyeDome<'a> {
-    /// Of the row `y` of reversed depths.
+    /// Prepares eye-dome lighting for the row `y` of reversed depths.
     #[inline(always)]
     fn of_row(light: &'a EyeDomeLight, [width, height]: [usize; 2], depths: &'a [f32], y: usize) -> Self {
         let row = |y: usize| {

@@ -1,14 +1,14 @@
-//! Fast approximate antialiasing (Lottes 2009) on the processor (`shaders/effects/fxaa.wgsl`).
+//! Fast approximate antialiasing (Lottes 2009) on the CPU (`shaders/effects/fxaa.wgsl`).
 //!
-//! **How it works.** Of pixels whose luma differs from that of their neighbours, second derivatives say whether an edge
-//! runs along the row or the column, and the greater difference on which side of the pixel it is. Both of its ends are
-//! searched for: there the mean luma of the two pixels beside it changes. An edge between two ends is taken for a
-//! straight line that crosses the row of pixels; if its nearer end turns towards the pixel, the line covers a part of
-//! it, by the place between the ends. So much of the neighbour is mixed in. Details of single pixels are mixed with
-//! their surroundings.
+//! **How it works.** For pixels whose luma differs from that of their neighbours, second derivatives determine if an
+//! edge runs along the row or the column, and the greater difference on which side of the pixel it is. Both of its ends
+//! are searched for: there the mean luma of the two pixels adjacent to it changes. An edge between two ends is taken
+//! for a straight line that crosses the row of pixels; if its nearer end turns towards the pixel, the line covers a
+//! part of it, depending on the position between the ends. That fraction of the neighbour is mixed in. Details of
+//! single pixels are mixed with their surroundings.
 //!
-//! Shares are those of the middles of pixels between the ends, so that straight edges are covered exactly; Lottes
-//! counts from their borders.
+//! Fractions are those of the pixel centres between the ends, so that straight edges are covered exactly; Lottes counts
+//! from their borders.
 
 use crate::render::constants::{
     FXAA_BLUE, FXAA_DETAIL, FXAA_END_OF_EDGE, FXAA_GREEN, FXAA_LEAST_CONTRAST, FXAA_LEAST_SHARE, FXAA_MOST_BLENDED,
@@ -84,7 +84,7 @@ impl AliasedPicture<'_> {
         &self.lumas[width * y as usize..width * (y as usize + 1)]
     }
 
-    /// Where a pixel is, or that at the border beside it.
+    /// Returns the index of a pixel, clamped to the border of the image.
     fn index(&self, [x, y]: [i32; 2]) -> usize {
         let [width, height] = self.size_px;
         let [x, y] = [x.clamp(0, width - 1), y.clamp(0, height - 1)];

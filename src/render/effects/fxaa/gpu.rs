@@ -21,7 +21,7 @@ pub(super) const PASS: ScreenPass = ScreenPass {
     depth: None,
 };
 
-/// How far along an edge its end is looked for.
+/// Maximum number of search steps along an edge to find its end.
 const FXAA_SEARCH_STEPS: i32 = Antialiasing::FXAA_SEARCH_STEPS as i32;
 
 const PART: Part = Part {

@@ -15,7 +15,7 @@ use glam::Vec3;
 struct Grid {
     ground: SeenGround,
     view: PixelView,
-    /// Of pixels that are shown: lines are as wide as these.
+    /// Slope per pixel of the displayed image: lines are as wide as these pixels.
     slope_per_px: [f32; 2],
 }
 
@@ -74,7 +74,8 @@ impl Grid {
         }
     }
 
-    /// How much lines cover of eight pixels, and their reversed depths; `None` where no line is seen from any of them.
+    /// Computes the line coverage of eight pixels, and their reversed depths; `None` where no line is seen from any of
+    /// them.
     #[inline(always)]
     fn eight<S: Simd>(&self, simd: S, x: usize, y: usize) -> Option<(f32x8<S>, f32x8<S>)> {
         let (ground, view) = (&self.ground, &self.view);
@@ -121,8 +122,8 @@ struct Coordinate {
 }
 
 impl Coordinate {
-    /// What it is where eight rays meet the plane, and how many pixels there are across the lines to a unit of it: from
-    /// the derivative of a quotient of two functions that are affine in pixels.
+    /// Computes the coordinate where eight rays meet the plane, and the number of pixels across the lines per unit of
+    /// it: from the derivative of a quotient of two functions that are affine in pixels.
     #[inline(always)]
     fn seen<S: Simd>(
         self,
@@ -142,7 +143,7 @@ impl Coordinate {
     }
 }
 
-/// How much of eight pixels lines cover that cross a coordinate at multiples of a spacing, times an opacity.
+/// Computes the coverage of eight pixels by lines that cross a coordinate at multiples of a spacing, times an opacity.
 #[inline(always)]
 fn lines<S: Simd>([place, px_per_unit]: [f32x8<S>; 2], spacing: f32, opacity: f32) -> f32x8<S> {
     let cells = place * (1.0 / spacing);

@@ -41,7 +41,7 @@ shared_struct! {
         right: [f32; 4],
         /// The other direction.
         forward: [f32; 4],
-        /// Of lines; the fourth: how far from that point they are seen, scene units.
+        /// Line colour; the fourth component is the distance from that point up to which lines are seen, scene units.
         color: [f32; 4],
         /// Between two lines, scene units.
         spacing: f32,

@@ -14,8 +14,8 @@ pub(in crate::render) struct ShadowMap<'a> {
 }
 
 impl ShadowMap<'_> {
-    /// How much of the key light reaches eight places in view space; the cosines between their normals and the ways to
-    /// the lamp are `facing`.
+    /// Computes the fraction of the key light that reaches eight positions in view space, given the cosines `facing`
+    /// between their normals and the directions to the lamp.
     #[inline(always)]
     pub(in crate::render) fn light_of_key<S: Simd>(
         &self,
@@ -58,7 +58,7 @@ impl ShadowMap<'_> {
         simd.select_f32x8(facing.simd_gt(splat(0.0)), lit * (1.0 / 9.0), one)
     }
 
-    /// Depths of texels, or of those at the border beside them.
+    /// Depths of texels, clamped to the border of the shadow map.
     #[inline(always)]
     fn at<S: Simd>(&self, simd: S, columns: f32x8<S>, rows: f32x8<S>) -> f32x8<S> {
         let last = f32x8::splat(simd, Shadow::EDGE_PX as f32 - 1.0);

@@ -1,4 +1,4 @@
-//! What `shaders/effects/shadow.wgsl` has from Rust.
+//! Rust-side constants and bindings of `shaders/effects/shadow.wgsl`.
 
 use crate::render::gpu::constants::declared;
 use crate::render::gpu::layout::{Shared, shared_struct};
@@ -6,7 +6,7 @@ use crate::render::gpu::part::{Part, Uniform};
 use crate::scene::{ScenePacket, Shadow};
 use bytemuck::Zeroable;
 
-/// Of passes that let light fall.
+/// Shader part for passes that apply lighting.
 pub(in crate::render) const PART: Part = Part {
     constants: || declared![SHADOW_EDGE_PX, SHADOW_OFFSET_TEXELS, SHADOW_SLOPE_TEXELS],
     uniform: Some(Uniform {
@@ -33,7 +33,7 @@ shared_struct! {
         focal: f32,
         /// Distance of the lamp to its near plane.
         near: f32,
-        /// Edge of a texel of the shadow map in the middle of the cloud, scene units; 0 where there are no shadows.
+        /// Edge of a texel of the shadow map at the centre of the cloud, scene units; 0 where there are no shadows.
         texel: f32,
         /// Padding.
         unused: f32,

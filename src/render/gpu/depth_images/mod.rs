@@ -1,20 +1,19 @@
 //! Points of depth images: compute passes filter what a camera has recorded and make a point of every pixel.
 //!
-//! **How it works.** A frame that is drawn first is uploaded as its images: two bytes of depth and three of colour a
+//! **How it works.** A frame that is drawn first is uploaded as its images: two bytes of depth and three of colour per
 //! pixel, a third of its points. Passes of the stages of [`crate::rgbd`] (`shaders/depth_images`) filter the depths and
-//! write points into a buffer of their own, in the order of the image. That is resident as any stream of points is, so
-//! a view uploads nothing, and `visible` reads it as it reads points that were uploaded; holes among them are told by
-//! their colour. The rays of the camera and the metres of its numbers are uploaded once.
+//! write points into a buffer of their own, in the order of the image. That is resident like any stream of points, so a
+//! view uploads nothing, and `visible` reads it as it reads points that were uploaded; holes among them are identified
+//! by their colour. The rays of the camera and the table from samples to metres are uploaded once.
 //!
-//! Passes are submitted when the frame is uploaded, not with the picture: so what the temporal filter keeps is always
-//! that of the frame that was uploaded last. It begins as the processor's does, with the first frame of a group, and
-//! goes on from frame to frame; whoever jumps uploads the images before once more. So a frame alone is the frame after
-//! those before it.
+//! Passes are submitted when the frame is uploaded, not with the image: so what the temporal filter keeps is always
+//! that of the frame that was uploaded last. It begins as on the CPU, with the first frame of a group, and goes on from
+//! frame to frame; a seek uploads the images before once more. So a frame alone is the frame after those before it.
 //!
-//! **When it wins.** It saves two thirds of the upload, and on a real card filters take a fraction of the processor's
-//! time. It is taken where a card makes the surfels of the screen
-//! ([`GpuRenderer::set_makes_surfels`](super::GpuRenderer::set_makes_surfels)). The processor's filters
-//! (`rgbd/filters`) are what these are held against, and what everything else takes.
+//! **When it wins.** It saves two thirds of the upload, and on a hardware GPU filters take a fraction of the CPU time.
+//! It is used where a GPU makes the screen-space surfels
+//! ([`GpuRenderer::set_makes_surfels`](super::GpuRenderer::set_makes_surfels)). The CPU filters (`rgbd/filters`) are
+//! the reference for these, and what everything else uses.
 //!
 //! Paper 003 §3.4: depth and colour are uploaded, not points.
 
@@ -45,7 +44,7 @@ pub(super) struct DepthMaker {
     programs: Option<Programs>,
     tables: Tables,
     scratch: Option<Scratch>,
-    /// What the mean over time is after.
+    /// Frames that the temporal mean includes so far.
     kept: Option<Kept>,
     timer: Option<Timer>,
 }
@@ -63,14 +62,14 @@ struct Kept {
 pub(super) struct MadePoints {
     pub(super) buffer: wgpu::Buffer,
     pub(super) count: u32,
-    /// Of images, rays and tables.
+    /// Uploaded bytes of images, rays and tables.
     pub(super) uploaded_bytes: u64,
     /// Compute passes.
     pub(super) passes: u64,
 }
 
 impl DepthMaker {
-    /// Whether the adapter has bindings and dispatches that are large enough.
+    /// Returns true if the adapter's limits on bindings and dispatches are large enough.
     pub(super) fn can_hold(context: &Context, frame: &DepthFrame) -> bool {
         let most_groups = context.limits.max_compute_workgroups_per_dimension;
         let bytes = (frame.pixels() * size_of::<PointRecord>()) as u64;
@@ -162,7 +161,7 @@ impl DepthMaker {
         made
     }
 
-    /// How many of the images the mean over time is after; `None` where it begins anew.
+    /// Returns the number of images that the temporal mean already includes; `None` where it starts again.
     fn images_to_do(&self, frame: &DepthFrame) -> Option<usize> {
         let kept = self.kept.as_ref().filter(|kept| kept.filters == *frame.filters())?;
         let is = |known: &Weak<DepthSamples>, image: &Arc<DepthSamples>| ptr::eq(known.as_ptr(), Arc::as_ptr(image));
@@ -185,7 +184,7 @@ impl DepthMaker {
     }
 }
 
-/// What the mean is after, once the points of `frame` are made.
+/// Returns the state of the temporal mean once the points of `frame` are made.
 fn kept_after(frame: &DepthFrame) -> Option<Kept> {
     Some(Kept {
         first: Arc::downgrade(frame.images().next()?),
@@ -203,7 +202,7 @@ struct Filtering<'a, 'b> {
     uniform: &'a wgpu::Buffer,
     samples: Option<&'a wgpu::Buffer>,
     size_px: [u32; 2],
-    /// Which of the two images has what was made last.
+    /// Index, of the two ping-pong images, of the one with the latest result.
     place: usize,
     passes: u64,
 }

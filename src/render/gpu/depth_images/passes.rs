@@ -18,9 +18,9 @@ pub(super) const SAMPLES: u32 = 1;
 pub(super) const TABLE: u32 = 2;
 /// Depths.
 pub(super) const BEFORE: u32 = 3;
-/// The same after a pass.
+/// Depths after a pass.
 pub(super) const AFTER: u32 = 4;
-/// Of the frames so far.
+/// Temporal mean of the frames so far.
 pub(super) const MEAN: u32 = 5;
 /// For how many frames each pixel was a hole.
 pub(super) const AGES: u32 = 6;
@@ -31,7 +31,7 @@ pub(super) const COLORS: u32 = 8;
 /// One for each pixel.
 pub(super) const MADE_POINTS: u32 = 9;
 
-/// What passes bind, by these names in WGSL.
+/// Buffer bindings of the passes, by their names in WGSL.
 const BUFFERS: [BufferRow; 9] = [
     BufferRow::read(SAMPLES, "samples", "array<u32>"),
     BufferRow::read(TABLE, "table", "array<f32>"),
@@ -132,7 +132,7 @@ impl Programs {
     }
 }
 
-/// What a pass is called where times are shown: as its filter is on the command line.
+/// Returns the name of a pass for timings: that of its filter on the command line.
 fn name_of(which: Pass) -> &'static str {
     match which {
         Pass::Near => "near",

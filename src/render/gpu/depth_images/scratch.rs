@@ -1,4 +1,4 @@
-//! What is on the card between the images of a frame and its points: buffers that are used again.
+//! GPU scratch buffers between the images of a frame and its points, which are reused.
 
 use super::passes::{AGES, MEAN};
 use crate::render::gpu::constants::NO_RAY;
@@ -8,7 +8,7 @@ use crate::rgbd::{DepthFrame, DepthSamples, DepthTable, RayTable};
 use std::sync::Arc;
 use wgpu::BufferUsages as Usages;
 
-/// Of a depth, an age.
+/// Size of a depth or an age.
 const WORD_BYTES: u64 = 4;
 
 /// Images of depths that passes hand on, and what is kept of the frames before.
@@ -47,7 +47,7 @@ impl Scratch {
         &self.images[place % 2]
     }
 
-    /// What is kept of the frames before: [`MEAN`] or [`AGES`].
+    /// Returns the buffer kept from previous frames: [`MEAN`] or [`AGES`].
     pub(super) fn kept(&self, binding: u32) -> &wgpu::Buffer {
         debug_assert!([MEAN, AGES].contains(&binding));
         if binding == MEAN { &self.mean } else { &self.ages }
@@ -61,7 +61,7 @@ impl Scratch {
     }
 }
 
-/// What is uploaded once: the table of a code and the rays of a camera.
+/// Lookup tables that are uploaded once: the table of a code and the rays of a camera.
 #[derive(Debug, Default)]
 pub(super) struct Tables {
     metres: Option<(DepthTable, wgpu::Buffer)>,
@@ -100,12 +100,12 @@ impl Tables {
         self.metres.as_ref().map(|(_, buffer)| buffer).or(self.nothing.as_ref())
     }
 
-    /// Of the frame that was ensured last.
+    /// Returns the rays of the frame that was ensured last.
     pub(super) fn rays(&self) -> Option<&wgpu::Buffer> {
         self.rays.as_ref().map(|(_, buffer)| buffer)
     }
 
-    /// What stands for what there is not.
+    /// Returns the placeholder buffer for a missing binding.
     pub(super) fn nothing(&self) -> Option<&wgpu::Buffer> {
         self.nothing.as_ref()
     }

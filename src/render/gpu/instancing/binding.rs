@@ -58,7 +58,7 @@ pub(super) fn single_binding(
     })
 }
 
-/// How many records so many bytes hold.
+/// Returns the number of records that the given number of bytes holds.
 pub(super) fn records_of(bytes: u64) -> usize {
     usize::try_from(bytes).unwrap_or(usize::MAX) / RECORD_BYTES
 }

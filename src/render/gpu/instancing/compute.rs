@@ -20,7 +20,7 @@ use crate::render::gpu::recording::Recording;
 use crate::render::gpu::wgsl::{ImportError, assembled, shader_file};
 use std::collections::HashMap;
 
-/// What a chunk becomes.
+/// Output bindings of a chunk.
 const VERTICES: u32 = 0;
 const GROUP_OFFSETS: u32 = 1;
 const DRAW: u32 = 2;
@@ -63,7 +63,7 @@ struct Pipelines {
     emit: wgpu::ComputePipeline,
 }
 
-/// Where the corners of one chunk go.
+/// Output buffers for the corners of one chunk.
 #[derive(Debug)]
 struct AmplifiedChunk {
     record_capacity: u32,

@@ -24,7 +24,7 @@ pub(super) const FETCH: ShaderFile = shader_file!("fetch/indexed.wgsl");
 /// Records that a vertex takes the room of.
 const RECORDS_PER_VERTEX: usize = size_of::<VertexRecord>() / RECORD_BYTES;
 
-/// Which stage reads triangles, vertices, texels, and where textures are.
+/// Shader stages that read triangles, vertices, texels, and texture locations.
 const STAGES: [wgpu::ShaderStages; 4] = [
     wgpu::ShaderStages::VERTEX,
     wgpu::ShaderStages::VERTEX,

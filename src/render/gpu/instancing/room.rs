@@ -3,14 +3,14 @@
 use super::stream::RECORD_BYTES;
 use crate::render::gpu::recording::Recording;
 
-/// Where a compute pass writes records.
+/// Buffer that a compute pass writes records to.
 #[derive(Debug)]
 pub(in crate::render::gpu) struct Room {
-    /// How many records it is for.
+    /// Capacity in records.
     pub(in crate::render::gpu) capacity: usize,
-    /// Where they are written.
+    /// Destination buffer of the records.
     pub(in crate::render::gpu) buffer: wgpu::Buffer,
-    /// What they are copied to, if they are not drawn from the buffer.
+    /// Texture that they are copied to, if they are not drawn from the buffer.
     pub(super) texture: Option<wgpu::Texture>,
 }
 

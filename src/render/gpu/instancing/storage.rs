@@ -20,7 +20,7 @@ pub(super) const ROW: StrategyRow = StrategyRow {
 
 #[derive(Debug)]
 pub(super) struct Storage {
-    /// Of one stream; the compute strategy reads the same.
+    /// Bind group layout of one stream; the compute strategy reads the same.
     pub(super) layout: wgpu::BindGroupLayout,
 }
 

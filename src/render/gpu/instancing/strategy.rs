@@ -1,4 +1,4 @@
-//! What every strategy is, and can do.
+//! Interface of the instancing strategies.
 
 use super::room::Room;
 use super::stream::{Chunk, Draw, RECORD_BYTES, Stream, ViewBinding};

@@ -42,7 +42,7 @@ impl Stream {
     }
 }
 
-/// What is to be drawn.(Debug, Clone, Copy)]
+/// Inputs of a draw call.
 pub(in crate::render::gpu) struct Draw<'a> {
     /// Points or voxels, and shapes where the amplification needs them. All have the same chunks.
     pub(in crate::render::gpu) streams: &'a [&'a Stream],

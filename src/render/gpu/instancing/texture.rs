@@ -11,7 +11,7 @@ use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
 use crate::render::gpu::wgsl::shader_file;
 
-/// Texels a row: a power of two that every adapter allows and that wastes little of the last row.
+/// Texels per row: a power of two that every adapter allows and that wastes little of the last row.
 const ROW_RECORDS: usize = 2048;
 
 pub(super) const ROW: StrategyRow = StrategyRow {

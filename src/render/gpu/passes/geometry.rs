@@ -42,7 +42,7 @@ pub(in crate::render::gpu) const REGULAR: GeometryPass = GeometryPass {
     depth: Some(DepthUse::TestAndWrite),
 };
 
-/// The same without depth (Fig. 3b).
+/// One-pass splatting without depth (Fig. 3b).
 pub(in crate::render::gpu) const NO_DEPTH: GeometryPass = GeometryPass {
     name: "splat without depth",
     depth: None,
@@ -64,7 +64,7 @@ pub(in crate::render::gpu) const SOLID: GeometryPass = GeometryPass {
     depth: Some(DepthUse::TestAndWrite),
 };
 
-/// The same with round points.
+/// Opaque pass with round points.
 pub(in crate::render::gpu) const ROUND_SOLID: GeometryPass = GeometryPass {
     name: "round solid",
     file: shader_file!("passes/round_solid.wgsl"),
@@ -78,14 +78,14 @@ pub(in crate::render::gpu) const POINT: GeometryPass = GeometryPass {
     ..SOLID
 };
 
-/// The same, round: the disks in the squares.
+/// Plain points without light, drawn round: the disks in the squares.
 pub(in crate::render::gpu) const ROUND_POINT: GeometryPass = GeometryPass {
     name: "round point",
     file: shader_file!("passes/round_point.wgsl"),
     ..POINT
 };
 
-/// What the attribute pass sums up, with normals, for deferred shading.
+/// Attribute pass for deferred shading, which accumulates normals as well.
 pub(in crate::render::gpu) const SURFACE_ATTRIBUTE: GeometryPass = GeometryPass {
     name: "surface attribute",
     file: shader_file!("passes/surface_splat.wgsl"),
@@ -96,7 +96,7 @@ pub(in crate::render::gpu) const SURFACE_ATTRIBUTE: GeometryPass = GeometryPass 
     depth: Some(DepthUse::TestOnly),
 };
 
-/// The same of one-pass splatting, with depth.
+/// One-pass splatting for deferred shading, with depth.
 pub(in crate::render::gpu) const SURFACE_REGULAR: GeometryPass = GeometryPass {
     name: "surface splat",
     color: Some(ColorUse {
@@ -122,7 +122,7 @@ pub(in crate::render::gpu) const SURFACE_SOLID: GeometryPass = GeometryPass {
     depth: Some(DepthUse::TestAndWrite),
 };
 
-/// The same with round points.
+/// Opaque pass for deferred shading, with round points.
 pub(in crate::render::gpu) const SURFACE_ROUND_SOLID: GeometryPass = GeometryPass {
     name: "surface round solid",
     file: shader_file!("passes/surface_round_solid.wgsl"),

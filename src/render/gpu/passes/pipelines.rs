@@ -11,7 +11,7 @@ use crate::render::gpu::wgsl::source_or_nothing;
 use crate::scene::Strategy;
 use std::collections::HashMap;
 
-/// What a geometry pipeline depends on.
+/// Key of a geometry pipeline: everything that it depends on.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct GeometryKey {
     pub(crate) strategy: Strategy,
@@ -45,14 +45,14 @@ impl GeometryKey {
 pub(crate) struct Pipelines {
     geometry: HashMap<GeometryName, wgpu::RenderPipeline>,
     screen: HashMap<ScreenName, wgpu::RenderPipeline>,
-    /// Those of shaders before they changed, which stay if the new ones are wrong.
+    /// Pipelines of the shaders before a hot reload, which stay in use if the new shaders are invalid.
     before: (
         HashMap<GeometryName, wgpu::RenderPipeline>,
         HashMap<ScreenName, wgpu::RenderPipeline>,
     ),
     watch: Option<Watch>,
     pub(crate) view_layout: wgpu::BindGroupLayout,
-    /// By the names of passes over the screen: of what these bind beside the view.
+    /// Bind group layouts, by the name of the screen-space pass, of what it binds in addition to the view.
     source_layouts: HashMap<&'static str, wgpu::BindGroupLayout>,
 }
 
@@ -74,7 +74,7 @@ impl Pipelines {
         }
     }
 
-    /// Makes pipelines anew when a shader has changed, in builds for development.
+    /// Recreates pipelines when a shader has changed, in development builds.
     pub(crate) fn notice_changes(&mut self) {
         if self.watch.as_mut().is_some_and(Watch::has_news) {
             self.before.0.extend(self.geometry.drain());
@@ -82,7 +82,8 @@ impl Pipelines {
         }
     }
 
-    /// Layout of what a screen pass binds beside the view. Precondition: [`Pipelines::ensure_screen`].
+    /// Returns the bind group layout of what a screen-space pass binds in addition to the view. Precondition:
+    /// [`Pipelines::ensure_screen`].
     pub(crate) fn source_layout(&self, pass: &ScreenPass) -> Option<&wgpu::BindGroupLayout> {
         self.source_layouts.get(pass.name)
     }

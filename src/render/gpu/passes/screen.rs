@@ -11,7 +11,7 @@ use crate::render::gpu::targets::{Source, Target};
 use crate::render::gpu::wgsl::shader_file;
 use crate::scene::rim_px;
 
-/// All of them, beside those of effects.
+/// Screen-space passes, all of them except those of effects.
 pub(in crate::render::gpu) const SCREEN_PASSES: [&ScreenPass; 12] = [
     &SHADE,
     &SHADE_PHYSICAL,
@@ -27,7 +27,7 @@ pub(in crate::render::gpu) const SCREEN_PASSES: [&ScreenPass; 12] = [
     &DEPTH_VIEW,
 ];
 
-/// What photographs say of each pixel, where what they do not show is filled from around.
+/// View-dependent texturing of each pixel from the input images, where what they do not show is filled from around.
 pub(in crate::render::gpu) const PHOTO_ANSWERS: ScreenPass = ScreenPass {
     name: "photo answers",
     files: &[shader_file!("passes/photo_answers.wgsl")],
@@ -47,7 +47,7 @@ pub(in crate::render::gpu) const PULL: ScreenPass = ScreenPass {
     depth: None,
 };
 
-/// What a level lacks is taken from the next coarser one.
+/// Push pass: fills the holes of a level from the next coarser one.
 pub(in crate::render::gpu) const PUSH: ScreenPass = ScreenPass {
     name: "push",
     files: &[shader_file!("passes/push.wgsl")],
@@ -73,7 +73,7 @@ pub(in crate::render::gpu) const RESOLVE: ScreenPass = ScreenPass {
     depth: None,
 };
 
-/// The same of surfaces that have their colours from photographs, whose gaps are closed.
+/// Resolve pass for surfaces with view-dependent texturing, whose gaps are closed.
 pub(in crate::render::gpu) const RESOLVE_PHOTOGRAPHS: ScreenPass = ScreenPass {
     name: "resolve photographs",
     files: &[shader_file!("passes/resolve_photographs.wgsl")],
@@ -107,11 +107,11 @@ const RESOLVING: Part = Part {
 };
 
 shared_struct! {
-    /// How sums become colours.
+    /// Uniform for resolving sums into colours.
     ResolvingUniform as "Resolving" {
         /// Summed weight from which a pixel hides the background.
         opaque_weight: f32,
-        /// How wide rims are at most through which others shine; 0: none.
+        /// Maximum width of the splat edges through which other surfaces shine; 0: none.
         rim_px: f32,
         /// Padding.
         unused: [f32; 2],
@@ -134,7 +134,7 @@ const GREY: Part = Part {
 };
 
 shared_struct! {
-    /// How depths are shown.
+    /// Uniform for the display of depths.
     DepthViewUniform as "DepthView" {
         /// View distances drawn white and black.
         range: [f32; 2],

@@ -30,7 +30,7 @@ pub(in crate::render::gpu) const SHADE: ScreenPass = ScreenPass {
     depth: None,
 };
 
-/// The same on surfaces with a material, in an environment.
+/// Deferred shading of surfaces with a material, in an environment.
 pub(in crate::render::gpu) const SHADE_PHYSICAL: ScreenPass = ScreenPass {
     name: "shade physically",
     files: &[PHYSICAL, OWN_COLORS, SHADE_FILE],
@@ -38,7 +38,7 @@ pub(in crate::render::gpu) const SHADE_PHYSICAL: ScreenPass = ScreenPass {
     ..SHADE
 };
 
-/// The same on surfaces that have their colours from photographs (paper 004 §3).
+/// Deferred shading of surfaces with view-dependent texturing (paper 004 §3).
 pub(in crate::render::gpu) const SHADE_PHOTOGRAPHS: ScreenPass = ScreenPass {
     name: "shade photographs",
     files: &[BLINN_PHONG, PHOTOGRAPHS, PHOTOGRAPHED, SHADE_FILE],
@@ -46,7 +46,7 @@ pub(in crate::render::gpu) const SHADE_PHOTOGRAPHS: ScreenPass = ScreenPass {
     ..SHADE
 };
 
-/// The same with a material, in an environment.
+/// Deferred shading of surfaces with view-dependent texturing and a material, in an environment.
 pub(in crate::render::gpu) const SHADE_PHOTOGRAPHS_PHYSICAL: ScreenPass = ScreenPass {
     name: "shade photographs physically",
     files: &[PHYSICAL, PHOTOGRAPHS, PHOTOGRAPHED, SHADE_FILE],
@@ -54,7 +54,7 @@ pub(in crate::render::gpu) const SHADE_PHOTOGRAPHS_PHYSICAL: ScreenPass = Screen
     ..SHADE_PHOTOGRAPHS
 };
 
-/// Light falls on what photographs said.
+/// Deferred shading of the view-dependent texturing results.
 pub(in crate::render::gpu) const SHADE_PHOTO_ANSWERS: ScreenPass = ScreenPass {
     name: "shade photo answers",
     files: &[BLINN_PHONG, PHOTO_ANSWERS, PHOTOGRAPHED, SHADE_FILE],
@@ -62,7 +62,7 @@ pub(in crate::render::gpu) const SHADE_PHOTO_ANSWERS: ScreenPass = ScreenPass {
     ..SHADE
 };
 
-/// The same with a material, in an environment.
+/// Deferred shading of the view-dependent texturing results with a material, in an environment.
 pub(in crate::render::gpu) const SHADE_PHOTO_ANSWERS_PHYSICAL: ScreenPass = ScreenPass {
     name: "shade photo answers physically",
     files: &[PHYSICAL, PHOTO_ANSWERS, PHOTOGRAPHED, SHADE_FILE],
@@ -79,7 +79,7 @@ const LIGHTS: Part = Part {
     }),
 };
 
-/// Lamps beside the head light.
+/// Maximum number of lamps in addition to the headlight.
 const MOST_LAMPS: u32 = Lights::MOST_LAMPS as u32;
 
 /// The power of highlights.
@@ -92,7 +92,7 @@ shared_struct! {
         ambient: f32,
         /// From the eye.
         head: f32,
-        /// How white highlights are.
+        /// Specular intensity: the whiteness of highlights.
         specular: f32,
         /// Padding.
         unused: f32,
@@ -123,14 +123,14 @@ const MATERIAL: Part = Part {
     }),
 };
 
-/// Of the texture of an environment.
+/// Edge length of the environment texture.
 const ENVIRONMENT_EDGE: u32 = EnvironmentMap::EDGE as u32;
 const ALBEDO_ENTRIES: u32 = AlbedoCurve::COUNT as u32;
 
 shared_struct! {
     /// As [`PhysicalLight`] has it.
     PhysicalUniform as "Physical" {
-        /// How much of a metal surfaces are.
+        /// Metalness of the surfaces.
         metallic: f32,
         /// The square of their roughness.
         alpha: f32,
@@ -144,7 +144,7 @@ shared_struct! {
         environment_from_view_y: [f32; 4],
         /// The third column.
         environment_from_view_z: [f32; 4],
-        /// What matt surfaces send back of the environment, as a polynomial of their normal.
+        /// Spherical harmonics of the environment light that matt surfaces reflect, as a polynomial of their normal.
         harmonics: [[f32; 4]; 9],
         /// Factor on the texels of the environment.
         environment_light: f32,

@@ -1,4 +1,4 @@
-//! What a pass is: a row that says what it draws into, and how depths and colours get there.
+//! Render passes: a pass is a row with the targets that it draws into, and the handling of depths and colours.
 
 use crate::render::gpu::part::{Part, Uniform};
 use crate::render::gpu::targets::{DEPTH_FORMAT, Precision, Source, Target, TextureKind};
@@ -10,7 +10,7 @@ use std::fmt::Write;
 pub struct GeometryPass {
     /// No other pass has the same.
     pub name: &'static str,
-    /// Of `shaders/passes/`: what fragments leave.
+    /// Fragment output file, in `shaders/passes/`.
     pub(in crate::render::gpu) file: ShaderFile,
     /// `None` where only depths are drawn.
     pub(in crate::render::gpu) color: Option<ColorUse>,
@@ -22,9 +22,9 @@ pub struct GeometryPass {
 pub struct ScreenPass {
     /// No other pass has the same.
     pub name: &'static str,
-    /// Its WGSL, beside what that imports.
+    /// WGSL files of the pass, in addition to what they import.
     pub(in crate::render) files: &'static [ShaderFile],
-    /// What these have from Rust.
+    /// Parts that Rust provides to these files.
     pub(in crate::render) parts: &'static [&'static Part],
     /// The textures that it reads.
     pub(in crate::render) source: Option<Source>,
@@ -32,7 +32,7 @@ pub struct ScreenPass {
     pub(in crate::render) depth: Option<DepthUse>,
 }
 
-/// What colours are drawn into, and how.
+/// Colour target and blending.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::render) struct ColorUse {
     pub(in crate::render) target: Target,
@@ -47,7 +47,7 @@ impl ColorUse {
     }
 }
 
-/// What a pass does with the depth buffer. Reverse-Z: nearer is greater.
+/// Depth buffer usage of a pass. Reverse-Z: nearer is greater.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::render) enum DepthUse {
     /// A pass over records clears it first.
@@ -56,7 +56,7 @@ pub(in crate::render) enum DepthUse {
 }
 
 impl GeometryPass {
-    /// Whether depths are tested.
+    /// Returns true if depths are tested.
     pub fn has_depths(&self) -> bool {
         self.depth.is_some()
     }

@@ -1,11 +1,11 @@
-//! What a row of the table of amplifications is.
+//! Amplifications of records to vertices: the row type of their table.
 
 use crate::render::gpu::constants::{self, INDICES_PER_QUAD, VERTICES_PER_QUAD};
 use crate::render::gpu::passes::GeometryPass;
 use crate::render::gpu::wgsl::{ShaderFile, shader_file};
 use crate::scene::Strategy;
 
-/// What one record becomes.
+/// Amplification of one record to vertices.
 #[derive(Debug)]
 #[expect(
     clippy::struct_excessive_bools,
@@ -14,36 +14,36 @@ use crate::scene::Strategy;
 pub struct Amplification {
     /// No other has the same.
     pub name: &'static str,
-    /// Of `shaders/primitives/`: what a record becomes, beside what these import.
+    /// WGSL files of `shaders/primitives/` that expand a record, in addition to what these import.
     pub(in crate::render::gpu) files: &'static [ShaderFile],
     /// The file that hands vertices on to fragments.
     pub(in crate::render::gpu) varyings: ShaderFile,
     /// Vertices that the vertex stage runs for a record: 1, 3 of a triangle, or 4 for each quad.
     pub vertices_per_record: u32,
-    /// Whether [`ShapeRecord`](crate::cloud::ShapeRecord)s are read beside the records.
+    /// True if [`ShapeRecord`](crate::cloud::ShapeRecord)s are read in addition to the records.
     pub reads_shapes: bool,
-    /// Whether records are triangles, which name vertices: then they reach the vertex stage in one way, whatever the
-    /// strategy.
+    /// True if records are triangles, which index vertices: then they reach the vertex stage by a single path, whatever
+    /// the strategy.
     pub is_indexed: bool,
-    /// Whether depths are worked out at each fragment. Their quads are at the nearest.
+    /// True if depths are computed at each fragment. Their quads are at the nearest.
     pub writes_depths: bool,
-    /// Whether the compute strategy writes the vertices. Plain points gain nothing from a pass that would write what
+    /// True if the compute strategy writes the vertices. Plain points gain nothing from a pass that would write what
     /// the vertex stage computes once anyway.
     pub compute_amplifies: bool,
     /// Every pass that may draw it.
     pub passes: &'static [&'static GeometryPass],
 }
 
-/// What vertices of quads of one colour hand on.
+/// Vertex outputs (varyings) of single-colour quads.
 pub(super) const QUAD_VARYINGS: ShaderFile = shader_file!("common/varyings.wgsl");
 
 impl Amplification {
-    /// Whether records are vertices of a list of points, not of triangles.
+    /// Returns true if records are vertices of a point list, not of triangles.
     pub(in crate::render::gpu) fn is_point_list(&self) -> bool {
         self.vertices_per_record == 1
     }
 
-    /// What shaders of it have from Rust, by the name that they import it by.
+    /// Returns the generated WGSL for the shaders of the amplification, with the name that they import it by.
     pub(in crate::render::gpu) fn given(&self) -> (&'static str, String) {
         let constants = constants::of_amplification(self.vertices_per_record, self.drawn_per_record());
         ("generated/amplification", constants)
@@ -59,7 +59,7 @@ impl Amplification {
         self.vertices_per_record / VERTICES_PER_QUAD
     }
 
-    /// What a draw call counts for a record: indices of its quads, or its vertices.
+    /// Returns the count per record in a draw call: indices of its quads, or its vertices.
     pub(in crate::render::gpu) fn drawn_per_record(&self) -> u32 {
         match self.quads_per_record() {
             0 => self.vertices_per_record,

@@ -1,4 +1,4 @@
-//! What a picture is drawn from.
+//! Drawable content: the records of an image, and the passes over them.
 
 use super::amplification::Amplification;
 use crate::levels::Selection;
@@ -17,22 +17,23 @@ pub(in crate::render::gpu) struct Drawable<'a> {
     pub(in crate::render::gpu) amplification: &'static Amplification,
     /// In the order of their bind groups; none where the frame lacks what the primitive needs.
     pub(in crate::render::gpu) streams: Vec<RecordSource<'a>>,
-    /// Where streams are those of all nodes of a structure, which of them are drawn.
+    /// Selection of the nodes to draw, if the streams are those of all nodes of a structure.
     pub(in crate::render::gpu) selection: Option<&'a Arc<Selection>>,
-    /// Where the stream is that of all points, of which those that are drawn are found, and their shapes.
+    /// Visible points and their shapes, to be determined if the stream is that of all points.
     pub(in crate::render::gpu) visible: Option<&'a Arc<VisiblePoints>>,
     /// The amplification that says how long the chunks of these streams may be.
     pub(in crate::render::gpu) chunked_for: &'static Amplification,
     pub(in crate::render::gpu) cull_back_faces: bool,
     pub(in crate::render::gpu) passes: Passes,
-    /// What draws the same streams into a shadow map; none of what no light falls on.
+    /// Shadow map pass over the same streams; `None` for unlit content.
     pub(in crate::render::gpu) depth_pass: Option<(&'static Amplification, &'static GeometryPass)>,
-    /// What lays their result over the background, where they do not draw into the picture.
+    /// Resolve pass that composites their result over the background, if they do not draw into the image.
     pub(in crate::render::gpu) resolve: Option<&'static ScreenPass>,
 }
 
 impl<'a> Drawable<'a> {
-    /// The same of some nodes, with the records of all as its streams, and what these are tested by after them.
+    /// Restricts the drawable to some nodes, with the records of all as its streams, followed by the streams that these
+    /// are tested against.
     pub(super) fn selecting(self, selection: &'a Arc<Selection>) -> Self {
         let of_test = match &**selection {
             Selection::Filtered(filter) => {
@@ -48,7 +49,7 @@ impl<'a> Drawable<'a> {
         }
     }
 
-    /// The same of visible points, with all points as its stream, or those that images are made into.
+    /// Restricts the drawable to visible points, with all points as its stream, or those that images are converted to.
     pub(super) fn of_visible(self, visible: &'a Arc<VisiblePoints>) -> Self {
         let points = match &visible.images {
             Some(images) => RecordSource::of_images(images),
@@ -61,7 +62,7 @@ impl<'a> Drawable<'a> {
         }
     }
 
-    /// Whether one of its passes draws into this.
+    /// Returns true if one of its passes draws into this target.
     pub(in crate::render::gpu) fn draws_into(&self, target: Target) -> bool {
         let mut targets = self.passes.iter().filter_map(|pass| pass.color);
         targets.any(|color| color.target == target)

@@ -1,5 +1,5 @@
-//! What is drawn on the GPU: a file a primitive, with the names of `render/cpu/primitives`. It says what a record
-//! becomes, which records there are, and which passes draw them.
+//! GPU primitives: one file per primitive, with the names of `render/cpu/primitives`. It defines what a record is
+//! expanded to, which records there are, and which passes draw them.
 //!
 //! | primitive | passes |
 //! |---|---|
@@ -15,7 +15,7 @@
 //!
 //! Ellipses and sprites are drawn as surfels are.
 //!
-//! Where shading is deferred, *surface* passes stand in place of those that leave colours, and shade and resolve
+//! Where shading is deferred, *surface* passes are used instead of those that write colours, and shade and resolve
 //! follow. Shadow maps are drawn by visibility, those of voxels and triangles by depth.
 
 mod amplification;
@@ -46,7 +46,7 @@ pub const AMPLIFICATIONS: [&Amplification; 12] = [
     &mesh::TRIANGLE,
 ];
 
-/// What a packet shows: the one place where its content is asked for, once a picture.
+/// Returns the drawable content of a packet: the only function that inspects the content, once per image.
 pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
     let style = &packet.style;
     match &packet.content {

@@ -37,7 +37,7 @@ pub(super) const SQUARE: Amplification = Amplification {
     passes: &[&POINT, &ROUND_POINT, &VISIBILITY, &ATTRIBUTE],
 };
 
-/// The same with a radius and a normal.
+/// Square with a radius and a normal.
 pub(super) const SQUARE_WITH_SHAPE: Amplification = Amplification {
     name: "square with shape",
     files: &[

@@ -39,7 +39,7 @@ pub(super) const DISK: Amplification = Amplification {
     ],
 };
 
-/// The same with an ellipse.
+/// Quad around an ellipse.
 pub(super) const ELLIPSE: Amplification = Amplification {
     name: "ellipse",
     files: &[
@@ -49,7 +49,7 @@ pub(super) const ELLIPSE: Amplification = Amplification {
     ..DISK
 };
 
-/// One triangle around the disk: fewer vertices and triangles, more pixels beside the disk. The squares of
+/// Triangle around the disk: fewer vertices and triangles, more pixels outside the disk. The squares of
 /// [`Splatting::Regular`] are no part of it.
 pub(super) const DISK_IN_TRIANGLE: Amplification = Amplification {
     name: "surfel in triangle",
@@ -66,7 +66,7 @@ pub(super) const DISK_IN_TRIANGLE: Amplification = Amplification {
     ..DISK
 };
 
-/// The same with an ellipse.
+/// Triangle around an ellipse.
 pub(super) const ELLIPSE_IN_TRIANGLE: Amplification = Amplification {
     name: "ellipse in triangle",
     files: ELLIPSE.files,
@@ -84,7 +84,7 @@ pub(super) const SPRITE: Amplification = Amplification {
     ..DISK
 };
 
-/// The same around an ellipse.
+/// Sprite around an ellipse.
 pub(super) const ELLIPSE_SPRITE: Amplification = Amplification {
     name: "ellipse sprite",
     files: &[shader_file!("primitives/ellipse_axes.wgsl")],

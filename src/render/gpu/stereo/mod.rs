@@ -1,22 +1,21 @@
-//! Disparities of rectified pairs by a graphics card.
+//! Stereo matching on the GPU: disparities of rectified pairs.
 //!
 //! **How it works.** Compute passes of the stages of [`crate::stereo`] (`shaders/stereo`): the census of both images;
 //! sums of costs along eight paths (a workgroup goes along a path, its invocations share the labels of a pixel), or
-//! over squares; the winners of both images; places between labels; the median. What is read back is a disparity a
-//! pixel. Specks, which are connected areas, are taken out by the processor. Costs are worked out wherever they are
-//! asked for, eight times for eight paths: bits of the census are read, which are next to each other, and nothing is
-//! written but sums, two bytes a label.
+//! over squares; the winners of both images; subpixel positions between labels; the median. What is read back is one
+//! disparity per pixel. Specks, which are connected areas, are removed by the CPU. Costs are computed wherever they are
+//! needed, eight times for eight paths: bits of the census are read, which are next to each other, and nothing is
+//! written but sums, two bytes per label.
 //!
-//! Whole numbers (sums, winners, labels before they are refined) are the processor's to the bit, and so are places that
-//! are quotients of them (`exact_share.wgsl`). Planes through places are sums of fractions, in an order of the
+//! Integers (sums, winners, labels before they are refined) match the CPU to the bit, and so do positions that are
+//! quotients of them (`exact_share.wgsl`). Planes through positions are sums of fractions, in an order of the
 //! adapter's: they differ by less than a thousandth of a pixel.
 //!
-//! **When it wins.** On a real card: all paths of a direction at once. An adapter that is a program on the processor is
-//! slower than the processor's own code, which takes 32 labels at once and sums in caches; so
-//! [`CardMatcher::shared`] is the processor there.
+//! **When it wins.** On a hardware GPU: all paths of a direction at once. A software adapter on the CPU is slower than
+//! the CPU's own code, which takes 32 labels at once and sums in caches; so [`CardMatcher::shared`] is the CPU there.
 //!
-//! Whatever the card cannot do, the processor does: more than 512 labels, buffers above 512 MiB or the adapter's
-//! limits, no memory, a device that was lost. Rectification is the processor's, too.
+//! Whatever the GPU cannot do, the CPU does: more than 512 labels, buffers above 512 MiB or the adapter's limits, no
+//! memory, a device that was lost. Rectification is the CPU's, too.
 //!
 //! Paper 004 §5; Hirschmüller 2008.
 
@@ -42,14 +41,14 @@ use passes::{AFTER, BEFORE, PATH_STEPS, Pass, Programs, has_groups};
 use scratch::{Scratch, Sizes};
 use std::sync::{Arc, Mutex};
 
-/// A graphics card that matches pairs, one at a time.
+/// GPU stereo matcher, which matches one pair at a time.
 #[derive(Debug)]
 pub struct CardMatcher {
     context: Arc<Context>,
     on_card: Mutex<OnCard>,
 }
 
-/// What is used again for the next pair.
+/// GPU state that is reused for the next pair.
 #[derive(Debug, Default)]
 struct OnCard {
     programs: Option<Programs>,
@@ -66,7 +65,7 @@ impl CardMatcher {
         }
     }
 
-    /// Who matches pairs where this context draws: its card, or the processor where that draws, too.
+    /// Returns the stereo matcher for the machine where this context draws: its GPU, or the CPU if that draws as well.
     pub fn shared(context: &Arc<Context>) -> SharedMatcher {
         if context.is_software() {
             SharedMatcher::default()

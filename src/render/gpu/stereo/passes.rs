@@ -1,4 +1,4 @@
-//! The programs that match a pair of photographs: entry points of one shader.
+//! Compute programs for stereo matching: entry points of one shader.
 
 pub(super) use crate::render::gpu::compute::UNIFORM;
 
@@ -14,21 +14,21 @@ use crate::render::gpu::wgsl::shader_file;
 pub(super) const PIXELS: u32 = 1;
 /// The bits of each of these pixels.
 pub(super) const CENSUS: u32 = 2;
-/// The same, while they are made.
+/// Census bits, while they are computed.
 pub(super) const MADE_CENSUS: u32 = 3;
-/// Of each pixel and label 16 bits: line by line, pixel by pixel, label by label.
+/// Column sums, 16 bits for each pixel and label: line by line, pixel by pixel, label by label.
 pub(super) const COLUMNS: u32 = 4;
-/// The same of all paths, or of squares.
+/// Cost sums of all paths, or of squares, 16 bits for each pixel and label.
 pub(super) const SUMS: u32 = 5;
 /// The label of each pixel of the left image, with `IS_UNIQUE` where no other is as good, and behind them those of the
 /// right one.
 pub(super) const WINNERS: u32 = 6;
 /// Labels, `NO_LABEL` where there is none.
 pub(super) const BEFORE: u32 = 7;
-/// The same after a pass.
+/// Labels after a pass.
 pub(super) const AFTER: u32 = 8;
 
-/// What passes bind, by these names in WGSL.
+/// Buffer bindings of the passes, by their names in WGSL.
 const BUFFERS: [BufferRow; 8] = [
     BufferRow::read(PIXELS, "pixels", "array<u32>"),
     BufferRow::read(CENSUS, "census_bits", "array<vec2u>"),
@@ -134,7 +134,7 @@ impl Programs {
         Self(ComputePrograms::new(context, SHADER))
     }
 
-    /// What a pass reads and writes; `buffer` knows what is bound to each binding.
+    /// Creates the bind group that a pass reads and writes; `buffer` returns the buffer for each binding.
     pub(super) fn group<'a>(
         &self,
         context: &Context,
@@ -156,7 +156,8 @@ impl Programs {
     }
 }
 
-/// Whether all passes of such a pair are dispatches of the adapter; `is_local` says whether squares are summed.
+/// Returns true if the adapter's dispatch limits allow all passes of such a pair; `is_local` selects the summation of
+/// squares.
 pub(super) fn has_groups(context: &Context, uniform: &StereoMatching, is_local: bool) -> bool {
     let most = context.limits.max_compute_workgroups_per_dimension;
     let fit = |which, uniform: &StereoMatching| groups(which, uniform).iter().all(|&count| count <= most);

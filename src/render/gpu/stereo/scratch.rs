@@ -1,4 +1,4 @@
-//! What is on the card while a pair is matched: buffers that are used again for a pair of the same size.
+//! GPU scratch buffers for matching a stereo pair, reused for a pair of the same size.
 
 use super::passes::{CENSUS, COLUMNS, MADE_CENSUS, PATH_STEPS, PIXELS, SUMS, UNIFORM, WINNERS};
 use crate::render::RenderError;
@@ -7,31 +7,31 @@ use crate::render::gpu::gpu_data::StereoMatching;
 use crate::stereo::GrayImage;
 use wgpu::BufferUsages as Usages;
 
-/// Of a label, of two sums.
+/// Size of a label, or of two sums.
 const WORD_BYTES: u64 = 4;
 
-/// Of a pixel.
+/// Size of the census bits of a pixel.
 const CENSUS_BYTES: u64 = 8;
 
-/// What the buffers of a pair may take.
+/// Memory limit for the buffers of a pair.
 const MOST_BYTES: u64 = 512 << 20;
 
 /// More is not kept between pairs.
 const MOST_KEPT_BYTES: u64 = 128 << 20;
 
-/// What decides how large buffers are.
+/// Dimensions that determine the buffer sizes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Sizes {
     pub(super) pixels: u64,
     /// Labels of a pixel, an even number.
     pub(super) labels: u64,
-    /// Whether sums of columns are kept beside those of squares.
+    /// True if sums of columns are kept in addition to those of squares.
     pub(super) is_local: bool,
 }
 
 impl Sizes {
-    /// Whether the adapter may bind them and all of them are at most what is allowed. Preconditions: fewer than 2³²
-    /// pixels and 2¹⁶ labels.
+    /// Returns true if the adapter can bind the buffers and their total is within the memory limit. Preconditions:
+    /// fewer than 2³² pixels and 2¹⁶ labels.
     pub(super) fn fit(&self, context: &Context) -> bool {
         let largest = self.sums().max(2 * self.pixels * CENSUS_BYTES);
         largest <= context.max_storage_bytes() && self.all() <= MOST_BYTES
@@ -49,7 +49,7 @@ impl Sizes {
         (2 * self.pixels).next_multiple_of(WORD_BYTES)
     }
 
-    /// Of all buffers.
+    /// Returns the total size of all buffers.
     fn all(&self) -> u64 {
         // Winners of both images, labels before and after, and what is read back.
         let of_pixels = 2 * CENSUS_BYTES + 5 * WORD_BYTES;
@@ -108,12 +108,12 @@ impl Scratch {
         })
     }
 
-    /// Whether it is worth being kept for the next pair.
+    /// Returns true if the scratch buffers are worth keeping for the next pair.
     pub(super) fn is_kept(&self) -> bool {
         self.sizes.all() <= MOST_KEPT_BYTES
     }
 
-    /// Uploads both images, and what all paths are told. Precondition: images of the size of these buffers.
+    /// Uploads both images, and the uniforms of all paths. Precondition: images of the size of these buffers.
     pub(super) fn upload(&self, context: &Context, images: [&GrayImage; 2], uniform: StereoMatching) {
         let mut pixels = images.map(GrayImage::pixels).concat();
         pixels.resize(self.sizes.brightnesses() as usize, 0);
@@ -131,12 +131,12 @@ impl Scratch {
         context.queue.write_buffer(&self.uniforms, 0, &uniforms);
     }
 
-    /// Where the uniform of a path is. That of the first one is every other pass's, too.
+    /// Returns the offset of the uniform of a path. That of the first path also serves every other pass.
     pub(super) fn uniform_offset(&self, path: usize) -> u32 {
         self.uniform_stride * path as u32
     }
 
-    /// What is bound to a binding that is no image of labels.
+    /// Returns the buffer for a binding that is not a label image.
     pub(super) fn bound(&self, binding: u32) -> &wgpu::Buffer {
         match binding {
             UNIFORM => &self.uniforms,
@@ -156,7 +156,7 @@ impl Scratch {
         &self.labels[place % 2]
     }
 
-    /// What labels are copied to.
+    /// Returns the readback buffer that labels are copied to.
     pub(super) fn readable(&self) -> &wgpu::Buffer {
         &self.readable
     }

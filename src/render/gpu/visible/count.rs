@@ -1,7 +1,7 @@
-//! How many points a picture shows, read back from the card without waiting for it.
+//! Visible point count of an image, read back from the GPU without waiting for it.
 //!
-//! The number comes some pictures late. One that is under way when the next picture is made is left alone; that
-//! picture's is then never read.
+//! The number arrives some images late. A readback that is in progress when the next image is made is left alone; that
+//! image's count is then never read.
 
 use super::scratch::FOUND_BYTES;
 use crate::locks::lock;
@@ -9,14 +9,14 @@ use crate::render::gpu::context::Context;
 use crate::render::gpu::late_read::LateRead;
 use std::sync::Mutex;
 
-/// Where the number is in `Found`, words.
+/// Offset of the visible point count in `Found`, words.
 const VISIBLE_WORD: usize = 3;
 
 /// Reads `Found` of `screen_normals/view.wgsl` back.
 #[derive(Debug)]
 pub(super) struct CountReader {
     late: LateRead,
-    /// What is under way, and what has come.
+    /// Readback in progress, and the counts received.
     counts: Mutex<Counts>,
 }
 
@@ -26,7 +26,7 @@ struct Counts {
     last: Option<VisibleCount>,
 }
 
-/// What was found of a view.
+/// Visible point count of a view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::render::gpu) struct VisibleCount {
     /// Points that might have been seen.

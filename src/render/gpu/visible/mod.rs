@@ -60,12 +60,12 @@ struct Made {
     points: StreamKey,
     sizes: Sizes,
     streams: Vec<Stream>,
-    /// Of each chunk of each stream.
+    /// Allocated buffers of each chunk of each stream.
     rooms: Vec<Vec<Room>>,
     is_outdated: bool,
 }
 
-/// What is made from what.
+/// Request for surfels, with the points that they are made from.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wanted<'a> {
     pub(super) visible: &'a Arc<VisiblePoints>,
@@ -75,7 +75,7 @@ pub(super) struct Wanted<'a> {
 }
 
 impl VisibleMaker {
-    /// Whether the adapter has bindings that are long enough.
+    /// Returns true if the adapter's binding size limit is large enough.
     pub(super) fn can_hold(context: &Context, visible: &VisiblePoints) -> bool {
         let images = visible.images.as_ref();
         images.is_none_or(|images| DepthMaker::can_hold(context, &images.frame))
@@ -119,7 +119,7 @@ impl VisibleMaker {
         });
     }
 
-    /// What is drawn.
+    /// Returns the streams to draw.
     pub(super) fn streams(&self) -> Vec<&Stream> {
         self.made
             .as_ref()
@@ -162,13 +162,13 @@ impl VisibleMaker {
         2
     }
 
-    /// How many points a view shows, the last that is known of.
+    /// Returns the most recent known count of visible points in a view.
     pub(super) fn count(&self) -> Option<VisibleCount> {
         self.count.as_ref()?.last()
     }
 }
 
-/// What all passes are told.
+/// Returns the uniform shared by all passes.
 fn screening(visible: &VisiblePoints) -> Screening {
     let view = with_margin_of_splats(&visible.view, &visible.points, visible.cloud.spacing);
     Screening {

@@ -10,34 +10,34 @@ use crate::render::gpu::wgsl::shader_file;
 /// Bindings of `screen_normals/view.wgsl`.
 /// Of the cloud.
 pub(super) const POINTS: u32 = 1;
-/// What is known of all of them.
+/// Global results (`Found`) over all points.
 pub(super) const FOUND: u32 = 2;
 /// Inverted bits of the depth of the nearest point of each pixel; zero where there is none.
 pub(super) const NEAREST: u32 = 3;
-/// The same once all are drawn.
+/// Nearest depths of the pixels, once all points are drawn.
 pub(super) const NEAREST_DRAWN: u32 = 4;
-/// The same as depths, with a border of `BORDER_PX` pixels.
+/// Nearest depths of the pixels as floats, with a border of `BORDER_PX` pixels.
 pub(super) const DEPTHS: u32 = 5;
-/// Of each point the bits of its depth, then its place among those of its workgroup that are visible, then its cell.
-/// Behind these the visible points, and behind these the sums of workgroups.
+/// Point data: for each point the bits of its depth, then its index among those of its workgroup that are visible, then
+/// its cell. These are followed by the visible points, and these by the sums of workgroups.
 pub(super) const PLACES: u32 = 6;
 /// Visible points: from the eye, in the axes of the cloud, and depths.
 pub(super) const SEEN_POINTS: u32 = 7;
-/// Of each cell the inverted bits of the nearest depth, the inverted place of the first such point among the visible
-/// ones, and how many points it has.
+/// Cell keys: for each cell the inverted bits of the nearest depth, the inverted index of the first such point among
+/// the visible ones, and its number of points.
 pub(super) const CELL_KEYS: u32 = 8;
-/// The same once all are in.
+/// Cell keys once all points are in.
 pub(super) const CELL_KEYS_FOUND: u32 = 9;
-/// Where the nearest point of each cell is, from the eye, and how many points there are.
+/// Position of the nearest point of each cell, relative to the eye, and the number of points.
 pub(super) const CELLS: u32 = 10;
-/// What is drawn.
+/// Output points to draw.
 pub(super) const DRAWN_POINTS: u32 = 11;
-/// What is drawn.
+/// Output shapes to draw.
 pub(super) const DRAWN_SHAPES: u32 = 12;
-/// Of visible points, or `NO_NORMAL` where there is no plane around.
+/// Normals of visible points, or `NO_NORMAL` where there is no plane around.
 pub(super) const NORMALS: u32 = 13;
 
-/// What passes bind, by these names in WGSL.
+/// Buffer bindings of the passes, by their names in WGSL.
 const BUFFERS: [BufferRow; 13] = [
     BufferRow::read(POINTS, "points", "array<PointRecord>"),
     BufferRow::read_write(FOUND, "found", "Found"),
@@ -139,10 +139,10 @@ pub(in crate::render::gpu) const SHADER: ComputeShader = ComputeShader {
 #[derive(Debug)]
 pub(super) struct Programs(ComputePrograms);
 
-/// What is dispatched.
+/// Dispatch parameters of a pass.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Work {
-    /// Of the uniform, bytes.
+    /// Byte offset of the uniform.
     pub(super) uniform_offset: u32,
     /// So many at least.
     pub(super) invocations: u32,
@@ -153,7 +153,7 @@ impl Programs {
         Self(ComputePrograms::new(context, SHADER))
     }
 
-    /// What a pass reads and writes; `buffer` knows what is bound to each binding.
+    /// Creates the bind group that a pass reads and writes; `buffer` returns the buffer for each binding.
     pub(super) fn group<'a>(
         &self,
         context: &Context,

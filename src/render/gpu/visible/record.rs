@@ -5,14 +5,14 @@ use super::scratch::{Scratch, Sizes};
 use crate::analysis::screen::constants::MOST_LEVELS;
 use crate::render::gpu::recording::Recording;
 
-/// What the passes are called where times are shown.
+/// Names of the passes in timings.
 pub(in crate::render::gpu) const CULL_PASS: &str = "cull";
 pub(in crate::render::gpu) const NORMALS_PASS: &str = "normals";
 
 /// Points, and their shapes.
 pub(super) const STREAMS: usize = 2;
 
-/// What passes are recorded with.
+/// State for recording the passes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Screened<'a> {
     pub(super) programs: &'a Programs,

@@ -1,4 +1,4 @@
-//! What passes hand on to those after them.
+//! Scratch buffers that passes hand on to those after them.
 
 use super::passes::{
     CELL_KEYS, CELL_KEYS_FOUND, CELLS, DEPTHS, FOUND, NEAREST, NEAREST_DRAWN, NORMALS, PLACES, SEEN_POINTS,
@@ -13,7 +13,7 @@ use crate::render::gpu::rooms::MOST_ROOM;
 /// Bytes of `Found` in `screen_normals/view.wgsl`.
 pub(super) const FOUND_BYTES: u64 = 24;
 
-/// Of a number, of a key of a cell, and of four numbers.
+/// Sizes of a number, of a key of a cell, and of four numbers.
 const WORD_BYTES: u64 = 4;
 const KEY_BYTES: u64 = 12;
 const PLACE_BYTES: u64 = 16;
@@ -21,14 +21,14 @@ const PLACE_BYTES: u64 = 16;
 /// Buffers of its own: their bindings. Two of these have a second one, by which they are read.
 const OWN: [u32; 8] = [FOUND, NEAREST, DEPTHS, PLACES, SEEN_POINTS, CELL_KEYS, CELLS, NORMALS];
 
-/// What is to begin with zeros.
+/// Bindings of the buffers that are cleared to zeros first.
 const CLEARED: [u32; 3] = [FOUND, NEAREST, CELL_KEYS];
 
-/// How much of each there is.
+/// Numbers of elements that determine the buffer sizes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Sizes {
     pub(super) points: u32,
-    /// Of the picture with its margin.
+    /// Size of the image with its margin.
     pub(super) size_px: [u32; 2],
 }
 
@@ -65,7 +65,8 @@ impl Sizes {
         }
     }
 
-    /// Whether the adapter binds such buffers, and dispatches so many workgroups at once.
+    /// Returns true if the adapter's limits allow binding such buffers, and dispatching the required number of
+    /// workgroups at once.
     pub(super) fn fit(&self, context: &Context) -> bool {
         let invocations = self.points.max(self.bordered()).max(self.cells_of(0));
         let groups = invocations.div_ceil(GROUP_RECORDS);
@@ -105,7 +106,7 @@ impl Scratch {
         }
     }
 
-    /// What is bound to a binding, unless that is of points or of what is drawn.
+    /// Returns the buffer for a binding other than that of points or of the drawn output.
     pub(super) fn buffer(&self, binding: u32) -> &wgpu::Buffer {
         let own = match binding {
             NEAREST_DRAWN => NEAREST,
@@ -129,7 +130,7 @@ impl Scratch {
         context.queue.write_buffer(&self.uniforms, 0, &bytes);
     }
 
-    /// Where a uniform is, bytes.
+    /// Returns the byte offset of a uniform.
     pub(super) fn uniform_offset(&self, place: u32) -> u32 {
         place * self.uniform_stride
     }
@@ -142,7 +143,7 @@ impl Scratch {
     }
 }
 
-/// What is found is read back.
+/// Returns the buffer usage of a binding; the visibility counters are read back.
 fn usage_of(binding: u32) -> wgpu::BufferUsages {
     let read_back = if binding == FOUND {
         wgpu::BufferUsages::COPY_SRC

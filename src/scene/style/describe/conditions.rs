@@ -7,7 +7,7 @@ pub trait Conditions {
     fn asks_for_codes(&self) -> bool;
     /// See `Style::blends_surfels`.
     fn blends_surfels(&self) -> bool;
-    /// True if the GPU draws surfels on their planes, and what is beside their disks is not seen.
+    /// Returns true if the GPU draws surfels on their planes, and what is outside their disks is not seen.
     fn draws_disks_on_gpu(&self) -> bool;
     /// See `Style::draws_photographs`.
     fn draws_photographs(&self) -> bool;
@@ -31,7 +31,7 @@ pub trait Conditions {
     fn has_surfel_levels(&self) -> bool;
     /// True if what is drawn has the radii of surfels: these, or adaptive points.
     fn has_surfel_radii(&self) -> bool;
-    /// True if a graphics card draws.
+    /// Returns true if a GPU draws.
     fn is_drawn_on_gpu(&self) -> bool;
     /// True if light may fall on what is drawn: surfels, voxels, triangles, or points with normals.
     fn is_lit(&self) -> bool;
@@ -53,9 +53,9 @@ pub trait Conditions {
     fn draws_codes(&self) -> bool;
     /// Eye-dome lighting is on, and there are depths for it.
     fn has_eye_dome(&self) -> bool;
-    /// The sequence has photographs.
+    /// Returns true if the sequence has posed images.
     fn has_photographs(&self) -> bool;
-    /// Photographs are blended by the direction of the view.
+    /// Returns true if posed images are blended by the view direction (view-dependent texturing).
     fn draws_view_dependent_textures(&self) -> bool;
     /// Points are drawn whose size is a length in the scene.
     fn has_points_of_lengths(&self) -> bool;

@@ -17,7 +17,7 @@ pub struct Described {
     pub other_flags: &'static [&'static str],
     /// Placeholder of the option's value, where it has no short list of words.
     pub value_name: &'static str,
-    /// What the option does; its words and its default are added.
+    /// Help text of the option; its words and its default are appended.
     pub help: &'static str,
     /// Shown by `-h` as well as by `--help`.
     pub everyday: bool,
@@ -29,15 +29,15 @@ pub struct Described {
     pub full_name: &'static str,
     /// Words of people and of other programs that find it.
     pub also: &'static [&'static str],
-    /// What it does, in the window.
+    /// Tooltip in the window.
     pub hint: &'static str,
-    /// Where it is in the window.
+    /// Section of the panel it belongs to.
     pub section: Section,
     /// When it has an effect.
     pub when: When,
-    /// How the label of a way to draw tells it.
+    /// Representation in the label of a render mode.
     pub label: Label,
-    /// Which values it has.
+    /// Permitted values.
     pub values: Values,
     /// Words for its values that come with those of other settings.
     pub shorthands: &'static [Shorthand],
@@ -111,8 +111,8 @@ impl Described {
         }
     }
 
-    /// What a word or a number of the command line gives: a value of this setting, and of others where it is short for
-    /// them. `Err` says what was expected.
+    /// Parses a word or a number of the command line into a value of this setting, and of others where it is a
+    /// shorthand for them. `Err` states what was expected.
     pub fn parse(&self, text: &str) -> Result<Given, String> {
         if let Some(shorthand) = self.shorthands.iter().find(|short| is_same_word(short.word.word, text)) {
             return Ok(shorthand.given.to_vec());
@@ -156,23 +156,23 @@ impl Described {
 /// A part of the panel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Section {
-    /// How large what is drawn is, and of which shape.
+    /// Size and shape of what is drawn.
     Look,
     /// By whom it is drawn, and how many pixels.
     Picture,
-    /// How surfels are.
+    /// Surfel settings.
     Surfels,
-    /// What the processor draws surfels from.
+    /// Footprints that the CPU draws surfels from.
     Footprints,
-    /// How deep the octree goes.
+    /// Octree depth.
     Octree,
-    /// Which of its cells are drawn.
+    /// Level of detail: selection of the octree cells that are drawn.
     LevelOfDetail,
     /// Light.
     Shading,
-    /// Photographs on surfaces.
+    /// View-dependent texturing.
     Photographs,
-    /// What is beside the cloud.
+    /// Background and ground grid.
     Background,
     /// A place of its own.
     Own,
@@ -181,21 +181,21 @@ pub enum Section {
 /// When something about a setting is so: a question to what is drawn.
 pub type When = fn(&dyn Conditions) -> bool;
 
-/// How the label of a way to draw tells a setting: `{}` stands for the value as files have it, `{title}` for that of
-/// the window.
+/// Representation of a setting in the label of a render mode: `{}` stands for the value as files have it, `{title}` for
+/// that of the window.
 #[derive(Debug, Clone, Copy)]
 pub enum Label {
     /// It does not.
     Untold,
     /// Whatever it is.
     Always(Place, &'static str),
-    /// Where it is not as by default.
+    /// Shown if it differs from the default.
     Unusual(Place, &'static str),
     /// In some cases.
     If(When, Place, &'static str),
 }
 
-/// Where in a label.
+/// Position in a label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Place {
     /// First: what is drawn.

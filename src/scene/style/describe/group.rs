@@ -1,4 +1,4 @@
-//! How a group of settings is written.
+//! Macro syntax of a group of settings.
 
 /// Writes a group of settings once: each field with its name in files, its default and its description. `decided` names
 /// the type of the same group with no choice left open; where none can be left open, the group is its own.
@@ -29,7 +29,7 @@ macro_rules! group {
         }
 
         impl $group {
-            /// The same with what is usual in place of every choice that is left open.
+            /// Returns the group with every open choice replaced by its default.
             pub(super) fn decided(&self) -> $decided {
                 $decided { $($field: $crate::scene::describe::Setting::decided(&self.$field),)+ }
             }

@@ -1,8 +1,9 @@
-//! What a setting is called, which values it has, and how they are written: the one description that the panel, the
-//! command line, the files, undo and the labels of benchmarks read.
+//! Setting descriptions: the name of a setting, its permitted values, and how they are written; the one description
+//! that the panel, the command line, the files, undo and the labels of benchmarks read.
 //!
-//! **How it works.** A group of settings is a struct whose fields stand beside their [`Described`] (`group!`). Readers
-//! know no field: [`Settings::edit`](super::Settings::edit) shows them each description with the setting's [`Value`].
+//! **How it works.** A group of settings is a struct whose fields are declared next to their [`Described`] (`group!`).
+//! Readers know no field: [`Settings::edit`](super::Settings::edit) shows them each description with the setting's
+//! [`Value`].
 
 mod conditions;
 mod described;

@@ -1,6 +1,6 @@
-//! Which numbers settings may be, and how they are written.
+//! Numeric ranges of settings, and how the numbers are written.
 
-/// Which numbers a setting may be.
+/// Numeric range of a setting.
 #[derive(Debug)]
 pub struct Numbers {
     /// In files; the nearest one is taken.
@@ -9,7 +9,7 @@ pub struct Numbers {
     pub offered: [f32; 2],
     /// On the command line.
     pub typed: Typed,
-    /// How they are shown.
+    /// Display unit of the numbers.
     pub unit: Unit,
     /// Digits behind the point at most.
     pub decimals: usize,
@@ -17,7 +17,7 @@ pub struct Numbers {
     pub is_logarithmic: bool,
 }
 
-/// Which numbers the command line takes.
+/// Numbers that the command line accepts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Typed {
     /// Finite ones above 0.
@@ -32,7 +32,7 @@ pub enum Typed {
     WholePositive,
 }
 
-/// How numbers are shown.
+/// Display unit of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unit {
     /// As they are, and this after them.
@@ -54,7 +54,7 @@ impl Numbers {
         is_logarithmic: false,
     };
 
-    /// Whether they are whole.
+    /// Returns true if the numbers are integers.
     pub fn are_whole(&self) -> bool {
         matches!(self.typed, Typed::Whole | Typed::WholePositive)
     }

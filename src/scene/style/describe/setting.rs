@@ -1,4 +1,4 @@
-//! What can be a setting.
+//! Types that can be a setting.
 
 use super::described::Described;
 use super::values::Value;
@@ -6,9 +6,9 @@ use crate::scene::environment::Environment;
 use crate::scene::style::background::Background;
 use crate::sequence::Coloring;
 
-/// What can be a setting.
+/// Type that can be a setting.
 pub trait Setting: Sized {
-    /// The same where it cannot be left open.
+    /// Resolved type, which cannot be left open.
     type Decided;
 
     /// This, or what is usual where it is left open.

@@ -1,4 +1,4 @@
-//! Which values settings have, and what they are called.
+//! Values of settings, and their names.
 
 use super::numbers::Numbers;
 use crate::scene::ParseChoiceError;
@@ -15,26 +15,26 @@ pub enum Value {
     Word(usize),
     /// A number.
     Number(f64),
-    /// Whether something is so.
+    /// Boolean switch.
     Switch(bool),
     /// The place of a kind in [`Values::Kinds`], and its number, or 0 where it has none.
     Kind(usize, f64),
-    /// What is behind the cloud.
+    /// Background behind the cloud.
     Background(Background),
-    /// Where colours come from.
+    /// Colour source.
     Colors(Coloring),
-    /// What is around the scene.
+    /// Environment around the scene.
     Environment(Environment),
 }
 
-/// Which values a setting has.
+/// Permitted values of a setting.
 #[derive(Debug)]
 pub enum Values {
     /// One of these.
     Words(&'static Words),
     /// A number.
     Number(Numbers),
-    /// Yes or no, with a word beside the box.
+    /// Boolean, with a word next to the checkbox.
     Switch(&'static str),
     /// One of these, most with a number.
     Kinds(&'static [Kind]),
@@ -49,7 +49,7 @@ pub enum Values {
 /// Values that are words.
 #[derive(Debug)]
 pub struct Words {
-    /// What one of them is.
+    /// Noun for one of them.
     pub what: &'static str,
     /// All, in the order of lists.
     pub list: &'static [Word],
@@ -61,7 +61,7 @@ impl Words {
         self.place_among(text, iter::empty())
     }
 
-    /// The same where there are other words that are expected, too.
+    /// Returns the index of a word, with further words that are also expected.
     pub(super) fn place_among<'a>(
         &'a self,
         text: &str,
@@ -82,7 +82,7 @@ pub struct Word {
     pub word: &'static str,
     /// In the window.
     pub title: &'static str,
-    /// What it means, in the window.
+    /// Tooltip that explains it in the window.
     pub hint: &'static str,
     /// Words of people and of other programs that find it.
     pub also: &'static [&'static str],
@@ -93,13 +93,13 @@ pub struct Word {
 pub struct Kind {
     /// Its option on the command line, without dashes.
     pub flag: &'static str,
-    /// What the option does.
+    /// Help text of the option.
     pub help: &'static str,
     /// Its name in the window.
     pub title: &'static str,
-    /// What it means, in the window.
+    /// Tooltip that explains it in the window.
     pub hint: &'static str,
-    /// How the label of a way to draw tells it; `{}` stands for the number.
+    /// Representation in the label of a render mode; `{}` stands for the number.
     pub label: &'static str,
     /// Words of people and of other programs that find it.
     pub also: &'static [&'static str],
@@ -110,14 +110,14 @@ pub struct Kind {
 /// The number of a kind.
 #[derive(Debug)]
 pub struct KindNumber {
-    /// What the option is given, in capitals.
+    /// Placeholder for the option's value, in capitals.
     pub value_name: &'static str,
     /// Its name in the window.
     pub title: &'static str,
-    /// What it means, in the window.
+    /// Tooltip that explains it in the window.
     pub hint: &'static str,
-    /// Where the kind is chosen and no number yet.
+    /// Default number, used where the kind is chosen and no number yet.
     pub usual: f64,
-    /// Which numbers there are.
+    /// Permitted numbers.
     pub numbers: Numbers,
 }

@@ -37,7 +37,7 @@ pub enum PathFileError {
     Json {
         /// The file.
         path: PathBuf,
-        /// What is wrong where.
+        /// Parse error and its position.
         reason: serde_json::Error,
     },
     /// A version that is not known.
@@ -72,13 +72,13 @@ struct Written {
     keyframes: Vec<WrittenKeyframe>,
 }
 
-/// What tells a path from other JSON, and a version from another.
+/// Header that distinguishes a path from other JSON, and one version from another.
 #[derive(Debug, Deserialize)]
 struct Version {
     pointreel_path: u32,
 }
 
-/// What paths are seen in that do not say.
+/// Returns the default projection of paths that specify none.
 fn perspective() -> Projection {
     Projection::Perspective
 }

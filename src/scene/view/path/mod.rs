@@ -22,7 +22,7 @@ use glam::{DVec2, DVec3};
 pub struct Keyframe {
     /// Seconds from the beginning of the video.
     pub time_s: f64,
-    /// Where the camera is then.
+    /// Camera at that time.
     pub camera: Camera,
     /// The frame that is shown then; between frames the nearest one is.
     pub frame: f64,
@@ -38,19 +38,19 @@ pub enum PathError {
     /// There are too many.
     #[error("{count} keyframes: a path has at most {}", CameraPath::MAX_KEYFRAMES)]
     TooMany {
-        /// How many.
+        /// Number of them.
         count: usize,
     },
     /// A number that cannot be.
     #[error("keyframe {number}: {field} is {value}: expected {expected}")]
     OutOfRange {
-        /// Which keyframe.
+        /// Number of the keyframe.
         number: usize,
-        /// What of it.
+        /// Name of its invalid field.
         field: &'static str,
         /// Its value.
         value: f64,
-        /// What it may be.
+        /// Permitted values.
         expected: &'static str,
     },
     /// Not after the keyframe before it.
@@ -59,7 +59,7 @@ pub enum PathError {
          microsecond at least"
     )]
     NotAscending {
-        /// Which keyframe.
+        /// Number of the keyframe.
         number: usize,
         /// Its time.
         time_s: f64,
@@ -69,13 +69,13 @@ pub enum PathError {
     /// The projection changes.
     #[error("keyframe {number} is seen in another projection than the first one: expected one for the whole path")]
     Projection {
-        /// Which keyframe, counted from 1.
+        /// Number of the keyframe, counted from 1.
         number: usize,
     },
     /// The up axis changes.
     #[error("keyframe {number} has the up axis {axis}, the first one {first}: expected one for the whole path")]
     OtherUpAxis {
-        /// Which keyframe.
+        /// Number of the keyframe.
         number: usize,
         /// Its axis.
         axis: &'static str,
@@ -175,7 +175,7 @@ impl CameraPath {
         &self.keyframes
     }
 
-    /// Whether the camera starts and ends at rest.
+    /// Returns true if the path eases in and out: the camera starts and ends at rest.
     pub fn eases(&self) -> bool {
         self.eases
     }
@@ -186,7 +186,7 @@ impl CameraPath {
         time(self.keyframes.last()) - time(self.keyframes.first())
     }
 
-    /// How many pictures at this rate show all of it, both ends included.
+    /// Returns the number of images that show all of the path at this rate, both ends included.
     pub fn picture_count(&self, pictures_per_second: f64) -> usize {
         (self.duration_s() * pictures_per_second).round() as usize + 1
     }

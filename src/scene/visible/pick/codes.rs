@@ -1,9 +1,9 @@
-//! The surfels of a byte code that a ray may meet: what is drawn as masks is picked as disks.
+//! Picking of byte-code surfels that a ray may hit: what is drawn as masks is picked as disks.
 //!
-//! How it works: the tree is gone through from the root. A node whose cell, with the splats below it, is farther from
-//! the ray than the radius is left out; one whose cell is small enough on the picture, or on the deepest level, is a
-//! disk. Whole blocks of nodes are drawn on one level, so that a node beside the border of two may be drawn one level
-//! finer than it is picked.
+//! How it works: the tree is traversed from the root. A node whose cell, with the splats below it, is farther from the
+//! ray than the radius is skipped; one whose cell is small enough on the image, or on the deepest level, is a disk.
+//! Whole blocks of nodes are drawn on one level, so that a node next to the border of two may be drawn one level finer
+//! than it is picked.
 
 use super::ray::Ray;
 use crate::cloud::{PointRecord, ShapeRecord, coarser_normal, oct_encode, quantised_normals};

@@ -1,14 +1,14 @@
-//! Which point of the cloud is under a pixel, exactly as it is drawn.
+//! Picking of the point of the cloud under a pixel, exactly as it is drawn.
 //!
-//! **How it works.** The ray through the middle of the pixel is held against the records of the packet that the picture
+//! **How it works.** The ray through the centre of the pixel is tested against the records of the packet that the image
 //! was drawn from, in f64, by the rules of the renderers: a point where its square or disk covers the pixel, a surfel
-//! where the ray meets its disk, a voxel where it meets its cube. Records stand in Morton order, so the boxes around 64
-//! of them are small, and all but a few are passed by (`ray.rs`). Of blended surfels the one that adds most to the
+//! where the ray hits its disk, a voxel where it hits its cube. Records are stored in Morton order, so the boxes around
+//! 64 of them are small, and all but a few are skipped (`ray.rs`). Of blended surfels the one that adds most to the
 //! pixel is picked. Where nothing covers the pixel, what is nearest to it within a radius is: thin things can be
 //! clicked on.
 //!
-//! **Why on the processor.** It costs one read of the positions (`benches/pick.rs`), does not depend on who draws, and
-//! answers at once: a buffer of indices would be one more target for every pass, cannot hold what is blended, and has
+//! **Why on the CPU.** It costs one read of the positions (`benches/pick.rs`), does not depend on the renderer, and
+//! answers immediately: an index buffer would be one more target for every pass, cannot hold what is blended, and has
 //! to be read back.
 
 mod codes;
@@ -43,8 +43,8 @@ pub struct Pick {
     pub index_in_file: u32,
     /// In the coordinates of the file.
     pub position: DVec3,
-    /// How far a coordinate of the file may be from `position`, which is f32 from the origin of the sequence: half a
-    /// step of the largest of its three, scene units.
+    /// Precision of `position`: how far a coordinate of the file may be from it, as it is f32 from the origin of the
+    /// sequence; half a step of the largest of its three, scene units.
     pub precision: f64,
     /// Unit normal, if there is one.
     pub normal: Option<PickedNormal>,
@@ -66,8 +66,8 @@ pub enum PickedNormal {
 }
 
 impl Pick {
-    /// What is known of the point at `slot` of `frame`, whose positions are relative to `origin`; `None` if it has
-    /// fewer points.
+    /// Returns the attributes of the point at `slot` of `frame`, whose positions are relative to `origin`; `None` if it
+    /// has fewer points.
     pub fn of(frame: &PreparedFrame, origin: DVec3, slot: usize) -> Option<Self> {
         let cloud = &frame.frame;
         let position = *cloud.positions().get(slot)?;
@@ -178,7 +178,7 @@ fn slot_of(packet: &ScenePacket, frame: &PreparedFrame, drawn: &Arc<Vec<PointRec
     }
 }
 
-/// [`nearest`] of what is not clipped, if there is such a point: a cell is drawn where its middle is kept.
+/// Returns the [`nearest`] of what is not clipped, if there is such a point: a cell is drawn if its centre is kept.
 fn nearest_drawn(
     packet: &ScenePacket,
     frame: &PreparedFrame,

@@ -1,4 +1,4 @@
-//! What is under a pixel, found by a look at every record with formulas of its own.
+//! Reference implementation of picking: examines every record under a pixel with formulas of its own.
 
 use super::tests::SIZE;
 use crate::cloud::{decode_ellipse, oct_decode};
@@ -8,7 +8,7 @@ use glam::{DMat3, DVec2, DVec3, Vec3};
 /// From a place of the frame to clip space as the shaders' matrix does it, but in f64; and back to where rays go.
 pub(super) struct Oracle<'a> {
     pub(super) packet: &'a ScenePacket,
-    /// The middle of the pixel.
+    /// Centre of the pixel.
     pub(super) px: DVec2,
 }
 
@@ -38,7 +38,7 @@ impl Oracle<'_> {
         f64::from(self.packet.view.near)
     }
 
-    /// `t` and half edges where the ray meets the plane of a middle and two half edges.
+    /// Returns `t` and half edges where the ray intersects the plane given by a centre and two half edges.
     fn plane(&self, offset: DVec3, u: DVec3, v: DVec3) -> Option<[f64; 3]> {
         let matrix = DMat3::from_cols(u, v, -self.direction());
         if matrix.determinant() == 0.0 {
@@ -188,8 +188,8 @@ impl Oracle<'_> {
     }
 }
 
-/// The one nearest to the middle of what is drawn there, of those no farther behind the nearest than its radius. Each
-/// is a depth, a radius, a share of the radius and a slot.
+/// Returns the one nearest to the centre of what is drawn there, of those no farther behind the nearest than its
+/// radius. Each is a depth, a radius, a fraction of the radius and a slot.
 fn most_of_blended(mut met: Vec<(f64, f64, f64, usize)>) -> Option<usize> {
     let backmost = met.iter().map(|&(depth, radius, ..)| depth + radius).reduce(f64::min)?;
     met.retain(|&(depth, ..)| depth <= backmost);

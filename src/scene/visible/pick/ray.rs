@@ -11,7 +11,7 @@ const BLOCK: usize = 64;
 /// Blocks that are worth handing to another thread.
 const BLOCKS_PER_TASK: usize = 256;
 
-/// The ray from the eye through the middle of a pixel, `t · (slope, −1)` in view space.
+/// Ray from the eye through the centre of a pixel, `t · (slope, −1)` in view space.
 pub(super) struct Ray {
     view_from_frame: DMat3,
     frame_from_view: DMat3,
@@ -27,15 +27,15 @@ pub(super) struct Ray {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RayHit {
     pub(super) record: usize,
-    /// Where it is met, or its middle if it is not, in the space of the frame.
+    /// Hit position, or the record's centre if it is not hit, in the space of the frame.
     pub(super) place: DVec3,
-    /// Of that place from the eye along the view, scene units.
+    /// Depth of that position from the eye along the view, scene units.
     depth: f64,
-    /// What is at most so much farther away is blended with it.
+    /// Blending slack: what is farther away by at most this is blended with it.
     slack: f64,
     /// From its outline to the pixel; `None` where it covers it.
     miss_px: Option<f64>,
-    /// How far from its middle the ray is, in a measure of its own.
+    /// Offset of the ray from its centre, in a measure of its own.
     aside: f64,
 }
 
@@ -43,15 +43,15 @@ pub(super) struct RayHit {
 pub(super) trait Drawn: Sync {
     fn len(&self) -> usize;
     fn position(&self, record: usize) -> Vec3;
-    /// How far from its position a record reaches: scene units.
+    /// Returns the reach of a record: how far it extends from its position, scene units.
     fn reach(&self, record: usize) -> f64;
-    /// The same in pixels, beyond that.
+    /// Returns the additional reach in pixels.
     fn reach_px(&self) -> f64;
-    /// Whether it can be seen from where the eye is, at an offset from it.
+    /// Returns true if the record faces the eye: it can be seen from there, at an offset from it.
     fn faces_eye(&self, record: usize, offset: DVec3) -> bool;
-    /// Where the ray meets a record at an offset from the eye.
+    /// Returns the intersection of the ray with a record at an offset from the eye.
     fn meet(&self, ray: &Ray, record: usize, offset: DVec3) -> Option<Met>;
-    /// How far beside the pixel a record is that the ray does not meet; `None` where that is not in the picture.
+    /// Returns the distance from the pixel of a record that the ray does not hit; `None` if that is not in the image.
     fn miss(&self, ray: &Ray, record: usize, offset: DVec3) -> Option<Miss> {
         let (depth, aside_px) = ray.project(offset)?;
         let aside_px = aside_px.length();
@@ -64,18 +64,18 @@ pub(super) trait Drawn: Sync {
     }
 }
 
-/// How far a record is from a pixel.
+/// Distance of a record from a pixel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Miss {
-    /// Of its middle from the eye along the view, scene units.
+    /// Depth of its centre from the eye along the view, scene units.
     pub(super) depth: f64,
-    /// From its middle.
+    /// Distance from its centre.
     pub(super) aside_px: f64,
     /// From its outline.
     pub(super) outline_px: f64,
 }
 
-/// Where a ray meets a record.
+/// Intersection of a ray with a record.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Met {
     /// As the ray's `t`.
@@ -114,7 +114,7 @@ impl Ray {
         self.frame_from_view * self.slope.extend(-1.0)
     }
 
-    /// Of a place in the space of the frame, from the eye along the view, scene units.
+    /// Returns the depth of a position in the space of the frame, from the eye along the view, scene units.
     pub(super) fn depth_of(&self, place: DVec3) -> f64 {
         -(self.view_from_frame * (place - self.eye)).z
     }
@@ -169,13 +169,13 @@ impl Ray {
         self.may_meet(low, high, reach, radius_px + records.reach_px())
     }
 
-    /// How many pixels a length across the view covers at a depth.
+    /// Returns the number of pixels that a length across the view covers at a depth.
     pub(super) fn length_px(&self, length: f64, depth: f64) -> f64 {
         length / depth * self.px_per_slope.y
     }
 
-    /// How many pixels a length covers at the depth of the nearest point that is as far from `center` as half of it;
-    /// infinite where that is behind the near plane.
+    /// Returns the number of pixels that a length covers at the depth of the nearest point that is as far from `center`
+    /// as half of it; infinite if that is behind the near plane.
     pub(super) fn size_px(&self, center: Vec3, length: f32) -> f64 {
         let place = self.view_from_frame * (center.as_dvec3() - self.eye);
         let half = self.view_from_frame.abs() * DVec3::splat(0.5 * f64::from(length));

@@ -69,7 +69,7 @@ impl Drawn for Sprites<'_> {
     }
 }
 
-/// Where the ray meets the square or the disk of a point.
+/// Returns the intersection of the ray with the square or the disk of a point.
 fn meet_sprite(depth: f64, aside_px: DVec2, half_px: f64, shape: PointShape) -> Option<Met> {
     let aside_most_px = aside_px.abs().max_element();
     let covers = match shape {
@@ -113,7 +113,8 @@ impl<'a> Disks<'a> {
         self.scale * f64::from(self.shapes[record].radius)
     }
 
-    /// How far a place on the plane of a surfel is from its middle, as a share of how far its rim is there.
+    /// Returns the distance of a position on the plane of a surfel from its centre, as a fraction of the distance to
+    /// its edge there.
     fn share_of_rim(&self, record: usize, offset: DVec3) -> f64 {
         let radius = self.radius(record);
         let ShapeRecord { normal, ellipse, .. } = self.shapes[record];
@@ -176,7 +177,7 @@ pub(super) struct CellBox {
 }
 
 impl CellBox {
-    /// Whether a point may be one of the cell's: with its faces, which f32 rounds.
+    /// Returns true if the cell may contain a point: with its faces, which f32 rounds.
     pub(super) fn contains(&self, place: DVec3) -> bool {
         (place - self.center).abs().max_element() <= self.half_edge * (1.0 + 1e-4)
     }
@@ -266,7 +267,7 @@ impl<'a> Triangles<'a> {
         self.mesh.triangles[record].is_point()
     }
 
-    /// Its corners from the eye, of a triangle whose middle is at this offset.
+    /// Returns its corners relative to the eye, for a triangle whose centre is at this offset.
     fn corners_from_eye(&self, record: usize, offset: DVec3) -> [DVec3; 3] {
         let middle = self.position(record).as_dvec3();
         self.mesh

@@ -19,7 +19,7 @@ impl Intrinsics {
 }
 
 impl Calibration {
-    /// What a person names: `fx,fy,cx,cy`, or a file.
+    /// Parses a calibration option: `fx,fy,cx,cy`, or a file.
     pub(super) fn of_option(text: &str) -> Result<Self, RgbdError> {
         let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
         match numbers.map(<[f64; 4]>::try_from) {
@@ -32,7 +32,7 @@ impl Calibration {
         }
     }
 
-    /// What the file at `path` says, of any of the formats of [`RgbdError::Calibration`].
+    /// Reads a calibration from the file at `path`, in any of the formats of [`RgbdError::Calibration`].
     pub(super) fn read(path: &Path) -> Result<Self, RgbdError> {
         let wrong = |reason: String| RgbdError::Calibration {
             path: path.to_owned(),

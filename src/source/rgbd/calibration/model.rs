@@ -3,7 +3,7 @@
 use crate::rgbd::{Camera, CameraError, ColorCamera, Distortion, Rig};
 use glam::{DAffine3, DVec2};
 
-/// What is said of a camera before it is known how large its images are.
+/// Camera intrinsics before the size of its images is known.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::source::rgbd) struct Intrinsics {
     pub(in crate::source::rgbd) focal_px: DVec2,
@@ -13,17 +13,17 @@ pub(in crate::source::rgbd) struct Intrinsics {
     pub(in crate::source::rgbd) for_size_px: Option<[u32; 2]>,
 }
 
-/// What is said of the cameras of a sensor.
+/// Calibration of a sensor's cameras.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::source::rgbd) struct Calibration {
     pub(in crate::source::rgbd) depth: Intrinsics,
-    /// Of colours, where those are from another place or lens.
+    /// Colour camera calibration, if its position or lens differs from that of the depth camera.
     pub(in crate::source::rgbd) color: Option<(Intrinsics, DAffine3)>,
     /// Units of the depth images that are a metre, if it says that too.
     pub(in crate::source::rgbd) units_per_metre: Option<f64>,
-    /// Where it is from, for people.
+    /// Human-readable origin of the calibration.
     pub(in crate::source::rgbd) because: String,
-    /// Whether nothing in the recording says it.
+    /// True if the calibration is assumed because nothing in the recording states it.
     pub(in crate::source::rgbd) is_assumed: bool,
 }
 
@@ -38,7 +38,7 @@ impl Intrinsics {
         }
     }
 
-    /// Those of `camera`.
+    /// Returns the intrinsics of `camera`.
     fn of_camera(camera: &Camera) -> Self {
         Self {
             focal_px: camera.focal_px(),
@@ -78,7 +78,7 @@ pub(in crate::source::rgbd) enum NoCamera {
 }
 
 impl Calibration {
-    /// Of a depth camera alone.
+    /// Creates the calibration of a depth camera alone.
     pub(in crate::source::rgbd) fn of_depth(depth: Intrinsics, because: impl Into<String>) -> Self {
         Self {
             depth,
@@ -98,7 +98,7 @@ impl Calibration {
         }
     }
 
-    /// What holds for recordings of a kind unless they say otherwise: images of 640 × 480.
+    /// Returns the default calibration for recordings of a kind that do not state their own: images of 640 × 480.
     pub(in crate::source::rgbd) fn usual(numbers: [f64; 4], kind: &str) -> Self {
         Self {
             is_assumed: true,

@@ -2,7 +2,8 @@
 
 use super::model::{Calibration, Intrinsics};
 
-/// What PCL's grabbers write: two elements without one around them, which XML does not allow.
+/// Parses the calibration XML written by PCL's grabbers: two root elements without a common parent, which XML does not
+/// allow.
 pub(super) fn calibration(text: &str, because: String) -> Result<Calibration, String> {
     let start = text.trim_start();
     let content = match start.strip_prefix("<?").and_then(|rest| rest.split_once("?>")) {

@@ -1,10 +1,10 @@
-//! The calibration of a device, which is attached to its recordings as JSON.
+//! Device calibration, which is attached to its recordings as JSON.
 //!
-//! *How it works.* Cameras are told by their `Location`. Focal lengths and the principal point are in widths and
-//! heights of the sensor, counted from the corner of its first pixel; lenses are rational polynomials in the order of
-//! their own: cx cy fx fy k₁ … k₆, the centre of the distortion, p₂ p₁. `Rt` takes points of the depth camera to each
-//! camera, in metres, its rotation row by row. Colours are calibrated for the sensor's 4:3; images of 16:9 are its
-//! middle. (`calibration.c` and `mode_specific_calibration.c` of the SDK.)
+//! *How it works.* Cameras are identified by their `Location`. Focal lengths and the principal point are in widths and
+//! heights of the sensor, counted from the corner of its first pixel; lenses are rational polynomials with coefficients
+//! in a specific order: cx cy fx fy k₁ … k₆, the centre of the distortion, p₂ p₁. `Rt` transforms points of the depth
+//! camera to each camera, in metres, its rotation row by row. Colours are calibrated for the sensor's 4:3; images of
+//! 16:9 are its central part. (`calibration.c` and `mode_specific_calibration.c` of the SDK.)
 
 use super::super::calibration::Intrinsics;
 use super::modes::DepthMode;
@@ -18,7 +18,7 @@ const COLOR: &str = "CALIBRATION_CameraLocationPV0";
 /// The sensor of every depth camera, which modes are cut from.
 const DEPTH_SENSOR_PX: [u64; 2] = [1024, 1024];
 
-/// How far products of the axes of a rotation may be from 0 and 1: they are written with single floats.
+/// Tolerance for the products of rotation axes, which should be 0 and 1: they are written as single-precision floats.
 const MOST_SKEW: f64 = 1e-3;
 
 /// The cameras of a device.
@@ -40,7 +40,7 @@ struct DeviceCamera {
 }
 
 impl Device {
-    /// What the attached file says; the error is the end of a sentence.
+    /// Parses the calibration in the attached file; the error is the end of a sentence.
     pub(super) fn of_json(bytes: &[u8]) -> Result<Self, String> {
         // Some are written with the zero that ends their text.
         let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
@@ -73,7 +73,8 @@ impl Device {
         self.depth.part(sensor, offset, mode.size_px)
     }
 
-    /// The colour camera of images of this size: all of the sensor's 4:3, or 16:9 in its middle.
+    /// Returns the colour camera intrinsics for images of this size: all of the sensor's 4:3, or the 16:9 crop at its
+    /// centre.
     pub(super) fn color(&self, size_px: [u32; 2]) -> Result<Intrinsics, String> {
         let camera = self.color.as_ref().ok_or_else(|| format!("it has no camera {COLOR}"))?;
         let [width, height] = size_px.map(u64::from);

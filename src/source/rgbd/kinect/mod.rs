@@ -1,9 +1,9 @@
-//! Recordings of an Azure Kinect, and of cameras that take its place: the `.mkv` of `k4arecorder`.
+//! Recordings of an Azure Kinect and compatible cameras: the `.mkv` of `k4arecorder`.
 //!
-//! A Matroska file with a track a camera: depths in millimetres (16 bits, the high byte first), colours as JPEG or as
-//! bare pixels, infrared images, which are left out, and samples of motion. Tags say which track is which, and which
-//! mode the depth camera was in; the calibration of the device is attached as JSON. (Azure Kinect DK documentation,
-//! *Recording file format*.)
+//! A Matroska file with one track per camera: depths in millimetres (16 bits, the high byte first), colours as JPEG or
+//! as bare pixels, infrared images, which are ignored, and motion samples. Tags identify the tracks and the mode of the
+//! depth camera; the calibration of the device is attached as JSON. (Azure Kinect DK documentation, *Recording file
+//! format*.)
 
 mod device;
 mod modes;
@@ -34,14 +34,14 @@ const MOST_CALIBRATION_BYTES: u64 = 16 << 20;
 /// The extension of its recordings.
 const EXTENSION: &str = "mkv";
 
-/// Films of Matroska.
+/// Recorder for Matroska videos.
 pub(super) const RECORDER: Recorder = Recorder {
     extensions: &[EXTENSION],
     can_read: is_one,
     find: |path, options| Ok(Some(("Azure Kinect", find(path, &options.rgbd, &options.read)?))),
 };
 
-/// Whether the file at `path` is a Matroska file, by its first bytes, or claims to be one by its name.
+/// Returns true if the file at `path` is a Matroska file by its first bytes, or claims to be one by its name.
 fn is_one(path: &Path) -> bool {
     let mut start = Vec::new();
     let read = crate::regular_file::open(path).and_then(|file| file.take(4).read_to_end(&mut start));
@@ -105,7 +105,7 @@ struct KinectRecording<'a> {
 }
 
 impl KinectRecording<'_> {
-    /// The track that the tag tells by its number, else the one of this name.
+    /// Returns the track whose number the tag gives, otherwise the one of this name.
     fn track(&self, tag: &str, name: &str) -> Option<&Track> {
         let uid: Option<u64> = self.file.tag(tag).and_then(|value| value.trim().parse().ok());
         let tracks = || self.file.tracks.iter();
@@ -191,7 +191,7 @@ impl KinectRecording<'_> {
         device.map_err(|problem| format!("the attached file `{}`: {problem}", name.escape_default()))
     }
 
-    /// How much later depths are taken than colours; with its sign, in nanoseconds.
+    /// Returns the delay of depths relative to colours; signed, in nanoseconds.
     fn depth_delay_ns(&self) -> i64 {
         let tag = self.file.tag("K4A_DEPTH_DELAY_NS");
         tag.and_then(|value| value.trim().parse().ok()).unwrap_or(0)
@@ -259,7 +259,7 @@ fn earlier(time: Duration, by_ns: i64) -> Duration {
     }
 }
 
-/// What the frames of a track are, for people.
+/// Returns a human-readable codec name for the frames of a track.
 fn codec_of(track: &Track) -> String {
     let kind = track.fourcc().map(|kind| kind.escape_ascii().to_string());
     kind.unwrap_or_else(|| track.codec.escape_default().to_string())

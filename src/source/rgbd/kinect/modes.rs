@@ -1,7 +1,7 @@
-//! Which part of the sensor of the depth camera an image is.
+//! Depth camera modes: the region of the sensor that an image covers.
 //!
-//! The table is that of the SDK (`transformation/mode_specific_calibration.c`): narrow modes cut the middle of the
-//! sensor of 1024 × 1024 pixels, binned ones make one of 2 × 2.
+//! The table is that of the SDK (`transformation/mode_specific_calibration.c`): narrow modes crop the centre of the
+//! sensor of 1024 × 1024 pixels, binned ones combine blocks of 2 × 2.
 
 /// A mode of the depth camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,7 +10,7 @@ pub(super) struct DepthMode {
     pub(super) name: &'static str,
     /// The size of the whole sensor in pixels of the mode.
     pub(super) sensor_px: [u32; 2],
-    /// Where the first pixel of an image is on it.
+    /// Offset of the image's first pixel on the sensor, in pixels.
     pub(super) offset_px: [u32; 2],
     pub(super) size_px: [u32; 2],
 }

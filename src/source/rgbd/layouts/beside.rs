@@ -132,7 +132,7 @@ fn first_camera(files: &[PathBuf], notes: &mut Vec<String>) -> Result<Option<(Pa
     Ok(None)
 }
 
-/// Whether a file next to depth images is that of a camera or of poses, by its name.
+/// Returns true if a file next to depth images is that of a camera or of poses, by its name.
 pub(super) fn is_known(name: &str) -> bool {
     is_camera(name) || is_trajectory(name)
 }
@@ -255,7 +255,7 @@ fn is_trajectory(name: &str) -> bool {
     .any(|word| name.contains(word))
 }
 
-/// Whether `name` is that of a camera.
+/// Returns true if `name` is that of a camera file.
 pub(super) fn is_camera(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
     let stem = lower.rsplit_once('.').map_or(lower.as_str(), |(stem, _)| stem);
@@ -272,7 +272,7 @@ fn is_of_colors(name: &str) -> bool {
     ["color", "colour", "rgb"].iter().any(|word| name.contains(word))
 }
 
-/// Of several files of cameras the one of the depth camera comes first, that of colours last.
+/// Returns the rank of a camera file among several: the depth camera comes first, the colour camera last.
 fn rank(name: &str) -> u8 {
     let lower = name.to_ascii_lowercase();
     match lower {
@@ -283,7 +283,7 @@ fn rank(name: &str) -> u8 {
     }
 }
 
-/// Whether the file at `path` has some name in any case.
+/// Returns true if the file at `path` has the given name, ignoring case.
 pub(super) fn is_named(path: &Path, name: &str) -> bool {
     name_of(path).eq_ignore_ascii_case(name)
 }

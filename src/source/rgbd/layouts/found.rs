@@ -1,4 +1,4 @@
-//! What a layout finds in a folder.
+//! Result of matching a layout against a folder.
 
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::io::files::timestamps::times_of_names;
@@ -21,7 +21,7 @@ use std::time::Duration;
 pub(in crate::source::rgbd) struct Layout {
     /// Its name, for people.
     pub(in crate::source::rgbd) name: &'static str,
-    /// Whether a folder has its names, before anything in it is read.
+    /// Predicate that returns true if a folder has the layout's names, before anything in it is read.
     pub(super) is_likely: fn(&Folder) -> bool,
     /// The recording in a folder; `None` if the folder is laid out in another way.
     pub(super) find: fn(&Folder) -> Result<Option<FoundRecording>, RgbdError>,
@@ -46,12 +46,12 @@ impl Layout {
 pub(in crate::source::rgbd) struct FoundRecording {
     pub(in crate::source::rgbd) frames: Vec<FrameImages>,
     pub(in crate::source::rgbd) code: DepthCode,
-    /// How the units of `code` are known.
+    /// Origin of the units of `code`.
     pub(in crate::source::rgbd) units: Units,
     pub(in crate::source::rgbd) assumptions: Vec<Assumption>,
-    /// What is left out, a sentence each.
+    /// Notes on what is skipped, one sentence each.
     pub(in crate::source::rgbd) notes: Vec<String>,
-    /// Where a file is cut or damaged, a sentence each; not among the notes.
+    /// Descriptions of truncated or damaged files, one sentence each; not among the notes.
     pub(in crate::source::rgbd) damage: Vec<String>,
 }
 
@@ -194,7 +194,7 @@ impl FoundRecording {
     }
 }
 
-/// Whether a name says that poses lead from the world to the camera.
+/// Returns true if a name indicates that poses map from the world to the camera.
 fn names_inverse(name: &str) -> bool {
     const WORDS: [&str; 6] = [
         "extrinsic",
@@ -208,7 +208,7 @@ fn names_inverse(name: &str) -> bool {
     WORDS.iter().any(|word| name.contains(word))
 }
 
-/// Which way the poses in a file or folder lead that is called `name`.
+/// Returns the assumed direction of the poses in a file or folder called `name`.
 fn direction_of(name: &str, place: &str) -> Assumption {
     const WORDS: [&str; 5] = ["c2w", "cam2world", "cam_to_world", "camtoworld", "groundtruth"];
     let lower = name.to_lowercase();

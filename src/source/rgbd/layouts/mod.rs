@@ -1,4 +1,4 @@
-//! How programs and data sets lay recordings of depth images out in folders: a row each.
+//! Folder layouts of depth image recordings used by programs and data sets: one row each.
 //!
 //! A layout looks at names, and reads what is small: lists, poses, cameras. To add one: a file with its [`Layout`], and
 //! a row of the table.
@@ -32,7 +32,7 @@ use super::error::RgbdError;
 use super::folder::Folder;
 use super::trajectory::Trajectory;
 
-/// Those that are told by more come first.
+/// Table of layouts; those identified by more features come first.
 const TABLE: &[Layout] = &[
     transforms::LAYOUT,
     scannetpp::LAYOUT,
@@ -62,13 +62,13 @@ pub(super) fn find(folder: &Folder) -> Result<Option<(&'static str, FoundRecordi
     Ok(None)
 }
 
-/// Whether `folder` has the names of one of the common layouts.
+/// Returns true if `folder` has the names of one of the common layouts.
 pub(super) fn is_likely(folder: &Folder) -> bool {
     TABLE.iter().any(|layout| (layout.is_likely)(folder))
 }
 
-/// Whether depth images in `folder` are told by `transforms.json`, or by other files next to it: else those are
-/// photographs.
+/// Returns true if `transforms.json`, or other files next to it, identify depth images in `folder`: otherwise it
+/// describes posed images.
 pub(super) fn has_depths_beside_transforms(folder: &Folder) -> bool {
     if !folder.has_file(beside::TRANSFORMS) {
         return false;

@@ -1,5 +1,5 @@
-//! The grabbers of PCL: `frame_20121214T142255.814212_depth.tiff` or `.pclzf`, `…_rgb` beside it, and XML with the
-//! camera, in the same folder or the one around it.
+//! Layout of PCL's grabbers: `frame_20121214T142255.814212_depth.tiff` or `.pclzf`, `…_rgb` next to it, and XML with
+//! the camera, in the same folder or the one around it.
 
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::io::files::timestamps::times_of_names;
@@ -12,7 +12,7 @@ pub(super) const LAYOUT: Layout = Layout::new("PCL", find);
 
 const CAMERA: [f64; 4] = [525.0, 525.0, 320.0, 240.0];
 
-/// What the names of depth and of colour images end with, before their extensions.
+/// Suffixes of the names of depth and colour images, before their extensions.
 const DEPTH: &[&str] = &["_depth"];
 const COLOR: &[&str] = &["_rgb", "_color", "_yuv422"];
 

@@ -13,7 +13,7 @@ pub(super) const LAYOUT: Layout = Layout {
     ..Layout::new("Replica", find)
 };
 
-/// Of images of 1200 × 680.
+/// Camera intrinsics for images of 1200 × 680.
 const CAMERA: [f64; 4] = [600.0, 600.0, 599.5, 339.5];
 
 /// Ten metres are the whole range of 16 bits.

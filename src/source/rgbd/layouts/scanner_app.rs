@@ -60,9 +60,9 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     Ok(Some(found))
 }
 
-/// What the JSON of a frame says.
+/// Contents of a frame's JSON file.
 struct Info {
-    /// Of the colour image.
+    /// Lens parameters of the colour image.
     lens: [f64; 4],
     pose: Option<DAffine3>,
     time: Option<Duration>,
@@ -91,7 +91,7 @@ impl Info {
         })
     }
 
-    /// Of the depth image in the size of the colour image: they show the same.
+    /// Returns the calibration of the depth image, at the size of the colour image: both show the same field of view.
     fn calibration(&self) -> Calibration {
         Calibration::of_depth(Intrinsics::pinhole(self.lens, None), "the JSON of each frame")
     }

@@ -1,8 +1,8 @@
-//! Stray Scanner, an app of iPhones with LiDAR: `depth/000000.png` in millimetres, `odometry.csv` with the times and
-//! poses of frames, `camera_matrix.csv` of the film `rgb.mp4`.
+//! Layout of Stray Scanner, an app for iPhones with LiDAR: `depth/000000.png` in millimetres, `odometry.csv` with the
+//! times and poses of frames, `camera_matrix.csv` of the video `rgb.mp4`.
 //!
 //! Its readers take poses as they are, from a camera with x right, y down and z forward. Newer versions have the lens
-//! of each frame in `odometry.csv` too. Films are not decoded: images of it in a folder `rgb` are its colours.
+//! of each frame in `odometry.csv` too. Videos are not decoded: images extracted into a folder `rgb` are its colours.
 
 use super::beside::Distinct;
 use super::folders::{COLOR, DEPTH};

@@ -1,10 +1,10 @@
-//! `transforms.json` of nerfstudio, instant-ngp, Polycam and `Record3D` whose frames have depth images
+//! Layout of `transforms.json` from nerfstudio, instant-ngp, Polycam and `Record3D` whose frames have depth images
 //! (`depth_file_path`).
 //!
-//! Matrices lead from the camera to the world, whose camera has x right, y up and z backward (OpenGL). The corner of an
-//! image is at 0, so the middle of the first pixel is at ½. Depths are whole millimetres, unless
-//! `depth_unit_scale_factor` or `integer_depth_scale` says otherwise, and metres in floats. Frames of several moments
-//! (`time`) are photographs of a film.
+//! Matrices map from the camera to the world; the camera has x right, y up and z backward (OpenGL). The corner of an
+//! image is at 0, so the centre of the first pixel is at ½. Depths are whole millimetres, unless
+//! `depth_unit_scale_factor` or `integer_depth_scale` says otherwise, and metres in floats. Frames of several time
+//! steps (`time`) are multi-view video.
 
 use super::beside::{Distinct, TRANSFORMS as NAME};
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
@@ -23,7 +23,7 @@ pub(super) const LAYOUT: Layout = Layout::new("transforms.json with depth images
 /// Units of whole numbers that are a metre, unless the file says otherwise.
 const UNITS_PER_METRE: f64 = 1000.0;
 
-/// Whether the frames of `transforms.json` in `folder` have depth images.
+/// Returns true if the frames of `transforms.json` in `folder` have depth images.
 pub(super) fn has_depths(folder: &Folder) -> bool {
     matches!(frames_of(folder), Some((_, frames)) if !frames.is_empty())
 }

@@ -1,8 +1,8 @@
-//! The mean of the better half of the costs of each pixel of a line (Kang et al. 2001).
+//! Mean of the better half of the matching costs of each pixel of a line (Kang et al. 2001).
 //!
-//! How it works: costs are kept in order, the least first, as many as half of all views. The costs of another view sink
-//! in from the largest on: two operations for each place, of all pixels of a line at once, in place of sorting the few
-//! costs of every pixel. What a view does not show has a cost above all others and is not counted.
+//! How it works: costs are kept sorted, the least first, for half of the number of views. The costs of another view
+//! sink in from the largest on: two operations per position, for all pixels of a line at once, instead of sorting the
+//! few costs of every pixel. A pixel that a view does not show has a cost above all others and is not counted.
 
 use super::turned::UNSEEN_COST;
 use fearless_simd::{Level, dispatch};
@@ -13,7 +13,7 @@ pub(super) struct BetterHalf {
     width: usize,
     /// The least of each pixel, then the next ones.
     sorted: Vec<u8>,
-    /// How many views show each pixel.
+    /// Number of views that show each pixel.
     counts: Vec<u8>,
     sums: Vec<u16>,
 }
@@ -54,7 +54,7 @@ impl BetterHalf {
         }
     }
 
-    /// Whether no view shows some of the pixels.
+    /// Returns true if some of the pixels are shown by no view.
     pub(super) fn lacks_views(&self) -> bool {
         self.counts.contains(&0)
     }

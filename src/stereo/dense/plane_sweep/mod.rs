@@ -51,7 +51,7 @@ const MOST_OTHERS: usize = 64;
 /// Planes by which neighbours on one surface differ at most.
 const SPECK_STEP: f32 = 1.0;
 
-/// How planes are swept.
+/// Plane sweep settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlaneSweep {
     /// Depth of the nearest plane, in the unit of the poses.
@@ -61,7 +61,7 @@ pub struct PlaneSweep {
     /// Number of planes, which is rounded up to a multiple of 32. Without one, so many that no view shifts by more than
     /// a pixel from plane to plane: between finer ones the costs hardly differ.
     pub planes: Option<usize>,
-    /// How costs are gathered.
+    /// Cost aggregation method.
     pub gathering: Gathering,
     /// By how much all other planes have to cost more than the one that is taken, in percent.
     pub unique_percent: u16,
@@ -94,7 +94,8 @@ impl PlaneSweep {
         self.depths_observed(view, others, &Progress::default())
     }
 
-    /// The same while somebody waits for it: `progress` advances by [`PlaneSweep::STEPS`] in all, and may be cancelled.
+    /// Computes depths as [`PlaneSweep::depths`] does, reporting progress: `progress` advances by [`PlaneSweep::STEPS`]
+    /// in all, and may be cancelled.
     ///
     /// # Errors
     /// Those of [`PlaneSweep::depths`], and [`StereoError::Cancelled`].
@@ -223,7 +224,7 @@ fn costs(image: &GrayImage, others: &[Other], planes: &[f32], progress: &Progres
 struct LineCosts<'a> {
     others: &'a [Turned],
     half: BetterHalf,
-    /// Of one other view, of one plane.
+    /// Matching costs of one other view, for one plane.
     costs: Vec<u8>,
     /// The least cost of each pixel beyond all borders, where no view sees it.
     beyond: Vec<u8>,

@@ -1,16 +1,16 @@
-//! Another view of a plane sweep, laid on one plane once, so that on all others it is only shifted and scaled.
+//! Plane-sweep warping: another view, warped onto one plane once, so that on all others it is only shifted and scaled.
 //!
 //! How it works: on a plane at inverse depth w, pixel p of the first view is L·p + w·o in the other one. The other view
-//! is drawn as the first one would see it on the plane in the middle, M = L + wₘ·o·eᶻᵀ. In that picture the same pixel
-//! is at M⁻¹(L·p + w·o) = p + (w − wₘ)·e with e = M⁻¹·o: whatever the turn between the two, lines stay lines and the
-//! step from pixel to pixel is the same for a whole plane. So bits of the census are worked out once for a view, and
-//! not once for each plane; a plane takes two look-ups a pixel. (Laid on each plane anew, a sweep took four times as
+//! is drawn as the first one would see it on the central plane, M = L + wₘ·o·eᶻᵀ. In that image the same pixel is at
+//! M⁻¹(L·p + w·o) = p + (w − wₘ)·e with e = M⁻¹·o: whatever the rotation between the two, lines stay lines and the step
+//! from pixel to pixel is the same for a whole plane. So census bits are computed once for a view, and not once for
+//! each plane; a plane takes two look-ups per pixel. (Warping onto each plane separately, a sweep took four times as
 //! long.)
 //!
-//! Places between pixels are in [`PHASES`] pictures along each axis. Along the axis on which places move more, costs
-//! are mixed from the two places around; rounded there as well, they would put depths off by a fourteenth of a plane.
-//! The census of a plane that is not the one in the middle is that of another scale and slant: of neighbours by four
-//! pixels that is less than planes differ by.
+//! Positions between pixels are in [`PHASES`] images along each axis. Along the axis on which positions move more,
+//! costs are interpolated from the two adjacent positions; rounded there as well, they would put depths off by a
+//! fourteenth of a plane. The census of a plane other than the central one is that of another scale and slant: for
+//! neighbours within four pixels that is less than planes differ by.
 
 use crate::stereo::GrayImage;
 use crate::stereo::View;
@@ -19,19 +19,20 @@ use crate::stereo::views::view::pixels_from_rays;
 use glam::{Mat3, Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Places between pixels that are told apart along each axis.
+/// Number of subpixel positions distinguished along each axis.
 const PHASES: usize = 4;
 
 /// In the bits of a place that the view does not show: the census has 62.
 const UNSEEN: u64 = 1 << 63;
 
-/// Of the bits that are compared.
+/// Bit mask of the census bits that are compared.
 const BITS: u64 = !(0b11 << 62);
 
 /// Cost of a place that the view does not show: more than any other.
 pub(super) const UNSEEN_COST: u8 = u8::MAX;
 
-/// The plane in the middle is left for that at infinity where the view is larger by more, as if it stood on it.
+/// Minimum scale for using the central plane: if the view is enlarged by more, as if it stood on that plane, the plane
+/// at infinity is used instead.
 const LEAST_SCALE: f32 = 0.2;
 
 /// Bits of a step from place to place that are behind the point.
@@ -55,7 +56,7 @@ pub(super) struct Other {
     offset: Vec3,
 }
 
-/// Another view as the first one sees it on the plane in the middle.
+/// Warped view: another view as the first one sees it on the central plane.
 #[derive(Debug)]
 pub(super) struct Turned {
     /// Census bits, line by line, of all places between pixels.
@@ -64,7 +65,7 @@ pub(super) struct Turned {
     rows: usize,
     /// The pixel of the first view that is in its upper left corner.
     first: Vec2,
-    /// What a pixel moves for each inverse depth, in homogeneous coordinates.
+    /// Pixel motion per unit of inverse depth, in homogeneous coordinates.
     moves: Vec3,
     /// Inverse depth of the plane that it was laid on.
     laid_on: f32,
@@ -81,7 +82,8 @@ impl Other {
         }
     }
 
-    /// By how many pixels what the first view has in its middle or in a corner moves between two inverse depths.
+    /// Returns the pixel shift (disparity) of the centre and corners of the first view between two inverse depths, at
+    /// most.
     pub(super) fn shift(&self, [width, height]: [usize; 2], range: [f64; 2]) -> f32 {
         let (width, height) = (width as f32 - 1.0, height as f32 - 1.0);
         let places = [[0.5, 0.5], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
@@ -176,7 +178,8 @@ impl Turned {
         (scale > 0.0 && scale.is_finite() && moved.is_finite()).then(|| (scale, scale * moved.truncate()))
     }
 
-    /// Between which whole pixels all planes of a range have places, but no farther than a picture beside it.
+    /// Returns the bounds, in whole pixels, of the positions on all planes of a range, but no farther than one image
+    /// size to each side.
     fn reach(&self, size: [usize; 2], range: [f32; 2]) -> [Vec2; 2] {
         let size = Vec2::new(size[0] as f32, size[1] as f32);
         let (mut least, mut most) = (Vec2::ZERO, size);
@@ -203,7 +206,8 @@ impl Turned {
         }
     }
 
-    /// The same where it is less than in `costs` already, and beyond its border what that costs.
+    /// Lowers each of `costs` to the cost of its pixel where that is less, using the cost at the border beyond the
+    /// border.
     pub(super) fn beyond(&self, inverse_depth: f32, y: usize, own: &[u64], costs: &mut [u8]) {
         let Some(lines) = self.lines(inverse_depth, y) else {
             return;
@@ -215,7 +219,7 @@ impl Turned {
         }
     }
 
-    /// Where line `y` is on a plane.
+    /// Returns the position of line `y` on a plane.
     #[inline(always)]
     fn lines(&self, inverse_depth: f32, y: usize) -> Option<Lines<'_>> {
         let (scale, shift) = self.on(inverse_depth)?;
@@ -253,7 +257,7 @@ struct Lines<'a> {
     /// Place of the first pixel, and how far it is to that of the next one, by [`ONE`].
     start: i64,
     step: i64,
-    /// Whether the view has the line.
+    /// True if the view contains the line.
     is_seen: bool,
     mixing: Mixing,
 }
@@ -263,7 +267,7 @@ struct Lines<'a> {
 enum Mixing {
     /// Neighbours of the first line.
     Along,
-    /// The same place in both lines, so much of the second one, of [`SHARES`].
+    /// Interpolation between the same position in both lines, with this weight of the second one, of [`SHARES`].
     Across(u32),
 }
 

@@ -12,7 +12,7 @@ use glam::Vec3;
 /// Difference of colours, of 1, at which a neighbour counts 1/e.
 const PER_COLOR: f32 = 1.0 / 0.03;
 
-/// What a neighbour of any other colour counts at least: no pixel is without neighbours.
+/// Minimum weight of a neighbour of any other colour: no pixel is without neighbours.
 const LEAST_SHARE: f32 = 1e-3;
 
 /// Rounds of over-relaxation, and by how much each goes beyond the mean.

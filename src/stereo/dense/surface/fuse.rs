@@ -1,8 +1,8 @@
-//! Depth maps of all photographs as disks of one surface, each place once.
+//! Fusion of the depth maps of all images into splats of one surface, each point once.
 //!
-//! How it works: a depth that was measured is believed. One that was filled in is left out where another photograph
-//! has measured something behind it: that one looks through it. What an earlier photograph shows as well, and not much
-//! coarser, is left to that one. A disk is as large as its pixel is there, and lies in the plane of the depths around.
+//! How it works: a measured depth is trusted. A filled-in depth is skipped if another image has measured something
+//! behind it: that one looks through it. A point that an earlier image shows as well, and not much coarser, is taken
+//! from that one. A splat is as large as its pixel is there, and lies in the plane of the surrounding depths.
 
 use super::map::Map;
 use super::others::{BEFORE, SAME};
@@ -12,7 +12,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// By how much coarser pixels of an earlier photograph may be.
+/// Maximum factor by which the pixels of an earlier image may be coarser.
 const COARSER: f64 = 1.3;
 
 /// Radius of a disk in pixels, and the least cosine it is stretched by.
@@ -33,7 +33,7 @@ pub(super) fn fuse(maps: &[Map<'_>], origin: DVec3) -> PhotoSurface {
     }
 }
 
-/// The disk of a pixel, unless another photograph has it or looks through it.
+/// Returns the splat of a pixel, unless another image has it or looks through it.
 fn disk(maps: &[Map<'_>], index: usize, at: usize, origin: DVec3) -> Option<(PointRecord, ShapeRecord)> {
     let map = &maps[index];
     let place = map.place(at)?;

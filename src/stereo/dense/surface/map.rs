@@ -1,4 +1,4 @@
-//! Depths of one photograph, measured and filled in.
+//! Depth map of one image, measured and filled in.
 
 use super::complete::complete;
 use crate::stereo::View;
@@ -10,7 +10,7 @@ const SLOPE: f64 = 0.03;
 /// Depths of a view.
 pub(super) struct Map<'a> {
     pub(super) view: View<'a>,
-    /// Of its photograph in the set.
+    /// Index of its image in the set.
     pub(super) number: usize,
     /// 0 where there is none.
     pub(super) depths: Vec<f32>,
@@ -48,12 +48,12 @@ impl Map<'_> {
         self.view.camera_from_world.inverse().translation
     }
 
-    /// Where a pixel with a depth is in the world.
+    /// Returns the world position of a pixel with a depth.
     pub(super) fn place(&self, at: usize) -> Option<DVec3> {
         self.place_at(at, f64::from(self.depths[at]))
     }
 
-    /// The same of any depth.
+    /// Returns the world position of a pixel at the given depth.
     pub(super) fn place_at(&self, at: usize, depth: f64) -> Option<DVec3> {
         let pixel = DVec2::new((at % self.width()) as f64, (at / self.width()) as f64);
         let ray = self.view.camera.ray(pixel).filter(|_| depth > 0.0)?;
@@ -70,13 +70,13 @@ impl Map<'_> {
         is_inside.then_some((at, in_camera.z))
     }
 
-    /// How far away a place is, and what was measured in its pixel.
+    /// Returns the depth of a position and the depth measured in its pixel.
     pub(super) fn measured_at(&self, place: DVec3) -> Option<(f64, f64)> {
         let (at, distance) = self.at_place(place).filter(|&(at, _)| self.is_measured[at])?;
         Some((distance, f64::from(self.depths[at])))
     }
 
-    /// Of the depths around a pixel, of length 1; `None` at steps.
+    /// Returns the unit normal estimated from the depths around a pixel; `None` at depth discontinuities.
     pub(super) fn normal(&self, at: usize) -> Option<DVec3> {
         const STEP: usize = 2;
         let (width, height) = (self.width(), self.depths.len() / self.width());

@@ -1,13 +1,14 @@
-//! The surface that photographs are put on, made of the photographs themselves.
+//! Surface for view-dependent texturing, reconstructed from the input images themselves.
 //!
-//! Points of a reconstruction are where photographs have corners: thousands on one poster, none on a wall. Their disks
-//! are as large as their gaps, reach across outlines, and leave the rest of the picture empty. So where a set has
-//! photographs with cameras and no depths, planes are swept before small copies of them ([`PlaneSweep`]). What three
-//! views agree on is kept, unless [others look through it](forget_doubted). What two agree on, what sparse points say
-//! and what [other views have measured](carry_over) comes to that; the rest is [filled in](Map::complete) from there,
-//! and all of it becomes [disks](fuse) of the size of a pixel.
+//! Points of a reconstruction are where images have corners: thousands on one poster, none on a wall. Their splats are
+//! as large as their gaps, reach across outlines, and leave the rest of the image empty. So if a set has images with
+//! cameras and no depths, planes are swept before downscaled copies of them ([`PlaneSweep`]). Depths that three views
+//! agree on are kept, unless [others look through them](forget_doubted). Depths that two agree on, those of sparse
+//! points and those that [other views have measured](carry_over) are added; the rest is [filled in](Map::complete) from
+//! there, and all of it becomes [splats](fuse) of the size of a pixel.
 //!
-//! It wins on what fills photographs: rooms, streets. A ball of thousands of even points has a better surface in these.
+//! It wins on scenes that fill the images: rooms, streets. A ball of thousands of even points has a better surface in
+//! these.
 
 mod complete;
 mod fuse;
@@ -31,37 +32,37 @@ use map::Map;
 use others::{add_pairs, carry_over, forget_doubted, is_looked_through};
 use rayon::prelude::*;
 
-/// Photographs are halved until no side is longer: a set of 25 takes some 20 s of one core.
+/// Maximum side length in pixels: images are halved until no side is longer. A set of 25 takes some 20 s of one core.
 const MOST_SIDE_PX: u32 = 400;
 
-/// Photographs whose depths are worked out: of more, even ones.
+/// Maximum number of images whose depth maps are computed: a larger set is sampled evenly.
 const MOST_MAPS: usize = 64;
 
 /// Sets of more points have a surface.
 const MOST_POINTS: usize = 1 << 17;
 
-/// Other photographs that each is compared with.
+/// Number of neighbouring images that each image is compared with.
 const NEIGHBOURS: usize = 4;
 
-/// Pixels that a sound point is beside where a photograph sees it.
+/// Maximum reprojection error in pixels of a valid point in an image that sees it.
 const MOST_OFF_PX: f64 = 3.0;
 
-/// Angle between two photographs that tells how far away a point is, radians.
+/// Minimum angle in radians between two images that determines how far away a point is.
 const LEAST_ANGLE: f64 = 0.03;
 
-/// What is seen by two views alone.
+/// Consistency criterion for depths seen by only two views.
 const OF_TWO: Consistency = Consistency {
     least_views: 2,
     tolerance: 0.01,
 };
 
-/// A small copy of a photograph.
+/// Downscaled copy of an image.
 struct Small {
     number: usize,
     camera: Camera,
     camera_from_world: DAffine3,
     image: ColorImage,
-    /// Whether a pixel is of the scene.
+    /// Mask that is true for pixels of the scene.
     is_scene: Vec<bool>,
 }
 
@@ -115,7 +116,7 @@ pub fn photo_surface(
     (!surface.points.is_empty()).then_some(surface)
 }
 
-/// What the sweep says of a view.
+/// Returns the depths of a view measured by the plane sweep.
 fn measured(
     set: &ViewSet,
     middles: &[DVec3],
@@ -151,8 +152,8 @@ fn measured(
     DepthImage::new(of_one.image.size_px(), depths).ok_or(StereoError::Cancelled)
 }
 
-/// Depths of sparse points where there are none. Points are wrong at times: those count that three photographs see
-/// where they say, from not too much the same side, and that nobody looks through.
+/// Adds depths of sparse points where there are none. Points are wrong at times: only those count that three images see
+/// at their position, not too much from the same side, and that nobody looks through.
 fn add_points(set: &ViewSet, maps: &mut [Map<'_>]) {
     let mut added = Vec::new();
     for (point, &position) in set.points.positions().iter().enumerate() {
@@ -175,7 +176,7 @@ fn add_points(set: &ViewSet, maps: &mut [Map<'_>]) {
     }
 }
 
-/// Whether enough photographs see a point where it is, from directions that tell how far away it is.
+/// Returns true if enough images see a point at its position, from directions that determine how far away it is.
 fn is_sound(set: &ViewSet, position: DVec3, track: &[Observation]) -> bool {
     let mut ways: Vec<DVec3> = Vec::new();
     for seen in track {

@@ -1,4 +1,4 @@
-//! What other views say of the depths of one: whether these are to be believed, and depths that it lacks.
+//! Cross-view checks of one view's depths: rejection of doubtful depths, and depths to fill its gaps.
 
 use super::map::Map;
 use crate::rgbd::DepthImage;
@@ -8,13 +8,13 @@ use rayon::prelude::*;
 /// Depths are of one place if they differ by less, as a part.
 pub(super) const SAME: f64 = 0.01;
 
-/// What is so much nearer than what was measured, as a part, is looked through.
+/// Relative depth difference beyond which something nearer than the measured depth is looked through.
 pub(super) const BEFORE: f64 = 0.02;
 
 /// So many views may look through a place for each that has measured it. Views that agree by chance are few.
 const MOST_AGAINST: f64 = 0.25;
 
-/// Channels of one place in two photographs differ by less.
+/// Maximum difference of the colour channels of one position in two images.
 const ALIKE: u8 = 8;
 
 /// Forgets what was measured where more views look through it than [`MOST_AGAINST`] of those that have it as well: a
@@ -54,14 +54,14 @@ fn is_doubted(maps: &[Map<'_>], index: usize, at: usize) -> bool {
     against > MOST_AGAINST * with_it
 }
 
-/// Whether a view has measured something behind a place.
+/// Returns true if a view has measured something behind a position.
 pub(super) fn is_looked_through(maps: &[Map<'_>], place: DVec3) -> bool {
     let mut seen = maps.iter().filter_map(|map| map.measured_at(place));
     seen.any(|(distance, measured)| distance < measured * (1.0 - BEFORE))
 }
 
-/// Takes depths that two views agree on, where there are none and nobody looks through them: what is at the rim of a
-/// set, or beside something nearer, is seen by two. They are not believed against others. Precondition: an image for
+/// Adds depths that two views agree on, where there are none and nobody looks through them: the periphery of a set, or
+/// the area next to something nearer, is seen by two. They are not trusted over others. Precondition: one image for
 /// each map.
 pub(super) fn add_pairs(maps: &mut [Map<'_>], of_two: &[DepthImage]) {
     let added = |(map, of_two): (&Map<'_>, &DepthImage)| -> Vec<(usize, f32)> {

@@ -17,7 +17,7 @@ use std::sync::{Arc, LazyLock};
 /// By how much the disparities of neighbours on one surface differ at most.
 const SPECK_STEP_PX: f32 = 1.0;
 
-/// How costs are gathered from around a pixel.
+/// Cost aggregation method around a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Gathering {
@@ -30,14 +30,14 @@ pub enum Gathering {
     },
 }
 
-/// How a pair is matched.
+/// Settings for matching a pair.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Matching {
-    /// How costs are gathered.
+    /// Cost aggregation method.
     pub gathering: Gathering,
     /// By how much all other disparities have to cost more than the one that is taken, in percent.
     pub unique_percent: u16,
-    /// How disparities between pixels are found.
+    /// Subpixel disparity method.
     pub between: Between,
     /// Connected areas of fewer pixels are taken out.
     pub least_area_px: usize,
@@ -113,7 +113,7 @@ impl Matching {
     }
 }
 
-/// Who matches rectified pairs: this processor, or a graphics card.
+/// Matcher for rectified pairs: on this CPU, or on a GPU.
 pub trait PairMatcher: Debug + Send + Sync {
     /// Disparities of the pixels of `left`, as [`Matching::disparities`] has them.
     ///
@@ -155,7 +155,7 @@ impl Default for SharedMatcher {
     }
 }
 
-/// The same one.
+/// Equality by pointer: the same shared matcher.
 impl PartialEq for SharedMatcher {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)

@@ -6,7 +6,7 @@ use crate::stereo::GrayImage;
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
-/// Which way through the image.
+/// Direction of travel through the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Way {
     Down,
@@ -16,8 +16,8 @@ pub(super) enum Way {
 /// Costs of three paths at every pixel of a line.
 #[derive(Debug, Clone)]
 pub(super) struct Paths {
-    /// Of each pixel the three paths: from the left, straight and from the right. Before the first pixel and after the
-    /// last one are costs of 0, which add nothing.
+    /// Path costs of each pixel on three paths: from the left, straight and from the right. Before the first pixel and
+    /// after the last one are costs of 0, which add nothing.
     costs: Vec<u8>,
     /// The smallest of each.
     least: Vec<[u8; 3]>,
@@ -98,7 +98,7 @@ impl Across {
     }
 }
 
-/// What one step needs to know.
+/// Inputs of one step.
 struct Line<'a> {
     before: &'a Paths,
     brightness_before: &'a [u8],

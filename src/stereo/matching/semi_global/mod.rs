@@ -4,7 +4,7 @@
 //! its label, P1 for a change by one and P2 for more; P2 is less where brightness changes. Sums of eight paths (four
 //! axes, both ways) come near the optimum of the whole image, where no line alone would.
 //!
-//! All sums at once would take two bytes a pixel and label: 640 MB for a photograph of 1.4 megapixels. Here they are
+//! All sums at once would take two bytes per pixel and label: 640 MB for an image of 1.4 megapixels. Here they are
 //! there for a *band* of lines only, and exact nonetheless. A first pass takes the three paths that lead down through
 //! the image and keeps their costs at the last line of each band. The second goes through the bands from the lowest:
 //! each repeats its paths down from what was kept, and goes on with those that lead up. Paths along lines belong to a
@@ -29,7 +29,7 @@ use crate::stereo::StereoError;
 use across::{Across, Way};
 use rayon::prelude::*;
 
-/// What all of it may take.
+/// Memory limit for the whole matching.
 const MOST_BYTES: u64 = 2 << 30;
 
 /// Sums the costs of eight paths and writes what `winners` makes of the sums of each line (pixel by pixel, label by

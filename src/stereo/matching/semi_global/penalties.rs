@@ -1,4 +1,4 @@
-//! What a change of disparity costs on a path: less where brightness changes, as borders of things are seen there.
+//! Penalties for disparity changes on a path: smaller where brightness changes, as object borders are seen there.
 
 use crate::stereo::StereoError;
 use crate::stereo::matching::costs::MAX_COST;
@@ -38,7 +38,7 @@ pub(super) struct Table {
 }
 
 impl Penalties {
-    /// Whether bytes can hold costs of paths with them.
+    /// Returns true if bytes can hold path costs with these penalties.
     pub(crate) fn are_valid(self) -> bool {
         self.table().is_ok()
     }

@@ -9,7 +9,7 @@ use fearless_simd::{Simd, SimdBase, SimdInt, u8x32, u16x16};
 /// Costs of a path at one pixel are kept between two that are never chosen.
 pub(super) const BORDERS: usize = 2;
 
-/// Where a path comes from.
+/// State of a path at the previous pixel.
 #[derive(Clone, Copy)]
 pub(super) struct Before<'a> {
     /// Costs at the pixel before, with [`BORDERS`].

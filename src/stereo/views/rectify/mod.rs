@@ -1,12 +1,12 @@
-//! Rectification: two views turned about their places until partners are in one line.
+//! Rectification: two views rotated about their centres until partners are in one line.
 //!
-//! Fusiello et al. (2000): both get one orientation. Its x axis is the line from the first place to the
-//! second; its y axis is at right angles to that and to where the views look (the mean of both here, so that neither is
-//! turned more than the other); z follows. A turn of a pinhole is a homography of its image. So a pair one above the
-//! other becomes one side by side, turned by 90°, and disparities are above 0 for whatever is before both.
+//! Fusiello et al. (2000): both get one orientation. Its x axis is the line from the first camera centre to the second;
+//! its y axis is at right angles to that and to the viewing direction (the mean of both here, so that neither is
+//! rotated more than the other); z follows. A rotation of a pinhole is a homography of its image. So a pair one above
+//! the other becomes one side by side, rotated by 90°, and disparities are above 0 for whatever is in front of both.
 //!
-//! Each image keeps a middle of its own along x, so that both are filled by what they show. Along y only what both
-//! show is kept. Columns differ by a constant then, which the mapping to places knows ([`Places`]).
+//! Each image keeps a principal point of its own along x, so that both are filled by what they show. Along y only what
+//! both show is kept. Columns differ by a constant then, which the mapping to positions accounts for ([`Places`]).
 
 use super::view::{check_pinhole, pixels_from_rays, through};
 use crate::photos::center_of;
@@ -17,7 +17,7 @@ use crate::stereo::StereoError;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
-/// A rectified image has at most as many times the pixels of the photograph.
+/// Maximum ratio of the pixel count of a rectified image to that of the input image.
 const MOST_GROWTH: f64 = 4.0;
 
 /// Cosine of the largest turn: 70°.
@@ -28,7 +28,7 @@ const LEAST_COSINE: f64 = 0.342;
 pub struct Rectified {
     cameras: [Camera; 2],
     camera_from_world: [DAffine3; 2],
-    /// From pixels of the photographs to those of rectified images.
+    /// Homographies from pixels of the input images to those of the rectified images.
     homographies: [DMat3; 2],
     /// And back.
     inverses: [DMat3; 2],
@@ -37,11 +37,11 @@ pub struct Rectified {
 }
 
 impl Rectified {
-    /// Of two pinholes and their poses (rotations and translations, from the world to the camera).
+    /// Rectifies two pinholes with their poses (rotations and translations, from the world to the camera).
     ///
     /// # Errors
     /// [`StereoError::NoPinhole`], [`StereoError::NoPose`], [`StereoError::NoBaseline`], and
-    /// [`StereoError::NotSideBySide`] where one view sees the place of the other, or looks elsewhere.
+    /// [`StereoError::NotSideBySide`] if one view sees the position of the other, or looks elsewhere.
     pub fn new(cameras: [&Camera; 2], poses: [DAffine3; 2]) -> Result<Self, StereoError> {
         for index in 0..2 {
             check_pinhole(cameras[index], poses[index], index)?;
@@ -94,7 +94,7 @@ impl Rectified {
         })
     }
 
-    /// The pinholes of both rectified images: of one size and focal length, and of one row of their middle.
+    /// Returns the pinholes of both rectified images: with the same size, focal length and principal-point row.
     pub fn cameras(&self) -> &[Camera; 2] {
         &self.cameras
     }
@@ -104,7 +104,7 @@ impl Rectified {
         &self.camera_from_world
     }
 
-    /// Homographies from pixels of the photographs to those of rectified images.
+    /// Returns the homographies from pixels of the input images to those of the rectified images.
     pub fn rectified_from_pixels(&self) -> &[DMat3; 2] {
         &self.homographies
     }
@@ -114,11 +114,11 @@ impl Rectified {
         Places::new(&self.cameras, &self.camera_from_world)
     }
 
-    /// Photograph `index` (0 or 1) as the rectified camera sees it: between pixels, the four around are mixed. Beyond
-    /// the photograph are the colours of its border; [`Self::is_seen`] tells.
+    /// Returns input image `index` (0 or 1) as the rectified camera sees it, interpolated bilinearly between the four
+    /// surrounding pixels. Beyond the input image are the colours of its border; see [`Self::is_seen`].
     ///
     /// # Errors
-    /// [`StereoError::OtherCamera`] where the photograph is not of the size of its camera.
+    /// [`StereoError::OtherCamera`] if the input image is not of the size of its camera.
     pub fn image(&self, index: usize, photograph: &ColorImage) -> Result<ColorImage, StereoError> {
         let (image, camera) = (photograph.size_px(), self.sources[index].size_px());
         if image != camera {
@@ -139,13 +139,13 @@ impl Rectified {
         ColorImage::new(size, pixels.collect()).ok_or(StereoError::NotSideBySide("they share no pixel"))
     }
 
-    /// Whether photograph `index` shows what is at `pixel` of its rectified image.
+    /// Returns true if input image `index` shows the content at `pixel` of its rectified image.
     pub fn is_seen(&self, index: usize, pixel: DVec2) -> bool {
         through(&self.inverses[index], pixel).is_some_and(|at| self.sources[index].contains(at))
     }
 
-    /// Takes out of `map` what only comes from the colours beyond a photograph. Precondition: it is of the first
-    /// rectified image.
+    /// Removes disparities from `map` that only come from the colours beyond an input image. Precondition: it is of the
+    /// first rectified image.
     pub fn keep_seen(&self, map: &mut DisparityMap) {
         let width = map.width();
         map.pixels_mut()
@@ -162,10 +162,11 @@ impl Rectified {
             });
     }
 
-    /// Depths of the pixels of the first photograph, along the axis of its camera; 0 where there are none.
+    /// Returns the depths of the pixels of the first input image, along the axis of its camera; 0 where there are none.
     ///
-    /// Between pixels of the rectified image the four around are mixed if they are of one surface (disparities within a
-    /// pixel), else the nearest is taken. Precondition: `map` is of the first rectified image.
+    /// Between pixels of the rectified image the four surrounding ones are interpolated if they are of one surface
+    /// (disparities within a pixel), otherwise the nearest is taken. Precondition: `map` is of the first rectified
+    /// image.
     pub fn depths_of_first(&self, map: &DisparityMap) -> DepthImage {
         let size = self.sources[0].size_px();
         let places = self.places();

@@ -135,7 +135,7 @@ fn paint_playhead(painter: &Painter, rect: Rect, left: f32, right: f32) {
     );
 }
 
-/// Which frame it is, how it looks, and whether it is in memory.
+/// Shows the tooltip of a frame: its number, thumbnail, and residency in memory.
 pub(super) fn frame_tooltip(
     player: &Player,
     thumbnails: &mut Thumbnails,

@@ -1,4 +1,4 @@
-//! Where the frames that the timeline shows are in the window.
+//! Layout of the frames on the timeline in the window.
 
 use egui::Rect;
 use std::ops::Range;
@@ -19,17 +19,17 @@ impl Cells {
         self.rect.left() + from_first * self.width()
     }
 
-    /// The same, at most at the edges.
+    /// Returns the horizontal position of a frame, clamped to the edges.
     pub(super) fn x_within(&self, frame: usize) -> f32 {
         self.x(frame).clamp(self.rect.left(), self.rect.right())
     }
 
-    /// Of a cell.
+    /// Returns the width of a cell.
     pub(super) fn width(&self) -> f32 {
         self.rect.width() / self.frames.len().max(1) as f32
     }
 
-    /// How far `x` is from the left, as a share of the width.
+    /// Returns the position of `x` from the left, as a fraction of the width.
     pub(super) fn share(&self, x: f32) -> f32 {
         ((x - self.rect.left()) / self.rect.width().max(1.0)).clamp(0.0, 1.0)
     }

@@ -1,4 +1,4 @@
-//! What the timeline shows and changes.
+//! Context of the timeline: the state it shows and changes.
 
 use crate::app::command::Command;
 use crate::app::features::thumbnails::Thumbnails;
@@ -13,12 +13,12 @@ pub(in crate::app) struct TimelineContext<'a> {
     pub(in crate::app) player: Option<&'a mut Player>,
     pub(in crate::app) timeline: &'a mut Timeline,
     pub(in crate::app) thumbnails: &'a mut Thumbnails,
-    /// What the picture needs of frames.
+    /// Frame data that the image needs.
     pub(in crate::app) needs: Needs,
     pub(in crate::app) now: Duration,
 }
 
-/// What the timeline asks of the window.
+/// Request of the timeline to the window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::app) enum TimelineRequest {
     /// Do what keys and menus do as well.

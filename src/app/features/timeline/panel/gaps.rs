@@ -1,4 +1,4 @@
-//! Where numbers are missing between the names of frames: a notch on the bar.
+//! Gaps in the numbering of frame names: a notch on the bar.
 
 use super::cells::Cells;
 use super::context::TimelineContext;

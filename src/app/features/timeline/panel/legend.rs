@@ -1,4 +1,4 @@
-//! What the colours of the bar mean.
+//! Colour legend of the bar.
 
 use crate::app::theme::{BAD, COARSE, ODD, PENDING, RESIDENT};
 use crate::app::widgets::names::named;

@@ -9,7 +9,7 @@ use egui::{Key, Painter, Rect, Role, Sense, Shape, Stroke, TextEdit, Ui, WidgetI
 /// Size of a flag, points.
 const FLAG: [f32; 2] = [10.0, 11.0];
 
-/// What a person wants of a marker.
+/// Action requested on a marker.
 #[derive(Clone, Copy)]
 enum Wish {
     GoTo,

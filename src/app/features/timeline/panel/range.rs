@@ -61,7 +61,7 @@ pub(super) fn range_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> bool {
     is_let_go
 }
 
-/// What does not play is dark, with a line at either point.
+/// Paints the play range: what does not play is dark, with a line at either point.
 fn paint(ui: &Ui, cells: &Cells, range: PlayRange, count: usize) {
     let rect = cells.rect;
     let painter = ui.painter_at(rect.expand(4.0));

@@ -61,7 +61,7 @@ pub(super) fn strip_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option
     hovered
 }
 
-/// The place of the picture, in the middle of its cell.
+/// Returns the rectangle of the thumbnail, centred in its cell.
 fn picture_rect(cell: Rect) -> Rect {
     let height = cell.height();
     let width = (CELL_WIDTH - 2.0).min(cell.width());

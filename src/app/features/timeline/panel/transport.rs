@@ -66,7 +66,7 @@ fn transport_and_place(ui: &mut Ui, context: &TimelineContext<'_>) -> Option<Com
     command
 }
 
-/// Which number of every frame the curve under the bar shows.
+/// Shows the choice of the number per frame that the curve under the bar displays.
 fn curve_choice(ui: &mut Ui, timeline: &mut Timeline) {
     let name = |quantity: Option<Quantity>| quantity.map_or("Graph: none", Quantity::name);
     let mut quantity = timeline.quantity;
@@ -137,12 +137,12 @@ fn icon_button(ui: &mut Ui, icon: Icon, text: &str, command: Command, enabled: b
     response.on_hover_text(format!("{text} ({})", keys_of(command)))
 }
 
-/// Whether there is nothing to play: a single frame that stays the only one.
+/// Returns true if there is nothing to play: a single frame that stays the only one.
 pub(super) fn is_still(player: &Player) -> bool {
     player.sequence().len() == 1 && !player.sequence().source().may_grow()
 }
 
-/// What is shown of a single frame.
+/// Shows the controls of a single frame.
 pub(super) fn still_ui(ui: &mut Ui, player: &Player) {
     shown_ui(ui, player);
     name_ui(ui, player, 0);
@@ -162,7 +162,7 @@ fn place(ui: &mut Ui, player: &Player) {
     name_ui(ui, player, frame);
 }
 
-/// Whether it is being read, and how many of its points are shown.
+/// Shows the load state of the frame, and the number of its points that are shown.
 fn shown_ui(ui: &mut Ui, player: &Player) {
     if player.waiting_for().is_some() {
         ui.weak("loading…");
@@ -248,7 +248,7 @@ fn pace(ui: &mut Ui, context: &mut TimelineContext<'_>) {
     follow(ui, player, now);
 }
 
-/// How many frames a second are shown of those that are asked for, while it plays.
+/// Shows the frame rate achieved, in frames per second, of that requested, while it plays.
 fn held_ui(ui: &mut Ui, player: &Player) {
     let Some(held) = player.fps_held().filter(|_| player.is_playing()) else {
         return;
@@ -272,7 +272,7 @@ fn held_ui(ui: &mut Ui, player: &Player) {
         ));
 }
 
-/// Whether the newest frame of a folder that may grow is shown as it comes.
+/// Shows the toggle for following the newest frame of a folder that may grow as it comes.
 fn follow(ui: &mut Ui, player: &mut Player, now: Duration) {
     if !player.sequence().source().may_grow() {
         return;

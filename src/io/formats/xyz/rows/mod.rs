@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Large enough to be worth a task, small enough that the cores share a file evenly.
 const BLOCK_BYTES: usize = 1 << 20;
 
-/// Different words of a column that are told apart; of what has more, only the number is known.
+/// Maximum number of distinct words of a column; beyond that only their number is known.
 pub(super) const MAX_WORDS: usize = 256;
 
 /// Content of the cells of a column.
@@ -94,7 +94,7 @@ impl<'a> Cells<'a> {
         Some(self.dialect.meaning(word))
     }
 
-    /// Whether a number that ends at `end` is the whole cell.
+    /// Returns true if a number that ends at `end` is the whole cell.
     fn ends_at(&self, end: usize) -> bool {
         match self.line.get(end) {
             None => true,
@@ -260,7 +260,7 @@ struct LineBlock<'a> {
 }
 
 /// Parses `text`, whose first line is number `first_line` and whose lines have a cell of each of `kinds`, or one
-/// number, or nothing. Its bytes are the steps that `progress` is told of.
+/// number, or nothing. Its bytes are the steps reported to `progress`.
 pub(in crate::io) fn parse(
     text: &[u8],
     first_line: usize,

@@ -1,10 +1,11 @@
-//! The metadata of an Ouster sensor: a JSON file beside the capture, which packets cannot be read without.
+//! The metadata of an Ouster sensor: a JSON companion file of the capture, which packets cannot be read without.
 //!
-//! Generations of it differ in where things stand. Those of firmware 1 and 2.0 are one flat object with `data_format`
-//! in it; later ones have sections (`sensor_info`, `beam_intrinsics`, `lidar_intrinsics`, `lidar_data_format`,
+//! Generations of it differ in their structure. Those of firmware 1 and 2.0 are one flat object with `data_format` in
+//! it; later ones have sections (`sensor_info`, `beam_intrinsics`, `lidar_intrinsics`, `lidar_data_format`,
 //! `config_params`). Each name is looked for in its section, then at the root, so that mixtures of both are read too.
 //!
-//! Ouster firmware user manual, "Sensor metadata"; what is not told is what sensors had when nothing told it.
+//! Ouster firmware user manual, "Sensor metadata"; missing entries default to the properties of sensors from before the
+//! entries existed.
 
 use super::profile::{FUSA, LEGACY, PacketShape, Profile};
 use crate::io::error::Fault;
@@ -19,10 +20,10 @@ const MOST_BEAMS: u64 = 256;
 const MOST_COLUMNS: u64 = 8192;
 const MOST_PACKET_COLUMNS: u64 = 64;
 
-/// Where the lidar is above the foot of the sensor where the metadata does not say.
+/// Height of the lidar above the foot of the sensor if the metadata does not specify it.
 const HEIGHT_MM: f64 = 36.18;
 
-/// What is known of a sensor.
+/// Metadata of a sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Metadata {
     /// For people: the product, or the maker.
@@ -33,7 +34,7 @@ pub(super) struct Metadata {
     pub(super) serial: Option<u64>,
     /// Columns of a turn.
     pub(super) columns: usize,
-    /// Of each beam, degrees.
+    /// Altitude angle of each beam, degrees.
     pub(super) altitudes_deg: Vec<f64>,
     pub(super) azimuths_deg: Vec<f64>,
     /// From the axis to where beams begin: along the head, and up.
@@ -42,7 +43,7 @@ pub(super) struct Metadata {
     pub(super) sensor_from_lidar: DMat4,
 }
 
-/// Whether `text` is metadata, or was meant as such.
+/// Returns true if `text` is metadata, or was meant as such.
 pub(super) fn is_metadata(text: &str) -> bool {
     text.contains("beam_altitude_angles")
 }
@@ -167,7 +168,7 @@ impl<'a> Sections<'a> {
         }
     }
 
-    /// Whether packets have the header of functional safety. Packets of the first profile have none.
+    /// Returns true if packets have the header of functional safety. Packets of the first profile have none.
     fn has_fusa_header(self) -> Result<bool, Fault> {
         let header = self.config("header_type").or_else(|| self.format("header_type"));
         let profile = self.profile()?;

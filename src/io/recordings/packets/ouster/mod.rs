@@ -1,15 +1,15 @@
-//! Laser scanners of Ouster: from packets and metadata to points.
+//! LiDAR sensors of Ouster: from packets and metadata to points.
 //!
-//! **Places** are in the frame of the sensor (X forward, away from the connector, Z up), by the formulas of the
-//! firmware user manual, "Lidar range to XYZ". The head is at θ = 2π (1 − column / columns); a beam looks by its own
-//! azimuth aside of it and begins at a distance n of the axis:
+//! **Positions** are in the frame of the sensor (X forward, away from the connector, Z up), by the formulas of the
+//! firmware user manual, "Lidar range to XYZ". The head is at θ = 2π (1 − column / columns); a beam is offset from it
+//! by its own azimuth and begins at a distance n from the axis:
 //!
 //! - `x = (r − n) cos(θ + a) cos φ + b cos θ`
 //! - `y = (r − n) sin(θ + a) cos φ + b sin θ`
 //! - `z = (r − n) sin φ + h`
 //!
-//! where b and h are how far before and above the origin beams begin, and n is the length of both. Then follows the
-//! transform from the lidar to the sensor.
+//! where b and h are the distances in front of and above the origin at which beams begin, and n is the length of both.
+//! Then follows the transform from the lidar to the sensor.
 
 mod metadata;
 mod profile;
@@ -24,7 +24,7 @@ use metadata::Metadata;
 use profile::Column;
 use std::f64::consts::TAU;
 
-/// Where beams look, worked out once.
+/// Scanner with precomputed beam directions.
 #[derive(Debug)]
 struct Scanner {
     metadata: Metadata,
@@ -44,7 +44,7 @@ struct Beam {
 struct Unpacking<'a> {
     scanner: &'a Scanner,
     frame: FrameId,
-    /// Which columns have come: a packet may be captured twice.
+    /// Received flags of the columns: a packet may be captured twice.
     has: Vec<bool>,
     first_ns: Option<u64>,
 }
@@ -70,7 +70,7 @@ impl Scanner {
         }
     }
 
-    /// The names of what is known of a point beside its place.
+    /// Returns the names of the attributes of a point in addition to its position.
     fn value_names(&self) -> &'static [&'static str] {
         self.metadata.shape.profile.value_names()
     }

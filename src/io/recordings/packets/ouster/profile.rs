@@ -13,7 +13,7 @@ struct Bits {
     /// From the first bit of the pixel.
     at: usize,
     count: usize,
-    /// What is sent is the number without as many of its lower bits.
+    /// Shift: the number of lower bits that are dropped from the transmitted number.
     shift: usize,
 }
 
@@ -45,7 +45,7 @@ impl Bits {
     }
 }
 
-/// Where in a pixel an echo is.
+/// Bit layout of an echo in a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct EchoBits {
     /// Millimetres.
@@ -54,7 +54,7 @@ struct EchoBits {
     values: &'static [Bits],
 }
 
-/// How the pixels of a packet are laid out: `udp_profile_lidar`.
+/// Pixel layout of a packet: `udp_profile_lidar`.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Profile {
     /// As metadata has it.
@@ -199,11 +199,11 @@ static PROFILES: [Profile; 11] = [
 /// The profile of sensors for functional safety, whose packets have another header unless metadata says otherwise.
 pub(super) const FUSA: &str = "FUSA_RNG15_RFL8_NIR8_DUAL";
 
-/// How long the packets of a sensor are, and where in them is what.
+/// Packet layout of a sensor: the length of its packets and the offsets in them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct PacketShape {
     pub(super) profile: &'static Profile,
-    /// Whether packets have the header of functional safety (`header_type` is `FUSA`).
+    /// True if packets have the header of functional safety (`header_type` is `FUSA`).
     pub(super) is_fusa: bool,
     /// Pixels of a column: one for each beam.
     pub(super) pixels: usize,
@@ -214,16 +214,16 @@ pub(super) struct PacketShape {
 /// A column of a packet, which is whole.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Column<'a> {
-    /// Nanoseconds since whatever moment the sensor counts from.
+    /// Timestamp in nanoseconds since the sensor's epoch.
     pub(super) time_ns: u64,
-    /// Which of the turn's columns it is.
+    /// Index of the column within the revolution.
     pub(super) measurement: u16,
     /// The frame that the sensor counts it to.
     frame: u32,
     pub(super) pixels: &'a [u8],
 }
 
-/// What came back of a shot.
+/// Echo: one return of a laser shot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Echo {
     /// 0 where nothing came back.
@@ -248,7 +248,7 @@ impl Profile {
         self.name == LEGACY.name
     }
 
-    /// The names of what is known of a point beside its place, in the order of the values.
+    /// Names of the per-point attributes other than the position, in the order of the values.
     pub(super) fn value_names(&self) -> &'static [&'static str] {
         self.values
     }
@@ -353,7 +353,7 @@ impl PacketShape {
         })
     }
 
-    /// Whether a column is of `frame`.
+    /// Returns true if a column belongs to `frame`.
     pub(super) fn is_of(self, column: &Column<'_>, frame: FrameId) -> bool {
         self.number_of(column, frame.seam) == frame.number
     }
@@ -364,7 +364,7 @@ impl PacketShape {
     }
 }
 
-/// Whether packets of `byte_count` bytes may be of a sensor of Ouster, whatever its metadata says.
+/// Returns true if packets of `byte_count` bytes may come from an Ouster sensor, regardless of its metadata.
 pub(super) fn may_be(byte_count: usize) -> bool {
     let shapes = PROFILES.iter().flat_map(|profile| {
         [16, 32, 64, 128].into_iter().map(move |pixels| PacketShape {

@@ -1,5 +1,5 @@
-//! Sensors of Ouster: which packets are theirs, by the metadata beside them or by their length, and where their turns
-//! begin.
+//! Ouster sensors: identification of their packets, by the sidecar metadata or by packet length, and the start of their
+//! revolutions.
 
 use super::metadata::{MOST_BYTES, Metadata, is_metadata, parse};
 use super::profile::{PacketShape, may_be};
@@ -39,11 +39,11 @@ struct OfOuster {
     beside: Option<Beside>,
 }
 
-/// Metadata beside the packets, and what could not be read of it.
+/// Sidecar metadata of the packets, and the problems met while reading it.
 struct Beside {
     /// The nearest by their names first.
     metadata: Vec<Metadata>,
-    /// What is wrong with files that are metadata, a sentence each.
+    /// Problems of the files that are metadata, one sentence each.
     problems: Vec<String>,
 }
 
@@ -76,7 +76,7 @@ impl Beside {
         Some((nearest, rank(&nearest).0))
     }
 
-    /// What is there in place of the metadata of a sensor, as the end of a sentence.
+    /// Describes the metadata that is present instead of that of a sensor, as the end of a sentence.
     fn others(&self) -> String {
         match (self.problems.first(), self.metadata.as_slice()) {
             (Some(problem), _) => format!("; {problem}"),

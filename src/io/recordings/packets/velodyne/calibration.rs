@@ -9,7 +9,7 @@ use super::packet::SHOTS;
 use crate::io::error::{Fault, mebibytes};
 use roxmltree::{Document, Node, ParsingOptions};
 
-/// Of each such sensor.
+/// Number of lasers of each such sensor.
 pub(super) const LASERS: usize = 2 * SHOTS;
 
 /// A calibration has some ten numbers a laser.
@@ -18,7 +18,7 @@ pub(super) const MOST_BYTES: u64 = 4 << 20;
 /// Elements of a file; more are none of a calibration.
 const MOST_NODES: u32 = 100_000;
 
-/// Where distances were measured when a sensor was calibrated.
+/// Reference distance of a sensor's calibration.
 const FAR_M: f64 = 25.04;
 const NEAR_X_M: f64 = 2.4;
 const NEAR_Y_M: f64 = 1.93;
@@ -26,7 +26,7 @@ const NEAR_Y_M: f64 = 1.93;
 /// Beyond it the correction of [`FAR_M`] is that of all distances.
 const NO_NEARER_M: f64 = 25.0;
 
-/// What a sensor's calibration says of a laser.
+/// Calibration values of a laser.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Corrected {
     pub(super) elevation_deg: f64,
@@ -35,7 +35,7 @@ pub(super) struct Corrected {
     /// Lengths that are added to the distance: at far, and near along X and Y.
     pub(super) far_m: f64,
     pub(super) near_m: Option<[f64; 2]>,
-    /// Where the laser is, above the origin and beside it.
+    /// Offset of the laser from the origin, vertical and horizontal.
     pub(super) height_m: f64,
     pub(super) aside_m: f64,
 }
@@ -47,7 +47,7 @@ pub(super) struct Calibration {
     pub(super) unit_m: f64,
 }
 
-/// Whether `text` is a calibration, or was meant as one.
+/// Returns true if `text` is a calibration, or was meant as one.
 pub(super) fn is_calibration(text: &str) -> bool {
     text.contains("boost_serialization") && text.contains("vertCorrection_")
 }

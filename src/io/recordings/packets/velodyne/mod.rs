@@ -1,11 +1,11 @@
-//! Laser scanners of Velodyne: from data packets to points.
+//! Velodyne LiDAR sensors: decoding of data packets into points.
 //!
 //! **How it works.** A packet has blocks of 32 measurements and an azimuth each. Blocks that all lasers fire in once
-//! are a *cycle*; where two echoes are told, the cycle has its blocks twice. The head turns on between the shots of a
+//! are a *cycle*; if two echoes are reported, the cycle has its blocks twice. The head turns on between the shots of a
 //! cycle, so each shot has its own azimuth, between that of its cycle and that of the next one, by the time at which it
 //! is fired (VLP-16 user manual §9.5, VLS-128 manual "Precision azimuth calculation").
 //!
-//! **Places** are in the frame of the manuals: Z is up, Y is azimuth 0, X is azimuth 90 degrees, which is clockwise
+//! **Positions** are in the frame of the manuals: Z is up, Y is azimuth 0, X is azimuth 90 degrees, which is clockwise
 //! from above:
 //!
 //! `x = r cos ω sin α`, `y = r cos ω cos α`, `z = r sin ω` and the height of the laser.
@@ -25,7 +25,7 @@ use model::{Laser, Model};
 use packet::{BLOCKS, DataPacket, SHOTS};
 use std::ops::Range;
 
-/// The names of what is known of a point beside its place.
+/// Names of the per-point attributes other than the position.
 const NAMES: &[&str] = &["intensity"];
 
 /// The azimuth grows by less between cycles, at 20 turns a second and with two echoes; more is a gap.
@@ -39,7 +39,7 @@ const HOUR_US: i64 = 3_600_000_000;
 struct Scanner {
     model: Model,
     lasers: Lasers,
-    /// Of each laser, its place from the lowest.
+    /// Ring of each laser: its index from the lowest.
     rings: Vec<u16>,
     unit_m: f64,
 }
@@ -107,7 +107,7 @@ fn cycles(model: Model, packet: DataPacket<'_>) -> (usize, usize) {
 struct Turning {
     model: Model,
     seam: Seam,
-    /// Of the cycle before, from the seam on.
+    /// Azimuth of the previous cycle, relative to the seam.
     azimuth: Option<i32>,
 }
 
@@ -158,7 +158,7 @@ struct Unpacking<'a> {
     /// The first azimuth of the cycle before, and the last step that was one.
     azimuth: Option<i32>,
     step: i32,
-    /// Of the packet before: the time that it says, and that time since the first packet's hour.
+    /// Timestamp of the previous packet: the raw time that it reports, and that time since the first packet's hour.
     time_us: Option<(u32, i64)>,
 }
 

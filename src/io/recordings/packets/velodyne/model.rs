@@ -7,7 +7,7 @@
 use super::packet::{DataPacket, SHOTS};
 use super::tables;
 
-/// Where a laser looks.
+/// Direction of a laser.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Laser {
     /// Above the horizon.
@@ -18,12 +18,12 @@ pub(super) struct Laser {
     pub(super) height_m: f64,
 }
 
-/// A model, told by its packets.
+/// A sensor model, identified by its packets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Model {
     /// VLP-16, Puck, Puck LITE.
     Vlp16,
-    /// The same with lasers that are closer together.
+    /// High-resolution variant, with lasers that are closer together.
     PuckHiRes,
     /// HDL-32E.
     Hdl32,
@@ -126,13 +126,13 @@ impl Model {
         }
     }
 
-    /// Whether the head turns on between the shots of a cycle as far as azimuths are concerned. The calibration of the
-    /// HDL-64E has it in the angles of its lasers.
+    /// Returns true if the head rotates between the shots of a cycle as far as azimuths are concerned. The calibration
+    /// of the HDL-64E includes the rotation in the angles of its lasers.
     pub(super) fn turns_between_shots(self) -> bool {
         self != Self::Hdl64
     }
 
-    /// Which laser fires shot `index` of bank `bank`.
+    /// Returns the index of the laser that fires shot `index` of bank `bank`.
     pub(super) fn laser(self, bank: usize, index: usize) -> usize {
         match self {
             Self::Vlp16 | Self::PuckHiRes => index % 16,
@@ -141,7 +141,7 @@ impl Model {
         }
     }
 
-    /// How many echoes of a shot `packet` tells of.
+    /// Returns the number of echoes per shot that `packet` reports.
     pub(super) fn returns(self, packet: DataPacket<'_>) -> usize {
         /// Two echoes; with how sure they are.
         const DUAL: [u8; 2] = [0x39, 0x3a];

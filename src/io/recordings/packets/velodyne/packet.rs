@@ -15,7 +15,7 @@ pub(super) const SHOTS: usize = 32;
 
 const BLOCK_BYTES: usize = 100;
 
-/// What each block begins with: the bank of 32 lasers that measured.
+/// Flag at the beginning of each block: the bank of 32 lasers that measured.
 const BANKS: [[u8; 2]; 4] = [[0xff, 0xee], [0xff, 0xdd], [0xff, 0xcc], [0xff, 0xbb]];
 
 /// A data packet.
@@ -25,7 +25,7 @@ pub(super) struct DataPacket<'a>(&'a [u8; PACKET_BYTES]);
 /// A block of a packet.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block<'a> {
-    /// Which 32 lasers; `None` of no measurements.
+    /// Bank of 32 lasers; `None` if there are no measurements.
     pub(super) bank: Option<usize>,
     /// Hundredths of a degree, clockwise from above, below [`TURN`].
     pub(super) azimuth: i32,
@@ -63,7 +63,7 @@ impl<'a> DataPacket<'a> {
         u32::from_le_bytes([self.0[1200], self.0[1201], self.0[1202], self.0[1203]])
     }
 
-    /// Which echoes are told; not of the HDL-64E.
+    /// Returns the return mode: the echoes that are reported; not for the HDL-64E.
     pub(super) fn return_mode(self) -> u8 {
         self.0[1204]
     }

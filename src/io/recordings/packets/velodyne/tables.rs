@@ -22,7 +22,7 @@ pub(super) const VLP_16: [(f64, f64); 16] = [
     (15.0, -11.2),
 ];
 
-/// The same.
+/// Laser table of the Puck Hi-Res, in the same layout.
 pub(super) const PUCK_HI_RES: [(f64, f64); 16] = [
     (-10.0, 7.4),
     (0.67, -0.9),
@@ -84,7 +84,7 @@ pub(super) const VLP_32C: [(f64, f64); 32] = [
     (-1.333, -1.4),
 ];
 
-/// The same.
+/// Laser table of the VLS-128, in the same layout.
 pub(super) const VLS_128: [(f64, f64); 128] = [
     (-11.742, 6.354),
     (-1.99, 4.548),

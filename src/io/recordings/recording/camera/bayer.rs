@@ -1,8 +1,9 @@
-//! Images behind a mosaic of colour filters: a pixel has one colour, the others are the means of its neighbours.
+//! Demosaicing of Bayer images, taken behind a mosaic of colour filters: a pixel has one colour, the others are the
+//! means of its neighbours.
 //!
 //! *How it works.* Bilinear interpolation: a colour that a pixel has not is the mean of those among the 3 × 3 around it
-//! that have it. These are the four beside it or at its corners, or the two in its line or column; at the border those
-//! of them that there are. Points take colours from it: sharper ways pay for pictures that are looked at.
+//! that have it. These are the four next to it or at its corners, or the two in its line or column; at the border those
+//! of them that there are. Points take colours from it: sharper methods pay off for images that are looked at.
 
 /// Whose colour a pixel has, of the first two lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -24,23 +24,23 @@ pub(super) struct PackedImage<'a> {
     pub(super) data: &'a [u8],
 }
 
-/// What stands before the bytes of an image.
+/// Header of an image: everything before its bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct ImageHead {
     /// The frame of reference of the camera.
     pub(crate) frame_id: String,
-    /// What its bytes are, in a word, or some.
+    /// Pixel encoding, as one or several words.
     pub(crate) encoding: String,
 }
 
 impl ImageHead {
-    /// Whether it is an image of depths, as far as its words say it.
+    /// Returns true if it is a depth image, as far as its encoding states it.
     pub(crate) fn is_depth(&self) -> bool {
         let kind = self.encoding.split([';', ' ']).next().unwrap_or_default();
         matches!(kind, "16UC1" | "mono16" | "32FC1") || self.encoding.contains("compressedDepth")
     }
 
-    /// Whether it is an image of colours, as far as its words say it.
+    /// Returns true if it is a colour image, as far as its encoding states it.
     pub(crate) fn is_colored(&self) -> bool {
         let words = self.encoding.to_ascii_lowercase();
         let kinds = ["rgb", "bgr", "yuv", "yuy", "uyvy", "nv12", "nv21", "bayer"];
@@ -62,7 +62,8 @@ pub(crate) struct CameraInfo {
     pub(crate) window: Window,
 }
 
-/// What of the image of a camera is sent. All is zero where nothing is said: then it is the whole image.
+/// Region of interest of a camera image that is sent. All fields are zero if nothing is specified: then it is the whole
+/// image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Window {
     /// Pixels of the sensor, along x and y, that are one of the image; 0 is 1.
@@ -72,7 +73,7 @@ pub(crate) struct Window {
     pub(crate) size_px: [u32; 2],
 }
 
-/// Where the frame of reference `child` is in the frame `parent`.
+/// Transform of the frame of reference `child` in the frame `parent`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Link {
     pub(crate) parent: String,
@@ -82,7 +83,7 @@ pub(crate) struct Link {
     pub(crate) time: Duration,
 }
 
-/// How the messages of ROS are written; those of cameras are no others.
+/// Returns the serialisation of ROS messages; cameras use no other one.
 fn serialisation(message: &Message) -> Option<Serialisation> {
     match message.encoding {
         Encoding::Ros(serialisation) => Some(serialisation),
@@ -125,7 +126,7 @@ pub(super) fn compressed<'a>(bytes: &'a [u8], message: &Message) -> Option<Packe
     })
 }
 
-/// What stands before the bytes of an image of `kind`.
+/// Reads the header before the bytes of an image of `kind`.
 pub(crate) fn head(bytes: &[u8], message: &Message, kind: CameraMessage) -> Option<ImageHead> {
     match kind {
         CameraMessage::Image => Some(raw(bytes, message)?.head),

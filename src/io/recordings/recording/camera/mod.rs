@@ -1,7 +1,7 @@
-//! What cameras publish: images, the numbers of their lenses, and where one frame of reference is from another.
+//! Camera messages: images, camera intrinsics, and the transforms between frames of reference.
 //!
-//! The messages are those of ROS (`sensor_msgs`, `tf2_msgs`), of both versions, and what `librealsense` writes beside
-//! them into its own bags. Which topics belong together is the matter of those who read a recording.
+//! The messages are those of ROS (`sensor_msgs`, `tf2_msgs`), of both versions, and what `librealsense` additionally
+//! writes into its own bags. Grouping the topics that belong together is left to the readers of a recording.
 
 mod bayer;
 mod compressed;

@@ -5,7 +5,7 @@ use super::messages::RawImage;
 use super::yuv::Yuv;
 use crate::raster::{Raster, Samples};
 
-/// What the bytes of a pixel are.
+/// Pixel format of an image.
 #[derive(Debug, Clone, Copy)]
 enum Pixels {
     Gray8,

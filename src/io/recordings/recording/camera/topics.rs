@@ -3,7 +3,7 @@
 use super::super::message::Message;
 use std::time::Duration;
 
-/// What a topic of a camera carries.
+/// Kind of message that a camera topic carries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum CameraMessage {
     /// `sensor_msgs/Image`.
@@ -23,7 +23,7 @@ pub(crate) enum CameraMessage {
 }
 
 impl CameraMessage {
-    /// What messages of this type on this topic are; `None` of what no camera publishes.
+    /// Returns the kind of camera message of this type on this topic; `None` if no camera publishes it.
     pub(in crate::io::recordings::recording) fn of(kind: &str, topic: &str) -> Option<Self> {
         // ROS 2 has a folder more in its names.
         let (package, name) = kind.split_once('/')?;
@@ -43,7 +43,7 @@ impl CameraMessage {
         })
     }
 
-    /// Whether messages begin with a `std_msgs/Header`.
+    /// Returns true if messages begin with a `std_msgs/Header`.
     pub(in crate::io::recordings::recording) fn has_header(self) -> bool {
         matches!(self, Self::Image | Self::CompressedImage | Self::CameraInfo)
     }
@@ -67,11 +67,11 @@ impl CameraTopic {
     }
 }
 
-/// What cameras publish in a recording.
+/// Camera topics of a recording.
 #[derive(Debug, Default)]
 pub(crate) struct CameraTopics {
     /// All topics, in the order of their names.
     pub(crate) topics: Vec<CameraTopic>,
-    /// Where the recording is cut or damaged, a sentence each.
+    /// Truncations and damage of the recording, one sentence each.
     pub(crate) damage: Vec<String>,
 }

@@ -3,7 +3,7 @@
 //! Cameras of webcams, phones and depth sensors send them as the converters of ROS (OpenCV) and of the Azure Kinect
 //! (libyuv) take them: ITU-R BT.601, luma from 16 to 235, chromas around 128.
 
-/// What two pixels side by side are, or how planes follow each other.
+/// YUV layout: the content of two adjacent pixels, or the order of the planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Yuv {
     /// Four bytes for two pixels: where among them Y, U, Y, V are.

@@ -3,7 +3,8 @@
 use crate::levels::octree::CodedCloud;
 use crate::scene::{CodedCells, DrawSettings, Footprint};
 
-/// What masks may be larger than the splats they stand for: sizes are rounded, and so is where they are seen.
+/// Factor by which masks may be larger than the splats they stand for: sizes are rounded, and so is the position where
+/// they are seen.
 pub(super) const MASK_SLACK: f32 = 1.2;
 
 /// A byte code, and how it is drawn.
@@ -14,7 +15,7 @@ pub(in crate::render::cpu) struct Coded<'a> {
     pub(super) deepest_level: u32,
     pub(super) cull_back_faces: bool,
     pub(super) darkens_back_faces: bool,
-    /// Whether each node is a pixel, not a mask.
+    /// True if each node is drawn as a pixel instead of a mask.
     pub(super) are_pixels: bool,
     pub(super) normal_bits: u32,
     pub(super) offset_bits: u32,
@@ -46,7 +47,7 @@ impl<'a> Coded<'a> {
         Some(Self::new(cells, &packet.style))
     }
 
-    /// How far splats reach, in their radii.
+    /// Returns the reach of splats, in their radii.
     pub(super) fn largest_scale(&self) -> f32 {
         if self.are_pixels {
             return 0.0;

@@ -1,8 +1,8 @@
-//! From the bytes of a block to the images of its nodes.
+//! Decoding of the bytes of a block to the projections of its nodes.
 //!
-//! How it works: breadth-first, as the bytes stand (paper 001 §4.4), but a block at a time, so that the queue of nodes
-//! is two short lists. What is drawn of a block is on one level, so its nodes are consecutive, and nobody has to know
-//! which attributes to leave out.
+//! How it works: breadth-first, in byte order (paper 001 §4.4), but a block at a time, so that the queue of nodes is
+//! two short lists. The drawn nodes of a block are on one level, so they are consecutive, and nobody has to know which
+//! attributes to skip.
 
 use super::blocks::Block;
 use super::transform::Transform;
@@ -25,7 +25,7 @@ impl Block {
 }
 
 impl Decoder {
-    /// The nodes of a block that are drawn, and the images of their middles.
+    /// Decodes the drawn nodes of a block, and the projections of their centres.
     #[inline(always)]
     pub(super) fn decode(
         &mut self,

@@ -1,8 +1,8 @@
-//! Which mask a normal has where in the picture (paper 001 §5.2).
+//! Footprint lookup: the mask of a normal at each position in the image (paper 001 §5.2).
 //!
 //! How it works: in perspective the ellipse of a disk depends on its normal and on where it is seen. So normals are
-//! divided into classes, once a frame for each entry of the table of normals, and the picture into 4×4 sectors; for the
-//! ray through the middle of a sector and the direction of a class the ellipse is worked out once a camera: its longer
+//! divided into classes, once per frame for each entry of the table of normals, and the image into 4×4 sectors; for the
+//! ray through the centre of a sector and the direction of a class the ellipse is computed once per camera: its longer
 //! half axis, as a factor on the radius, and the mask of its shape. A splat looks both up.
 
 use super::masks;

@@ -1,4 +1,4 @@
-//! Colours of pixels beside the light of normals that are known, worked out for each point by itself.
+//! Tests of pixel colours against the light of known normals, computed for each point separately.
 
 use super::tests::{COLOR, packet_of_surfels};
 use super::transform::homogeneous;
@@ -12,7 +12,7 @@ use crate::scene::{BackFaces, Camera, Footprint, Lighting, NormalBits, OffsetBit
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 
-/// Seen from aside, so that neither the middle of the cloud nor most points are ahead.
+/// Camera that looks from aside, so that neither the centre of the cloud nor most points are ahead.
 const CAMERA: Camera = Camera {
     target_in_world: DVec3::new(0.6, -0.4, 0.0),
     distance: 4.0,
@@ -47,7 +47,8 @@ fn surfels(bits: u32) -> Vec<([f32; 3], Vec3)> {
     surfels
 }
 
-/// The colour of a point of [`COLOR`] with this normal, 0 to 255: the head light for light that comes along `from_eye`.
+/// Computes the colour of a point of [`COLOR`] with this normal, 0 to 255: the headlight for light that comes along
+/// `from_eye`.
 fn lit(normal: Vec3, from_eye: DVec3) -> [f64; 3] {
     let facing = normal.as_dvec3().dot(from_eye.normalize()).abs();
     let factor = f64::from(HEAD_LIGHT_AMBIENT) + f64::from(1.0 - HEAD_LIGHT_AMBIENT) * facing;
@@ -114,7 +115,7 @@ fn assert_pixels(
 
 const FOOTPRINTS: [Footprint; 2] = [Footprint::Pixels, Footprint::Masks];
 
-/// Once a normal: from the eye to the middle of the cloud, wherever the point is.
+/// Lighting once per normal: from the eye to the centre of the cloud, wherever the point is.
 #[test]
 fn light_once_a_surfel_is_that_of_its_normal_from_infinity() {
     for footprint in FOOTPRINTS {

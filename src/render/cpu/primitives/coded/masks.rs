@@ -1,16 +1,16 @@
-//! Footprints of splats as masks of weights, worked out once (paper 001 §5.2).
+//! Footprints of splats as precomputed masks of weights (paper 001 §5.2).
 //!
 //! How it works: on the screen a disk is an ellipse, and as an ellipse it could be a disk seen from straight ahead with
 //! another normal. So there are masks for normals (quantised, half of an octahedron, of which half again is the same
-//! ellipse), for sizes (quarters of an octave) and for where in its pixel the middle is (quarters of pixels near by,
-//! halves further out: the paper rounds to whole pixels and names that as the cause of its remaining aliasing). A
+//! ellipse), for sizes (quarters of an octave) and for the position of the centre in its pixel (quarters of pixels near
+//! by, halves further out: the paper rounds to integer pixels and names that as the cause of its remaining aliasing). A
 //! weight is that of the exact disks, `exp(−3·d²)` inside of the ellipse `d ≤ 1`; the box filter of a pixel, whose
 //! variance is 1/12, widens the ellipse by half a pixel squared, as the covariance of `exp(−3·d²)` is a sixth of the
 //! ellipse's matrix. So nothing is narrower than a pixel, and splats seen edge on do not fall between pixels.
 //!
-//! Masks do not depend on the camera: [`super::footprints`] says which ellipse a normal is, and where.
+//! Masks do not depend on the camera: [`super::footprints`] determines the ellipse of a normal, by position.
 //!
-//! Rows have eight zeros between them, so that eight weights can be read from any place, for pixels that begin at a
+//! Rows have eight zeros between them, so that eight weights can be read from any position, for pixels that begin at a
 //! multiple of eight.
 
 use crate::cloud::{quantise_direction, quantised_directions};
@@ -37,19 +37,19 @@ pub(super) const LARGEST_PX: f32 = 16.0;
 
 const SIZES: usize = 5 << SIZE_BITS;
 
-/// Zeros beside each row.
+/// Zero padding at the sides of each row.
 const MARGIN: usize = 8;
 
-/// Weight of a pixel in the middle of a splat.
+/// Weight of a pixel at the centre of a splat.
 pub(super) const FULL_WEIGHT: f32 = 255.0;
 
 /// All masks.
 pub(super) static MASKS: LazyLock<Masks> = LazyLock::new(Masks::new);
 
-/// One footprint: rows of weights around the pixel that the middle of the splat is in.
+/// Mask of one footprint: rows of weights around the pixel that contains the centre of the splat.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Mask {
-    /// Where the first weight of its first row is among all weights.
+    /// Index of the first weight of its first row among all weights.
     pub(super) start: u32,
     /// From one row to the next.
     pub(super) stride: u16,
@@ -81,7 +81,7 @@ pub(super) fn size_of(radius_px: f32) -> Option<usize> {
     Some((above >> SHIFT) as usize)
 }
 
-/// The radius that the masks of a size are made for: the middle of those that it stands for.
+/// Returns the radius that the masks of a size are made for: the midpoint of those that it stands for.
 fn radius_of_size(size: usize) -> f32 {
     let edge = |size: usize| {
         let octave = (size >> SIZE_BITS) as i32;
@@ -151,7 +151,7 @@ impl Masks {
         }
     }
 
-    /// The mask of a shape and a size for a middle at these fractions of its pixel, 0 to 1.
+    /// Returns the mask of a shape and a size for a centre at these fractions of its pixel, 0 to 1.
     #[inline(always)]
     pub(super) fn get(&self, shape: u16, size: usize, fraction: [f32; 2]) -> &Mask {
         let places = PLACES[size];
@@ -170,7 +170,7 @@ impl Masks {
         weights.expect("eight weights")
     }
 
-    /// Where the weights of a row are.
+    /// Returns the weights of a row.
     #[cfg(test)]
     pub(super) fn row(&self, mask: &Mask, row: usize) -> &[u8] {
         let start = mask.start as usize + row * mask.stride as usize;
@@ -187,18 +187,18 @@ impl Masks {
 /// [`places_of_size`] of all sizes.
 static PLACES: LazyLock<[usize; SIZES]> = LazyLock::new(|| std::array::from_fn(places_of_size));
 
-/// `d²` as a function of the offset from the middle, in pixels: `xx·x² + 2·xy·x·y + yy·y²`.
+/// Quadratic form `d²` of the offset from the centre, in pixels: `xx·x² + 2·xy·x·y + yy·y²`.
 #[derive(Debug, Clone, Copy)]
 struct Quadric {
     xx: f32,
     xy: f32,
     yy: f32,
-    /// How far the ellipse reaches along both axes.
+    /// Reach of the ellipse along both axes.
     reach: [f32; 2],
 }
 
 impl Quadric {
-    /// Of a disk with a normal, seen from straight ahead, after the pixel's box filter.
+    /// Creates the quadratic form of a disk with a normal, seen from straight ahead, after the pixel's box filter.
     fn new(normal: Vec3, radius_px: f32) -> Self {
         // The matrix of an ellipse is the sum of the squares of its half axes.
         const BOX: f32 = 6.0 / 12.0;
@@ -214,8 +214,8 @@ impl Quadric {
         }
     }
 
-    /// Its mask around the pixel whose place `middle` it has its middle at, and the weights, each row with the zeros
-    /// after it.
+    /// Rasterises its mask around the pixel in which `middle` is the position of its centre, and the weights, each row
+    /// with the zeros after it.
     fn mask(&self, middle: [f32; 2]) -> (Mask, Vec<u8>) {
         let covered = |axis: usize| -> Range<i32> {
             // Pixels whose middles are inside.

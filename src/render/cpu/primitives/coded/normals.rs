@@ -1,11 +1,11 @@
-//! What is worked out once a frame for each quantised normal instead of each point (paper 001 §4.1, §5.1).
+//! Per-frame precomputation for each quantised normal instead of each point (paper 001 §4.1, §5.1).
 //!
 //! How it works: a table by the index of the normal, with its bits masked to the precision that is drawn. An entry has
-//! the normal as a function of pixels (whether a point faces away is a product of three with its image), the image of
-//! the normal (for offsets), the class that the footprint is chosen by, and the light of a lamp at infinity, as that
-//! depends on the normal alone: for the head light, in the direction from the eye to the middle of the cloud. From near
-//! by that is another picture than with a lamp at the eye, so it is what lighting *once a surfel* means here; finer
-//! lighting takes the product above, which is the cosine but for the length of the ray.
+//! the normal as a function of pixels (the back-face test of a point is a dot product of three with its projection),
+//! the projection of the normal (for offsets), the class that the footprint is chosen by, and the light of a lamp at
+//! infinity, as that depends on the normal alone: for the headlight, in the direction from the eye to the centre of the
+//! cloud. Close up the result differs from that of a lamp at the eye, so it is what lighting *once per surfel* means
+//! here; finer lighting takes the product above, which is the cosine except for the length of the ray.
 
 use super::footprints;
 use super::transform::homogeneous;

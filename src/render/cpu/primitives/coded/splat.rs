@@ -1,8 +1,8 @@
-//! Masks to the pixels of a tile: the two passes of splatting with weights that are looked up.
+//! Splatting of masks to the pixels of a tile: the two passes, with weights that are looked up.
 //!
 //! How it works: eight pixels at a time, which begin at a multiple of eight, so that what one splat wrote and the next
 //! reads are the same words; the weights are read from where they fall (`masks.rs`). Depth is that of the splat's
-//! plane, whose inverse is affine in pixels, but not farther from that of the middle than the splat reaches (the paper
+//! plane, whose inverse is affine in pixels, but not farther from that of the centre than the splat reaches (the paper
 //! takes the same depth everywhere, and needs a larger ε for it). Written without explicit registers: loops over eight
 //! numbers are compiled to them.
 
@@ -10,14 +10,14 @@ use super::masks::{FULL_WEIGHT, Mask, Masks};
 use crate::render::cpu::tile::{LANES, Tile, WIDTH};
 use crate::render::cpu::view::PixelRect;
 
-/// Where a splat is, and how its depth goes.
+/// Position of a splat, and its depth gradient.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SplatPlacement {
-    /// The pixel that its middle is in.
+    /// Pixel that contains its centre.
     pub(super) pixel: [i32; 2],
-    /// Reversed depth, `near/distance`, in the middle of that pixel.
+    /// Reversed depth, `near/distance`, at the centre of that pixel.
     pub(super) depth: f32,
-    /// How much it grows with each pixel to the right, and downwards.
+    /// Depth gradient per pixel to the right, and downwards.
     pub(super) depth_per_px: [f32; 2],
     /// Depths of the splat's farthest and nearest point at most.
     pub(super) depths: [f32; 2],

@@ -20,14 +20,14 @@ use crate::scene::{Kernel, Lighting};
 use fearless_simd::Simd;
 use glam::{Vec3, Vec4};
 
-/// What a thread keeps from tile to tile.
+/// Scratch state that a thread keeps from tile to tile.
 #[derive(Default)]
 pub(super) struct Waiting {
     decoder: Decoder,
     splats: WaitingSplats,
 }
 
-/// What the attribute pass will draw.
+/// Splats that the attribute pass will draw.
 #[derive(Default)]
 struct WaitingSplats {
     masks: Vec<WaitingMask>,
@@ -255,8 +255,8 @@ impl CodedTiles<'_> {
         }
     }
 
-    /// The head light at a node. Where it is asked for at surfels, it is that of the normal, from infinity; else of the
-    /// ray as well.
+    /// Computes the headlight at a node. If it is requested per surfel, it is that of the normal, from infinity; else
+    /// of the ray as well.
     #[inline(always)]
     fn light_at(&self, node: &SeenNode<'_>) -> [f32; 2] {
         if matches!(self.lighting, Lighting::Unlit | Lighting::PerSurfel) {

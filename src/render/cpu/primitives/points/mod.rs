@@ -63,7 +63,7 @@ impl DrawnRecords for Points<'_> {
         }
     }
 
-    /// Of two as far away the later one is seen.
+    /// Draws the points; of two at the same distance the later one is visible.
     #[inline(always)]
     fn draw<S: Simd>(
         &self,
@@ -94,7 +94,7 @@ impl DrawnRecords for Points<'_> {
     }
 }
 
-/// Where eight points are on the screen.
+/// Screen positions of eight points.
 struct Projected<S: Simd> {
     x_px: f32x8<S>,
     y_px: f32x8<S>,
@@ -141,7 +141,7 @@ impl<'a> Points<'a> {
         }
     }
 
-    /// Whether the passes of surfels draw them.
+    /// Returns true if the passes of surfels draw them.
     fn are_patches(&self) -> bool {
         self.shape == PointShape::Gaussian || self.lighting != Lighting::Unlit
     }

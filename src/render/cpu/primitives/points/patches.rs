@@ -23,7 +23,7 @@ struct EightPoints<'a, S: Simd> {
     normals: Vectors<S>,
 }
 
-/// What is drawn of patches.
+/// Render pass of patches.
 #[derive(Debug, Clone, Copy)]
 enum Pass {
     Visibility,
@@ -32,8 +32,8 @@ enum Pass {
 }
 
 impl Points<'_> {
-    /// All passes over a tile but the last, over the picture. Points that are blended are worked out for each of both:
-    /// unlike surfels that are smaller than a pixel, no point is left out, and all of a cloud may be in one tile.
+    /// Draws all passes over a tile but the last, over the image. Points that are blended are computed for each of
+    /// both: unlike surfels that are smaller than a pixel, no point is skipped, and all of a cloud may be in one tile.
     #[inline(always)]
     pub(super) fn draw_patches<S: Simd>(
         &self,

@@ -14,7 +14,7 @@ use crate::render::cpu::view::PixelView;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
 use std::ops::Range;
 
-/// What is turned so little away is taken for turned to the eye: rounding.
+/// Cosine tolerance for back faces: surfels turned away by less than this count as facing the eye, because of rounding.
 const EDGE_ON_COSINE: f32 = 1e-4;
 
 /// Eight surfels, or fewer at the end of a list, in view space; their directions are still packed.
@@ -49,7 +49,8 @@ pub(super) struct EightSurfels<S: Simd> {
 }
 
 impl<S: Simd> EightMiddles<S> {
-    /// Where those of these numbers are; `None` if nothing of them is in the picture, drawn to this extent.
+    /// Computes the centres of the surfels with these numbers; `None` if nothing of them is in the image, drawn to this
+    /// extent.
     #[inline(always)]
     pub(super) fn of(
         simd: S,
@@ -78,7 +79,7 @@ impl<S: Simd> EightMiddles<S> {
         })
     }
 
-    /// How far from their middles disks reach where the radius is 1, or ellipses.
+    /// Bounding radii of the splats for a radius of 1: those of disks, or of ellipses.
     #[inline(always)]
     pub(super) fn reach_radii(&self, simd: S, are_ellipses: bool) -> f32x8<S> {
         if are_ellipses {
@@ -100,7 +101,7 @@ impl<S: Simd> EightMiddles<S> {
         are_seen.then_some(EightNormals { in_frame, in_view })
     }
 
-    /// How they are turned.
+    /// Computes the orientations of the splats.
     #[inline(always)]
     pub(super) fn turned(
         self,
@@ -135,7 +136,7 @@ impl<S: Simd> EightMiddles<S> {
 }
 
 impl<S: Simd> EightSurfels<S> {
-    /// Where the middle of one of them is.
+    /// Returns the centre of the splat in a lane.
     #[inline(always)]
     pub(super) fn middle(&self, view: &PixelView, lane: usize) -> Middle {
         let center = self.centers.lane(lane);

@@ -26,12 +26,12 @@ pub(in crate::render::cpu) struct Surfels<'a> {
     points: &'a [PointRecord],
     shapes: &'a [ShapeRecord],
     style: &'a DrawSettings,
-    /// How they are filtered to the pixels.
+    /// Screen-space filter of the splats.
     filter: SplatFilter,
     lighting: Lighting,
     /// Factors on the radii in the visibility and the attribute pass.
     scales: [f32; 2],
-    /// How far the visibility pass is pushed back, in splat radii.
+    /// Depth offset by which the visibility pass is pushed back, in splat radii.
     slack_radii: f32,
 }
 
@@ -46,9 +46,9 @@ pub(in crate::render::cpu) struct Waiting {
     sums: SmallSums,
 }
 
-/// What becomes of eight surfels.
+/// Culling result for a group of eight surfels.
 enum Fate {
-    /// They may cover middles of pixels.
+    /// They may cover pixel centres.
     Drawn,
     /// They do not, but those that they are filtered to may: they wait for the visibility pass to end.
     Small,
@@ -186,12 +186,12 @@ impl<'a> Surfels<'a> {
         visibility.max(attribute)
     }
 
-    /// How much farther they reach where they are filtered.
+    /// Returns the margin by which filtering enlarges the extent of the splats.
     fn margin_px(&self) -> f32 {
         if self.is_filtered() { EWA_REACH_PX } else { 0.0 }
     }
 
-    /// Where whole disks are drawn.
+    /// Returns the canvas for drawing whole disks.
     fn canvas<'v>(&self, view: &'v PixelView, clip: PixelRect) -> Canvas<'v> {
         Canvas {
             view,
@@ -202,7 +202,7 @@ impl<'a> Surfels<'a> {
         }
     }
 
-    /// Where eight of them are, if anything of these is in the picture.
+    /// Computes the centres of eight splats, if any of them is in the image.
     #[inline(always)]
     fn middles<S: Simd>(
         &self,
@@ -214,14 +214,14 @@ impl<'a> Surfels<'a> {
         EightMiddles::of(simd, view, pyramid, self.points, self.shapes, numbers, self.extent())
     }
 
-    /// How they are turned, if any of them is seen.
+    /// Computes the orientations of eight splats, if any of them is visible.
     #[inline(always)]
     fn turned<S: Simd>(&self, simd: S, view: &PixelView, middles: EightMiddles<S>) -> Option<EightSurfels<S>> {
         let normals = middles.normals(simd, view, self.style.culls_back_faces())?;
         Some(middles.turned(simd, view, normals, self.style.primitive == Primitive::Ellipse))
     }
 
-    /// What becomes of eight of which only the middles are known.
+    /// Returns the culling result for eight splats of which only the centres are known.
     #[inline(always)]
     fn fate<S: Simd>(&self, simd: S, view: &PixelView, middles: &EightMiddles<S>) -> Fate {
         if self.filter == SplatFilter::Clamp {

@@ -1,14 +1,14 @@
-//! Which parts of a coded cloud may touch which tile, and how finely they are drawn.
+//! Traversal of a coded cloud: the parts that may touch each tile, and the level at which they are drawn.
 //!
-//! How it works: the tree is gone through from the root, nearer octants first. A node beyond the sides of the
-//! picture, or all of whose normals face away (their cone, 001 §4.2), is dropped with all below it; the eye's nearest
-//! corner of its box tells on which level its cells get smaller than asked for. Where that level is a few below, the
-//! node is a *block*: all of it will be drawn on that level. Blocks are noted for the tiles that their boxes and
-//! splats may touch. The descendants of a block on any level are consecutive nodes, so that whoever decodes a block
-//! reads masks and attributes in order.
+//! How it works: the tree is traversed from the root, nearer octants first. A node beyond the sides of the image, or
+//! all of whose normals face away (their cone, 001 §4.2), is culled with all below it; the eye's nearest corner of its
+//! box determines the level on which its cells get smaller than asked for. Where that level is a few below, the node is
+//! a *block*: all of it will be drawn on that level. Blocks are noted for the tiles that their boxes and splats may
+//! touch. The descendants of a block on any level are consecutive nodes, so that a decoder of a block reads masks and
+//! attributes in order.
 //!
-//! When it wins: what is not seen is not visited, and from afar blocks are few and their levels high, so the time of a
-//! picture goes with what can be seen of it.
+//! When it wins: what is not seen is not visited, and from afar blocks are few and their levels high, so the render
+//! time scales with what can be seen of the cloud.
 
 use super::code::Coded;
 use super::transform::{Transform, in_view};
@@ -30,7 +30,7 @@ pub(super) struct Block {
     pub(super) level: u32,
     /// The level that is drawn.
     pub(super) drawn_level: u32,
-    /// The image of its middle.
+    /// Projection of its centre.
     pub(super) center: Vec4,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct Block {
 struct Visited {
     node: usize,
     level: u32,
-    /// The image of its middle.
+    /// Projection of its centre.
     center: Vec4,
 }
 
@@ -48,7 +48,7 @@ pub(super) struct Traversal<'a> {
     pub(super) coded: &'a Coded<'a>,
     pub(super) view: &'a PixelView,
     pub(super) transform: &'a Transform,
-    /// How far from their cell splats reach on each level, in scene units.
+    /// Reach of splats from their cell on each level, in scene units.
     pub(super) reaches: &'a [f32],
     /// Pixels of a length of 1 at a distance of 1.
     pub(super) px_per_slope: f32,
@@ -174,8 +174,8 @@ impl<'a> Traversal<'a> {
         (level..deepest).find(is_small).unwrap_or(deepest.max(level))
     }
 
-    /// How far splats below a node may reach from its cell: no farther than the largest of all levels that may be
-    /// drawn, nor than its own splat, which covers them.
+    /// Returns an upper bound of the reach of splats below a node from its cell: no more than the largest of all levels
+    /// that may be drawn, nor than its own splat, which covers them.
     fn reach(&self, node: usize, level: u32) -> f32 {
         let edge = self.coded.cloud.cube().cell_edge(level);
         let own = self.coded.cloud.attributes()[node].radius_edges() * edge;
