@@ -19,14 +19,14 @@ use std::time::Duration;
 
 /// The least rate of a transfer.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LeastRate {
+pub struct MinRate {
     /// For so long any rate will do.
     pub grace: Duration,
     /// Bytes per second since the beginning, afterwards.
     pub bytes_per_s: f64,
 }
 
-impl LeastRate {
+impl MinRate {
     /// Returns the total time allowed for more than `bytes` to arrive, since the start of the transfer.
     pub fn time_for(&self, bytes: u64) -> Duration {
         let seconds = bytes as f64 / self.bytes_per_s;
@@ -51,7 +51,7 @@ pub struct ClientDeadlines {
     /// For anything at all on a connection: servers of streams say what time it is once per second.
     pub silence: Duration,
     /// For an answer over HTTP with all its attempts, and for a message of a stream.
-    pub transfer: LeastRate,
+    pub transfer: MinRate,
     /// For the first frame of what is live.
     pub first_frame: Duration,
     /// For a sensor, before another one may have its place.
@@ -66,7 +66,7 @@ impl Default for ClientDeadlines {
             connect: Duration::from_secs(2),
             silence: Duration::from_secs(5),
             // The slowest modem: what is slower shows no frame.
-            transfer: LeastRate {
+            transfer: MinRate {
                 grace: Duration::from_secs(10),
                 bytes_per_s: 1024.0,
             },
@@ -85,9 +85,9 @@ pub struct ServerDeadlines {
     /// For the end of a request, since its first byte.
     pub head: Duration,
     /// For a client that takes an answer over HTTP. `--bandwidth` of a client may be as low.
-    pub answer: LeastRate,
+    pub answer: MinRate,
     /// For a client that takes a message of a live stream.
-    pub message: LeastRate,
+    pub message: MinRate,
     /// A client that is sent something and has taken nothing of it for so long gives way where all places are taken.
     pub stuck: Duration,
     /// Timeout of a client waiting for a free slot before it is sent away.
@@ -99,12 +99,12 @@ impl Default for ServerDeadlines {
         Self {
             idle: Duration::from_secs(30),
             head: Duration::from_secs(10),
-            answer: LeastRate {
+            answer: MinRate {
                 grace: Duration::from_secs(10),
                 bytes_per_s: 1024.0,
             },
             // A frame that is on the way is in memory.
-            message: LeastRate {
+            message: MinRate {
                 grace: Duration::from_secs(10),
                 bytes_per_s: 16384.0,
             },
@@ -120,21 +120,21 @@ mod tests {
 
     #[test]
     fn a_byte_per_second_is_too_slow_after_the_grace_and_never_before() {
-        let least = LeastRate {
+        let min = MinRate {
             grace: Duration::from_secs(10),
             bytes_per_s: 1024.0,
         };
-        assert_eq!(least.time_left(0, Duration::from_secs(4)), Some(Duration::from_secs(6)));
-        assert_eq!(least.time_left(10, Duration::from_secs(10)), None);
+        assert_eq!(min.time_left(0, Duration::from_secs(4)), Some(Duration::from_secs(6)));
+        assert_eq!(min.time_left(10, Duration::from_secs(10)), None);
         assert_eq!(
-            least.time_left(20 * 1024, Duration::from_secs(19)),
+            min.time_left(20 * 1024, Duration::from_secs(19)),
             Some(Duration::from_secs(1))
         );
-        assert_eq!(least.time_left(20 * 1024, Duration::from_secs(21)), None);
-        assert!(least.time_for(u64::MAX) > Duration::from_hours(1000));
-        let none = LeastRate {
+        assert_eq!(min.time_left(20 * 1024, Duration::from_secs(21)), None);
+        assert!(min.time_for(u64::MAX) > Duration::from_hours(1000));
+        let none = MinRate {
             bytes_per_s: 0.0,
-            ..least
+            ..min
         };
         assert_eq!(none.time_for(1), Duration::MAX);
     }

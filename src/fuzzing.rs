@@ -11,8 +11,8 @@ use std::path::Path;
 const READ: usize = 3;
 
 /// Unpacks an image of a live stream: its size.
-pub fn unpacked_size_px(image: &PackedImage, most_bytes: u64) -> Option<[u32; 2]> {
-    image.raster(most_bytes).ok().map(|raster| raster.size_px)
+pub fn unpacked_size_px(image: &PackedImage, max_bytes: u64) -> Option<[u32; 2]> {
+    image.raster(max_bytes).ok().map(|raster| raster.size_px)
 }
 
 /// Reads the first messages of all topics of cameras in the recording at `path`. A refusal is as good as an image.
@@ -47,7 +47,7 @@ pub fn read_cameras(path: &Path) {
 
 /// Reads the first frames of all tracks of the Matroska file at `path`, and what is attached to it.
 pub fn read_matroska(path: &Path) {
-    const MOST_BYTES: u64 = 1 << 24;
+    const MAX_BYTES: u64 = 1 << 24;
     let bytes = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
     let Ok(file) = Matroska::read(path) else {
         return;
@@ -55,14 +55,14 @@ pub fn read_matroska(path: &Path) {
     for attached in &file.attachments {
         let content = attached.content;
         assert!(content.offset + content.byte_count <= bytes);
-        let _ = content.read(path, MOST_BYTES);
+        let _ = content.read(path, MAX_BYTES);
     }
     for track in &file.tracks {
         assert!(track.frames.is_sorted_by_key(|frame| frame.time));
         for block in track.frames.iter().take(READ) {
-            let frame = block.read(path, MOST_BYTES).expect("what was found is in the file");
+            let frame = block.read(path, MAX_BYTES).expect("what was found is in the file");
             for encoding in ["16UC1", "nv12", "yuyv", "bgra8", "bayer_rggb8"] {
-                let _ = bare_image(encoding, track.size_px, true, &frame, MOST_BYTES);
+                let _ = bare_image(encoding, track.size_px, true, &frame, MAX_BYTES);
             }
         }
     }

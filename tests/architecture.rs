@@ -448,7 +448,7 @@ fn files_stay_readable() {
 }
 
 /// Of text that people read side by side: sources, shaders, documents.
-const MOST_COLUMNS: usize = 120;
+const MAX_COLUMNS: usize = 120;
 
 /// Files of the repository by their extensions, what is built and what is hidden left out.
 fn files_with(extensions: &[&str]) -> Vec<PathBuf> {
@@ -494,14 +494,10 @@ fn no_line_is_wider_than_120_columns() {
         for (line, number) in text.lines().zip(1..) {
             is_code ^= is_document && line.trim_start().starts_with("```");
             let may_be_wide = is_code || is_row_of_table(line);
-            if line.chars().count() > MOST_COLUMNS && !may_be_wide {
+            if line.chars().count() > MAX_COLUMNS && !may_be_wide {
                 wide.push(format!("{}:{number}", file.display()));
             }
         }
     }
-    assert!(
-        wide.is_empty(),
-        "wider than {MOST_COLUMNS} columns: {}",
-        wide.join(", ")
-    );
+    assert!(wide.is_empty(), "wider than {MAX_COLUMNS} columns: {}", wide.join(", "));
 }

@@ -21,9 +21,9 @@ fuzz_target!(|data: &[u8]| {
     };
     let mut decoder = ReelDecoder::new(Arc::new(file), MEMORY);
     for index in 0..decoder.file().frame_count().min(READ) {
-        for most_points in [100, usize::MAX] {
+        for max_points in [100, usize::MAX] {
             // A refusal is as good as a frame.
-            if let Ok(frame) = decoder.decode(index, most_points, &Progress::default()) {
+            if let Ok(frame) = decoder.decode(index, max_points, &Progress::default()) {
                 let count = frame.cloud.positions.len();
                 assert_eq!(frame.cloud.attributes.other_length(count), None);
             }

@@ -8,13 +8,13 @@ use pointreel::fuzzing::unpacked_size_px;
 use pointreel::wire::{Content, Frame, FrameHead, Kind, Message, StreamHead, View, read_message};
 
 /// Bytes that a payload, and what is unpacked of it, may take.
-const MOST_BYTES: u64 = 1 << 26;
+const MAX_BYTES: u64 = 1 << 26;
 
 fn take(mut stream: &[u8]) {
     if StreamHead::read(&mut stream).is_err() {
         return;
     }
-    while let Ok(message) = read_message(&mut stream, MOST_BYTES) {
+    while let Ok(message) = read_message(&mut stream, MAX_BYTES) {
         take_message(message);
     }
 }
@@ -24,10 +24,10 @@ fn take_message(message: Message) {
         Ok(Some(Content::Images(images))) => {
             let size_px = images.depth.size_px();
             assert_eq!(size_px, images.rig.depth.size_px());
-            if let Some(unpacked_px) = unpacked_size_px(&images.depth, MOST_BYTES) {
+            if let Some(unpacked_px) = unpacked_size_px(&images.depth, MAX_BYTES) {
                 assert_eq!(unpacked_px, size_px);
             }
-            let _ = images.color.map(|color| unpacked_size_px(&color, MOST_BYTES));
+            let _ = images.color.map(|color| unpacked_size_px(&color, MAX_BYTES));
         }
         Ok(Some(Content::Points(points))) => {
             if let Ok(cloud) = points.cloud() {

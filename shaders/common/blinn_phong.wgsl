@@ -20,7 +20,7 @@ fn light_on(position: vec3f, normal: vec3f, to_eye: vec3f) -> Light {
     // The half vector of the head light is the way to the eye.
     let head = parts.lights.head * parts.lights.specular * highlight(facing);
     var light = Light(vec3f(parts.lights.ambient + parts.lights.head * facing), vec3f(head));
-    for (var index = 0u; index < MOST_LAMPS; index++) {
+    for (var index = 0u; index < MAX_LAMPS; index++) {
         let way = parts.lights.lamp_places[index].xyz - parts.lights.lamp_places[index].w * position;
         // A surface at the place of a lamp gets no light of it.
         let to_lamp = way * inverseSqrt(max(dot(way, way), 1e-37));

@@ -36,7 +36,7 @@ struct Patch {
 
 fn patch_of(c: vec3f, u: vec3f, v: vec3f) -> Patch {
     let largest = max(largest_of(c), max(largest_of(u), largest_of(v)));
-    let per_unit = 1.0 / max(largest, FACET_LEAST_SIZE);
+    let per_unit = 1.0 / max(largest, FACET_MIN_SIZE);
     return Patch(c * per_unit, u * per_unit, v * per_unit, view.near * per_unit);
 }
 
@@ -50,7 +50,7 @@ fn facet_of(it: Patch) -> Facet {
     let determinant = dot(normal, it.c);
     let size = abs(determinant);
     let side = select(1.0, -1.0, determinant < 0.0);
-    let depth_per_w = select(0.0, it.near / max(size, FACET_LEAST_SIZE), size > FACET_LEAST_SIZE);
+    let depth_per_w = select(0.0, it.near / max(size, FACET_MIN_SIZE), size > FACET_MIN_SIZE);
     return Facet(side * cross(it.v, it.c), side * cross(it.c, it.u), side * normal, depth_per_w);
 }
 

@@ -97,21 +97,21 @@ fn photo_on_cubics(photo: u32, finest: vec2f, texel: vec2f) -> vec4f {
     let across = cubic_weights(share.x);
     let down = cubic_weights(share.y);
     var sum = vec4f(0.0);
-    var least = vec4f(2.0);
-    var most = vec4f(-1.0);
+    var min = vec4f(2.0);
+    var max = vec4f(-1.0);
     for (var row = 0; row < 4; row++) {
         for (var column = 0; column < 4; column++) {
             let there = clamp(before + vec2i(column, row) - 1, vec2i(0), last);
             let color = textureLoad(photo_texels, there, photo, 0);
             let premultiplied = vec4f(color.rgb * color.a, color.a);
             if ((row == 1 || row == 2) && (column == 1 || column == 2)) {
-                least = min(least, premultiplied);
-                most = max(most, premultiplied);
+                min = min(min, premultiplied);
+                max = max(max, premultiplied);
             }
             sum += across[column] * down[row] * premultiplied;
         }
     }
-    return clamp(sum, least, most);
+    return clamp(sum, min, max);
 }
 
 fn photo_trilinear(photo: u32, levels: u32, finest: vec2f, texel: vec2f, lod: f32) -> vec4f {
@@ -137,7 +137,7 @@ fn photo_sample(photo: u32, texel: vec2f, per_px: mat2x2f) -> vec4f {
     let is_first_long = lengths.x >= lengths.y;
     let long = select(per_px[1], per_px[0], is_first_long);
     let long_length = max(lengths.x, lengths.y);
-    let taps = clamp(ceil(long_length / max(min(lengths.x, lengths.y), 1.0)), 1.0, PHOTO_MOST_TAPS);
+    let taps = clamp(ceil(long_length / max(min(lengths.x, lengths.y), 1.0)), 1.0, PHOTO_MAX_TAPS);
     let lod = log2(max(long_length / taps, 1.0));
     var sum = vec4f(0.0);
     for (var tap = 0.0; tap < taps; tap += 1.0) {
@@ -155,7 +155,7 @@ fn steps_on_surface(distance: f32, to_eye: vec3f, normal: vec3f) -> mat2x3f {
         return mat2x3f(right, down);
     }
     // Along the ray, down to the plane through the place.
-    let per_cosine = 1.0 / max(dot(normal, to_eye), PHOTO_LEAST_COSINE);
+    let per_cosine = 1.0 / max(dot(normal, to_eye), PHOTO_MIN_COSINE);
     return mat2x3f(
         right - to_eye * (dot(normal, right) * per_cosine),
         down - to_eye * (dot(normal, down) * per_cosine)
@@ -177,7 +177,7 @@ fn photo_per_px(photo: u32, at: InPhoto, steps: mat2x3f) -> mat2x2f {
 
 // What a photograph shows of a surface beside what the eye sees of it.
 fn share_seen(facing_eye: f32, facing: f32) -> f32 {
-    let share = select(1.0, min(facing / max(facing_eye, PHOTO_LEAST_COSINE), 1.0), facing_eye > 0.0);
+    let share = select(1.0, min(facing / max(facing_eye, PHOTO_MIN_COSINE), 1.0), facing_eye > 0.0);
     return share * share;
 }
 
@@ -233,7 +233,7 @@ fn depth_normal(map: DepthMap, texel: vec2i) -> vec3f {
     }
     let normal = across / sqrt(length2);
     let facing = -dot(normal, middle) / length(middle);
-    return select(normal * sign(facing), vec3f(0.0), abs(facing) < PHOTO_LEAST_FACING);
+    return select(normal * sign(facing), vec3f(0.0), abs(facing) < PHOTO_MIN_FACING);
 }
 
 // The normal of what a photograph shows, in view space, between the four texels of its depth map around a place; zero
@@ -268,7 +268,7 @@ struct PhotoShown {
 
 // The mean of what photographs show of a place, where those that disagree with the others count little:
 // render/cpu/photographs/agreement.rs.
-fn photo_agreed(all: array<PhotoShown, PHOTO_MOST_BLENDED>, count: u32) -> vec3f {
+fn photo_agreed(all: array<PhotoShown, PHOTO_MAX_BLENDED>, count: u32) -> vec3f {
     var shown = all;
     var mean = vec3f(0.0);
     for (var round = 0u; round <= PHOTO_AGREEMENT_ROUNDS; round++) {
@@ -295,7 +295,7 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
     let normal = blended.normal;
     let header = textureLoad(photo_table, vec2u(0u, 0u), 0);
     let photos = u32(header.x);
-    let most = u32(header.y);
+    let max = u32(header.y);
     let per_sigma2 = header.z;
     let flags = photo_flags();
     let clips_by_vote = (flags & PHOTO_CLIPS_BY_VOTE) != 0u;
@@ -303,15 +303,15 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
     let relights = (flags & PHOTO_RELIGHTS) != 0u;
     let is_white = (flags & PHOTO_IS_WHITE) != 0u;
     // The nearest to the eye's direction, nearest first.
-    var nearest: array<u32, PHOTO_MOST_ASKED>;
-    var cosines: array<f32, PHOTO_MOST_ASKED>;
+    var nearest: array<u32, PHOTO_MAX_ASKED>;
+    var cosines: array<f32, PHOTO_MAX_ASKED>;
     var count = 0u;
     for (var photo = 0u; photo < photos; photo++) {
         let cosine = in_photo(photo, place, to_eye, normal).cosine;
-        if (cosine == PHOTO_NOT_LOOKING || count == PHOTO_MOST_ASKED && cosine <= cosines[count - 1u]) {
+        if (cosine == PHOTO_NOT_LOOKING || count == PHOTO_MAX_ASKED && cosine <= cosines[count - 1u]) {
             continue;
         }
-        var slot = min(count, PHOTO_MOST_ASKED - 1u);
+        var slot = min(count, PHOTO_MAX_ASKED - 1u);
         while (slot > 0u && cosines[slot - 1u] < cosine) {
             cosines[slot] = cosines[slot - 1u];
             nearest[slot] = nearest[slot - 1u];
@@ -319,23 +319,23 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
         }
         cosines[slot] = cosine;
         nearest[slot] = photo;
-        count = min(count + 1u, PHOTO_MOST_ASKED);
+        count = min(count + 1u, PHOTO_MAX_ASKED);
     }
     // Those that see the place, one more than is blended: weights are relative to that of the last.
-    var seeing: array<u32, PHOTO_MOST_BLENDED + 1u>;
-    var weights: array<f32, PHOTO_MOST_BLENDED + 1u>;
-    var angles2: array<f32, PHOTO_MOST_BLENDED + 1u>;
-    var trusts: array<f32, PHOTO_MOST_BLENDED + 1u>;
+    var seeing: array<u32, PHOTO_MAX_BLENDED + 1u>;
+    var weights: array<f32, PHOTO_MAX_BLENDED + 1u>;
+    var angles2: array<f32, PHOTO_MAX_BLENDED + 1u>;
+    var trusts: array<f32, PHOTO_MAX_BLENDED + 1u>;
     var found = 0u;
     var through = 0.0;
     var seen = 0.0;
-    var least = 0.0;
-    for (var at = 0u; at < count && found <= most; at++) {
+    var min = 0.0;
+    for (var at = 0u; at < count && found <= max; at++) {
         let angle = acos(clamp(cosines[at], -1.0, 1.0));
         if (at == 0u) {
-            least = angle * angle;
+            min = angle * angle;
         }
-        let weight = exp((least - angle * angle) * per_sigma2);
+        let weight = exp((min - angle * angle) * per_sigma2);
         let asked = in_photo(nearest[at], place, to_eye, normal);
         let what = seen_there(nearest[at], asked);
         let seen_of_it = share_seen(dot(normal, to_eye), asked.facing);
@@ -358,17 +358,17 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
     if (found == 0u) {
         return unseen;
     }
-    var beyond = select(0.0, weights[most] / weights[0], found > most);
+    var beyond = select(0.0, weights[max] / weights[0], found > max);
     // Where that is as near as the nearest, all count alike.
     beyond = select(0.0, beyond, beyond < 0.999);
     let steps = steps_on_surface(-place.z, to_eye, normal);
-    var shown: array<PhotoShown, PHOTO_MOST_BLENDED>;
+    var shown: array<PhotoShown, PHOTO_MAX_BLENDED>;
     let same_angle2 = PHOTO_SAME_ANGLE2 / per_sigma2;
     var normals = vec3f(0.0);
     var sum = 0.0;
     var object = 0.0;
     var background = 0.0;
-    for (var which = 0u; which < min(found, most); which++) {
+    for (var which = 0u; which < min(found, max); which++) {
         let photo = seeing[which];
         let at = in_photo(photo, place, to_eye, normal);
         let sampled = photo_sample(photo, at.texel, photo_per_px(photo, at, steps));
@@ -392,7 +392,7 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
     if (sum <= 0.0) {
         return unseen;
     }
-    let agreed = photo_agreed(shown, min(found, most));
+    let agreed = photo_agreed(shown, min(found, max));
     let color = select(min(agreed, vec3f(1.0)), vec3f(1.0), is_white);
     let length2 = dot(normals, normals);
     return PhotoAnswer(color, ANSWER_SHOWN, select(normals / sqrt(length2), vec3f(0.0), length2 == 0.0));

@@ -113,7 +113,7 @@ fn light_on(position: vec3f, normal: vec3f, to_eye: vec3f, facing: f32, of_eye: 
         let head = Toward(to_eye, facing, vec3f(parts.lights.head));
         light = sum(light, of_lamp(head, normal, to_eye, facing, open));
     }
-    for (var index = 0u; index < MOST_LAMPS; index++) {
+    for (var index = 0u; index < MAX_LAMPS; index++) {
         var color = parts.lights.lamp_colors[index].rgb;
         if (all(color == vec3f(0.0))) {
             continue;

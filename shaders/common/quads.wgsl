@@ -34,7 +34,7 @@ fn corner_of(vertex: u32) -> vec2f {
 // Whether a place in the square of a point is beside the disk in it; the pixel that the point is in is not. Points that
 // are larger than the least have it in their disk.
 fn is_beside_disk(quad: vec2f) -> bool {
-    let aside_px = abs(quad) * 0.5 * view.point_least_px;
+    let aside_px = abs(quad) * 0.5 * view.point_min_px;
     return dot(quad, quad) > 1.0 && max(aside_px.x, aside_px.y) > 0.5;
 }
 

@@ -39,7 +39,7 @@ fn bilateral(
             let difference = depth - middle;
             let aside = vec2f(vec2i(vec2u(column, row)) - i32(BILATERAL_REACH));
             let exponent = exponent_per_m2 * difference * difference + imaging.exponent_per_px2 * dot(aside, aside);
-            let weight = select(exp2(max(exponent, LEAST_EXPONENT)), 0.0, depth == 0.0);
+            let weight = select(exp2(max(exponent, MIN_EXPONENT)), 0.0, depth == 0.0);
             weights += weight;
             sum += weight * difference;
         }

@@ -11,7 +11,7 @@ fn openness(depths: texture_depth_2d, pixel: vec2i, normal: vec3f) -> f32 {
     if (depth == 0.0) {
         return 1.0;
     }
-    let radius_px = min(parts.occlusion.near_radius_px * depth, parts.occlusion.most_radius_px);
+    let radius_px = min(parts.occlusion.near_radius_px * depth, parts.occlusion.max_radius_px);
     // From relative distances to heights in radii.
     let heights = 0.5 * view.focal.y * view.viewport_px.y / radius_px;
     let facing = dot(normal, ray_through(vec2f(pixel) + 0.5));

@@ -8,7 +8,7 @@
 fn neighbour(pixel: vec2i, offset: vec2i, per_depth: f32, gain: f32) -> vec2f {
     let last = vec2i(view.viewport_px) - 1;
     let depth = textureLoad(depths, clamp(pixel + offset, vec2i(0), last), 0);
-    let step = clamp(gain * (depth * per_depth - 1.0), 0.0, parts.eye_dome.most);
+    let step = clamp(gain * (depth * per_depth - 1.0), 0.0, parts.eye_dome.max);
     return vec2f(step, select(0.0, 1.0, depth == 0.0));
 }
 

@@ -39,9 +39,9 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let south = luma_at(pixel + vec2i(0, 1));
     let west = luma_at(pixel + vec2i(-1, 0));
     let east = luma_at(pixel + vec2i(1, 0));
-    let most = max(middle, max(max(north, south), max(west, east)));
-    let contrast = most - min(middle, min(min(north, south), min(west, east)));
-    if (contrast < max(FXAA_LEAST_CONTRAST, FXAA_LEAST_SHARE * most)) {
+    let max = max(middle, max(max(north, south), max(west, east)));
+    let contrast = max - min(middle, min(min(north, south), min(west, east)));
+    if (contrast < max(FXAA_MIN_CONTRAST, FXAA_MIN_SHARE * max)) {
         return vec4f(own, 1.0);
     }
     var corners = vec3f(0.0);
@@ -75,7 +75,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
 
     // Details smaller than a pixel are blended with all that is around.
     let detail = abs(0.25 * (north + south + west + east) - middle) / contrast - FXAA_DETAIL;
-    let blended = clamp(detail / (1.0 - FXAA_DETAIL), 0.0, FXAA_MOST_BLENDED);
+    let blended = clamp(detail / (1.0 - FXAA_DETAIL), 0.0, FXAA_MAX_BLENDED);
     let sides = color_at(pixel + vec2i(0, -1)) + color_at(pixel + vec2i(0, 1)) + color_at(pixel + vec2i(-1, 0))
         + color_at(pixel + vec2i(1, 0));
     let around = (own + sides + corners) / 9.0;

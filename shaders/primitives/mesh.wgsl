@@ -30,7 +30,7 @@ fn varyings(instance: Instance) -> Varyings {
     var clip = project(rotate_to_view(offset));
     if (all(triangle.corners == triangle.corners.xxx)) {
         let quad = quad_corner(corner);
-        clip += vec4f(quad * view.point_least_px / view.viewport_px * clip.w, 0.0, 0.0);
+        clip += vec4f(quad * view.point_min_px / view.viewport_px * clip.w, 0.0, 0.0);
         return Varyings(clip, quad, vec2f(1.0, 0.0), color, vec3f(0.0), vec2f(0.0), NO_TEXTURE);
     }
     let face = oct_decode(triangle.normal);

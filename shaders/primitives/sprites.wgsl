@@ -76,9 +76,9 @@ fn sprite_corner(seen: Patch, facet: Facet, slack: f32, corner: vec2f) -> vec4f 
     var place = corner;
     if (!outline.is_around_eye) {
         let margin = 2.0 * SPRITE_MARGIN_PX / view.viewport_px;
-        let least = view.clamp_radius_px / view.px_per_slope;
+        let min = view.clamp_radius_px / view.px_per_slope;
         let middle = seen.c.xy / -seen.c.z;
-        let end = select(min(outline.low, middle - least), max(outline.high, middle + least), corner > vec2f(0.0));
+        let end = select(min(outline.low, middle - min), max(outline.high, middle + min), corner > vec2f(0.0));
         place = end * view.focal + view.center_ndc + corner * margin;
     }
     // Rounded towards the eye.
@@ -98,7 +98,7 @@ fn place_on_disk(in: Varyings) -> vec2f {
 }
 
 // Where a fragment is in the least splat, whose radius is some pixels.
-fn place_on_least_splat(in: Varyings) -> vec2f {
+fn place_on_min_splat(in: Varyings) -> vec2f {
     if (view.clamp_radius_px == 0.0 || in.middle.z == 0.0) {
         return vec2f(2.0);
     }
@@ -106,14 +106,14 @@ fn place_on_least_splat(in: Varyings) -> vec2f {
 }
 
 // Whether the least splat is stronger there than the disk.
-fn is_on_least_splat(in: Varyings) -> bool {
+fn is_on_min_splat(in: Varyings) -> bool {
     let on_disk = place_on_disk(in);
-    let on_least = place_on_least_splat(in);
-    return dot(on_least, on_least) < dot(on_disk, on_disk);
+    let on_min = place_on_min_splat(in);
+    return dot(on_min, on_min) < dot(on_disk, on_disk);
 }
 
 fn place_on_splat(in: Varyings) -> vec2f {
-    return select(place_on_disk(in), place_on_least_splat(in), is_on_least_splat(in));
+    return select(place_on_disk(in), place_on_min_splat(in), is_on_min_splat(in));
 }
 
 // Of the square only the disk is on the surface.
@@ -124,7 +124,7 @@ fn is_beside_surface(in: Varyings) -> bool {
 // Reversed.
 fn depth_of(in: Varyings) -> f32 {
     let on_plane = dot(in.w.xyz, ray_through(in.position.xy)) * in.w.w;
-    return min(select(on_plane, in.middle.z, is_on_least_splat(in)), in.position.z);
+    return min(select(on_plane, in.middle.z, is_on_min_splat(in)), in.position.z);
 }
 
 fn albedo(in: Varyings) -> vec3f {

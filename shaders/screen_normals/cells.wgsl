@@ -19,9 +19,9 @@ fn cell_at(level: u32, place: vec2u) -> u32 {
 
 // The level whose windows hold a radius.
 fn level_of(radius_px: f32) -> u32 {
-    let cells_reached = radius_px / MOST_REACH_CELLS;
+    let cells_reached = radius_px / MAX_REACH_CELLS;
     var level = 0u;
-    while (level < MOST_LEVELS && cells_reached > f32(1u << level)) {
+    while (level < MAX_LEVELS && cells_reached > f32(1u << level)) {
         level++;
     }
     return level;
@@ -29,7 +29,7 @@ fn level_of(radius_px: f32) -> u32 {
 
 // The radius in which neighbours of a point are looked for, in pixels.
 fn radius_px_at(depth: f32) -> f32 {
-    return max(screening.radius * px_per_unit() / depth, LEAST_RADIUS_PX);
+    return max(screening.radius * px_per_unit() / depth, MIN_RADIUS_PX);
 }
 
 // Of the nearest points of the finest cells, the first.

@@ -145,7 +145,7 @@ fn is_hidden(place_px: vec2f, depth: f32) -> bool {
 // Whether what is nearer than `limit` covers the pixel in the middle.
 fn is_covered(middle: u32, limit: f32) -> bool {
     let nearest_depth = bitcast<f32>(~atomicLoad(&found.nearest));
-    for (var row = 0u; row <= MOST_REACH_PX; row++) {
+    for (var row = 0u; row <= MAX_REACH_PX; row++) {
         if (row > 0u) {
             // As far as the nearest of all points reaches.
             let reach = covers_below(vec2u(row));
@@ -153,7 +153,7 @@ fn is_covered(middle: u32, limit: f32) -> bool {
                 break;
             }
         }
-        for (var column = 0u; column <= MOST_REACH_PX; column++) {
+        for (var column = 0u; column <= MAX_REACH_PX; column++) {
             let below = covers_below(vec2u(column, row));
             let covering = min(min(below.x, below.y), limit);
             let above = middle - row * stride();

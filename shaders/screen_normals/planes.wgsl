@@ -31,8 +31,8 @@ fn surface(@builtin(global_invocation_id) id: vec3u) {
     let seen = seen_from_eye(seen_points[place].xyz);
     var radius = radius_px_at(seen.depth) * seen.depth / px_per_unit();
     var around = neighbourhood(seen, radius, 1u);
-    for (var doubling = 0u; doubling < MOST_DOUBLINGS; doubling++) {
-        if (around.found >= FEWEST_NEIGHBOURS && is_plane(around)) {
+    for (var doubling = 0u; doubling < MAX_DOUBLINGS; doubling++) {
+        if (around.found >= MIN_NEIGHBOURS && is_plane(around)) {
             break;
         }
         radius *= 2.0;
@@ -54,7 +54,7 @@ fn lend(@builtin(global_invocation_id) id: vec3u) {
     }
     let seen = seen_from_eye(seen_points[place].xyz);
     let usual_radius = radius_px_at(seen.depth) * seen.depth / px_per_unit();
-    for (var doubling = 0u; doubling <= MOST_DOUBLINGS_OF_LENDING; doubling++) {
+    for (var doubling = 0u; doubling <= MAX_DOUBLINGS_OF_LENDING; doubling++) {
         let radius = usual_radius * f32(1u << doubling);
         let window = window_of(seen, radius, select(WIDE_WINDOW, 1u, doubling == 0u));
         var nearest_squared = radius * radius;
@@ -96,10 +96,10 @@ struct Window {
 // at most, of the finest level that holds it.
 fn window_of(seen: Seen, wanted_radius: f32, eights: u32) -> Window {
     let px = px_per_unit() / seen.depth;
-    let radius_px = min(wanted_radius * px, MOST_REACH_CELLS * f32(1u << found.coarsest));
+    let radius_px = min(wanted_radius * px, MAX_REACH_CELLS * f32(1u << found.coarsest));
     let level = clamp(level_of(radius_px / f32(eights)), found.finest, found.coarsest);
     let per_px = 1.0 / f32(1u << level);
-    let reach = min(radius_px * per_px, MOST_REACH_CELLS * f32(eights));
+    let reach = min(radius_px * per_px, MAX_REACH_CELLS * f32(eights));
     let size = vec2i(level_size(level));
     let cells_px = seen.place_px * per_px;
     // Places are rounded towards zero, so all are made positive first.
@@ -115,7 +115,7 @@ fn window_of(seen: Seen, wanted_radius: f32, eights: u32) -> Window {
 fn neighbourhood(seen: Seen, wanted_radius: f32, eights: u32) -> Neighbourhood {
     let window = window_of(seen, wanted_radius, eights);
     let radius = window.radius;
-    let per_radius = 1.0 / max(radius, LEAST_POSITIVE);
+    let per_radius = 1.0 / max(radius, MIN_POSITIVE);
     var count = 0.0;
     var point_count = 0.0;
     var sum = vec3f(0.0);
@@ -147,7 +147,7 @@ fn is_plane(around: Neighbourhood) -> bool {
     let m = around.covariance;
     let trace = m.xx + m.yy + m.zz;
     let pairs = (m.xx * m.yy - m.xy * m.xy) + (m.xx * m.zz - m.zx * m.zx) + (m.yy * m.zz - m.yz * m.yz);
-    return around.found >= FEWEST_OF_PLANE && pairs > LEAST_SPREAD * trace * trace;
+    return around.found >= MIN_OF_PLANE && pairs > MIN_SPREAD * trace * trace;
 }
 
 fn shape_of(seen: Seen, around: Neighbourhood) -> ShapeRecord {
@@ -171,7 +171,7 @@ fn shape_with_normal(seen: Seen, normal: vec3f, radius: f32, neighbourhood_radiu
         return ShapeRecord(oct_encode(turned), radius, 0u, 0.0);
     }
     // One point a pixel is left, and it closes its row.
-    let cosine = max(abs(dot(normal, seen.offset)) / length(seen.offset), LEAST_POSITIVE);
+    let cosine = max(abs(dot(normal, seen.offset)) / length(seen.offset), MIN_POSITIVE);
     let closing = min(CLOSING_ROWS_PX * px / cosine, 2.0 * neighbourhood_radius);
     return ShapeRecord(oct_encode(turned), max(radius, closing), 0u, 0.0);
 }

@@ -21,11 +21,11 @@ fn is_on_plane_of_nearer(middle: u32, place_px: vec2f, depth: f32) -> bool {
     if (is_enclosed(middle, depth - screening.radius)) {
         return false;
     }
-    var sums = ramp_sums(middle, depth, i32(MOST_REACH_PX));
-    if (sums.count < FEWEST_OF_RAMP) {
+    var sums = ramp_sums(middle, depth, i32(MAX_REACH_PX));
+    if (sums.count < MIN_OF_RAMP) {
         sums = ramp_sums(middle, depth, i32(BORDER_PX));
     }
-    if (sums.count < FEWEST_OF_RAMP) {
+    if (sums.count < MIN_OF_RAMP) {
         return false;
     }
     let columns = sums.count * sums.columns - sums.column * sums.column;
@@ -47,11 +47,11 @@ fn is_on_plane_of_nearer(middle: u32, place_px: vec2f, depth: f32) -> bool {
 
 // Whether a point is covered on all sides, as most are that are hidden: known without a plane.
 fn is_enclosed(middle: u32, limit: f32) -> bool {
-    let above = middle - MOST_REACH_PX * stride();
-    let under = middle + MOST_REACH_PX * stride();
-    let beside = max(depths[middle - MOST_REACH_PX], depths[middle + MOST_REACH_PX]);
-    let before = max(max(depths[above - MOST_REACH_PX], depths[above]), depths[above + MOST_REACH_PX]);
-    let after = max(max(depths[under - MOST_REACH_PX], depths[under]), depths[under + MOST_REACH_PX]);
+    let above = middle - MAX_REACH_PX * stride();
+    let under = middle + MAX_REACH_PX * stride();
+    let beside = max(depths[middle - MAX_REACH_PX], depths[middle + MAX_REACH_PX]);
+    let before = max(max(depths[above - MAX_REACH_PX], depths[above]), depths[above + MAX_REACH_PX]);
+    let after = max(max(depths[under - MAX_REACH_PX], depths[under]), depths[under + MAX_REACH_PX]);
     return max(max(before, after), beside) < limit;
 }
 

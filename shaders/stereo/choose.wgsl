@@ -22,16 +22,16 @@ fn is_even(pixel: vec2u) -> bool {
     let reach = vec2i(CENSUS_HALF_WIDTH, CENSUS_HALF_HEIGHT);
     let first = max(vec2i(pixel) - reach, vec2i(0));
     let last = min(vec2i(pixel) + reach, vec2i(matching.size_px) - 1);
-    var least = 255u;
-    var most = 0u;
+    var min = 255u;
+    var max = 0u;
     for (var y = first.y; y <= last.y; y++) {
         for (var x = first.x; x <= last.x; x++) {
             let seen = brightness(index_of(vec2u(vec2i(x, y))));
-            least = min(least, seen);
-            most = max(most, seen);
+            min = min(min, seen);
+            max = max(max, seen);
         }
     }
-    return most - least <= EVEN_WINDOW;
+    return max - min <= EVEN_WINDOW;
 }
 
 // The sum of a label of a pixel.

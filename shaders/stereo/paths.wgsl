@@ -7,7 +7,7 @@
 // taken.
 var<workgroup> path: array<u32, STEREO_PATH_VALUES>;
 // The smallest of three pixels in turn: before, now, and the one that is made ready for the next.
-var<workgroup> least: array<atomic<u32>, 3>;
+var<workgroup> min: array<atomic<u32>, 3>;
 
 // Where a path begins and how many pixels it has. Along lines and columns there are as many as lines and columns; along
 // diagonals one from each pixel of two borders.
@@ -29,7 +29,7 @@ fn begin_of_path(number: i32) -> vec3i {
 fn p2_between(from_index: u32, to_index: u32) -> u32 {
     let from_brightness = i32(brightness(from_index));
     let change = u32(abs(from_brightness - i32(brightness(to_index))));
-    return matching.p2_least + matching.p2_above_least * matching.half_change / (matching.half_change + change);
+    return matching.p2_min + matching.p2_above_min * matching.half_change / (matching.half_change + change);
 }
 
 @compute @workgroup_size(STEREO_LANES)
@@ -45,7 +45,7 @@ fn along_path(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
         path[stride + label] = STEREO_NEVER;
     }
     if (lane < 3u) {
-        atomicStore(&least[lane], select(STEREO_NEVER, 0u, lane == 0u));
+        atomicStore(&min[lane], select(STEREO_NEVER, 0u, lane == 0u));
     }
     workgroupBarrier();
     for (var number = 0u; number < length; number++) {
@@ -55,20 +55,20 @@ fn along_path(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
         if (number > 0u) {
             p2 = p2_between(index_of(vec2u(vec2i(pixel) - matching.path_step)), index);
         }
-        let least_before = atomicLoad(&least[number % 3u]);
+        let min_before = atomicLoad(&min[number % 3u]);
         let from_place = (number % 2u) * stride;
         let to_place = stride - from_place;
-        var least_now = STEREO_NEVER;
+        var min_now = STEREO_NEVER;
         for (var word = lane; word < words; word += STEREO_LANES) {
             let place = from_place + 2u * word;
             let costs = vec4u(path[place], path[place + 1u], path[place + 2u], path[place + 3u]);
             let near = min(costs.xy, costs.zw) + matching.p1;
-            let best = min(min(costs.yz, near), vec2u(least_before + p2)) - least_before;
+            let best = min(min(costs.yz, near), vec2u(min_before + p2)) - min_before;
             let both = two_costs(pixel, word);
             let now = vec2u(both & 0xffffu, both >> 16u) + best;
             path[to_place + 2u * word + 1u] = now.x;
             path[to_place + 2u * word + 2u] = now.y;
-            least_now = min(least_now, min(now.x, now.y));
+            min_now = min(min_now, min(now.x, now.y));
             let sum = now.x | (now.y << 16u);
             if (matching.is_first_path != 0u) {
                 sums[index * words + word] = sum;
@@ -76,9 +76,9 @@ fn along_path(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
                 sums[index * words + word] += sum;
             }
         }
-        atomicMin(&least[(number + 1u) % 3u], least_now);
+        atomicMin(&min[(number + 1u) % 3u], min_now);
         if (lane == 0u) {
-            atomicStore(&least[(number + 2u) % 3u], STEREO_NEVER);
+            atomicStore(&min[(number + 2u) % 3u], STEREO_NEVER);
         }
         workgroupBarrier();
     }

@@ -121,12 +121,12 @@ pub fn estimate_planes(positions: &[Vec3], k: usize, fit: PlaneFit) -> Planes {
 /// That takes one thread half a microsecond a point and 100 bytes, most of a frame's time and memory; surfels with a
 /// back side, as clouds without a sensor have, look the same with any sign. Playing sequences have fewer points a
 /// frame, and keep the exact signs.
-pub const MOST_JOINED: usize = 1 << 21;
+pub const MAX_JOINED: usize = 1 << 21;
 
 /// Estimates normals and radii from [`DEFAULT_NEIGHBOURS`] neighbours.
 ///
 /// Normals point to `sensor` if it is given; else they are made consistent over the neighbourhood graph, and each
-/// connected component faces outwards: of all points up to [`MOST_JOINED`], beyond it of representatives. Positions
+/// connected component faces outwards: of all points up to [`MAX_JOINED`], beyond it of representatives. Positions
 /// must be finite. Any number of points is valid: a point without a surface around it (fewer than three distinct points
 /// nearby, or all in a line) gets a normal across what there is, and +Z where there is nothing.
 ///
@@ -188,7 +188,7 @@ fn surface_of_distinct(
 fn orientation_of(points: usize, sensor: Option<Vec3>) -> Orientation {
     match sensor {
         Some(_) => Orientation::Sensor,
-        None if points <= MOST_JOINED => Orientation::Neighbours,
+        None if points <= MAX_JOINED => Orientation::Neighbours,
         None => Orientation::Representatives,
     }
 }

@@ -75,14 +75,14 @@ impl NormalErrors {
 
 /// From blue to green up to 22.5 degrees, then red.
 fn color(error_deg: f32) -> [u8; 4] {
-    let [none, most, large] = NormalErrors::COLORS;
+    let [none, max, large] = NormalErrors::COLORS;
     if error_deg > LARGE_DEG {
         return large;
     }
     let share = error_deg / LARGE_DEG;
     let mut mixed = none;
-    for (mixed, most) in mixed.iter_mut().zip(most) {
-        *mixed = (f32::from(*mixed) + share * (f32::from(most) - f32::from(*mixed))).round() as u8;
+    for (mixed, max) in mixed.iter_mut().zip(max) {
+        *mixed = (f32::from(*mixed) + share * (f32::from(max) - f32::from(*mixed))).round() as u8;
     }
     mixed
 }

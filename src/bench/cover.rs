@@ -70,7 +70,7 @@ impl Cover {
     pub(super) fn closer_view(&self, wanted_share: f64, min_scale: f64) -> CloserView {
         let mut scale = 1.0;
         loop {
-            let (share, view) = self.most_covered(scale);
+            let (share, view) = self.max_covered(scale);
             if share >= wanted_share || scale <= min_scale {
                 return view;
             }
@@ -79,7 +79,7 @@ impl Cover {
     }
 
     /// The most covered part of a scale, with its share.
-    fn most_covered(&self, scale: f64) -> (f64, CloserView) {
+    fn max_covered(&self, scale: f64) -> (f64, CloserView) {
         let whole = self.size_px;
         let part = whole.map(|edge| ((edge as f64 * scale).round() as usize).clamp(1, edge.max(1)));
         let positions = |axis: usize| {

@@ -206,13 +206,13 @@ mod tests {
             prop_assert!(quality.choices().is_sorted_by(|a, b| a.draw_ms <= b.draw_ms && a.flip >= b.flip));
             // By brute force over all points.
             let affordable = pairs.iter().filter(|(ms, _)| *ms <= spent).map(|&(_, flip)| flip);
-            if let Some(least) = affordable.min_by(f64::total_cmp) {
-                prop_assert_eq!(quality.best_within(spent).flip, least);
+            if let Some(min) = affordable.min_by(f64::total_cmp) {
+                prop_assert_eq!(quality.best_within(spent).flip, min);
             }
             let error = spent / 9.0;
             let right = pairs.iter().filter(|(_, flip)| *flip <= error).map(|&(ms, _)| ms);
-            if let Some(least) = right.min_by(f64::total_cmp) {
-                prop_assert_eq!(quality.fastest_below(error).draw_ms, least);
+            if let Some(min) = right.min_by(f64::total_cmp) {
+                prop_assert_eq!(quality.fastest_below(error).draw_ms, min);
             }
         }
     }

@@ -31,10 +31,10 @@ const MAX_MOVES: usize = 10;
 const FIRST_REACHES: [f64; 2] = [2.5, 1.6];
 
 /// A correction that may change the distance by no more than this is not worth a picture.
-const LEAST_REACH: f64 = 1.05;
+const MIN_REACH: f64 = 1.05;
 
 /// A correction that gains less of the picture than this hardly helps: the next one is smaller.
-const LEAST_GAIN: f64 = 0.003;
+const MIN_GAIN: f64 = 0.003;
 
 /// Distance range of the camera, as multiples of the distance that frames the whole object. Closer than this the eye
 /// would be inside it.
@@ -103,7 +103,7 @@ fn climb<E>(
 ) -> Result<Viewpoint, E> {
     let range = DISTANCE_RANGE.start() * best.camera.distance..=DISTANCE_RANGE.end() * best.camera.distance;
     for _ in 0..MAX_MOVES {
-        if best.is_in_band() || reach < LEAST_REACH {
+        if best.is_in_band() || reach < MIN_REACH {
             break;
         }
         let mut camera = best.camera;
@@ -128,7 +128,7 @@ fn climb<E>(
             best = Viewpoint { camera, coverage };
             cover = moved_cover;
         }
-        if gain < LEAST_GAIN && !is_on_the_way_out {
+        if gain < MIN_GAIN && !is_on_the_way_out {
             reach = reach.sqrt();
         }
     }

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 /// Bytes that are kept.
-const MOST_BYTES: u64 = 256 << 20;
+const MAX_BYTES: u64 = 256 << 20;
 
 /// Changes whenever truths are worked out in another way.
 const VERSION: u32 = 1;
@@ -26,7 +26,7 @@ const VERSION: u32 = 1;
 #[derive(Debug, Clone)]
 pub(super) struct TruthCache {
     folder: Option<PathBuf>,
-    most_bytes: u64,
+    max_bytes: u64,
 }
 
 impl TruthCache {
@@ -34,7 +34,7 @@ impl TruthCache {
     pub(super) fn new(folder: Option<PathBuf>) -> Self {
         Self {
             folder,
-            most_bytes: MOST_BYTES,
+            max_bytes: MAX_BYTES,
         }
     }
 
@@ -58,7 +58,7 @@ impl TruthCache {
         if let Err(reason) = write(&files, &truth) {
             log::warn!("the truth of a view is not kept in {}: {reason}", folder.display());
         }
-        drop_oldest(folder, self.most_bytes);
+        drop_oldest(folder, self.max_bytes);
         truth
     }
 }
@@ -105,8 +105,8 @@ fn write(files: &[PathBuf; 3], truth: &Truth) -> Result<(), Box<dyn std::error::
     Ok(())
 }
 
-/// Removes the oldest files of `folder` until at most `most_bytes` are left.
-fn drop_oldest(folder: &Path, most_bytes: u64) {
+/// Removes the oldest files of `folder` until at most `max_bytes` are left.
+fn drop_oldest(folder: &Path, max_bytes: u64) {
     let Ok(entries) = fs::read_dir(folder) else {
         return;
     };
@@ -120,7 +120,7 @@ fn drop_oldest(folder: &Path, most_bytes: u64) {
     files.sort();
     let mut bytes: u64 = files.iter().map(|(_, bytes, _)| bytes).sum();
     for (_, size, file) in files {
-        if bytes <= most_bytes {
+        if bytes <= max_bytes {
             break;
         }
         // Another run of the program may have been first.

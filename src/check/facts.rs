@@ -1,6 +1,6 @@
 //! Frame facts: what is remembered of a frame after inspection.
 
-use crate::cloud::{Frame, MissingPoints, NoData, Positions, RawCloud, make_holes, most_radius};
+use crate::cloud::{Frame, MissingPoints, NoData, Positions, RawCloud, make_holes, max_radius};
 use crate::scene::{FirstLook, UpAxis};
 use glam::DVec3;
 
@@ -81,7 +81,7 @@ fn noted(raw: &RawCloud) -> Vec<String> {
 /// Counts the radii that cannot be drawn.
 fn absurd_radii(raw: &RawCloud) -> usize {
     let Some(radii) = &raw.attributes.radii else { return 0 };
-    let most = most_radius(raw.positions.len(), |index| raw.positions.get(index));
+    let most = max_radius(raw.positions.len(), |index| raw.positions.get(index));
     let is_absurd = |radius: &&f32| !radius.is_finite() || **radius > most;
     radii.iter().filter(is_absurd).count()
 }

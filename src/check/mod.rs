@@ -64,7 +64,7 @@ pub fn check(sequence: &Sequence, progress: &(dyn Fn(usize) + Sync)) -> CheckRep
         attributes: readable()
             .next()
             .map_or_else(Vec::new, |facts| facts.attributes.clone()),
-        probable_up: rules::most_common_up(&facts).map(UpAxis::name),
+        probable_up: rules::max_common_up(&facts).map(UpAxis::name),
         stamped_fps: (!sequence.pace().is_even()).then(|| sequence.fps()),
         bounds: bounds.map(|(min, max)| [min.to_array(), max.to_array()]),
         findings,

@@ -116,7 +116,7 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
 }
 
 /// The axis that is probably up in most frames.
-pub(super) fn most_common_up(facts: &Facts) -> Option<UpAxis> {
+pub(super) fn max_common_up(facts: &Facts) -> Option<UpAxis> {
     let mut counts: Vec<(UpAxis, usize)> = Vec::new();
     for up in facts.iter().flatten().filter_map(|facts| facts.probable_up) {
         match counts.iter_mut().find(|(known, _)| *known == up) {
@@ -210,8 +210,8 @@ fn loose_cameras_of(set: &ViewSet, frame: usize) -> Vec<Finding> {
     let errors = set.photos.iter().zip(set.reprojection_errors());
     let loose = errors.filter_map(|(photo, error)| {
         let [width, height] = photo.camera.size_px();
-        let most_px = LOOSE_PX.max(LOOSE_SHARE * f64::from(width.max(height)));
-        let error = error.filter(|error| error.rms_px > most_px)?;
+        let max_px = LOOSE_PX.max(LOOSE_SHARE * f64::from(width.max(height)));
+        let error = error.filter(|error| error.rms_px > max_px)?;
         Some(Finding {
             kind: FindingKind::LooseCamera,
             severity: FindingKind::LooseCamera.severity(),
@@ -426,7 +426,7 @@ fn bounds_jumps(facts: &Facts) -> Vec<Finding> {
 }
 
 fn changed_up_axes(facts: &Facts) -> Option<Finding> {
-    let usual = most_common_up(facts)?;
+    let usual = max_common_up(facts)?;
     let ups = facts.iter().enumerate();
     let frames: Vec<usize> = ups
         .filter(|(_, facts)| {

@@ -101,11 +101,11 @@ impl Attributes {
 
     /// Sanitises attributes: normals become unit vectors, or zero where there is no direction; radii become drawable, 0
     /// where there is none; scalars finite or NaN. Ellipses are kept next to a normal and a radius, and are circles
-    /// otherwise. Radii above `most_radius` are missing.
-    pub(super) fn make_usable(&mut self, most_radius: f32) {
+    /// otherwise. Radii above `max_radius` are missing.
+    pub(super) fn make_usable(&mut self, max_radius: f32) {
         for_each(self.normals.as_deref_mut(), |normal| *normal = unit_or_zero(*normal));
         for_each(self.radii.as_deref_mut(), |radius| {
-            *radius = usable_radius(*radius, most_radius);
+            *radius = usable_radius(*radius, max_radius);
         });
         for field in &mut self.scalars {
             for_each(Some(&mut field.values), |scalar| {
@@ -151,8 +151,8 @@ fn unit_or_zero(normal: [f32; 3]) -> [f32; 3] {
     }
 }
 
-fn usable_radius(radius: f32, most_radius: f32) -> f32 {
-    if radius.is_finite() && radius <= most_radius {
+fn usable_radius(radius: f32, max_radius: f32) -> f32 {
+    if radius.is_finite() && radius <= max_radius {
         radius.max(0.0)
     } else {
         0.0
@@ -161,13 +161,13 @@ fn usable_radius(radius: f32, most_radius: f32) -> f32 {
 
 /// The largest radius that a splat among `count` points can have: a disk a thousand times as wide as most of the cloud
 /// is a wrong number, which would cover everything. The few points far away do not count.
-pub(crate) fn most_radius(count: usize, position: impl Fn(usize) -> DVec3) -> f32 {
+pub(crate) fn max_radius(count: usize, position: impl Fn(usize) -> DVec3) -> f32 {
     const SAMPLE: usize = 1 << 12;
-    const FEWEST: usize = 20;
+    const MIN: usize = 20;
     const EXTENTS: f64 = 1000.0;
     let places = even_places(count, SAMPLE).into_iter().map(position);
     let sample: Vec<DVec3> = places.filter(|position| position.is_finite()).collect();
-    if sample.len() < FEWEST {
+    if sample.len() < MIN {
         return f32::MAX;
     }
     let extent = |axis: usize| {
@@ -250,14 +250,14 @@ mod tests {
     #[test]
     fn absurd_radii_are_missing() {
         let place = |index: usize| DVec3::new(index as f64, 1.0, if index == 7 { 1e30 } else { 0.0 });
-        let most = most_radius(1001, place);
-        assert!((500_000.0..1_100_000.0).contains(&most), "{most}");
-        assert_eq!(most_radius(5, place), f32::MAX);
-        assert_eq!(most_radius(100, |_| DVec3::ONE), f32::MAX);
+        let max = max_radius(1001, place);
+        assert!((500_000.0..1_100_000.0).contains(&max), "{max}");
+        assert_eq!(max_radius(5, place), f32::MAX);
+        assert_eq!(max_radius(100, |_| DVec3::ONE), f32::MAX);
         for radius in [1e20, f32::INFINITY, f32::NAN, -1.0, f32::NEG_INFINITY] {
-            assert_eq!(usable_radius(radius, most), 0.0, "{radius}");
+            assert_eq!(usable_radius(radius, max), 0.0, "{radius}");
         }
-        assert_eq!(usable_radius(3.5, most), 3.5);
+        assert_eq!(usable_radius(3.5, max), 3.5);
     }
 
     #[test]

@@ -99,14 +99,14 @@ impl CellScalars {
                 .zip(counts)
                 .map(|(sum, count)| (sum / f64::from(count)) as f32)
                 .collect(),
-            Values::Votes(votes) => votes.iter().map(most_frequent).collect(),
+            Values::Votes(votes) => votes.iter().map(max_frequent).collect(),
         };
         self.field.with_values(values)
     }
 }
 
-fn most_frequent(votes: &BTreeMap<u32, u32>) -> f32 {
-    let most = votes.values().copied().max();
-    let value = votes.iter().find(|(_, count)| Some(**count) == most);
+fn max_frequent(votes: &BTreeMap<u32, u32>) -> f32 {
+    let max = votes.values().copied().max();
+    let value = votes.iter().find(|(_, count)| Some(**count) == max);
     f32::from_bits(value.map_or(0, |(value, _)| *value))
 }

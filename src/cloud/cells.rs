@@ -6,7 +6,7 @@ use glam::{DVec3, I64Vec3, Vec3};
 use std::collections::HashMap;
 
 /// Cells from zero on that double precision tells apart.
-const MOST_FROM_ZERO: f64 = 9e15;
+const MAX_FROM_ZERO: f64 = 9e15;
 
 /// Cells along the edge of a block. Points that follow each other are mostly in the same one, so its cells are found
 /// without asking the table again.
@@ -21,7 +21,7 @@ const NOWHERE: u32 = u32::MAX;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
     "cells of {edge} cannot be counted at coordinates of {farthest:.3e}: choose an edge above {:.0e}",
-    farthest / MOST_FROM_ZERO
+    farthest / MAX_FROM_ZERO
 )]
 pub struct TooManyCells {
     /// Edge of the cells.
@@ -106,7 +106,7 @@ impl Cells {
             return Ok(());
         };
         let farthest = min.abs().max(max.abs()).max_element();
-        if farthest / self.edge > MOST_FROM_ZERO {
+        if farthest / self.edge > MAX_FROM_ZERO {
             return Err(TooManyCells {
                 edge: self.edge,
                 farthest,

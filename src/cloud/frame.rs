@@ -3,7 +3,7 @@
 //! Points that are close in space are close in memory: whoever reads the points around a point, or the texels under it,
 //! finds them in the cache. [`Frame::file_index`] leads back to the file.
 
-use super::attributes::{gather, most_radius};
+use super::attributes::{gather, max_radius};
 use super::value_sample::{SharedSample, ValueSample};
 use super::{
     Attributes, AxisConvention, Ellipse, ImageGrid, LengthUnit, MadeFrom, Positions, RawCloud, ScalarField,
@@ -81,12 +81,12 @@ impl Frame {
         let mut attributes = raw.attributes;
         attributes.keep(&file_index);
         // After all are at their places: a processor that waits for roots fetches little from memory meanwhile.
-        let most_radius = if attributes.radii.is_some() {
-            most_radius(positions.len(), |index| positions[index].as_dvec3())
+        let max_radius = if attributes.radii.is_some() {
+            max_radius(positions.len(), |index| positions[index].as_dvec3())
         } else {
             f32::MAX
         };
-        attributes.make_usable(most_radius);
+        attributes.make_usable(max_radius);
         Ok(Self {
             bounds,
             dropped_points: point_count - file_index.len(),
@@ -108,16 +108,16 @@ impl Frame {
         })
     }
 
-    /// [`Frame::from_raw`] of at most `most_points` points, taken evenly from the order of the file. Radii grow, so
+    /// [`Frame::from_raw`] of at most `max_points` points, taken evenly from the order of the file. Radii grow, so
     /// that they cover what all cover.
-    pub fn from_raw_sample(mut raw: RawCloud, origin: DVec3, most_points: usize) -> Result<Self, CloudError> {
+    pub fn from_raw_sample(mut raw: RawCloud, origin: DVec3, max_points: usize) -> Result<Self, CloudError> {
         let point_count = raw.positions.len();
-        if point_count <= most_points {
+        if point_count <= max_points {
             return Self::from_raw(raw, origin);
         }
         check_lengths(&raw)?;
         let grid = raw.grid;
-        raw.keep(&even_slots(point_count, most_points));
+        raw.keep(&even_slots(point_count, max_points));
         raw.grid = grid;
         Self::from_sampled(raw, origin, point_count)
     }
@@ -161,10 +161,10 @@ impl Frame {
         self
     }
 
-    /// At most `most_points` of the points, taken evenly in their order, and where each of them stands here. Radii of
+    /// At most `max_points` of the points, taken evenly in their order, and where each of them stands here. Radii of
     /// the file grow, so that they cover what all cover.
-    pub fn sample(&self, most_points: usize) -> Result<(Self, Vec<u32>), CloudError> {
-        let taken = even_slots(self.len(), most_points);
+    pub fn sample(&self, max_points: usize) -> Result<(Self, Vec<u32>), CloudError> {
+        let taken = even_slots(self.len(), max_points);
         let mut attributes = self.attributes.gathered(&taken);
         attributes.scale_splats(radius_factor(self.len(), taken.len()));
         self.with_points(&taken, attributes)
@@ -376,8 +376,8 @@ fn check_lengths(raw: &RawCloud) -> Result<(), CloudError> {
 }
 
 /// [`even_places`] of no more points than a frame can hold.
-fn even_slots(count: usize, most: usize) -> Vec<u32> {
-    let places = even_places(count, most).into_iter();
+fn even_slots(count: usize, max: usize) -> Vec<u32> {
+    let places = even_places(count, max).into_iter();
     places.map(|place| place as u32).collect()
 }
 

@@ -23,7 +23,7 @@ mod unit;
 mod value_sample;
 
 pub use attributes::Attributes;
-pub(crate) use attributes::most_radius;
+pub(crate) use attributes::max_radius;
 pub use cells::{Cells, TooManyCells};
 pub(crate) use ellipse::ELLIPSE_STEPS;
 pub use ellipse::{Ellipse, decode_ellipse, encode_ellipse};

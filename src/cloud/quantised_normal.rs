@@ -205,7 +205,7 @@ mod tests {
             let error = angle(all[coarser_normal(quantise_normal(unit), 13) as usize], unit);
             let nearest = all
                 .iter()
-                .fold(f32::MAX, |least, &normal| least.min((normal - unit).length_squared()));
+                .fold(f32::MAX, |min, &normal| min.min((normal - unit).length_squared()));
             sum += f64::from(error);
             nearest_sum += f64::from(nearest.sqrt());
             largest = largest.max(error);
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn each_two_bits_halve_the_error() {
-        for (bits, mean_most_deg) in [(13, 1.0), (15, 0.5), (17, 0.25)] {
+        for (bits, mean_max_deg) in [(13, 1.0), (15, 0.5), (17, 0.25)] {
             let all = quantised_normals(bits);
             let (mut sum, mut largest) = (0.0, 0f32);
             for unit in spiral(100_000) {
@@ -227,7 +227,7 @@ mod tests {
                 largest = largest.max(error);
             }
             let mean_deg = (sum / 1e5).to_degrees();
-            assert!(mean_deg < mean_most_deg, "{bits} bits: {mean_deg}°");
+            assert!(mean_deg < mean_max_deg, "{bits} bits: {mean_deg}°");
             let bound = largest_normal_error(bits);
             let largest_deg = largest.to_degrees();
             assert!((0.6 * bound..=bound).contains(&largest), "{bits} bits: {largest_deg}°");

@@ -4,13 +4,13 @@
 //! part to part. So a sample requires no look at the coordinates, organised clouds do not lose whole columns, and equal
 //! clouds have equal samples.
 
-/// `most` places of `0..count`, ascending, one in each of as many equal parts; all where there are no more.
-pub(crate) fn even_places(count: usize, most: usize) -> Vec<usize> {
-    if count <= most {
+/// `max` places of `0..count`, ascending, one in each of as many equal parts; all where there are no more.
+pub(crate) fn even_places(count: usize, max: usize) -> Vec<usize> {
+    if count <= max {
         return (0..count).collect();
     }
-    let begin = |part: usize| (part as u64 * count as u64 / most as u64) as usize;
-    (0..most)
+    let begin = |part: usize| (part as u64 * count as u64 / max as u64) as usize;
+    (0..max)
         .map(|part| {
             let len = begin(part + 1) - begin(part);
             begin(part) + (fraction(part as u64) * len as f64) as usize
@@ -39,9 +39,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn places_are_one_in_each_part(count in 0usize..5000, most in 0usize..6000) {
-            let places = even_places(count, most);
-            prop_assert_eq!(places.len(), count.min(most));
+        fn places_are_one_in_each_part(count in 0usize..5000, max in 0usize..6000) {
+            let places = even_places(count, max);
+            prop_assert_eq!(places.len(), count.min(max));
             prop_assert!(places.is_sorted_by(|a, b| a < b));
             for (number, &place) in places.iter().enumerate() {
                 let part = number * count / places.len()..(number + 1) * count / places.len();

@@ -25,13 +25,13 @@ pub struct TexturePlace {
 
 impl Textures {
     /// Most texels of all pictures together: half of what every adapter binds.
-    pub const MOST_TEXELS: usize = 1 << 24;
+    pub const MAX_TEXELS: usize = 1 << 24;
 
     /// These pictures. While they are too large together, the largest is halved. Those without pixels are one white
     /// texel.
     pub fn of(mut pictures: Vec<RgbaImage>) -> Self {
         let texels = |picture: &RgbaImage| picture.width() as usize * picture.height() as usize;
-        while pictures.iter().map(texels).sum::<usize>() > Self::MOST_TEXELS {
+        while pictures.iter().map(texels).sum::<usize>() > Self::MAX_TEXELS {
             let Some(largest) = pictures.iter_mut().max_by_key(|picture| texels(picture)) else {
                 break;
             };
@@ -157,7 +157,7 @@ mod tests {
         let large = RgbaImage::from_pixel(8192, 4096, Rgba([9, 8, 7, 255]));
         let textures = Textures::of(vec![large, RgbaImage::new(1, 1)]);
         assert_eq!([textures.places()[0].width, textures.places()[0].height], [4096, 2048]);
-        assert!(textures.texels().len() <= Textures::MOST_TEXELS);
+        assert!(textures.texels().len() <= Textures::MAX_TEXELS);
         assert_eq!(textures.places()[1].first, 4096 * 2048);
         assert_eq!(textures.texels()[5], [9, 8, 7, 255]);
     }

@@ -19,10 +19,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const POINTS_PER_PIECE: usize = 256;
 
 /// Most points that are kept, about: their surface is estimated in a fifth of a second on two threads.
-const MOST_POINTS: f64 = (1 << 19) as f64;
+const MAX_POINTS: f64 = (1 << 19) as f64;
 
 /// Maximum number of pixels that are resolved: larger images are evaluated in coarser steps.
-const MOST_PIXELS: usize = 1 << 20;
+const MAX_PIXELS: usize = 1 << 20;
 
 /// No point is seen there.
 const EMPTY: u64 = u64::MAX;
@@ -65,14 +65,14 @@ pub fn points_in_view(
             .zip(points)
             .filter_map(|(slot, &position)| seen_at(position).map(|(pixel, _)| (pixel, slot)));
         let (pixels, slots): (Vec<usize>, Vec<u32>) = in_view.unzip();
-        let most = grid.detail_of(pixels).min(slots.len() as f64);
-        (slots, most)
+        let max = grid.detail_of(pixels).min(slots.len() as f64);
+        (slots, max)
     });
     let seen: Vec<(Vec<u32>, f64)> = seen.collect();
-    let in_detail: f64 = seen.iter().map(|(_, most)| most).sum();
-    let share = (MOST_POINTS / in_detail).min(1.0);
-    let kept = seen.iter().flat_map(|(slots, most)| {
-        let places = even_places(slots.len(), (share * most).ceil() as usize);
+    let in_detail: f64 = seen.iter().map(|(_, max)| max).sum();
+    let share = (MAX_POINTS / in_detail).min(1.0);
+    let kept = seen.iter().flat_map(|(slots, max)| {
+        let places = even_places(slots.len(), (share * max).ceil() as usize);
         places.into_iter().map(move |place| slots[place])
     });
     kept.collect()
@@ -87,7 +87,7 @@ struct PixelGrid<'a> {
 impl<'a> PixelGrid<'a> {
     fn new(view: &'a ViewTransform, viewport_px: [u32; 2]) -> Self {
         let [width, height] = viewport_px.map(f64::from);
-        let scale = (MOST_PIXELS as f64 / (width * height)).sqrt().min(1.0);
+        let scale = (MAX_PIXELS as f64 / (width * height)).sqrt().min(1.0);
         let size = [width, height].map(|edge| (edge * scale).max(1.0) as usize);
         Self { view, size }
     }

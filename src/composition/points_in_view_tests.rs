@@ -102,7 +102,7 @@ fn the_number_of_kept_points_has_a_bound() {
     let kept = points_in_view(&wall, &view, viewport_px, None).len() as f64;
     // Each piece keeps a whole number of points.
     let pieces = (wall.len() / POINTS_PER_PIECE) as f64;
-    assert!((0.9 * MOST_POINTS..MOST_POINTS + pieces).contains(&kept), "{kept}");
+    assert!((0.9 * MAX_POINTS..MAX_POINTS + pieces).contains(&kept), "{kept}");
 }
 
 #[test]

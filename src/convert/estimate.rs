@@ -21,14 +21,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A cloud that takes more memory is judged alone, without the one before it.
-const MOST_BYTES_OF_TWO: usize = 128 << 20;
+const MAX_BYTES_OF_TWO: usize = 128 << 20;
 
 /// Frames that are encoded together in this much memory: the coder of small frames learns from one to the next, that
 /// of large ones has learnt all before the first one ends.
 const BYTES_OF_MANY: usize = 1 << 20;
 
 /// Frames of a group of the usual options.
-const MOST_FRAMES: usize = 10;
+const MAX_FRAMES: usize = 10;
 
 /// Bytes of each kind of stream, in the order of [`StreamKind::ALL`].
 type BytesByStream = [f64; StreamKind::ALL.len()];
@@ -148,11 +148,11 @@ impl SampleFrame {
     ) -> Result<Self, ConvertError> {
         let cloud = decode(index)?;
         let count = match cloud.byte_size() {
-            0..=MOST_BYTES_OF_TWO => (BYTES_OF_MANY / cloud.byte_size().max(1)).clamp(2, MOST_FRAMES),
+            0..=MAX_BYTES_OF_TWO => (BYTES_OF_MANY / cloud.byte_size().max(1)).clamp(2, MAX_FRAMES),
             _ => 1,
         };
-        let group = index / MOST_FRAMES * MOST_FRAMES;
-        let is_whole = count == MOST_FRAMES && group + 2 < sequence.len();
+        let group = index / MAX_FRAMES * MAX_FRAMES;
+        let is_whole = count == MAX_FRAMES && group + 2 < sequence.len();
         // Small frames as they are grouped by the usual options, others behind the one before.
         let first = if is_whole {
             group

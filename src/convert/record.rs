@@ -38,7 +38,7 @@ pub(super) fn lock_of(folder: &Path, shard: Shard) -> PathBuf {
 }
 
 /// Inputs that are named one by one; of more, the number counts.
-const MOST_INPUTS: usize = 16;
+const MAX_INPUTS: usize = 16;
 
 /// The options and inputs that a converted frame depends on.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -160,8 +160,8 @@ fn inputs_of(sequence: &Sequence) -> Vec<String> {
     let mut places: Vec<String> = places.iter().map(|place| real(place).display().to_string()).collect();
     places.sort();
     places.dedup();
-    if let Some(more) = places.len().checked_sub(MOST_INPUTS).filter(|&more| more > 0) {
-        places.truncate(MOST_INPUTS);
+    if let Some(more) = places.len().checked_sub(MAX_INPUTS).filter(|&more| more > 0) {
+        places.truncate(MAX_INPUTS);
         places.push(format!("{more} more"));
     }
     places

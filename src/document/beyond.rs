@@ -74,16 +74,15 @@ fn beyond(document: &Document, file: &Path, reach: SessionReach) -> Beyond {
 }
 
 /// Folders below one another in which links are looked for: more than frames are looked for.
-const MOST_DEPTH: usize = 16;
+const MAX_DEPTH: usize = 16;
 
 /// Entries of folders that are looked through. A folder of more is asked about, as if it were elsewhere.
-const MOST_ENTRIES: usize = 500_000;
+const MAX_ENTRIES: usize = 500_000;
 
 /// Returns true if everything that is read for `path`, a file, folder or pattern, is in or below `folder`.
 fn stays_inside(path: &Path, folder: &Path) -> bool {
-    let mut left = MOST_ENTRIES;
-    let mut is_all_inside =
-        |path: &Path| is_inside(path, folder) && has_no_way_out(path, folder, MOST_DEPTH, &mut left);
+    let mut left = MAX_ENTRIES;
+    let mut is_all_inside = |path: &Path| is_inside(path, folder) && has_no_way_out(path, folder, MAX_DEPTH, &mut left);
     if !is_all_inside(path) {
         return false;
     }

@@ -24,12 +24,12 @@ pub enum SessionError {
         reason: std::io::Error,
     },
     /// Larger than any session.
-    #[error("{} is no session: it has more than {} MiB", file.display(), most_bytes >> 20)]
+    #[error("{} is no session: it has more than {} MiB", file.display(), max_bytes >> 20)]
     TooLarge {
         /// The file.
         file: PathBuf,
         /// Maximum size of a session file in bytes.
-        most_bytes: u64,
+        max_bytes: u64,
     },
     /// It is not what a session looks like; the reason names line and column.
     #[error("{} is no session that can be opened: {reason}", file.display())]
@@ -53,7 +53,7 @@ pub enum SessionError {
         known: u64,
     },
     /// More than a session can have.
-    #[error("the session {} has {count} {what}: expected at most {most}", file.display())]
+    #[error("the session {} has {count} {what}: expected at most {max}", file.display())]
     TooMany {
         /// The file.
         file: PathBuf,
@@ -62,17 +62,17 @@ pub enum SessionError {
         /// Number of items.
         count: usize,
         /// Maximum number of items.
-        most: usize,
+        max: usize,
     },
     /// It names a frame that no sequence has.
-    #[error("the session {} names frame {frame}, counted from 0: expected at most {most}", file.display())]
+    #[error("the session {} names frame {frame}, counted from 0: expected at most {max}", file.display())]
     Frame {
         /// The file.
         file: PathBuf,
         /// Its index.
         frame: usize,
         /// The largest index that a session can name.
-        most: usize,
+        max: usize,
     },
     /// It names nothing to open.
     #[error("the session {} has no `files`: expected at least one, such as \"scans\"", file.display())]

@@ -97,7 +97,7 @@ impl ReadSession {
         if bytes.len() as u64 > MAX_FILE_BYTES {
             return Err(SessionError::TooLarge {
                 file: file.to_owned(),
-                most_bytes: MAX_FILE_BYTES,
+                max_bytes: MAX_FILE_BYTES,
             });
         }
         Self::of_text(&bytes, file)
@@ -195,7 +195,7 @@ fn check_counts(file: &Path, written: &Written) -> Result<(), SessionError> {
             file: file.to_owned(),
             what,
             count,
-            most: MAX_MARKS,
+            max: MAX_MARKS,
         }),
         None => Ok(()),
     }
@@ -216,7 +216,7 @@ fn check_frames(file: &Path, written: &Written) -> Result<(), SessionError> {
         Some(frame) => Err(SessionError::Frame {
             file: file.to_owned(),
             frame,
-            most: LAST_FRAME,
+            max: LAST_FRAME,
         }),
         None => Ok(()),
     }

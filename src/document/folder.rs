@@ -193,9 +193,9 @@ fn text_of(fields: &Fields, ordered: &[(&str, Value)]) -> std::io::Result<Vec<u8
     fields.sort_by_key(|(name, _)| place(name).unwrap_or(usize::MAX));
     let text = text::of_fields(fields);
     if text.len() > MAX_DOCUMENT_BYTES {
-        let (bytes, most) = (text.len(), MAX_DOCUMENT_BYTES >> 20);
+        let (bytes, max) = (text.len(), MAX_DOCUMENT_BYTES >> 20);
         return Err(Error::other(format!(
-            "it has {bytes} bytes, at most {most} MiB are kept: save a session"
+            "it has {bytes} bytes, at most {max} MiB are kept: save a session"
         )));
     }
     Ok(text.into_bytes())
@@ -238,7 +238,7 @@ fn note_used(file: &Path) {
 }
 
 /// Removes the oldest files of `folder` beyond so many files and bytes; `kept` stays.
-fn remove_oldest(folder: &Path, kept: &Path, most_files: usize, most_bytes: u64) {
+fn remove_oldest(folder: &Path, kept: &Path, max_files: usize, max_bytes: u64) {
     let Ok(entries) = folder.read_dir() else { return };
     let files = entries.flatten().filter_map(|entry| {
         let metadata = entry.metadata().ok().filter(fs::Metadata::is_file)?;
@@ -249,7 +249,7 @@ fn remove_oldest(folder: &Path, kept: &Path, most_files: usize, most_bytes: u64)
     files.sort();
     let (mut count, mut bytes) = (files.len(), files.iter().map(|(_, _, bytes)| bytes).sum::<u64>());
     for (_, file, of_file) in files.iter().filter(|(_, file, _)| file != kept) {
-        if count <= most_files && bytes <= most_bytes {
+        if count <= max_files && bytes <= max_bytes {
             return;
         }
         match fs::remove_file(file) {

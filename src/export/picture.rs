@@ -63,8 +63,8 @@ impl PictureSize {
     fn largest_part_px(&self, renderer: &AnyRenderer, packet: &ScenePacket) -> [u32; 2] {
         let samples = packet.style.drawing.antialiasing.samples_per_edge();
         let edge = self.part_edge_px.unwrap_or(MAX_PART_EDGE_PX / samples);
-        let most = (renderer.max_edge_px() / samples).saturating_sub(2 * halo_px(packet));
-        let edge = edge.clamp(1, most.max(1));
+        let max = (renderer.max_edge_px() / samples).saturating_sub(2 * halo_px(packet));
+        let edge = edge.clamp(1, max.max(1));
         let rows = MAX_STRIP_BYTES / (4 * self.size_px[0]);
         [edge, edge.min(rows.max(1))]
     }

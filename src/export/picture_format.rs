@@ -161,8 +161,8 @@ mod tests {
                     assert_eq!(&read, image, "{}", row.name);
                 } else {
                     let off = read.pixels().zip(image.pixels());
-                    let most = off.flat_map(|(a, b)| (0..3).map(move |c| a[c].abs_diff(b[c]))).max();
-                    assert!(most < Some(24), "{most:?}");
+                    let max = off.flat_map(|(a, b)| (0..3).map(move |c| a[c].abs_diff(b[c]))).max();
+                    assert!(max < Some(24), "{max:?}");
                 }
             }
         }

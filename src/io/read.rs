@@ -114,14 +114,14 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
     read_bytes_with(path, &bytes, part, options, progress)
 }
 
-/// At most `most_points` of the points in the file at `path`, and how many it has, where its rows are of one length and
-/// it has at least `fewest_points`: one point in each of as many equal parts, without the rest being read. `None`
-/// otherwise, and where looking for them takes longer than `most_time`.
+/// At most `max_points` of the points in the file at `path`, and how many it has, where its rows are of one length and
+/// it has at least `min_points`: one point in each of as many equal parts, without the rest being read. `None`
+/// otherwise, and where looking for them takes longer than `max_time`.
 pub(crate) fn read_sample(
     path: &Path,
-    most_points: usize,
-    fewest_points: usize,
-    most_time: Duration,
+    max_points: usize,
+    min_points: usize,
+    max_time: Duration,
 ) -> Result<Option<(RawCloud, usize)>, IoError> {
     let failed = |source| IoError::Io {
         path: path.to_owned(),
@@ -129,11 +129,11 @@ pub(crate) fn read_sample(
     };
     let magic = first_bytes(path)?;
     let rows = fixed_rows(path, &magic);
-    let Some((format, rows)) = rows.filter(|(_, rows)| rows.count >= fewest_points) else {
+    let Some((format, rows)) = rows.filter(|(_, rows)| rows.count >= min_points) else {
         return Ok(None);
     };
-    let places = even_places(rows.count, most_points);
-    let cloud = rows.read_at(path, &places, most_time).map_err(failed)?;
+    let places = even_places(rows.count, max_points);
+    let cloud = rows.read_at(path, &places, max_time).map_err(failed)?;
     Ok(cloud.map(|mut cloud| {
         place_warnings(&mut cloud, path, format);
         (cloud, rows.count)

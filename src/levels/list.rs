@@ -88,8 +88,8 @@ impl Levels for PointList {
         }
     }
 
-    fn cut_at_most(&self, most_nodes: usize, view: &SelectView, _: CutHints<'_>) -> Cut {
-        let is_few = |&level: &u32| self.points.len().div_ceil(self.step(level)) <= most_nodes;
+    fn cut_at_most(&self, max_nodes: usize, view: &SelectView, _: CutHints<'_>) -> Cut {
+        let is_few = |&level: &u32| self.points.len().div_ceil(self.step(level)) <= max_nodes;
         let level = (0..=self.depth()).rev().find(is_few).unwrap_or(0);
         self.cut_at(level, view.lod_px)
     }
@@ -177,11 +177,11 @@ mod tests {
     fn a_budget_is_kept_and_half_of_it_used() {
         for count in [0, 1, 2, 3, 1000, 1024, 1025] {
             let list = list(count);
-            for most in [1, 2, 3, 10, 999, 1000, 5000] {
-                let cut = list.cut_at_most(most, &view(21), CutHints::default());
+            for max in [1, 2, 3, 10, 999, 1000, 5000] {
+                let cut = list.cut_at_most(max, &view(21), CutHints::default());
                 let found = drawn(&list, &cut).0.len();
-                assert!(found <= most && found <= count, "{found} of {most}, {count}");
-                assert!(2 * found + 1 >= most.min(count), "{found} of {most}, {count}");
+                assert!(found <= max && found <= count, "{found} of {max}, {count}");
+                assert!(2 * found + 1 >= max.min(count), "{found} of {max}, {count}");
             }
         }
     }

@@ -34,12 +34,12 @@ impl Lod {
         hints: CutHints<'_>,
         affordable: u32,
     ) -> (Cut, Option<f32>) {
-        let at_most = |most_nodes: u32| {
+        let at_most = |max_nodes: u32| {
             let view = SelectView {
                 lod_px: FINEST_USEFUL_PX,
                 ..*view
             };
-            let cut = levels.cut_at_most(most_nodes as usize, &view, hints);
+            let cut = levels.cut_at_most(max_nodes as usize, &view, hints);
             let lod_px = cut.lod_px();
             (cut, Some(lod_px))
         };
@@ -56,7 +56,7 @@ impl Lod {
                 };
                 (levels.cut(&view, hints), None)
             }
-            Self::Budget(most_nodes) => at_most(most_nodes),
+            Self::Budget(max_nodes) => at_most(max_nodes),
             Self::FrameTimeMs(_) => at_most(affordable),
         }
     }

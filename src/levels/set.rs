@@ -167,10 +167,10 @@ impl LevelsSet {
     /// Most bytes that they come to.
     pub fn byte_size(&self) -> usize {
         let octree = self.octree().map_or(0, |octree| octree.byte_size());
-        let surfels = self.surfels().map_or(0, |surfels| surfels.most_bytes());
+        let surfels = self.surfels().map_or(0, |surfels| surfels.max_bytes());
         let of_made = match &self.made {
-            Some(ShapeLevels::Spheres(spheres)) => spheres.most_bytes(),
-            Some(ShapeLevels::Surfels(surfels)) => surfels.most_selectable_bytes(),
+            Some(ShapeLevels::Spheres(spheres)) => spheres.max_bytes(),
+            Some(ShapeLevels::Surfels(surfels)) => surfels.max_selectable_bytes(),
             _ => 0,
         };
         octree + surfels + of_made + self.codes().map_or(0, |codes| codes.byte_size())

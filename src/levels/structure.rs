@@ -13,8 +13,8 @@ pub trait Levels: Debug + Send + Sync {
     fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut;
 
     /// Writes the records drawn for a cut of these levels, in the memory of `buffers`. Mere decoration of nodes, such
-    /// as the cells that close gaps, is omitted if there would be more than `most_records`.
-    fn write(&self, cut: &Cut, most_records: usize, buffers: RecordBuffers) -> Records;
+    /// as the cells that close gaps, is omitted if there would be more than `max_records`.
+    fn write(&self, cut: &Cut, max_records: usize, buffers: RecordBuffers) -> Records;
 
     /// Selects the records of the cut as indices into persistent records, for renderers that keep these on the GPU.
     /// `None` if there are no such records, or not yet: see [`Levels::write`]. Of `buffers`, only the memory for
@@ -32,7 +32,7 @@ pub trait Levels: Debug + Send + Sync {
     /// Returns its size.
     fn size(&self) -> LevelsSize;
 
-    /// The cut of at most `most_nodes` nodes with the smallest LOD threshold from `view.lod_px` up, in steps of a 32nd
+    /// The cut of at most `max_nodes` nodes with the smallest LOD threshold from `view.lod_px` up, in steps of a 32nd
     /// of an octave (2 %).
     ///
     /// Cells that the eye is in are always divided, so that around it some more are emitted than a very small number.
@@ -40,12 +40,12 @@ pub trait Levels: Debug + Send + Sync {
     /// How it works: a higher threshold never emits more, so thresholds are bisected. Counting is cheap compared with
     /// drawing: it reads a byte for each point that is drawn. A cut before is only remembered for hysteresis where it
     /// still fits: a threshold that emits at least three quarters of what is allowed stays.
-    fn cut_at_most(&self, most_nodes: usize, view: &SelectView, hints: CutHints<'_>) -> Cut {
+    fn cut_at_most(&self, max_nodes: usize, view: &SelectView, hints: CutHints<'_>) -> Cut {
         let kept = hints.before.map(Cut::lod_px);
         if let Some(lod_px) = kept.filter(|&lod_px| lod_px >= view.lod_px) {
             let cut = self.cut(&SelectView { lod_px, ..*view }, hints);
-            let is_used_up = cut.node_count() >= most_nodes - most_nodes / 4;
-            if cut.node_count() <= most_nodes && (is_used_up || lod_px == view.lod_px) {
+            let is_used_up = cut.node_count() >= max_nodes - max_nodes / 4;
+            if cut.node_count() <= max_nodes && (is_used_up || lod_px == view.lod_px) {
                 return cut;
             }
         }
@@ -58,13 +58,13 @@ pub trait Levels: Debug + Send + Sync {
             cut
         };
         let mut best = cut_at(0);
-        if best.node_count() > most_nodes {
+        if best.node_count() > max_nodes {
             let (mut too_fine, mut coarse_enough) = (0, THRESHOLD_STEPS);
             best = cut_at(coarse_enough);
             while coarse_enough - too_fine > 1 {
                 let step = too_fine.midpoint(coarse_enough);
                 let tried = cut_at(step);
-                if tried.node_count() > most_nodes {
+                if tried.node_count() > max_nodes {
                     too_fine = step;
                 } else {
                     coarse_enough = step;

@@ -144,7 +144,7 @@ struct Quantizer {
 const ROUNDING: f64 = (1u64 << 52) as f64;
 
 /// In the last cell, and nearer to its lower border than to its upper one, so that it is rounded to no cell more.
-const MOST_CELLS: f64 = FINEST_CELLS as f64 - 0.75;
+const MAX_CELLS: f64 = FINEST_CELLS as f64 - 0.75;
 
 impl Quantizer {
     fn new(cube: &Cube) -> Self {
@@ -193,7 +193,7 @@ impl Quantizer {
     /// The index of the cell at a distance of `offset` from the lower face, which must not be negative.
     #[inline(always)]
     fn index(&self, offset: f64) -> u64 {
-        let rounded = (offset * self.cells_per_unit).min(MOST_CELLS) + ROUNDING;
+        let rounded = (offset * self.cells_per_unit).min(MAX_CELLS) + ROUNDING;
         let is_below = (rounded - ROUNDING) * self.cell > offset;
         (rounded.to_bits() - u64::from(is_below)) & u64::from(FINEST_CELLS - 1)
     }

@@ -13,15 +13,15 @@
 use super::items;
 
 /// Codes that are sorted in this way. Of 2¹⁷ the items are 1 MiB.
-pub(crate) const MOST: usize = 1 << INDEX_BITS;
+pub(crate) const MAX: usize = 1 << INDEX_BITS;
 
 const INDEX_BITS: u32 = 17;
 const INDEX: u64 = (1 << INDEX_BITS) - 1;
 
 /// The counters of so wide a digit are 64 KiB, an eighth of a second cache.
-const MOST_DIGIT_BITS: u32 = 14;
+const MAX_DIGIT_BITS: u32 = 14;
 
-/// Turns at most [`MOST`] 63-bit codes into their items.
+/// Turns at most [`MAX`] 63-bit codes into their items.
 pub(crate) fn make_items(codes: &mut [u64]) {
     for (index, code) in (0..).zip(codes) {
         *code = *code << 1 & !INDEX | index;
@@ -39,7 +39,7 @@ pub(crate) fn index_of(item: u64) -> usize {
 pub(crate) fn sort(items: &mut Vec<u64>, scratch: &mut Vec<u64>, code: impl Fn(usize) -> u64) {
     // Three bits divide a surface by four. Two levels more, so that few cells have two points.
     let telling_bits = items.len().max(1).ilog2() * 3 / 2 + 4;
-    items::sort(items, scratch, &mut Vec::new(), telling_bits, MOST_DIGIT_BITS);
+    items::sort(items, scratch, &mut Vec::new(), telling_bits, MAX_DIGIT_BITS);
     let are_alike = |pair: &[u64]| pair[0] ^ pair[1] <= INDEX;
     let mut rest = items.as_mut_slice();
     while let Some(first) = rest.windows(2).position(are_alike) {

@@ -11,9 +11,9 @@ pub(super) fn sort(
     scratch: &mut Vec<u64>,
     next: &mut Vec<u32>,
     telling_bits: u32,
-    most_digit_bits: u32,
+    max_digit_bits: u32,
 ) {
-    let digits = telling_bits.div_ceil(most_digit_bits);
+    let digits = telling_bits.div_ceil(max_digit_bits);
     let bits = telling_bits.div_ceil(digits.max(1));
     next.resize(1 << bits, 0);
     for from_top in (1..=digits).rev() {

@@ -41,7 +41,7 @@ pub fn order_of_codes(codes: &[u64]) -> Vec<u32> {
     if codes.is_sorted() {
         return (0..codes.len() as u32).collect();
     }
-    if codes.len() <= few_codes::MOST {
+    if codes.len() <= few_codes::MAX {
         let mut items = codes.to_vec();
         few_codes::make_items(&mut items);
         few_codes::sort(&mut items, &mut vec![0; codes.len()], |index| codes[index]);
@@ -210,7 +210,7 @@ impl<T: Copy + Default> Sorter<T> {
         /// Up to so many items are sorted by comparison before the counters of a radix sort are cleared.
         const FEW: usize = 64;
         /// The counters of so wide a digit are a quarter of a first cache.
-        const MOST_DIGIT_BITS: u32 = 11;
+        const MAX_DIGIT_BITS: u32 = 11;
         let count = self.items.len();
         // Three bits divide a surface by four. One level more, so that few cells have two points.
         let telling_bits = if count > FEW {
@@ -223,7 +223,7 @@ impl<T: Copy + Default> Sorter<T> {
             &mut self.scratch,
             &mut self.next,
             telling_bits,
-            MOST_DIGIT_BITS,
+            MAX_DIGIT_BITS,
         );
         if !layout.has_all {
             let runs = self.items.chunk_by_mut(|&a, &b| layout.are_alike(a, b));
@@ -366,7 +366,7 @@ mod tests {
     /// More than are sorted without buckets, and as many as that.
     #[test]
     fn few_and_many_codes() {
-        for count in [few_codes::MOST, few_codes::MOST + 1] {
+        for count in [few_codes::MAX, few_codes::MAX + 1] {
             let codes: Vec<u64> = (0..count as u64).map(|i| mixed(i) >> 1).collect();
             assert_sorted_like_std(&codes);
         }

@@ -27,8 +27,8 @@ fn sequence(frames: usize, points: usize) -> Arc<Sequence> {
         RawCloud::from_positions(Positions::F32(positions))
     };
     let frames = FrameList::new(sources.collect(), move |_, _| Ok(cloud((0..points).collect())));
-    Arc::new(Sequence::of(frames.with_sample(move |_, most, fewest| {
-        Ok((points >= fewest).then(|| (cloud(even_places(points, most)).into(), points)))
+    Arc::new(Sequence::of(frames.with_sample(move |_, max, min| {
+        Ok((points >= min).then(|| (cloud(even_places(points, max)).into(), points)))
     })))
 }
 

@@ -20,12 +20,12 @@ const DEPTHS: &[&str] = &["depth", "depths", "depth_map", "depthmap", "z"];
 const HEAD_BYTES: usize = 1 << 16;
 
 /// The image that an array is.
-pub(super) fn decode_npy(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
+pub(super) fn decode_npy(bytes: &[u8], max_bytes: u64) -> Result<Raster, String> {
     let shape = Shape::of(bytes)?;
     let [width, height] = checked_size(shape.size_px)?;
     let pixels = width as usize * height as usize;
     // Each pixel becomes a double on its way.
-    checked_bytes(pixels as u64 * shape.channels as u64 * 8, most_bytes)?;
+    checked_bytes(pixels as u64 * shape.channels as u64 * 8, max_bytes)?;
     let payload = bytes.get(shape.payload_at..).unwrap_or_default();
     let entries = pixels * shape.channels;
     let entry_bytes = shape.number.bytes();
@@ -62,8 +62,8 @@ pub(super) fn decode_npy(bytes: &[u8], most_bytes: u64) -> Result<Raster, String
 }
 
 /// The image that one of the arrays of an archive is: the one that is named after depths, or the only one.
-pub(super) fn decode_npz(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
-    decode_npy(&depths_in(bytes, most_bytes)?, most_bytes)
+pub(super) fn decode_npz(bytes: &[u8], max_bytes: u64) -> Result<Raster, String> {
+    decode_npy(&depths_in(bytes, max_bytes)?, max_bytes)
 }
 
 /// Width and height of an array, of which only the head is looked at.
@@ -132,12 +132,12 @@ fn samples(scalar: Option<Scalar>, numbers: impl Iterator<Item = f64>) -> Result
     }
 }
 
-/// The arrays in an archive with their names in lower case, no more than `most_bytes` of all.
-pub(crate) fn members_of_npz(bytes: &[u8], most_bytes: u64) -> Result<Vec<(String, Vec<u8>)>, String> {
+/// The arrays in an archive with their names in lower case, no more than `max_bytes` of all.
+pub(crate) fn members_of_npz(bytes: &[u8], max_bytes: u64) -> Result<Vec<(String, Vec<u8>)>, String> {
     let damaged = |error: &dyn std::fmt::Display| format!("the archive is damaged ({error})");
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(&error))?;
     let mut members = Vec::new();
-    let mut left = most_bytes;
+    let mut left = max_bytes;
     for index in 0..archive.len() {
         let member = archive.by_index(index).map_err(|error| damaged(&error))?;
         let name = member.name().map_err(|error| damaged(&error))?.to_ascii_lowercase();
@@ -155,8 +155,8 @@ pub(crate) fn members_of_npz(bytes: &[u8], most_bytes: u64) -> Result<Vec<(Strin
     Ok(members)
 }
 
-/// The bytes of the array of depths in an archive, at most `most_bytes` of them.
-fn depths_in(bytes: &[u8], most_bytes: u64) -> Result<Vec<u8>, String> {
+/// The bytes of the array of depths in an archive, at most `max_bytes` of them.
+fn depths_in(bytes: &[u8], max_bytes: u64) -> Result<Vec<u8>, String> {
     let damaged = |error: &dyn std::fmt::Display| format!("the archive is damaged ({error})");
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(&error))?;
     let mut names: Vec<(usize, String)> = Vec::new();
@@ -183,7 +183,7 @@ fn depths_in(bytes: &[u8], most_bytes: u64) -> Result<Vec<u8>, String> {
     let member = archive.by_index(index).map_err(|error| damaged(&error))?;
     let mut unpacked = Vec::new();
     member
-        .take(most_bytes)
+        .take(max_bytes)
         .read_to_end(&mut unpacked)
         .map_err(|error| damaged(&error))?;
     Ok(unpacked)

@@ -18,24 +18,24 @@ pub(crate) use pixels::{DEPTH_PIXEL_BYTES, Raster, Samples};
 
 use crate::memory::mebibytes;
 use image::{DynamicImage, ImageError, ImageReader, Limits};
-use pixels::{MOST_EDGE_PX, checked_size};
+use pixels::{MAX_EDGE_PX, checked_size};
 use std::io::Cursor;
 
-/// The image in `bytes`, which takes no more than `most_bytes`.
+/// The image in `bytes`, which takes no more than `max_bytes`.
 ///
 /// # Errors
 /// What is wrong with it, as the end of a sentence.
-pub(crate) fn decode(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
+pub(crate) fn decode(bytes: &[u8], max_bytes: u64) -> Result<Raster, String> {
     let raster = if bytes.starts_with(pclzf::MAGIC) {
-        pclzf::decode(bytes, most_bytes)?
+        pclzf::decode(bytes, max_bytes)?
     } else if bytes.starts_with(arrays::NPY) {
-        arrays::decode_npy(bytes, most_bytes)?
+        arrays::decode_npy(bytes, max_bytes)?
     } else if bytes.starts_with(arrays::NPZ) {
-        arrays::decode_npz(bytes, most_bytes)?
+        arrays::decode_npz(bytes, max_bytes)?
     } else if is_tiff(bytes) {
-        decode_tiff(bytes, most_bytes)?
+        decode_tiff(bytes, max_bytes)?
     } else {
-        decode_usual(bytes, most_bytes)?
+        decode_usual(bytes, max_bytes)?
     };
     let [width, height] = raster.size_px;
     let pixels = u64::from(width) * u64::from(height);
@@ -72,19 +72,19 @@ pub(crate) fn size_px(bytes: &[u8]) -> Result<[u32; 2], String> {
     checked_size([width, height])
 }
 
-fn decode_usual(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
+fn decode_usual(bytes: &[u8], max_bytes: u64) -> Result<Raster, String> {
     let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
     let mut reader = reader.map_err(|error| error.to_string())?;
     let mut limits = Limits::default();
-    limits.max_image_width = Some(MOST_EDGE_PX);
-    limits.max_image_height = Some(MOST_EDGE_PX);
+    limits.max_image_width = Some(MAX_EDGE_PX);
+    limits.max_image_height = Some(MAX_EDGE_PX);
     // Colours of other kinds are there in their own pixels and in those that are handed over.
-    limits.max_alloc = Some(most_bytes / 2);
+    limits.max_alloc = Some(max_bytes / 2);
     reader.limits(limits);
     let image = reader.decode().map_err(|error| match error {
         ImageError::Limits(_) => format!(
             "its pixels are more than there may be in {} of memory: raise --max-memory if the machine has it",
-            mebibytes(most_bytes)
+            mebibytes(max_bytes)
         ),
         error => error.to_string(),
     })?;
@@ -105,13 +105,13 @@ fn is_tiff(bytes: &[u8]) -> bool {
     bytes.starts_with(b"II*\0") || bytes.starts_with(b"MM\0*")
 }
 
-fn decode_tiff(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
+fn decode_tiff(bytes: &[u8], max_bytes: u64) -> Result<Raster, String> {
     use tiff::ColorType;
     use tiff::decoder::{Decoder, DecodingResult, Limits};
-    let most = usize::try_from(most_bytes).unwrap_or(usize::MAX);
+    let max = usize::try_from(max_bytes).unwrap_or(usize::MAX);
     let mut limits = Limits::default();
-    limits.decoding_buffer_size = most;
-    limits.intermediate_buffer_size = most;
+    limits.decoding_buffer_size = max;
+    limits.intermediate_buffer_size = max;
     let text = |error: tiff::TiffError| error.to_string();
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(text)?.with_limits(limits);
     let (width, height) = decoder.dimensions().map_err(text)?;

@@ -10,7 +10,7 @@ pub(super) const MAGIC: &[u8] = b"PCLZF";
 const HEADER_BYTES: usize = 37;
 
 /// The most that LZF can reach: 264 bytes out of three.
-const MOST_LZF_RATIO: u64 = 88;
+const MAX_LZF_RATIO: u64 = 88;
 
 /// Header before the compressed bytes of a PCL image.
 struct Header {
@@ -42,8 +42,8 @@ pub(super) fn size_px(file: &[u8]) -> Result<[u32; 2], String> {
     Ok(Header::of(file)?.size_px)
 }
 
-/// The image in `file`, which takes no more than `most_bytes`.
-pub(super) fn decode(file: &[u8], most_bytes: u64) -> Result<Raster, String> {
+/// The image in `file`, which takes no more than `max_bytes`.
+pub(super) fn decode(file: &[u8], max_bytes: u64) -> Result<Raster, String> {
     let header = Header::of(file)?;
     let packed = &file[HEADER_BYTES..];
     if packed.len() as u64 != header.packed_bytes {
@@ -64,10 +64,10 @@ pub(super) fn decode(file: &[u8], most_bytes: u64) -> Result<Raster, String> {
             ));
         }
     };
-    if header.bytes != pixels * bytes_per_pixel || header.bytes > header.packed_bytes * MOST_LZF_RATIO {
+    if header.bytes != pixels * bytes_per_pixel || header.bytes > header.packed_bytes * MAX_LZF_RATIO {
         return Err(format!("it claims {} bytes for {pixels} pixels", header.bytes));
     }
-    checked_bytes(header.bytes, most_bytes)?;
+    checked_bytes(header.bytes, max_bytes)?;
     let bytes = unpack_lzf(packed, header.bytes as usize)
         .ok()
         .filter(|bytes| bytes.len() as u64 == header.bytes)

@@ -3,7 +3,7 @@
 use crate::memory::mebibytes;
 
 /// Most pixels along an edge.
-pub(super) const MOST_EDGE_PX: u32 = 1 << 15;
+pub(super) const MAX_EDGE_PX: u32 = 1 << 15;
 
 /// Memory of a pixel of depth until it is a point: its number, its depth before and after filters, its ray, place,
 /// normal and colour, and what the filters note.
@@ -48,21 +48,21 @@ impl Samples {
 
 pub(super) fn checked_size(size_px: [u32; 2]) -> Result<[u32; 2], String> {
     let [width, height] = size_px;
-    if size_px.iter().all(|edge| (1..=MOST_EDGE_PX).contains(edge)) {
+    if size_px.iter().all(|edge| (1..=MAX_EDGE_PX).contains(edge)) {
         return Ok(size_px);
     }
     Err(format!(
-        "it claims {width} × {height} pixels, and 1 to {MOST_EDGE_PX} along an edge are read"
+        "it claims {width} × {height} pixels, and 1 to {MAX_EDGE_PX} along an edge are read"
     ))
 }
 
-pub(super) fn checked_bytes(bytes: u64, most_bytes: u64) -> Result<(), String> {
-    if bytes <= most_bytes {
+pub(super) fn checked_bytes(bytes: u64, max_bytes: u64) -> Result<(), String> {
+    if bytes <= max_bytes {
         return Ok(());
     }
     Err(format!(
         "it would take {} of memory, and may take {}: raise --max-memory if the machine has it",
         mebibytes(bytes),
-        mebibytes(most_bytes)
+        mebibytes(max_bytes)
     ))
 }

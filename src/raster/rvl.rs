@@ -4,25 +4,25 @@
 //! fill words of 32 bits from the top, which are written little endian. Differences have their sign in the lowest bit,
 //! and go on over holes. Width and height stand before the words.
 
-use super::pixels::{DEPTH_PIXEL_BYTES, MOST_EDGE_PX, Raster, Samples};
+use super::pixels::{DEPTH_PIXEL_BYTES, MAX_EDGE_PX, Raster, Samples};
 
 /// Nibbles that hold 16 bits, a sign, or the pixels of the largest image.
-const MOST_NIBBLES: u32 = 11;
+const MAX_NIBBLES: u32 = 11;
 
-/// The image in `bytes`, which takes no more than `most_bytes`; the error is the end of a sentence.
-pub(crate) fn decode(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
+/// The image in `bytes`, which takes no more than `max_bytes`; the error is the end of a sentence.
+pub(crate) fn decode(bytes: &[u8], max_bytes: u64) -> Result<Raster, String> {
     let (&[width, height], words) = bytes
         .as_chunks()
         .0
         .split_first_chunk()
         .ok_or("it is shorter than its width and height")?;
     let [width, height] = [width, height].map(u32::from_le_bytes);
-    let edges = 1..=MOST_EDGE_PX;
+    let edges = 1..=MAX_EDGE_PX;
     let pixels = u64::from(width) * u64::from(height);
-    if !edges.contains(&width) || !edges.contains(&height) || DEPTH_PIXEL_BYTES * pixels > most_bytes {
+    if !edges.contains(&width) || !edges.contains(&height) || DEPTH_PIXEL_BYTES * pixels > max_bytes {
         return Err(format!(
-            "it claims {width} × {height} pixels: 1 to {MOST_EDGE_PX} along an edge are read, of {DEPTH_PIXEL_BYTES} \
-             bytes each until they are points, and {most_bytes} bytes of memory are allowed: raise --max-memory if the \
+            "it claims {width} × {height} pixels: 1 to {MAX_EDGE_PX} along an edge are read, of {DEPTH_PIXEL_BYTES} \
+             bytes each until they are points, and {max_bytes} bytes of memory are allowed: raise --max-memory if the \
              machine has it"
         ));
     }
@@ -51,7 +51,7 @@ struct Nibbles<'a> {
 impl Nibbles<'_> {
     fn number(&mut self) -> Option<u32> {
         let mut number = 0;
-        for place in 0..MOST_NIBBLES {
+        for place in 0..MAX_NIBBLES {
             if self.left == 0 {
                 let (&word, words) = self.words.split_first()?;
                 (self.word, self.words) = (u32::from_le_bytes(word), words);

@@ -80,13 +80,13 @@ impl ReelDecoder {
         &self.file
     }
 
-    /// Decodes frame `index` at its finest level of at most `most_points` points (at its root, if no level has so few;
+    /// Decodes frame `index` at its finest level of at most `max_points` points (at its root, if no level has so few;
     /// `usize::MAX` for all of it). The result does not depend on what was decoded before, but the time does: a frame
     /// that is encoded relative to others is decoded after them, unless the one before it was decoded last.
     ///
     /// # Errors
     /// No such frame, bytes that are damaged, more memory than is allowed, and cancellation.
-    pub fn decode(&mut self, index: usize, most_points: usize, progress: &Progress) -> Result<DecodedFrame, ReelError> {
+    pub fn decode(&mut self, index: usize, max_points: usize, progress: &Progress) -> Result<DecodedFrame, ReelError> {
         let file = Arc::clone(&self.file);
         let Some(group) = file.group_of(index) else {
             return Err(ReelError::NoFrame {
@@ -97,7 +97,7 @@ impl ReelDecoder {
         };
         let group = open_group(&mut self.group, &file, group)?;
         let place = index - group.frames.start;
-        let choice = Choice::of(&group.directory.frames[place], most_points);
+        let choice = Choice::of(&group.directory.frames[place], max_points);
         let reading = Reading {
             file: &file,
             group,
@@ -259,8 +259,8 @@ struct Choice {
 }
 
 impl Choice {
-    fn of(frame: &FrameRecord, most_points: usize) -> Self {
-        if frame.all_points() <= most_points && frame.cut.is_none() {
+    fn of(frame: &FrameRecord, max_points: usize) -> Self {
+        if frame.all_points() <= max_points && frame.cut.is_none() {
             return Self {
                 sections: frame.sections.len(),
                 levels: frame.counts.len(),
@@ -270,7 +270,7 @@ impl Choice {
         let levels = frame
             .counts_there()
             .iter()
-            .rposition(|&count| count <= most_points)
+            .rposition(|&count| count <= max_points)
             .map_or(1, |level| level + 1);
         let sections = frame.sections.iter().position(|section| section.levels.end >= levels);
         Self {

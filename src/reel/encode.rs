@@ -12,7 +12,7 @@ use std::ops::Range;
 use std::time::Duration;
 
 /// Most points of a frame: indices of 31 bits tell them apart.
-const MOST_POINTS: usize = (1 << 31) - 1;
+const MAX_POINTS: usize = (1 << 31) - 1;
 
 /// A frame that is to be written.
 #[derive(Debug, Clone, Copy)]
@@ -184,7 +184,7 @@ fn check(frame: &NewFrame<'_>) -> Result<(), ReelError> {
     let count = frame.cloud.positions.len();
     let problem = match frame.cloud.attributes.other_length(count) {
         Some((attribute, found)) => format!("{attribute} has {found} entries for {count} points"),
-        None if count > MOST_POINTS => format!("{count} points are more than a frame can hold"),
+        None if count > MAX_POINTS => format!("{count} points are more than a frame can hold"),
         None => return Ok(()),
     };
     Err(ReelError::Cloud {

@@ -19,10 +19,10 @@ use std::time::Duration;
 const PIECE: usize = 1 << 16;
 
 /// Bytes behind a damaged group that are looked through: groups are smaller, and a sparse file has terabytes of zeros.
-const MOST_SEARCHED_BYTES: u64 = 1 << 30;
+const MAX_SEARCHED_BYTES: u64 = 1 << 30;
 
 /// Bytes of the largest directory or index: millions of frames.
-const MOST_CHECKED_BYTES: u32 = 1 << 28;
+const MAX_CHECKED_BYTES: u32 = 1 << 28;
 
 /// A sequence file.
 pub struct ReelFile {
@@ -153,7 +153,7 @@ impl ReelFile {
             let problem = format!("a chunk of kind {kind:?} was expected, found was {:?}", header.kind);
             return Err(self.fault(offset, Fault::new(problem)));
         }
-        if header.checked_len > MOST_CHECKED_BYTES {
+        if header.checked_len > MAX_CHECKED_BYTES {
             let problem = format!("a directory of {} bytes: at most 256 MiB can be", header.checked_len);
             return Err(self.fault(offset, Fault::new(problem)));
         }
@@ -296,7 +296,7 @@ impl ReelFile {
     /// Finds the next chunk, searching from a byte offset on, and returns its offset.
     fn find_chunk(&self, from: u64) -> Result<Option<u64>, ReelError> {
         let mut offset = from;
-        let end = from.saturating_add(MOST_SEARCHED_BYTES).min(self.len);
+        let end = from.saturating_add(MAX_SEARCHED_BYTES).min(self.len);
         while offset + (SYNC.len() as u64) < end {
             let count = (PIECE as u64).min(end - offset);
             let piece = self.take(offset, count)?;

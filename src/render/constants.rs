@@ -39,10 +39,10 @@ const _: () = assert!(EWA_REACH_PX > SplatFilter::CLAMP_RADIUS_PX);
 pub(super) const EWA_MEAN_WEIGHT: f32 = 0.5;
 
 /// Pixels of a filtered splat to the fourth power are not taken for less, so that quotients are numbers.
-pub(super) const EWA_LEAST_DETERMINANT: f32 = 1e-19;
+pub(super) const EWA_MIN_DETERMINANT: f32 = 1e-19;
 
 /// Maximum number of samples in view-dependent texturing along the long axis of a pixel's footprint.
-pub(super) const PHOTO_MOST_TAPS: f32 = 4.0;
+pub(super) const PHOTO_MAX_TAPS: f32 = 4.0;
 
 /// Width of the border in which images fade out, as a fraction of an edge, so that it is not visible.
 pub(super) const PHOTO_RIM: f32 = 0.02;
@@ -73,11 +73,11 @@ pub(super) const PHOTO_PER_STEP_ANGLE2: f32 = 364.8;
 
 /// Minimum cosine for the pixel footprint: on a surface seen at a more grazing angle, the footprint is that at this
 /// cosine.
-pub(super) const PHOTO_LEAST_COSINE: f32 = 0.1;
+pub(super) const PHOTO_MIN_COSINE: f32 = 0.1;
 
 /// Minimum facing cosine of depth-map normals: there are none where the surface is seen at a smaller cosine, that of
 /// 80° (paper 004 §4.1).
-pub(super) const PHOTO_LEAST_FACING: f32 = 0.173_648_18;
+pub(super) const PHOTO_MIN_FACING: f32 = 0.173_648_18;
 
 /// Light of a surface that is seen edge-on.
 pub(super) const HEAD_LIGHT_AMBIENT: f32 = 0.25;
@@ -99,7 +99,7 @@ pub(super) const SPRITE_MARGIN_PX: f32 = 0.1;
 pub(super) const SPRITE_NEARER: f32 = 1.000_001;
 
 /// Volumes that patches span with the eye, in cubes of their distances, are not taken for less: they are seen edge on.
-pub(super) const FACET_LEAST_SIZE: f32 = 1e-30;
+pub(super) const FACET_MIN_SIZE: f32 = 1e-30;
 
 /// Distance of the corners of a surfel's square from its centre, in radii: √2, rounded up.
 pub(super) const SQUARE_REACH_RADII: f32 = 1.4143;
@@ -126,11 +126,11 @@ pub(super) const FXAA_GREEN: f32 = 0.587;
 pub(super) const FXAA_BLUE: f32 = 0.114;
 /// Contrast below which there is no edge: absolute, and relative to the lightest pixel (both as Lottes 2009 advises for
 /// high quality).
-pub(super) const FXAA_LEAST_CONTRAST: f32 = 1.0 / 16.0;
-pub(super) const FXAA_LEAST_SHARE: f32 = 1.0 / 8.0;
+pub(super) const FXAA_MIN_CONTRAST: f32 = 1.0 / 16.0;
+pub(super) const FXAA_MIN_SHARE: f32 = 1.0 / 8.0;
 /// Share of the contrast by which the mean of both sides changes where an edge ends.
 pub(super) const FXAA_END_OF_EDGE: f32 = 0.25;
 /// Difference of a pixel from its surroundings, as a fraction of the contrast, from which it is a detail; and the
 /// maximum fraction of the surroundings that is blended in.
 pub(super) const FXAA_DETAIL: f32 = 0.25;
-pub(super) const FXAA_MOST_BLENDED: f32 = 0.75;
+pub(super) const FXAA_MAX_BLENDED: f32 = 0.75;

@@ -32,17 +32,17 @@ pub fn depths_of_photographs(packet: &ScenePacket) -> PhotoDepths {
         return PhotoDepths::default();
     };
     let mut blocks = None;
-    let most_extent = 2.0 * packet.bounds.radius();
+    let max_extent = 2.0 * packet.bounds.radius();
     let photographs = shown.photographs.all().iter();
     let maps = photographs.map(|photograph| {
         if let Some(depth) = &photograph.depth {
-            return DepthMap::new(depth.size_px(), depth.metres().to_vec(), most_extent, true);
+            return DepthMap::new(depth.size_px(), depth.metres().to_vec(), max_extent, true);
         }
         let Some(seen) = seen_by_photograph(packet, photograph) else {
             return DepthMap::new([1, 1], vec![0.0], 0.0, false);
         };
         let distances = distances_of_surface(&seen, &mut blocks);
-        DepthMap::new(seen.viewport_px, distances, most_extent, false)
+        DepthMap::new(seen.viewport_px, distances, max_extent, false)
     });
     PhotoDepths { maps: maps.collect() }
 }

@@ -15,13 +15,13 @@ pub struct PassTime {
 /// The passes of one picture, in their order: those that were timed, which are all on adapters with timestamps.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PassTimes {
-    passes: [PassTime; Self::MOST],
+    passes: [PassTime; Self::MAX],
     count: usize,
 }
 
 impl PassTimes {
     /// Most passes of a picture.
-    pub const MOST: usize = 16;
+    pub const MAX: usize = 16;
 
     /// Returns true if there are no timings.
     pub fn are_none(&self) -> bool {
@@ -38,7 +38,7 @@ impl Deref for PassTimes {
 }
 
 impl FromIterator<PassTime> for PassTimes {
-    /// The first [`PassTimes::MOST`] of them.
+    /// The first [`PassTimes::MAX`] of them.
     fn from_iter<I: IntoIterator<Item = PassTime>>(times: I) -> Self {
         let mut all = Self::default();
         for (place, time) in all.passes.iter_mut().zip(times) {
@@ -68,7 +68,7 @@ mod tests {
         let few: PassTimes = [1.0, 2.0].map(time).into_iter().collect();
         assert_eq!(&*few, [time(1.0), time(2.0)]);
         let many: PassTimes = (0..100).map(|i| time(f64::from(i))).collect();
-        assert_eq!(many.len(), PassTimes::MOST);
+        assert_eq!(many.len(), PassTimes::MAX);
         assert_eq!(
             serde_json::to_string(&few).unwrap(),
             r#"[{"pass":"x","gpu_ms":1.0},{"pass":"x","gpu_ms":2.0}]"#

@@ -418,14 +418,14 @@ impl Scene {
             return content;
         }
         let (cut, lod_px) = from.lod.cut(levels, &select_view, hints, affordable);
-        let most_records = match from.lod {
-            Lod::Budget(most) => most as usize,
+        let max_records = match from.lod {
+            Lod::Budget(max) => max as usize,
             Lod::ThresholdPx(_) | Lod::Level(_) | Lod::FrameTimeMs(_) => usize::MAX,
         };
         // In the memory of the last records, unless a packet still holds them.
         let mut buffers = last.map_or_else(RecordBuffers::default, |last| last.content.into_buffers());
         let selected = from.may_select.then(|| levels.select(&cut, &mut buffers)).flatten();
-        let records = selected.unwrap_or_else(|| levels.write(&cut, most_records, buffers));
+        let records = selected.unwrap_or_else(|| levels.write(&cut, max_records, buffers));
         let content = Content::from(records);
         let content = match &from.clip {
             Some(clip) => content.clipped(clip),

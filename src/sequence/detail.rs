@@ -20,7 +20,7 @@ impl Detail {
     }
 
     /// The number of points.
-    pub fn most_points(self) -> usize {
+    pub fn max_points(self) -> usize {
         match self {
             Self::Full => usize::MAX,
             Self::AtMost(points) => points.get() as usize,
@@ -31,12 +31,12 @@ impl Detail {
     /// for so little. A level of detail will do if the next finer one has more.
     pub(super) fn is_met_by(self, frame: &Frame) -> bool {
         let points = frame.len() + frame.dropped_points();
-        let is_finest = |finer: usize| finer > self.most_points();
-        !frame.is_sample() || points >= self.most_points() / 4 * 3 || frame.points_of_finer().is_some_and(is_finest)
+        let is_finest = |finer: usize| finer > self.max_points();
+        !frame.is_sample() || points >= self.max_points() / 4 * 3 || frame.points_of_finer().is_some_and(is_finest)
     }
 
     /// Returns true if `frame` has so many more points that it is worth creating one with fewer.
     pub(super) fn is_exceeded_by(self, frame: &Frame) -> bool {
-        frame.len() > self.most_points().saturating_mul(3) / 2
+        frame.len() > self.max_points().saturating_mul(3) / 2
     }
 }

@@ -251,7 +251,7 @@ impl Sequence {
         progress.set(0, 0);
         let mut decoder = take_idle(idle, index, |frame| self.source.group(frame)).unwrap_or_else(decoder);
         let mut decoded = catch_panic(index, &path, || {
-            let decoded = decoder.decode(index, &entry, detail.most_points(), progress);
+            let decoded = decoder.decode(index, &entry, detail.max_points(), progress);
             // One that has panicked is not used again.
             lock(idle).push((index, decoder));
             decoded.map_err(|reason| FrameError::Decode {
@@ -422,14 +422,14 @@ impl Sequence {
         FrameError::Invalid { index, path, reason }
     }
 
-    /// At most `most_points` of frame `index`, if it has at least `fewest_points` and they can be read without the
+    /// At most `max_points` of frame `index`, if it has at least `min_points` and they can be read without the
     /// others.
-    pub(crate) fn load_sample(&self, index: usize, most_points: usize, fewest_points: usize) -> Option<LoadedFrame> {
+    pub(crate) fn load_sample(&self, index: usize, max_points: usize, min_points: usize) -> Option<LoadedFrame> {
         let start = Instant::now();
         let entry = self.entry(index);
         // What is wrong is said when all of it is read.
         let sampled = catch_panic(index, &entry.path, || {
-            let sample = self.source.sample(index, most_points, fewest_points);
+            let sample = self.source.sample(index, max_points, min_points);
             sample.map_err(|reason| FrameError::Decode {
                 index,
                 path: entry.path.clone(),
@@ -476,7 +476,7 @@ fn validated(decoded: DecodedFrame, origin: DVec3, detail: Detail) -> Result<Fra
         }) if cloud.positions.len() < points_in_frame => {
             Frame::from_level(cloud, origin, points_in_frame, points_of_finer)
         }
-        _ => Frame::from_raw_sample(cloud, origin, detail.most_points()),
+        _ => Frame::from_raw_sample(cloud, origin, detail.max_points()),
     }
 }
 
@@ -495,11 +495,11 @@ fn take_idle(
     let knows = |last: usize| (group.start..=index).contains(&last) || last + 1 == index;
     let nearest = (0..idle.len()).filter(|&place| knows(idle[place].0));
     let nearest = nearest.max_by_key(|&place| idle[place].0);
-    let most = thread::available_parallelism().map_or(1, NonZero::get);
+    let max = thread::available_parallelism().map_or(1, NonZero::get);
     let has_ended = |&(last, _): &(usize, Box<dyn Decoder>)| last + 1 >= group_of(last).end;
     let oldest = || match idle.len() {
-        count if count >= 2 * most => Some(0),
-        count if count >= most => idle.iter().position(has_ended),
+        count if count >= 2 * max => Some(0),
+        count if count >= max => idle.iter().position(has_ended),
         _ => None,
     };
     let place = nearest.or_else(oldest)?;

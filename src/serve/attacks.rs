@@ -1,7 +1,7 @@
 //! Attacks on the HTTP server, over the loopback. Deadlines are short; waits are long, as machines are busy.
 
-use super::{FileServer, FileServerOptions, MOST_CONNECTIONS, MOST_HEAD_BYTES};
-use crate::deadlines::{LeastRate, ServerDeadlines};
+use super::{FileServer, FileServerOptions, MAX_CONNECTIONS, MAX_HEAD_BYTES};
+use crate::deadlines::{MinRate, ServerDeadlines};
 use std::io::{Read as _, Write as _};
 use std::net::{Shutdown, SocketAddr, TcpStream};
 use std::sync::Arc;
@@ -27,7 +27,7 @@ impl Running {
         let deadlines = ServerDeadlines {
             idle: Duration::from_millis(1500),
             head: Duration::from_millis(300),
-            answer: LeastRate {
+            answer: MinRate {
                 grace: Duration::from_millis(300),
                 bytes_per_s: 1e6,
             },
@@ -115,7 +115,7 @@ fn assert_left(mut stream: TcpStream) {
 #[test]
 fn slow_clients_keep_nobody_out() {
     let server = Running::new(FILE);
-    let slow: Vec<TcpStream> = (0..MOST_CONNECTIONS + 8)
+    let slow: Vec<TcpStream> = (0..MAX_CONNECTIONS + 8)
         .map(|number| {
             let mut stream = server.connect();
             // Some say nothing, some begin and never end.
@@ -133,7 +133,7 @@ fn slow_clients_keep_nobody_out() {
 fn clients_that_never_read_keep_nobody_out() {
     // More than buffers of the network hold.
     let server = Running::within(&[FILE, &vec![7; 64 << 20]].concat(), ServerDeadlines::default());
-    let stuck: Vec<TcpStream> = (0..MOST_CONNECTIONS)
+    let stuck: Vec<TcpStream> = (0..MAX_CONNECTIONS)
         .map(|_| {
             let mut stream = server.connect();
             stream.write_all(b"GET /a.reel HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
@@ -205,7 +205,7 @@ fn requests_that_hide_others_are_refused_and_the_connection_ends() {
         assert_eq!(answer.matches("HTTP/1.1").count(), 1, "{begin:?}: {answer}");
         assert!(!answer.contains("0123456789"), "{begin:?}: {answer}");
     }
-    let endless = vec![b'x'; 4 * MOST_HEAD_BYTES];
+    let endless = vec![b'x'; 4 * MAX_HEAD_BYTES];
     let answer = server.answer(&[b"GET /".as_slice(), &endless].concat());
     assert!(answer.starts_with("HTTP/1.1 400 "), "{answer}");
 }

@@ -8,7 +8,7 @@
 //! of plain files does the same; this one needs no installation.
 //!
 //! **Bounds.** A request has 8 KiB of head at most and no body; it has to come, and its answer has to be taken, within
-//! [`ServerDeadlines`]. Of more connections than `MOST_CONNECTIONS` the idle and the slow give way (`places.rs`); where
+//! [`ServerDeadlines`]. Of more connections than `MAX_CONNECTIONS` the idle and the slow give way (`places.rs`); where
 //! descriptors are used up the server pauses (`accept.rs`).
 
 mod accept;
@@ -41,10 +41,10 @@ use std::time::{Duration, Instant, SystemTime};
 use steady::SteadyWriter;
 
 /// Connections that are answered at once.
-const MOST_CONNECTIONS: usize = 64;
+const MAX_CONNECTIONS: usize = 64;
 
 /// Bytes of the head of a request.
-const MOST_HEAD_BYTES: usize = 8 << 10;
+const MAX_HEAD_BYTES: usize = 8 << 10;
 
 /// Bytes that are read and sent at a time.
 const PIECE_BYTES: usize = 1 << 16;
@@ -95,7 +95,7 @@ impl FileServer {
             shared: Arc::new(Shared {
                 path: path.to_owned(),
                 target: format!("/{}", answer::encoded(&name)),
-                places: Arc::new(Places::new(MOST_CONNECTIONS, options.deadlines.stuck)),
+                places: Arc::new(Places::new(MAX_CONNECTIONS, options.deadlines.stuck)),
                 options,
                 sent_bytes: AtomicU64::new(0),
                 is_over: AtomicBool::new(false),
@@ -250,7 +250,7 @@ fn next_request(
                 read.drain(..end);
                 return Ok(Some(request));
             }
-            Ok(None) if read.len() <= MOST_HEAD_BYTES => {}
+            Ok(None) if read.len() <= MAX_HEAD_BYTES => {}
             Ok(None) | Err(_) => return Ok(Some(Request::bad())),
         }
         let left = begun.map_or(deadlines.idle, |begun| deadlines.head.saturating_sub(begun.elapsed()));
@@ -269,10 +269,10 @@ fn next_request(
 
 /// Lets a client that was refused see the answer.
 fn part(mut stream: &TcpStream) -> io::Result<()> {
-    let (time, most_bytes) = PARTING;
+    let (time, max_bytes) = PARTING;
     stream.shutdown(Shutdown::Write)?;
     let (begun, mut piece, mut bytes) = (Instant::now(), [0; 1024], 0);
-    while bytes < most_bytes {
+    while bytes < max_bytes {
         let left = time.saturating_sub(begun.elapsed());
         if left.is_zero() {
             break;

@@ -11,7 +11,7 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Minimum transfer rate, in bytes per second: slower responses give way after the grace period.
-const LEAST_RATE: f64 = 65536.0;
+const MIN_RATE: f64 = 65536.0;
 const GRACE: Duration = Duration::from_secs(5);
 
 /// Time to wait for a free slot before the other connections are checked again.
@@ -20,7 +20,7 @@ const LOOK: Duration = Duration::from_millis(100);
 /// Places for connections.
 #[derive(Debug)]
 pub(super) struct Places {
-    most: usize,
+    max: usize,
     stuck: Duration,
     taken: Mutex<Taken>,
     left: Condvar,
@@ -54,10 +54,10 @@ pub(super) struct Place {
 }
 
 impl Places {
-    /// `most` of them, where those give way that take nothing for longer than `stuck`.
-    pub(super) fn new(most: usize, stuck: Duration) -> Self {
+    /// `max` of them, where those give way that take nothing for longer than `stuck`.
+    pub(super) fn new(max: usize, stuck: Duration) -> Self {
         Self {
-            most,
+            max,
             stuck,
             taken: Mutex::default(),
             left: Condvar::new(),
@@ -67,7 +67,7 @@ impl Places {
     /// A place for `stream`, once there is one.
     pub(super) fn take(self: &Arc<Self>, stream: &Arc<TcpStream>) -> Place {
         let mut taken = lock(&self.taken);
-        while taken.places.len() >= self.most {
+        while taken.places.len() >= self.max {
             taken.give_way(self.stuck);
             let waited = self.left.wait_timeout(taken, LOOK);
             taken = waited.unwrap_or_else(PoisonError::into_inner).0;
@@ -108,7 +108,7 @@ impl Taken {
         }
         let waiting = self.places.iter().filter(|held| held.sent_bytes.is_none());
         let stuck = self.places.iter().filter(|held| held.last.elapsed() > stuck);
-        let slow = self.places.iter().filter(|held| held.rate() < LEAST_RATE);
+        let slow = self.places.iter().filter(|held| held.rate() < MIN_RATE);
         let chosen = waiting
             .min_by_key(|held| held.since)
             .or_else(|| stuck.min_by_key(|held| held.last))

@@ -6,7 +6,7 @@
 //! Requests have no bodies here, and after one that is refused the connection is closed.
 
 /// Headers of a request.
-const MOST_HEADERS: usize = 64;
+const MAX_HEADERS: usize = 64;
 
 /// A request, as far as it matters here.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,7 +37,7 @@ pub(super) struct NoRequest;
 impl Request {
     /// The request that `bytes` begin with and where it ends; `None` if it has not ended yet.
     pub(super) fn parse(bytes: &[u8]) -> Result<Option<(Self, usize)>, NoRequest> {
-        let mut headers = [httparse::EMPTY_HEADER; MOST_HEADERS];
+        let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
         let mut parsed = httparse::Request::new(&mut headers);
         let status = parsed.parse(bytes).map_err(|_| NoRequest)?;
         let head = match status {

@@ -1,6 +1,6 @@
 //! Sends to a client that has to take it at a least rate.
 
-use crate::deadlines::LeastRate;
+use crate::deadlines::MinRate;
 use std::io::{self, ErrorKind, Write as _};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
@@ -11,17 +11,17 @@ const PIECE_BYTES: usize = 1 << 16;
 /// The way to a client, for one answer or message.
 pub(super) struct SteadyWriter<'a> {
     stream: &'a TcpStream,
-    least: LeastRate,
+    min: MinRate,
     begun: Instant,
     sent_bytes: u64,
 }
 
 impl<'a> SteadyWriter<'a> {
     /// The least rate counts from now on.
-    pub(super) fn new(stream: &'a TcpStream, least: LeastRate) -> Self {
+    pub(super) fn new(stream: &'a TcpStream, min: MinRate) -> Self {
         Self {
             stream,
-            least,
+            min,
             begun: Instant::now(),
             sent_bytes: 0,
         }
@@ -34,7 +34,7 @@ impl<'a> SteadyWriter<'a> {
     pub(super) fn write(&mut self, mut bytes: &[u8], mut note: impl FnMut(usize)) -> io::Result<()> {
         while !bytes.is_empty() {
             let elapsed = self.begun.elapsed();
-            let Some(left) = self.least.time_left(self.sent_bytes, elapsed) else {
+            let Some(left) = self.min.time_left(self.sent_bytes, elapsed) else {
                 return Err(self.too_slow(elapsed));
             };
             // Zero would be for ever.
@@ -63,7 +63,7 @@ impl<'a> SteadyWriter<'a> {
             "it has taken {} bytes in {:.0} seconds, expected {:.0} per second",
             self.sent_bytes,
             elapsed.as_secs_f64(),
-            self.least.bytes_per_s
+            self.min.bytes_per_s
         );
         io::Error::new(ErrorKind::TimedOut, text)
     }

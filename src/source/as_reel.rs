@@ -129,7 +129,7 @@ impl Decoder for ThroughReel {
         &mut self,
         index: usize,
         entry: &FrameEntry,
-        _most_points: usize,
+        _max_points: usize,
         progress: &Progress,
     ) -> Result<DecodedFrame, DecodeFailure> {
         let original = self.decoder.decode(index, entry, usize::MAX, progress)?.cloud;

@@ -78,14 +78,9 @@ impl Source for FrameList {
 }
 
 impl Samples for FrameList {
-    fn sample(
-        &self,
-        index: usize,
-        most_points: usize,
-        fewest_points: usize,
-    ) -> Result<Option<FrameSample>, DecodeFailure> {
+    fn sample(&self, index: usize, max_points: usize, min_points: usize) -> Result<Option<FrameSample>, DecodeFailure> {
         match &self.sample {
-            Some(sample) => sample(&self.entries[index], most_points, fewest_points),
+            Some(sample) => sample(&self.entries[index], max_points, min_points),
             None => Ok(None),
         }
     }

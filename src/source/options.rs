@@ -30,7 +30,7 @@ pub struct OpenOptions {
     /// An empty folder is waited for until its first frame comes.
     pub waits_for_first: bool,
     /// Maximum bit rate for reading from the web, in bits per second.
-    pub most_bits_per_s: Option<f64>,
+    pub max_bits_per_s: Option<f64>,
     /// True if dense points are computed from images by stereo even if sparse ones exist.
     pub dense: bool,
     /// Length of a live stream's history that can be rewound, in seconds; the default length if `None`.

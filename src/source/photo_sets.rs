@@ -18,13 +18,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Entries of a folder that are looked at.
-const MOST_ENTRIES: usize = 10_000;
+const MAX_ENTRIES: usize = 10_000;
 
 /// Sub-folders that are looked into: a folder of more is no data set of a few scenes.
-const MOST_FOLDERS: usize = 64;
+const MAX_FOLDERS: usize = 64;
 
 /// Sub-folders that a message names.
-const MOST_NAMES: usize = 6;
+const MAX_NAMES: usize = 6;
 
 /// Opens calibrated images, if those are the one input.
 ///
@@ -88,7 +88,7 @@ fn open_below(input: &Path, options: &OpenOptions) -> Result<Option<Arc<dyn Sour
         return Ok(None);
     };
     let holds_set = |folder: &PathBuf| matches!(photos::find(folder), Ok(Some(_))) || rgbd::is_likely(folder);
-    let found: Vec<PathBuf> = folders.into_iter().take(MOST_FOLDERS).filter(holds_set).collect();
+    let found: Vec<PathBuf> = folders.into_iter().take(MAX_FOLDERS).filter(holds_set).collect();
     match found.as_slice() {
         [] => match photos::unread(input) {
             // Pictures are next to the parts of many things, which the refusal of the files names.
@@ -112,7 +112,7 @@ fn open_below(input: &Path, options: &OpenOptions) -> Result<Option<Arc<dyn Sour
 
 /// True if the files of a folder are the parts of one thing that is not read, such as a project of `ReCap`.
 fn is_foreign(folder: &Path) -> bool {
-    let entries = fs::read_dir(folder).into_iter().flatten().take(MOST_ENTRIES).flatten();
+    let entries = fs::read_dir(folder).into_iter().flatten().take(MAX_ENTRIES).flatten();
     let names: Vec<String> = entries
         .map(|entry| entry.file_name().to_string_lossy().into_owned())
         .collect();
@@ -126,7 +126,7 @@ fn wrong(error: PhotosError) -> SequenceError {
 /// The sub-folders of a folder in which no file is a cloud by its extension.
 fn folders_of_no_frames(input: &Path) -> Option<Vec<PathBuf>> {
     let mut folders = Vec::new();
-    for entry in fs::read_dir(input).ok()?.take(MOST_ENTRIES).flatten() {
+    for entry in fs::read_dir(input).ok()?.take(MAX_ENTRIES).flatten() {
         let path = entry.path();
         if entry.file_name().to_string_lossy().starts_with('.') {
             continue;
@@ -142,9 +142,9 @@ fn folders_of_no_frames(input: &Path) -> Option<Vec<PathBuf>> {
 }
 
 fn names(folders: &[PathBuf]) -> String {
-    let names = folders.iter().take(MOST_NAMES).filter_map(|folder| folder.file_name());
+    let names = folders.iter().take(MAX_NAMES).filter_map(|folder| folder.file_name());
     let names: Vec<String> = names.map(|name| name.to_string_lossy().into_owned()).collect();
-    let more = if folders.len() > MOST_NAMES { ", …" } else { "" };
+    let more = if folders.len() > MAX_NAMES { ", …" } else { "" };
     format!("{}{more}", names.join(", "))
 }
 

@@ -30,7 +30,7 @@ const DENSE_CLOUDS: &[&str] = &[
 ];
 
 /// Maximum number of images that are matched at full size, up to 640 pixels.
-const MOST_OF_WHOLE_SIZE: usize = 8;
+const MAX_OF_WHOLE_SIZE: usize = 8;
 
 /// Posed images of one scene.
 #[derive(Debug)]
@@ -133,11 +133,11 @@ fn dense_of(set: &ViewSet, options: &OpenOptions) -> Dense {
         matcher: options.matcher.clone(),
         ..Dense::default()
     };
-    if options.dense || set.photos.len() <= MOST_OF_WHOLE_SIZE {
+    if options.dense || set.photos.len() <= MAX_OF_WHOLE_SIZE {
         return usual;
     }
     Dense {
-        most_side_px: usual.most_side_px / 2,
+        max_side_px: usual.max_side_px / 2,
         ..usual
     }
 }

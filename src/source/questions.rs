@@ -37,11 +37,11 @@ impl dyn Source + '_ {
     pub fn sample(
         &self,
         index: usize,
-        most_points: usize,
-        fewest_points: usize,
+        max_points: usize,
+        min_points: usize,
     ) -> Result<Option<FrameSample>, DecodeFailure> {
         match self.capabilities().samples {
-            Some(samples) => samples.sample(index, most_points, fewest_points),
+            Some(samples) => samples.sample(index, max_points, min_points),
             None => Ok(None),
         }
     }

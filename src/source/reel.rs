@@ -74,7 +74,7 @@ impl Reel {
     /// [`SequenceError::Reel`].
     pub fn open(path: &Path, options: &OpenOptions) -> Result<Self, SequenceError> {
         let opened = match path.to_str().filter(|_| Self::is_url(path)) {
-            Some(url) => Opened::on_web(path, url, options.most_bits_per_s),
+            Some(url) => Opened::on_web(path, url, options.max_bits_per_s),
             None => Opened::at(path),
         };
         let opened = opened.and_then(|opened| {
@@ -142,11 +142,11 @@ impl Opened {
         ))
     }
 
-    fn on_web(path: &Path, url: &str, most_bits_per_s: Option<f64>) -> Result<Self, ReelError> {
+    fn on_web(path: &Path, url: &str, max_bits_per_s: Option<f64>) -> Result<Self, ReelError> {
         let file = if url.starts_with("https:") {
             Err(std::io::Error::other("https:// is not read, only http:// is"))
         } else {
-            HttpFile::open(url, most_bits_per_s, ClientDeadlines::default())
+            HttpFile::open(url, max_bits_per_s, ClientDeadlines::default())
         };
         Self::of(Arc::new(file.map_err(open_error(path))?), path)
     }
@@ -227,19 +227,14 @@ impl Groups for Reel {
 }
 
 impl Samples for Reel {
-    fn sample(
-        &self,
-        index: usize,
-        most_points: usize,
-        fewest_points: usize,
-    ) -> Result<Option<FrameSample>, DecodeFailure> {
+    fn sample(&self, index: usize, max_points: usize, min_points: usize) -> Result<Option<FrameSample>, DecodeFailure> {
         let points = self.file().frame(index).map_or(0, |frame| frame.points);
-        if points < fewest_points {
+        if points < min_points {
             return Ok(None);
         }
         let sample = self
             .decoder()
-            .decode(index, &self.entry(index), most_points, &Progress::default())?;
+            .decode(index, &self.entry(index), max_points, &Progress::default())?;
         Ok(Some((sample, points)))
     }
 }
@@ -290,14 +285,14 @@ impl Decoder for FileDecoder {
         &mut self,
         index: usize,
         _entry: &FrameEntry,
-        most_points: usize,
+        max_points: usize,
         progress: &Progress,
     ) -> Result<DecodedFrame, DecodeFailure> {
         let file = self.shared.file();
         if index >= self.decoder.file().frame_count() {
             self.decoder = ReelDecoder::new(Arc::clone(&file), self.shared.max_memory_bytes);
         }
-        let decoded = self.decoder.decode(index, most_points, progress)?;
+        let decoded = self.decoder.decode(index, max_points, progress)?;
         let points = decoded.cloud.positions.len();
         let levels = file.frame(index).map_or(&[][..], |frame| frame.level_points);
         let finer = levels.iter().copied().find(|&finer| finer > points);

@@ -39,7 +39,7 @@ const RING_LENGTH: usize = 48;
 const RING_BYTES: usize = 512 << 20;
 
 /// A datagram has no more.
-const MOST_DATAGRAM_BYTES: usize = 1 << 16;
+const MAX_DATAGRAM_BYTES: usize = 1 << 16;
 
 /// Between looks at whether anybody listens still.
 const LOOK: Duration = Duration::from_millis(50);
@@ -190,7 +190,7 @@ fn parse(input: &Path) -> Result<(SocketAddr, Option<PathBuf>), String> {
 impl Ring {
     /// Receives packets until nobody wants them.
     fn listen(&self, socket: &UdpSocket, mut found: LiveTurns) {
-        let mut buffer = vec![0; MOST_DATAGRAM_BYTES];
+        let mut buffer = vec![0; MAX_DATAGRAM_BYTES];
         // The time of day of the beginning: clocks that are set meanwhile change no order.
         let (begun, day) = (Instant::now(), SystemTime::now());
         let day = day.duration_since(UNIX_EPOCH).unwrap_or_default();
@@ -363,7 +363,7 @@ impl Decoder for ScannerDecoder {
         &mut self,
         index: usize,
         _entry: &FrameEntry,
-        _most_points: usize,
+        _max_points: usize,
         _progress: &Progress,
     ) -> Result<DecodedFrame, DecodeFailure> {
         let turn = self.ring.turn(index);

@@ -15,14 +15,14 @@ use std::sync::Arc;
 const USUAL_POINTS: usize = 100_000;
 
 /// Most points that a shape can be asked for.
-const MOST_POINTS: usize = 50_000_000;
+const MAX_POINTS: usize = 50_000_000;
 
 /// One frame of a shape: `torus:` or `torus:20000`.
 pub(super) const SHAPES: Made = Made {
     has_word: |word| Shape::named(word).is_some(),
     said: || {
         let names = Shape::ALL.map(Shape::name).join(", ");
-        format!("a shape ({names}) and 1 to {MOST_POINTS} points, such as torus:100000")
+        format!("a shape ({names}) and 1 to {MAX_POINTS} points, such as torus:100000")
     },
     make: |name, count| {
         let (shape, points) = counted(name, count)?;
@@ -34,7 +34,7 @@ pub(super) const SHAPES: Made = Made {
 pub(super) fn counted(name: &str, count: &str) -> Option<(Shape, usize)> {
     let points = match count {
         "" => USUAL_POINTS,
-        count => count.parse().ok().filter(|count| (1..=MOST_POINTS).contains(count))?,
+        count => count.parse().ok().filter(|count| (1..=MAX_POINTS).contains(count))?,
     };
     Some((Shape::named(name)?, points))
 }
@@ -184,11 +184,11 @@ impl Shape {
     /// Returns true if a position on the surface, unbounded as its formula has it, is within the bounds of the shape;
     /// rounding errors of up to 1e-9 are tolerated.
     pub(crate) fn is_within(self, position: DVec3) -> bool {
-        const MOST: f64 = 1.0 + 1e-9;
+        const MAX: f64 = 1.0 + 1e-9;
         match self {
             Self::Sphere | Self::Torus => true,
-            Self::Cube => position.abs().max_element() <= MOST,
-            Self::Saddle => DVec2::new(position.x, position.y).abs().max_element() <= MOST,
+            Self::Cube => position.abs().max_element() <= MAX,
+            Self::Saddle => DVec2::new(position.x, position.y).abs().max_element() <= MAX,
         }
     }
 

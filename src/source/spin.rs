@@ -154,7 +154,7 @@ impl Decoder for SpinDecoder {
         &mut self,
         index: usize,
         _entry: &FrameEntry,
-        _most_points: usize,
+        _max_points: usize,
         _progress: &Progress,
     ) -> Result<DecodedFrame, DecodeFailure> {
         let at_rest =

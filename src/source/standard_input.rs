@@ -30,7 +30,7 @@ pub(super) const STANDARD_INPUT: One = One {
 };
 
 /// Folders that are tried before the system is believed to have no place for one.
-const MOST_FOLDERS: u32 = 100;
+const MAX_FOLDERS: u32 = 100;
 
 /// Bytes that are read at a time.
 const BLOCK: usize = 1 << 16;
@@ -142,7 +142,7 @@ fn new_folder() -> io::Result<Temporary> {
         let path = std::env::temp_dir().join(name);
         match builder.create(&path) {
             Ok(()) => return Ok(Temporary::folder_and_contents(&path)),
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && number < MOST_FOLDERS => number += 1,
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && number < MAX_FOLDERS => number += 1,
             Err(error) => return Err(error),
         }
     }

@@ -79,14 +79,14 @@ pub trait Source: Send + Sync {
 /// Decodes frames of one source. It may keep what several frames share, such as an open file or the frame before, but
 /// gives the same answer whatever it decoded before.
 pub trait Decoder: Send {
-    /// Frame `index`, which `entry` tells of, in file coordinates. `most_points` are wanted: a decoder of levels gives
+    /// Frame `index`, which `entry` tells of, in file coordinates. `max_points` are wanted: a decoder of levels gives
     /// the finest that has no more, any other decoder all points, and the caller thins them out. Says how far it is;
     /// what it returns after it was cancelled is not looked at.
     fn decode(
         &mut self,
         index: usize,
         entry: &FrameEntry,
-        most_points: usize,
+        max_points: usize,
         progress: &Progress,
     ) -> Result<DecodedFrame, DecodeFailure>;
 }
@@ -100,7 +100,7 @@ where
         &mut self,
         _index: usize,
         entry: &FrameEntry,
-        _most_points: usize,
+        _max_points: usize,
         progress: &Progress,
     ) -> Result<DecodedFrame, DecodeFailure> {
         self(entry, progress).map(DecodedFrame::from)
@@ -191,14 +191,9 @@ pub trait Meshes: Send + Sync {
 
 /// Frames of which some points can be read without the others.
 pub trait Samples: Send + Sync {
-    /// At most `most_points` of a frame that has at least `fewest_points`, without reading the others, and how many it
+    /// At most `max_points` of a frame that has at least `min_points`, without reading the others, and how many it
     /// has; `None` where that cannot be done.
-    fn sample(
-        &self,
-        index: usize,
-        most_points: usize,
-        fewest_points: usize,
-    ) -> Result<Option<FrameSample>, DecodeFailure>;
+    fn sample(&self, index: usize, max_points: usize, min_points: usize) -> Result<Option<FrameSample>, DecodeFailure>;
 }
 
 /// Frames that come while the source is open.

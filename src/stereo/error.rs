@@ -76,12 +76,12 @@ pub enum StereoError {
         most: usize,
     },
     /// Penalties that bytes cannot hold.
-    #[error("penalties P1 = {p1} and P2 from {p2_least} to {p2}: expected P1 < least P2 ≤ P2 and P1 + P2 ≤ {most}")]
+    #[error("penalties P1 = {p1} and P2 from {p2_min} to {p2}: expected P1 < least P2 ≤ P2 and P1 + P2 ≤ {most}")]
     NoPenalties {
         /// For a step of one disparity.
         p1: u8,
         /// For more, where brightness changes most.
-        p2_least: u8,
+        p2_min: u8,
         /// For more, where brightness is even.
         p2: u8,
         /// Maximum sum of P1 and P2.
@@ -89,14 +89,14 @@ pub enum StereoError {
     },
     /// Memory beyond what stereo allows itself.
     #[error(
-        "stereo of these images takes {needed_mib} MiB: expected at most {most_mib}; scale the images down or narrow \
+        "stereo of these images takes {needed_mib} MiB: expected at most {max_mib}; scale the images down or narrow \
          the range"
     )]
     TooLarge {
         /// Memory required.
         needed_mib: u64,
         /// Memory limit.
-        most_mib: u64,
+        max_mib: u64,
     },
     /// Fewer views than a plane sweep has to have.
     #[error("{0} views: expected at least 2")]

@@ -336,8 +336,8 @@ impl Clock {
         self.advance(now);
         if self.playing {
             let phase = self.frames_since_anchor(now) - self.elapsed_at(self.steps);
-            let most = (self.pace.duration(self.frame) - TOLERANCE_FRAMES).max(0.0);
-            self.set_anchor(now, phase.clamp(0.0, most));
+            let max = (self.pace.duration(self.frame) - TOLERANCE_FRAMES).max(0.0);
+            self.set_anchor(now, phase.clamp(0.0, max));
         }
     }
 

@@ -83,7 +83,7 @@ mod tests {
             let frames = range.of(count);
             prop_assert!(!frames.is_empty() && frames.end <= count, "{frames:?}");
             // Points that are there and in order are kept to the frame.
-            if range.is_sound() && first.max(last).is_none_or(|most| most < count) {
+            if range.is_sound() && first.max(last).is_none_or(|max| max < count) {
                 prop_assert_eq!(frames, first.unwrap_or(0)..last.map_or(count, |last| last + 1));
             }
         }

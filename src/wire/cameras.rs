@@ -6,10 +6,10 @@ use crate::rgbd::{Camera, Distortion};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 /// Most pixels along an edge.
-const MOST_EDGE_PX: u32 = 1 << 15;
+const MAX_EDGE_PX: u32 = 1 << 15;
 
 /// Most pixels of an image: no depth camera has more, and packed ones may claim any number.
-const MOST_PIXELS: u64 = 1 << 25;
+const MAX_PIXELS: u64 = 1 << 25;
 
 /// Coefficients of a lens.
 const COEFFICIENTS: usize = 8;
@@ -18,12 +18,12 @@ const COEFFICIENTS: usize = 8;
 pub(super) fn checked_size(size_px: [u32; 2], what: &'static str) -> Result<[u32; 2], WireError> {
     let [width, height] = size_px;
     let pixels = u64::from(width) * u64::from(height);
-    let edges = 1..=MOST_EDGE_PX;
-    if edges.contains(&width) && edges.contains(&height) && pixels <= MOST_PIXELS {
+    let edges = 1..=MAX_EDGE_PX;
+    if edges.contains(&width) && edges.contains(&height) && pixels <= MAX_PIXELS {
         return Ok(size_px);
     }
     let reason =
-        format!("{width} × {height} pixels, and 1 to {MOST_EDGE_PX} along an edge and {MOST_PIXELS} together are read");
+        format!("{width} × {height} pixels, and 1 to {MAX_EDGE_PX} along an edge and {MAX_PIXELS} together are read");
     Err(WireError::malformed(what, reason))
 }
 

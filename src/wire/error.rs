@@ -25,14 +25,14 @@ pub enum WireError {
         known: u32,
     },
     /// A length that is larger than any may be.
-    #[error("{what} claims {bytes} bytes, and {most} are read: raise --max-memory if that is right")]
+    #[error("{what} claims {bytes} bytes, and {max} are read: raise --max-memory if that is right")]
     TooLong {
         /// Part of the stream with the excessive length.
         what: &'static str,
         /// Claimed length, in bytes.
         bytes: u64,
         /// The limit.
-        most: u64,
+        max: u64,
     },
     /// A payload that is another than was sent.
     #[error("a message of {bytes} bytes has another checksum than it claims: its bytes were changed on the way")]

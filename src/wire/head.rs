@@ -17,7 +17,7 @@ pub const HEAD_BYTES: usize = 48;
 const FIXED_BYTES: usize = 16;
 
 /// Bytes behind the fixed ones that are read at most: later writers may tell more than is known here.
-const MOST_BYTES: u32 = 1 << 16;
+const MAX_BYTES: u32 = 1 << 16;
 
 /// Bytes of something else that an error quotes.
 const QUOTED: usize = 8;
@@ -87,11 +87,11 @@ impl StreamHead {
                 known: VERSION,
             });
         }
-        if more > MOST_BYTES {
+        if more > MAX_BYTES {
             return Err(WireError::TooLong {
                 what: "the head of the stream",
                 bytes: more.into(),
-                most: MOST_BYTES.into(),
+                max: MAX_BYTES.into(),
             });
         }
         let mut rest = vec![0; more as usize];

@@ -98,10 +98,10 @@ impl RawColor {
     }
 
     /// Three bytes a pixel; the error is the end of a sentence.
-    fn pixels(&self, most_bytes: u64) -> Result<Vec<u8>, String> {
+    fn pixels(&self, max_bytes: u64) -> Result<Vec<u8>, String> {
         let raster = match self {
             Self::Pixels(raster) => Cow::Borrowed(raster),
-            Self::Jpeg(_, bytes) => Cow::Owned(raster::decode(bytes, most_bytes)?),
+            Self::Jpeg(_, bytes) => Cow::Owned(raster::decode(bytes, max_bytes)?),
         };
         match &raster.samples {
             Samples::Rgb8(pixels) => Ok(pixels.as_flattened().to_vec()),
@@ -130,14 +130,14 @@ fn write_jpeg(mut encoder: JpegEncoder<&mut Vec<u8>>, raster: &Raster) -> Option
 pub(crate) fn images_body(
     images: &RawImages,
     coding: ImageCoding,
-    most_bytes: u64,
+    max_bytes: u64,
 ) -> Result<(Vec<u8>, Option<String>), String> {
     checked_size(images.depth.size_px, "the depth image").map_err(|error| error.to_string())?;
     let ((depth_code, depth), (color_code, color, problem)) = rayon::join(
         || packed_depth(&images.depth, coding.depth),
         || match &images.color {
             None => (0, Cow::default(), None),
-            Some(color) => packed_color(color, coding.color, most_bytes),
+            Some(color) => packed_color(color, coding.color, max_bytes),
         },
     );
     if depth_code == u32::MAX {
@@ -183,7 +183,7 @@ fn packed_depth(raster: &Raster, coding: DepthCoding) -> (u32, Vec<u8>) {
 }
 
 /// Code, bytes, and why there are none.
-fn packed_color(color: &RawColor, coding: ColorCoding, most_bytes: u64) -> (u32, Cow<'_, [u8]>, Option<String>) {
+fn packed_color(color: &RawColor, coding: ColorCoding, max_bytes: u64) -> (u32, Cow<'_, [u8]>, Option<String>) {
     if let Err(error) = checked_size(color.size_px(), "the colour image") {
         return (0, Cow::default(), Some(error.to_string()));
     }
@@ -192,7 +192,7 @@ fn packed_color(color: &RawColor, coding: ColorCoding, most_bytes: u64) -> (u32,
     {
         return (2, bytes, None);
     }
-    match color.pixels(most_bytes) {
+    match color.pixels(max_bytes) {
         Ok(pixels) => (1, pixels.into(), None),
         Err(problem) => (0, Cow::default(), Some(format!("the colour image: {problem}"))),
     }
@@ -283,17 +283,17 @@ impl ReceivedImages {
 
 impl ReceivedImages {
     /// Returns the raw images in the form in which a server relays them; the error is the end of a sentence.
-    pub(crate) fn raw(&self, most_bytes: u64) -> Result<RawImages, String> {
+    pub(crate) fn raw(&self, max_bytes: u64) -> Result<RawImages, String> {
         let raw_color = |image: &PackedImage| match image.jpeg() {
             Some(bytes) => Some(RawColor::Jpeg(image.size_px(), bytes.to_vec())),
             // Broken colours are left out.
-            None => image.raster(most_bytes).ok().map(RawColor::Pixels),
+            None => image.raster(max_bytes).ok().map(RawColor::Pixels),
         };
         Ok(RawImages {
             rig: Arc::new(self.rig.clone()),
             world_from_camera: self.world_from_camera,
             units_per_metre: self.units_per_metre,
-            depth: self.depth.raster(most_bytes)?,
+            depth: self.depth.raster(max_bytes)?,
             color: self.color.as_ref().and_then(raw_color),
         })
     }

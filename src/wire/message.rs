@@ -9,7 +9,7 @@ use std::io::{ErrorKind, Read};
 pub(super) const HEADER_BYTES: usize = 12;
 
 /// No payload has more, whatever memory there is: 38 million points with colours and normals.
-pub const MOST_PAYLOAD_BYTES: u64 = 1 << 30;
+pub const MAX_PAYLOAD_BYTES: u64 = 1 << 30;
 
 /// Bytes of a payload that are made room for before any has come.
 const FIRST_BYTES: usize = 1 << 16;
@@ -151,20 +151,20 @@ impl Message {
     }
 }
 
-/// The next message, whose payload has no more than `most_bytes` (nor than [`MOST_PAYLOAD_BYTES`]).
+/// The next message, whose payload has no more than `max_bytes` (nor than [`MAX_PAYLOAD_BYTES`]).
 ///
 /// Memory grows with the bytes that come, not with what is claimed.
 ///
 /// # Errors
 /// [`WireError`]: [`WireError::Ended`] between two messages.
-pub fn read_message(reader: &mut impl Read, most_bytes: u64) -> Result<Message, WireError> {
+pub fn read_message(reader: &mut impl Read, max_bytes: u64) -> Result<Message, WireError> {
     let header = MessageHeader::read(reader)?.ok_or(WireError::Ended)?;
-    let (claimed, most) = (u64::from(header.payload_bytes), most_bytes.min(MOST_PAYLOAD_BYTES));
-    if claimed > most {
+    let (claimed, max) = (u64::from(header.payload_bytes), max_bytes.min(MAX_PAYLOAD_BYTES));
+    if claimed > max {
         return Err(WireError::TooLong {
             what: "a message",
             bytes: claimed,
-            most,
+            max,
         });
     }
     let payload = read_payload(reader, header.payload_bytes as usize)?;

@@ -30,7 +30,7 @@ pub use head::{HEAD_BYTES, MAGIC, StreamHead, VERSION};
 pub use images::{ColorCoding, DepthCoding, ImageCoding, RawImages, ReceivedImages};
 pub(crate) use images::{RawColor, images_body};
 pub(crate) use message::MessageHeader;
-pub use message::{Kind, MOST_PAYLOAD_BYTES, Message, read_message};
+pub use message::{Kind, MAX_PAYLOAD_BYTES, Message, read_message};
 pub use packed_image::PackedImage;
 pub use points::{ReceivedPoints, points_body};
 pub use talk::{Got, Now, Ping, Pong};

@@ -81,8 +81,8 @@ impl PackedImage {
         (self.packing == Packing::Jpeg).then(|| &self.payload[self.bytes.clone()])
     }
 
-    /// Its pixels, which take no more than `most_bytes`; the error is the end of a sentence.
-    pub(crate) fn raster(&self, most_bytes: u64) -> Result<Raster, String> {
+    /// Its pixels, which take no more than `max_bytes`; the error is the end of a sentence.
+    pub(crate) fn raster(&self, max_bytes: u64) -> Result<Raster, String> {
         let bytes = &self.payload[self.bytes.clone()];
         let samples = match self.packing {
             Packing::Gray16 => {
@@ -91,12 +91,12 @@ impl PackedImage {
             }
             Packing::GrayF32 => Samples::GrayF32(super::bytes::f32s(bytes)),
             Packing::Rgb8 => Samples::Rgb8(bytes.as_chunks().0.to_vec()),
-            Packing::Rvl => return self.of_its_size(rvl::decode(bytes, most_bytes)?),
+            Packing::Rvl => return self.of_its_size(rvl::decode(bytes, max_bytes)?),
             Packing::Jpeg => {
                 // The size is looked at before anything is unpacked.
                 let size_px = raster::size_px(bytes)?;
                 self.check_size(size_px)?;
-                return self.of_its_size(raster::decode(bytes, most_bytes)?);
+                return self.of_its_size(raster::decode(bytes, max_bytes)?);
             }
         };
         Ok(Raster {

@@ -11,10 +11,10 @@ use std::sync::Arc;
 const LAYOUT_BYTES: usize = 80;
 
 /// Most arrays of a frame.
-const MOST_ARRAYS: u32 = 256;
+const MAX_ARRAYS: u32 = 256;
 
 /// Longest name of an array.
-const MOST_NAME_BYTES: u32 = 1 << 10;
+const MAX_NAME_BYTES: u32 = 1 << 10;
 
 /// Name of the part being read, for errors.
 const WHAT: &str = "a frame of points";
@@ -118,7 +118,7 @@ fn from_origin(positions: &Positions) -> (DVec3, std::borrow::Cow<'_, [[f32; 3]]
 }
 
 fn array_head(body: &mut Written, kind: ArrayKind, count: usize, name: &str, offset: f64) {
-    let name = name.get(..name.len().min(MOST_NAME_BYTES as usize)).unwrap_or_default();
+    let name = name.get(..name.len().min(MAX_NAME_BYTES as usize)).unwrap_or_default();
     body.u32(kind as u32)
         .u32(name.len() as u32)
         .u64(count as u64 * kind.point_bytes())
@@ -151,7 +151,7 @@ impl ReceivedPoints {
         let sensor = DVec3::from_array(fields.f64s()?);
         let (axes, unit) = (fields.u32()?, fields.u32()?);
         let (grid_width, grid_height) = (fields.u32()?, fields.u32()?);
-        if (layout_bytes as usize) < LAYOUT_BYTES || arrays > MOST_ARRAYS || !origin.is_finite() {
+        if (layout_bytes as usize) < LAYOUT_BYTES || arrays > MAX_ARRAYS || !origin.is_finite() {
             let reason = format!("{layout_bytes} bytes before {arrays} arrays, from an origin at {origin}");
             return Err(WireError::malformed(WHAT, reason));
         }
@@ -161,8 +161,8 @@ impl ReceivedPoints {
         for _ in 0..arrays {
             let (kind, name_bytes, array_bytes) = (fields.u32()?, fields.u32()?, fields.u64()?);
             let offset = fields.f64()?;
-            if name_bytes > MOST_NAME_BYTES {
-                let reason = format!("a name of {name_bytes} bytes, and {MOST_NAME_BYTES} are read");
+            if name_bytes > MAX_NAME_BYTES {
+                let reason = format!("a name of {name_bytes} bytes, and {MAX_NAME_BYTES} are read");
                 return Err(WireError::malformed(WHAT, reason));
             }
             let name = String::from_utf8_lossy(fields.take(name_bytes.into())?).into_owned();

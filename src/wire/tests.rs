@@ -8,7 +8,7 @@ use glam::{DAffine3, DQuat, DVec2, DVec3};
 use proptest::prelude::*;
 use std::sync::Arc;
 
-const MOST: u64 = 1 << 24;
+const MAX: u64 = 1 << 24;
 
 fn head() -> FrameHead {
     FrameHead {
@@ -71,10 +71,10 @@ fn colors() -> Raster {
 }
 
 fn received(images: &RawImages, coding: ImageCoding) -> ReceivedImages {
-    let (body, problem) = images_body(images, coding, MOST).unwrap();
+    let (body, problem) = images_body(images, coding, MAX).unwrap();
     assert_eq!(problem, None);
     let bytes = frame_message(Kind::Images, &body).encode();
-    let message = read_message(&mut bytes.as_slice(), MOST).unwrap();
+    let message = read_message(&mut bytes.as_slice(), MAX).unwrap();
     let frame = Frame::of(message).unwrap().unwrap();
     assert_eq!(frame.head, head());
     match frame.content {
@@ -103,8 +103,8 @@ fn images_come_back_as_they_were() {
             assert_eq!(came.rig, *sent.rig);
             assert_eq!(came.world_from_camera, sent.world_from_camera);
             assert_eq!(came.units_per_metre, 5000.0);
-            assert_eq!(came.depth.raster(MOST), Ok(sent.depth.clone()));
-            assert_eq!(came.color.unwrap().raster(MOST), Ok(colors()));
+            assert_eq!(came.depth.raster(MAX), Ok(sent.depth.clone()));
+            assert_eq!(came.color.unwrap().raster(MAX), Ok(colors()));
         }
     }
 }
@@ -114,7 +114,7 @@ fn jpeg_is_near_and_a_jpeg_stays_as_it_is() {
     let sent = images(Samples::Gray16(depths()), Some(RawColor::Pixels(colors())));
     let came = received(&sent, ImageCoding::default());
     let jpeg = came.color.unwrap();
-    let (Samples::Rgb8(before), Samples::Rgb8(after)) = (colors().samples, jpeg.raster(MOST).unwrap().samples) else {
+    let (Samples::Rgb8(before), Samples::Rgb8(after)) = (colors().samples, jpeg.raster(MAX).unwrap().samples) else {
         panic!("colours are colours");
     };
     let errors = before
@@ -122,8 +122,8 @@ fn jpeg_is_near_and_a_jpeg_stays_as_it_is() {
         .iter()
         .zip(after.as_flattened())
         .map(|(a, b)| a.abs_diff(*b));
-    let (sum, most) = errors.fold((0, 0), |(sum, most), error| (sum + u32::from(error), most.max(error)));
-    assert!(sum <= 3 * 120 && most <= 12, "sum {sum}, most {most}");
+    let (sum, max) = errors.fold((0, 0), |(sum, max), error| (sum + u32::from(error), max.max(error)));
+    assert!(sum <= 3 * 120 && max <= 12, "sum {sum}, most {max}");
     let bytes = jpeg.jpeg().unwrap().to_vec();
     let passed_on = images(Samples::Gray16(depths()), Some(RawColor::Jpeg([10, 4], bytes.clone())));
     let came = received(&passed_on, ImageCoding::default());
@@ -242,9 +242,9 @@ fn the_test_vector_of_the_document() {
     assert_eq!(stream, expected);
     let mut reader = stream.as_slice();
     assert_eq!(StreamHead::read(&mut reader).unwrap(), stream_head);
-    let read = Frame::of(read_message(&mut reader, MOST).unwrap()).unwrap().unwrap();
+    let read = Frame::of(read_message(&mut reader, MAX).unwrap()).unwrap().unwrap();
     assert_eq!(read.head, frame);
-    assert!(matches!(read_message(&mut reader, MOST), Err(WireError::Ended)));
+    assert!(matches!(read_message(&mut reader, MAX), Err(WireError::Ended)));
 }
 
 #[test]
@@ -314,14 +314,14 @@ fn a_length_that_is_merely_claimed_takes_no_memory() {
     assert!(matches!(error, WireError::BreaksOff { .. }), "{error}");
     let mut changed = frame_message(Kind::Points, &[0; 80]).encode();
     changed[60] ^= 1;
-    let error = read_message(&mut changed.as_slice(), MOST).unwrap_err();
+    let error = read_message(&mut changed.as_slice(), MAX).unwrap_err();
     assert!(matches!(error, WireError::Checksum { bytes: 112 }), "{error}");
 }
 
 #[test]
 fn images_of_claimed_sizes_are_refused() {
     let sent = images(Samples::Gray16(depths()), Some(RawColor::Pixels(colors())));
-    let (body, _) = images_body(&sent, ImageCoding::default(), MOST).unwrap();
+    let (body, _) = images_body(&sent, ImageCoding::default(), MAX).unwrap();
     // Width and height of the depth camera stand behind layout, codes, flags, units and pose.
     for (size, field) in [
         ([30_000u32, 30_000], "30000 × 30000"),
@@ -342,7 +342,7 @@ fn images_of_claimed_sizes_are_refused() {
     let Content::Images(images) = frame.content else {
         panic!("images are images")
     };
-    assert!(images.depth.raster(MOST).is_err());
+    assert!(images.depth.raster(MAX).is_err());
 }
 
 /// Whatever comes: an error or a frame. All that is unpacked is bounded.
@@ -350,12 +350,12 @@ fn take(mut bytes: &[u8]) {
     if StreamHead::read(&mut bytes).is_err() {
         return;
     }
-    while let Ok(message) = read_message(&mut bytes, MOST) {
+    while let Ok(message) = read_message(&mut bytes, MAX) {
         if let Ok(Some(frame)) = Frame::of(message) {
             match frame.content {
                 Content::Images(images) => {
-                    let _ = images.depth.raster(MOST);
-                    let _ = images.color.map(|color| color.raster(MOST));
+                    let _ = images.depth.raster(MAX);
+                    let _ = images.color.map(|color| color.raster(MAX));
                 }
                 Content::Points(points) => {
                     if let Ok(cloud) = points.cloud() {
@@ -385,7 +385,7 @@ proptest! {
     #[test]
     fn depths_come_back_whatever_they_are(depths in prop::collection::vec(any::<u16>(), 48..49)) {
         let sent = images(Samples::Gray16(depths), None);
-        prop_assert_eq!(received(&sent, ImageCoding::default()).depth.raster(MOST), Ok(sent.depth));
+        prop_assert_eq!(received(&sent, ImageCoding::default()).depth.raster(MAX), Ok(sent.depth));
     }
 
     #[test]
@@ -408,7 +408,7 @@ proptest! {
             (Kind::Points, points_body(&cloud(6, |at| [at as f64, 0.5, 2.0], true)))
         } else {
             let sent = images(Samples::Gray16(depths()), Some(RawColor::Pixels(colors())));
-            (Kind::Images, images_body(&sent, ImageCoding::default(), MOST).unwrap().0)
+            (Kind::Images, images_body(&sent, ImageCoding::default(), MAX).unwrap().0)
         };
         for (at, value) in changes {
             let at = at.index(body.len());

@@ -9,13 +9,13 @@ use glam::{DVec3, Mat3};
 const LAYOUT_BYTES: usize = 92;
 
 /// No picture is wider or higher.
-const MOST_EDGE_PX: u32 = 1 << 14;
+const MAX_EDGE_PX: u32 = 1 << 14;
 
 /// No picture has more pixels: a server has numbers for each.
-const MOST_PIXELS: u64 = 1 << 24;
+const MAX_PIXELS: u64 = 1 << 24;
 
 /// Tolerance for the orthonormality of the axes: deviation from right angles and from length 1.
-const MOST_SKEW: f32 = 1e-3;
+const MAX_SKEW: f32 = 1e-3;
 
 /// Name of the part being read, for errors.
 const WHAT: &str = "a view";
@@ -82,14 +82,14 @@ impl View {
     /// Returns a description of the fault, if the view is invalid.
     fn fault(&self) -> Option<String> {
         let [width, height] = self.size_px;
-        let is_size = |edge: u32| (1..=MOST_EDGE_PX).contains(&edge);
-        if !is_size(width) || !is_size(height) || u64::from(width) * u64::from(height) > MOST_PIXELS {
+        let is_size = |edge: u32| (1..=MAX_EDGE_PX).contains(&edge);
+        if !is_size(width) || !is_size(height) || u64::from(width) * u64::from(height) > MAX_PIXELS {
             return Some(format!(
-                "a picture of {width} × {height} pixels, and {MOST_EDGE_PX} on a side and {MOST_PIXELS} are read"
+                "a picture of {width} × {height} pixels, and {MAX_EDGE_PX} on a side and {MAX_PIXELS} are read"
             ));
         }
         let skew = self.rotation * self.rotation.transpose() - Mat3::IDENTITY;
-        let is_rotation = skew.to_cols_array().iter().all(|entry| entry.abs() < MOST_SKEW);
+        let is_rotation = skew.to_cols_array().iter().all(|entry| entry.abs() < MAX_SKEW);
         let numbers = self.px_per_slope.iter().chain(&self.middle_px);
         let is_finite = self.eye.is_finite() && numbers.clone().all(|number| number.is_finite());
         let is_seen = self.px_per_slope.iter().all(|number| *number != 0.0);

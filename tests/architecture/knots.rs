@@ -20,7 +20,7 @@ enum Target {
 }
 
 /// Longer chains of `use` are circles of globs.
-const MOST_USES: usize = 16;
+const MAX_USES: usize = 16;
 
 /// What files import, tests left out.
 pub(crate) fn imports(sources: &Sources) -> Imports {
@@ -39,7 +39,7 @@ pub(crate) fn imports(sources: &Sources) -> Imports {
                 Place::Use { name, .. } => name.is_none(),
                 Place::Code => false,
             };
-            let definer = match resolve(sources, path, &mention.path, MOST_USES) {
+            let definer = match resolve(sources, path, &mention.path, MAX_USES) {
                 Some(Target::Item(module)) => module,
                 Some(Target::Module(module)) if is_glob => module,
                 _ => continue,

@@ -22,9 +22,9 @@ fn assert_draw_rows(report: &Report) {
         instances.iter().all(|&count| count == instances[0] && count > 0.0),
         "{instances:?}"
     );
-    let [least, most] = ["draw_ms_min", "draw_ms_max"].map(|key| numbers(report, key));
-    for ((median, least), most) in numbers(report, "draw_ms_median").iter().zip(&least).zip(&most) {
-        assert!(least <= median && median <= most);
+    let [min, max] = ["draw_ms_min", "draw_ms_max"].map(|key| numbers(report, key));
+    for ((median, min), max) in numbers(report, "draw_ms_median").iter().zip(&min).zip(&max) {
+        assert!(min <= median && median <= max);
     }
     let bars = report.bars();
     assert_eq!(bars.len(), 5);

@@ -340,8 +340,8 @@ fn a_file_on_the_web_is_a_sequence_like_any_other() {
     }
 }
 
-/// Forwards connections to `address`, each of which breaks after `most_bytes` of answers.
-fn breaking_proxy(address: String, most_bytes: usize) -> String {
+/// Forwards connections to `address`, each of which breaks after `max_bytes` of answers.
+fn breaking_proxy(address: String, max_bytes: usize) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let own = listener.local_addr().unwrap().to_string();
     beside("proxy", move || {
@@ -354,7 +354,7 @@ fn breaking_proxy(address: String, most_bytes: usize) -> String {
                 let mut sent = 0;
                 let mut piece = [0; 512];
                 while let Ok(count @ 1..) = from_server.read(&mut piece) {
-                    if sent > most_bytes || to_client.write_all(&piece[..count]).is_err() {
+                    if sent > max_bytes || to_client.write_all(&piece[..count]).is_err() {
                         break;
                     }
                     sent += count;
@@ -393,7 +393,7 @@ fn no_more_is_read_a_second_than_is_allowed() {
     converted(&sheets(4, &[]), &path, 1);
     let bits = 8.0 * fs::metadata(&path).unwrap().len() as f64;
     let options = OpenOptions {
-        most_bits_per_s: Some(4.0 * bits),
+        max_bits_per_s: Some(4.0 * bits),
         ..OpenOptions::default()
     };
     let start = std::time::Instant::now();

@@ -21,7 +21,7 @@ const STACK_BYTES: usize = 8 << 20;
 const CAUGHT: [&str; 2] = ["laz::", "draco_core::"];
 
 /// Frames of a backtrace that are told.
-const MOST_FRAMES: usize = 4;
+const MAX_FRAMES: usize = 4;
 
 /// What a child is to do.
 #[derive(Debug, Clone)]
@@ -96,7 +96,7 @@ impl Report {
             .filter_map(|line| line.split_once(": ").map(|(_, name)| name.trim()));
         let told: Vec<&str> = frames
             .filter(|name| name.contains("pointreel::") || CAUGHT.iter().any(|caught| name.contains(caught)))
-            .take(MOST_FRAMES)
+            .take(MAX_FRAMES)
             .collect();
         let is_of_reader = told
             .first()

@@ -48,12 +48,12 @@ fn rounds() {
     rounds::run();
 }
 
-fn assert_nothing_is_found(order: &Order, least_executions: u64) {
+fn assert_nothing_is_found(order: &Order, min_executions: u64) {
     let outcome = runner::carry_out(order);
     let told: Vec<String> = outcome.findings.iter().map(|finding| format!("{finding:?}")).collect();
     assert!(told.is_empty(), "{}", told.join("\n"));
     let executions: u64 = outcome.executions.values().sum();
-    assert!(executions >= least_executions, "{:?}", outcome.executions);
+    assert!(executions >= min_executions, "{:?}", outcome.executions);
 }
 
 #[test]

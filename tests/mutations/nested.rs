@@ -8,7 +8,7 @@ use crate::repair::{Repair, repair, repair_all};
 use std::io::{Cursor, Read as _, Write as _};
 
 /// No file is unpacked further than this.
-const MOST_BYTES: u64 = 1 << 22;
+const MAX_BYTES: u64 = 1 << 22;
 
 /// Changes a file, and makes its checksums right again; `other` is another one of the same kind.
 pub(crate) fn mutate_file(kind: Kind, bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
@@ -29,7 +29,7 @@ pub(crate) fn mutate_file(kind: Kind, bytes: &mut Vec<u8>, other: &[u8], random:
 
 fn in_gzip(kind: Kind, bytes: &[u8], random: &mut Random) -> Option<Vec<u8>> {
     let mut inner = Vec::new();
-    let unpacking = flate2::read::GzDecoder::new(bytes).take(MOST_BYTES);
+    let unpacking = flate2::read::GzDecoder::new(bytes).take(MAX_BYTES);
     { unpacking }.read_to_end(&mut inner).ok()?;
     let is_text = inner
         .iter()
@@ -53,7 +53,7 @@ fn in_zip(bytes: &[u8], random: &mut Random) -> Option<Vec<u8>> {
         let mut member = archive.by_index(place).ok()?;
         let name = member.name().ok()?.into_owned();
         let mut inner = Vec::new();
-        member.by_ref().take(MOST_BYTES).read_to_end(&mut inner).ok()?;
+        member.by_ref().take(MAX_BYTES).read_to_end(&mut inner).ok()?;
         if place == changed {
             let kind = kind_of("", &name);
             mutate(kind.shape, &mut inner, &[], random);

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant, SystemTime};
 const CASES: u64 = 200;
 
 /// Tries at making a finding smaller.
-const MOST_TRIES: usize = 40;
+const MAX_TRIES: usize = 40;
 
 /// Files in memory, where there is such: a disk would be written over and over.
 fn scratch() -> tempfile::TempDir {
@@ -44,8 +44,8 @@ fn told(name: &str) -> Option<String> {
 struct Sum {
     cases: u64,
     executions: u64,
-    most_ms: u64,
-    most_bytes: u64,
+    max_ms: u64,
+    max_bytes: u64,
     findings: u64,
     new_findings: u64,
 }
@@ -111,10 +111,10 @@ impl Rounds {
         for (set, &count) in &outcome.executions {
             self.sums.entry(set.clone()).or_default().executions += count;
         }
-        for (set, &(ms, bytes)) in &outcome.most {
+        for (set, &(ms, bytes)) in &outcome.max {
             let sum = self.sums.entry(set.clone()).or_default();
-            sum.most_ms = sum.most_ms.max(ms);
-            sum.most_bytes = sum.most_bytes.max(bytes);
+            sum.max_ms = sum.max_ms.max(ms);
+            sum.max_bytes = sum.max_bytes.max(bytes);
         }
         for finding in &outcome.findings {
             let is_new = self.known.insert(finding.key());
@@ -152,7 +152,7 @@ impl Rounds {
         for place in 0..small.files.len() {
             let whole = seed.files[place].1.clone();
             for change in differences(&whole, &small.files[place].1) {
-                if tries == MOST_TRIES {
+                if tries == MAX_TRIES {
                     return small;
                 }
                 tries += 1;
@@ -205,8 +205,8 @@ impl Rounds {
                 sum.cases,
                 sum.executions,
                 sum.executions as f64 / seconds,
-                sum.most_ms,
-                sum.most_bytes >> 20,
+                sum.max_ms,
+                sum.max_bytes >> 20,
                 sum.findings,
                 sum.new_findings
             );

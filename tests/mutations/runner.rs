@@ -9,15 +9,15 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// What a way may compute.
-const MOST_COMPUTED: Duration = Duration::from_secs(10);
+const MAX_COMPUTED: Duration = Duration::from_secs(10);
 
 /// What a way may take when it computes nothing, on a machine that has other things to do.
-const MOST_WAITED: Duration = Duration::from_mins(3);
+const MAX_WAITED: Duration = Duration::from_mins(3);
 
 /// What a process may take above `--max-memory`.
 const MEMORY_ABOVE_BYTES: u64 = 200 << 20;
 
-const MOST_RESIDENT_BYTES: u64 = MAX_MEMORY_BYTES + MEMORY_ABOVE_BYTES;
+const MAX_RESIDENT_BYTES: u64 = MAX_MEMORY_BYTES + MEMORY_ABOVE_BYTES;
 
 /// What is wrong with a case.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -48,7 +48,7 @@ pub(crate) struct Outcome {
     pub(crate) executions: BTreeMap<String, u64>,
     pub(crate) findings: Vec<Finding>,
     /// The most that a way computed, ms, and the most memory.
-    pub(crate) most: BTreeMap<String, (u64, u64)>,
+    pub(crate) max: BTreeMap<String, (u64, u64)>,
 }
 
 /// A child that is at work.
@@ -139,14 +139,14 @@ impl Watched {
         let computed = machine::computed(pid)
             .unwrap_or_default()
             .saturating_sub(self.computed_before);
-        if computed > MOST_COMPUTED {
-            return Some(format!("slow: more than {} s", MOST_COMPUTED.as_secs()));
+        if computed > MAX_COMPUTED {
+            return Some(format!("slow: more than {} s", MAX_COMPUTED.as_secs()));
         }
-        if self.since.elapsed() > MOST_WAITED {
-            return Some(format!("hangs: more than {} s", MOST_WAITED.as_secs()));
+        if self.since.elapsed() > MAX_WAITED {
+            return Some(format!("hangs: more than {} s", MAX_WAITED.as_secs()));
         }
         let resident = machine::resident_bytes(pid).unwrap_or(0);
-        (resident > MOST_RESIDENT_BYTES).then(|| memory(resident))
+        (resident > MAX_RESIDENT_BYTES).then(|| memory(resident))
     }
 
     fn found(&self, reason: String, outcome: &mut Outcome) {
@@ -183,12 +183,12 @@ impl Watched {
             ["done", took_ms, peak_bytes] => {
                 let (took_ms, peak_bytes): (u64, u64) = (took_ms.parse().unwrap(), peak_bytes.parse().unwrap());
                 let set = self.way.as_ref().map(|(_, _, set)| set.clone()).unwrap_or_default();
-                let most = outcome.most.entry(set).or_default();
-                *most = (most.0.max(took_ms), most.1.max(peak_bytes));
-                if u128::from(took_ms) > MOST_COMPUTED.as_millis() {
+                let max = outcome.max.entry(set).or_default();
+                *max = (max.0.max(took_ms), max.1.max(peak_bytes));
+                if u128::from(took_ms) > MAX_COMPUTED.as_millis() {
                     self.found(format!("slow: {took_ms} ms"), outcome);
                 }
-                if peak_bytes > MOST_RESIDENT_BYTES {
+                if peak_bytes > MAX_RESIDENT_BYTES {
                     self.found(memory(peak_bytes), outcome);
                 }
             }

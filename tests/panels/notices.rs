@@ -123,7 +123,7 @@ impl Serving {
         let options = LiveOptions {
             coding: ImageCoding::default(),
             repeats: true,
-            most_bytes: 1 << 28,
+            max_bytes: 1 << 28,
         };
         let begin = Instant::now();
         // A port that was just left may be busy for a moment.

@@ -101,11 +101,8 @@ fn planes_keep_their_light() {
             };
             let packet = packet_of(&cloud, &camera, style(Lighting::Lambert, splatting));
             for ([without, with], by) in without_and_with(&packet) {
-                let (_, most) = common::difference(&without, &with);
-                assert!(
-                    most <= 1,
-                    "{splatting}, {projection:?}, {degrees} degrees, {by}: {most}"
-                );
+                let (_, max) = common::difference(&without, &with);
+                assert!(max <= 1, "{splatting}, {projection:?}, {degrees} degrees, {by}: {max}");
             }
         }
     }
@@ -186,8 +183,8 @@ fn what_stands_far_before_a_plane_does_not_darken_it() {
     }));
     let packet = packet_of(&cloud, &camera_at(8.0), style(Lighting::Lambert, Splatting::Opaque));
     for ([without, with], by) in without_and_with(&packet) {
-        let (_, most) = common::difference(&without, &with);
-        assert!(most <= 1, "{by}: {most}");
+        let (_, max) = common::difference(&without, &with);
+        assert!(max <= 1, "{by}: {max}");
     }
 }
 

@@ -94,12 +94,12 @@ fn errors_of_outline(picture: &RgbaImage, covered: &[f64]) -> (f64, f64) {
 fn slanted_edges_cover_pixels_by_their_area() {
     let packet = cube();
     let covered = covered_by_cube(&packet);
-    for (antialiasing, most_mean) in [(Antialiasing::Fxaa, 0.07), (Antialiasing::Supersample, 0.1)] {
+    for (antialiasing, max_mean) in [(Antialiasing::Fxaa, 0.07), (Antialiasing::Supersample, 0.1)] {
         for (picture, by) in draw_on_both(&with(&packet, antialiasing)) {
-            let (mean, most) = errors_of_outline(&picture, &covered);
-            assert!(mean < most_mean, "{antialiasing}, {by}: {mean}");
+            let (mean, max) = errors_of_outline(&picture, &covered);
+            assert!(mean < max_mean, "{antialiasing}, {by}: {mean}");
             if antialiasing == Antialiasing::Supersample {
-                assert!(most < 0.35, "{by}: {most}");
+                assert!(max < 0.35, "{by}: {max}");
             }
         }
     }
@@ -154,7 +154,7 @@ fn both_renderers_smooth_every_primitive_alike() {
     let lit = plain().with(|style| style.light.lighting = Lighting::BlinnPhong);
     for antialiasing in [Antialiasing::Fxaa, Antialiasing::Supersample] {
         let surfaces = [plain(), opaque, lit].map(|style| (sphere_in(style, 2000), 48.0));
-        for (packet, least_db) in surfaces
+        for (packet, min_db) in surfaces
             .into_iter()
             .chain([(sphere_in(of_points, 2000), 35.0), (cube(), 48.0)])
         {
@@ -162,7 +162,7 @@ fn both_renderers_smooth_every_primitive_alike() {
             let [(cpu, _), (gpu, _)] = draw_on_both(&packet);
             let db = psnr_db(mean_squared_error(&cpu, &gpu).unwrap());
             let primitive = packet.style.primitive;
-            assert!(db >= least_db, "{antialiasing}, {primitive}: {db:.1} dB");
+            assert!(db >= min_db, "{antialiasing}, {primitive}: {db:.1} dB");
         }
     }
 }

@@ -161,7 +161,7 @@ fn open_shares<const N: usize>(positions: &[Vec3], surface: &Surface, places: &[
 const PARTS: usize = 5;
 
 /// Holds samples of `shape` together against both bounds.
-fn check(name: &str, shape: Shape, samples: &[Vec<Vec3>], most_open: f64) {
+fn check(name: &str, shape: Shape, samples: &[Vec<Vec3>], max_open: f64) {
     let mut random = Random(99);
     let mut shares = [0.0, 0.0];
     for positions in samples {
@@ -178,7 +178,7 @@ fn check(name: &str, shape: Shape, samples: &[Vec<Vec3>], most_open: f64) {
         100.0 * open,
         100.0 * shrunk
     );
-    assert!(open <= most_open, "{open} of {name} is open");
+    assert!(open <= max_open, "{open} of {name} is open");
     assert!(shrunk >= OPEN_SHRUNK, "smaller disks would do for {name}: {shrunk}");
 }
 

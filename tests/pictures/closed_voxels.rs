@@ -138,8 +138,8 @@ fn voxels_cover_what_surfels_cover_and_look_like_them() {
             let [covered, outside, flip] = sums;
             let found = format!("{name} {size_px:?}: {covered:.4} covered, {outside:.4} outside, FLIP {flip:.3}");
             println!("{found}");
-            let most = if name == "demo" { BOUNDS_OF_DEMO } else { BOUNDS };
-            if covered < COVERED || outside > most.outside || flip > most.flip {
+            let max = if name == "demo" { BOUNDS_OF_DEMO } else { BOUNDS };
+            if covered < COVERED || outside > max.outside || flip > max.flip {
                 beyond.push(found);
             }
         }

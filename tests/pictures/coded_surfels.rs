@@ -165,7 +165,7 @@ fn masks_beside_exact_disks_on_a_sphere() {
                     fov_deg: 60.0,
                     ..camera_at(distance)
                 };
-                for (lighting, least_db) in [(Lighting::Unlit, unlit_db), (Lighting::PerFragment, lit_db)] {
+                for (lighting, min_db) in [(Lighting::Unlit, unlit_db), (Lighting::PerFragment, lit_db)] {
                     let style = coded().with(|style| {
                         style.codes.normal_bits = normal_bits;
                         style.light.lighting = lighting;
@@ -175,7 +175,7 @@ fn masks_beside_exact_disks_on_a_sphere() {
                     let found_db = psnr(&masks, &disks);
                     let what = format!("{count} from {distance}, light {lighting}, {normal_bits} bits");
                     println!("{what}: {found_db:.1} dB");
-                    assert!(found_db >= least_db, "{what}: {found_db:.1} dB");
+                    assert!(found_db >= min_db, "{what}: {found_db:.1} dB");
                 }
             }
         }
@@ -224,11 +224,11 @@ fn masks_beside_exact_disks_on_real_frames() {
                 keep(&disks, &format!("{name}_{place}_{lighting}_disks"));
                 let found_db = psnr(&masks, &disks);
                 println!("{name}, {place}, light {lighting}: {found_db:.1} dB");
-                let least_db = if lighting == Lighting::Unlit { unlit_db } else { lit_db };
+                let min_db = if lighting == Lighting::Unlit { unlit_db } else { lit_db };
                 // Once a normal, light comes from elsewhere.
                 let is_same_light = lighting != Lighting::PerSurfel;
                 assert!(
-                    !is_same_light || found_db >= least_db,
+                    !is_same_light || found_db >= min_db,
                     "{name}, {place}: {found_db:.1} dB"
                 );
             }

@@ -29,7 +29,7 @@ fn difference(a: &RgbaImage, b: &RgbaImage, step: u8) -> (f64, f64) {
 
 /// The same picture but for pixels on edges, which rounding puts to either side.
 #[track_caller]
-fn assert_same_picture(packet: &ScenePacket, least_psnr_db: f64, most_differing: f64) {
+fn assert_same_picture(packet: &ScenePacket, min_psnr_db: f64, max_differing: f64) {
     let (gpu, cpu) = (draw(packet), draw_on_cpu(packet));
     let (psnr, differing) = difference(&gpu, &cpu, 3);
     let Style {
@@ -46,7 +46,7 @@ fn assert_same_picture(packet: &ScenePacket, least_psnr_db: f64, most_differing:
             picture.save(path).unwrap();
         }
     }
-    assert!(psnr >= least_psnr_db && differing <= most_differing, "{what}");
+    assert!(psnr >= min_psnr_db && differing <= max_differing, "{what}");
 }
 
 /// Disks of several sizes, some of which cut the near plane and the borders of the picture.
@@ -80,8 +80,8 @@ fn surfels_in_every_mode_and_light_from_far_and_near() {
                 style.surfels.splatting = splatting;
                 crate::common::set_lighting(style, lighting);
             });
-            let (least_psnr_db, most_differing) = agreement(splatting);
-            assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);
+            let (min_psnr_db, max_differing) = agreement(splatting);
+            assert_same_picture(&surfel_scene(style, 1.9), min_psnr_db, max_differing);
         }
     }
     for distance in [0.4, 1.02, 30.0] {
@@ -103,9 +103,9 @@ fn ellipses_and_sprites_in_every_mode_and_light() {
                     style.surfels.splatting = splatting;
                     crate::common::set_lighting(style, lighting);
                 });
-                let (least_psnr_db, most_differing) = agreement(splatting);
+                let (min_psnr_db, max_differing) = agreement(splatting);
                 for distance in [1.9, 0.4] {
-                    assert_same_picture(&surfel_scene(style, distance), least_psnr_db, most_differing);
+                    assert_same_picture(&surfel_scene(style, distance), min_psnr_db, max_differing);
                 }
             }
         }
@@ -118,8 +118,8 @@ fn splats_of_every_geometry() {
         let style = Style::default().with(|style| style.surfels.geometry = geometry);
         for &splatting in Splatting::ALL {
             let style = style.with(|style| style.surfels.splatting = splatting);
-            let (least_psnr_db, most_differing) = agreement(splatting);
-            assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);
+            let (min_psnr_db, max_differing) = agreement(splatting);
+            assert_same_picture(&surfel_scene(style, 1.9), min_psnr_db, max_differing);
         }
         for distance in [0.4, 1.02, 30.0] {
             let style = style.with(|style| {
@@ -144,9 +144,9 @@ fn splats_of_every_kernel() {
                 style.surfels.kernel = kernel;
                 style.surfels.splatting = splatting;
             });
-            let (least_psnr_db, most_differing) = agreement(splatting);
+            let (min_psnr_db, max_differing) = agreement(splatting);
             // Half floats round sums of many weights that are all 1 more than those of bells.
-            assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db.min(57.0), most_differing);
+            assert_same_picture(&surfel_scene(style, 1.9), min_psnr_db.min(57.0), max_differing);
         }
     }
 }
@@ -180,8 +180,8 @@ fn surfaces_under_every_rig_of_lights_with_eye_dome_lighting() {
                 style.light.rig = rig;
                 style.light.eye_dome = EyeDome::On;
             });
-            let (least_psnr_db, most_differing) = agreement(splatting);
-            assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);
+            let (min_psnr_db, max_differing) = agreement(splatting);
+            assert_same_picture(&surfel_scene(style, 1.9), min_psnr_db, max_differing);
         }
     }
 }
@@ -196,9 +196,9 @@ fn surfaces_with_ambient_occlusion() {
                 style.light.ao = OnOff::On;
                 style.light.ao_radius = radius;
             });
-            let (least_psnr_db, _) = agreement(splatting);
+            let (min_psnr_db, _) = agreement(splatting);
             // A pixel on the other side of an edge is on a line of 24 others.
-            assert_same_picture(&surfel_scene(style, distance), least_psnr_db.min(55.0), 5e-4);
+            assert_same_picture(&surfel_scene(style, distance), min_psnr_db.min(55.0), 5e-4);
         }
     }
 }
@@ -213,12 +213,12 @@ fn surfaces_with_shadows() {
                 style.light.rig = rig;
                 style.light.shadows = OnOff::On;
             });
-            let (least_psnr_db, most_differing) = agreement(splatting);
+            let (min_psnr_db, max_differing) = agreement(splatting);
             // At the borders of shadows both ask nearly the same texels of nearly the same maps.
             assert_same_picture(
                 &surfel_scene(style, 1.9),
-                least_psnr_db.min(50.0),
-                most_differing.max(2e-3),
+                min_psnr_db.min(50.0),
+                max_differing.max(2e-3),
             );
         }
     }
@@ -615,8 +615,8 @@ style.backdrop.background = Background::solid(background);
             });
             let is_open: Vec<bool> = within.map(|(x, y, pixel)| pixel != on_white.get_pixel(x, y)).collect();
             let open = is_open.iter().filter(|&&open| open).count();
-            let most_open = pixels_an_opening.map_or(0, |pixels: usize| is_open.len().div_ceil(pixels));
-            prop_assert!(open <= most_open, "{open} of {} pixels, {splatting}", is_open.len());
+            let max_open = pixels_an_opening.map_or(0, |pixels: usize| is_open.len().div_ceil(pixels));
+            prop_assert!(open <= max_open, "{open} of {} pixels, {splatting}", is_open.len());
         }
     }
 }

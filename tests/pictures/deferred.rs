@@ -116,8 +116,8 @@ fn what_faces_a_matt_head_light_has_the_color_of_the_file() {
         let packet = one_surfel(Vec3::Z, color, lit_by(Lighting::Lambert, LightRig::Head));
         for (picture, by) in draw_on_both(&packet) {
             let drawn = middle(&picture);
-            let most = drawn.iter().zip(color).map(|(a, b)| a.abs_diff(b)).max().unwrap();
-            assert!(most <= 1, "{by}: {drawn:?}, not {color:?}");
+            let max = drawn.iter().zip(color).map(|(a, b)| a.abs_diff(b)).max().unwrap();
+            assert!(max <= 1, "{by}: {drawn:?}, not {color:?}");
         }
     }
 }

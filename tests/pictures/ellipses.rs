@@ -82,13 +82,13 @@ fn an_ellipse_of_equal_axes_is_the_disk() {
     let mut circle = facing(of_ellipses());
     shapes_of(&mut circle)[0].ellipse = 0;
     for (disk, circle) in [(draw(&disk), draw(&circle)), (draw_on_cpu(&disk), draw_on_cpu(&circle))] {
-        let most = disk
+        let max = disk
             .as_raw()
             .iter()
             .zip(circle.as_raw())
             .map(|(a, b)| a.abs_diff(*b))
             .max();
-        assert!(most <= Some(1), "{most:?}");
+        assert!(max <= Some(1), "{max:?}");
     }
 }
 

@@ -14,15 +14,15 @@ use std::sync::Arc;
 const GRAY: [u8; 3] = [200; 3];
 
 /// A GPU rounds the summed colours to half floats, and positions to a 256th of a pixel.
-const LEAST_PSNR_DB: f64 = 48.0;
+const MIN_PSNR_DB: f64 = 48.0;
 
 /// A pixel that rounding puts to the other side of an edge changes the light of eight more.
-const MOST_DIFFERING: f64 = 2e-3;
+const MAX_DIFFERING: f64 = 2e-3;
 
 /// The same of points, whose middles are rounded before it is asked which pixel they are in, and of voxels, which are
 /// edges everywhere.
-const LEAST_PSNR_OF_EDGES_DB: f64 = 35.0;
-const MOST_DIFFERING_OF_EDGES: f64 = 5e-3;
+const MIN_PSNR_OF_EDGES_DB: f64 = 35.0;
+const MAX_DIFFERING_OF_EDGES: f64 = 5e-3;
 
 /// What a channel may differ by where pixels count as equal.
 const STEP: u8 = 4;
@@ -44,8 +44,8 @@ fn assert_same_picture(packet: &ScenePacket, name: &str) {
     let differing = gpu.pixels().zip(cpu.pixels()).filter(|&pair| differs(pair)).count();
     let share = differing as f64 / f64::from(gpu.width() * gpu.height());
     let (least, most) = match packet.style.primitive {
-        Primitive::Point | Primitive::Mesh | Primitive::Voxel => (LEAST_PSNR_OF_EDGES_DB, MOST_DIFFERING_OF_EDGES),
-        Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite => (LEAST_PSNR_DB, MOST_DIFFERING),
+        Primitive::Point | Primitive::Mesh | Primitive::Voxel => (MIN_PSNR_OF_EDGES_DB, MAX_DIFFERING_OF_EDGES),
+        Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite => (MIN_PSNR_DB, MAX_DIFFERING),
     };
     assert!(
         psnr >= least && share <= most,

@@ -398,7 +398,7 @@ fn missing_points_do_not_decide_the_picture() {
     let Some(folder) = shared("meaning") else {
         return;
     };
-    for (name, most_extent) in [
+    for (name, max_extent) in [
         ("Z01_utm_one_zero_point.ply", 10.0),
         ("Z02_utm_1pct_zero_points.ply", 10.0),
         ("L04b_one_y_int_min.las", 10.0),
@@ -409,7 +409,7 @@ fn missing_points_do_not_decide_the_picture() {
         let origin = sequence.origin();
         let shown = first_picture(sequence);
         let size = shown.look.trimmed.extent().max_element();
-        assert!(size < most_extent, "{name}: {size}");
+        assert!(size < max_extent, "{name}: {size}");
         let far = shown.look.trimmed.center().length();
         assert!(far < 5.0 * size, "{name}: {far} from the origin {origin}");
         assert!(shown.trimmed_inside > 0.99 && shown.filled > 0.4, "{name}");
@@ -463,7 +463,7 @@ fn open(path: &Path) -> Sequence {
 
 /// Every file of the corpus that has enough points to be a scene.
 fn corpus(folder: &Path) {
-    const FEWEST_POINTS: usize = 500;
+    const MIN_POINTS: usize = 500;
     let mut files: Vec<PathBuf> = Vec::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
@@ -487,7 +487,7 @@ fn corpus(folder: &Path) {
             continue;
         };
         let extent = frame.bounds().extent();
-        if frame.len() < FEWEST_POINTS || extent.max_element() == 0.0 {
+        if frame.len() < MIN_POINTS || extent.max_element() == 0.0 {
             continue;
         }
         check(&name, sequence);

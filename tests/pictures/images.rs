@@ -437,8 +437,8 @@ fn a_cloud_far_from_the_world_origin_looks_the_same() {
     };
     let mut far = surfels(&cloud, &camera, plain(), SIZE);
     far.view = camera.transform(origin, SIZE);
-    let (pixels, most) = common::difference(&draw(&near), &draw(&far));
-    assert!(pixels <= 20 && most <= 2, "{pixels} pixels differ by up to {most}");
+    let (pixels, max) = common::difference(&draw(&near), &draw(&far));
+    assert!(pixels <= 20 && max <= 2, "{pixels} pixels differ by up to {max}");
 }
 
 #[test]

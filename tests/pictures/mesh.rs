@@ -111,13 +111,13 @@ fn packet(mesh: MeshRecords, camera: &Camera, style: Style) -> ScenePacket {
 
 /// The same picture but for pixels on edges, which rounding puts to either side.
 #[track_caller]
-fn assert_same_picture(packet: &ScenePacket, least_psnr_db: f64, what: &str) {
+fn assert_same_picture(packet: &ScenePacket, min_psnr_db: f64, what: &str) {
     let (gpu, cpu) = (draw(packet), draw_on_cpu(packet));
     let psnr = psnr_db(mean_squared_error(&gpu, &cpu).unwrap());
     let background = *gpu.get_pixel(0, 0);
     let drawn = gpu.pixels().filter(|&&pixel| pixel != background).count();
     assert!(drawn > 1000, "{what}: {drawn} pixels are drawn");
-    assert!(psnr >= least_psnr_db, "{what}: {psnr:.1} dB");
+    assert!(psnr >= min_psnr_db, "{what}: {psnr:.1} dB");
 }
 
 /// With some vertices that belong to no triangle.
@@ -321,8 +321,8 @@ fn points_and_triangles_hide_each_other_by_their_depths() {
                 // Straight from the front a matt surface has the colour of the file; a point has no light anyway.
                 for (picture, by) in drawn_by_both(&packet(mesh.clone(), &camera_at(3.0), style)) {
                     let found = middle(&picture);
-                    let most = found.iter().zip(expected).map(|(a, b)| a.abs_diff(b)).max().unwrap();
-                    assert!(most <= 1, "{lighting}, {z}, {by}: {found:?}");
+                    let max = found.iter().zip(expected).map(|(a, b)| a.abs_diff(b)).max().unwrap();
+                    assert!(max <= 1, "{lighting}, {z}, {by}: {found:?}");
                 }
             }
         }
@@ -364,7 +364,7 @@ fn textures_are_between_their_texels_and_multiplied_as_light_is() {
     for (index, texel) in (0..).zip(texels) {
         picture.put_pixel(index % 2, index / 2, Rgba(texel));
     }
-    for (tint, most) in [(255u8, 255u8), (188, 188)] {
+    for (tint, max) in [(255u8, 255u8), (188, 188)] {
         let mut vertices = square([tint; 3]);
         for (vertex, place) in vertices
             .iter_mut()
@@ -382,7 +382,7 @@ fn textures_are_between_their_texels_and_multiplied_as_light_is() {
                 let px = camera_at(3.0).to_px(DVec3::new(x, y, 0.0), SIZE).unwrap();
                 let found = drawn.get_pixel(px.x as u32, px.y as u32).0;
                 for channel in 0..3 {
-                    let expected = if texel[channel] == 255 { most } else { 0 };
+                    let expected = if texel[channel] == 255 { max } else { 0 };
                     // A pixel is a fiftieth of a texel wide: the next one mixes in so much.
                     assert!(
                         found[channel].abs_diff(expected) <= 60,

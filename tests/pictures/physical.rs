@@ -309,8 +309,8 @@ fn white_surfaces_in_white_light_from_all_sides_are_white() {
                 let style = style_of((metallic, roughness), LightRig::None, Environment::Uniform);
                 let packet = one_surfel(normal, [255; 3], &camera, style);
                 for (drawn, by) in drawn(&packet) {
-                    let least = *drawn.iter().min().unwrap();
-                    assert!(least >= 254, "{metallic} {roughness}, {normal}, {by}: {drawn:?}");
+                    let min = *drawn.iter().min().unwrap();
+                    assert!(min >= 254, "{metallic} {roughness}, {normal}, {by}: {drawn:?}");
                 }
             }
         }
@@ -421,14 +421,14 @@ fn mirrors_show_a_picture_of_the_user_and_matt_surfaces_its_mean() {
 /// with sharp lamps is off by so much of white at most, and by so much in the mean.
 #[test]
 fn environments_are_near_their_integrals() {
-    const MOST: f64 = 0.30;
+    const MAX: f64 = 0.30;
     const MEAN: f64 = 0.045;
     let camera = camera_at(DISTANCE);
     let tables_of = |environment, roughness| {
         let style = style_of((1.0, roughness), LightRig::None, environment);
         PhysicalLight::of(&one_surfel(Vec3::Z, [255; 3], &camera, style)).unwrap()
     };
-    let (mut sum, mut count, mut most) = (0.0, 0, 0f64);
+    let (mut sum, mut count, mut max) = (0.0, 0, 0f64);
     for environment in [Environment::Studio, Environment::Sky] {
         let sharp = tables_of(environment, 0.0);
         for roughness in [0.2f32, 0.4, 0.7, 1.0] {
@@ -471,7 +471,7 @@ fn environments_are_near_their_integrals() {
                     let split = texel_between(&physical.tables, mirror) * exact.albedo(1.0, cosine);
                     for (exact, split) in integral.to_array().into_iter().zip(split.to_array()) {
                         let off = (exact.min(1.0) - split.min(1.0)).abs();
-                        most = most.max(off);
+                        max = max.max(off);
                         sum += off;
                         count += 1;
                     }
@@ -496,7 +496,7 @@ fn environments_are_near_their_integrals() {
         }
     }
     let mean = sum / f64::from(count);
-    assert!(mean < MEAN && most < MOST, "{mean}, {most}");
+    assert!(mean < MEAN && max < MAX, "{mean}, {max}");
 }
 
 /// An environment stays where it is when the camera goes around the scene, and up is up whatever axis that is.

@@ -120,7 +120,7 @@ fn slots(frame: &PreparedFrame) -> HashMap<Color, usize> {
 #[test]
 fn points_are_picked_as_both_renderers_draw_them() {
     let (square, disk) = (PointShape::Square, PointShape::Disk);
-    for (size_px, shape, least_shown) in [(1.0, square, 1_000), (4.5, square, 2_000), (4.5, disk, 2_000)] {
+    for (size_px, shape, min_shown) in [(1.0, square, 1_000), (4.5, square, 2_000), (4.5, disk, 2_000)] {
         let style = Style {
             points: PointStyle {
                 size_px,
@@ -135,15 +135,15 @@ fn points_are_picked_as_both_renderers_draw_them() {
         assert_eq!(numbers.len(), 30_000);
         // A GPU rounds places to a 256th of a pixel.
         let pictures = [(draw_on_cpu(&packet), 0.999), (common::draw(&packet), 0.995)];
-        for (image, least_share) in pictures {
+        for (image, min_share) in pictures {
             let (share, shown) = agreement(
                 &image,
                 &numbers,
                 |px| pick(&packet, &frame, px, 0.0),
                 |found, slot| found == slot,
             );
-            assert!(share > least_share, "{share} at {size_px} px, {shape}");
-            assert!(shown > least_shown, "{shown} pixels at {size_px} px, {shape}");
+            assert!(share > min_share, "{share} at {size_px} px, {shape}");
+            assert!(shown > min_shown, "{shown} pixels at {size_px} px, {shape}");
         }
     }
 }
@@ -252,8 +252,8 @@ fn a_point_inside_the_voxel_that_is_seen_is_picked() {
                 let apart = |place: [f32; 3]| (Vec3::from_array(place) - center).abs().max_element();
                 let is_gap = !frame.points.iter().any(|point| apart(point.position) <= half * 1.001);
                 // A cell that touches a gap has a point, and none that is nearer is farther away than that one may be.
-                let most = if is_gap { 5.0 * half } else { half };
-                apart(frame.points[slot].position) <= most * 1.001
+                let max = if is_gap { 5.0 * half } else { half };
+                apart(frame.points[slot].position) <= max * 1.001
             },
         );
         assert!(share > 0.999, "{share} at {lod_px} px");

@@ -39,7 +39,7 @@ fn style() -> Style {
     })
 }
 
-fn most_blue(picture: &RgbaImage) -> u8 {
+fn max_blue(picture: &RgbaImage) -> u8 {
     picture.pixels().map(|pixel| pixel.0[2]).max().unwrap()
 }
 
@@ -59,7 +59,7 @@ fn no_background_is_between_two_surfaces() {
         let packet = square_before_wall(&style().with(change), false);
         for picture in [draw_on_cpu(&packet), draw(&packet)] {
             // The wall has no rim within the picture.
-            assert!(most_blue(&picture) <= 2, "{name}: {}", most_blue(&picture));
+            assert!(max_blue(&picture) <= 2, "{name}: {}", max_blue(&picture));
         }
     }
 }

@@ -299,12 +299,12 @@ fn a_sphere_does_not_shadow_its_lit_side() {
                 if rest < 0.1 || Vec3::new(aside[0], aside[1], rest.sqrt()).dot(key) < 0.35 {
                     continue;
                 }
-                let most = (0..3)
+                let max = (0..3)
                     .map(|channel| pixel.0[channel].abs_diff(without.get_pixel(x, y).0[channel]))
                     .max();
                 assert!(
-                    most <= Some(1),
-                    "{count}, {what}, {projection:?}, {by}, {x} {y}: {most:?}"
+                    max <= Some(1),
+                    "{count}, {what}, {projection:?}, {by}, {x} {y}: {max:?}"
                 );
                 checked += 1;
             }
@@ -321,8 +321,8 @@ fn a_plane_at_any_slope_does_not_shadow_itself() {
         for splatting in [Splatting::TwoPass, Splatting::Opaque] {
             let packet = surfels(&cloud, &camera_at(2.0), lit(Lighting::BlinnPhong, splatting), SIZE);
             for ([without, with], by) in without_and_with(&packet) {
-                let (_, most) = common::difference(&without, &with);
-                assert!(most <= 1, "{degrees} degrees, {splatting}, {by}: {most}");
+                let (_, max) = common::difference(&without, &with);
+                assert!(max <= 1, "{degrees} degrees, {splatting}, {by}: {max}");
             }
         }
     }
@@ -337,8 +337,8 @@ fn points_on_a_plane_do_not_shadow_each_other() {
         for &shape in PointShape::ALL {
             let packet = surfels(&cloud, &camera_at(2.0), lit_points(shape), SIZE);
             for ([without, with], by) in without_and_with(&packet) {
-                let (_, most) = common::difference(&without, &with);
-                assert!(most <= 1, "{degrees} degrees, {shape}, {by}: {most}");
+                let (_, max) = common::difference(&without, &with);
+                assert!(max <= 1, "{degrees} degrees, {shape}, {by}: {max}");
             }
         }
     }

@@ -27,7 +27,7 @@ use std::sync::Arc;
 const SIZE: [u32; 2] = [240, 200];
 
 /// What rounding to bytes may take from white.
-const LEAST_WHITE: u8 = 254;
+const MIN_WHITE: u8 = 254;
 
 /// The modes that blend beyond the rims of disks that touch, or blend nothing.
 const CLOSING: [Splatting; 3] = [Splatting::Enlarged, Splatting::TwoPassEnlarged, Splatting::Opaque];
@@ -111,8 +111,8 @@ fn packet_of(frame: &PreparedFrame, style: &Style) -> ScenePacket {
 fn darker(picture: &RgbaImage, is_covered: &[bool]) -> (usize, u8) {
     let covered = picture.pixels().zip(is_covered).filter(|&(_, &is_covered)| is_covered);
     let darkest = covered.map(|(pixel, _)| pixel.0[..3].iter().copied().min().unwrap());
-    darkest.fold((0, 255), |(count, least), channel| {
-        (count + usize::from(channel < LEAST_WHITE), least.min(channel))
+    darkest.fold((0, 255), |(count, min), channel| {
+        (count + usize::from(channel < MIN_WHITE), min.min(channel))
     })
 }
 
@@ -175,14 +175,14 @@ fn sprites_in_the_modes_that_close_surfaces_are_white() {
 /// Of disks that are not enlarged, three rims sum up to less than what is opaque.
 #[test]
 fn two_pass_surfels_are_white_but_for_corners_between_disks() {
-    for (count, most_share) in [(300, 0.05), (3_000, 0.003), (30_000, 0.001)] {
+    for (count, max_share) in [(300, 0.05), (3_000, 0.003), (30_000, 0.001)] {
         let frame = white_sphere(count, &white());
         let is_covered = covered_by_disks(&frame.points, frame.shapes.as_ref().unwrap());
         let all = is_covered.iter().filter(|&&is_covered| is_covered).count();
         for_each_picture(&frame, &in_mode(Splatting::TwoPass), |picture, by| {
             let (darker, _) = darker(picture, &is_covered);
             assert!(
-                darker as f64 <= most_share * all as f64,
+                darker as f64 <= max_share * all as f64,
                 "{count} surfels, {by}: {darker} of {all}"
             );
         });

@@ -186,7 +186,7 @@ fn render_draws_every_primitive_mode_and_strategy() {
     let octree = &stats["frames"][0]["octree"];
     assert!(octree["loss"].as_f64().unwrap() <= 0.5);
     assert!(octree["emitted_voxels"].as_u64().unwrap() <= octree["leaves"].as_u64().unwrap());
-    for (flags, depth, most) in [
+    for (flags, depth, max) in [
         (["--depth", "5", "--lod", "0"], Some(5), u64::MAX),
         (["--octant-points", "8", "--lod", "0"], None, u64::MAX),
         (["--delta", "0.02", "--lod-budget", "500"], None, 500),
@@ -198,7 +198,7 @@ fn render_draws_every_primitive_mode_and_strategy() {
         let (_, stats) = with(&arguments);
         let octree = &stats["frames"][0]["octree"];
         let emitted = octree["emitted_voxels"].as_u64().unwrap();
-        assert!(emitted > 0 && emitted <= most, "{flags:?}: {emitted}");
+        assert!(emitted > 0 && emitted <= max, "{flags:?}: {emitted}");
         assert!(depth.is_none_or(|depth| octree["depth"] == depth), "{flags:?}");
     }
     let points = |shape| with(&["--primitive", "point", "--point-size", "5", "--point-shape", shape]).0;

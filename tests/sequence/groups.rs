@@ -85,7 +85,7 @@ impl Decoder for ChainedDecoder {
         &mut self,
         index: usize,
         _entry: &FrameEntry,
-        most_points: usize,
+        max_points: usize,
         _progress: &Progress,
     ) -> Result<DecodedFrame, DecodeFailure> {
         let group = group_of(index);
@@ -98,7 +98,7 @@ impl Decoder for ChainedDecoder {
         }
         self.last = Some(index);
         self.busy[index / GROUP].fetch_sub(1, Ordering::SeqCst);
-        let level = LEVELS.iter().rposition(|&points| points <= most_points).unwrap_or(0);
+        let level = LEVELS.iter().rposition(|&points| points <= max_points).unwrap_or(0);
         let edge = LEVELS[level].isqrt();
         Ok(DecodedFrame {
             cloud: complete_sheet(edge, index),

@@ -68,7 +68,7 @@ mod tests {
             [red, green, blue]
                 .into_iter()
                 .max()
-                .map(|most| [red == most, green == most, blue == most])
+                .map(|max| [red == max, green == max, blue == max])
         };
         assert_eq!(brightest(5), Some([false, true, false]), "vegetation is green");
         assert_eq!(brightest(9), Some([false, false, true]), "water is blue");

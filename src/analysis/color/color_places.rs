@@ -16,7 +16,7 @@ pub(crate) const NO_PLACE: u32 = TABLE_LEN as u32;
 const LOG_BITS: u32 = 10;
 
 /// Ranges of fewer octaves are worked out one by one: f32 would lose digits of the logarithm.
-const FEWEST_OCTAVES: f64 = 0.25;
+const MIN_OCTAVES: f64 = 0.25;
 
 type Logarithms = [f32; (1 << LOG_BITS) + 1];
 
@@ -35,7 +35,7 @@ impl Placer {
         let is_narrow = |value: f64| (f64::from(f32::MIN_POSITIVE)..1e37).contains(&value.abs());
         if scale.is_logarithmic() {
             let octaves = high.log2() - low.log2();
-            if offset == 0.0 && octaves >= FEWEST_OCTAVES && is_narrow(low) && is_narrow(high) {
+            if offset == 0.0 && octaves >= MIN_OCTAVES && is_narrow(low) && is_narrow(high) {
                 return Self::Logarithmic {
                     low: low.log2() as f32,
                     factor: (1.0 / octaves) as f32,

@@ -18,9 +18,9 @@ impl ColorScale {
     /// From `low` to `high`, finite and in this order. By logarithms, if that is asked for and `high` is above zero by
     /// more than rounding; a `low` that is not becomes a millionth of `high`.
     pub fn new(low: f64, high: f64, is_logarithmic: bool) -> Self {
-        let least = high / SIX_DECADES;
-        let is_logarithmic = is_logarithmic && least > 0.0;
-        let low = if is_logarithmic && low <= 0.0 { least } else { low };
+        let min = high / SIX_DECADES;
+        let is_logarithmic = is_logarithmic && min > 0.0;
+        let low = if is_logarithmic && low <= 0.0 { min } else { low };
         Self {
             low,
             high,

@@ -1,7 +1,7 @@
 //! Neighbourhoods of sixteen points: the radius of each is bisected until it contains sixteen, as `AutoSplats` do
 //! (Preiner et al. 2012), with which paper 003 compares a fixed radius (Fig. 4).
 
-use super::constants::MOST_REACH_CELLS;
+use super::constants::MAX_REACH_CELLS;
 use super::planes::{Neighbourhood, Planes};
 use super::view::ScreenPoint;
 use crate::analysis::surface::four_matrices::FOUR;
@@ -13,7 +13,7 @@ use rayon::prelude::*;
 const WANTED: f32 = 16.0;
 
 /// Most halvings of the interval; radii are within a thousandth then.
-const MOST_STEPS: usize = 10;
+const MAX_STEPS: usize = 10;
 
 /// Points that are worth handing to another thread.
 const POINTS_PER_TASK: usize = 1 << 9;
@@ -48,16 +48,16 @@ impl Planes<'_> {
 
     #[inline(always)]
     fn sixteen_around<S: Simd>(&self, simd: S, seen: &ScreenPoint) -> Neighbourhood {
-        let most = self.cells.most_radius_px() * seen.depth / self.view.px_per_unit();
+        let max = self.cells.max_radius_px() * seen.depth / self.view.px_per_unit();
         // From one window of pixels to the next larger one, until there are enough.
-        let mut high = MOST_REACH_CELLS * seen.depth / self.view.px_per_unit();
+        let mut high = MAX_REACH_CELLS * seen.depth / self.view.px_per_unit();
         let mut around = self.around(simd, seen, high, false);
-        while around.points < WANTED && high < most {
+        while around.points < WANTED && high < max {
             high *= 2.0;
             around = self.around(simd, seen, high, false);
         }
         let mut low = 0.0;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             if around.points == WANTED {
                 break;
             }

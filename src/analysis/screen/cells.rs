@@ -6,7 +6,7 @@
 //! nearest of four. Coordinates are apart from one another and rows have a border, so that eight cells of a row are
 //! read at once from anywhere in the picture. A cell without points is too far away for any neighbourhood.
 
-use super::constants::{CELLS_BEFORE, CELLS_OF_WINDOW, LEAST_RADIUS_PX, MOST_LEVELS, MOST_REACH_CELLS, WIDE_WINDOW};
+use super::constants::{CELLS_BEFORE, CELLS_OF_WINDOW, MAX_LEVELS, MAX_REACH_CELLS, MIN_RADIUS_PX, WIDE_WINDOW};
 use super::view::{ScreenPoint, ScreenView};
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
@@ -60,15 +60,15 @@ pub(super) struct Window<'a> {
 
 /// The level whose windows hold a radius.
 pub(super) fn level_of(radius_px: f32) -> u32 {
-    let cells = radius_px / MOST_REACH_CELLS;
-    (0..MOST_LEVELS)
+    let cells = radius_px / MAX_REACH_CELLS;
+    (0..MAX_LEVELS)
         .find(|&level| cells <= (1_u32 << level) as f32)
-        .unwrap_or(MOST_LEVELS)
+        .unwrap_or(MAX_LEVELS)
 }
 
 /// The levels that points of these depths have neighbours in, twice as far away as the radius as well.
 pub(super) fn levels_for(view: &ScreenView, radius: f32, [nearest, farthest]: [f32; 2]) -> RangeInclusive<u32> {
-    let radius_px = |depth: f32| (radius * view.px_per_unit() / depth).max(LEAST_RADIUS_PX);
+    let radius_px = |depth: f32| (radius * view.px_per_unit() / depth).max(MIN_RADIUS_PX);
     level_of(radius_px(farthest))..=level_of(2.0 * radius_px(nearest))
 }
 
@@ -121,7 +121,7 @@ impl Cells {
         let wanted = level_of(radius_px / eights as f32).clamp(self.finest, self.coarsest());
         let level = &self.levels[(wanted - self.finest) as usize];
         let per_px = 1.0 / (1_u32 << wanted) as f32;
-        let reach = (radius_px * per_px).min(MOST_REACH_CELLS * eights as f32);
+        let reach = (radius_px * per_px).min(MAX_REACH_CELLS * eights as f32);
         // The border makes them positive.
         let start = place_px.map(|px| (px * per_px - reach + CELLS_BEFORE as f32).max(0.0) as usize);
         let last_row = (place_px[1] * per_px + reach) as usize + CELLS_BEFORE;
@@ -142,8 +142,8 @@ impl Cells {
     }
 
     /// The largest radius that windows hold.
-    pub(super) fn most_radius_px(&self) -> f32 {
-        MOST_REACH_CELLS * (1_u32 << self.coarsest()) as f32
+    pub(super) fn max_radius_px(&self) -> f32 {
+        MAX_REACH_CELLS * (1_u32 << self.coarsest()) as f32
     }
 }
 

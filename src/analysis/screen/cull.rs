@@ -14,7 +14,7 @@
 //! radius a surface would hide itself at 45 degrees already, and planes would be fitted to most of the points.
 
 use super::compact::compact;
-use super::constants::{BORDER_PX, MOST_REACH_PX, RADIUS_SPACINGS};
+use super::constants::{BORDER_PX, MAX_REACH_PX, RADIUS_SPACINGS};
 use super::lanes::LANES;
 use super::ramp::Around;
 use super::view::{ScreenPoint, ScreenView, Visible};
@@ -31,7 +31,7 @@ const POINTS_PER_TASK: usize = 1 << 13;
 const MARGIN_SAMPLES: usize = 1 << 10;
 
 /// No splat is thought to reach farther.
-const MOST_MARGIN_PX: f32 = 256.0;
+const MAX_MARGIN_PX: f32 = 256.0;
 
 /// Depths of the nearest points.
 #[derive(Debug, Default)]
@@ -50,7 +50,7 @@ pub(super) struct DepthPicture {
     /// Reach of the squares of points.
     reach_px: usize,
     /// Cover thresholds of the pixels in eight lanes, by row: anything nearer than this covers the central pixel.
-    covers_below: [[f32; LANES]; MOST_REACH_PX + 1],
+    covers_below: [[f32; LANES]; MAX_REACH_PX + 1],
 }
 
 /// The visible ones of the points of a task.
@@ -122,8 +122,8 @@ impl DepthPicture {
         };
         for (row, lanes) in self.covers_below.iter_mut().enumerate() {
             for (lane, covers_below) in lanes.iter_mut().enumerate() {
-                let column = lane.abs_diff(MOST_REACH_PX);
-                *covers_below = if column > MOST_REACH_PX {
+                let column = lane.abs_diff(MAX_REACH_PX);
+                *covers_below = if column > MAX_REACH_PX {
                     0.0
                 } else {
                     below(0, column).min(below(1, row))
@@ -134,7 +134,7 @@ impl DepthPicture {
         let nearest = self.depths.par_iter().with_min_len(1 << 16).copied();
         let nearest = nearest.reduce(|| f32::INFINITY, f32::min);
         let reaches = |&steps: &usize| nearest < below(0, steps).max(below(1, steps));
-        self.reach_px = (1..=MOST_REACH_PX).rev().find(reaches).unwrap_or(0);
+        self.reach_px = (1..=MAX_REACH_PX).rev().find(reaches).unwrap_or(0);
     }
 
     /// The points that survive, in their order.
@@ -211,7 +211,7 @@ impl DepthPicture {
         let limits = f32x8::splat(simd, limit);
         let mut hides = None;
         for row in BORDER_PX - self.reach_px..=BORDER_PX + self.reach_px {
-            let start = corner + row * self.stride + (BORDER_PX - MOST_REACH_PX);
+            let start = corner + row * self.stride + (BORDER_PX - MAX_REACH_PX);
             let depths = f32x8::from_slice(simd, &self.depths[start..start + LANES]);
             let covers_below = f32x8::from_slice(simd, &self.covers_below[row.abs_diff(BORDER_PX)]);
             let hidden = depths.simd_lt(covers_below.min(limits));
@@ -246,5 +246,5 @@ fn margin_px(view: &ScreenView, points: &[PointRecord], radius: f32) -> u32 {
         .map(|(seen, _)| seen.depth)
         .fold(f32::INFINITY, f32::min);
     let margin = radius * view.px_per_unit() / nearest;
-    margin.clamp(MOST_REACH_PX as f32, MOST_MARGIN_PX).ceil() as u32
+    margin.clamp(MAX_REACH_PX as f32, MAX_MARGIN_PX).ceil() as u32
 }

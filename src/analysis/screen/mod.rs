@@ -37,7 +37,7 @@ pub use view::{ScreenView, Visible};
 
 use crate::cloud::{PointRecord, ShapeRecord};
 use cells::Cells;
-use constants::MOST_LEVELS;
+use constants::MAX_LEVELS;
 use cull::DepthPicture;
 use glam::Vec3;
 use planes::Planes;
@@ -95,7 +95,7 @@ impl ScreenEstimator {
         let depths = ScreenPoint::depth_range(&visible.seen);
         let levels = match search {
             Search::Fixed => cells::levels_for(view, radius, depths),
-            Search::Bisected => 0..=MOST_LEVELS,
+            Search::Bisected => 0..=MAX_LEVELS,
         };
         self.cells.build(self.picture.size_px(), levels, &visible.seen);
         let planes = Planes {

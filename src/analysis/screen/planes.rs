@@ -20,8 +20,8 @@
 
 use super::cells::{CellLevel, Cells, Window};
 use super::constants::{
-    CELLS_OF_WINDOW, CLOSING_ROWS_PX, FEWEST_NEIGHBOURS, FEWEST_OF_PLANE, LEAST_RADIUS_PX, LEAST_SPREAD,
-    MOST_DOUBLINGS, MOST_DOUBLINGS_OF_LENDING, RADIUS_SPACINGS,
+    CELLS_OF_WINDOW, CLOSING_ROWS_PX, MAX_DOUBLINGS, MAX_DOUBLINGS_OF_LENDING, MIN_NEIGHBOURS, MIN_OF_PLANE,
+    MIN_RADIUS_PX, MIN_SPREAD, RADIUS_SPACINGS,
 };
 use super::lanes::total;
 use super::view::{ScreenPoint, ScreenView};
@@ -106,9 +106,9 @@ impl Planes<'_> {
         shapes: &[ShapeRecord],
     ) -> Option<(usize, f32)> {
         let px_per_unit = self.view.px_per_unit() / from.depth;
-        (0..=MOST_DOUBLINGS_OF_LENDING).find_map(|doubling| {
+        (0..=MAX_DOUBLINGS_OF_LENDING).find_map(|doubling| {
             let radius = self.radius_at(from.depth) * (1_u32 << doubling) as f32;
-            let radius_px = (radius * px_per_unit).min(self.cells.most_radius_px());
+            let radius_px = (radius * px_per_unit).min(self.cells.max_radius_px());
             let window = self.cells.window(from.place_px, radius_px, doubling > 0);
             let squared = |place: usize| seen[place].offset.distance_squared(from.offset);
             let with_plane = window.points().filter(|&place| !lacks_plane(&shapes[place]));
@@ -125,8 +125,8 @@ impl Planes<'_> {
             for (around, seen) in around.iter_mut().zip(seen) {
                 let mut radius = self.radius_at(seen.depth);
                 *around = self.around(simd, seen, radius, false);
-                for _ in 0..MOST_DOUBLINGS {
-                    if around.found >= FEWEST_NEIGHBOURS && around.is_plane() {
+                for _ in 0..MAX_DOUBLINGS {
+                    if around.found >= MIN_NEIGHBOURS && around.is_plane() {
                         break;
                     }
                     radius *= 2.0;
@@ -139,14 +139,14 @@ impl Planes<'_> {
 
     /// The radius in which neighbours of a point are looked for, scene units.
     pub(super) fn radius_at(&self, depth: f32) -> f32 {
-        self.radius.max(LEAST_RADIUS_PX * depth / self.view.px_per_unit())
+        self.radius.max(MIN_RADIUS_PX * depth / self.view.px_per_unit())
     }
 
     /// The neighbours of a point within a radius, or within the largest one that there are cells for.
     #[inline(always)]
     pub(super) fn around<S: Simd>(&self, simd: S, seen: &ScreenPoint, radius: f32, is_wide: bool) -> Neighbourhood {
         let px_per_unit = self.view.px_per_unit() / seen.depth;
-        let radius_px = (radius * px_per_unit).min(self.cells.most_radius_px());
+        let radius_px = (radius * px_per_unit).min(self.cells.max_radius_px());
         let radius = radius.min(radius_px / px_per_unit);
         let window = self.cells.window(seen.place_px, radius_px, is_wide);
         sum(simd, &window, seen.offset, radius)
@@ -240,7 +240,7 @@ impl Neighbourhood {
         let trace = xx + yy + zz;
         // The sum of the products of two eigenvalues each: of the two larger ones, but for noise.
         let products = (xx * yy - xy * xy) + (xx * zz - zx * zx) + (yy * zz - yz * yz);
-        self.found >= FEWEST_OF_PLANE && products > LEAST_SPREAD * trace * trace
+        self.found >= MIN_OF_PLANE && products > MIN_SPREAD * trace * trace
     }
 
     /// xx, yy, zz, xy, yz, zx.

@@ -14,7 +14,7 @@
 //! deeper than the neighbourhood radius. A bound on the slope alone, as shadow maps have one, would let points through
 //! at each silhouette, where depths step as they do on a steep surface.
 
-use super::constants::{BORDER_PX, FEWEST_OF_RAMP, MOST_REACH_PX};
+use super::constants::{BORDER_PX, MAX_REACH_PX, MIN_OF_RAMP};
 use super::lanes::{LANES, total};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 
@@ -56,8 +56,8 @@ impl Around<'_> {
             return false;
         }
         let limit = self.depth - spacing;
-        let mut sums = self.sums(simd, limit, MOST_REACH_PX);
-        if sums.count < FEWEST_OF_RAMP {
+        let mut sums = self.sums(simd, limit, MAX_REACH_PX);
+        if sums.count < MIN_OF_RAMP {
             sums = self.sums(simd, limit, BORDER_PX);
         }
         let Some([column_slope, row_slope, before]) = sums.plane(self.place_px) else {
@@ -69,7 +69,7 @@ impl Around<'_> {
     /// Returns true if the point is covered on all sides, as most hidden points are: known without a plane.
     #[inline(always)]
     fn is_enclosed(&self, radius: f32) -> bool {
-        const REACH: usize = MOST_REACH_PX;
+        const REACH: usize = MAX_REACH_PX;
         const AROUND: [[usize; 2]; 8] = [
             [0, 0],
             [REACH, 0],
@@ -173,7 +173,7 @@ impl Sums {
     #[inline(always)]
     fn plane(&self, [column, row]: [f32; 2]) -> Option<[f32; 3]> {
         let count = self.count;
-        if count < FEWEST_OF_RAMP {
+        if count < MIN_OF_RAMP {
             return None;
         }
         let columns = count * self.columns - self.column * self.column;

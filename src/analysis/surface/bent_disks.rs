@@ -34,10 +34,10 @@ const TURNS: [f32; 3] = [0.06, 0.15, 0.8];
 const OF_ONE_MIND: f32 = 0.5;
 
 /// Three of each neighbour: four of them.
-const LEAST_ROWS: f64 = 12.0;
+const MIN_ROWS: f64 = 12.0;
 
 /// Minimum determinant of the mean matrix of the least squares; 0.02 where neighbours are all around.
-const LEAST_DETERMINANT: f64 = 1e-4;
+const MIN_DETERMINANT: f64 = 1e-4;
 
 /// Positions of small disks on a disk of radius 1, after the one at its centre: a hexagon, and the corners and
 /// midpoints of the sides of one twice as large.
@@ -115,7 +115,7 @@ struct Quadric {
     axes: [Vec3; 2],
     /// Coefficients of u², of uv twice, of v².
     curvatures: Vec3,
-    most: f32,
+    max: f32,
 }
 
 impl Quadric {
@@ -152,14 +152,14 @@ impl Quadric {
             }
         }
         // Neighbours of one line say nothing of what is across it.
-        if count < LEAST_ROWS || matrix.determinant() < LEAST_DETERMINANT * count.powi(3) {
+        if count < MIN_ROWS || matrix.determinant() < MIN_DETERMINANT * count.powi(3) {
             return None;
         }
         let found = matrix.inverse() * right;
-        let most = largest(found.as_vec3());
-        let turn = most * disk.radius;
+        let max = largest(found.as_vec3());
+        let turn = max * disk.radius;
         let off = ((squares - found.dot(right)).max(0.0) / (count - 3.0)).sqrt();
-        let is_bent = turn > TURNS[0] && off <= f64::from(OF_ONE_MIND * most);
+        let is_bent = turn > TURNS[0] && off <= f64::from(OF_ONE_MIND * max);
         if !is_bent {
             return None;
         }
@@ -167,13 +167,13 @@ impl Quadric {
         Some(Self {
             axes,
             curvatures: scale * found.as_vec3(),
-            most: scale * most,
+            max: scale * max,
         })
     }
 
     /// The disks that stand for a disk.
     fn add_disks(&self, disk: &Disk, mut add: impl FnMut(Disk)) {
-        let is_strong = self.most * disk.radius > TURNS[1];
+        let is_strong = self.max * disk.radius > TURNS[1];
         let (count, step, radius) = if is_strong { NINETEEN } else { SEVEN };
         let [a, b, c] = self.curvatures.to_array();
         let around = HEXAGON[..count].iter().map(|&at| step * disk.radius * Vec2::from(at));
@@ -261,10 +261,10 @@ mod tests {
             reach.into_iter().fold(0.0, f32::max)
         };
         let inside = |disk: &Disk| disk.position.z > 0.5 && disk.position.z < 3.4;
-        let most =
+        let max =
             |disks: &mut dyn Iterator<Item = Disk>| disks.filter(inside).map(|disk| beyond(&disk)).fold(0.0, f32::max);
-        let before = most(&mut flat.iter().copied());
-        let after = most(&mut bent.iter().map(|&(_, disk)| disk));
+        let before = max(&mut flat.iter().copied());
+        let after = max(&mut bent.iter().map(|&(_, disk)| disk));
         assert!(before > 0.015 && after < 0.25 * before, "{before} {after}");
         for (_, disk) in bent.iter().filter(|(_, disk)| inside(disk)) {
             let upright = disk.position.with_z(0.0).normalize();

@@ -62,10 +62,10 @@ fn representatives_turn_closed_surfaces_outwards() {
 
 #[test]
 fn large_clouds_have_signs_by_representatives() {
-    assert_eq!(orientation_of(MOST_JOINED, None), Orientation::Neighbours);
-    let beyond = MOST_JOINED + 1;
+    assert_eq!(orientation_of(MAX_JOINED, None), Orientation::Neighbours);
+    let beyond = MAX_JOINED + 1;
     assert_eq!(orientation_of(beyond, None), Orientation::Representatives);
     let sensor = Some(Vec3::ZERO);
     assert_eq!(orientation_of(beyond, sensor), Orientation::Sensor);
-    assert!(surface_steps(beyond, None) < surface_steps(MOST_JOINED, None));
+    assert!(surface_steps(beyond, None) < surface_steps(MAX_JOINED, None));
 }

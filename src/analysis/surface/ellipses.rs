@@ -7,7 +7,7 @@
 //! or smaller, and where a circle just covers a rectangle, so does the ellipse that is as long in proportion. (One
 //! within the circle does not cover the corner unless it is the circle.) So its only freedom is the ratio ρ of the half
 //! axes, and it covers the corner at distance `r` and angle φ from the axis if `ρ² cos²φ + sin²φ / ρ² ≤ 2 R² / r² − 1 =
-//! K`, which is a least ρ² of `2 sin²φ / (K + √(K² − sin² 2φ))`. The largest of these is the thinnest ellipse that
+//! K`, which is a min ρ² of `2 sin²φ / (K + √(K² − sin² 2φ))`. The largest of these is the thinnest ellipse that
 //! covers the cell. Of the farthest corner it is tan φ: the ratio of the sides of a rectangle.
 //!
 //! Where the cell is open, or reaches beyond the neighbours that are known, there is a circle.

@@ -196,21 +196,21 @@ impl VoronoiCells<'_> {
         // One over the distance to the end of the cell in each direction.
         let mut inverse = [[0.0; LANES]; DIRECTIONS];
         for (direction, &[cosine, sine]) in self.directions.iter().enumerate() {
-            let (mut most, mut least) = (zero, zero);
-            let (mut mirrored_most, mut mirrored_least) = (zero, zero);
+            let (mut max, mut min) = (zero, zero);
+            let (mut mirrored_max, mut mirrored_min) = (zero, zero);
             for line in &*lines {
                 let x = f32x8::from_slice(simd, &line[0]) * cosine;
                 let y = f32x8::from_slice(simd, &line[1]) * sine;
                 let (along, mirrored) = (x + y, x - y);
-                most = most.max(along);
-                least = least.min(along);
-                mirrored_most = mirrored_most.max(mirrored);
-                mirrored_least = mirrored_least.min(mirrored);
+                max = max.max(along);
+                min = min.min(along);
+                mirrored_max = mirrored_max.max(mirrored);
+                mirrored_min = mirrored_min.min(mirrored);
             }
-            most.store_slice(&mut inverse[direction]);
-            (-least).store_slice(&mut inverse[DIRECTIONS / 2 + direction]);
-            mirrored_most.store_slice(&mut inverse[(DIRECTIONS - direction) % DIRECTIONS]);
-            (-mirrored_least).store_slice(&mut inverse[DIRECTIONS / 2 - direction]);
+            max.store_slice(&mut inverse[direction]);
+            (-min).store_slice(&mut inverse[DIRECTIONS / 2 + direction]);
+            mirrored_max.store_slice(&mut inverse[(DIRECTIONS - direction) % DIRECTIONS]);
+            (-mirrored_min).store_slice(&mut inverse[DIRECTIONS / 2 - direction]);
         }
         // What is extreme along the circle is a corner or the middle of a side. Beyond the last neighbour nothing is
         // known, so a corner there is taken to be no farther than it, and twice as far out the cell counts as open.
@@ -232,7 +232,7 @@ fn smallest_extreme<S: Simd>(simd: S, inverse: &[LaneRow; DIRECTIONS], known: f3
     let open = known * OPEN_ALONG;
     let open_between = known * openings::OPEN_BETWEEN;
     let mut smallest = nowhere;
-    let mut least_meeting = nowhere;
+    let mut min_meeting = nowhere;
     let mut before = f32x8::from_slice(simd, &inverse[DIRECTIONS - 1]);
     let mut here = f32x8::from_slice(simd, &inverse[0]);
     let mut surplus_before = zero;
@@ -247,12 +247,12 @@ fn smallest_extreme<S: Simd>(simd: S, inverse: &[LaneRow; DIRECTIONS], known: f3
         let meeting = surplus_before * (before - open_between) + surplus * (here - open_between - surplus_before);
         let is_between = before.min(here).simd_ge(open);
         let meeting = simd.select_f32x8(is_between, meeting, nowhere);
-        least_meeting = least_meeting.min(meeting);
+        min_meeting = min_meeting.min(meeting);
         surplus_before = surplus;
         before = here;
         here = after;
     }
-    (smallest, least_meeting.simd_lt(zero))
+    (smallest, min_meeting.simd_lt(zero))
 }
 
 /// Two unit vectors across each of eight and across each other (Duff et al. 2017, *Building an Orthonormal Basis,

@@ -6,7 +6,7 @@
 //! replaces that of all points until the view changes, or the surfels of all points are available.
 
 use super::levels::REST;
-use crate::analysis::MOST_JOINED;
+use crate::analysis::MAX_JOINED;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::composition::{PictureView, ViewOfFrame};
 use crate::scene::Style;
@@ -33,7 +33,7 @@ pub struct InView {
 #[derive(Debug)]
 pub(in crate::app) struct SurfelsInView {
     /// Minimum point count: surfels of frames of fewer points are ready before anybody misses them.
-    fewest_points: usize,
+    min_points: usize,
     wanted: Option<WantedView>,
     asked_for: Option<ViewOfFrame>,
     made: Option<Arc<InView>>,
@@ -42,7 +42,7 @@ pub(in crate::app) struct SurfelsInView {
 impl Default for SurfelsInView {
     fn default() -> Self {
         Self {
-            fewest_points: MOST_JOINED,
+            min_points: MAX_JOINED,
             wanted: None,
             asked_for: None,
             made: None,
@@ -59,7 +59,7 @@ impl SurfelsInView {
         style: &Style,
         now: Duration,
     ) -> Option<Arc<PreparedFrame>> {
-        let is_large = frame.points.len() >= self.fewest_points;
+        let is_large = frame.points.len() >= self.min_points;
         let Some(key) = ViewOfFrame::without_surfels(frame, view, style).filter(|_| is_large) else {
             self.wanted = None;
             self.made = None;
@@ -150,7 +150,7 @@ mod tests {
 
     fn for_all_clouds() -> SurfelsInView {
         SurfelsInView {
-            fewest_points: 0,
+            min_points: 0,
             ..SurfelsInView::default()
         }
     }

@@ -8,10 +8,10 @@
 use super::PixelRect;
 
 /// More rectangles cost more in going through the list of shapes than their pixels.
-const MOST_RECTS: usize = 8;
+const MAX_RECTS: usize = 8;
 
 /// Rectangles that are held before some are joined.
-const MOST_HELD: usize = 2 * MOST_RECTS;
+const MAX_HELD: usize = 2 * MAX_RECTS;
 
 /// So many pixels are painted in the time in which the list of shapes is gone through once more.
 const SPARE_PX: u64 = 4096;
@@ -45,14 +45,14 @@ impl Damage {
             }
         }
         self.add_cut(rect, 0);
-        while self.rects.len() > MOST_HELD {
+        while self.rects.len() > MAX_HELD {
             self.join_cheapest();
         }
     }
 
-    /// Takes all of it, at most [`MOST_RECTS`].
+    /// Takes all of it, at most [`MAX_RECTS`].
     pub(super) fn take(&mut self) -> Vec<PixelRect> {
-        while self.rects.len() > MOST_RECTS {
+        while self.rects.len() > MAX_RECTS {
             self.join_cheapest();
         }
         std::mem::take(&mut self.rects)
@@ -148,7 +148,7 @@ mod tests {
                 damage.add(rect);
             }
             let rects = damage.take();
-            prop_assert!(rects.len() <= MOST_RECTS);
+            prop_assert!(rects.len() <= MAX_RECTS);
             for (index, rect) in rects.iter().enumerate() {
                 prop_assert!(!rect.is_empty());
                 prop_assert!(rects[..index].iter().all(|other| !other.touches(rect)));

@@ -145,8 +145,8 @@ impl PixelMesh {
         }
         let xs = a.map(|corner| corner.pos.x);
         let ys = a.map(|corner| corner.pos.y);
-        let low = Pos2::new(least(xs), least(ys));
-        let high = Pos2::new(most(xs), most(ys));
+        let low = Pos2::new(min(xs), min(ys));
+        let high = Pos2::new(max(xs), max(ys));
         // Along each axis, at the lower and at the higher edge; the texture must be neither turned nor skewed.
         let mut uv: [[Option<f32>; 2]; 2] = [[None; 2]; 2];
         // Corners count from 0 to 3, which is 6 in all; what is missing of one triangle is opposite to what is of the
@@ -200,7 +200,7 @@ impl PixelMesh {
         }
         let xs = corners.map(|corner| corner.pos.x);
         let ys = corners.map(|corner| corner.pos.y);
-        let area = self.area(Pos2::new(least(xs), least(ys)), Pos2::new(most(xs), most(ys)));
+        let area = self.area(Pos2::new(min(xs), min(ys)), Pos2::new(max(xs), max(ys)));
         let colors = corners.map(|corner| corner.color);
         let is_plain = self.is_plain(corners);
         if is_plain && colors == [Color32::TRANSPARENT; 3] {
@@ -269,11 +269,11 @@ pub(super) fn fixed(at_px: f32) -> i64 {
     (at_px * SUBPIXELS as f32).round_ties_even() as i64
 }
 
-fn least([a, b, c]: [f32; 3]) -> f32 {
+fn min([a, b, c]: [f32; 3]) -> f32 {
     a.min(b).min(c)
 }
 
-fn most([a, b, c]: [f32; 3]) -> f32 {
+fn max([a, b, c]: [f32; 3]) -> f32 {
     a.max(b).max(c)
 }
 

@@ -213,7 +213,7 @@ fn ends(ui: &mut Ui, range: &mut ColorRange, scale: &ColorScale) {
             (speed, -1e300..=1e300, "", [low, high])
         }
     };
-    let (least, most) = (*limits.start(), *limits.end());
+    let (min, max) = (*limits.start(), *limits.end());
     let before = [*low, *high];
     let number = |value, limits| {
         DragValue::new(value)
@@ -226,12 +226,12 @@ fn ends(ui: &mut Ui, range: &mut ColorRange, scale: &ColorScale) {
         ui,
         "First colour",
         "The value in the first colour, or how many percent of the values are below it",
-        number(&mut *low, least..=before[1]),
+        number(&mut *low, min..=before[1]),
     );
     row(
         ui,
         "Last colour",
         "The value in the last colour, or how many percent of the values are below it",
-        number(&mut *high, before[0]..=most),
+        number(&mut *high, before[0]..=max),
     );
 }

@@ -12,7 +12,7 @@ const RAMP: Vec2 = vec2(15.0, 190.0);
 
 /// Height above and below the rows: margins, the title, and the axes in the corner.
 const AROUND: f32 = 144.0;
-const LEAST_HEIGHT: f32 = 40.0;
+const MIN_HEIGHT: f32 = 40.0;
 
 /// The legend of what is drawn, if it is to be shown.
 pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
@@ -35,7 +35,7 @@ pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
         LegendBody::Ramp { ticks, .. } => ticks.iter().map(|(_, tick)| text(tick, TEXT_SIZE)).collect(),
         LegendBody::Classes(classes) => classes.iter().map(|(_, name)| text(name, TEXT_SIZE)).collect(),
     };
-    let room = (rect.height() - AROUND).max(LEAST_HEIGHT);
+    let room = (rect.height() - AROUND).max(MIN_HEIGHT);
     let (height, step) = match &legend.body {
         LegendBody::Ramp { .. } => (RAMP.y.min(room), 0.0),
         LegendBody::Classes(classes) => {

@@ -15,7 +15,7 @@ use egui::{Button, MenuBar, ScrollArea, Ui};
 use std::path::PathBuf;
 
 /// Width left of the bar from which the name of the sequence is worth showing, points.
-const LEAST_NAME_WIDTH: f32 = 60.0;
+const MIN_NAME_WIDTH: f32 = 60.0;
 
 /// Height of a window that menus leave free, points.
 const FREE_HEIGHT: f32 = 48.0;
@@ -31,7 +31,7 @@ pub(super) fn menu_ui(ui: &mut Ui, state: &mut State) {
         } else {
             menus_ui(ui, state);
         }
-        if ui.available_width() <= LEAST_NAME_WIDTH {
+        if ui.available_width() <= MIN_NAME_WIDTH {
             return;
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -41,7 +41,7 @@ pub(super) fn menu_ui(ui: &mut Ui, state: &mut State) {
                 }
             }
             let name = state.sequence_name();
-            if let Some(name) = name.filter(|_| ui.available_width() > LEAST_NAME_WIDTH) {
+            if let Some(name) = name.filter(|_| ui.available_width() > MIN_NAME_WIDTH) {
                 ui.add(egui::Label::new(egui::RichText::new(name).weak()).truncate());
             }
         });
@@ -65,11 +65,11 @@ fn menus_ui(ui: &mut Ui, state: &mut State) {
 
 /// A menu, which scrolls where it is higher than the window.
 fn menu(ui: &mut Ui, title: &str, items: impl FnOnce(&mut Ui)) {
-    let most_height = (ui.ctx().content_rect().height() - FREE_HEIGHT).max(FREE_HEIGHT);
+    let max_height = (ui.ctx().content_rect().height() - FREE_HEIGHT).max(FREE_HEIGHT);
     ui.menu_button(title, |ui| {
         // A menu is made before it is known how much room there is.
-        let area = ScrollArea::vertical().max_height(most_height);
-        area.min_scrolled_height(most_height).show(ui, items);
+        let area = ScrollArea::vertical().max_height(max_height);
+        area.min_scrolled_height(max_height).show(ui, items);
     });
 }
 

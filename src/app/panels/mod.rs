@@ -30,7 +30,7 @@ pub(in crate::app) use table::{menu_panels, panels};
 use viewport::viewport_ui;
 
 /// Minimum width of the image next to a panel, points.
-const LEAST_VIEW_WIDTH: f32 = 160.0;
+const MIN_VIEW_WIDTH: f32 = 160.0;
 
 /// Everything in the window, keys included.
 pub fn window_ui(ui: &mut Ui, state: &mut State) {
@@ -79,15 +79,15 @@ fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow<State>) {
         Dock::Right(width, range) => (Panel::right(id.name()), *width, range.clone()),
         Dock::Top(..) | Dock::Chip(_) | Dock::Bottom(_) | Dock::Window | Dock::Over => return,
     };
-    let most_width = ui.available_width() - LEAST_VIEW_WIDTH;
-    if most_width < *range.start() {
+    let max_width = ui.available_width() - MIN_VIEW_WIDTH;
+    if max_width < *range.start() {
         return floating_ui(ui, state, row, id);
     }
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(12, 8));
     panel
         .frame(frame)
         .default_size(width)
-        .size_range(*range.start()..=range.end().min(most_width))
+        .size_range(*range.start()..=range.end().min(max_width))
         .show(ui, |ui| (row.show)(ui, state));
 }
 

@@ -22,7 +22,7 @@ const BESIDE_SLIDERS: f32 = 190.0;
 const PART_SIZE: f32 = 16.5;
 
 /// A narrower slider cannot be dragged well, points.
-const LEAST_SLIDER_WIDTH: f32 = 60.0;
+const MIN_SLIDER_WIDTH: f32 = 60.0;
 
 /// Rows of no feature that the palette brings into view; see [`own_rows`].
 const NAMED: [NamedRow; 5] = [
@@ -82,7 +82,7 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
         // A slider that is as wide as usual would widen the panel, which stays as wide as it ever was.
         let room = ui.available_width() - BESIDE_SLIDERS;
         let spacing = ui.spacing_mut();
-        spacing.slider_width = room.clamp(LEAST_SLIDER_WIDTH, spacing.slider_width);
+        spacing.slider_width = room.clamp(MIN_SLIDER_WIDTH, spacing.slider_width);
         request = look(ui, state, &drawn);
         part(ui, "Camera");
         rows(ui, "camera", |ui| {

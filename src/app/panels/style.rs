@@ -84,8 +84,8 @@ fn slider<'a>(numbers: &Numbers, shown: &'a mut f64) -> Slider<'a> {
         Unit::Percent => 100.0,
         Unit::Is(_) | Unit::Share => 1.0,
     };
-    let [least, most] = numbers.offered.map(|end| f64::from(end * factor));
-    let slider = Slider::new(shown, least..=most).logarithmic(numbers.is_logarithmic);
+    let [min, max] = numbers.offered.map(|end| f64::from(end * factor));
+    let slider = Slider::new(shown, min..=max).logarithmic(numbers.is_logarithmic);
     match numbers.unit {
         _ if numbers.are_whole() => slider.integer(),
         Unit::Is(suffix) => slider.max_decimals(numbers.decimals).suffix(suffix),

@@ -31,7 +31,7 @@ const GESTURE_TIME_PER_FRAME: Duration = Duration::from_micros(13_333);
 const REST: Duration = Duration::from_millis(600);
 
 /// Timeout of steps that do not end by themselves; large files take their time.
-const MOST_TIME: Duration = Duration::from_mins(1);
+const MAX_TIME: Duration = Duration::from_mins(1);
 
 /// Primitives to draw.
 const PRIMITIVES: [Primitive; 3] = [Primitive::Point, Primitive::Surfel, Primitive::Voxel];
@@ -147,7 +147,7 @@ impl Trial {
         let Some(watched) = watched else {
             return (!self.steps.is_empty()).then_some(Duration::ZERO);
         };
-        let end = watched.begun_at + MOST_TIME;
+        let end = watched.begun_at + MAX_TIME;
         Some(match &watched.phase {
             Phase::Settling { still_since } => end.min(*still_since + REST),
             Phase::Running {
@@ -165,7 +165,7 @@ impl Trial {
             }
             return Vec::new();
         };
-        if now.saturating_sub(watched.begun_at) > MOST_TIME {
+        if now.saturating_sub(watched.begun_at) > MAX_TIME {
             self.finish(now, state);
             return Vec::new();
         }
@@ -307,7 +307,7 @@ impl Watched {
     }
 
     /// True once the step is over.
-    fn note(&mut self, redraw: &Redraw, is_presented: bool, most_frames: u64, now: Duration, state: &State) -> bool {
+    fn note(&mut self, redraw: &Redraw, is_presented: bool, max_frames: u64, now: Duration, state: &State) -> bool {
         let pictures = state.shared.counters.pictures - self.pictures_before;
         let is_picture = is_presented && pictures > self.found.pictures;
         if self.step.action == Action::Open {
@@ -365,7 +365,7 @@ impl Watched {
                     self.found.points[0] += frame.len() as u64;
                     self.found.points[1] += (frame.points_in_file() - frame.dropped_points()) as u64;
                 }
-                return self.step.action == Action::Play && frames >= most_frames;
+                return self.step.action == Action::Play && frames >= max_frames;
             }
         }
         false
@@ -383,7 +383,7 @@ impl Watched {
             (&mut found.all_points_ms, PictureStage::AllPoints),
             (&mut found.whole_ms, PictureStage::Whole),
         ];
-        for (time, _) in times.into_iter().filter(|&(_, least)| stage >= least) {
+        for (time, _) in times.into_iter().filter(|&(_, min)| stage >= min) {
             time.get_or_insert(ms);
         }
         if stage == PictureStage::SurfelsInView {

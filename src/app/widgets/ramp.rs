@@ -92,9 +92,9 @@ fn axis_of(sorted: &[f32], offset: f64, scale: &ColorScale) -> Option<ColorScale
     } else {
         0
     };
-    let [least, most] = quantile_range(&sorted[begin..], offset, TAIL..1.0 - TAIL)?;
+    let [min, max] = quantile_range(&sorted[begin..], offset, TAIL..1.0 - TAIL)?;
     let [low, high] = scale.ends();
-    let axis = ColorScale::new(least.min(low), most.max(high), scale.is_logarithmic());
+    let axis = ColorScale::new(min.min(low), max.max(high), scale.is_logarithmic());
     (axis.ends()[0] < axis.ends()[1]).then_some(axis)
 }
 
@@ -107,8 +107,8 @@ fn paint_histogram(
     map: ColorMap,
 ) {
     painter.rect_filled(area, 3.0, Color32::from_black_alpha(70));
-    let most = counts.iter().copied().max().unwrap_or(0).max(1);
-    let height = |count: u32| f64::from(count).ln_1p() / f64::from(most).ln_1p();
+    let max = counts.iter().copied().max().unwrap_or(0).max(1);
+    let height = |count: u32| f64::from(count).ln_1p() / f64::from(max).ln_1p();
     let mut mesh = Mesh::default();
     for (bin, &count) in counts.iter().enumerate() {
         let share = |edge: usize| edge as f32 / BINS as f32;

@@ -11,7 +11,7 @@ use egui::{Context, Id, Rect, TextStyle, Vec2, Window, vec2};
 const SMALL: [f32; 2] = [760.0, 440.0];
 
 /// In less height than this between menu and timeline, tools may lie over both, points.
-const LEAST_HEIGHT: f32 = 160.0;
+const MIN_HEIGHT: f32 = 160.0;
 
 /// Between a squeezed tool and the edges of its room, points.
 const MARGIN: f32 = 2.0;
@@ -21,7 +21,7 @@ const MARGIN: f32 = 2.0;
 /// before, and are not to be shown. The pass is made again.
 pub(in crate::app) fn note_room(ctx: &Context, room: Rect) -> bool {
     let all = ctx.content_rect();
-    let room = if room.height() < LEAST_HEIGHT { all } else { room };
+    let room = if room.height() < MIN_HEIGHT { all } else { room };
     let size = all.size();
     let before: Option<Vec2> = ctx.data(|data| data.get_temp(size_id()));
     ctx.data_mut(|data| {

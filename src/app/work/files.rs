@@ -62,7 +62,7 @@ pub(in crate::app) fn save_image(image: &image::RgbaImage, path: &Path) -> Resul
 }
 
 /// Names of new files that are tried.
-const MOST_TRIED: usize = 9_999;
+const MAX_TRIED: usize = 9_999;
 
 /// Writes a PNG to `folder/stem.png`, or `folder/stem-2.png` and so on; never replaces a file.
 fn save_new_png(image: &image::RgbaImage, folder: &Path, stem: &str) -> Result<PathBuf, String> {
@@ -70,7 +70,7 @@ fn save_new_png(image: &image::RgbaImage, folder: &Path, stem: &str) -> Result<P
     image
         .write_to(&mut encoded, image::ImageFormat::Png)
         .map_err(|reason| cannot_write(folder, &reason))?;
-    for path in numbered_files(folder, stem, "png").take(MOST_TRIED) {
+    for path in numbered_files(folder, stem, "png").take(MAX_TRIED) {
         match fs::File::create_new(&path) {
             Ok(mut file) => {
                 let unfinished = Temporary::file(&path);

@@ -146,7 +146,7 @@ fn run_live(arguments: &ServeArgs) -> anyhow::Result<()> {
             },
         },
         repeats: arguments.loops.unwrap_or(!arguments.once),
-        most_bytes: open.read.max_memory_bytes,
+        max_bytes: open.read.max_memory_bytes,
     };
     let source = Arc::clone(sequence.source());
     let server = LiveServer::bind(source, schedule(&sequence), arguments.listen, options, tell);

@@ -164,7 +164,7 @@ impl ReadArgs {
             topic: self.topic.as_deref().map(Arc::from),
             only: self.only.as_deref().map(Arc::from),
             waits_for_first: false,
-            most_bits_per_s: self.bandwidth.map(|mbit| 1e6 * mbit),
+            max_bits_per_s: self.bandwidth.map(|mbit| 1e6 * mbit),
             dense: self.dense,
             live_seconds: self.live_seconds,
             live_surfels: self.stream == StreamOf::Surfels,

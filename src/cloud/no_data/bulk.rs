@@ -147,7 +147,7 @@ impl Bulk {
             let is_missing = |position: &DVec3| (0..3).any(|axis| zero_axes[axis] && position[axis] == 0.0);
             sample.retain(|position| !is_missing(position));
         }
-        let (min, max) = box_of_most(&sample)?;
+        let (min, max) = box_of_max(&sample)?;
         let mut bulk = Self {
             min,
             max,
@@ -226,7 +226,7 @@ impl Bulk {
 /// Axes along which a user may mean 0 as a missing coordinate: all other coordinates are elsewhere.
 pub(super) fn axes_without_zero(positions: &Positions) -> [bool; 3] {
     /// Minimum gap, as a fraction of the extent of the others along the axis.
-    const LEAST_GAP: f64 = 0.25;
+    const MIN_GAP: f64 = 0.25;
     let sample = sample(positions);
     std::array::from_fn(|axis| {
         let others: Vec<DVec3> = sample
@@ -234,7 +234,7 @@ pub(super) fn axes_without_zero(positions: &Positions) -> [bool; 3] {
             .copied()
             .filter(|position| position[axis] != 0.0)
             .collect();
-        box_of_most(&others).is_some_and(|(min, max)| min[axis].max(-max[axis]) > LEAST_GAP * (max[axis] - min[axis]))
+        box_of_max(&others).is_some_and(|(min, max)| min[axis].max(-max[axis]) > MIN_GAP * (max[axis] - min[axis]))
     })
 }
 
@@ -255,7 +255,7 @@ fn share(count: usize, all: usize) -> f64 {
 /// Nothing is removed where nothing would be left.
 fn remove_repeated(sample: &mut Vec<DVec3>) -> Vec<DVec3> {
     /// Places of constants that one file has.
-    const MOST_PLACES: usize = 4;
+    const MAX_PLACES: usize = 4;
     let mut keys: Vec<[u64; 3]> = sample.iter().map(|&position| key(position)).collect();
     keys.sort_unstable();
     let mut groups: Vec<(usize, [u64; 3])> = keys.chunk_by(PartialEq::eq).map(|run| (run.len(), run[0])).collect();
@@ -264,7 +264,7 @@ fn remove_repeated(sample: &mut Vec<DVec3>) -> Vec<DVec3> {
     let least = MIN_REPEATED * usual;
     groups.retain(|&(count, _)| count >= least && share(count, keys.len()) >= MIN_REPEATED_SHARE);
     groups.sort_unstable_by(|a, b| b.cmp(a));
-    groups.truncate(MOST_PLACES);
+    groups.truncate(MAX_PLACES);
     let removed: usize = groups.iter().map(|(count, _)| count).sum();
     if sample.len() - removed < MIN_POINTS / 2 {
         return Vec::new();
@@ -287,11 +287,11 @@ fn place(key: [u64; 3]) -> DVec3 {
 /// that axis, and their points are among these along both other axes. A floor far below things is wider than they are.
 fn zeros_are_missing(sample: &[DVec3], axis: usize) -> bool {
     /// Fewer of the points have a coordinate.
-    const MOST_ZEROS: f64 = 0.6;
+    const MAX_ZEROS: f64 = 0.6;
     /// Minimum gap as a fraction of the extent of the others along the axis, and minimum height as a fraction of their
     /// extent across, for things that are not thin layers.
-    const LEAST_GAP: f64 = 0.9;
-    const LEAST_HEIGHT: f64 = 0.2;
+    const MIN_GAP: f64 = 0.9;
+    const MIN_HEIGHT: f64 = 0.2;
     /// Certain gap as a multiple of both extents, that is of the larger one, for everything.
     const SURE_GAP: f64 = 3.0;
     /// Margin as a fraction of the extent along another axis: points within it are among the others.
@@ -299,10 +299,10 @@ fn zeros_are_missing(sample: &[DVec3], axis: usize) -> bool {
     const AMONG: f64 = 0.9;
     let (zeros, others): (Vec<DVec3>, Vec<DVec3>) = sample.iter().partition(|position| position[axis] == 0.0);
     let zero_share = share(zeros.len(), sample.len());
-    if zeros.len() < MIN_REPEATED || !(MIN_REPEATED_SHARE..MOST_ZEROS).contains(&zero_share) {
+    if zeros.len() < MIN_REPEATED || !(MIN_REPEATED_SHARE..MAX_ZEROS).contains(&zero_share) {
         return false;
     }
-    let Some((min, max)) = box_of_most(&others) else {
+    let Some((min, max)) = box_of_max(&others) else {
         return false;
     };
     let extent = max - min;
@@ -311,7 +311,7 @@ fn zeros_are_missing(sample: &[DVec3], axis: usize) -> bool {
     across[axis] = 0.0;
     let (height, across) = (extent[axis], across.length());
     let is_elsewhere =
-        (gap >= LEAST_GAP * height && height >= LEAST_HEIGHT * across) || gap >= SURE_GAP * height.max(across);
+        (gap >= MIN_GAP * height && height >= MIN_HEIGHT * across) || gap >= SURE_GAP * height.max(across);
     let is_among = |position: &&DVec3| {
         (0..3).filter(|&other| other != axis).all(|other| {
             let outside = (min[other] - position[other]).max(position[other] - max[other]);
@@ -322,7 +322,7 @@ fn zeros_are_missing(sample: &[DVec3], axis: usize) -> bool {
 }
 
 /// The box that most of these points are in; `None` where they are too few.
-fn box_of_most(sample: &[DVec3]) -> Option<(DVec3, DVec3)> {
+fn box_of_max(sample: &[DVec3]) -> Option<(DVec3, DVec3)> {
     if sample.len() < MIN_POINTS / 2 {
         return None;
     }

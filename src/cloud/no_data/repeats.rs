@@ -18,8 +18,8 @@ const MANY: usize = 20;
 const SOME: usize = 5;
 const SOME_SHARE: f64 = 2e-3;
 /// Minimum share of the points that are far away.
-const LEAST_FAR_SHARE: f64 = 0.01;
-const LEAST_FAR_SHARE_OF_RANGES: f64 = 0.1;
+const MIN_FAR_SHARE: f64 = 0.01;
+const MIN_FAR_SHARE_OF_RANGES: f64 = 0.1;
 /// Equal distances differ by no more than this share: coordinates are of single precision.
 const RANGE_ROUNDING: f64 = 1e-6;
 
@@ -54,7 +54,7 @@ impl Repeats {
             let count = far.len();
             far.sort_unstable_by_key(|&position| key(position));
             let is_repeated =
-                |run: &&[DVec3]| is_many(run.len(), all.count) && run.len() as f64 >= LEAST_FAR_SHARE * count as f64;
+                |run: &&[DVec3]| is_many(run.len(), all.count) && run.len() as f64 >= MIN_FAR_SHARE * count as f64;
             let runs = far.chunk_by(|&a, &b| key(a) == key(b)).filter(is_repeated);
             places.extend(runs.map(|run| key(run[0])));
             places.sort_unstable();
@@ -110,7 +110,7 @@ fn equal_ranges(far: Vec<DVec3>, far_count: usize, all_count: usize) -> Vec<[f64
         let count = equal.len() as f64;
         let is_repeated = equal.len() >= MANY
             && count >= SOME_SHARE * all_count as f64
-            && count >= LEAST_FAR_SHARE_OF_RANGES * far_count as f64;
+            && count >= MIN_FAR_SHARE_OF_RANGES * far_count as f64;
         if is_repeated && is_around(equal) {
             ranges.push([from, equal[equal.len() - 1].0]);
         }

@@ -80,8 +80,8 @@ impl Trails {
     ) -> Option<Self> {
         let frame_count = sequence.len();
         let frames = request.frames.start.min(frame_count)..request.frames.end.min(frame_count);
-        let most = MAX_BYTES / size_of::<Vec3>() / frames.len().max(1);
-        let followed = &request.indices[..request.indices.len().min(most)];
+        let max = MAX_BYTES / size_of::<Vec3>() / frames.len().max(1);
+        let followed = &request.indices[..request.indices.len().min(max)];
         let witnesses = even_places(request.points_in_file, WITNESSES);
         let witnesses: Vec<u32> = witnesses.into_iter().map(|index| index as u32).collect();
         let mut visited: Vec<usize> = frames.clone().collect();

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 /// Points by which the order of two frames is compared, and fewest that say something.
 pub(super) const WITNESSES: usize = 256;
-const FEWEST_WITNESSES: usize = 16;
+const MIN_WITNESSES: usize = 16;
 
 /// As a share of the median distance between different points, how far points may have moved where the order has
 /// stayed.
@@ -20,7 +20,7 @@ pub(super) fn keeps_order(before: &[Vec3], now: &[Vec3]) -> bool {
         .map(|(&a, &b)| (a, b))
         .collect();
     let count = pairs.len();
-    if count < FEWEST_WITNESSES {
+    if count < MIN_WITNESSES {
         return true;
     }
     let shift: Vec3 = pairs.iter().map(|(a, b)| (b - a) / count as f32).sum();

@@ -195,10 +195,10 @@ fn as_many_trails_are_kept_as_there_is_memory_for() {
     let indices: Vec<u32> = (0..100).collect();
     let all = trace(&sequence, &request(&indices, 0, 0..2));
     assert_eq!(all.trail_count(), 100);
-    let most = MAX_BYTES / size_of::<Vec3>();
-    let many = vec![3; most];
+    let max = MAX_BYTES / size_of::<Vec3>();
+    let many = vec![3; max];
     let trails = trace(&sequence, &request(&many, 0, 0..usize::MAX));
-    assert_eq!(trails.trail_count(), most / 2);
+    assert_eq!(trails.trail_count(), max / 2);
 }
 
 #[test]

@@ -81,7 +81,7 @@ macro_rules! walk {
 /// off by less than half of the last digit.
 fn is_written_single(value: f64) -> bool {
     /// More than single precision has, of numbers near 1.
-    const MOST_DECIMALS: i32 = 12;
+    const MAX_DECIMALS: i32 = 12;
     let error = (f64::from(value as f32) - value).abs();
     if error == 0.0 || !value.is_finite() {
         return true;
@@ -90,7 +90,7 @@ fn is_written_single(value: f64) -> bool {
         let scale = 10f64.powi(*decimals);
         (value * scale).round() / scale == value
     };
-    let decimals = (0..=MOST_DECIMALS).find(is_last_digit);
+    let decimals = (0..=MAX_DECIMALS).find(is_last_digit);
     decimals.is_some_and(|decimals| error <= 0.5 * 10f64.powi(-decimals))
 }
 

@@ -125,14 +125,14 @@ impl FixedRows {
     }
 
     /// The cloud of the rows at `places` (ascending), of which little more than themselves is read; `None` as for
-    /// [`FixedRows::read`], and where that takes longer than `most_time`: a disk may have to look for every row.
+    /// [`FixedRows::read`], and where that takes longer than `max_time`: a disk may have to look for every row.
     ///
     /// Precondition: each place is below the number of rows.
     pub(in crate::io) fn read_at(
         &self,
         path: &Path,
         places: &[usize],
-        most_time: Duration,
+        max_time: Duration,
     ) -> io::Result<Option<RawCloud>> {
         let Some((roles, _)) = self.open(path)? else {
             return Ok(None);
@@ -155,7 +155,7 @@ impl FixedRows {
                     reader.seek_relative((start - at) as i64)?;
                     reader.read_exact(&mut rows[index * self.row_bytes..][..self.row_bytes])?;
                     at = start + self.row_bytes;
-                    if index % ROWS_PER_LOOK == 0 && begin.elapsed() > most_time {
+                    if index % ROWS_PER_LOOK == 0 && begin.elapsed() > max_time {
                         return Err(io::ErrorKind::TimedOut.into());
                     }
                 }
@@ -409,7 +409,7 @@ mod tests {
             bytes.extend([index as u8, (index >> 8) as u8, 9]);
         }
         std::fs::write(file.path(), &bytes).unwrap();
-        let sample = |most, fewest| crate::io::read_sample(file.path(), most, fewest, Duration::MAX).unwrap();
+        let sample = |max, min| crate::io::read_sample(file.path(), max, min, Duration::MAX).unwrap();
         assert!(sample(100, COUNT + 1).is_none());
         let (raw, count) = sample(100, COUNT).unwrap();
         let found = Frame::from_sampled(raw, DVec3::ZERO, count).unwrap();
@@ -427,8 +427,8 @@ mod tests {
         let mut bytes = header.as_bytes().to_vec();
         bytes.resize(bytes.len() + 12_000, 0);
         std::fs::write(file.path(), &bytes).unwrap();
-        let read = |most_bytes| {
-            let options = ReadOptions::default().with_max_memory(most_bytes);
+        let read = |max_bytes| {
+            let options = ReadOptions::default().with_max_memory(max_bytes);
             crate::io::read_part(file.path(), &crate::io::Part::Whole, &options)
         };
         assert_eq!(read(12_000).unwrap().positions.len(), 1000);

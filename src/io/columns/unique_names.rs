@@ -43,9 +43,9 @@ impl UniqueNames {
 /// Returns the warning about properties or fields of the same name: the position of each, its name, and its new name.
 pub(in crate::io) fn duplicate_warning(owner: &str, duplicates: &[(usize, String, String)]) -> Option<String> {
     /// More is not read by anybody.
-    const MOST_NAMED: usize = 8;
+    const MAX_NAMED: usize = 8;
     let (line, _, _) = duplicates.first()?;
-    let named = duplicates.iter().take(MOST_NAMED);
+    let named = duplicates.iter().take(MAX_NAMED);
     let named: Vec<String> = named.map(|(_, name, new)| format!("`{name}` (now `{new}`)")).collect();
     let more = duplicates.len() - named.len();
     let more = if more > 0 {

@@ -7,11 +7,11 @@ use crate::io::error::mebibytes;
 use crate::io::options::ReadOptions;
 use std::path::{Component, Path};
 
-/// The bytes of the file that the one at `path` calls `name`, not more than `most_bytes`.
+/// The bytes of the file that the one at `path` calls `name`, not more than `max_bytes`.
 ///
 /// # Errors
 /// What is wrong with it, as the end of a sentence about the file at `path`.
-pub(in crate::io) fn read(name: &str, path: &Path, most_bytes: u64, options: &ReadOptions) -> Result<Vec<u8>, String> {
+pub(in crate::io) fn read(name: &str, path: &Path, max_bytes: u64, options: &ReadOptions) -> Result<Vec<u8>, String> {
     let outside = || {
         format!(
             "it lies in `{}`: only files in the folder of the one that names them are read",
@@ -45,7 +45,7 @@ pub(in crate::io) fn read(name: &str, path: &Path, most_bytes: u64, options: &Re
     if !about.is_file() {
         return Err(format!("`{}` is not a regular file", name.escape_default()));
     }
-    if about.len() > most_bytes {
+    if about.len() > max_bytes {
         return Err(format!(
             "`{}` has {}, more than --max-memory allows ({})",
             name.escape_default(),

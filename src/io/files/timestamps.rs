@@ -42,7 +42,7 @@ impl TimeNotation {
 }
 
 /// Times of day are no times of frames that are further apart.
-const MOST_STEP: Duration = Duration::from_mins(5);
+const MAX_STEP: Duration = Duration::from_mins(5);
 
 /// Returns the timestamps in `names`, which are in order: since 1970, or since an epoch of their own. All are `None`
 /// unless all are times that increase.
@@ -54,7 +54,7 @@ pub(crate) fn times_of_names(names: &[&str]) -> Vec<Option<Duration>> {
             .collect::<Option<_>>()?;
         let grow = times.windows(2).all(|pair| pair[0] < pair[1]);
         // Three counters of two digits grow by more than a few minutes somewhere.
-        let is_close = |pair: &[Duration]| pair[1].saturating_sub(pair[0]) <= MOST_STEP;
+        let is_close = |pair: &[Duration]| pair[1].saturating_sub(pair[0]) <= MAX_STEP;
         let grow = grow && (notation != TimeNotation::TimeOfDay || times.windows(2).all(is_close));
         // The name of a single file says when it was made, not what frame it is.
         (grow && times.len() > 1).then(|| times.into_iter().map(Some).collect())
@@ -137,7 +137,7 @@ struct NumberRun<'a> {
 
 fn runs(text: &str) -> Vec<NumberRun<'_>> {
     /// More are no name of a frame.
-    const MOST_RUNS: usize = 32;
+    const MAX_RUNS: usize = 32;
     let mut runs = Vec::new();
     let mut rest = text;
     while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
@@ -151,7 +151,7 @@ fn runs(text: &str) -> Vec<NumberRun<'_>> {
             separator: separator.filter(|_| is_digit_next),
         });
         rest = &found[end..];
-        if runs.len() == MOST_RUNS {
+        if runs.len() == MAX_RUNS {
             break;
         }
     }

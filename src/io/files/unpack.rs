@@ -55,9 +55,9 @@ pub(in crate::io) fn unpack(
     }
     let Drained { bytes, has_more } = drain(packing, packed, claimed_bytes)?;
     if has_more || bytes.len() as u64 != claimed_bytes {
-        let least = if has_more { "more than" } else { "only" };
+        let min = if has_more { "more than" } else { "only" };
         return Err(format!(
-            "it unpacks to {least} {} bytes, expected {claimed_bytes}: it is damaged",
+            "it unpacks to {min} {} bytes, expected {claimed_bytes}: it is damaged",
             bytes.len()
         ));
     }
@@ -93,7 +93,7 @@ pub(in crate::io) fn unpack_gzip(mut packed: impl Read + Seek, options: &ReadOpt
 fn claim_of_gzip(packed: &mut (impl Read + Seek)) -> io::Result<u64> {
     const TRAILER_BYTES: u64 = 4;
     /// A bit for 258 bytes, with its distance.
-    const MOST_DEFLATED: u64 = 1032;
+    const MAX_DEFLATED: u64 = 1032;
     let length = packed.seek(SeekFrom::End(0))?;
     let mut claim = [0; TRAILER_BYTES as usize];
     if length >= TRAILER_BYTES {
@@ -101,7 +101,7 @@ fn claim_of_gzip(packed: &mut (impl Read + Seek)) -> io::Result<u64> {
         packed.read_exact(&mut claim)?;
     }
     packed.rewind()?;
-    Ok(u64::from(u32::from_le_bytes(claim)).min(length.saturating_mul(MOST_DEFLATED)))
+    Ok(u64::from(u32::from_le_bytes(claim)).min(length.saturating_mul(MAX_DEFLATED)))
 }
 
 /// Result of decompression.

@@ -36,19 +36,19 @@ impl<R: Seek> Seek for Watched<'_, R> {
 /// All bytes of the file at `path`, in one allocation of its length.
 ///
 /// # Errors
-/// A file that cannot be read, and one of more than `most_bytes`: a sparse file takes no disk, and all of that memory.
-pub(in crate::io) fn read_file(path: &Path, most_bytes: u64, progress: &Progress) -> Result<Vec<u8>, IoError> {
+/// A file that cannot be read, and one of more than `max_bytes`: a sparse file takes no disk, and all of that memory.
+pub(in crate::io) fn read_file(path: &Path, max_bytes: u64, progress: &Progress) -> Result<Vec<u8>, IoError> {
     let failed = |source| IoError::Io {
         path: path.to_owned(),
         source,
     };
     let mut file = File::open(path).map_err(failed)?;
     let length = file.metadata().map_err(failed)?.len();
-    if length > most_bytes {
+    if length > max_bytes {
         return Err(IoError::TooLarge {
             path: path.to_owned(),
             length,
-            allowed: most_bytes,
+            allowed: max_bytes,
         });
     }
     read_opened(&mut file, length, progress).map_err(failed)

@@ -76,14 +76,14 @@ pub(in crate::io) fn decode(name: &Path, bytes: &[u8], options: &ReadOptions) ->
     let roles = map.map_or(&[][..], ColumnMap::roles);
     let positions = positions(roles)?;
     let named = roles.iter().filter_map(|(_, column)| index_of(column).ok());
-    let fewest = positions.into_iter().chain(named).max().unwrap_or(0) + 1;
-    if let Some(width) = given.filter(|&width| width < fewest) {
+    let min = positions.into_iter().chain(named).max().unwrap_or(0) + 1;
+    if let Some(width) = given.filter(|&width| width < min) {
         return Err(Fault::header(format!(
             "--columns names column {}, and says that there are {width}, counted from 0",
-            fewest - 1
+            min - 1
         )));
     }
-    let estimated = estimate(bytes, &widths, positions, fewest);
+    let estimated = estimate(bytes, &widths, positions, min);
     let singles = if matches!(estimated, Ok(Some(_))) {
         None
     } else {
@@ -92,7 +92,7 @@ pub(in crate::io) fn decode(name: &Path, bytes: &[u8], options: &ReadOptions) ->
         singles_of_doubles(bytes)
     };
     let of_doubles = singles.as_ref().and_then(|singles| {
-        let estimate = estimate(singles, &widths, positions, fewest).ok().flatten();
+        let estimate = estimate(singles, &widths, positions, min).ok().flatten();
         // Of noise some width is always possible.
         estimate.filter(|estimate| estimate.is_clear || given.is_some())
     });
@@ -204,10 +204,10 @@ struct Estimate {
 
 /// The width among `widths` that fits best; `None` where the file has no such size, an error where its values are none
 /// at all widths.
-fn estimate(bytes: &[u8], widths: &[usize], positions: [usize; 3], fewest: usize) -> Result<Option<Estimate>, Fault> {
+fn estimate(bytes: &[u8], widths: &[usize], positions: [usize; 3], min: usize) -> Result<Option<Estimate>, Fault> {
     let mut problem = None;
     let mut smooth: Vec<(usize, f64)> = Vec::new();
-    for &width in widths.iter().filter(|&&width| width >= fewest) {
+    for &width in widths.iter().filter(|&&width| width >= min) {
         if bytes.is_empty() || !bytes.len().is_multiple_of(width * FLOAT_BYTES) {
             continue;
         }
@@ -225,12 +225,12 @@ fn estimate(bytes: &[u8], widths: &[usize], positions: [usize; 3], fewest: usize
             .is_some_and(|place| place >= COMMON_WIDTHS);
         let margin = if is_rare { MUCH_SMOOTHER } else { CLEARLY_SMOOTHER };
         match best {
-            Some((_, least)) if roughness < least - margin => {
+            Some((_, min)) if roughness < min - margin => {
                 best = Some((width, roughness));
                 is_clear = true;
             }
             // A multiple of a width is as smooth.
-            Some((known, least)) => is_clear |= roughness > least + CLEARLY_SMOOTHER && width % known != 0,
+            Some((known, min)) => is_clear |= roughness > min + CLEARLY_SMOOTHER && width % known != 0,
             None => best = Some((width, roughness)),
         }
     }
@@ -315,8 +315,8 @@ fn roughness(bytes: &[u8], width: usize) -> f64 {
         return f64::INFINITY;
     }
     // A column that never changes is as smooth as one that changes by a ten thousandth.
-    let least = 1e-4 * sizes + f64::MIN_POSITIVE;
-    let logarithms = steps.iter().map(|step| step.max(least).ln());
+    let min = 1e-4 * sizes + f64::MIN_POSITIVE;
+    let logarithms = steps.iter().map(|step| step.max(min).ln());
     logarithms.sum::<f64>() / width as f64 - f64::ln(count)
 }
 

@@ -275,7 +275,7 @@ impl Grid {
                 };
                 let is_missing = match self.is_missing {
                     Missing::Value(none) => value == none,
-                    Missing::From(least) => value >= least,
+                    Missing::From(min) => value >= min,
                 };
                 if is_missing || value.is_nan() {
                     missing += 1;
@@ -290,7 +290,7 @@ impl Grid {
         if missing > 0 {
             let value = match self.is_missing {
                 Missing::Value(none) => format!("{none}"),
-                Missing::From(least) => format!("{least:e} and beyond"),
+                Missing::From(min) => format!("{min:e} and beyond"),
             };
             cloud.assumptions.push(
                 Assumption::new(

@@ -24,7 +24,7 @@ pub(in crate::io) const FORMAT: Format = Format::new(&Traits {
 
 pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
     /// Three digits, two spaces and the end of a line.
-    const LEAST_LINE_BYTES: usize = 6;
+    const MIN_LINE_BYTES: usize = 6;
     let mut lines = Lines::new(bytes);
     let (keyword, counts) = header(&mut lines)?;
     let [vertices, faces] = counts;
@@ -32,7 +32,7 @@ pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCl
     for index in 0..vertices {
         let numbers = lines.numbers("vertex", index, options)?;
         if index == 0 {
-            let count = vertices.min(bytes.len() / LEAST_LINE_BYTES);
+            let count = vertices.min(bytes.len() / MIN_LINE_BYTES);
             options.claim_entries("the vertices", count, numbers.len() * size_of::<f64>())?;
             columns = (0..numbers.len()).map(|_| Vec::with_capacity(count)).collect();
         }

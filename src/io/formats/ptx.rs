@@ -176,9 +176,9 @@ impl<'a> Lines<'a> {
     /// The text of the next `count` lines that are not empty.
     fn take(&mut self, count: usize) -> Option<&'a [u8]> {
         /// Three digits, two spaces and the end of the line.
-        const LEAST_LINE_BYTES: usize = 6;
+        const MIN_LINE_BYTES: usize = 6;
         let text = self.rest;
-        if count.checked_mul(LEAST_LINE_BYTES)? > text.len() + 1 {
+        if count.checked_mul(MIN_LINE_BYTES)? > text.len() + 1 {
             return None;
         }
         let mut found = 0;

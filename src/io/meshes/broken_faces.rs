@@ -7,7 +7,7 @@ use crate::cloud::RawCloud;
 use crate::io::error::Fault;
 
 /// Inverse of the maximum fraction of broken faces: if more than one in this number is broken, none is used.
-const MOST_BROKEN: usize = 4;
+const MAX_BROKEN: usize = 4;
 
 /// Broken faces found so far.
 #[derive(Debug, Default)]
@@ -35,7 +35,7 @@ impl BrokenFaces {
 
     /// Gives `cloud` the faces that can be used, and says which cannot.
     pub(in crate::io) fn put_into(self, triangles: Vec<[u32; 3]>, cloud: &mut RawCloud) {
-        let is_other = self.broken * MOST_BROKEN > self.all;
+        let is_other = self.broken * MAX_BROKEN > self.all;
         let has_faces = !is_other && !triangles.is_empty();
         if let Some(Fault { place, problem, .. }) = self.first {
             let count = self.broken;

@@ -4,15 +4,15 @@ use image::{ImageError, ImageReader, Limits, RgbaImage};
 use std::io::Cursor;
 
 /// Most pixels along an edge.
-const MOST_EDGE_PX: u32 = 1 << 15;
+const MAX_EDGE_PX: u32 = 1 << 15;
 
-/// The picture in the bytes of a file, which takes no more than `most_bytes`; it has pixels.
-pub(in crate::io) fn decode(bytes: &[u8], most_bytes: u64) -> Result<RgbaImage, ImageError> {
+/// The picture in the bytes of a file, which takes no more than `max_bytes`; it has pixels.
+pub(in crate::io) fn decode(bytes: &[u8], max_bytes: u64) -> Result<RgbaImage, ImageError> {
     let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
     let mut limits = Limits::default();
-    limits.max_image_width = Some(MOST_EDGE_PX);
-    limits.max_image_height = Some(MOST_EDGE_PX);
-    limits.max_alloc = Some(most_bytes.min(limits.max_alloc.unwrap_or(u64::MAX)));
+    limits.max_image_width = Some(MAX_EDGE_PX);
+    limits.max_image_height = Some(MAX_EDGE_PX);
+    limits.max_alloc = Some(max_bytes.min(limits.max_alloc.unwrap_or(u64::MAX)));
     reader.limits(limits);
     let picture = reader.decode()?.into_rgba8();
     if picture.is_empty() {

@@ -66,7 +66,7 @@ impl Octree {
             }
             StopCriterion::Loss(delta) => Leaves::OnLevel(level_of_loss(delta, &points.occupied, point_count)),
             StopCriterion::Depth(depth) => Leaves::OnLevel(depth.min(LEVELS)),
-            StopCriterion::PointsPerOctant(most) => Leaves::OfPoints(most as usize),
+            StopCriterion::PointsPerOctant(max) => Leaves::OfPoints(max as usize),
         };
         Self::with_leaves(cube, points, leaves)
     }

@@ -33,8 +33,8 @@ impl SortedPoints {
         let mut next = first;
         // In most places nothing begins, which one look at a row tells.
         let rows = self.partings[first..end].as_chunks::<ROW>().0;
-        let least = |row: &[u8; ROW]| row.iter().fold(u8::MAX, |least, &parting| least.min(parting));
-        next += ROW * rows.iter().take_while(|row| least(row) > byte).count();
+        let min = |row: &[u8; ROW]| row.iter().fold(u8::MAX, |min, &parting| min.min(parting));
+        next += ROW * rows.iter().take_while(|row| min(row) > byte).count();
         let (words, rest) = self.partings[next..end].as_chunks::<WORD>();
         for &partings in words {
             let found = beginnings(partings, level);
@@ -93,8 +93,8 @@ impl SortedPoints {
         match leaves {
             Leaves::OnLevel(_) | Leaves::InRuns(_) => leaves.only_level(points) == Some(level),
             // What one finest cell holds cannot be parted.
-            Leaves::OfPoints(most) => {
-                points.len() <= *most.max(&1) || self.cells[points.start] == self.cells[points.end - 1]
+            Leaves::OfPoints(max) => {
+                points.len() <= *max.max(&1) || self.cells[points.start] == self.cells[points.end - 1]
             }
         }
     }

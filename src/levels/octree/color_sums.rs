@@ -5,13 +5,13 @@ use rayon::prelude::*;
 /// Red, green and blue in one number, a field of 21 bits each (blue has one more).
 ///
 /// Sums of it are taken modulo 2⁶⁴, where carries from field to field, and out of the last, do no harm: the difference
-/// of two sums is right in every field as long as it has no more than [`MOST_SUMMED`] colours.
+/// of two sums is right in every field as long as it has no more than [`MAX_SUMMED`] colours.
 pub(super) type ColorSum = u64;
 
 const FIELD_BITS: u32 = 21;
 
 /// So many colours have sums that fit a field.
-pub(super) const MOST_SUMMED: u32 = 1 << 13;
+pub(super) const MAX_SUMMED: u32 = 1 << 13;
 
 /// Colours whose sums are made together: few, so that registers and the first cache hold them until they are in their
 /// place.
@@ -73,7 +73,7 @@ fn total(colors: &[[u8; 4]; SUM_BLOCK]) -> ColorSum {
     red | green << FIELD_BITS | blue << (2 * FIELD_BITS)
 }
 
-/// One channel of the sum of at most [`MOST_SUMMED`] colours.
+/// One channel of the sum of at most [`MAX_SUMMED`] colours.
 #[inline(always)]
 pub(super) fn field_of(sum: ColorSum, channel: u32) -> u32 {
     (sum >> (channel * FIELD_BITS)) as u32 & ((1 << FIELD_BITS) - 1)

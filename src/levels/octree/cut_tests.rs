@@ -39,14 +39,14 @@ fn a_budget_is_used_as_far_as_whole_steps_of_the_threshold_allow() {
     let view = view_from(Vec3::new(0.5, 2.0, 3.0), Vec3::ZERO, 0.5);
     let all = cut(&tree, &view, None).node_count();
     assert!(all > 10_000);
-    for most_nodes in [1, 10, 300, 5000, all - 1, all, usize::MAX] {
-        let best = tree.cut_at_most(most_nodes, &view, CutHints::default());
+    for max_nodes in [1, 10, 300, 5000, all - 1, all, usize::MAX] {
+        let best = tree.cut_at_most(max_nodes, &view, CutHints::default());
         let lod_px = best.lod_px();
-        assert!(best.node_count() <= most_nodes);
+        assert!(best.node_count() <= max_nodes);
         assert!(best.stats().visited_nodes >= best.node_count());
         let again = cut(&tree, &SelectView { lod_px, ..view }, None);
         assert_eq!(again.ranges, best.ranges);
-        if most_nodes >= all {
+        if max_nodes >= all {
             assert_eq!(lod_px, 0.5, "no coarser than asked");
         } else {
             // A 32nd of an octave finer would be too many.
@@ -54,7 +54,7 @@ fn a_budget_is_used_as_far_as_whole_steps_of_the_threshold_allow() {
                 lod_px: (lod_px / 2f32.powf(0.032)).max(0.5),
                 ..view
             };
-            assert!(cut(&tree, &finer, None).node_count() > most_nodes);
+            assert!(cut(&tree, &finer, None).node_count() > max_nodes);
         }
     }
 }

@@ -58,7 +58,7 @@ impl<R> Default for KeptLevels<R> {
 
 impl<R> KeptLevels<R> {
     /// Most bytes that levels of so many nodes can come to.
-    pub(super) fn most_bytes(node_counts: &[usize], point_count: usize) -> usize {
+    pub(super) fn max_bytes(node_counts: &[usize], point_count: usize) -> usize {
         let ranks = point_count / RANK_POINTS + 1;
         let bytes = |count: &usize| count * size_of::<R>() + ranks * size_of::<u32>();
         node_counts.iter().map(bytes).sum()
@@ -209,10 +209,10 @@ mod tests {
             .filter_map(|&level| tree.points.voxels.levels[level as usize].records.get())
             .map(|level| size_of_val(&level.records[..]) + size_of_val(&level.nodes_before[..]))
             .sum();
-        let most = KeptLevels::<VoxelRecord>::most_bytes(tree.points.coarse_levels(), positions.len());
+        let max = KeptLevels::<VoxelRecord>::max_bytes(tree.points.coarse_levels(), positions.len());
         assert!(
-            held > 0 && held <= most && most < 8 * positions.len(),
-            "{held} of {most} bytes"
+            held > 0 && held <= max && max < 8 * positions.len(),
+            "{held} of {max} bytes"
         );
     }
 }

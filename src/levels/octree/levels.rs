@@ -30,8 +30,8 @@ impl Levels for Octree {
         self.cut_between(view, hints.before, None)
     }
 
-    fn write(&self, cut: &Cut, most_records: usize, buffers: RecordBuffers) -> Records {
-        write_cubes(self, None, cut, most_records, buffers)
+    fn write(&self, cut: &Cut, max_records: usize, buffers: RecordBuffers) -> Records {
+        write_cubes(self, None, cut, max_records, buffers)
     }
 
     fn size(&self) -> LevelsSize {
@@ -47,9 +47,9 @@ impl Levels for VoxelLevels {
         self.surfels.octree().cut(view, hints)
     }
 
-    fn write(&self, cut: &Cut, most_records: usize, buffers: RecordBuffers) -> Records {
+    fn write(&self, cut: &Cut, max_records: usize, buffers: RecordBuffers) -> Records {
         let surfels = Some(&*self.surfels);
-        write_cubes(self.surfels.octree(), surfels, cut, most_records, buffers)
+        write_cubes(self.surfels.octree(), surfels, cut, max_records, buffers)
     }
 
     fn size(&self) -> LevelsSize {
@@ -63,7 +63,7 @@ impl Levels for LodSurfels {
         self.octree().cut_between(view, hints.before, cones)
     }
 
-    fn write(&self, cut: &Cut, _most_records: usize, buffers: RecordBuffers) -> Records {
+    fn write(&self, cut: &Cut, _max_records: usize, buffers: RecordBuffers) -> Records {
         let RecordBuffers {
             mut points, mut shapes, ..
         } = buffers;
@@ -84,7 +84,7 @@ impl Levels for LodSurfels {
         let octree = self.octree();
         LevelsSize {
             nodes: octree.node_count(),
-            bytes: octree.byte_size() + self.most_bytes(),
+            bytes: octree.byte_size() + self.max_bytes(),
         }
     }
 }
@@ -93,7 +93,7 @@ fn write_cubes(
     octree: &Octree,
     surfels: Option<&LodSurfels>,
     cut: &Cut,
-    most_records: usize,
+    max_records: usize,
     buffers: RecordBuffers,
 ) -> Records {
     let RecordBuffers {
@@ -101,7 +101,7 @@ fn write_cubes(
     } = buffers;
     octree.write_voxels(cut, &mut voxels);
     let mut gaps = octree.gaps_of(cut);
-    if voxels.len() + gaps.len() > most_records {
+    if voxels.len() + gaps.len() > max_records {
         gaps.clear();
     }
     octree.add_gap_voxels(&gaps, &mut voxels);

@@ -6,13 +6,13 @@ use glam::Vec3;
 
 impl Octree {
     /// Returns the root mean square (RMS) distance from points to the centres of their leaves, which is at most √3/2 of
-    /// a leaf's edge; computed over at most `most_points` of them, sampled evenly. `None` without points, and if
+    /// a leaf's edge; computed over at most `max_points` of them, sampled evenly. `None` without points, and if
     /// `positions`, which the tree was built from, are not in Morton order.
-    pub fn position_error(&self, positions: &[Vec3], most_points: usize) -> Option<f32> {
+    pub fn position_error(&self, positions: &[Vec3], max_points: usize) -> Option<f32> {
         if !self.points.are_as_given || positions.is_empty() {
             return None;
         }
-        let step = positions.len().div_ceil(most_points.max(1));
+        let step = positions.len().div_ceil(max_points.max(1));
         let squared = |slot: usize| {
             let level = self.leaf_level(slot);
             let finest = self.points.cells[slot].coordinates();
@@ -58,7 +58,7 @@ mod tests {
         let order = crate::math::order_of_codes(&cube.codes(&torus));
         let positions: Vec<Vec3> = order.iter().map(|&index| torus[index as usize]).collect();
         let colors = vec![[0; 4]; positions.len()];
-        for (stop, most) in [
+        for (stop, max) in [
             (StopCriterion::Loss(0.3), None),
             (StopCriterion::PointsPerOctant(5), Some(5)),
         ] {
@@ -72,9 +72,9 @@ mod tests {
                 let are_few = |level: &u32| {
                     let here = cell(*level, *point);
                     let others = positions.iter().filter(|other| cell(*level, **other) == here);
-                    most.is_none_or(|most| others.count() <= most)
+                    max.is_none_or(|max| others.count() <= max)
                 };
-                let level = most.map_or(tree.depth(), |_| (0..=LEVELS).find(are_few).unwrap());
+                let level = max.map_or(tree.depth(), |_| (0..=LEVELS).find(are_few).unwrap());
                 let edge = f64::from(cube.edge) / f64::from(level).exp2();
                 let middle = (cell(level, *point) + 0.5) * edge + cube.min.as_dvec3();
                 point.as_dvec3().distance_squared(middle)

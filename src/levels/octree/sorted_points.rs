@@ -52,7 +52,7 @@ impl SortedPoints {
         {
             return Self::in_order(cells, partings, colors);
         }
-        let (cells, colors) = if positions.len() <= few_codes::MOST {
+        let (cells, colors) = if positions.len() <= few_codes::MAX {
             sorted_few(cube, positions, colors)
         } else {
             sorted(cube, positions, colors)
@@ -85,14 +85,14 @@ impl SortedPoints {
     /// Most bytes held in memory, with all voxels that may be kept.
     pub(super) fn byte_size(&self) -> usize {
         size_of::<Self>()
-            + KeptLevels::<VoxelRecord>::most_bytes(self.coarse_levels(), self.len())
+            + KeptLevels::<VoxelRecord>::max_bytes(self.coarse_levels(), self.len())
             + size_of_val(self.cells.as_slice())
             + size_of_val(self.partings.as_slice())
             + size_of_val(self.colors_before.as_slice())
     }
 }
 
-/// The cells of at most [`few_codes::MOST`] points in the order of their codes, and colours with them.
+/// The cells of at most [`few_codes::MAX`] points in the order of their codes, and colours with them.
 fn sorted_few(cube: &Cube, positions: &[Vec3], colors: &[[u8; 4]]) -> (Vec<PackedCell>, Vec<[u8; 4]>) {
     let (cells, mut items) = cube.cells_and_codes(positions);
     few_codes::make_items(&mut items);

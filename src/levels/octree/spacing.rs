@@ -52,7 +52,7 @@ const ASKED_LEVELS: u32 = 2;
 
 /// Leaves are at most so many levels above those of the whole cloud: 4 times their edge. Few points in a large place,
 /// as in the trees that a scanner sees from afar, would ask for more.
-const MOST_LEVELS_ABOVE: u32 = 2;
+const MAX_LEVELS_ABOVE: u32 = 2;
 
 /// Points counted together.
 const GROUP: usize = 64;
@@ -130,12 +130,12 @@ fn add(counts: &mut [u32; LEVEL_COUNT], partings: &[u8]) {
 /// several close together. Cells of a curve are divided into four by two levels, those of a surface into sixteen.
 fn distinct_points(cells: &OccupiedCells) -> usize {
     /// More points than that are not one place but a part of the cloud.
-    const MOST_TOGETHER: usize = 8;
+    const MAX_TOGETHER: usize = 8;
     let all = cells[LEVELS as usize];
     let are_points = |level: &usize| {
         let here = cells[*level];
         // Some that are together are parted by a face of a cell.
-        all <= MOST_TOGETHER * here && 100 * cells[level + 2] <= 112 * here + 200
+        all <= MAX_TOGETHER * here && 100 * cells[level + 2] <= 112 * here + 200
     };
     let level = (0..LEVEL_COUNT - 2).find(are_points);
     level.map_or(all, |level| cells[level + 2])
@@ -174,7 +174,7 @@ impl SortedPoints {
         let search = Search {
             points: self,
             census,
-            coarsest: level.saturating_sub(MOST_LEVELS_ABOVE),
+            coarsest: level.saturating_sub(MAX_LEVELS_ABOVE),
         };
         search.visit(&root, level, &mut found);
         found

@@ -100,8 +100,8 @@ fn each_of_two_clouds_has_its_own_spacing() {
         assert!(EDGES_PER_SPACING.contains(&spacings), "{spacings}");
         *points_by_edge.entry(u32::from(voxel.level)).or_default() += 1;
     }
-    let [least, most] = [points_by_edge.keys().min(), points_by_edge.keys().max()];
-    let levels = most.unwrap() - least.unwrap();
+    let [min, max] = [points_by_edge.keys().min(), points_by_edge.keys().max()];
+    let levels = max.unwrap() - min.unwrap();
     assert!((3..=5).contains(&levels), "{points_by_edge:?}");
 }
 

@@ -102,16 +102,16 @@ impl LodSurfels {
     }
 
     /// Most bytes that the levels can come to, worked out or not.
-    pub fn most_bytes(&self) -> usize {
+    pub fn max_bytes(&self) -> usize {
         let sorted = &self.octree.points;
         let above_leaves = &sorted.occupied[..self.octree.depth() as usize];
         let count = self.points.len();
         let (surfels, normals) = (above_leaves, sorted.coarse_levels());
-        KeptLevels::<NodeSurfel>::most_bytes(surfels, count) + KeptLevels::<ShapeRecord>::most_bytes(normals, count)
+        KeptLevels::<NodeSurfel>::max_bytes(surfels, count) + KeptLevels::<ShapeRecord>::max_bytes(normals, count)
     }
 
     /// Most bytes of the levels side by side, with the points, for whoever selects among them.
-    pub fn most_selectable_bytes(&self) -> usize {
+    pub fn max_selectable_bytes(&self) -> usize {
         let above_leaves = &self.octree.points.occupied[..self.octree.depth() as usize];
         let nodes = self.points.len() + above_leaves.iter().sum::<usize>();
         nodes * (size_of::<PointRecord>() + size_of::<ShapeRecord>())

@@ -184,18 +184,18 @@ proptest! {
     }
 }
 
-/// The leaves where cells are divided while they hold more than `most_points` points that differ, by recursion over
+/// The leaves where cells are divided while they hold more than `max_points` points that differ, by recursion over
 /// lists.
-fn leaves_by_brute_force(positions: &[Vec3], most_points: usize) -> BTreeMap<(u32, [u32; 3]), usize> {
+fn leaves_by_brute_force(positions: &[Vec3], max_points: usize) -> BTreeMap<(u32, [u32; 3]), usize> {
     fn divide(
         level: u32,
         cell: [u32; 3],
         finest: &[[u32; 3]],
-        most_points: usize,
+        max_points: usize,
         leaves: &mut BTreeMap<(u32, [u32; 3]), usize>,
     ) {
         let all_equal = finest.iter().all(|other| *other == finest[0]);
-        if finest.len() <= most_points.max(1) || all_equal {
+        if finest.len() <= max_points.max(1) || all_equal {
             leaves.insert((level, cell), finest.len());
             return;
         }
@@ -206,21 +206,21 @@ fn leaves_by_brute_force(positions: &[Vec3], most_points: usize) -> BTreeMap<(u3
             children.entry(cell_of(finest)).or_default().push(*finest);
         }
         for (cell, finest) in children {
-            divide(below, cell, &finest, most_points, leaves);
+            divide(below, cell, &finest, max_points, leaves);
         }
     }
     let codes = Cube::around(positions).unwrap().codes(positions);
     let finest: Vec<[u32; 3]> = codes.into_iter().map(morton::decode).collect();
     let mut leaves = BTreeMap::new();
-    divide(0, [0; 3], &finest, most_points, &mut leaves);
+    divide(0, [0; 3], &finest, max_points, &mut leaves);
     leaves
 }
 
-fn check_uneven_tree(positions: &[Vec3], most_points: u32) {
+fn check_uneven_tree(positions: &[Vec3], max_points: u32) {
     let colors = random_colors(positions.len(), &mut Random(5));
-    let stop = StopCriterion::PointsPerOctant(most_points);
+    let stop = StopCriterion::PointsPerOctant(max_points);
     let tree = Octree::build(positions, &colors, stop);
-    let expected = leaves_by_brute_force(positions, most_points as usize);
+    let expected = leaves_by_brute_force(positions, max_points as usize);
     let voxels = tree.level_voxels(tree.depth());
     let found: HashSet<_> = voxels.iter().map(|voxel| cell_of(&tree, voxel)).collect();
     assert_eq!(found.len(), voxels.len(), "no leaf twice");
@@ -249,8 +249,8 @@ fn check_uneven_tree(positions: &[Vec3], most_points: u32) {
 fn leaves_of_at_most_so_many_points() {
     let mut random = Random(21);
     let torus = test_shapes::torus(5000, 0.4, &mut random);
-    for most_points in [0, 1, 2, 8, 100, 4999, 5000] {
-        check_uneven_tree(&torus.positions, most_points);
+    for max_points in [0, 1, 2, 8, 100, 4999, 5000] {
+        check_uneven_tree(&torus.positions, max_points);
     }
     // Dense and sparse parts, and duplicates that nothing can part.
     let mut cloud: Vec<Vec3> = (0..300).map(|_| random.cube()).collect();

@@ -127,9 +127,9 @@ mod tests {
                 let outwards = Vec3::from_array(voxel.center).normalize();
                 oct_decode(shape.normal).dot(outwards).abs()
             };
-            let least = voxels.iter().zip(&normals).map(cosine).fold(1.0, f32::min);
+            let min = voxels.iter().zip(&normals).map(cosine).fold(1.0, f32::min);
             let mean = voxels.iter().zip(&normals).map(cosine).sum::<f32>() / voxels.len() as f32;
-            assert!(least > 0.9 && mean > 0.998, "{lod_px} px: {least}, {mean}");
+            assert!(min > 0.9 && mean > 0.998, "{lod_px} px: {min}, {mean}");
         }
     }
 

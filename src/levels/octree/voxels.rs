@@ -7,7 +7,7 @@
 //! pays for the others, and they need no memory. Of levels that are coarse enough for it, what is drawn again is kept
 //! (`kept_levels.rs`): reading the points of cells that have several each takes longer than copying.
 
-use super::color_sums::{ColorSum, MOST_SUMMED, field_of};
+use super::color_sums::{ColorSum, MAX_SUMMED, field_of};
 use super::gap::Gap;
 use super::gaps::add_gaps;
 use super::sorted_points::SortedPoints;
@@ -143,7 +143,7 @@ impl NodeWriter for VoxelWriter<'_> {
                 *mean = sum as i32 as f32 * share;
             }
         }
-        if gathered.most_points > MOST_SUMMED {
+        if gathered.max_points > MAX_SUMMED {
             self.replace_large_means(firsts, ends, &mut means);
         }
         let ([x, y, z], [red, green, blue]) = (&centers, &means);
@@ -166,7 +166,7 @@ struct Gathered {
     sums: [ColorSum; BATCH],
     /// One over the numbers of points.
     shares: [f32; BATCH],
-    most_points: u32,
+    max_points: u32,
 }
 
 impl VoxelWriter<'_> {
@@ -184,7 +184,7 @@ impl VoxelWriter<'_> {
             *share = 1.0 / (end - first) as i32 as f32;
         }
         let counts = firsts.iter().zip(ends).map(|(&first, &end)| end - first);
-        gathered.most_points = counts.fold(0, u32::max);
+        gathered.max_points = counts.fold(0, u32::max);
     }
 
     /// Mean colours of nodes whose sums do not fit a field.
@@ -192,14 +192,14 @@ impl VoxelWriter<'_> {
     fn replace_large_means(&self, firsts: &[u32], ends: &[u32], means: &mut [[f32; BATCH]; 3]) {
         let before = &self.points.colors_before;
         for (node, (&first, &end)) in firsts.iter().zip(ends).enumerate() {
-            if end - first <= MOST_SUMMED {
+            if end - first <= MAX_SUMMED {
                 continue;
             }
             for (channel, means) in (0..).zip(&mut *means) {
                 let sum: f64 = (first..end)
-                    .step_by(MOST_SUMMED as usize)
+                    .step_by(MAX_SUMMED as usize)
                     .map(|first| {
-                        let end = end.min(first + MOST_SUMMED);
+                        let end = end.min(first + MAX_SUMMED);
                         let sum = before[end as usize].wrapping_sub(before[first as usize]);
                         f64::from(field_of(sum, channel))
                     })

@@ -10,8 +10,8 @@ impl WasDivided {
     /// Creates the set of divided nodes of a cut; none without one.
     pub(super) fn new(before: Option<&Cut>) -> Self {
         let divided = before.map_or(&[][..], |cut| &cut.listed.divided);
-        let most = divided.iter().max().map_or(0, |&node| node as usize + 1);
-        let mut bits = vec![0; most.div_ceil(64)];
+        let max = divided.iter().max().map_or(0, |&node| node as usize + 1);
+        let mut bits = vec![0; max.div_ceil(64)];
         for &node in divided {
             bits[node as usize / 64] |= 1 << (node % 64);
         }

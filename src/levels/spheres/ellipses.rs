@@ -5,7 +5,7 @@
 //! equivalent ellipse in the plane of the node, as large as its sphere; the octree's nodes are the same
 //! (`octree/node_surfel.rs`).
 
-use super::split::{Child, Division, Inner, MOST_CHILDREN, NODES_PER_TASK};
+use super::split::{Child, Division, Inner, MAX_CHILDREN, NODES_PER_TASK};
 use crate::cloud::{PointRecord, ShapeRecord, oct_decode};
 use crate::levels::moments::{OF_HALF_AXIS, PlaneMoments, half_axes};
 use glam::{DMat3, DVec3, Vec3};
@@ -86,7 +86,7 @@ pub(super) fn ellipses_of(
             Child::Inner(index) => below[index as usize - level.end],
         };
         let of_node = |node: &Inner| {
-            let mut children = [Moments::NONE; MOST_CHILDREN];
+            let mut children = [Moments::NONE; MAX_CHILDREN];
             for (moments, child) in children.iter_mut().zip(node.children()) {
                 *moments = of_child(child);
             }

@@ -103,7 +103,7 @@ impl SphereLevels {
     }
 
     /// Most bytes that it can come to, with the records of all nodes for whoever selects among them.
-    pub fn most_bytes(&self) -> usize {
+    pub fn max_bytes(&self) -> usize {
         let size = self.size();
         let kept = size_of::<PointRecord>() + size_of::<ShapeRecord>() + size_of::<u32>();
         size.bytes + size.nodes * kept
@@ -143,7 +143,7 @@ impl Levels for SphereLevels {
         }
     }
 
-    fn write(&self, cut: &Cut, _most_records: usize, buffers: RecordBuffers) -> Records {
+    fn write(&self, cut: &Cut, _max_records: usize, buffers: RecordBuffers) -> Records {
         let (points, shapes) = (&self.points, &self.shapes);
         match &self.structure {
             Structure::QSplat(qsplat) => qsplat.write(cut, buffers),

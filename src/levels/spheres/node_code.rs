@@ -41,7 +41,7 @@ impl NodeCode {
     pub(super) fn new(sphere: u16, normal: [i16; 2], [red, green, blue, _]: [u8; 4]) -> Self {
         let [x, y] = normal_steps(normal).map(|steps| (steps + NORMAL_STEPS) as u64);
         // To the nearest; what is drawn repeats the highest bits in the lowest, so that white stays white.
-        let nearest = |channel: u8, most: u64| (u64::from(channel) * most + 127) / 255;
+        let nearest = |channel: u8, max: u64| (u64::from(channel) * max + 127) / 255;
         let color = nearest(red, 31) | nearest(green, 63) << 5 | nearest(blue, 31) << 11;
         Self(u64::from(sphere) | (x | y << NORMAL_BITS) << NORMAL_SHIFT | color << COLOR_SHIFT)
     }
@@ -82,7 +82,7 @@ impl NodeCode {
     #[inline(always)]
     pub(super) fn color(self) -> [u8; 4] {
         let bits = (self.0 >> COLOR_SHIFT) as u32;
-        let widened = |bits: u32, most: u32| ((bits & most) * 255 / most) as u8;
+        let widened = |bits: u32, max: u32| ((bits & max) * 255 / max) as u8;
         [widened(bits, 31), widened(bits >> 5, 63), widened(bits >> 11, 31), 255]
     }
 

@@ -38,7 +38,7 @@ const KNOWN_BEYOND: f64 = 1.25;
 pub(super) struct PrintedSequence {
     entries: Vec<Entry>,
     /// The least `r_min` of the entries up to each.
-    least_r_min: Vec<f32>,
+    min_r_min: Vec<f32>,
     /// Nodes that are no leaves, in breadth-first order.
     inners: Vec<(Splat, Bounds)>,
     /// Around all.
@@ -70,13 +70,13 @@ impl PrintedSequence {
             Entry { parent, ..entry }
         };
         let entries: Vec<Entry> = order.sorted.iter().map(entry).collect();
-        let least_r_min = entries.iter().scan(f32::INFINITY, |least, entry| {
-            *least = least.min(entry.r_min);
-            Some(*least)
+        let min_r_min = entries.iter().scan(f32::INFINITY, |min, entry| {
+            *min = min.min(entry.r_min);
+            Some(*min)
         });
         let root = tree.nodes.first().map(|root| root.sphere);
         Self {
-            least_r_min: least_r_min.collect(),
+            min_r_min: min_r_min.collect(),
             entries,
             inners: tree.nodes.iter().map(|node| (Splat::of(node), node.bounds)).collect(),
             root: root.unwrap_or(Sphere::around(std::iter::empty())),
@@ -87,7 +87,7 @@ impl PrintedSequence {
         LevelsSize {
             nodes: self.entries.len(),
             bytes: size_of_val(self.entries.as_slice())
-                + size_of_val(self.least_r_min.as_slice())
+                + size_of_val(self.min_r_min.as_slice())
                 + size_of_val(self.inners.as_slice()),
         }
     }
@@ -226,7 +226,7 @@ impl Selection<'_> {
     fn range(&self) -> (usize, usize) {
         let PrintedSequence {
             entries,
-            least_r_min,
+            min_r_min,
             root,
             ..
         } = self.sequence;
@@ -238,7 +238,7 @@ impl Selection<'_> {
         let lo = if self.has_last_level {
             0
         } else {
-            least_r_min.partition_point(|&r_min| f64::from(r_min) > d_min)
+            min_r_min.partition_point(|&r_min| f64::from(r_min) > d_min)
         };
         (
             lo,

@@ -287,7 +287,7 @@ impl Descent<'_> {
             Verdict::Divided => {
                 found.listed.divided.push(visit.name as u32);
                 if visit.level < PARALLEL_LEVELS {
-                    let mut children = Vec::with_capacity(super::split::MOST_CHILDREN);
+                    let mut children = Vec::with_capacity(super::split::MAX_CHILDREN);
                     self.each_child(visit, found, |child, _| children.push(child));
                     let parts: Vec<FoundNodes> = children.par_iter().map(|child| self.found_from(child)).collect();
                     for part in parts {

@@ -73,8 +73,8 @@ struct Upper {
 
 impl SequentialTree {
     /// Sequences of a tree, each of a subtree with at most so many points.
-    pub(super) fn of(tree: &SphereTree, most_points: usize) -> Self {
-        let uppers = upper_nodes(&tree.division, most_points);
+    pub(super) fn of(tree: &SphereTree, max_points: usize) -> Self {
+        let uppers = upper_nodes(&tree.division, max_points);
         let sequences: Vec<Sequence> = uppers.par_iter().map(|upper| upper.sequence(tree)).collect();
         let mut built = Self {
             inners: Vec::with_capacity(tree.nodes.len()),
@@ -252,14 +252,14 @@ struct UpperNode {
 }
 
 /// The root, and as long as these have more points than a sequence may have, their children.
-fn upper_nodes(division: &Division, most_points: usize) -> Vec<UpperNode> {
+fn upper_nodes(division: &Division, max_points: usize) -> Vec<UpperNode> {
     let mut uppers: Vec<UpperNode> = Vec::new();
     let mut nodes = Vec::from_iter((!division.inners.is_empty()).then_some(0));
     let mut next = 0;
     while let Some(&node) = nodes.get(next) {
         let inner = &division.inners[node as usize];
         let first = nodes.len() as u32;
-        if inner.point_count() > most_points {
+        if inner.point_count() > max_points {
             nodes.extend(inner.inner_children());
         }
         let children = first..nodes.len() as u32;

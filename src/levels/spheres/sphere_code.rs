@@ -17,7 +17,7 @@ pub(super) const SPHERE_BITS: u32 = 13;
 const STEPS: usize = 13;
 
 /// Coordinates are −6 to 6.
-const MOST_STEPS_ASIDE: i8 = 6;
+const MAX_STEPS_ASIDE: i8 = 6;
 
 /// Sentinel for the absence of a code.
 const NONE: u16 = u16::MAX;
@@ -41,7 +41,7 @@ struct Table {
 }
 
 static TABLE: LazyLock<Table> = LazyLock::new(|| {
-    let aside = || -MOST_STEPS_ASIDE..=MOST_STEPS_ASIDE;
+    let aside = || -MAX_STEPS_ASIDE..=MAX_STEPS_ASIDE;
     let places = aside().flat_map(|x| aside().flat_map(move |y| aside().map(move |z| [x, y, z])));
     let mut steps_of_code: Vec<Steps> = places
         .flat_map(|place| (1..=STEPS as u8).map(move |radius| Steps { place, radius }))
@@ -66,7 +66,7 @@ fn reach(steps: Steps) -> f64 {
 
 /// Its place in the table of codes.
 fn place_of(steps: Steps) -> usize {
-    let coordinates = steps.place.map(|aside| (aside + MOST_STEPS_ASIDE) as usize);
+    let coordinates = steps.place.map(|aside| (aside + MAX_STEPS_ASIDE) as usize);
     coordinates
         .iter()
         .fold(usize::from(steps.radius) - 1, |all, &one| STEPS * all + one)
@@ -91,13 +91,13 @@ fn sphere_at(parent: &Sphere, steps: Steps) -> Sphere {
 /// The code of the nearest sphere that holds `child`; that of the parent's, which holds all of its points.
 pub(super) fn encoded(parent: &Sphere, child: &Sphere) -> u16 {
     let step = parent.radius / STEPS as f32;
-    let most = f32::from(MOST_STEPS_ASIDE);
+    let max = f32::from(MAX_STEPS_ASIDE);
     let aside = (child.center - parent.center) / (2.0 * step);
     // A parent without extent is a place where its children are.
     let aside = if aside.is_finite() { aside } else { Vec3::ZERO };
     let mut place = aside
         .round()
-        .clamp(Vec3::splat(-most), Vec3::splat(most))
+        .clamp(Vec3::splat(-max), Vec3::splat(max))
         .to_array()
         .map(|aside| aside as i8);
     while place != SAME.place {

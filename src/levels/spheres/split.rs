@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Most children of a node.
-pub(super) const MOST_CHILDREN: usize = 4;
+pub(super) const MAX_CHILDREN: usize = 4;
 
 /// Nodes that are worth handing to another thread.
 pub(super) const NODES_PER_TASK: usize = 256;
@@ -21,7 +21,7 @@ pub(super) const NODES_PER_TASK: usize = 256;
 #[derive(Debug, Clone)]
 pub(super) struct Inner {
     /// The first point of each child, then the end of the last.
-    starts: [u32; MOST_CHILDREN + 1],
+    starts: [u32; MAX_CHILDREN + 1],
     child_count: u8,
     /// The root is on level 0.
     pub(super) level: u8,
@@ -85,10 +85,10 @@ impl Inner {
 
     /// The node of some points, divided.
     fn of(codes: &[u64], points: Range<u32>, level: u8, parent: u32) -> Self {
-        let mut starts = [points.end; MOST_CHILDREN + 1];
+        let mut starts = [points.end; MAX_CHILDREN + 1];
         starts[0] = points.start;
         let mut child_count = 1;
-        while child_count < MOST_CHILDREN {
+        while child_count < MAX_CHILDREN {
             let pieces = (0..child_count).filter(|&piece| starts[piece + 1] - starts[piece] > 1);
             // The largest cell; of points that nothing parts, the most.
             let largest = pieces.max_by_key(|&piece| {
@@ -98,7 +98,7 @@ impl Inner {
             });
             let Some(piece) = largest else { break };
             let middle = middle_of(codes, starts[piece]..starts[piece + 1]);
-            starts.copy_within(piece + 1..MOST_CHILDREN, piece + 2);
+            starts.copy_within(piece + 1..MAX_CHILDREN, piece + 2);
             starts[piece + 1] = middle;
             child_count += 1;
         }

@@ -121,7 +121,7 @@ pub(super) fn summaries(division: &Division, points: &[PointRecord], shapes: &[S
             Child::Inner(index) => below[index as usize - level.end],
         };
         let of_node = |node: &Inner| {
-            let mut children = [Summary::NONE; super::split::MOST_CHILDREN];
+            let mut children = [Summary::NONE; super::split::MAX_CHILDREN];
             for (summary, child) in children.iter_mut().zip(node.children()) {
                 *summary = of_child(child);
             }

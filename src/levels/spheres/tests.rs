@@ -123,8 +123,8 @@ fn drawn_by_all(
         let qsplat = QSplat::of(tree, points, shapes);
         drawn.push(("qsplat", named(&qsplat.cut(view, hints), QSplat::nodes(tree))));
     }
-    for (name, most_points) in [("spt", usize::MAX), ("hspt", HIERARCHY_POINTS), ("hspt of few", 8)] {
-        let sequences = SequentialTree::of(tree, most_points);
+    for (name, max_points) in [("spt", usize::MAX), ("hspt", HIERARCHY_POINTS), ("hspt of few", 8)] {
+        let sequences = SequentialTree::of(tree, max_points);
         drawn.push((name, named(&sequences.cut(view, hints), sequences.nodes(tree))));
     }
     drawn
@@ -236,7 +236,7 @@ fn spheres_and_cones_are_nested_and_hold_all_below() {
 #[test]
 fn cones_of_a_smooth_surface_are_known_and_spheres_are_tight() {
     let of = torus(20_000);
-    for (tree, most_wider) in trees_of(&of).into_iter().zip([1.5, 1.05]) {
+    for (tree, max_wider) in trees_of(&of).into_iter().zip([1.5, 1.05]) {
         let known = tree
             .nodes
             .iter()
@@ -258,7 +258,7 @@ fn cones_of_a_smooth_surface_are_known_and_spheres_are_tight() {
             let is_around_disks = tree.codes.is_empty() && tree.division.inners[index as usize].point_count() <= 64;
             assert!(!is_around_disks || node.sphere.radius <= around.radius, "{node:?}");
         }
-        assert!(of_tree < most_wider * around_disks, "{}", of_tree / around_disks);
+        assert!(of_tree < max_wider * around_disks, "{}", of_tree / around_disks);
     }
 }
 
@@ -406,12 +406,12 @@ fn a_budget_is_kept_and_mostly_used() {
         let [view, ..] = views(0.5, LodMetric::Area)[..] else {
             panic!("a view")
         };
-        for most in [100, 1000, 5000, 1_000_000] {
-            let cut = levels.cut_at_most(most, &view, CutHints::default());
+        for max in [100, 1000, 5000, 1_000_000] {
+            let cut = levels.cut_at_most(max, &view, CutHints::default());
             let all = levels.cut(&view, CutHints::default()).node_count();
             let kind = levels.kind();
             assert!(
-                cut.node_count() <= most && cut.node_count() >= most.min(all) / 2,
+                cut.node_count() <= max && cut.node_count() >= max.min(all) / 2,
                 "{kind:?}: {cut:?}"
             );
         }

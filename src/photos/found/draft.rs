@@ -52,14 +52,14 @@ pub(in crate::photos) struct Drafts {
 }
 
 /// Tolerance of the products of the axes of a rotation from 0 and 1: files are written with as few as four digits.
-const MOST_SKEW: f64 = 0.01;
+const MAX_SKEW: f64 = 0.01;
 
 /// Names that a note lists before it says how many more there are.
-const MOST_NAMES: usize = 3;
+const MAX_NAMES: usize = 3;
 
 /// Maximum number of reasons reported: damage can produce one for every input image, and a hundred suffice for the
 /// reader.
-const MOST_REASONS: usize = 100;
+const MAX_REASONS: usize = 100;
 
 impl Draft {
     /// Creates the draft of an image at `center` in the world, whose axes (x right, y down, z forward) are the columns
@@ -219,7 +219,7 @@ fn pose(turn: DMat3, shift: DVec3) -> Result<DAffine3, String> {
     let difference = (products - DMat3::IDENTITY).to_cols_array();
     let skew = difference.into_iter().map(f64::abs).fold(0.0, f64::max);
     let determinant = turn.determinant();
-    if skew > MOST_SKEW || determinant < 0.0 {
+    if skew > MAX_SKEW || determinant < 0.0 {
         return Err(format!(
             "its pose is no rotation (determinant {determinant:.3}, expected 1): it is singular, mirrored or scaled"
         ));
@@ -246,7 +246,7 @@ pub(in crate::photos) fn notes_of_wrong(wrong: &[(&str, String)]) -> Vec<String>
     for (name, reason) in wrong {
         if let Some((_, names)) = reasons.iter_mut().find(|(known, _)| known == reason) {
             names.push(name);
-        } else if reasons.len() < MOST_REASONS {
+        } else if reasons.len() < MAX_REASONS {
             reasons.push((reason, vec![name]));
         }
     }
@@ -265,8 +265,8 @@ fn photographs(count: usize) -> String {
 }
 
 fn some_of(names: &[&str]) -> String {
-    let shown = names.iter().take(MOST_NAMES).copied().collect::<Vec<_>>().join(", ");
-    match names.len().saturating_sub(MOST_NAMES) {
+    let shown = names.iter().take(MAX_NAMES).copied().collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(MAX_NAMES) {
         0 => shown,
         more => format!("{shown} and {more} more"),
     }

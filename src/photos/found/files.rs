@@ -41,7 +41,7 @@ const EXTENSIONS: &[&str] = &["png", "jpg", "jpeg", "webp", "ppm", "pgm", "pnm",
 const NOT_READ: &[&str] = &["avif", "bmp", "dng", "exr", "heic", "heif", "jxl", "tga", "tif", "tiff"];
 
 /// Maximum number of entries of a folder that are visited: a folder of more is not one of images alone.
-const MOST_ENTRIES: usize = 200_000;
+const MAX_ENTRIES: usize = 200_000;
 
 /// Lists of the folders in which input images and masks may be.
 #[derive(Debug)]
@@ -222,7 +222,7 @@ impl Listing {
     fn of(folder: PathBuf) -> Option<Self> {
         let mut paths: Vec<PathBuf> = std::fs::read_dir(&folder)
             .ok()?
-            .take(MOST_ENTRIES)
+            .take(MAX_ENTRIES)
             .filter_map(|entry| Some(entry.ok()?.path()))
             .collect();
         // Of names that differ by case or extension alone, the same one each time.

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 /// Points that say how far away things are, in each set of a rig.
-const MOST_POINTS: usize = 4096;
+const MAX_POINTS: usize = 4096;
 
 /// Cameras of one world.
 #[derive(Debug, Clone)]
@@ -74,7 +74,7 @@ impl Rig {
             Some(Observation { photo, ..seen })
         });
         Ok(Self {
-            some_points: points.some(MOST_POINTS),
+            some_points: points.some(MAX_POINTS),
             mask_folders: Files::mask_folders(&drafts.folders),
             path: drafts.path,
             cameras,

@@ -10,7 +10,7 @@ use super::mips::half;
 const PIXEL_BYTES: u64 = 4;
 
 /// Sides are below 2^32: after as many halves all are one pixel.
-const MOST_HALVINGS: u32 = 32;
+const MAX_HALVINGS: u32 = 32;
 
 /// Bytes of a texture of `size_px` with all levels of its mipmap.
 pub fn texture_bytes(size_px: [u32; 2]) -> u64 {
@@ -27,17 +27,17 @@ pub fn texture_bytes(size_px: [u32; 2]) -> u64 {
 }
 
 /// Returns the minimum number of times that images of these sizes are halved until an array of their textures takes at
-/// most `budget_bytes`, and no side is longer than `most_side_px`, which is limited by GPUs. Images that cannot fit are
+/// most `budget_bytes`, and no side is longer than `max_side_px`, which is limited by GPUs. Images that cannot fit are
 /// halved down to pixels.
-pub fn halvings_within(sizes_px: &[[u32; 2]], budget_bytes: u64, most_side_px: u32) -> u32 {
+pub fn halvings_within(sizes_px: &[[u32; 2]], budget_bytes: u64, max_side_px: u32) -> u32 {
     let largest = |axis: usize| sizes_px.iter().map(|size_px| size_px[axis]).max().unwrap_or(0);
     let mut size_px = [largest(0), largest(1)];
     let mut halvings = 0;
     let fits = |size_px: [u32; 2]| {
         let bytes = texture_bytes(size_px).saturating_mul(sizes_px.len() as u64);
-        bytes <= budget_bytes && size_px.iter().all(|&side| side <= most_side_px)
+        bytes <= budget_bytes && size_px.iter().all(|&side| side <= max_side_px)
     };
-    while halvings < MOST_HALVINGS && !fits(size_px) && size_px != [1, 1] {
+    while halvings < MAX_HALVINGS && !fits(size_px) && size_px != [1, 1] {
         size_px = size_px.map(half);
         halvings += 1;
     }

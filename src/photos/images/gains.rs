@@ -30,13 +30,13 @@ const HALF_WEIGHT: f64 = 0.1;
 const ROUNDS: usize = 10;
 
 /// Maximum number of conjugate gradient steps: clusters of images that agree converge in a few dozen.
-const MOST_STEPS: usize = 300;
+const MAX_STEPS: usize = 300;
 
 /// Convergence tolerance: the fraction of the first residual at which the solution is accepted.
 const DONE: f64 = 1e-10;
 
 /// No exposure series is wider.
-const MOST_GAIN: f64 = 16.0;
+const MAX_GAIN: f64 = 16.0;
 
 /// A colour sample of a point in an image, as logarithms.
 #[derive(Debug, Clone, Copy)]
@@ -120,7 +120,7 @@ impl Samples {
         let mean = used.map(|(gain, _)| gain).sum::<f64>() / count.max(1) as f64;
         let scaled = |(gain, &has): (f64, &bool)| {
             let gain = if has { gain / mean } else { 1.0 };
-            gain.clamp(MOST_GAIN.recip(), MOST_GAIN)
+            gain.clamp(MAX_GAIN.recip(), MAX_GAIN)
         };
         gains.into_iter().zip(has_samples).map(scaled).collect()
     }
@@ -158,7 +158,7 @@ impl Samples {
         let mut gains = start;
         let mut direction = residual.clone();
         let mut square = dot(&residual, &residual);
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             if square <= DONE * DONE * first || square == 0.0 {
                 break;
             }

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Maximum side length of a texture, supported by all GPUs.
-const MOST_SIDE_PX: u32 = 8192;
+const MAX_SIDE_PX: u32 = 8192;
 
 /// Input images whose pixels were loaded, and the problems with others.
 #[derive(Debug)]
@@ -43,7 +43,7 @@ impl LoadedPhotographs {
     /// `progress` the number of images read; the result is of no use once `progress` was cancelled.
     pub fn of(set: &ViewSet, budget_bytes: u64, progress: &Progress) -> Self {
         let sizes: Vec<[u32; 2]> = set.photos.iter().map(|photo| photo.camera.size_px()).collect();
-        let halvings = halvings_within(&sizes, budget_bytes, MOST_SIDE_PX);
+        let halvings = halvings_within(&sizes, budget_bytes, MAX_SIDE_PX);
         progress.set(0, set.photos.len());
         let read_one = |photo: &Photo| {
             if progress.is_cancelled() || !photo.has_file() {

@@ -12,11 +12,11 @@ const GRID: [u32; 2] = [32, 24];
 
 /// Maximum number of images in which each of them is looked for. If there are more, different ones for each pixel,
 /// spread evenly.
-const MOST_OTHERS: usize = 48;
+const MAX_OTHERS: usize = 48;
 
 /// Approximate maximum number of lookups in total: gains take hundreds of rounds over the results. If it would be
 /// exceeded, fewer pixels are sampled.
-const MOST_LOOKS: usize = 1 << 21;
+const MAX_LOOKS: usize = 1 << 21;
 
 /// Two depths are of one place if they differ by less, as a part.
 const TOLERANCE: f64 = 0.02;
@@ -71,15 +71,15 @@ pub(in crate::photos) fn shared_points(
 
 /// Returns the sampling grid, i.e. pixels across and down, of each of `count` images.
 fn grid_for(count: usize) -> [u32; 2] {
-    let looks = count * count.min(MOST_OTHERS) * (GRID[0] * GRID[1]) as usize;
-    let share = (MOST_LOOKS as f64 / looks.max(1) as f64).min(1.0).sqrt();
+    let looks = count * count.min(MAX_OTHERS) * (GRID[0] * GRID[1]) as usize;
+    let share = (MAX_LOOKS as f64 / looks.max(1) as f64).min(1.0).sqrt();
     GRID.map(|pixels| ((share * f64::from(pixels)).round() as u32).max(1))
 }
 
 /// Returns the images in which pixel `cell` of image `at` is looked for.
 fn others(at: usize, cell: usize, count: usize) -> impl Iterator<Item = usize> {
-    let most = count.min(MOST_OTHERS);
-    let spread = (0..most).map(move |place| (at + cell + place * count / most) % count);
+    let max = count.min(MAX_OTHERS);
+    let spread = (0..max).map(move |place| (at + cell + place * count / max) % count);
     spread.filter(move |&other| other != at)
 }
 
@@ -159,8 +159,8 @@ mod tests {
         }
         for count in [48, 49, 300, 1000, 100_000] {
             let [across, down] = grid_for(count);
-            let looks = count * count.min(MOST_OTHERS) * (across * down) as usize;
-            assert!(looks < 2 * MOST_LOOKS || [across, down] == [1, 1], "{looks} of {count}");
+            let looks = count * count.min(MAX_OTHERS) * (across * down) as usize;
+            assert!(looks < 2 * MAX_LOOKS || [across, down] == [1, 1], "{looks} of {count}");
         }
         // In a thousand, a photograph meets most of the others at one pixel or another.
         let [across, down] = grid_for(1000);

@@ -79,9 +79,9 @@ fn on_cubics(picture: &PhotoImage, place: [f32; 2]) -> [f32; 4] {
         + lines[1].at(across) * down[1]
         + lines[2].at(across) * down[2]
         + lines[3].at(across) * down[3];
-    let least = lines[1].left.min(lines[1].right).min(lines[2].left.min(lines[2].right));
-    let most = lines[1].left.max(lines[1].right).max(lines[2].left.max(lines[2].right));
-    sum.max(least).min(most).to_array()
+    let min = lines[1].left.min(lines[1].right).min(lines[2].left.min(lines[2].right));
+    let max = lines[1].left.max(lines[1].right).max(lines[2].left.max(lines[2].right));
+    sum.max(min).min(max).to_array()
 }
 
 /// Four adjacent texels.

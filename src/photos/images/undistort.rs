@@ -22,7 +22,7 @@ pub enum Extent {
 
 /// Maximum growth in width and height of the pinhole that covers everything, relative to the input image: images of
 /// fisheyes have no end.
-const MOST_GROWTH: i64 = 2;
+const MAX_GROWTH: i64 = 2;
 
 /// Places on a side of the border that are looked at.
 const BORDER_STEPS: u32 = 256;
@@ -69,9 +69,9 @@ fn covering(camera: &Camera) -> ([u32; 2], DVec2) {
     let high_px = (high + 0.5 - 1e-6).ceil();
     let side = |axis: usize, side: u32| {
         let (side, from, to) = (i64::from(side), low_px[axis] as i64, high_px[axis] as i64);
-        let room = (MOST_GROWTH - 1) * side / 2;
+        let room = (MAX_GROWTH - 1) * side / 2;
         let (from, to) = (from.clamp(-room, side - 1), to.clamp(1, side + room));
-        (from, (to - from).clamp(1, MOST_GROWTH * side) as u32)
+        (from, (to - from).clamp(1, MAX_GROWTH * side) as u32)
     };
     let ((left, columns), (top, rows)) = (side(0, width), side(1, height));
     ([columns, rows], -DVec2::new(left as f64, top as f64))

@@ -51,11 +51,11 @@ impl<'a> Bytes<'a> {
         Ok(numbers)
     }
 
-    /// A number of `what`, each of which takes at least `least_bytes`.
-    pub(in crate::photos) fn count(&mut self, what: &str, least_bytes: usize) -> Result<u64, PhotosError> {
+    /// A number of `what`, each of which takes at least `min_bytes`.
+    pub(in crate::photos) fn count(&mut self, what: &str, min_bytes: usize) -> Result<u64, PhotosError> {
         let start = self.at;
         let count = self.u64()?;
-        let room = (self.all.len() - self.at) / least_bytes;
+        let room = (self.all.len() - self.at) / min_bytes;
         if count > room as u64 {
             self.at = start;
             return Err(self.error(format!(

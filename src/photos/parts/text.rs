@@ -17,7 +17,7 @@ pub(in crate::photos) struct Text<'a> {
 }
 
 /// Longer words are cut where they are shown.
-const MOST_SHOWN: usize = 40;
+const MAX_SHOWN: usize = 40;
 
 impl<'a> Text<'a> {
     /// `text`, which is that of the file `path`.
@@ -94,7 +94,7 @@ impl<'a> Text<'a> {
 
 /// A word for a message.
 pub(in crate::photos) fn quoted(word: &str) -> String {
-    match word.char_indices().nth(MOST_SHOWN) {
+    match word.char_indices().nth(MAX_SHOWN) {
         Some((end, _)) => format!("`{}…`", &word[..end]),
         None => format!("`{word}`"),
     }

@@ -32,7 +32,7 @@ const FOLDERS: &[&str] = &["images", "images_2", "images_4", "images_8", "input"
 const FOLDERS_OF_CAMERAS: &[&str] = &["", "images", "frames", "cameras", "videos"];
 
 /// Entries of a folder that are looked at.
-const MOST_ENTRIES: usize = 100_000;
+const MAX_ENTRIES: usize = 100_000;
 
 /// Poses and bounds of LLFF.
 pub(super) const READER: Reader = Reader {
@@ -110,7 +110,7 @@ fn names_in(folder: &Path, is_one: impl Fn(&Path) -> bool) -> Vec<String> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Vec::new();
     };
-    let paths = entries.take(MOST_ENTRIES).flatten().map(|entry| entry.path());
+    let paths = entries.take(MAX_ENTRIES).flatten().map(|entry| entry.path());
     let names = paths.filter(|path| is_one(path));
     let mut names: Vec<String> = names
         .filter_map(|path| path.file_name()?.to_str().map(str::to_owned))

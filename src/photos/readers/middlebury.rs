@@ -20,7 +20,7 @@ const SUFFIX: &str = "_par.txt";
 
 /// Maximum skew of the axes of pixels, relative to the focal length, which is not visible in any image: a tenth of a
 /// pixel in a thousand.
-const MOST_SKEW: f64 = 1e-4;
+const MAX_SKEW: f64 = 1e-4;
 
 /// Par files of Middlebury.
 pub(super) const READER: Reader = Reader {
@@ -68,7 +68,7 @@ fn lens(k: [f64; 9]) -> Result<Lens, String> {
     if scale == 0.0 || !is_upper {
         return Err("its calibration matrix is singular, or none of a camera: expected fx s cx, 0 fy cy, 0 0 1".into());
     }
-    if skew.abs() > MOST_SKEW * fx.abs() {
+    if skew.abs() > MAX_SKEW * fx.abs() {
         return Err(format!(
             "its pixels are skewed (by {skew}), expected 0: rectify the photographs first"
         ));

@@ -63,7 +63,7 @@ fn read(path: &Path) -> Result<Drafts, PhotosError> {
         drafts.photos.push(draft);
     }
     let depth = |disparity: f64| baseline * focal / (disparity + number("doffs").unwrap_or(0.0));
-    let range = Option::zip(number("vmax"), number("vmin")).map(|(most, least)| [depth(most), depth(least)]);
+    let range = Option::zip(number("vmax"), number("vmin")).map(|(max, min)| [depth(max), depth(min)]);
     let range = range.filter(|&[near, far]| near > 0.0 && near < far && far.is_finite());
     for draft in &mut drafts.photos {
         draft.depth_range = range;

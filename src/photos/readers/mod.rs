@@ -104,7 +104,7 @@ fn of_file(path: &Path) -> Result<Option<FoundSet>, PhotosError> {
         let Some(Claim { confidence, path }) = (reader.of_file)(&file)? else {
             continue;
         };
-        if best.as_ref().is_none_or(|(most, _)| confidence > *most) {
+        if best.as_ref().is_none_or(|(max, _)| confidence > *max) {
             best = Some((confidence, FoundSet { reader, path }));
         }
     }

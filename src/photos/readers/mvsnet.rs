@@ -22,7 +22,7 @@ const SUFFIX: &str = "_cam.txt";
 const FOLDERS: &[&str] = &["cams", "cams_1", "cameras", ""];
 
 /// Entries of a folder that are looked at.
-const MOST_ENTRIES: usize = 100_000;
+const MAX_ENTRIES: usize = 100_000;
 
 /// Steps between the nearest and the farthest depth, where a file does not say how many.
 const USUAL_STEPS: f64 = 192.0;
@@ -32,7 +32,7 @@ fn cameras_in(folder: &Path) -> Option<PathBuf> {
     let all = FOLDERS.iter().map(|below| folder.join(below));
     all.into_iter().find(|folder| {
         let entries = fs::read_dir(folder).into_iter().flatten();
-        let mut names = entries.take(MOST_ENTRIES).flatten().map(|entry| entry.file_name());
+        let mut names = entries.take(MAX_ENTRIES).flatten().map(|entry| entry.file_name());
         names.any(|name| name.to_string_lossy().ends_with(SUFFIX))
     })
 }
@@ -51,7 +51,7 @@ fn read(folder: &Path) -> Result<Drafts, PhotosError> {
         path: folder.into(),
         source,
     })?;
-    let names = entries.take(MOST_ENTRIES).flatten();
+    let names = entries.take(MAX_ENTRIES).flatten();
     let mut names: Vec<String> = names.filter_map(|entry| entry.file_name().into_string().ok()).collect();
     names.sort_unstable();
     let is_of_scene = folder

@@ -8,7 +8,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Entries of a folder that are listed: a folder of more is one of frames.
-const MOST_ENTRIES: usize = 10_000;
+const MAX_ENTRIES: usize = 10_000;
 
 /// Bytes of a file that tell what it is.
 const HEAD: u64 = 1 << 16;
@@ -93,7 +93,7 @@ pub(super) fn names_in(folder: &Path) -> Vec<String> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Vec::new();
     };
-    let names = entries.take(MOST_ENTRIES).flatten();
+    let names = entries.take(MAX_ENTRIES).flatten();
     let mut names: Vec<String> = names.filter_map(|entry| entry.file_name().into_string().ok()).collect();
     names.sort_unstable();
     names

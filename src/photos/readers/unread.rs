@@ -12,7 +12,7 @@ use std::fs;
 use std::path::Path;
 
 /// Entries of a folder that are looked at.
-const MOST_ENTRIES: usize = 10_000;
+const MAX_ENTRIES: usize = 10_000;
 
 /// Sidecar files of image sets that have the extension of a point cloud.
 const BESIDE: &[&str] = &[
@@ -141,7 +141,7 @@ impl<'a> Names<'a> {
             files: HashSet::new(),
             folders: HashSet::new(),
         };
-        for entry in fs::read_dir(folder).ok()?.take(MOST_ENTRIES).flatten() {
+        for entry in fs::read_dir(folder).ok()?.take(MAX_ENTRIES).flatten() {
             let name = entry.file_name().to_string_lossy().to_lowercase();
             if entry.path().is_dir() {
                 names.folders.insert(name);
@@ -170,7 +170,7 @@ impl<'a> Names<'a> {
             let runs = fs::read_dir(node.path())
                 .into_iter()
                 .flatten()
-                .take(MOST_ENTRIES)
+                .take(MAX_ENTRIES)
                 .flatten();
             runs.into_iter().any(|run| run.path().join(file).is_file())
         })
@@ -180,7 +180,7 @@ impl<'a> Names<'a> {
         PICTURES.iter().any(|below| {
             let entries = fs::read_dir(self.folder.join(below)).into_iter().flatten();
             entries
-                .take(MOST_ENTRIES)
+                .take(MAX_ENTRIES)
                 .flatten()
                 .any(|entry| is_picture(&entry.path()))
         })

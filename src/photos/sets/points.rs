@@ -94,10 +94,10 @@ impl SparsePoints {
         &self.observations
     }
 
-    /// At most `most` of the points, evenly taken, without their tracks and normals.
+    /// At most `max` of the points, evenly taken, without their tracks and normals.
     #[must_use]
-    pub(in crate::photos) fn some(&self, most: usize) -> Self {
-        let every = self.len().div_ceil(most.max(1)).max(1);
+    pub(in crate::photos) fn some(&self, max: usize) -> Self {
+        let every = self.len().div_ceil(max.max(1)).max(1);
         let mut some = Self::default();
         for (&position, &color) in self.positions.iter().zip(&self.colors).step_by(every) {
             some.push(position, color, []);

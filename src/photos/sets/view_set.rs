@@ -49,7 +49,7 @@ pub struct Neighbour {
 }
 
 /// Maximum number of track points used to compute the centre of a view: using more moves it by less than a pixel.
-const MOST_POINTS_OF_A_MIDDLE: usize = 4096;
+const MAX_POINTS_OF_A_MIDDLE: usize = 4096;
 
 /// Tolerance for parallel optical axes, at which a single one of 2^53 steps would matter: axes as parallel as that have
 /// no intersection.
@@ -130,7 +130,7 @@ impl ViewSet {
                 let Some(of_photo) = seen.get_mut(observation.photo as usize) else {
                     continue;
                 };
-                if of_photo.len() < MOST_POINTS_OF_A_MIDDLE {
+                if of_photo.len() < MAX_POINTS_OF_A_MIDDLE {
                     of_photo.push(position);
                 }
             }

@@ -38,15 +38,15 @@ const PARTS: i32 = 60;
 const WEIGHTS: [u64; 4] = [30, 20, 15, 12];
 
 /// More children are not told apart.
-const MOST_LEFT: usize = 255;
+const MAX_LEFT: usize = 255;
 
 /// 2¹⁶ divided by each number, rounded down.
-static SHARES: [i64; MOST_LEFT + 1] = shares();
+static SHARES: [i64; MAX_LEFT + 1] = shares();
 
-const fn shares() -> [i64; MOST_LEFT + 1] {
-    let mut table = [0; MOST_LEFT + 1];
+const fn shares() -> [i64; MAX_LEFT + 1] {
+    let mut table = [0; MAX_LEFT + 1];
     let mut number = 1;
-    while number <= MOST_LEFT {
+    while number <= MAX_LEFT {
         table[number] = (1 << 16) / number as i64;
         number += 1;
     }
@@ -54,10 +54,10 @@ const fn shares() -> [i64; MOST_LEFT + 1] {
 }
 
 /// Upper limit of the remainder owed to the children left; what is left to very many points is not tracked beyond this.
-const MOST_OWED: i32 = 1 << 30;
+const MAX_OWED: i32 = 1 << 30;
 
 /// Codes the values of a level, and leaves them as a decoder has them. Those of the level above are `parents`, as they
-/// are decoded. Values are at most `most`, 255 where there are three channels; none is wrong by more than half of
+/// are decoded. Values are at most `max`, 255 where there are three channels; none is wrong by more than half of
 /// `step`, which is odd.
 #[inline(always)]
 pub(in crate::reel) fn code_channels<C: SymbolCoder, const N: usize>(
@@ -66,7 +66,7 @@ pub(in crate::reel) fn code_channels<C: SymbolCoder, const N: usize>(
     parents: &[[u16; N]],
     values: &mut [[u16; N]],
     step: u16,
-    most: u16,
+    max: u16,
 ) {
     let level = Level {
         faces: above.faces,
@@ -75,7 +75,7 @@ pub(in crate::reel) fn code_channels<C: SymbolCoder, const N: usize>(
             .map(|&parent| Lanes::<N>::pack(parent))
             .collect::<Vec<u64>>(),
         step: i32::from(step),
-        most: i32::from(most),
+        max: i32::from(max),
     };
     match above.families {
         Families::Masks(masks) => level.code(coder, of_masks(masks), values),
@@ -89,7 +89,7 @@ struct Level<'a, const N: usize> {
     /// Their channels side by side.
     parents: &'a [u64],
     step: i32,
-    most: i32,
+    max: i32,
 }
 
 impl<const N: usize> Level<'_, N> {
@@ -145,7 +145,7 @@ impl<const N: usize> Level<'_, N> {
     fn contexts(&self, families: impl Iterator<Item = Family>, nodes: usize) -> (Vec<u8>, Vec<u8>) {
         let mut contexts = Vec::with_capacity(nodes);
         let mut near = Vec::with_capacity(self.parents.len());
-        let limit = Lanes::<N>::limit((3 * self.most as u64) >> 4);
+        let limit = Lanes::<N>::limit((3 * self.max as u64) >> 4);
         for family in families {
             if family.is_outside {
                 contexts.push(OUTSIDE);
@@ -255,13 +255,13 @@ impl<const N: usize> Level<'_, N> {
     ) {
         let mut left = children.len();
         for ((child, symbol), between) in children.iter_mut().zip(symbols).zip(between) {
-            let share = SHARES[left.min(MOST_LEFT)];
+            let share = SHARES[left.min(MAX_LEFT)];
             let expected =
                 std::array::from_fn(|channel| between[channel] + ((i64::from(owed[channel]) * share) >> 16) as i32);
             self.tell(coder, child, symbol, expected);
             for channel in 0..N {
                 let is = owed[channel] + between[channel] - PARTS * i32::from(child[channel]);
-                owed[channel] = is.clamp(-MOST_OWED, MOST_OWED);
+                owed[channel] = is.clamp(-MAX_OWED, MAX_OWED);
             }
             left -= 1;
         }
@@ -278,11 +278,11 @@ impl<const N: usize> Level<'_, N> {
         let mut off = 0;
         for channel in 0..N {
             let expected = (expected[channel] + PARTS / 2).max(0) as u32 / PARTS as u32;
-            let predicted = (expected.min(self.most as u32) as i32 + off).max(0).min(self.most);
+            let predicted = (expected.min(self.max as u32) as i32 + off).max(0).min(self.max);
             if !C::DECODES {
                 steps[channel] = (i32::from(value[channel]) - predicted + self.step / 2).div_euclid(self.step);
             }
-            let is = (predicted + steps[channel] * self.step).max(0).min(self.most);
+            let is = (predicted + steps[channel] * self.step).max(0).min(self.max);
             off += is - predicted;
             value[channel] = is as u16;
         }

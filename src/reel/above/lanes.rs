@@ -47,8 +47,8 @@ impl<const N: usize> Lanes<N> {
     }
 
     /// Returns the limit that [`Lanes::is_within`] compares a difference with.
-    pub(super) fn limit(most: u64) -> u64 {
-        (Self::LOW - most) * Self::ONES
+    pub(super) fn limit(max: u64) -> u64 {
+        (Self::LOW - max) * Self::ONES
     }
 
     /// Returns true if no lane of a difference exceeds the limit.
@@ -74,7 +74,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn differ<const N: usize>(one: [u16; N], other: [u16; N], most: u16) {
+    fn differ<const N: usize>(one: [u16; N], other: [u16; N], max: u16) {
         type L<const N: usize> = Lanes<N>;
         let found = L::<N>::differing(L::<N>::pack(one), L::<N>::pack(other));
         let expected: Vec<i32> = one
@@ -87,20 +87,20 @@ mod tests {
             assert_eq!(L::<N>::get(found, channel), expected);
         }
         let largest = expected.into_iter().max().unwrap_or(0);
-        let is_within = L::<N>::is_within(found, L::<N>::limit(u64::from(most)));
-        assert_eq!(is_within, largest <= i32::from(most));
+        let is_within = L::<N>::is_within(found, L::<N>::limit(u64::from(max)));
+        assert_eq!(is_within, largest <= i32::from(max));
         assert_eq!(L::<N>::bits(found), 32 - largest.leading_zeros());
     }
 
     proptest! {
         #[test]
-        fn lanes_differ_each_for_itself(one in any::<[u8; 3]>(), other in any::<[u8; 3]>(), most in any::<u8>()) {
-            differ(one.map(u16::from), other.map(u16::from), u16::from(most));
+        fn lanes_differ_each_for_itself(one in any::<[u8; 3]>(), other in any::<[u8; 3]>(), max in any::<u8>()) {
+            differ(one.map(u16::from), other.map(u16::from), u16::from(max));
         }
 
         #[test]
-        fn one_lane_may_be_wide(one in any::<u16>(), other in any::<u16>(), most in any::<u16>()) {
-            differ([one], [other], most);
+        fn one_lane_may_be_wide(one in any::<u16>(), other in any::<u16>(), max in any::<u16>()) {
+            differ([one], [other], max);
         }
     }
 }

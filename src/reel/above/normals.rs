@@ -14,7 +14,7 @@ use crate::reel::tree::{Faces, NONE};
 
 /// Classes of how far the parents around are apart; the last is that the parent has no normal.
 const CLASSES: u8 = 8;
-const MOST_SPREAD: u8 = CLASSES - 2;
+const MAX_SPREAD: u8 = CLASSES - 2;
 
 /// Contexts: for each class, and the half of the cell that is foreseen; and nodes outside.
 const OUTSIDE: u8 = 2 * CLASSES;
@@ -23,8 +23,8 @@ const OUTSIDE: u8 = 2 * CLASSES;
 pub(in crate::reel) const NORMAL_CONTEXTS: usize = OUTSIDE as usize + 1;
 
 /// Steps of at most so much are symbols, and so many of them along an axis.
-const MOST_STEP: i32 = 7;
-const STEPS: i32 = 2 * MOST_STEP + 1;
+const MAX_STEP: i32 = 7;
+const STEPS: i32 = 2 * MAX_STEP + 1;
 
 /// Symbols of a position that is written verbatim, and of a missing normal.
 const PLACE: u8 = (STEPS * STEPS) as u8;
@@ -37,7 +37,7 @@ const fn steps() -> [[i8; 2]; 256] {
     let mut table = [[0; 2]; 256];
     let mut symbol = 0;
     while symbol < STEPS * STEPS {
-        table[symbol as usize] = [(symbol % STEPS - MOST_STEP) as i8, (symbol / STEPS - MOST_STEP) as i8];
+        table[symbol as usize] = [(symbol % STEPS - MAX_STEP) as i8, (symbol / STEPS - MAX_STEP) as i8];
         symbol += 1;
     }
     table
@@ -226,7 +226,7 @@ impl Level<'_> {
         let is = halves(normal);
         let off = [0, 1].map(|axis| around(is[axis] - foreseen[axis], periods[axis]));
         let steps = off.map(|off| off >> self.finer);
-        if steps.iter().any(|step| step.abs() > MOST_STEP) {
+        if steps.iter().any(|step| step.abs() > MAX_STEP) {
             for (along, period) in is.into_iter().zip(periods) {
                 coder.raw((period as u32).ilog2(), (along + period / 2) as u32);
             }
@@ -236,7 +236,7 @@ impl Level<'_> {
             let below = off.map(|off| off as u32 & ((1 << self.finer) - 1));
             coder.raw(2 * self.finer, below[0] | below[1] << self.finer);
         }
-        (steps[0] + MOST_STEP + STEPS * (steps[1] + MOST_STEP)) as u8
+        (steps[0] + MAX_STEP + STEPS * (steps[1] + MAX_STEP)) as u8
     }
 
     /// All that is foreseen of a level.
@@ -286,7 +286,7 @@ impl Level<'_> {
             near |= u32::from(is_near) << face;
             steps[face] = step.map(|along| if is_near { along } else { 0 });
         }
-        let class = (u32::BITS - (spread as u32 >> self.finer).leading_zeros()).min(u32::from(MOST_SPREAD)) as u8;
+        let class = (u32::BITS - (spread as u32 >> self.finer).leading_zeros()).min(u32::from(MAX_SPREAD)) as u8;
         let at = own.map(|along| PARTS * along);
         if family.mask == 0 {
             (0..family.count).for_each(|_| add(class, at));

@@ -7,19 +7,19 @@
 use crate::reel::coder::SymbolCoder;
 
 /// Bit length from which on numbers share one kind, with eight raw bits.
-const MOST_BITS: u32 = 5;
+const MAX_BITS: u32 = 5;
 
 /// Kinds of a number.
-const KINDS: usize = MOST_BITS as usize + 1;
+const KINDS: usize = MAX_BITS as usize + 1;
 
 /// Raw bits of a number of each kind: its sign, and those below its highest bit.
 const TOLD: [u32; KINDS] = [0, 1, 2, 3, 4, 9];
 
 /// The least number of each kind.
-const LEAST: [i32; KINDS] = [0, 1, 2, 4, 8, 16];
+const MIN: [i32; KINDS] = [0, 1, 2, 4, 8, 16];
 
 /// The largest number.
-const MOST: u32 = LEAST[KINDS - 1] as u32 + (1 << (TOLD[KINDS - 1] - 1)) - 1;
+const MAX: u32 = MIN[KINDS - 1] as u32 + (1 << (TOLD[KINDS - 1] - 1)) - 1;
 
 /// The symbol of larger single numbers.
 const ESCAPE: u8 = 255;
@@ -59,7 +59,7 @@ pub(super) fn read<C: SymbolCoder, const N: usize>(coder: &mut C, symbol: u8) ->
         let kind = (kinds >> (4 * channel) & 15) as usize % KINDS;
         let told = bits & ((1 << TOLD[kind]) - 1);
         bits >>= TOLD[kind];
-        let magnitude = LEAST[kind] + (told >> 1) as i32;
+        let magnitude = MIN[kind] + (told >> 1) as i32;
         let sign = (told & 1) as i32;
         (magnitude ^ -sign) + sign
     })
@@ -76,11 +76,11 @@ pub(super) fn write<C: SymbolCoder, const N: usize>(coder: &mut C, steps: [i32; 
     }
     let (mut symbol, mut place, mut bits, mut told) = (0, 1, 0, 0);
     for step in steps {
-        let magnitude = step.unsigned_abs().min(MOST);
-        let kind = (u32::BITS - magnitude.leading_zeros()).min(MOST_BITS) as usize;
+        let magnitude = step.unsigned_abs().min(MAX);
+        let kind = (u32::BITS - magnitude.leading_zeros()).min(MAX_BITS) as usize;
         symbol += place * kind;
         place *= KINDS;
-        let of_step = (magnitude - LEAST[kind] as u32) << 1 | u32::from(step < 0);
+        let of_step = (magnitude - MIN[kind] as u32) << 1 | u32::from(step < 0);
         bits |= of_step << told;
         told += TOLD[kind];
     }

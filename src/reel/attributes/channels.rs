@@ -36,7 +36,7 @@ pub(in crate::reel) const fn channel_contexts(channels: usize) -> usize {
 }
 
 /// Steps that a value is off by, at most, whatever damaged bytes say.
-const MOST_STEPS: i32 = 1 << 17;
+const MAX_STEPS: i32 = 1 << 17;
 
 /// A whole number that a node has: a value, or how it changed since the frame before.
 pub(in crate::reel) trait Channel: Copy {
@@ -82,8 +82,8 @@ pub(in crate::reel) fn code_channels<C: BitCoder, T: Channel, const N: usize>(
     range: RangeInclusive<i32>,
 ) {
     let step = i32::from(step);
-    let (least, most) = range.into_inner();
-    let within = |value: i32| value.max(least).min(most);
+    let (min, max) = range.into_inner();
+    let within = |value: i32| value.max(min).min(max);
     let mut sums = [0i32; N];
     let mut siblings = 0;
     let mut last_parent = NONE;
@@ -125,7 +125,7 @@ pub(in crate::reel) fn code_channels<C: BitCoder, T: Channel, const N: usize>(
             } else {
                 (given[channel].get() - predicted + step / 2).div_euclid(step)
             };
-            let steps = coder.signed(context, steps).clamp(-MOST_STEPS, MOST_STEPS);
+            let steps = coder.signed(context, steps).clamp(-MAX_STEPS, MAX_STEPS);
             let value = within(predicted + steps * step);
             values[node][channel] = T::of(value);
             // Of very many points in one cell it is told less and less.

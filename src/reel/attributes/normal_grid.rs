@@ -24,7 +24,7 @@ pub(in crate::reel) struct NormalGrid {
     units: Vec<glam::Vec3>,
     directions: Vec<[i16; 3]>,
     /// Cosine of the largest angle between a unit vector and the direction of its quantised position.
-    least_cosine: f32,
+    min_cosine: f32,
 }
 
 impl NormalGrid {
@@ -44,7 +44,7 @@ impl NormalGrid {
             by_cell: vec![MISSING; 8 * (half * half) as usize],
             units: vec![glam::Vec3::ZERO; 8 * (half * half) as usize],
             directions: Vec::new(),
-            least_cosine: least_cosine(bits),
+            min_cosine: min_cosine(bits),
         };
         for index in 0..1u32 << bits {
             let place = place_of(index, level);
@@ -93,7 +93,7 @@ impl NormalGrid {
 
     /// Returns true if a position is within the largest quantisation error of a unit vector.
     pub(in crate::reel) fn is_near(&self, place: [i16; 2], direction: glam::Vec3) -> bool {
-        place != MISSING && self.unit(place).dot(direction) >= self.least_cosine
+        place != MISSING && self.unit(place).dot(direction) >= self.min_cosine
     }
 
     /// Cells along half the square.
@@ -103,7 +103,7 @@ impl NormalGrid {
 }
 
 /// Rounded up, so that it is the same wherever cosines differ in their last bit.
-fn least_cosine(bits: u32) -> f32 {
+fn min_cosine(bits: u32) -> f32 {
     let parts = f64::from(1 << 20);
     ((f64::from(largest_normal_error(bits)).cos() * parts).ceil() / parts) as f32
 }

@@ -3,7 +3,7 @@
 use super::normal_grid::{MISSING, NormalGrid};
 use super::value_coder::ValueCoder;
 use crate::reel::coder::{BitCoder, divided};
-use crate::reel::tree::{Known, MOST_KNOWN, NONE};
+use crate::reel::tree::{Known, MAX_KNOWN, NONE};
 use glam::Vec3;
 
 /// Classes of how far apart the normals around are.
@@ -157,7 +157,7 @@ fn code_places<C: BitCoder>(
 /// Computes the mean of the normals of the parent and the adjacent nodes, and a class of how far apart they are.
 #[inline(always)]
 fn mean_around(half: i32, known: &Known, parent: [i16; 2], place_of: impl Fn(usize) -> [i16; 2]) -> ([i16; 2], usize) {
-    let mut around = [MISSING; MOST_KNOWN];
+    let mut around = [MISSING; MAX_KNOWN];
     for (place, neighbour) in around.iter_mut().zip(known.beside) {
         let is_there = neighbour != NONE;
         // No branch: nobody can guess how many there are.

@@ -30,7 +30,7 @@ pub(in crate::reel) struct ValueCoder<'a, C> {
 }
 
 /// Clamp limit for coded values, since damaged bytes may decode to any number.
-const MOST: i64 = 1 << 22;
+const MAX: i64 = 1 << 22;
 
 impl<C: BitCoder> ValueCoder<'_, C> {
     /// Codes a number of either sign and less than 23 bits.
@@ -38,7 +38,7 @@ impl<C: BitCoder> ValueCoder<'_, C> {
     pub(super) fn signed(&mut self, context: usize, value: i32) -> i32 {
         let model = &mut self.models.numbers[context];
         let coded = model.code_signed(&mut self.bits, &mut self.models.rest, i64::from(value));
-        coded.clamp(-MOST, MOST - 1) as i32
+        coded.clamp(-MAX, MAX - 1) as i32
     }
 
     #[inline(always)]

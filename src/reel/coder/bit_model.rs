@@ -2,20 +2,20 @@
 //!
 //! How it works: a state is the probability that the bit is set, 22 bits, above the number of bits seen, 10 bits. A new
 //! bit moves the probability by 1 part in 1.5 more than were seen, so that the first bits count much and a state
-//! settles to the mean of all; after [`MOST_SEEN`] it forgets the oldest at a fixed rate. The scheme is that of the
+//! settles to the mean of all; after [`MAX_SEEN`] it forgets the oldest at a fixed rate. The scheme is that of the
 //! state maps of Mahoney's lpaq (2007). Integers only: every machine computes the same.
 
 /// After so many bits a state follows at a fixed rate.
-const MOST_SEEN: u32 = 254;
+const MAX_SEEN: u32 = 254;
 
 /// Bits of the number of bits seen.
 const SEEN_BITS: u32 = 10;
 
 /// `RATES[n]` is 2¹⁶ / (n + 1.5).
-static RATES: [u32; MOST_SEEN as usize + 1] = rates();
+static RATES: [u32; MAX_SEEN as usize + 1] = rates();
 
-const fn rates() -> [u32; MOST_SEEN as usize + 1] {
-    let mut rates = [0; MOST_SEEN as usize + 1];
+const fn rates() -> [u32; MAX_SEEN as usize + 1] {
+    let mut rates = [0; MAX_SEEN as usize + 1];
     let mut seen = 0;
     while seen < rates.len() {
         rates[seen] = (1 << 17) / (2 * seen as u32 + 3);
@@ -29,10 +29,10 @@ pub(in crate::reel) const PROBABILITY_BITS: u32 = 16;
 
 /// No bit is taken for more certain than this, in 2⁻¹⁶: a wrong one costs at most 11 bits, and each one costs
 /// something, so that bytes bound the number of bits.
-const LEAST: u32 = 1 << 5;
+const MIN: u32 = 1 << 5;
 
 /// Equivalent of the minimum probability at the precision of a model state.
-const TARGET: i64 = (LEAST as i64) << (22 - PROBABILITY_BITS);
+const TARGET: i64 = (MIN as i64) << (22 - PROBABILITY_BITS);
 
 /// The running probability of one bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,6 +58,6 @@ impl BitModel {
         let probability = (self.0 >> SEEN_BITS) as i64;
         let target = if bit { (1 << 22) - TARGET } else { TARGET };
         let moved = probability + (((target - probability) * i64::from(RATES[seen as usize])) >> 16);
-        self.0 = (moved as u32) << SEEN_BITS | (seen + 1).min(MOST_SEEN);
+        self.0 = (moved as u32) << SEEN_BITS | (seen + 1).min(MAX_SEEN);
     }
 }

@@ -7,7 +7,7 @@
 use super::frequencies::Counts;
 
 /// Most tables of a stream: all of them together stay in the cache of a core.
-pub(in crate::reel) const MOST_TABLES: usize = 12;
+pub(in crate::reel) const MAX_TABLES: usize = 12;
 
 /// Contexts that share a table.
 #[derive(Debug)]
@@ -46,7 +46,7 @@ pub(in crate::reel) fn clustered(contexts: &[Counts]) -> (Vec<u8>, Vec<Counts>) 
         let Some((gain_of_best, later, earlier)) = pairs.max() else {
             break;
         };
-        if gain_of_best <= 0 && clusters.len() <= MOST_TABLES {
+        if gain_of_best <= 0 && clusters.len() <= MAX_TABLES {
             break;
         }
         let merged = clusters.remove(later);

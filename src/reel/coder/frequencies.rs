@@ -14,7 +14,7 @@ pub(in crate::reel) const SCALE_BITS: u32 = 12;
 pub(in crate::reel) const SCALE: u32 = 1 << SCALE_BITS;
 
 /// No symbol is more frequent, so that each costs something: bytes bound the number of symbols.
-const MOST_FREQUENT: u32 = SCALE - 8;
+const MAX_FREQUENT: u32 = SCALE - 8;
 
 /// Bits of a logarithm behind the point.
 pub(in crate::reel) const LOG_BITS: u32 = 16;
@@ -144,7 +144,7 @@ impl Frequencies {
         let all = counts.of.iter().map(|&count| u64::from(count)).sum::<u64>().max(1);
         let mut frequencies = counts.of.map(|count| match count {
             0 => 0,
-            count => ((u64::from(count) * u64::from(SCALE) + all / 2) / all).clamp(1, u64::from(MOST_FREQUENT)) as u16,
+            count => ((u64::from(count) * u64::from(SCALE) + all / 2) / all).clamp(1, u64::from(MAX_FREQUENT)) as u16,
         });
         let mut sum: u32 = frequencies.iter().map(|&frequency| u32::from(frequency)).sum();
         while sum != SCALE {
@@ -152,7 +152,7 @@ impl Frequencies {
             let may_grow = sum < SCALE;
             let fits = |frequency: u32| {
                 if may_grow {
-                    frequency < MOST_FREQUENT
+                    frequency < MAX_FREQUENT
                 } else {
                     frequency > 1
                 }
@@ -164,7 +164,7 @@ impl Frequencies {
                 .unwrap_or(0);
             let frequency = u32::from(frequencies[place]);
             let changed = if may_grow {
-                (frequency + SCALE - sum).min(MOST_FREQUENT)
+                (frequency + SCALE - sum).min(MAX_FREQUENT)
             } else {
                 // Others follow while there is one that is more frequent than half of it.
                 frequency - (sum - SCALE).min((frequency / 2).max(1)).min(frequency - 1)
@@ -198,11 +198,11 @@ impl Frequencies {
                 }
             };
             sum += u32::from(*frequency);
-            if sum > SCALE || u32::from(*frequency) > MOST_FREQUENT {
+            if sum > SCALE || u32::from(*frequency) > MAX_FREQUENT {
                 break;
             }
         }
-        if sum == SCALE && self.0.iter().all(|&frequency| u32::from(frequency) <= MOST_FREQUENT) {
+        if sum == SCALE && self.0.iter().all(|&frequency| u32::from(frequency) <= MAX_FREQUENT) {
             return Ok(());
         }
         Err(Fault::new(format!(
@@ -244,7 +244,7 @@ mod tests {
             prop_assert_eq!(frequencies.iter().map(|&frequency| u32::from(frequency)).sum::<u32>(), SCALE);
             for (&frequency, &count) in frequencies.iter().zip(&counts.of[..]) {
                 prop_assert!(frequency > 0 || count == 0);
-                prop_assert!(u32::from(frequency) <= MOST_FREQUENT);
+                prop_assert!(u32::from(frequency) <= MAX_FREQUENT);
             }
         }
     }

@@ -8,7 +8,7 @@ use super::bit_model::BitModel;
 use super::range::BitCoder;
 
 /// Stretched values are in 2⁻⁸, between −8 and 8.
-const MOST_STRETCHED: i32 = 2047;
+const MAX_STRETCHED: i32 = 2047;
 
 /// The logistic function at −16, −15, …, 16 halves, in 2⁻¹².
 const HALVES: [i32; 33] = [
@@ -18,10 +18,10 @@ const HALVES: [i32; 33] = [
 
 /// 1 / (1 + e^(−x)) in 2⁻¹², of x in 2⁻⁸: a straight line between halves.
 const fn squash(stretched: i32) -> i32 {
-    if stretched > MOST_STRETCHED {
+    if stretched > MAX_STRETCHED {
         return 4095;
     }
-    if stretched < -MOST_STRETCHED {
+    if stretched < -MAX_STRETCHED {
         return 1;
     }
     let between = stretched & 127;
@@ -34,8 +34,8 @@ static SQUASHED: [i16; 4096] = squashed();
 
 const fn squashed() -> [i16; 4096] {
     let mut table = [0; 4096];
-    let mut value = -MOST_STRETCHED;
-    while value <= MOST_STRETCHED {
+    let mut value = -MAX_STRETCHED;
+    while value <= MAX_STRETCHED {
         table[(value & 4095) as usize] = squash(value) as i16;
         value += 1;
     }
@@ -46,10 +46,10 @@ const fn squashed() -> [i16; 4096] {
 static STRETCHED: [i16; 4096] = stretched();
 
 const fn stretched() -> [i16; 4096] {
-    let mut table = [MOST_STRETCHED as i16; 4096];
+    let mut table = [MAX_STRETCHED as i16; 4096];
     let mut probability = 0;
-    let mut value = -MOST_STRETCHED;
-    while value <= MOST_STRETCHED {
+    let mut value = -MAX_STRETCHED;
+    while value <= MAX_STRETCHED {
         let reached = squash(value) as usize;
         while probability <= reached {
             table[probability] = value as i16;
@@ -67,7 +67,7 @@ const ONE: i32 = 1 << 16;
 const RATE: i32 = 6;
 
 /// A weight may not grow beyond this.
-const MOST_WEIGHT: i32 = 4 * ONE;
+const MAX_WEIGHT: i32 = 4 * ONE;
 
 /// Weights of `N` models for each of some contexts.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,12 +100,12 @@ impl<const N: usize> Mixer<N> {
             *input = i32::from(STRETCHED[(model.probability() >> 4) as usize & 4095]);
             sum += *input * *weight;
         }
-        let stretched = (sum >> 16).clamp(-MOST_STRETCHED, MOST_STRETCHED);
+        let stretched = (sum >> 16).clamp(-MAX_STRETCHED, MAX_STRETCHED);
         let probability = i32::from(SQUASHED[(stretched & 4095) as usize]);
         let bit = coder.bit_of(probability as u32 * 16 + 8, bit);
         let error = ((i32::from(bit) << 12) - probability) * RATE;
         for (weight, input) in weights.iter_mut().zip(inputs) {
-            *weight = (*weight + ((input * error + (1 << 13)) >> 14)).clamp(-MOST_WEIGHT, MOST_WEIGHT);
+            *weight = (*weight + ((input * error + (1 << 13)) >> 14)).clamp(-MAX_WEIGHT, MAX_WEIGHT);
         }
         for model in models {
             model.see(bit);
@@ -120,15 +120,15 @@ mod tests {
 
     #[test]
     fn squashing_is_the_logistic_function() {
-        for value in -MOST_STRETCHED..=MOST_STRETCHED {
+        for value in -MAX_STRETCHED..=MAX_STRETCHED {
             let exact = 4096.0 / (1.0 + (-f64::from(value) / 256.0).exp());
             // Chords of half a unit are off by a sixteenth of the second derivative at most, and by rounding.
             assert!((f64::from(squash(value)) - exact).abs() < 13.0, "{value}");
-            assert!(value == -MOST_STRETCHED || squash(value) >= squash(value - 1));
+            assert!(value == -MAX_STRETCHED || squash(value) >= squash(value - 1));
         }
         for (probability, &value) in (0..).zip(&STRETCHED).skip(1) {
             let value = i32::from(value);
-            assert!(squash(value) >= probability && (value == -MOST_STRETCHED || squash(value - 1) < probability));
+            assert!(squash(value) >= probability && (value == -MAX_STRETCHED || squash(value - 1) < probability));
         }
     }
 }

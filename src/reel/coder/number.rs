@@ -73,10 +73,10 @@ impl RestModels {
     #[cold]
     fn code<C: BitCoder>(&mut self, mut coder: C, value: u64) -> (C, u64) {
         let value = value.wrapping_add(1);
-        let most = 62;
-        let length = if C::DECODES { 0 } else { value.ilog2().min(most) };
+        let max = 62;
+        let length = if C::DECODES { 0 } else { value.ilog2().min(max) };
         let mut coded_length = 0;
-        while coded_length < most && coder.bit(&mut self.length[coded_length as usize], length > coded_length) {
+        while coded_length < max && coder.bit(&mut self.length[coded_length as usize], length > coded_length) {
             coded_length += 1;
         }
         if coded_length == 0 {

@@ -7,7 +7,7 @@
 use super::bit_model::{BitModel, PROBABILITY_BITS};
 
 /// Even bits that are coded in one step.
-const MOST_EVEN_BITS: u32 = 16;
+const MAX_EVEN_BITS: u32 = 16;
 
 /// Codes bits in one direction or the other.
 pub(in crate::reel) trait BitCoder: Default {
@@ -25,7 +25,7 @@ pub(in crate::reel) trait BitCoder: Default {
         bit
     }
 
-    /// Codes a number below 2ᵇ, b at most [`MOST_EVEN_BITS`], all of them equally likely.
+    /// Codes a number below 2ᵇ, b at most [`MAX_EVEN_BITS`], all of them equally likely.
     fn few_even_bits(&mut self, bits: u32, value: u64) -> u64;
 
     /// Codes the lowest `bits` bits of a number, all equally likely.
@@ -33,7 +33,7 @@ pub(in crate::reel) trait BitCoder: Default {
     fn even_bits(&mut self, bits: u32, value: u64) -> u64 {
         let (mut coded, mut left) = (0, bits);
         while left > 0 {
-            let some = left.min(MOST_EVEN_BITS);
+            let some = left.min(MAX_EVEN_BITS);
             left -= some;
             coded = coded << some | self.few_even_bits(some, value >> left & ((1 << some) - 1));
         }
@@ -98,9 +98,9 @@ impl RangeEncoder {
         };
         let mut bytes: Vec<u8> = self.words.iter().flat_map(|word| word.to_be_bytes()).collect();
         // Of the words none is left out, be they 0: bytes bound the number of bits.
-        let least = bytes.len();
+        let min = bytes.len();
         bytes.extend(number.to_be_bytes());
-        while bytes.len() > least && bytes.last() == Some(&0) {
+        while bytes.len() > min && bytes.last() == Some(&0) {
             bytes.pop();
         }
         bytes

@@ -1,16 +1,16 @@
 //! Division by small numbers, many times a node: a product with a number of a table, the same on every machine.
 
 /// Numbers up to this are divided by.
-const MOST: usize = 1536;
+const MAX: usize = 1536;
 
 const BITS: u32 = 32;
 
-static RECIPROCALS: [i64; MOST + 1] = reciprocals();
+static RECIPROCALS: [i64; MAX + 1] = reciprocals();
 
-const fn reciprocals() -> [i64; MOST + 1] {
-    let mut table = [0; MOST + 1];
+const fn reciprocals() -> [i64; MAX + 1] {
+    let mut table = [0; MAX + 1];
     let mut number = 1;
-    while number <= MOST {
+    while number <= MAX {
         table[number] = (1 << BITS) / number as i64;
         number += 1;
     }
@@ -31,7 +31,7 @@ mod tests {
 
     #[test]
     fn quotients_are_rounded_down() {
-        for divisor in 1..=MOST as i32 {
+        for divisor in 1..=MAX as i32 {
             for dividend in (-(1 << 20)..1 << 20).step_by(997).chain(-3 * divisor..3 * divisor) {
                 assert_eq!(
                     divided(dividend, divisor),

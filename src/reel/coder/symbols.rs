@@ -13,7 +13,7 @@
 //! ([`clustered`]), and the symbols are coded from the last to the first. Bits of uniform probability are stored raw
 //! alongside them ([`super::raw_bits`]).
 
-use super::clusters::{MOST_TABLES, clustered};
+use super::clusters::{MAX_TABLES, clustered};
 use super::frequencies::{Counts, Frequencies, SCALE, SCALE_BITS, SYMBOLS, TableModels};
 use super::range::{BitCoder, RangeDecoder, RangeEncoder};
 use super::raw_bits::{RawReader, RawWriter};
@@ -24,10 +24,10 @@ use crate::reel::file::{ByteReader, ByteWriter};
 pub(in crate::reel) const LANES: usize = 4;
 
 /// Most contexts.
-const MOST_CONTEXTS: usize = 64;
+const MAX_CONTEXTS: usize = 64;
 
 /// States are at least this between symbols.
-const LEAST: u32 = 1 << 16;
+const MIN: u32 = 1 << 16;
 
 /// Codes symbols in one direction or the other.
 pub(in crate::reel) trait SymbolCoder: Default {
@@ -59,7 +59,7 @@ pub(in crate::reel) struct SymbolEncoder {
 impl SymbolEncoder {
     /// For so many contexts.
     pub(in crate::reel) fn new(contexts: usize) -> Self {
-        debug_assert!(contexts <= MOST_CONTEXTS, "more than there is room for");
+        debug_assert!(contexts <= MAX_CONTEXTS, "more than there is room for");
         Self {
             noted: Vec::new(),
             counts: vec![Counts::default(); contexts],
@@ -98,7 +98,7 @@ impl SymbolEncoder {
 /// The states after all symbols, and the words written, the last first.
 fn coded(noted: &[(u8, u8, u8)], map: &[u8], tables: &[Frequencies]) -> ([u32; LANES], Vec<u16>) {
     let starts: Vec<[u16; SYMBOLS]> = tables.iter().map(starts_of).collect();
-    let mut states = [LEAST; LANES];
+    let mut states = [MIN; LANES];
     let mut words = Vec::new();
     for &(lane, context, symbol) in noted.iter().rev() {
         let (table, symbol) = (usize::from(map[usize::from(context)]), usize::from(symbol));
@@ -125,9 +125,9 @@ fn starts_of(table: &Frequencies) -> [u16; SYMBOLS] {
 /// Codes the number of tables, which of them each context has, and the tables.
 fn code_tables<C: BitCoder>(coder: &mut C, map: &mut [u8], tables: &mut Vec<Frequencies>) -> Result<(), Fault> {
     let count = coder.even_bits(5, tables.len() as u64) as usize;
-    if !(1..=MOST_TABLES).contains(&count) {
+    if !(1..=MAX_TABLES).contains(&count) {
         return Err(Fault::new(format!(
-            "{count} tables of symbols: 1 to {MOST_TABLES} can be"
+            "{count} tables of symbols: 1 to {MAX_TABLES} can be"
         )));
     }
     tables.resize(count, Frequencies([0; SYMBOLS]));
@@ -185,7 +185,7 @@ pub(in crate::reel) struct SymbolDecoder<'a> {
     /// Decoding slots of all tables.
     slots: Vec<u32>,
     /// Start of the table of each context.
-    tables: [u32; MOST_CONTEXTS],
+    tables: [u32; MAX_CONTEXTS],
     states: [u32; LANES],
     words: &'a [[u8; 2]],
     /// Index of the next word.
@@ -198,8 +198,8 @@ impl Default for SymbolDecoder<'_> {
     fn default() -> Self {
         Self {
             slots: Vec::new(),
-            tables: [0; MOST_CONTEXTS],
-            states: [LEAST; LANES],
+            tables: [0; MAX_CONTEXTS],
+            states: [MIN; LANES],
             words: &[],
             next: 0,
             raw: RawReader::default(),
@@ -246,7 +246,7 @@ impl<'a> SymbolDecoder<'a> {
 
     /// Returns true if exactly the symbols were read that were written.
     pub(in crate::reel) fn is_at_end(&self) -> bool {
-        self.next == self.words.len() && self.states.iter().all(|&state| state == LEAST) && self.raw.is_at_end()
+        self.next == self.words.len() && self.states.iter().all(|&state| state == MIN) && self.raw.is_at_end()
     }
 }
 
@@ -268,7 +268,7 @@ impl SymbolCoder for SymbolDecoder<'_> {
 
     #[inline(always)]
     fn symbol(&mut self, lane: usize, context: usize, _: u8) -> u8 {
-        let table = self.tables[context % MOST_CONTEXTS];
+        let table = self.tables[context % MAX_CONTEXTS];
         let (symbol, state, words) = step(&self.slots, table, self.states[lane], self.words.get(self.next));
         self.states[lane] = state;
         self.next += words;
@@ -281,7 +281,7 @@ impl SymbolCoder for SymbolDecoder<'_> {
         let mut next = self.next;
         let (slots, all) = (self.slots.as_slice(), self.words);
         let mut one = |state: &mut u32, context: u8, symbol: &mut u8| {
-            let (table, words) = (self.tables[usize::from(context) % MOST_CONTEXTS], all.get(next));
+            let (table, words) = (self.tables[usize::from(context) % MAX_CONTEXTS], all.get(next));
             let count;
             (*symbol, *state, count) = step(slots, table, *state, words);
             next += count;

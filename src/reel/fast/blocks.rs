@@ -18,7 +18,7 @@ const SAMPLES: usize = 1024;
 
 /// Bits of the shift of a level.
 const SHIFT_BITS: u32 = 3;
-const MOST_SHIFT: u32 = (1 << SHIFT_BITS) - 1;
+const MAX_SHIFT: u32 = (1 << SHIFT_BITS) - 1;
 
 /// Structure of the levels above a level.
 #[derive(Debug, Clone, Copy)]
@@ -126,7 +126,7 @@ fn scale_of<K: Kind>(kind: &K, upwards: Upwards<'_>, parents: &[K::Value], value
     let samples = samples_of::<K>(upwards, parents, values);
     let can_slope = samples.iter().any(|&(_, slope, _)| slope != [0; 4]);
     let mut best = (u64::MAX, Scale::default());
-    for shift in 0..=MOST_SHIFT {
+    for shift in 0..=MAX_SHIFT {
         let ranges = kind.ranges(shift);
         for has_slopes in [false, true] {
             if has_slopes && !can_slope {

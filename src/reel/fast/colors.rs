@@ -87,9 +87,9 @@ impl Kind for Colors {
     fn ranges(&self, shift: u32) -> Ranges {
         let (ranges, shift) = shift.checked_sub(1).map_or((NARROW, 0), |shift| (WIDE, shift));
         let range = |place: usize| match (place, ranges[place]) {
-            (OTHERS, (least, bits)) => Range { least, bits },
-            (_, (least, bits)) => Range {
-                least: (least << shift) - (1 << shift >> 1),
+            (OTHERS, (min, bits)) => Range { min, bits },
+            (_, (min, bits)) => Range {
+                min: (min << shift) - (1 << shift >> 1),
                 bits: bits + shift,
             },
         };

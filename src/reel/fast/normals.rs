@@ -13,8 +13,8 @@ pub(in crate::reel) const NO_NORMAL: u32 = 1 << 31;
 const SECOND: u32 = 16;
 
 /// Steps of at most so much are symbols, and so many of them along an axis.
-const MOST_STEP: i32 = 7;
-const STEPS: i32 = 2 * MOST_STEP + 1;
+const MAX_STEP: i32 = 7;
+const STEPS: i32 = 2 * MAX_STEP + 1;
 
 /// Symbols of a step that is written verbatim, and of a missing normal.
 const FAR: u8 = (STEPS * STEPS) as u8;
@@ -68,14 +68,14 @@ impl Kind for Normals {
     fn ranges(&self, shift: u32) -> Ranges {
         let near = (0..STEPS * STEPS).map(move |symbol| {
             let along = |step: i32, axis: usize| Range {
-                least: ((step - MOST_STEP) << shift).rem_euclid(1 << self.bits[axis]),
+                min: ((step - MAX_STEP) << shift).rem_euclid(1 << self.bits[axis]),
                 bits: shift,
             };
             [along(symbol % STEPS, 0), along(symbol / STEPS, 1), Range::default()]
         });
-        let far = self.bits.map(|bits| Range { least: 0, bits });
+        let far = self.bits.map(|bits| Range { min: 0, bits });
         let none = Range {
-            least: 1 << (31 - SECOND),
+            min: 1 << (31 - SECOND),
             bits: 0,
         };
         let of = near
@@ -109,10 +109,10 @@ impl Kind for Normals {
         let [first, second] = steps.map(|step| step >> shift);
         // What a range begins with is a step around.
         let [along, across] = [0, 1].map(|axis| steps[axis] & ((1 << self.bits[axis]) - 1));
-        if first.abs().max(second.abs()) > MOST_STEP {
+        if first.abs().max(second.abs()) > MAX_STEP {
             return (FAR, [along, across, 0]);
         }
-        let symbol = (first + MOST_STEP) + STEPS * (second + MOST_STEP);
+        let symbol = (first + MAX_STEP) + STEPS * (second + MAX_STEP);
         (symbol as u8, [along, across, 0])
     }
 

@@ -14,7 +14,7 @@ pub(super) const NUMBERS: usize = 3;
 /// The range of a number: its least one, and how many bits tell those in it, of the first two numbers at most 16.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Range {
-    pub(super) least: i32,
+    pub(super) min: i32,
     pub(super) bits: u32,
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Ranges {
     factors: [u64; NUMBERS],
     /// XOR mask applied to the word at the end.
     flipped: u64,
-    least: Vec<[i32; NUMBERS]>,
+    min: Vec<[i32; NUMBERS]>,
 }
 
 impl Ranges {
@@ -46,23 +46,23 @@ impl Ranges {
     /// require it.
     pub(super) fn new(factors: [u64; NUMBERS], flipped: u64, of: impl Iterator<Item = [Range; NUMBERS]>) -> Self {
         let mut symbols = Box::new([Symbol::default(); 256]);
-        let mut least = Vec::with_capacity(256);
+        let mut min = Vec::with_capacity(256);
         for (symbol, ranges) in symbols.iter_mut().zip(of) {
             let words = ranges.iter().zip(factors);
             symbol.word = words.fold(flipped, |sum, (range, factor)| {
-                sum.wrapping_add((i64::from(range.least) as u64).wrapping_mul(factor))
+                sum.wrapping_add((i64::from(range.min) as u64).wrapping_mul(factor))
             });
             let [first, second, third] = ranges.map(|range| range.bits);
             symbol.masks = [first, second].map(|bits| ((1u32 << bits) - 1) as u16);
             symbol.starts = [first as u8, (first + second) as u8];
             symbol.bits = (first + second + third) as u8;
-            least.push(ranges.map(|range| range.least));
+            min.push(ranges.map(|range| range.min));
         }
         Self {
             symbols,
             factors,
             flipped,
-            least,
+            min,
         }
     }
 
@@ -94,9 +94,9 @@ impl Ranges {
 
     /// Writes the bits of numbers that are in the ranges of a symbol; the word that a decoder has of them.
     pub(super) fn write<C: SymbolCoder>(&self, coder: &mut C, symbol: u8, numbers: [i32; NUMBERS]) -> u64 {
-        let least = self.least.get(usize::from(symbol)).copied().unwrap_or_default();
+        let min = self.min.get(usize::from(symbol)).copied().unwrap_or_default();
         let symbol = &self.symbols[usize::from(symbol)];
-        let [first, second, third] = [0, 1, 2].map(|number| numbers[number].wrapping_sub(least[number]) as u32);
+        let [first, second, third] = [0, 1, 2].map(|number| numbers[number].wrapping_sub(min[number]) as u32);
         let bits = first | second << symbol.starts[0] | third << symbol.starts[1];
         let bits = (u64::from(bits) & ((1 << symbol.bits) - 1)) as u32;
         coder.raw(u32::from(symbol.bits), bits);

@@ -6,29 +6,29 @@ use super::slopes::{OfParents, Slopes};
 use crate::reel::coder::SymbolCoder;
 
 /// Differences of at most so much are symbols.
-const MOST: i32 = 127;
+const MAX: i32 = 127;
 
 /// The symbol of others, and how many bits tell them.
 const FAR: u8 = 255;
 const FAR_RANGE: Range = Range {
-    least: -(1 << 16),
+    min: -(1 << 16),
     bits: 17,
 };
 
-/// Codes the single numbers of a level, at most `most`.
+/// Codes the single numbers of a level, at most `max`.
 #[inline(always)]
 pub(in crate::reel) fn code_singles<C: SymbolCoder>(
     coder: &mut C,
     upwards: Upwards<'_>,
     parents: &[[u16; 1]],
     values: &mut [[u16; 1]],
-    most: u16,
+    max: u16,
 ) {
-    code_level(&Singles { most }, coder, upwards, parents, values);
+    code_level(&Singles { max }, coder, upwards, parents, values);
 }
 
 struct Singles {
-    most: u16,
+    max: u16,
 }
 
 impl Kind for Singles {
@@ -37,9 +37,9 @@ impl Kind for Singles {
     fn ranges(&self, shift: u32) -> Ranges {
         // The third number may have more bits than the others.
         let one = |range: Range| [Range::default(), Range::default(), range];
-        let near = (-MOST..=MOST).map(move |difference| {
+        let near = (-MAX..=MAX).map(move |difference| {
             one(Range {
-                least: (difference << shift) - (1 << shift >> 1),
+                min: (difference << shift) - (1 << shift >> 1),
                 bits: shift,
             })
         });
@@ -50,7 +50,7 @@ impl Kind for Singles {
     fn below(&self, [parent]: [u16; 1], _: [i16; 4], word: u64) -> [u16; 1] {
         [i32::from(parent)
             .wrapping_add(word as i32)
-            .clamp(0, i32::from(self.most)) as u16]
+            .clamp(0, i32::from(self.max)) as u16]
     }
 
     #[inline(always)]
@@ -65,7 +65,7 @@ impl Kind for Singles {
         let kept = i32::from(is_told).wrapping_neg();
         for (below, &word) in below.iter_mut().zip(words) {
             let is = i32::from(parent).wrapping_add(word as i32 & kept);
-            *below = [is.clamp(0, i32::from(self.most)) as u16];
+            *below = [is.clamp(0, i32::from(self.max)) as u16];
         }
     }
 
@@ -73,7 +73,7 @@ impl Kind for Singles {
     fn symbol(&self, [parent]: [u16; 1], _: [i16; 4], [value]: [u16; 1], shift: u32) -> (u8, [i32; NUMBERS]) {
         let difference = i32::from(value) - i32::from(parent);
         let near = (difference + (1 << shift >> 1)) >> shift;
-        let symbol = if near.abs() <= MOST { (near + MOST) as u8 } else { FAR };
+        let symbol = if near.abs() <= MAX { (near + MAX) as u8 } else { FAR };
         (symbol, [0, 0, difference])
     }
 

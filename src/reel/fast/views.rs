@@ -78,7 +78,7 @@ const fn below() -> [[[u8; 8]; 2]; 256] {
 }
 
 const fn views() -> [[View; 8]; 256] {
-    let mut least = [[(0u8, 0u8); 8]; 256];
+    let mut min = [[(0u8, 0u8); 8]; 256];
     let mut contexts = [u8::MAX; 256];
     let mut mask = 0;
     while mask < 256 {
@@ -94,7 +94,7 @@ const fn views() -> [[View; 8]; 256] {
                 }
                 order += 1;
             }
-            least[mask][octant] = (best, symmetry_of_best);
+            min[mask][octant] = (best, symmetry_of_best);
             if mask >> octant & 1 != 0 {
                 contexts[best as usize] = 0;
             }
@@ -119,7 +119,7 @@ const fn views() -> [[View; 8]; 256] {
     while mask < 256 {
         let mut octant = 0;
         while octant < 8 {
-            let (seen, symmetry) = least[mask][octant];
+            let (seen, symmetry) = min[mask][octant];
             if mask >> octant & 1 != 0 {
                 views[mask][octant] = View {
                     context: contexts[seen as usize],

@@ -112,15 +112,15 @@ pub(in crate::reel) fn code_counts<C: BitCoder>(coder: &mut C, counts: &mut [u32
     }
 }
 
-/// Codes how many of at most `most` bits the points of each cell lack; a cell of several points is in a denser part
+/// Codes how many of at most `max` bits the points of each cell lack; a cell of several points is in a denser part
 /// than one of a single point.
-pub(in crate::reel) fn code_missing_bits<C: BitCoder>(coder: &mut C, missing: &mut [u8], counts: &[u32], most: u8) {
+pub(in crate::reel) fn code_missing_bits<C: BitCoder>(coder: &mut C, missing: &mut [u8], counts: &[u32], max: u8) {
     let (mut models, mut rest): ([MagnitudeModel; 4], _) = (Default::default(), RestModels::default());
     let mut last = 0i64;
     for (missing, &count) in missing.iter_mut().zip(counts) {
         let model = &mut models[(count.saturating_sub(1) as usize).min(3)];
         let step = model.code_signed(coder, &mut rest, i64::from(*missing) - last);
-        last = last.saturating_add(step).clamp(0, most.into());
+        last = last.saturating_add(step).clamp(0, max.into());
         *missing = last as u8;
     }
 }

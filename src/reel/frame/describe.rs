@@ -80,11 +80,11 @@ fn scalar_schema(cloud: &RawCloud, group: &[&RawCloud], place: usize, bits: u8) 
     let alike = fields.filter(|other| other.name == field.name && other.offset == field.offset);
     let finite = |value: &f32| value.is_finite();
     let values = || alike.clone().flat_map(|field| &field.values).copied().filter(finite);
-    let least = values().fold(f32::INFINITY, f32::min);
-    let most = values().fold(f32::NEG_INFINITY, f32::max);
-    let (least, most) = if least <= most { (least, most) } else { (0.0, 0.0) };
+    let min = values().fold(f32::INFINITY, f32::min);
+    let max = values().fold(f32::NEG_INFINITY, f32::max);
+    let (min, max) = if min <= max { (min, max) } else { (0.0, 0.0) };
     let steps = |bits: u8| f64::from((1u32 << bits) - 2);
-    let width = f64::from(most) - f64::from(least);
+    let width = f64::from(max) - f64::from(min);
     let is_label = width <= WIDEST_LABELS && values().all(|value| value.fract() == 0.0);
     let bits = if is_label && width > steps(bits) {
         LABEL_BITS
@@ -94,12 +94,12 @@ fn scalar_schema(cloud: &RawCloud, group: &[&RawCloud], place: usize, bits: u8) 
     ScalarSchema {
         name: field.name.clone(),
         bits,
-        least,
+        min,
         // Steps of labels are 1.
-        most: if is_label {
-            (f64::from(least) + steps(bits)) as f32
+        max: if is_label {
+            (f64::from(min) + steps(bits)) as f32
         } else {
-            most
+            max
         },
         is_label,
     }

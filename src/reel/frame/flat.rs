@@ -65,7 +65,7 @@ pub(super) fn code_flat<D: Direction>(
             let of_colors = has_colors.then(|| code(colors)).transpose()?;
             let singles = singles.into_iter().enumerate().map(|(single, values)| {
                 let part = Part::open(direction, of_singles + single)?;
-                code_all_singles(part, places, schema.most_code(single), values)
+                code_all_singles(part, places, schema.max_code(single), values)
             });
             Ok((of_colors, singles.collect::<Result<Vec<Coded<_>>, Fault>>()?))
         },
@@ -225,18 +225,18 @@ fn normal_at(bits: u8, place: [i16; 2]) -> u32 {
 fn code_all_singles<D: Direction>(
     part: Part<'_, D>,
     places: &[Place<'_>],
-    most: u16,
+    max: u16,
     kept: Vec<&mut [[u16; 1]]>,
 ) -> Result<Coded<[u16; 1]>, Fault> {
     let forms = Forms {
-        root: [most / 2],
+        root: [max / 2],
         blank: [0],
         kept: |_, value| value,
         drawn: |_, value| value,
         bits: 0,
     };
     code_all(part, places, &forms, kept, |coder, upwards, parents, values| {
-        dispatch!(SimdLevel::new(), _simd => code_singles(coder, upwards, parents, values, most));
+        dispatch!(SimdLevel::new(), _simd => code_singles(coder, upwards, parents, values, max));
     })
 }
 

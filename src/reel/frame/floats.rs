@@ -15,13 +15,13 @@ use crate::reel::error::Fault;
 use crate::reel::file::{ByteReader, ByteWriter};
 
 /// Numbers of a lattice are within this from 0.
-const MOST_NUMBER: f64 = (1u64 << 50) as f64;
+const MAX_NUMBER: f64 = (1u64 << 50) as f64;
 
 /// Ranks of numbers of a lattice begin so far below that of 0.
 const RANK_OF_ZERO: i64 = 1 << 60;
 
 /// Maximum distance of the first number in a cell from where it is looked for, in steps.
-const MOST_STEPS: usize = 8;
+const MAX_STEPS: usize = 8;
 
 /// Whole numbers of the same fraction of a unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,16 +110,16 @@ impl Floats {
     }
 
     fn first_number(self, lattice: Lattice, axis: usize, border: f64) -> i64 {
-        let about = lattice.about(axis, border).ceil().clamp(-MOST_NUMBER, MOST_NUMBER);
+        let about = lattice.about(axis, border).ceil().clamp(-MAX_NUMBER, MAX_NUMBER);
         // Rounding may have put it beside.
         let mut number = about as i64;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             if self.number(lattice, axis, number - 1) < border {
                 break;
             }
             number -= 1;
         }
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             if self.number(lattice, axis, number) >= border {
                 break;
             }
@@ -140,7 +140,7 @@ impl Floats {
         if let Some(lattice) = self.lattice {
             let coordinate = positions.get(index)[axis];
             let about = lattice.about(axis, coordinate).round();
-            if about.abs() >= MOST_NUMBER || about.is_nan() {
+            if about.abs() >= MAX_NUMBER || about.is_nan() {
                 return None;
             }
             let is_it = |rank: &u64| self.of_rank(lattice, axis, *rank).to_bits() == coordinate.to_bits();
@@ -207,7 +207,7 @@ pub(super) fn lattice_of(clouds: &[&RawCloud]) -> Option<Lattice> {
     let largest = clouds.iter().map(finite).fold(0.0, f64::max);
     let spacing = largest * 2f64.powi(if is_double { -52 } else { -23 });
     // Twice as many numbers as these, and floats are told as well as they are.
-    let most = (0.25 / spacing.max(f64::MIN_POSITIVE)).min(MOST_NUMBER / largest.max(1.0));
+    let most = (0.25 / spacing.max(f64::MIN_POSITIVE)).min(MAX_NUMBER / largest.max(1.0));
     let decimal = (0..10u32).flat_map(|digits| [1, 2, 4].map(|parts| parts * 10u64.pow(digits)));
     let binary = (2..=24u32).map(|bits| 1u64 << bits);
     let mut candidates: Vec<u64> = decimal
@@ -278,7 +278,7 @@ fn offset_of(cloud: &RawCloud, per_unit: u64) -> Option<[f64; 3]> {
             };
             let on = coordinates.iter().filter(|&&along| {
                 let number = lattice.about(axis, along).round();
-                number.abs() < MOST_NUMBER && lattice.value(axis, number) == along
+                number.abs() < MAX_NUMBER && lattice.value(axis, number) == along
             });
             on.count() * 20 >= coordinates.len() * 19
         };

@@ -16,9 +16,9 @@ pub(in crate::reel) struct Grid {
 impl Grid {
     /// The cell of a point along an axis.
     pub(in crate::reel) fn index(&self, axis: usize, coordinate: f64) -> u64 {
-        let most = (1u64 << self.depth) - 1;
+        let max = (1u64 << self.depth) - 1;
         let index = ((coordinate - self.min[axis]) / self.cell).floor();
-        if index >= 0.0 { (index as u64).min(most) } else { 0 }
+        if index >= 0.0 { (index as u64).min(max) } else { 0 }
     }
 
     /// Returns the coordinate at which a cell begins along an axis.

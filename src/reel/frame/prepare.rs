@@ -25,7 +25,7 @@ const GROWTH: f64 = 2.0;
 const GROWTH_OF_POINTS: f64 = 1.5;
 
 /// Most bits of the depth of the tree and of what is below it: numbers of so many have halves in doubles.
-const MOST_BITS: u32 = 50;
+const MAX_BITS: u32 = 50;
 
 /// Larger coordinates, of which products may overflow, are kept outside of cells.
 const LARGEST: f64 = 1e150;
@@ -94,7 +94,7 @@ impl GroupPlan {
             largest_cells,
         };
         let kept = match (options.precision, finest.kept) {
-            (Precision::PointSpacing, _) => Kept::Bits(plan.most_bits()),
+            (Precision::PointSpacing, _) => Kept::Bits(plan.max_bits()),
             (_, Kept::Bits(bits)) => Kept::Bits(bits + below as u8),
             (_, kept) => kept,
         };
@@ -134,7 +134,7 @@ impl GroupPlan {
     }
 
     /// The most of those of any frame.
-    fn most_bits(&self) -> u8 {
+    fn max_bits(&self) -> u8 {
         let frames = (0..self.largest_cells.len()).into_par_iter();
         let most = frames.map(|frame| self.bits_below(frame).into_iter().max().unwrap_or(0));
         most.max().unwrap_or(0)
@@ -172,7 +172,7 @@ fn largest_cells_of(cloud: &RawCloud) -> Vec<f64> {
 /// Bits below the cells of a grid until they are no larger than an edge.
 fn bits_for(grid: Grid, edge: f64) -> u8 {
     let (mut bits, mut cell) = (0, grid.cell);
-    while cell > edge && grid.depth + bits < MOST_BITS {
+    while cell > edge && grid.depth + bits < MAX_BITS {
         cell *= 0.5;
         bits += 1;
     }

@@ -93,10 +93,10 @@ pub(in crate::reel) enum Values {
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reel) struct ScalarSchema {
     pub(in crate::reel) name: String,
-    /// Bits of its steps: code 0 is no number, the others go from `least` to `most`.
+    /// Bits of its steps: code 0 is no number, the others go from `min` to `max`.
     pub(in crate::reel) bits: u8,
-    pub(in crate::reel) least: f32,
-    pub(in crate::reel) most: f32,
+    pub(in crate::reel) min: f32,
+    pub(in crate::reel) max: f32,
     /// True if values are labels, which have no mean.
     pub(in crate::reel) is_label: bool,
 }
@@ -107,7 +107,7 @@ impl ScalarSchema {
     }
 
     /// The largest code.
-    pub(in crate::reel) fn most_code(&self) -> u16 {
+    pub(in crate::reel) fn max_code(&self) -> u16 {
         ((1u32 << self.bits) - 1) as u16
     }
 
@@ -116,9 +116,9 @@ impl ScalarSchema {
         if value.is_nan() {
             return 0;
         }
-        let range = f64::from(self.most) - f64::from(self.least);
+        let range = f64::from(self.max) - f64::from(self.min);
         let part = if range > 0.0 {
-            (f64::from(value) - f64::from(self.least)) / range
+            (f64::from(value) - f64::from(self.min)) / range
         } else {
             0.0
         };
@@ -130,8 +130,8 @@ impl ScalarSchema {
         if code == 0 {
             return f32::NAN;
         }
-        let range = f64::from(self.most) - f64::from(self.least);
-        (f64::from(self.least) + range * f64::from(code - 1) / self.steps()) as f32
+        let range = f64::from(self.max) - f64::from(self.min);
+        (f64::from(self.min) + range * f64::from(code - 1) / self.steps()) as f32
     }
 }
 
@@ -204,8 +204,8 @@ impl Schema {
         for scalar in &self.scalars {
             writer.text(&scalar.name);
             writer.byte(scalar.bits | u8::from(scalar.is_label) << 7);
-            writer.f32(scalar.least);
-            writer.f32(scalar.most);
+            writer.f32(scalar.min);
+            writer.f32(scalar.max);
         }
     }
 
@@ -238,8 +238,8 @@ impl Schema {
                 name,
                 bits: bits & 0x7f,
                 is_label: bits >> 7 != 0,
-                least: reader.f32()?,
-                most: reader.f32()?,
+                min: reader.f32()?,
+                max: reader.f32()?,
             };
             if !(2..=16).contains(&scalar.bits) {
                 return Err(Fault::new(format!("a scalar of {} bits", scalar.bits)));
@@ -290,11 +290,11 @@ impl Schema {
     }
 
     /// The largest code of a single number.
-    pub(in crate::reel) fn most_code(&self, single: usize) -> u16 {
+    pub(in crate::reel) fn max_code(&self, single: usize) -> u16 {
         let before = self.singles() - self.scalars.len();
         single
             .checked_sub(before)
-            .map_or(255, |scalar| self.scalars[scalar].most_code())
+            .map_or(255, |scalar| self.scalars[scalar].max_code())
     }
 
     /// Returns the index of the single number that is the radius.

@@ -125,9 +125,9 @@ pub(super) fn code_values<D: Direction>(
                 code_all_channels(part, &places, &[[128; 3]], colors, step, 255)
             });
             let singles = singles.into_iter().enumerate().map(|(single, values)| {
-                let most = schema.most_code(single);
+                let max = schema.max_code(single);
                 let part = Part::open(direction, of_singles + single)?;
-                code_all_channels(part, &places, &[[most / 2]], values, 1, most)
+                code_all_channels(part, &places, &[[max / 2]], values, 1, max)
             });
             let singles = singles.collect::<Result<Vec<_>, Fault>>()?;
             Ok((colors.transpose()?, singles))
@@ -151,13 +151,13 @@ fn code_all_channels<'a, D: Direction, const N: usize>(
     root: &'a [[u16; N]],
     levels: Vec<&'a mut [[u16; N]]>,
     step: u16,
-    most: u16,
+    max: u16,
 ) -> Result<Written, Fault> {
     let mut parents = root;
     for (place, values) in places.iter().zip(levels) {
         let coder = part.at(place.section)?;
         let above = place.above;
-        dispatch!(SimdLevel::new(), _simd => code_channels(coder, above, parents, values, step, most));
+        dispatch!(SimdLevel::new(), _simd => code_channels(coder, above, parents, values, step, max));
         parents = if values.is_empty() { parents } else { values };
     }
     part.close()

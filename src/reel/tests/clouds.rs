@@ -40,8 +40,8 @@ pub(super) fn decoder(bytes: &[u8]) -> ReelDecoder {
     ReelDecoder::new(Arc::new(open(bytes).unwrap()), MEMORY)
 }
 
-pub(super) fn decoded(bytes: &[u8], index: usize, most_points: usize) -> DecodedFrame {
-    decoder(bytes).decode(index, most_points, &Progress::default()).unwrap()
+pub(super) fn decoded(bytes: &[u8], index: usize, max_points: usize) -> DecodedFrame {
+    decoder(bytes).decode(index, max_points, &Progress::default()).unwrap()
 }
 
 /// Every attribute that there is, from a few random numbers a point.

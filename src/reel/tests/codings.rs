@@ -46,8 +46,8 @@ proptest! {
         let compact = file_of(std::slice::from_ref(&cloud), &options);
         let fast = file_of(&[cloud], &fast(&options));
         let levels = open(&compact).unwrap().frame(0).unwrap().level_points.to_vec();
-        for most in levels.into_iter().chain([usize::MAX]) {
-            let (compact, fast) = (decoded(&compact, 0, most), decoded(&fast, 0, most));
+        for max in levels.into_iter().chain([usize::MAX]) {
+            let (compact, fast) = (decoded(&compact, 0, max), decoded(&fast, 0, max));
             prop_assert_eq!(text(&compact.cloud), text(&fast.cloud));
             prop_assert_eq!((compact.levels, compact.is_whole), (fast.levels, fast.is_whole));
         }
@@ -68,10 +68,10 @@ fn large_frames_are_alike_on_every_level() {
         let [mut compact, mut fast] =
             [&options, &fast(&options)].map(|options| decoder(&file_of(std::slice::from_ref(&cloud), options)));
         let levels = compact.file().frame(0).unwrap().level_points.to_vec();
-        for most in levels {
+        for max in levels {
             let [compact, fast] =
-                [&mut compact, &mut fast].map(|decoder| decoder.decode(0, most, &Progress::default()).unwrap().cloud);
-            assert!(compact == fast, "{precision:?}, {most} points");
+                [&mut compact, &mut fast].map(|decoder| decoder.decode(0, max, &Progress::default()).unwrap().cloud);
+            assert!(compact == fast, "{precision:?}, {max} points");
         }
     }
 }
@@ -92,10 +92,10 @@ fn colors_of_fast_files_are_within_their_bound() {
         let (exact, found) = (colors(&exact), colors(&found));
         assert_eq!(exact.len(), found.len());
         let off = exact.iter().flatten().zip(found.iter().flatten());
-        let most = off.map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+        let max = off.map(|(a, b)| a.abs_diff(*b)).max().unwrap();
         assert!(
-            most <= color_error && (most > 0 || color_error < 2),
-            "{most} of {color_error}"
+            max <= color_error && (max > 0 || color_error < 2),
+            "{max} of {color_error}"
         );
     }
 }
@@ -108,8 +108,8 @@ proptest! {
         let rounded = ReelOptions { color_error: error, ..exact.clone() };
         let [exact, rounded] = [exact, rounded].map(|options| file_of(std::slice::from_ref(&cloud), &options));
         let levels = open(&exact).unwrap().frame(0).unwrap().level_points.to_vec();
-        for most in levels.into_iter().chain([usize::MAX]) {
-            let [exact, rounded] = [&exact, &rounded].map(|bytes| decoded(bytes, 0, most).cloud);
+        for max in levels.into_iter().chain([usize::MAX]) {
+            let [exact, rounded] = [&exact, &rounded].map(|bytes| decoded(bytes, 0, max).cloud);
             prop_assert_eq!(exact.positions.len(), rounded.positions.len());
             let [exact, rounded] = [exact, rounded].map(|cloud| cloud.attributes.colors.unwrap_or_default());
             let off = exact.iter().flatten().zip(rounded.iter().flatten());

@@ -51,17 +51,17 @@ fn other_files_and_later_versions_are_refused() {
 #[test]
 fn every_prefix_has_the_frames_that_have_begun() {
     let (bytes, options) = three_groups();
-    let mut most = 0;
+    let mut max = 0;
     for end in (12..bytes.len()).step_by(101).chain([bytes.len() - 1]) {
         let file = open(&bytes[..end]).unwrap();
         let count = file.frame_count();
-        assert!(count >= most && !file.damage().is_empty());
+        assert!(count >= max && !file.damage().is_empty());
         let whole = open(&bytes[..end]).unwrap().whole_groups().frame_count();
         assert!(whole <= count && whole.is_multiple_of(2));
-        most = count;
+        max = count;
         assert_eq!(readable(file), (0..count).collect::<Vec<_>>());
     }
-    assert_eq!(most, 6);
+    assert_eq!(max, 6);
     // And can be written on.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.reel");
@@ -151,8 +151,8 @@ fn every_prefix_of_a_frame_draws_the_tree_so_far() {
             );
             let now = points_of(&bytes[..end]);
             assert!(now.len() >= before.len());
-            for (&(points, is_whole), &(most, _)) in now.iter().zip(&all) {
-                assert!(points > 0 && points <= most && (!is_whole || points == most));
+            for (&(points, is_whole), &(max, _)) in now.iter().zip(&all) {
+                assert!(points > 0 && points <= max && (!is_whole || points == max));
             }
             assert!(
                 before
@@ -282,8 +282,8 @@ proptest! {
         if let Ok(file) = ReelFile::open(Arc::new(bytes), Path::new(PATH)) {
             let mut decoder = ReelDecoder::new(Arc::new(file), 1 << 24);
             for frame in 0..decoder.file().frame_count().min(4) {
-                for most in [50, usize::MAX] {
-                    if let Ok(frame) = decoder.decode(frame, most, &Progress::default()) {
+                for max in [50, usize::MAX] {
+                    if let Ok(frame) = decoder.decode(frame, max, &Progress::default()) {
                         prop_assert_eq!(frame.cloud.attributes.other_length(frame.cloud.positions.len()), None);
                     }
                 }

@@ -66,8 +66,8 @@ fn a_body_that_turns_is_told_by_how_it_turns() {
         let found = frame(index);
         let expected = turned(&first.cloud, turn(index as u32), DVec3::X * 0.01 * index as f64);
         // Half a cell along each axis; and the mean of the points of a cell turns about another place than its node.
-        let most = distances(&expected, &found.cloud).into_iter().fold(0.0, f64::max);
-        assert!(most <= 1.2 * found.cell_edge, "{index}: {most} of {}", found.cell_edge);
+        let max = distances(&expected, &found.cloud).into_iter().fold(0.0, f64::max);
+        assert!(max <= 1.2 * found.cell_edge, "{index}: {max} of {}", found.cell_edge);
         assert_eq!(found.cloud.attributes.colors, first.cloud.attributes.colors);
     }
 }
@@ -95,11 +95,11 @@ fn frames_are_the_same_in_any_order_and_on_every_level() {
         assert_eq!(moved_frames(&bytes), [false, true, true, true, true]);
         let mut in_order = decoder(&bytes);
         let levels = in_order.file().frame(3).unwrap().level_points.to_vec();
-        for most in levels.into_iter().chain([usize::MAX]) {
+        for max in levels.into_iter().chain([usize::MAX]) {
             for index in [0, 1, 2, 3, 4, 2, 2, 0] {
-                let one = in_order.decode(index, most, &Progress::default()).unwrap();
-                assert_eq!(one, decoded(&bytes, index, most), "frame {index}, {most} points");
-                assert!(one.cloud.positions.len() <= most);
+                let one = in_order.decode(index, max, &Progress::default()).unwrap();
+                assert_eq!(one, decoded(&bytes, index, max), "frame {index}, {max} points");
+                assert!(one.cloud.positions.len() <= max);
             }
         }
     }
@@ -116,14 +116,14 @@ fn coarse_levels_move_as_the_points_do() {
     let bytes = file_of(&bodies.collect::<Vec<_>>(), &group_of(4));
     let levels = open(&bytes).unwrap().frame(0).unwrap().level_points.to_vec();
     let cell = decoded(&bytes, 0, usize::MAX).cell_edge;
-    for &most in &levels[2..] {
-        let [first, last] = [0, 3].map(|index| decoded(&bytes, index, most));
+    for &max in &levels[2..] {
+        let [first, last] = [0, 3].map(|index| decoded(&bytes, index, max));
         let (turn, step) = motion(3.0);
         let moved = turned(&first.cloud, turn, step);
-        let most_off = distances(&moved, &last.cloud).into_iter().fold(0.0, f64::max);
+        let max_off = distances(&moved, &last.cloud).into_iter().fold(0.0, f64::max);
         // The mean of the points of a node turns about another place than the node.
         let allowed = cell + 0.1 * first.cell_edge;
-        assert!(most_off <= allowed, "{most} points: {most_off} of {allowed}");
+        assert!(max_off <= allowed, "{max} points: {max_off} of {allowed}");
         assert_eq!(first.cloud.attributes.radii, last.cloud.attributes.radii);
     }
 }

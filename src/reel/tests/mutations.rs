@@ -66,13 +66,13 @@ fn decode_all(bytes: Vec<u8>) -> usize {
     for index in 0..decoder.file().frame_count().min(100) {
         let run = decoder.file().run_of(index);
         assert!(run.contains(&index));
-        for most_points in [300, usize::MAX] {
-            let Ok(frame) = decoder.decode(index, most_points, &Progress::default()) else {
+        for max_points in [300, usize::MAX] {
+            let Ok(frame) = decoder.decode(index, max_points, &Progress::default()) else {
                 continue;
             };
             let points = frame.cloud.positions.len();
             assert_eq!(frame.cloud.attributes.other_length(points), None);
-            count += usize::from(frame.is_whole && most_points == usize::MAX);
+            count += usize::from(frame.is_whole && max_points == usize::MAX);
         }
     }
     count

@@ -184,10 +184,10 @@ pub(super) fn check_attributes(was: &RawCloud, is: &RawCloud, color_error: i32) 
     for (was, is) in was.scalars.iter().zip(&is.scalars) {
         prop_assert_eq!((&was.name, was.offset), (&is.name, is.offset));
         let finite = was.values.iter().copied().filter(|value| value.is_finite());
-        let (least, most) = finite.fold((f32::MAX, f32::MIN), |(least, most), value| {
-            (least.min(value), most.max(value))
+        let (min, max) = finite.fold((f32::MAX, f32::MIN), |(min, max), value| {
+            (min.min(value), max.max(value))
         });
-        let step = (most - least) / 254.0;
+        let step = (max - min) / 254.0;
         for (&was, &is) in was.values.iter().zip(&is.values) {
             prop_assert_eq!(was.is_nan(), is.is_nan());
             prop_assert!(
@@ -270,7 +270,7 @@ fn colors_of_a_level_are_means_of_the_level_below() {
             ..options
         };
         let bytes = file_of(std::slice::from_ref(&cloud), &options);
-        let [root, below] = [1, 8].map(|most_points| decoded(&bytes, 0, most_points));
+        let [root, below] = [1, 8].map(|max_points| decoded(&bytes, 0, max_points));
         assert_eq!((root.levels, below.levels), (1, 2));
         let root = root.cloud.attributes.colors.unwrap()[0];
         let below = below.cloud.attributes.colors.unwrap();
@@ -371,7 +371,7 @@ fn frames_come_in_any_order() {
     let bytes = file_of(&clouds, &ReelOptions::default());
     let in_order: Vec<_> = (0..5).map(|index| decoded(&bytes, index, usize::MAX)).collect();
     let mut decoder = decoder(&bytes);
-    for (index, most) in [
+    for (index, max) in [
         (4, usize::MAX),
         (0, 300),
         (1, usize::MAX),
@@ -379,11 +379,11 @@ fn frames_come_in_any_order() {
         (3, usize::MAX),
         (2, usize::MAX),
     ] {
-        let frame = decoder.decode(index, most, &Progress::default()).unwrap();
-        if most == usize::MAX {
+        let frame = decoder.decode(index, max, &Progress::default()).unwrap();
+        if max == usize::MAX {
             assert_eq!(frame, in_order[index]);
         } else {
-            assert_eq!(frame, decoded(&bytes, index, most));
+            assert_eq!(frame, decoded(&bytes, index, max));
         }
     }
 }

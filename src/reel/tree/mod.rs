@@ -11,4 +11,4 @@ pub(super) use build::{OCTANTS, cells_below, first_children, masks_of_cells};
 pub(super) use faces::{Faces, NO_FACES, faces_below};
 pub(super) use links::{ALONE, Links, NONE, Neighbours, neighbours_below};
 pub(super) use occupancy::{OccupancyModels, code_masks, coders_of};
-pub(super) use plan::{Known, MOST_KNOWN, plan};
+pub(super) use plan::{Known, MAX_KNOWN, plan};

@@ -58,7 +58,7 @@ fn new_models<const COUNT: usize>() -> Box<[BitModel; COUNT]> {
 /// Nodes that are worth a part of their own, and most parts. Each part learns its models alone: for the bumpy torus of
 /// a million points at 10 bits, four parts take 1 % more bits than one.
 const NODES_PER_PART: usize = 1 << 16;
-const MOST_PARTS: usize = 8;
+const MAX_PARTS: usize = 8;
 
 /// Nodes of which a part has two halves.
 const NODES_OF_HALVES: usize = 1 << 10;
@@ -68,7 +68,7 @@ pub(in crate::reel) fn coders_of(nodes: usize) -> usize {
     if nodes < NODES_OF_HALVES {
         1
     } else {
-        2 * (nodes / NODES_PER_PART).clamp(1, MOST_PARTS)
+        2 * (nodes / NODES_PER_PART).clamp(1, MAX_PARTS)
     }
 }
 

@@ -6,7 +6,7 @@ use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
 /// Maximum number of adjacent nodes that a node is predicted from.
-pub(in crate::reel) const MOST_KNOWN: usize = 3;
+pub(in crate::reel) const MAX_KNOWN: usize = 3;
 
 /// Context known of a node when its value is coded: level by level in Morton order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,9 +14,9 @@ pub(in crate::reel) struct Known {
     /// Its parent.
     pub(in crate::reel) parent: u32,
     /// Nodes before it that share a face with it, or else an edge; [`NONE`] behind the last.
-    pub(in crate::reel) beside: [u32; MOST_KNOWN],
+    pub(in crate::reel) beside: [u32; MAX_KNOWN],
     /// In which direction each is.
-    pub(in crate::reel) directions: [u8; MOST_KNOWN],
+    pub(in crate::reel) directions: [u8; MAX_KNOWN],
     /// Children of its parent from it on, itself counted.
     pub(in crate::reel) left: u8,
 }
@@ -128,8 +128,8 @@ fn known_of_children(links: Links<'_>, node: usize, known: &mut Vec<Known>) {
         let mut places = places_around((before | sisters) >> shift_of(octant));
         let mut of_child = Known {
             parent: node as u32,
-            beside: [NONE; MOST_KNOWN],
-            directions: [0; MOST_KNOWN],
+            beside: [NONE; MAX_KNOWN],
+            directions: [0; MAX_KNOWN],
             left: octants.count_ones() as u8,
         };
         for (neighbour, direction) in of_child.beside.iter_mut().zip(&mut of_child.directions) {

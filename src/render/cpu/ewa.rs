@@ -9,7 +9,7 @@
 
 use super::eight::Vectors;
 use super::view::PixelView;
-use crate::render::constants::{EWA_LEAST_DETERMINANT, EWA_MEAN_WEIGHT, OPAQUE_WEIGHT};
+use crate::render::constants::{EWA_MEAN_WEIGHT, EWA_MIN_DETERMINANT, OPAQUE_WEIGHT};
 use crate::scene::SplatFilter;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 
@@ -88,12 +88,12 @@ impl<S: Simd> Splats<S> {
             px_along(view, centers, per_distance, v),
         );
         // On splats that are seen almost edge-on, pixels reach too far into the picture.
-        let px_per_length = per_distance * (SplatFilter::LEAST_COSINE * view.px_per_slope[0]);
-        let least = px_per_length * px_per_length;
-        let uu = u_right.mul_add(u_right, u_down.mul_add(u_down, least * u.dot(u)));
-        let vv = v_right.mul_add(v_right, v_down.mul_add(v_down, least * v.dot(v)));
+        let px_per_length = per_distance * (SplatFilter::MIN_COSINE * view.px_per_slope[0]);
+        let min = px_per_length * px_per_length;
+        let uu = u_right.mul_add(u_right, u_down.mul_add(u_down, min * u.dot(u)));
+        let vv = v_right.mul_add(v_right, v_down.mul_add(v_down, min * v.dot(v)));
         let uv = u_right.mul_add(v_right, u_down * v_down);
-        let determinant = uu.mul_add(vv, -(uv * uv)).max(splat(EWA_LEAST_DETERMINANT));
+        let determinant = uu.mul_add(vv, -(uv * uv)).max(splat(EWA_MIN_DETERMINANT));
         let filter = RADIUS2_PX / determinant;
         let root = (uu + vv + RADIUS2_PX).mul_add(filter, splat(1.0)).sqrt();
         OnScreen {

@@ -50,7 +50,7 @@ pub(super) struct Canvas<'a> {
     pub(super) outline: Outline,
     pub(super) cull_back_faces: bool,
     /// Minimum reach of bounds from centres, in pixels.
-    pub(super) least_reach_px: f32,
+    pub(super) min_reach_px: f32,
 }
 
 /// Eight patches in view space.
@@ -225,11 +225,11 @@ fn bounds<S: Simd>(
     let px = |slope: f32x8<S>, axis: usize| slope * view.px_per_slope[axis] + view.middle_px[axis];
     // Rows are counted downwards.
     let mut ends = [px(low_x, 0), px(high_x, 0), px(high_y, 1), px(low_y, 1)];
-    if canvas.least_reach_px > 0.0 {
+    if canvas.min_reach_px > 0.0 {
         let middles = [px(c.x / -c.z, 0), px(c.y / -c.z, 1)];
         for (axis, middle) in middles.into_iter().enumerate() {
-            ends[2 * axis] = ends[2 * axis].min(middle - canvas.least_reach_px);
-            ends[2 * axis + 1] = ends[2 * axis + 1].max(middle + canvas.least_reach_px);
+            ends[2 * axis] = ends[2 * axis].min(middle - canvas.min_reach_px);
+            ends[2 * axis + 1] = ends[2 * axis + 1].max(middle + canvas.min_reach_px);
         }
     }
     let [left, right] = pixels_between(simd, clip, 0, [ends[0], ends[1]], is_around_eye);
@@ -289,7 +289,7 @@ mod tests {
             clip: PixelRect::of_picture(view.size_px),
             outline,
             cull_back_faces: false,
-            least_reach_px: 0.0,
+            min_reach_px: 0.0,
         };
         dispatch!(Level::new(), simd => {
             Facet::of_patch(simd, &canvas, [patch.center, patch.u, patch.v])

@@ -94,7 +94,7 @@ mod tests {
             clip: PixelRect::of_picture(SIZE_PX),
             outline: Outline::Disk,
             cull_back_faces: false,
-            least_reach_px: 0.0,
+            min_reach_px: 0.0,
         };
         let u = normal.any_orthonormal_vector();
         let patch = [center, radius * u, radius * normal.cross(u)];

@@ -9,7 +9,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 use glam::{Vec3, Vec4};
 
 /// A losing share is not taken for less, so that quotients are numbers.
-const LEAST_LOSS: f32 = 1e-6;
+const MIN_LOSS: f32 = 1e-6;
 
 /// Linear light on eight pixels, by what the surface makes of it.
 struct Light<S: Simd> {
@@ -48,7 +48,7 @@ pub(super) fn lit<S: Simd>(
     let facing = lit.normal.dot(lit.to_eye).max(f32x8::splat(simd, 0.0));
     let [scale, bias, loss, let_in] = entry_at(simd, curve, facing);
     let [loss, let_in] = [
-        loss * (1.0 / curve.mean_loss.max(LEAST_LOSS)),
+        loss * (1.0 / curve.mean_loss.max(MIN_LOSS)),
         let_in * (1.0 / curve.mean_let_in),
     ];
     let exposure = Exposure {

@@ -96,11 +96,11 @@ impl Drawn<'_> {
         for [right, down] in PIXEL_LINES {
             let step = ((right * right + down * down) as f32).sqrt();
             // Longer ones are not asked for any more.
-            let most = self.rim_px.min((shortest / step).ceil() as i32 - 1);
-            let Some(one) = self.opaque_end(pixel, [-right, -down], most - 1) else {
+            let max = self.rim_px.min((shortest / step).ceil() as i32 - 1);
+            let Some(one) = self.opaque_end(pixel, [-right, -down], max - 1) else {
                 continue;
             };
-            let Some(other) = self.opaque_end(pixel, [right, down], most - one.steps) else {
+            let Some(other) = self.opaque_end(pixel, [right, down], max - one.steps) else {
                 continue;
             };
             let span = (one.steps + other.steps) as f32 * step;
@@ -127,11 +127,11 @@ impl Drawn<'_> {
         })
     }
 
-    fn opaque_end(&self, pixel: [i32; 2], [right, down]: [i32; 2], most: i32) -> Option<End> {
-        let most = most.min(self.room(pixel, 0, right)).min(self.room(pixel, 1, down));
+    fn opaque_end(&self, pixel: [i32; 2], [right, down]: [i32; 2], max: i32) -> Option<End> {
+        let max = max.min(self.room(pixel, 0, right)).min(self.room(pixel, 1, down));
         let per_step = self.size[0] as isize * down as isize + right as isize;
         let mut at = self.at(pixel);
-        for steps in 1..=most {
+        for steps in 1..=max {
             at = at.wrapping_add_signed(per_step);
             match self.pixels[at][3] {
                 OPAQUE => return Some(End { steps, at }),

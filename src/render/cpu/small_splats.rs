@@ -23,12 +23,12 @@ const PIXELS: usize = 4;
 
 /// Maximum reach of small splats from their centres before filtering: K is at most `JJᵀ` and r² along the diagonal, and
 /// neither of its squares is to reach 1.
-pub(super) const MOST_REACH_OF_SMALL_PX: f32 = 0.49;
+pub(super) const MAX_REACH_OF_SMALL_PX: f32 = 0.49;
 const _: () =
-    assert!(MOST_REACH_OF_SMALL_PX * MOST_REACH_OF_SMALL_PX + SplatFilter::RADIUS_PX * SplatFilter::RADIUS_PX < 1.0);
+    assert!(MAX_REACH_OF_SMALL_PX * MAX_REACH_OF_SMALL_PX + SplatFilter::RADIUS_PX * SplatFilter::RADIUS_PX < 1.0);
 
 /// Determinants of K are not taken for less: what is seen edge-on is a line.
-const LEAST_DETERMINANT: f32 = 1e-9;
+const MIN_DETERMINANT: f32 = 1e-9;
 
 /// Eight splats, a property in each row, a splat in each lane.
 #[derive(Debug)]
@@ -103,7 +103,7 @@ impl SmallSplats {
         } = *eight;
         let (view, clip) = (canvas.view, canvas.clip);
         let [xx, xy, yy] = on_screen.covariance();
-        let per_determinant = 1.0 / xx.mul_sub(yy, xy * xy).max(splat(LEAST_DETERMINANT));
+        let per_determinant = 1.0 / xx.mul_sub(yy, xy * xy).max(splat(MIN_DETERMINANT));
         let (a, b, c) = (yy * per_determinant, xy * per_determinant * -2.0, xx * per_determinant);
         let per_distance = -1.0 / centers.z;
         let x = (centers.x * per_distance).mul_add(splat(view.px_per_slope[0]), splat(view.middle_px[0]));

@@ -38,7 +38,7 @@ impl Triangle {
             let is_in_front = corner.z <= -view.near;
             if is_in_front { view.near / -corner.z } else { 1.0 }
         });
-        let least = reversed[0].min(reversed[1]).min(reversed[2]);
+        let min = reversed[0].min(reversed[1]).min(reversed[2]);
         let greatest = reversed[0].max(reversed[1]).max(reversed[2]);
         let (u, v) = (b - a, c - a);
         // Sizes are relative to the distance, so that products of small or large numbers are numbers.
@@ -68,7 +68,7 @@ impl Triangle {
             q: view.along_rays(a.cross(u) * sign),
             w: view.along_rays(normal * sign),
             depth_per_w,
-            depths: [least, greatest],
+            depths: [min, greatest],
         }
     }
 }
@@ -208,9 +208,9 @@ pub(super) fn fill<S: Simd>(
 
 /// From 0 to the most, and 0 for what is no number: on its borders a triangle may be missed by rounding.
 #[inline(always)]
-fn share<S: Simd>(simd: S, value: f32x8<S>, most: f32x8<S>) -> f32x8<S> {
+fn share<S: Simd>(simd: S, value: f32x8<S>, max: f32x8<S>) -> f32x8<S> {
     let zero = f32x8::splat(simd, 0.0);
-    simd.select_f32x8(value.simd_gt(zero), value.min(most), zero)
+    simd.select_f32x8(value.simd_gt(zero), value.min(max), zero)
 }
 
 /// Writes what is drawn of eight values over those that are there.

@@ -12,9 +12,9 @@ use super::photographs::{
 use crate::analysis::screen::constants as screen;
 use crate::cloud::{ELLIPSE_STEPS, VertexRecord};
 use crate::render::constants::{
-    BACK_SIDE, CUBE_REACH_HALF_EDGES, EWA_LEAST_DETERMINANT, EWA_MEAN_WEIGHT, FACET_LEAST_SIZE, HEAD_LIGHT_AMBIENT,
-    HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, OPAQUE_WEIGHT, PHOTO_AGREEMENT_ROUNDS, PHOTO_LEAST_COSINE,
-    PHOTO_LEAST_FACING, PHOTO_MOST_TAPS, PHOTO_NOT_LOOKING, PHOTO_OPACITY, PHOTO_PER_DISAGREEMENT2,
+    BACK_SIDE, CUBE_REACH_HALF_EDGES, EWA_MEAN_WEIGHT, EWA_MIN_DETERMINANT, FACET_MIN_SIZE, HEAD_LIGHT_AMBIENT,
+    HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, OPAQUE_WEIGHT, PHOTO_AGREEMENT_ROUNDS, PHOTO_MAX_TAPS,
+    PHOTO_MIN_COSINE, PHOTO_MIN_FACING, PHOTO_NOT_LOOKING, PHOTO_OPACITY, PHOTO_PER_DISAGREEMENT2,
     PHOTO_PER_STEP_ANGLE2, PHOTO_RIM, PHOTO_SAME_ANGLE2, PHOTO_TRUST_NEAR_STEPS, SPRITE_MARGIN_PX, SPRITE_NEARER,
     SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y,
 };
@@ -51,7 +51,7 @@ pub(super) const STEREO_TILE_PX: u32 = 8;
 pub(super) const STEREO_LANES: u32 = 32;
 
 /// Most labels of a pixel: costs of a path at two pixels are in the memory of a workgroup.
-pub(super) const STEREO_MOST_LABELS: u32 = 512;
+pub(super) const STEREO_MAX_LABELS: u32 = 512;
 
 /// Pixels over which sums of columns and squares run on.
 pub(super) const STEREO_STRIP_PX: u32 = 16;
@@ -85,7 +85,7 @@ pub(super) const VERTICES_PER_QUAD: u32 = 4;
 pub(super) const INDICES_PER_QUAD: u32 = 6;
 
 /// Splats that are seen at a smaller one are filtered as at this one.
-const LEAST_COSINE: f32 = SplatFilter::LEAST_COSINE;
+const MIN_COSINE: f32 = SplatFilter::MIN_COSINE;
 /// The two numbers of a normal that is none, as WGSL reads them.
 const NO_NORMAL: u32 = {
     let [x, y] = VertexRecord::NO_NORMAL;
@@ -96,8 +96,8 @@ const NO_NORMAL: u32 = {
 const NO_TEXTURE: u32 = VertexRecord::NO_TEXTURE;
 
 /// Maximum number of input images that are sampled at a position, and blended there.
-const PHOTO_MOST_ASKED: u32 = PhotoViews::MOST_ASKED as u32;
-const PHOTO_MOST_BLENDED: u32 = PhotoStyle::MOST_VIEWS as u32;
+const PHOTO_MAX_ASKED: u32 = PhotoViews::MAX_ASKED as u32;
+const PHOTO_MAX_BLENDED: u32 = PhotoStyle::MAX_VIEWS as u32;
 
 /// Constants of Rust as WGSL declares them, by the same names.
 macro_rules! declared {
@@ -121,9 +121,9 @@ pub(super) fn shared() -> String {
         CUBE_REACH_HALF_EDGES,
         DIELECTRIC,
         ELLIPSE_STEPS,
-        EWA_LEAST_DETERMINANT,
+        EWA_MIN_DETERMINANT,
         EWA_MEAN_WEIGHT,
-        FACET_LEAST_SIZE,
+        FACET_MIN_SIZE,
         GAP_ONE_SURFACE,
         GAP_SOLID,
         GAPS_PER_SLIT,
@@ -134,7 +134,7 @@ pub(super) fn shared() -> String {
         HEAD_LIGHT_SPECULAR,
         KERNEL_BOX,
         KERNEL_HAT,
-        LEAST_COSINE,
+        MIN_COSINE,
         LIGHTING_PER_FRAGMENT,
         LIGHTING_PER_SURFEL,
         LIGHTING_PER_VERTEX,
@@ -147,12 +147,12 @@ pub(super) fn shared() -> String {
         PHOTO_CLIPS_BY_ANY,
         PHOTO_CLIPS_BY_VOTE,
         PHOTO_IS_WHITE,
-        PHOTO_LEAST_COSINE,
-        PHOTO_LEAST_FACING,
+        PHOTO_MIN_COSINE,
+        PHOTO_MIN_FACING,
         PHOTO_LEAVES_HOLES,
-        PHOTO_MOST_ASKED,
-        PHOTO_MOST_BLENDED,
-        PHOTO_MOST_TAPS,
+        PHOTO_MAX_ASKED,
+        PHOTO_MAX_BLENDED,
+        PHOTO_MAX_TAPS,
         PHOTO_NOT_LOOKING,
         PHOTO_OPACITY,
         PHOTO_PER_DISAGREEMENT2,
@@ -189,23 +189,23 @@ pub(super) fn of_screen_normals() -> String {
     /// Sentinel for a pixel without depth in a depth map.
     const NO_DEPTH: f32 = f32::MAX;
     /// Lower bound of divisors that could be zero: a normal number, which no adapter flushes to zero.
-    const LEAST_POSITIVE: f32 = 1e-30;
+    const MIN_POSITIVE: f32 = 1e-30;
     [
         declaration("BORDER_PX", screen::BORDER_PX as u32),
         declaration("CELLS_BEFORE", screen::CELLS_BEFORE as u32),
         declaration("CELLS_OF_WINDOW", screen::CELLS_OF_WINDOW as u32),
         declaration("CLOSING_ROWS_PX", screen::CLOSING_ROWS_PX),
-        declaration("FEWEST_NEIGHBOURS", screen::FEWEST_NEIGHBOURS),
-        declaration("FEWEST_OF_PLANE", screen::FEWEST_OF_PLANE),
-        declaration("FEWEST_OF_RAMP", screen::FEWEST_OF_RAMP),
-        declaration("LEAST_POSITIVE", LEAST_POSITIVE),
-        declaration("LEAST_RADIUS_PX", screen::LEAST_RADIUS_PX),
-        declaration("LEAST_SPREAD", screen::LEAST_SPREAD as f32),
-        declaration("MOST_DOUBLINGS", screen::MOST_DOUBLINGS as u32),
-        declaration("MOST_DOUBLINGS_OF_LENDING", screen::MOST_DOUBLINGS_OF_LENDING as u32),
-        declaration("MOST_LEVELS", screen::MOST_LEVELS),
-        declaration("MOST_REACH_CELLS", screen::MOST_REACH_CELLS),
-        declaration("MOST_REACH_PX", screen::MOST_REACH_PX as u32),
+        declaration("MIN_NEIGHBOURS", screen::MIN_NEIGHBOURS),
+        declaration("MIN_OF_PLANE", screen::MIN_OF_PLANE),
+        declaration("MIN_OF_RAMP", screen::MIN_OF_RAMP),
+        declaration("MIN_POSITIVE", MIN_POSITIVE),
+        declaration("MIN_RADIUS_PX", screen::MIN_RADIUS_PX),
+        declaration("MIN_SPREAD", screen::MIN_SPREAD as f32),
+        declaration("MAX_DOUBLINGS", screen::MAX_DOUBLINGS as u32),
+        declaration("MAX_DOUBLINGS_OF_LENDING", screen::MAX_DOUBLINGS_OF_LENDING as u32),
+        declaration("MAX_LEVELS", screen::MAX_LEVELS),
+        declaration("MAX_REACH_CELLS", screen::MAX_REACH_CELLS),
+        declaration("MAX_REACH_PX", screen::MAX_REACH_PX as u32),
         declaration("NOT_VISIBLE", NOT_VISIBLE),
         declaration("NO_DEPTH", NO_DEPTH),
         declaration("PI", std::f32::consts::PI),
@@ -226,7 +226,7 @@ pub(super) fn of_depth_images() -> String {
         declaration("DEPTH_TILE_PX", DEPTH_TILE_PX),
         declaration("DEPTH_TILE_VALUES", DEPTH_TILE_VALUES),
         declaration("FARTHEST_POINT_M", FARTHEST_POINT_M),
-        declaration("LEAST_EXPONENT", filter::LEAST_EXPONENT),
+        declaration("MIN_EXPONENT", filter::MIN_EXPONENT),
         declaration("LOG2_E", std::f32::consts::LOG2_E),
         declaration("MEDIAN_REACH", filter::MEDIAN_REACH as u32),
         declaration("NO_DEPTH", NO_DEPTH),
@@ -245,7 +245,7 @@ pub(super) fn of_stereo() -> String {
     /// More than any cost.
     const STEREO_NEVER: u32 = u32::MAX;
     /// Costs of all labels and of one more to each side, twice.
-    const STEREO_PATH_VALUES: u32 = 2 * (STEREO_MOST_LABELS + 2);
+    const STEREO_PATH_VALUES: u32 = 2 * (STEREO_MAX_LABELS + 2);
     [
         declaration("CENSUS_HALF_HEIGHT", stereo::CENSUS_HALF_HEIGHT as i32),
         declaration("CENSUS_HALF_WIDTH", stereo::CENSUS_HALF_WIDTH as i32),

@@ -21,7 +21,7 @@ use super::instancing::{Chunk, RECORD_BYTES, RecordInstancing, Room, Stream};
 use super::primitives::Amplification;
 use super::recording::Recording;
 use super::residency::{Residency, StreamKey};
-use super::rooms::{MOST_ROOM, stream_in};
+use super::rooms::{MAX_ROOM, stream_in};
 use crate::levels::Selection;
 use std::sync::Arc;
 
@@ -131,7 +131,7 @@ impl Gatherer {
         let Selection::At(places) = selection else { return 0 };
         let bytes: &[u8] = bytemuck::cast_slice(places);
         let needed = bytes.len() as u64;
-        let fits = |buffer: &wgpu::Buffer| buffer.size() >= needed && buffer.size() <= (needed + 1) * MOST_ROOM as u64;
+        let fits = |buffer: &wgpu::Buffer| buffer.size() >= needed && buffer.size() <= (needed + 1) * MAX_ROOM as u64;
         if !self.places.as_ref().is_some_and(fits) {
             self.places = Some(context.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("places of nodes"),

@@ -83,7 +83,7 @@ pub(super) fn dispatch(
     group: &wgpu::BindGroup,
     record_count: u32,
 ) {
-    let most = context.limits.max_compute_workgroups_per_dimension;
-    let groups = [record_count.div_ceil(GROUP_RECORDS).min(most), 1];
+    let max = context.limits.max_compute_workgroups_per_dimension;
+    let groups = [record_count.div_ceil(GROUP_RECORDS).min(max), 1];
     programs.dispatch(pass, 0, Bound::whole(group), groups);
 }

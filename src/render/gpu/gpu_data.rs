@@ -11,7 +11,7 @@ use crate::math::Frustum;
 use crate::render::constants::DEPTH_SLACK_RADII;
 use crate::rgbd::{Bilateral, Filters, FlyingPixels, Temporal};
 use crate::scene::{Kernel, Lighting, Lights, PointSize, ScenePacket, Shadow, SplatFilter};
-use crate::stereo::matching::constants::MOST_RADIUS;
+use crate::stereo::matching::constants::MAX_RADIUS;
 use crate::stereo::{self, Between, DisparityRange, Matching, Penalties};
 use bytemuck::Zeroable;
 use std::f32::consts::LOG2_E;
@@ -240,7 +240,7 @@ shared_struct! {
         /// Flying-pixel threshold as a fraction of the depth.
         flying_share: f32,
         /// Pixels with fewer near neighbours are dropped.
-        least_neighbours: f32,
+        min_neighbours: f32,
         /// Weight of the newest image in the temporal mean.
         newest_share: f32,
         /// Depths that differ by less are of one surface.
@@ -270,11 +270,11 @@ impl DepthImaging {
             exponent_per_px2: -LOG2_E / (2.0 * bilateral.space_px * bilateral.space_px),
             sigma_m: bilateral.depth_m.unwrap_or(0.0),
             noise_factor: bilateral.noise_factor,
-            flying_m: flying.most_m,
-            flying_share: flying.most_share,
-            least_neighbours: flying.least_neighbours.into(),
+            flying_m: flying.max_m,
+            flying_share: flying.max_share,
+            min_neighbours: flying.min_neighbours.into(),
             newest_share: temporal.share,
-            same_m: temporal.most_m,
+            same_m: temporal.max_m,
             fill_frames: temporal.fill_frames.into(),
             ..Self::zeroed()
         }
@@ -299,9 +299,9 @@ shared_struct! {
         /// Penalty of a step of one label.
         p1: u32,
         /// Least penalty of a longer step.
-        p2_least: u32,
+        p2_min: u32,
         /// Additional penalty of a longer step where brightness does not change.
-        p2_above_least: u32,
+        p2_above_min: u32,
         /// Change of brightness at which half of that is left.
         half_change: u32,
         /// By how much the best label must be better than others.
@@ -316,7 +316,7 @@ impl StereoMatching {
     pub fn of(size_px: [u32; 2], range: DisparityRange, matching: &Matching) -> Self {
         let (penalties, radius_px) = match matching.gathering {
             stereo::Gathering::SemiGlobal(penalties) => (penalties, 0),
-            stereo::Gathering::Local { radius_px } => (Penalties::default(), radius_px.min(MOST_RADIUS)),
+            stereo::Gathering::Local { radius_px } => (Penalties::default(), radius_px.min(MAX_RADIUS)),
         };
         Self {
             size_px,
@@ -324,8 +324,8 @@ impl StereoMatching {
             min_px: range.min(),
             radius_px: radius_px as u32,
             p1: penalties.p1.into(),
-            p2_least: penalties.p2_least.into(),
-            p2_above_least: (penalties.p2 - penalties.p2_least).into(),
+            p2_min: penalties.p2_min.into(),
+            p2_above_min: (penalties.p2 - penalties.p2_min).into(),
             half_change: penalties.half_change.max(1).into(),
             unique_percent: matching.unique_percent.into(),
             by_parabola: (matching.between == Between::Parabola).into(),
@@ -360,7 +360,7 @@ shared_struct! {
         /// Pixels for a slope of 1, to the right and upwards.
         px_per_slope: [f32; 2],
         /// Edge of a drawn point at least.
-        point_least_px: f32,
+        point_min_px: f32,
         /// Edge of a drawn point, scene units.
         point_edge: f32,
         /// Increase of the point edge per unit of the point's radius.
@@ -436,7 +436,7 @@ impl ViewUniform {
             near: packet.view.near,
             focal: packet.view.focal,
             viewport_px: packet.viewport_px.map(|edge| edge as f32),
-            point_least_px: point_size.least_px,
+            point_min_px: point_size.min_px,
             cube_half_edge: packet.content.voxels().map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
             depth_slack: if has_slack { DEPTH_SLACK_RADII } else { 0.0 },
             lighting: match packet.lighting() {

@@ -7,7 +7,7 @@ use super::context::Context;
 use super::late_read::LateRead;
 use crate::render::{PassTime, PassTimes};
 
-const QUERY_COUNT: u32 = 2 * PassTimes::MOST as u32;
+const QUERY_COUNT: u32 = 2 * PassTimes::MAX as u32;
 const QUERY_BYTES: u64 = wgpu::QUERY_SIZE as u64;
 
 #[derive(Debug)]
@@ -73,7 +73,7 @@ impl Timer {
 
     /// Returns the timestamp locations of the next pass, if it is timed.
     pub(super) fn stamps(&mut self, pass: &'static str) -> Option<Stamps<'_>> {
-        if !self.recorded || self.passes.len() == PassTimes::MOST {
+        if !self.recorded || self.passes.len() == PassTimes::MAX {
             return None;
         }
         let begin = 2 * self.passes.len() as u32;

@@ -94,12 +94,12 @@ fn roots([a, b, c]: [f64; 3]) -> impl Iterator<Item = f64> {
 /// Returns the ray parameter, as a multiple of `direction` from `eye` (outside), at which `distance` from a surface
 /// within 2 of the origin is 0.
 fn trace(eye: DVec3, direction: DVec3, distance: impl Fn(DVec3) -> f64) -> Option<f64> {
-    const MOST_STEPS: usize = 4096;
+    const MAX_STEPS: usize = 4096;
     let length = direction.length();
     let ahead = -eye.dot(direction) / (length * length);
     let mut depth = (ahead - 2.0 / length).max(0.0);
     let last = ahead + 2.0 / length;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let apart = distance(eye + direction * depth);
         if apart <= 1e-13 {
             return Some(depth);

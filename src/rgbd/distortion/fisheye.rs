@@ -4,7 +4,7 @@ use super::turn::{BEFORE_TURN, WIDEST, first_beyond};
 use glam::DVec2;
 
 /// Newton steps; the bracket alone is exact after as many.
-const MOST_STEPS: usize = 60;
+const MAX_STEPS: usize = 60;
 
 /// Distance from the centre at which the angle `theta` is shown, and how fast that grows.
 fn radius(k: &[f64; 4], theta: f64) -> (f64, f64) {
@@ -43,7 +43,7 @@ pub(super) fn undistort(k: &[f64; 4], distorted: DVec2, widest: f64) -> Option<D
     }
     let (mut low, mut high) = (0.0, widest);
     let mut theta = length.min(widest);
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let (value, slope) = radius(k, theta);
         let error = value - length;
         if error.abs() <= 1e-15 {

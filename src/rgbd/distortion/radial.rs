@@ -4,13 +4,13 @@ use super::turn::{BEFORE_TURN, WIDEST, first_beyond};
 use glam::{DMat2, DVec2};
 
 /// Newton converges within ten steps where it converges.
-const MOST_STEPS: usize = 50;
+const MAX_STEPS: usize = 50;
 
 /// Halvings of a step that leads away.
-const MOST_HALVINGS: usize = 30;
+const MAX_HALVINGS: usize = 30;
 
 /// Maximum residual error, far below the 10⁻⁶ of a pixel of any camera.
-const MOST_ERROR: f64 = 1e-11;
+const MAX_ERROR: f64 = 1e-11;
 
 /// x·(1 + k₁r² + k₂r⁴ + k₃r⁶) / (1 + k₄r² + k₅r⁴ + k₆r⁶), and a tangential part.
 #[derive(Debug, Clone, Copy)]
@@ -82,7 +82,7 @@ impl Radial {
         let error_at = |at: DVec2| self.distort(at) - distorted;
         let start = distorted.clamp_length_max(0.9 * reach);
         let (mut at, mut error) = (start, error_at(start));
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             if error.length_squared() <= 1e-32 {
                 break;
             }
@@ -91,7 +91,7 @@ impl Radial {
                 return None;
             }
             let step = jacobian.inverse() * error;
-            let nearer = (0..MOST_HALVINGS).find_map(|halvings| {
+            let nearer = (0..MAX_HALVINGS).find_map(|halvings| {
                 let next = at - step * 0.5_f64.powi(halvings as i32);
                 let left = error_at(next);
                 let is_nearer = left.length_squared() < error.length_squared();
@@ -100,7 +100,7 @@ impl Radial {
             let Some((next, left)) = nearer else { break };
             (at, error) = (next, left);
         }
-        let is_found = error.length() <= MOST_ERROR && self.jacobian(at).determinant() > 0.0;
+        let is_found = error.length() <= MAX_ERROR && self.jacobian(at).determinant() > 0.0;
         is_found.then_some(at)
     }
 

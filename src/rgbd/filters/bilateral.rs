@@ -10,7 +10,7 @@
 //! one depth comes back exactly. What was not measured is so far away that its weight is 2⁻¹²⁶, which no sum that holds
 //! the 1 of the centre notices; so nothing is tested for it. Eight pixels of a row are computed at once.
 
-use super::constants::{BILATERAL_REACH as REACH, LEAST_EXPONENT, SENSOR_BEST_M, SENSOR_NOISE_M, SENSOR_NOISE_PER_M};
+use super::constants::{BILATERAL_REACH as REACH, MIN_EXPONENT, SENSOR_BEST_M, SENSOR_NOISE_M, SENSOR_NOISE_PER_M};
 use super::padded::{LANES, Padded, by_blocks, load};
 use crate::rgbd::DepthImage;
 use fearless_simd::{Bytes, Level, Simd, SimdBase, SimdFloat, SimdMask, dispatch, f32x8, i32x8};
@@ -102,7 +102,7 @@ impl Bilateral {
 fn exp2<S: Simd>(simd: S, exponent: f32x8<S>) -> f32x8<S> {
     /// Magic number for rounding to an integer, near which single precision has whole numbers alone: 1.5 · 2²³.
     const WHOLE: f32 = 12_582_912.0;
-    let exponent = exponent.max(f32x8::splat(simd, LEAST_EXPONENT));
+    let exponent = exponent.max(f32x8::splat(simd, MIN_EXPONENT));
     let shifted = exponent + WHOLE;
     let rest = exponent - (shifted - WHOLE);
     let [c0, c1, c2] = SQUARE.map(|coefficient| f32x8::splat(simd, coefficient));

@@ -17,4 +17,4 @@ pub(crate) const SENSOR_NOISE_M: f32 = 0.0012;
 pub(crate) const SENSOR_NOISE_PER_M: f32 = 0.0019;
 
 /// Least exponent of 2 of a weight: what is less is nothing, and no number that adapters take for zero.
-pub(crate) const LEAST_EXPONENT: f32 = -126.0;
+pub(crate) const MIN_EXPONENT: f32 = -126.0;

@@ -13,7 +13,7 @@ use crate::rgbd::DepthImage;
 pub const NOTICEABLE_SHARE: f64 = 0.2;
 
 /// Share of the measured pixels above which a usual filter is not applied.
-const MOST_SHARE: f64 = 0.5;
+const MAX_SHARE: f64 = 0.5;
 
 /// Pixels that one filter dropped, or would drop.
 #[derive(Debug, Clone, Copy)]
@@ -53,7 +53,7 @@ impl Filters {
                 filter: kind,
                 share: count as f64 / measured.max(1) as f64,
             };
-            if is_automatic && dropped.share > MOST_SHARE {
+            if is_automatic && dropped.share > MAX_SHARE {
                 (kind.set_on)(&mut report.applied, false);
                 report.skipped.push(dropped);
                 continue;

@@ -20,11 +20,11 @@ const SPAN: usize = LANES + 2;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlyingPixels {
     /// Difference in depth that neighbours may have, in metres.
-    pub most_m: f32,
+    pub max_m: f32,
     /// Distance threshold as a fraction of the depth: the larger of both applies.
-    pub most_share: f32,
+    pub max_share: f32,
     /// Neighbours that have to be as near.
-    pub least_neighbours: u8,
+    pub min_neighbours: u8,
     /// So many pixels more are taken off along every edge.
     pub erosion_px: u8,
 }
@@ -32,16 +32,16 @@ pub struct FlyingPixels {
 impl FlyingPixels {
     /// Half of the neighbours, no erosion.
     pub const USUAL: Self = Self {
-        most_m: 0.01,
-        most_share: 0.02,
-        least_neighbours: 4,
+        max_m: 0.01,
+        max_share: 0.02,
+        min_neighbours: 4,
         erosion_px: 0,
     };
 
     /// `depth` without flying pixels.
     #[must_use]
     pub fn apply(&self, depth: &DepthImage) -> DepthImage {
-        let mut kept = self.keep(depth, self.least_neighbours);
+        let mut kept = self.keep(depth, self.min_neighbours);
         for _ in 0..self.erosion_px {
             kept = self.keep(&kept, AROUND.len() as u8);
         }
@@ -49,27 +49,27 @@ impl FlyingPixels {
     }
 
     /// The pixels of `depth` that have at least so many neighbours at their depth.
-    fn keep(&self, depth: &DepthImage, least: u8) -> DepthImage {
+    fn keep(&self, depth: &DepthImage, min: u8) -> DepthImage {
         let padded = Padded::of(depth, 1, NOWHERE_M);
-        let least = f32::from(least);
+        let min = f32::from(min);
         dispatch!(Level::new(), simd => {
-            by_blocks(simd, depth, #[inline(always)] |at| self.kept_at(simd, &padded, least, at))
+            by_blocks(simd, depth, #[inline(always)] |at| self.kept_at(simd, &padded, min, at))
         })
     }
 
     #[inline(always)]
-    fn kept_at<S: Simd>(&self, simd: S, padded: &Padded, least: f32, at: [usize; 2]) -> f32x8<S> {
+    fn kept_at<S: Simd>(&self, simd: S, padded: &Padded, min: f32, at: [usize; 2]) -> f32x8<S> {
         let splat = |value: f32| f32x8::splat(simd, value);
         let (none, one) = (splat(0.0), splat(1.0));
         let rows = [0, 1, 2].map(|down| padded.around::<SPAN>(at, down));
         let middle = load(simd, rows[1], 1);
-        let most = (middle * self.most_share).max(splat(self.most_m));
+        let max = (middle * self.max_share).max(splat(self.max_m));
         let mut neighbours = none;
         for [right, down] in AROUND {
-            let is_near = (load(simd, rows[down], right) - middle).abs().simd_le(most);
+            let is_near = (load(simd, rows[down], right) - middle).abs().simd_le(max);
             neighbours += simd.select_f32x8(is_near, one, none);
         }
-        let kept = simd.select_f32x8(neighbours.simd_ge(splat(least)), middle, none);
+        let kept = simd.select_f32x8(neighbours.simd_ge(splat(min)), middle, none);
         simd.select_f32x8(middle.simd_lt(splat(0.5 * NOWHERE_M)), kept, none)
     }
 }
@@ -91,13 +91,13 @@ mod tests {
         };
         let at = |x: isize, y: isize| {
             let middle = pixel(x, y);
-            let most = filter.most_m.max(filter.most_share * middle);
+            let max = filter.max_m.max(filter.max_share * middle);
             let is_near = |[right, down]: &[usize; 2]| {
                 let z = pixel(x + *right as isize - 1, y + *down as isize - 1);
-                z > 0.0 && (z - middle).abs() <= most
+                z > 0.0 && (z - middle).abs() <= max
             };
             let near = AROUND.iter().filter(|offset| is_near(offset)).count();
-            if near >= usize::from(filter.least_neighbours) {
+            if near >= usize::from(filter.min_neighbours) {
                 middle
             } else {
                 0.0

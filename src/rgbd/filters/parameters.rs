@@ -163,10 +163,10 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 unit: " m",
                 range: 0.0..=10.0,
                 digits: 3,
-                get: |filters| filters.flying.map(|flying| flying.most_m),
+                get: |filters| filters.flying.map(|flying| flying.max_m),
                 set: |filters, value| {
                     if let Some(flying) = &mut filters.flying {
-                        flying.most_m = value;
+                        flying.max_m = value;
                     }
                 },
             },
@@ -177,10 +177,10 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 unit: " of depth",
                 range: 0.0..=1.0,
                 digits: 3,
-                get: |filters| filters.flying.map(|flying| flying.most_share),
+                get: |filters| filters.flying.map(|flying| flying.max_share),
                 set: |filters, value| {
                     if let Some(flying) = &mut filters.flying {
-                        flying.most_share = value;
+                        flying.max_share = value;
                     }
                 },
             },
@@ -191,10 +191,10 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 unit: " of 8",
                 range: 0.0..=8.0,
                 digits: 0,
-                get: |filters| filters.flying.map(|flying| flying.least_neighbours.into()),
+                get: |filters| filters.flying.map(|flying| flying.min_neighbours.into()),
                 set: |filters, value| {
                     if let Some(flying) = &mut filters.flying {
-                        flying.least_neighbours = value as u8;
+                        flying.min_neighbours = value as u8;
                     }
                 },
             },
@@ -242,10 +242,10 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 unit: " m",
                 range: 0.0..=10.0,
                 digits: 3,
-                get: |filters| filters.temporal.map(|temporal| temporal.most_m),
+                get: |filters| filters.temporal.map(|temporal| temporal.max_m),
                 set: |filters, value| {
                     if let Some(temporal) = &mut filters.temporal {
-                        temporal.most_m = value;
+                        temporal.max_m = value;
                     }
                 },
             },

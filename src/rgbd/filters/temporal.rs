@@ -9,7 +9,7 @@ pub struct Temporal {
     /// Share of the newest image, above 0 and up to 1.
     pub share: f32,
     /// Difference in depth above which the mean of a pixel is reset, in metres.
-    pub most_m: f32,
+    pub max_m: f32,
     /// For how many images a hole is filled with what was measured there last.
     pub fill_frames: u8,
 }
@@ -18,11 +18,11 @@ impl Temporal {
     /// A camera at rest; holes stay.
     pub const USUAL: Self = Self {
         share: 0.4,
-        most_m: 0.02,
+        max_m: 0.02,
         fill_frames: 0,
     };
 
-    /// After so many images, what was before them is a sixtieth of a difference of at most [`Self::most_m`], and no
+    /// After so many images, what was before them is a sixtieth of a difference of at most [`Self::max_m`], and no
     /// hole is filled with it: 8 as usual.
     pub fn lead_frames(&self) -> usize {
         let rest = (1.0 - self.share).clamp(0.0, 0.9);
@@ -54,7 +54,7 @@ impl TemporalFilter {
     pub fn next(&mut self, depth: DepthImage) -> DepthImage {
         let Temporal {
             share,
-            most_m,
+            max_m,
             fill_frames,
         } = self.temporal;
         let next = match self.before.take() {
@@ -62,7 +62,7 @@ impl TemporalFilter {
                 let pixels = before.metres_mut().par_iter_mut().zip(&mut self.ages);
                 pixels.zip(depth.metres()).for_each(|((before, age), &now)| {
                     if now > 0.0 {
-                        let is_same = *before > 0.0 && (now - *before).abs() <= most_m;
+                        let is_same = *before > 0.0 && (now - *before).abs() <= max_m;
                         *before = if is_same {
                             *before + share * (now - *before)
                         } else {

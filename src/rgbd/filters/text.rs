@@ -101,8 +101,8 @@ fn parameter(kind: &FilterKind, word: &str) -> Option<(&'static FilterParameter,
 
 fn expected(kind: &FilterKind) -> String {
     let names = kind.parameters.iter().map(|parameter| {
-        let (least, most) = (parameter.range.start(), parameter.range.end());
-        format!("{}={least} to {most}{}", parameter.name, parameter.unit)
+        let (min, max) = (parameter.range.start(), parameter.range.end());
+        format!("{}={min} to {max}{}", parameter.name, parameter.unit)
     });
     let names: Vec<String> = names.collect();
     match names.as_slice() {
@@ -198,8 +198,8 @@ mod tests {
             for (kind, is_on) in KINDS.iter().zip(chosen) {
                 (kind.set_on)(&mut filters, is_on);
                 for parameter in kind.parameters {
-                    let (least, most) = (parameter.range.start(), parameter.range.end());
-                    parameter.set(&mut filters, least + values.next().unwrap_or_default() * (most - least));
+                    let (min, max) = (parameter.range.start(), parameter.range.end());
+                    parameter.set(&mut filters, min + values.next().unwrap_or_default() * (max - min));
                 }
             }
             let read = filters.to_string().parse::<Filters>();

@@ -103,16 +103,16 @@ fn put_band_on_planes(pixels: &Pixels, noise: &Noise, lines: Range<usize>, point
 /// If the window around it does not fit, one of half the width around it is better, for curved surfaces, than one of
 /// the same width next to it: those are tried only afterwards.
 fn plane_of(levels: &[PlanesOfWindows; 4], limit: f32, ray: &[f32; 3], pixel: [usize; 2]) -> Plane {
-    let least = |first: &Plane, second: &Plane| first.error.total_cmp(&second.error);
+    let min = |first: &Plane, second: &Plane| first.error.total_cmp(&second.error);
     let fits = |plane: &Plane| plane.fits(limit, ray);
     let around = |planes: &PlanesOfWindows| planes.at(pixel, [0, 0]).filter(fits);
-    let beside = |planes: &PlanesOfWindows| planes.beside(pixel).filter(fits).min_by(least);
+    let beside = |planes: &PlanesOfWindows| planes.beside(pixel).filter(fits).min_by(min);
     let [widest, .., narrowest] = levels;
     let mut steps = levels.windows(2);
     around(widest)
         .or_else(|| steps.find_map(|step| around(&step[1]).or_else(|| beside(&step[0]))))
         .or_else(|| beside(narrowest))
-        .or_else(|| narrowest.beside(pixel).min_by(least))
+        .or_else(|| narrowest.beside(pixel).min_by(min))
         .unwrap_or(Plane::NONE)
 }
 

@@ -18,7 +18,7 @@ const STEP_PX: usize = 8;
 const ON_PLANES: usize = 4;
 
 /// Fewer windows of a range of depths tell nothing of it; then it has the noise of all.
-const LEAST_WINDOWS: usize = 16;
+const MIN_WINDOWS: usize = 16;
 
 /// Ranges of depths to an octave: errors of time-of-flight cameras are not those of inverse depths.
 const PER_OCTAVE: f32 = 2.0;
@@ -55,8 +55,8 @@ impl Noise {
         let range = range_of(inverse);
         let found = self.of_ranges.iter().find(|of_range| of_range.0 == range);
         let noise = found.map_or(self.of_all, |&(_, error)| error);
-        let [least, most] = LIMITS.map(|limit| limit * inverse);
-        noise.clamp(least, most)
+        let [min, max] = LIMITS.map(|limit| limit * inverse);
+        noise.clamp(min, max)
     }
 }
 
@@ -82,7 +82,7 @@ fn flattest(errors: &[(i32, f32)], range: Option<i32>) -> Option<f32> {
     let of_range = errors.iter().filter(|of| range.is_none_or(|range| of.0 == range));
     let mut errors: Vec<f32> = of_range.map(|&(_, error)| error).collect();
     errors.sort_by(f32::total_cmp);
-    (errors.len() >= LEAST_WINDOWS).then(|| errors[errors.len() / ON_PLANES])
+    (errors.len() >= MIN_WINDOWS).then(|| errors[errors.len() / ON_PLANES])
 }
 
 fn range_of(inverse: f32) -> i32 {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Rays and inverse depths are no larger than this, so that sums of their squares are numbers.
-const MOST: f32 = 1e6;
+const MAX: f32 = 1e6;
 
 /// The pixels of an image: x and y of the ray at a depth of 1, and the inverse of the depth, 0 in holes.
 pub(super) struct Pixels {
@@ -19,8 +19,8 @@ impl Pixels {
         assert_eq!(points.len(), width * height, "a point for each pixel");
         let ray = |point: &Vec3| {
             if point.is_finite() && point.z > 0.0 {
-                let inverse = point.z.recip().clamp(MOST.recip(), MOST);
-                let [x, y] = [point.x, point.y].map(|at| (at * inverse).clamp(-MOST, MOST));
+                let inverse = point.z.recip().clamp(MAX.recip(), MAX);
+                let [x, y] = [point.x, point.y].map(|at| (at * inverse).clamp(-MAX, MAX));
                 [x, y, inverse]
             } else {
                 [0.0; 3]

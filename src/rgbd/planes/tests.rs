@@ -84,8 +84,8 @@ fn steps_of_a_sensor_make_no_terraces() {
         let normal = Vec3::new(tilt, tilt / 2.0, -1.0);
         let points = seen(in_steps(plane(normal, 2.0)));
         let off = degrees_off(&depth_normals(SIZE_PX, &points), &points, |_| normal);
-        let [median, most] = [off[off.len() / 2], off[off.len() * 95 / 100]];
-        assert!(median < 2.0 && most < 6.0, "tilt {tilt}: {median}°, 95 % {most}°");
+        let [median, max] = [off[off.len() / 2], off[off.len() * 95 / 100]];
+        assert!(median < 2.0 && max < 6.0, "tilt {tilt}: {median}°, 95 % {max}°");
     }
 }
 
@@ -119,8 +119,8 @@ fn a_sphere_is_round() {
     };
     let points = seen(sphere);
     let off = degrees_off(&depth_normals(SIZE_PX, &points), &points, |point| point - center);
-    let [median, most] = [off[off.len() / 2], off[off.len() * 70 / 100]];
-    assert!(median < 0.3 && most < 0.5, "{median}°, 70 % {most}°");
+    let [median, max] = [off[off.len() / 2], off[off.len() * 70 / 100]];
+    assert!(median < 0.3 && max < 0.5, "{median}°, 70 % {max}°");
 }
 
 #[test]
@@ -167,8 +167,8 @@ fn depths_alone_are_put_on_the_same_planes() {
     let alone = on_planes(&DepthImage::new(SIZE_PX, metres.clone()).unwrap());
     let apart = moved.iter().zip(alone.metres()).map(|(point, z)| (point.z - z).abs());
     assert!(apart.fold(0.0, f32::max) < 1e-4);
-    let most = metres.iter().zip(alone.metres()).map(|(before, z)| (before - z).abs());
-    assert!(most.fold(0.0, f32::max) > 1e-3);
+    let max = metres.iter().zip(alone.metres()).map(|(before, z)| (before - z).abs());
+    assert!(max.fold(0.0, f32::max) > 1e-3);
     let holes = on_planes(&DepthImage::new([3, 2], vec![1.0, 0.0, 1.0, 0.0, 0.0, 2.0]).unwrap());
     assert_eq!(holes.metres(), [1.0, 0.0, 1.0, 0.0, 0.0, 2.0]);
 }

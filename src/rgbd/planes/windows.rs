@@ -9,10 +9,10 @@ use std::ops::Range;
 type Sums = [f64; 10];
 
 /// Fewer pixels tell no plane from noise.
-const LEAST_PIXELS: f64 = 8.0;
+const MIN_PIXELS: f64 = 8.0;
 
 /// Rays in one line tell no plane: the determinant of their covariance is this share of the product of its diagonal.
-const LEAST_DETERMINANT: f64 = 1e-6;
+const MIN_DETERMINANT: f64 = 1e-6;
 
 /// Pixels are on the plane of their window within so many times what is the limit of the root of their mean square.
 const PIXEL_ON_PLANE: f32 = 1.5;
@@ -35,14 +35,14 @@ impl Plane {
 
     fn of(sums: &Sums) -> Self {
         let &[count, x, y, w, xx, xy, yy, xw, yw, ww] = sums;
-        if count < LEAST_PIXELS {
+        if count < MIN_PIXELS {
             return Self::NONE;
         }
         let [mean_x, mean_y, mean_w] = [x, y, w].map(|sum| sum / count);
         let [xx, xy, yy] = [xx - x * mean_x, xy - x * mean_y, yy - y * mean_y];
         let [xw, yw, ww] = [xw - x * mean_w, yw - y * mean_w, ww - w * mean_w];
         let determinant = xx * yy - xy * xy;
-        if determinant <= LEAST_DETERMINANT * xx * yy {
+        if determinant <= MIN_DETERMINANT * xx * yy {
             return Self::NONE;
         }
         let a = (xw * yy - yw * xy) / determinant;

@@ -142,11 +142,11 @@ fn ticks(scale: &ColorScale) -> Vec<(f32, String)> {
 /// Multiples of 1, 2 or 5 times a power of ten between two numbers, with their distance.
 fn even_numbers(low: f64, high: f64) -> Vec<(f64, f64)> {
     // Halves: the difference may be beyond f64.
-    let least = (high / 2.0 - low / 2.0) / (MAX_TICKS - 1) as f64 * 2.0;
-    let power = 10f64.powf(least.log10().floor());
+    let min = (high / 2.0 - low / 2.0) / (MAX_TICKS - 1) as f64 * 2.0;
+    let power = 10f64.powf(min.log10().floor());
     let factors = [1.0, 2.0, 5.0, 10.0];
     let steps = factors.map(|factor| factor * power);
-    let step = steps.into_iter().find(|&step| step >= least * (1.0 - 1e-9));
+    let step = steps.into_iter().find(|&step| step >= min * (1.0 - 1e-9));
     let step = step.unwrap_or(10.0 * power);
     let (first, last) = ((low / step).ceil(), (high / step).floor());
     if !step.is_normal() || !first.is_finite() || last - first > MAX_TICKS as f64 {

@@ -29,10 +29,10 @@ use crate::scene::style::OnOff;
 const RADIUS_OF_CLOUD: f32 = 0.2;
 
 /// The largest ball in a picture, as a share of its height.
-const MOST_RADIUS_OF_HEIGHT: f32 = 0.15;
+const MAX_RADIUS_OF_HEIGHT: f32 = 0.15;
 
 /// The largest ball in any picture: parts of large ones are drawn with as much around them.
-const MOST_RADIUS_PX: f32 = 512.0;
+const MAX_RADIUS_PX: f32 = 512.0;
 
 /// Ambient occlusion parameters of an image, in addition to depths and normals.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +40,7 @@ pub struct AmbientOcclusion {
     /// Radius of the ball at the near plane; `near / distance` times that at a distance.
     pub near_radius_px: f32,
     /// The largest one.
-    pub most_radius_px: f32,
+    pub max_radius_px: f32,
     /// Pixels from the view axis for a slope of 1.
     pub px_per_slope: f32,
     /// Strength: the fraction of the light that is lost relative to the fraction that is filled; 1 is the same
@@ -66,7 +66,7 @@ impl AmbientOcclusion {
             let px_per_slope = packet.view.pixels_per_unit_at_1;
             Self {
                 near_radius_px: radius * px_per_slope / packet.view.near,
-                most_radius_px: (MOST_RADIUS_OF_HEIGHT * packet.whole_height_px().round()).min(MOST_RADIUS_PX),
+                max_radius_px: (MAX_RADIUS_OF_HEIGHT * packet.whole_height_px().round()).min(MAX_RADIUS_PX),
                 px_per_slope,
                 strength: light.ao_strength,
             }
@@ -75,7 +75,7 @@ impl AmbientOcclusion {
 
     /// Returns the halo size: the distance of the farthest lines, in columns or rows.
     pub fn halo_px(&self) -> u32 {
-        self.most_radius_px.ceil() as u32
+        self.max_radius_px.ceil() as u32
     }
 
     /// Returns the positions of the lines in a ball of radius 1 around the origin. Opposite lines are pairs; no two

@@ -4,7 +4,7 @@
 //! stand before it: with view distances d, `exp(-strength · 300 · mean max(0, ln d - ln d_n))` over eight neighbours.
 //! Logarithms make it the same in any unit. Three things are done otherwise here:
 //!
-//! - `ln d - ln d_n` is replaced by `d / d_n - 1`, which takes no logarithm. Steps end at [`MOST_STEP`], and up to
+//! - `ln d - ln d_n` is replaced by `d / d_n - 1`, which takes no logarithm. Steps end at [`MAX_STEP`], and up to
 //!   there both differ by 1.3 %. The bound leaves a little of the colour behind a silhouette, however far behind.
 //! - Neighbours are whole pixels, so their radius is rounded; steps are scaled to the radius that was asked for. So a
 //!   slope is as dark in small pictures as in large ones.
@@ -28,7 +28,7 @@ const GAIN: f32 = 300.0;
 
 /// Maximum depth step that counts, relative to the distance. Pixels of which three neighbours are that near or nearer
 /// keep 6 % of their colour.
-const MOST_STEP: f32 = 0.025;
+const MAX_STEP: f32 = 0.025;
 
 /// Darkness of an edge of the cloud: exp(-0.5) of its colour.
 const EDGE: f32 = 0.5;
@@ -50,7 +50,7 @@ pub struct EyeDomeLight {
     /// Factors on the steps to neighbours in a row or a column, and to those on diagonals.
     pub gains: [f32; 2],
     /// Most that a step adds.
-    pub most: f32,
+    pub max: f32,
     /// Darkness where the cloud ends.
     pub edge: f32,
 }
@@ -91,7 +91,7 @@ impl EyeDomeLight {
         Self {
             reach_px: reach_px.map(|reach_px| reach_px as u32),
             gains: lengths_px.map(|length_px| per_step * telephoto * asked_px / length_px),
-            most: per_step * MOST_STEP,
+            max: per_step * MAX_STEP,
             edge: strength * EDGE / (BORDER * (Self::LONE - BORDER)),
         }
     }

@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Most pixels along an edge of a file's picture, and the most memory that its decoder may take.
-const MOST_EDGE_PX: u32 = 1 << 13;
-const MOST_BYTES: u64 = 1 << 29;
+const MAX_EDGE_PX: u32 = 1 << 13;
+const MAX_BYTES: u64 = 1 << 29;
 
 /// Width that pictures are reduced to: a column is about as wide as a texel of the map.
 const WIDTH: u32 = 2 * EnvironmentMap::EDGE as u32;
@@ -119,9 +119,9 @@ fn read(path: &Path) -> Result<Arc<EnvironmentMap>, EnvironmentError> {
         source,
     })?;
     let mut limits = Limits::default();
-    limits.max_image_width = Some(MOST_EDGE_PX);
-    limits.max_image_height = Some(MOST_EDGE_PX);
-    limits.max_alloc = Some(MOST_BYTES);
+    limits.max_image_width = Some(MAX_EDGE_PX);
+    limits.max_image_height = Some(MAX_EDGE_PX);
+    limits.max_alloc = Some(MAX_BYTES);
     reader.limits(limits);
     let picture = reader.decode().map_err(|source| EnvironmentError::Picture {
         path: path.to_owned(),

@@ -73,12 +73,12 @@ impl EnvironmentMap {
 /// Returns the exposure factor that makes the most light of a matt white surface 1; 1 where there is no light.
 fn exposure(harmonics: &Harmonics) -> f32 {
     let map = Octahedral::new(16, |normal| harmonics.at(normal));
-    let most = map
+    let max = map
         .shares()
         .map(|(_, light, _)| light.max_element())
         .fold(0.0, f32::max);
-    let exposure = 1.0 / most;
-    if exposure.is_finite() && most > 0.0 {
+    let exposure = 1.0 / max;
+    if exposure.is_finite() && max > 0.0 {
         exposure
     } else {
         1.0

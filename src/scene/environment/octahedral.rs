@@ -155,13 +155,13 @@ mod tests {
         let map = Octahedral::new(64, |direction| direction);
         // Across an edge of the octahedron four texels blend to half a texel below it, 1/64, which is seen as up to √3
         // times that from the middle of a face.
-        let most = 3f32.sqrt() / 64.0;
+        let max = 3f32.sqrt() / 64.0;
         for step in 0..20_000 {
             let y = 1.0 - 2.0 * (step as f32 + 0.5) / 20_000.0;
             let angle = 2.399_963 * step as f32;
             let ring = (1.0 - y * y).sqrt();
             let direction = Vec3::new(ring * angle.cos(), y, ring * angle.sin());
-            assert!(map.at(direction).distance(direction) < most, "{direction}");
+            assert!(map.at(direction).distance(direction) < max, "{direction}");
         }
     }
 

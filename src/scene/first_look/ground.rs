@@ -30,13 +30,13 @@ pub(super) fn of_map_coordinates(bounds: &Aabb, zero: Vec3) -> Option<Up> {
 /// The axes of a camera, where the normals of the file say that everything faces -Z: with Z up that would be a ceiling.
 pub(super) fn of_undersides(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
     /// Shares of normals within 60° of -Z and of +Z.
-    const LEAST_BELOW: f32 = 0.6;
-    const MOST_ABOVE: f32 = 0.03;
+    const MIN_BELOW: f32 = 0.6;
+    const MAX_ABOVE: f32 = 0.03;
     let share = |is_meant: fn(&Vec3) -> bool| {
         let count = sample.normals.iter().filter(|normal| is_meant(normal)).count();
         count as f32 / sample.normals.len().max(1) as f32
     };
-    let faces_camera = share(|normal| normal.z < -0.5) >= LEAST_BELOW && share(|normal| normal.z > 0.5) <= MOST_ABOVE;
+    let faces_camera = share(|normal| normal.z < -0.5) >= MIN_BELOW && share(|normal| normal.z > 0.5) <= MAX_ABOVE;
     // A map whose heights are counted downwards faces there as well.
     (faces_camera && !bounds.is_flat_along_z()).then(|| {
         Up::by_points(

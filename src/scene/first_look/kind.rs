@@ -123,7 +123,7 @@ fn is_one_surface(seen: &[Vec3]) -> bool {
     const MIN_POINTS: usize = 4;
     const MIN_CELLS: usize = 20;
     /// Depth within a cell as a share of that of all, or of half of the width: images of depth have 0.03 to 0.08.
-    const MOST_DEPTH: f32 = 0.11;
+    const MAX_DEPTH: f32 = 0.11;
     let range = |value: &dyn Fn(&Vec3) -> f32| {
         let mut values: Vec<f32> = seen.iter().map(value).collect();
         (quantile(&mut values, 0.01), quantile(&mut values, 0.99))
@@ -144,7 +144,7 @@ fn is_one_surface(seen: &[Vec3]) -> bool {
     let mut depths: Vec<f32> = dense.map(|cell| quantile(cell, 0.9) - quantile(cell, 0.1)).collect();
     let narrower = width(range(&|p| p.x)).min(width(range(&|p| p.y)));
     let whole = width(range(&|p| p.z)).max(0.5 * narrower);
-    depths.len() < MIN_CELLS || quantile(&mut depths, 0.5) <= MOST_DEPTH * whole
+    depths.len() < MIN_CELLS || quantile(&mut depths, 0.5) <= MAX_DEPTH * whole
 }
 
 /// Statistics of points around the place of a scanner.
@@ -158,9 +158,9 @@ pub(super) struct Around {
 /// Statistics of the points if they are a sweep around a scanner at `eye`.
 pub(super) fn sweep(sample: &CloudSample, eye: Vec3) -> Option<Around> {
     /// So many times as far apart are the points of the far fifth as those of the near fifth.
-    const LEAST_GROWTH: f32 = 2.5;
+    const MIN_GROWTH: f32 = 2.5;
     const SECTORS: usize = 36;
-    const LEAST_SECTORS: usize = 22;
+    const MIN_SECTORS: usize = 22;
     let bounds = trim::bounds(sample);
     let margin = 0.02 * bounds.extent();
     let inside = eye.cmpge(bounds.min - margin) & eye.cmple(bounds.max + margin);
@@ -204,7 +204,7 @@ pub(super) fn sweep(sample: &CloudSample, eye: Vec3) -> Option<Around> {
         sectors[((turn * SECTORS as f32) as usize).min(SECTORS - 1)] = true;
     }
     let covered = sectors.iter().filter(|&&is_covered| is_covered).count();
-    (growth >= LEAST_GROWTH && covered >= LEAST_SECTORS).then_some(around)
+    (growth >= MIN_GROWTH && covered >= MIN_SECTORS).then_some(around)
 }
 
 impl Around {

@@ -39,7 +39,7 @@ use crate::scene::view::pinhole_view::sensor_target_distance;
 use crate::sequence::{ColorHints, Detail, Sequence};
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
-use sample::{CloudSample, MOST_POINTS, median_luma, quantile};
+use sample::{CloudSample, MAX_POINTS, median_luma, quantile};
 
 /// Half of the points of a dark scan are darker than this, 0 to 255.
 const DARK_LUMA: f32 = 45.0;
@@ -98,7 +98,7 @@ impl FirstLook {
     /// it is.
     pub fn of(frames: &[&Frame], origin: DVec3) -> Self {
         let samples = frames.iter().filter(|frame| !frame.is_empty()).map(|frame| {
-            let all = CloudSample::of(frame, MOST_POINTS);
+            let all = CloudSample::of(frame, MAX_POINTS);
             (*frame, all.at(&trim::inliers(&all)), all.positions.len())
         });
         let samples: Vec<(&Frame, CloudSample, usize)> = samples.collect();
@@ -176,7 +176,7 @@ impl FirstLook {
         let others: Vec<Frame> = others(sequence.len(), first.points_in_file())
             .into_par_iter()
             .filter_map(|index| {
-                let detail = Detail::at_most(MOST_POINTS as u32);
+                let detail = Detail::at_most(MAX_POINTS as u32);
                 let loaded = sequence.load(index, detail, &Progress::default());
                 loaded.ok().map(|loaded| loaded.frame)
             })
@@ -411,11 +411,11 @@ impl Told {
 /// Returns the indices of the frames examined in addition to the first one of `count`, which has `point_count` points:
 /// as many as have a million points together, four at most.
 fn others(count: usize, point_count: usize) -> Vec<usize> {
-    const MOST_FRAMES: usize = 4;
-    const MOST_POINTS_READ: usize = 1_000_000;
-    let most = (MOST_POINTS_READ / point_count.max(1)).min(MOST_FRAMES);
+    const MAX_FRAMES: usize = 4;
+    const MAX_POINTS_READ: usize = 1_000_000;
+    let max = (MAX_POINTS_READ / point_count.max(1)).min(MAX_FRAMES);
     let last = count.saturating_sub(1);
-    let mut others: Vec<usize> = (1..=most).map(|part| part * last / most.max(1)).collect();
+    let mut others: Vec<usize> = (1..=max).map(|part| part * last / max.max(1)).collect();
     others.dedup();
     others.retain(|&index| index > 0);
     others
@@ -472,7 +472,7 @@ fn near(positions: &[Vec3], eye: Vec3, up: UpAxis) -> Vec<Vec3> {
     let up = up.direction().as_vec3();
     let range = |position: &Vec3| (*position - eye).reject_from_normalized(up).length();
     let mut ranges: Vec<f32> = positions.iter().map(range).collect();
-    let most = quantile(&mut ranges, SHOWN);
-    let is_near = |position: &&Vec3| range(position) <= most;
+    let max = quantile(&mut ranges, SHOWN);
+    let is_near = |position: &&Vec3| range(position) <= max;
     positions.iter().filter(is_near).copied().collect()
 }

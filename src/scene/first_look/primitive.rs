@@ -85,7 +85,7 @@ fn why_no_surface(captured: &Captured<'_>) -> Option<&'static str> {
         CaptureKind::Terrain => MAX_GROUND_SPACING,
         _ => MAX_SPACING,
     };
-    let is_wide = |share: f64, most: f32| quantile(&mut sample.spacing.clone(), share) > most * radius;
+    let is_wide = |share: f64, max: f32| quantile(&mut sample.spacing.clone(), share) > max * radius;
     if is_wide(0.5, max_spacing) || is_wide(0.99, MAX_WIDE_SPACING) {
         return Some("there are too few points for a surface");
     }

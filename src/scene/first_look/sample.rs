@@ -11,7 +11,7 @@ use crate::scene::style::luma;
 use glam::Vec3;
 
 /// Most points that stand for a cloud; statistics of so many are within a per cent.
-pub(super) const MOST_POINTS: usize = 1 << 14;
+pub(super) const MAX_POINTS: usize = 1 << 14;
 /// Slots to either side among which neighbours are looked for.
 const SLOTS_AROUND: usize = 8;
 /// The distance to this neighbour is the spacing: one or two may be duplicates or a pair of outliers.
@@ -23,7 +23,7 @@ const RANDOM_SHARE: f32 = 0.43;
 
 /// The widest gap between 10,000 points at random is a circle with the area of nine of them, √(9/π) = 1.7 times as wide
 /// as the circle of one; the rims of disks weigh next to nothing.
-const MOST_CLOSING: f32 = 2.4;
+const MAX_CLOSING: f32 = 2.4;
 /// Number of sampled positions of [`typical_spacing`], which is queried during playback: their median is accurate to
 /// within two per cent.
 const SPACED_PLACES: usize = 1 << 12;
@@ -48,10 +48,10 @@ pub(super) struct CloudSample {
 }
 
 impl CloudSample {
-    /// At most `most_points` of a frame.
-    pub(super) fn of(frame: &Frame, most_points: usize) -> Self {
+    /// At most `max_points` of a frame.
+    pub(super) fn of(frame: &Frame, max_points: usize) -> Self {
         let positions = frame.positions();
-        let slots = even_slots(positions.len(), most_points);
+        let slots = even_slots(positions.len(), max_points);
         Self {
             positions: slots.iter().map(|&slot| positions[slot]).collect(),
             normals: frame
@@ -92,7 +92,7 @@ impl CloudSample {
 /// Luma of the colours of the file, 0 to 255, that half of the points are below; `None` without colours.
 pub(super) fn median_luma(frame: &Frame) -> Option<f32> {
     let colors = frame.colors()?;
-    let slots = even_slots(colors.len(), MOST_POINTS);
+    let slots = even_slots(colors.len(), MAX_POINTS);
     let mut lumas: Vec<f32> = slots
         .iter()
         .map(|&slot| {
@@ -123,13 +123,13 @@ pub(crate) fn typical_spacing(frame: &Frame) -> PointSpacing {
     let share = if typical > 0.0 { nearest / typical } else { 1.0 };
     PointSpacing {
         typical,
-        closing: 1.0 + (MOST_CLOSING - 1.0) * ((1.0 - share) / (1.0 - RANDOM_SHARE)).clamp(0.0, 1.0),
+        closing: 1.0 + (MAX_CLOSING - 1.0) * ((1.0 - share) / (1.0 - RANDOM_SHARE)).clamp(0.0, 1.0),
     }
 }
 
-/// Places of at most `most` of `count`, evenly.
-fn even_slots(count: usize, most: usize) -> Vec<usize> {
-    let taken = count.min(most);
+/// Places of at most `max` of `count`, evenly.
+fn even_slots(count: usize, max: usize) -> Vec<usize> {
+    let taken = count.min(max);
     (0..taken).map(|index| (2 * index + 1) * count / (2 * taken)).collect()
 }
 
@@ -147,8 +147,8 @@ pub(super) fn quantile(values: &mut [f32], share: f64) -> f32 {
 /// one.
 fn spacings_at(positions: &[Vec3], slot: usize) -> (f32, f32) {
     /// Slots to either side that are looked at where many are copies.
-    const MOST_SLOTS: usize = 16 * SLOTS_AROUND;
-    let squares = (1..=MOST_SLOTS)
+    const MAX_SLOTS: usize = 16 * SLOTS_AROUND;
+    let squares = (1..=MAX_SLOTS)
         .flat_map(|step| [slot.checked_sub(step), slot.checked_add(step)])
         .filter_map(|other| Some(positions[slot].distance_squared(*positions.get(other?)?)))
         .filter(|&square| square > 0.0);
@@ -195,8 +195,8 @@ fn run_at(positions: &[Vec3], start: usize) -> Vec<Vec3> {
 /// line are.
 fn is_planar(run: &[Vec3]) -> bool {
     /// Thickness and width as shares of the whole variance.
-    const MOST_THICKNESS: f64 = 0.06;
-    const LEAST_WIDTH: f64 = 0.05;
+    const MAX_THICKNESS: f64 = 0.06;
+    const MIN_WIDTH: f64 = 0.05;
     if run.len() <= NEIGHBOURS {
         return false;
     }
@@ -218,5 +218,5 @@ fn is_planar(run: &[Vec3]) -> bool {
     }
     let [thickness, width, length] = matrix.eigen().values;
     let whole = thickness + width + length;
-    whole > 0.0 && thickness <= MOST_THICKNESS * whole && width >= LEAST_WIDTH * whole
+    whole > 0.0 && thickness <= MAX_THICKNESS * whole && width >= MIN_WIDTH * whole
 }

@@ -64,10 +64,10 @@ pub(super) fn standpoint(
         },
         CaptureKind::CameraFrame => seen_from("from the side of the camera").unwrap_or(USUAL),
         CaptureKind::Object => seen_from("from the side of the sensor")
-            .unwrap_or_else(|| most_surface(up, sample, bounds, USUAL.elevation_deg)),
+            .unwrap_or_else(|| max_surface(up, sample, bounds, USUAL.elevation_deg)),
         CaptureKind::Terrain => Standpoint {
             why: "from above",
-            ..most_surface(up, sample, bounds, TERRAIN_ELEVATION_DEG)
+            ..max_surface(up, sample, bounds, TERRAIN_ELEVATION_DEG)
         },
     }
 }
@@ -80,7 +80,7 @@ fn behind(up: UpAxis) -> f64 {
     }
 }
 
-fn most_surface(up: UpAxis, sample: &CloudSample, bounds: &Aabb, elevation_deg: f64) -> Standpoint {
+fn max_surface(up: UpAxis, sample: &CloudSample, bounds: &Aabb, elevation_deg: f64) -> Standpoint {
     let usual = Standpoint { elevation_deg, ..USUAL };
     let shown = |azimuth_deg| {
         let mut camera = Camera::framing(bounds, DVec3::ZERO, up);
@@ -148,7 +148,7 @@ impl CoarsePicture {
 pub(super) fn is_closed(sample: &CloudSample, bounds: &Aabb) -> bool {
     /// Points near an outline face away a little although what they stand for does not.
     const CLEARLY_AWAY: f32 = -0.3;
-    const MOST_BACKS: f32 = 0.01;
+    const MAX_BACKS: f32 = 0.01;
     const ELEVATIONS_DEG: [f64; 5] = [-90.0, -40.0, 0.0, 40.0, 90.0];
     if sample.normals.len() < sample.positions.len()
         || sample.positions.is_empty()
@@ -168,5 +168,5 @@ pub(super) fn is_closed(sample: &CloudSample, bounds: &Aabb) -> bool {
             }
         }
     }
-    backs <= MOST_BACKS * met
+    backs <= MAX_BACKS * met
 }

@@ -9,9 +9,9 @@ use super::sample::CloudSample;
 use crate::math::Aabb;
 
 /// Largest fraction of the points that is excluded as outliers.
-const MOST_OUTLIERS: f64 = 0.05;
+const MAX_OUTLIERS: f64 = 0.05;
 /// At most this share if they sample nothing, which they do from so many times the median spacing on.
-const MOST_STRAYS: f64 = 0.25;
+const MAX_STRAYS: f64 = 0.25;
 const STRAY_SPACINGS: f32 = 300.0;
 /// A point is isolated from this many times the median spacing on.
 const ISOLATED_SPACINGS: f32 = 8.0;
@@ -22,12 +22,12 @@ pub(super) fn inliers(sample: &CloudSample) -> Vec<usize> {
     let is_isolated = |&index: &usize| sample.spacing[index] > isolated_from;
     let mut isolated: Vec<usize> = (0..sample.spacing.len()).filter(is_isolated).collect();
     isolated.sort_by(|&a, &b| sample.spacing[b].total_cmp(&sample.spacing[a]));
-    let most = |share: f64| (share * sample.spacing.len() as f64) as usize;
+    let max = |share: f64| (share * sample.spacing.len() as f64) as usize;
     let stray_from = STRAY_SPACINGS * sample.median_spacing();
     let strays = isolated.partition_point(|&index| sample.spacing[index] > stray_from);
     // More strays than that are the cloud.
-    let strays = if strays <= most(MOST_STRAYS) { strays } else { 0 };
-    isolated.truncate(strays.max(most(MOST_OUTLIERS)));
+    let strays = if strays <= max(MAX_STRAYS) { strays } else { 0 };
+    isolated.truncate(strays.max(max(MAX_OUTLIERS)));
     isolated.sort_unstable();
     let is_inlier = |index: &usize| isolated.binary_search(index).is_err();
     (0..sample.spacing.len()).filter(is_inlier).collect()

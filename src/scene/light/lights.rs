@@ -25,7 +25,7 @@ pub struct Lights {
     /// Intensity of specular highlights, which are white.
     pub specular: f32,
     /// Lamps in addition to the headlight; black ones are off.
-    pub lamps: [Lamp; Lights::MOST_LAMPS],
+    pub lamps: [Lamp; Lights::MAX_LAMPS],
     /// Distance to the centre of the cloud: a unit of distances in which those of surfaces are near 1.
     pub usual_distance: f32,
 }
@@ -69,7 +69,7 @@ impl Lights {
     }
 
     /// Maximum number of lamps in addition to the headlight.
-    pub const MOST_LAMPS: usize = 4;
+    pub const MAX_LAMPS: usize = 4;
 
     /// Returns the lights of a packet; `None` where lighting is evaluated per splat, or there is none.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
@@ -92,7 +92,7 @@ impl Lights {
             LightRig::Paper => (0.0, of_paper(center, radius)),
             LightRig::Colored => (0.15, colored()),
         };
-        let mut all = [Lamp::NONE; Self::MOST_LAMPS];
+        let mut all = [Lamp::NONE; Self::MAX_LAMPS];
         all[..lamps.len()].copy_from_slice(&lamps);
         Some(Self {
             ambient: if rig == LightRig::None { 1.0 } else { AMBIENT },

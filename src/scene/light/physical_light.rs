@@ -58,7 +58,7 @@ impl PhysicalTables {
     pub const HEIGHT: usize = Self::WIDTH + 1;
 
     fn new(environment: Environment, roughness: f32) -> Self {
-        let curve = AlbedoCurve::new(roughness.max(PhysicalLight::LEAST_ROUGHNESS));
+        let curve = AlbedoCurve::new(roughness.max(PhysicalLight::MIN_ROUGHNESS));
         let mut texels = environment.map().mirrored(roughness);
         texels.extend(curve.entries);
         texels.resize(Self::WIDTH * Self::HEIGHT, [0.0; 4]);
@@ -68,7 +68,7 @@ impl PhysicalTables {
     /// Returns the tables of a roughness, recomputed if they are not among the last ones.
     fn of(environment: Environment, roughness: f32) -> Arc<Self> {
         /// Number of images whose tables are cached: both halves of a comparison.
-        const MOST_KEPT: usize = 4;
+        const MAX_KEPT: usize = 4;
         static KEPT: Mutex<Vec<(Environment, u32, Arc<PhysicalTables>)>> = Mutex::new(Vec::new());
         // Entries are replaced whole.
         let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
@@ -80,14 +80,14 @@ impl PhysicalTables {
         };
         let tables = Arc::clone(&entry.2);
         kept.insert(0, entry);
-        kept.truncate(MOST_KEPT);
+        kept.truncate(MAX_KEPT);
         tables
     }
 }
 
 impl PhysicalLight {
     /// Highlights of lamps are at least those of this roughness: a mirror would show a lamp as a point without size.
-    pub const LEAST_ROUGHNESS: f32 = 0.045;
+    pub const MIN_ROUGHNESS: f32 = 0.045;
 
     /// That of a packet; `None` if it is shaded otherwise.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
@@ -105,7 +105,7 @@ impl PhysicalLight {
         let up = packet.view.up.environment_from_frame();
         Some(Self {
             metallic: light.metallic.clamp(0.0, 1.0),
-            alpha: roughness.max(Self::LEAST_ROUGHNESS).powi(2),
+            alpha: roughness.max(Self::MIN_ROUGHNESS).powi(2),
             environment_from_view: up * packet.view.view_from_frame_rotation.transpose(),
             environment_light,
             harmonics: light.environment.map().harmonics().times(environment_light),

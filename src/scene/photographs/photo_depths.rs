@@ -49,14 +49,14 @@ impl DepthMap {
     const TOLERANCE: f32 = 0.05;
 
     /// Minimum depth tolerance as a fraction of the surface's size: a wall has no depth.
-    const LEAST_TOLERANCE: f32 = 0.01;
+    const MIN_TOLERANCE: f32 = 0.01;
 
     /// Maximum depth tolerance as a fraction of the distance to what is seen: outliers make any surface large.
-    const MOST_OF_DISTANCE: f32 = 0.03;
+    const MAX_OF_DISTANCE: f32 = 0.03;
 
     /// A map of these distances. Precondition: they are as many as `size` has pixels, and these are some.
-    /// `most_extent` is how large the whole surface is.
-    pub(crate) fn new(size: [u32; 2], mut distances: Vec<f32>, most_extent: f32, is_measured: bool) -> Self {
+    /// `max_extent` is how large the whole surface is.
+    pub(crate) fn new(size: [u32; 2], mut distances: Vec<f32>, max_extent: f32, is_measured: bool) -> Self {
         debug_assert_eq!(distances.len(), size[0] as usize * size[1] as usize);
         for distance in &mut distances {
             if !(distance.is_finite() && *distance > 0.0) {
@@ -64,9 +64,9 @@ impl DepthMap {
             }
         }
         let (extent, middle) = extent(&distances);
-        let of_depths = Self::TOLERANCE * extent.min(most_extent);
-        let of_surface = Self::LEAST_TOLERANCE * most_extent;
-        let tolerance = of_depths.max(of_surface.min(Self::MOST_OF_DISTANCE * middle));
+        let of_depths = Self::TOLERANCE * extent.min(max_extent);
+        let of_surface = Self::MIN_TOLERANCE * max_extent;
+        let tolerance = of_depths.max(of_surface.min(Self::MAX_OF_DISTANCE * middle));
         mark_steps(&mut distances, size[0] as usize, tolerance);
         Self {
             size,
@@ -104,8 +104,8 @@ fn mark_steps(distances: &mut [f32], width: usize, tolerance: f32) {
     let height = distances.len() / width.max(1);
     let window = |at: usize, end: usize| at.saturating_sub(STEP_TEXELS)..(at + STEP_TEXELS + 1).min(end);
     let both = |values: &mut dyn Iterator<Item = [f32; 2]>| {
-        values.fold([f32::INFINITY, 0.0_f32], |[least, most], [low, high]| {
-            [least.min(low), most.max(high)]
+        values.fold([f32::INFINITY, 0.0_f32], |[min, max], [low, high]| {
+            [min.min(low), max.max(high)]
         })
     };
     let along: Vec<[f32; 2]> = (0..distances.len())
@@ -118,8 +118,8 @@ fn mark_steps(distances: &mut [f32], width: usize, tolerance: f32) {
         .collect();
     distances.par_iter_mut().enumerate().for_each(|(at, distance)| {
         let (row, column) = (at / width, at % width);
-        let [least, most] = both(&mut window(row, height).map(|row| along[width * row + column]));
-        if least == 0.0 || most - least > tolerance {
+        let [min, max] = both(&mut window(row, height).map(|row| along[width * row + column]));
+        if min == 0.0 || max - min > tolerance {
             *distance = -*distance;
         }
     });

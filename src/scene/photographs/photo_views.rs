@@ -56,7 +56,7 @@ pub struct PhotoView {
 impl PhotoViews {
     /// Maximum number of posed images queried at a position, starting with those that look at it as the eye does: in a
     /// hollow, most are queried in vain.
-    pub const MOST_ASKED: usize = 16;
+    pub const MAX_ASKED: usize = 16;
 
     /// Returns true if holes, which none of the images sees, are filled from their surroundings.
     pub fn fills_holes(&self) -> bool {

@@ -248,7 +248,7 @@ impl Setting for Lod {
         match *self {
             Self::ThresholdPx(lod_px) => Value::Kind(0, f64::from(lod_px)),
             Self::Level(level) => Value::Kind(1, f64::from(level)),
-            Self::Budget(most) => Value::Kind(2, f64::from(most)),
+            Self::Budget(max) => Value::Kind(2, f64::from(max)),
             Self::FrameTimeMs(time_ms) => Value::Kind(3, f64::from(time_ms)),
         }
     }
@@ -257,7 +257,7 @@ impl Setting for Lod {
         match value {
             Value::Kind(0, lod_px) => Some(Self::ThresholdPx(lod_px as f32)),
             Value::Kind(1, level) => Some(Self::Level(level as u32)),
-            Value::Kind(2, most) => Some(Self::Budget(most as u32)),
+            Value::Kind(2, max) => Some(Self::Budget(max as u32)),
             Value::Kind(3, time_ms) => Some(Self::FrameTimeMs(time_ms as f32)),
             _ => None,
         }

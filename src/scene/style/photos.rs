@@ -89,8 +89,8 @@ group! {
             full_name: "Blended images",
             also: &["number of cameras"],
             values: Values::Number(Numbers {
-                kept: [1.0, PhotoStyle::MOST_VIEWS as f32],
-                offered: [1.0, PhotoStyle::MOST_VIEWS as f32],
+                kept: [1.0, PhotoStyle::MAX_VIEWS as f32],
+                offered: [1.0, PhotoStyle::MAX_VIEWS as f32],
                 typed: Typed::Whole,
                 decimals: 0,
                 ..Numbers::USUAL
@@ -193,12 +193,12 @@ group! {
 
 impl PhotoStyle {
     /// Maximum number of posed images blended at a position.
-    pub const MOST_VIEWS: usize = 8;
+    pub const MAX_VIEWS: usize = 8;
 
     /// Returns the number of posed images blended at a position.
     pub fn blended(&self) -> usize {
         match self.mode {
-            PhotoMode::Vdts => (self.views as usize).clamp(1, Self::MOST_VIEWS),
+            PhotoMode::Vdts => (self.views as usize).clamp(1, Self::MAX_VIEWS),
             PhotoMode::Single => 1,
             PhotoMode::Colored => 0,
         }

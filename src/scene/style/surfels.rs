@@ -89,7 +89,7 @@ impl SplatFilter {
 
     /// Splats that are seen at a smaller cosine between normal and view are filtered almost as with this one: on their
     /// planes, pixels reach too far into the picture.
-    pub const LEAST_COSINE: f32 = 0.1;
+    pub const MIN_COSINE: f32 = 0.1;
 }
 
 choices! {

@@ -12,7 +12,7 @@ use crate::scene::{Background, UpAxis, ViewTransform};
 use glam::{DVec3, Vec3, Vec3Swizzles as _};
 
 /// Cells under the cloud at least.
-const LEAST_CELLS: f64 = 5.0;
+const MIN_CELLS: f64 = 5.0;
 
 /// Grid extent: how far lines are seen, in widths of the cloud from its centre.
 const REACH_WIDTHS: f32 = 2.0;
@@ -77,9 +77,9 @@ impl GroundPlane {
     }
 }
 
-/// The largest power of ten with at least [`LEAST_CELLS`] cells in a width; 1 where it is no width.
+/// The largest power of ten with at least [`MIN_CELLS`] cells in a width; 1 where it is no width.
 fn spacing_under(width: f64) -> f64 {
-    let exponent = (width / LEAST_CELLS).log10();
+    let exponent = (width / MIN_CELLS).log10();
     // What is a power of ten but for rounding is that power.
     let spacing = 10f64.powi((exponent + 1e-9).floor().clamp(-30.0, 30.0) as i32);
     if width > 0.0 && width.is_finite() { spacing } else { 1.0 }

@@ -62,8 +62,8 @@ impl Camera {
 /// it sees: as deep as `middle`, the centre of that; otherwise `radius`, how large it is.
 pub fn sensor_target_distance(world_from_camera: &DAffine3, middle: DVec3, radius: f64) -> f64 {
     let depth = (middle - world_from_camera.translation).dot(world_from_camera.matrix3.z_axis);
-    let least = f64::MIN_POSITIVE.sqrt();
-    if depth > least { depth } else { radius.max(least) }
+    let min = f64::MIN_POSITIVE.sqrt();
+    if depth > min { depth } else { radius.max(min) }
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use std::f32::consts::SQRT_2;
 /// Returns the minimum width in pixels of points that are not plain ones of a fixed number of pixels: they then cover
 /// the centre of a pixel wherever they are. A little more than squares and disks need for that, as rasterisers round
 /// corners to 1/256 pixel.
-fn least_px(shape: PointShape) -> f32 {
+fn min_px(shape: PointShape) -> f32 {
     match shape {
         PointShape::Square => 1.01,
         PointShape::Disk | PointShape::Gaussian => 1.43,
@@ -24,7 +24,7 @@ fn least_px(shape: PointShape) -> f32 {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointSize {
     /// At least so many pixels.
-    pub least_px: f32,
+    pub min_px: f32,
     /// Edge length of every point, scene units.
     pub edge: f32,
     /// For each unit of the radius of a point.
@@ -35,26 +35,26 @@ impl PointSize {
     /// Returns the point size of a packet. Where the radii of points are unknown, they are the typical point spacing.
     pub fn of(packet: &ScenePacket) -> Self {
         let points = packet.style.drawn_points();
-        let least_px = least_px(points.shape);
+        let min_px = min_px(points.shape);
         let is_lit = packet.style.primitive == Primitive::Point && packet.lighting() != Lighting::Unlit;
         let is_plain = points.shape != PointShape::Gaussian && !is_lit;
         match points.sizing {
             PointSizing::Pixels => Self {
-                least_px: if is_plain {
+                min_px: if is_plain {
                     points.size_px.max(1.0)
                 } else {
-                    points.size_px.max(least_px)
+                    points.size_px.max(min_px)
                 },
                 edge: 0.0,
                 edge_per_radius: 0.0,
             },
             PointSizing::Adaptive if packet.content.shapes().is_some() => Self {
-                least_px,
+                min_px,
                 edge: 0.0,
                 edge_per_radius: 2.0 * points.scale,
             },
             PointSizing::Projected | PointSizing::Adaptive => Self {
-                least_px,
+                min_px,
                 // Disks close a square grid of points if they are as wide as the diagonals of its squares are long.
                 edge: SQRT_2 * points.scale * packet.params.point_spacing,
                 edge_per_radius: 0.0,
@@ -64,6 +64,6 @@ impl PointSize {
 
     /// Returns true if every point is a pixel.
     pub fn is_pixel(&self) -> bool {
-        self.edge == 0.0 && self.edge_per_radius == 0.0 && self.least_px <= 1.0
+        self.edge == 0.0 && self.edge_per_radius == 0.0 && self.min_px <= 1.0
     }
 }

@@ -14,7 +14,7 @@ use crate::scene::{Content, Surfels, ViewTransform};
 use std::sync::{Arc, Mutex};
 
 /// Maximum number of pixels by which points are distinguished.
-const MOST_PIXELS: f32 = (1 << 23) as f32;
+const MAX_PIXELS: f32 = (1 << 23) as f32;
 
 /// Inputs that screen-space surfels depend on.
 #[derive(Debug, Clone)]
@@ -114,7 +114,7 @@ impl PartialEq for ScreenInput {
 /// Returns a view with the pixels by which points are distinguished.
 pub fn screen_view(view: &ViewTransform, viewport_px: [u32; 2]) -> ScreenView {
     let [width, height] = viewport_px.map(|edge| edge.max(1) as f32);
-    let scale = (MOST_PIXELS / (width * height)).sqrt().min(1.0);
+    let scale = (MAX_PIXELS / (width * height)).sqrt().min(1.0);
     let size_px = [width, height].map(|edge| (edge * scale).ceil() as u32);
     let half = [0.5 * scale * width, 0.5 * scale * height];
     let [right, up] = view.center_ndc;

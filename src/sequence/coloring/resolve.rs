@@ -299,12 +299,12 @@ fn varies(sample: &ValueSample, name: &str) -> bool {
 /// Returns true if the field of this name shows what was scanned: its values are spread. Where nearly all are one
 /// number, as the confidence of a range scan is, the others are specks.
 fn is_spread(sample: &ValueSample, name: &str) -> bool {
-    const LEAST_SPREAD: f32 = 0.02;
+    const MIN_SPREAD: f32 = 0.02;
     let Some(sorted) = sorted_field(sample, name).filter(|sorted| !sorted.is_empty()) else {
         return false;
     };
     let at = |share: f32| sorted[(share * (sorted.len() - 1) as f32) as usize];
-    at(0.75) - at(0.25) > LEAST_SPREAD * (at(0.99) - at(0.01))
+    at(0.75) - at(0.25) > MIN_SPREAD * (at(0.99) - at(0.01))
 }
 
 /// Returns true if most of the values are so near to the low end of their range that steps of the logarithm separate

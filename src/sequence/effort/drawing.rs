@@ -8,13 +8,13 @@
 //! are late each time.
 
 use super::average::Average;
-use super::points::{FEWEST_POINTS, power_of_two};
+use super::points::{MIN_POINTS, power_of_two};
 
 /// Drawing statistics learned from images.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DrawingPace {
     /// As many points as frames should have; all if there is no number.
-    pub(super) most_points: Option<u32>,
+    pub(super) max_points: Option<u32>,
     picture_ms: Average,
     /// Approximate number of points in those images.
     of_points: usize,
@@ -47,7 +47,7 @@ enum Attempt {
 impl Default for DrawingPace {
     fn default() -> Self {
         Self {
-            most_points: None,
+            max_points: None,
             picture_ms: Average::default(),
             of_points: 0,
             pictures: 0,
@@ -65,19 +65,19 @@ impl DrawingPace {
     pub(super) const LOOKED_AT: u32 = 6;
     /// Pictures that tell what is far from the time of a frame.
     pub(super) const LOOKED_AT_IF_CLEAR: u32 = 3;
-    const MOST_PATIENCE: u32 = 1 << 11;
+    const MAX_PATIENCE: u32 = 1 << 11;
     /// Part of the time of a frame that pictures may take if it is to be held.
     const PLANNED: f64 = 0.8;
     /// Part of the time of a frame beyond which pictures do not hold it: some take longer than the mean.
     const LATE: f64 = 0.9;
     /// Part of the time of a picture that goes with its points, at least: measured slopes may be anything where little
     /// changed.
-    const LEAST_SLOPE: f64 = 0.25;
+    const MIN_SLOPE: f64 = 0.25;
 
     /// Returns the same numbers, without the measurements they follow from.
     pub(super) fn forgetful(self) -> Self {
         Self {
-            most_points: self.most_points,
+            max_points: self.max_points,
             is_known: self.is_known,
             ..Self::default()
         }
@@ -86,13 +86,13 @@ impl DrawingPace {
     /// Playing begins.
     pub(super) fn begin(&mut self, interval_ms: f64) {
         let is_late = |mean_ms: f64| mean_ms > Self::PLANNED * interval_ms;
-        if self.most_points.is_none()
+        if self.max_points.is_none()
             && let Some(mean_ms) = self.picture_ms.mean.filter(|&mean_ms| is_late(mean_ms))
         {
-            self.most_points = Some(self.fitting_points(mean_ms, interval_ms));
+            self.max_points = Some(self.fitting_points(mean_ms, interval_ms));
         }
         self.is_known |= self.picture_ms.mean.is_some();
-        self.change(self.most_points, Attempt::None);
+        self.change(self.max_points, Attempt::None);
     }
 
     /// Takes notice of a picture, and of how long a frame lasts while playing. While frames of before are shown, since
@@ -135,12 +135,12 @@ impl DrawingPace {
             return;
         }
         self.attempt = Attempt::None;
-        match self.most_points {
-            Some(most_points) if fits_twice && fitting > most_points => {
+        match self.max_points {
+            Some(max_points) if fits_twice && fitting > max_points => {
                 self.change(Some(fitting), Attempt::More);
             }
-            Some(most_points) if mean_ms < Self::PLANNED * interval_ms && !is_patient => {
-                self.change(most_points.checked_mul(2), Attempt::More);
+            Some(max_points) if mean_ms < Self::PLANNED * interval_ms && !is_patient => {
+                self.change(max_points.checked_mul(2), Attempt::More);
             }
             // The first pictures, of few points.
             None if (fitting as usize) < points_in_file && points < points_in_file => {
@@ -153,18 +153,18 @@ impl DrawingPace {
     /// Pictures take longer than a frame lasts.
     fn draw_fewer(&mut self, mean_ms: f64, before_ms: f64, fitting: u32, is_patient: bool) {
         let attempt = std::mem::replace(&mut self.attempt, Attempt::None);
-        match (attempt, self.most_points) {
+        match (attempt, self.max_points) {
             (Attempt::Fewer { before, before_ms }, _) if mean_ms > 0.9 * before_ms => {
                 self.try_later();
                 self.change(before, Attempt::None);
             }
             (Attempt::More, Some(more)) => {
                 self.try_later();
-                self.change(Some((more / 2).max(FEWEST_POINTS)), Attempt::None);
+                self.change(Some((more / 2).max(MIN_POINTS)), Attempt::None);
             }
             // A quarter less is the least that is worth a copy.
             _ if 4 * fitting as usize <= 3 * self.of_points && !is_patient => {
-                let before = self.most_points;
+                let before = self.max_points;
                 self.change(Some(fitting), Attempt::Fewer { before, before_ms });
             }
             _ => {}
@@ -173,8 +173,8 @@ impl DrawingPace {
 
     /// Points of the largest frames as they are wanted; those of the frame that is shown while all are.
     fn wanted_points(&self, points: usize, points_in_file: usize) -> usize {
-        let most_points = self.most_points.map(|most| most as usize);
-        most_points.map_or(points, |most| most.min(points_in_file.max(points)))
+        let max_points = self.max_points.map(|max| max as usize);
+        max_points.map_or(points, |max| max.min(points_in_file.max(points)))
     }
 
     /// Learns the cost of an additional point, from the first of these images and the last ones before the number was
@@ -195,22 +195,22 @@ impl DrawingPace {
         let left_ms = Self::PLANNED * interval_ms - mean_ms;
         let in_proportion_ms = mean_ms.max(1e-3) / of_points;
         let slope_ms = match self.slope_ms {
-            Some(slope_ms) if left_ms > 0.0 => slope_ms.clamp(Self::LEAST_SLOPE * in_proportion_ms, in_proportion_ms),
+            Some(slope_ms) if left_ms > 0.0 => slope_ms.clamp(Self::MIN_SLOPE * in_proportion_ms, in_proportion_ms),
             _ => in_proportion_ms,
         };
         power_of_two(of_points + left_ms / slope_ms)
     }
 
     fn try_later(&mut self) {
-        self.patience = (4 * self.patience).min(Self::MOST_PATIENCE);
+        self.patience = (4 * self.patience).min(Self::MAX_PATIENCE);
     }
 
-    fn change(&mut self, most_points: Option<u32>, attempt: Attempt) {
+    fn change(&mut self, max_points: Option<u32>, attempt: Attempt) {
         let is_settled = self.pictures >= Self::LOOKED_AT_IF_CLEAR;
         if let Some(mean_ms) = self.picture_ms.mean.filter(|_| is_settled) {
             self.before = Some((self.of_points, mean_ms));
         }
-        self.most_points = most_points;
+        self.max_points = max_points;
         self.attempt = attempt;
         self.pictures = 0;
         self.picture_ms = Average::default();

@@ -115,30 +115,30 @@ impl Effort {
     pub(super) fn in_time(&self) -> Detail {
         let is_known = self.drawing.is_known && self.rest_ns_per_point.mean.is_some();
         let first = (!is_known).then_some(FIRST_POINTS);
-        let fewest = [first, self.made_for, self.drawing.most_points];
-        self.detail(fewest.into_iter().flatten().min())
+        let min = [first, self.made_for, self.drawing.max_points];
+        self.detail(min.into_iter().flatten().min())
     }
 
     /// The detail of frames that there is time for.
     pub(super) fn at_best(&self) -> Detail {
-        self.detail(self.drawing.most_points)
+        self.detail(self.drawing.max_points)
     }
 
     /// Returns the number of frames to buffer ahead, so that slow ones among them cause no waiting anywhere.
     pub(super) fn ahead_frames(&self) -> usize {
         const SPAN: Duration = Duration::from_secs(2);
-        const FEWEST: f64 = 8.0;
+        const MIN: f64 = 8.0;
         let Some(interval) = self.interval else {
             return usize::MAX;
         };
         let interval_ms = (interval.as_secs_f64() * 1e3).max(1e-3);
         let frame_ms = self.decode_ms.worst + self.rest_ns_per_point.worst * self.points_in_file as f64 / 1e6;
         let span_ms = SPAN.as_secs_f64() * 1e3 + 4.0 * frame_ms;
-        (span_ms / interval_ms).max(FEWEST) as usize
+        (span_ms / interval_ms).max(MIN) as usize
     }
 
-    fn detail(&self, most_points: Option<u32>) -> Detail {
-        match (self.interval, most_points) {
+    fn detail(&self, max_points: Option<u32>) -> Detail {
+        match (self.interval, max_points) {
             (Some(_), Some(points)) if !self.is_whole(points) => Detail::at_most(points),
             _ => Detail::Full,
         }
@@ -171,7 +171,7 @@ fn milliseconds(duration: Duration) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::points::FEWEST_POINTS;
+    use super::points::MIN_POINTS;
     use super::*;
 
     const MILLION: usize = 1_000_000;
@@ -269,7 +269,7 @@ mod tests {
     fn a_file_that_takes_too_long_to_read_leaves_the_fewest_points() {
         let mut effort = played_at(25.0);
         effort.note_made(&made(500.0, 1.0, MILLION));
-        assert_eq!(effort.in_time(), Detail::at_most(FEWEST_POINTS));
+        assert_eq!(effort.in_time(), Detail::at_most(MIN_POINTS));
         // Of small frames there is nothing to leave out.
         let mut small = played_at(25.0);
         small.note_made(&MakingCost {
@@ -283,7 +283,7 @@ mod tests {
     fn drawn(effort: &mut Effort, ms: impl Fn(usize) -> f64) -> Detail {
         effort.note_made(&made(0.1, 0.1, MILLION));
         for _ in 0..200 {
-            let points = effort.at_best().most_points().min(MILLION);
+            let points = effort.at_best().max_points().min(MILLION);
             effort.note_drawn(points, ms(points));
         }
         effort.at_best()
@@ -318,7 +318,7 @@ mod tests {
         effort.note_made(&made(0.1, 0.1, MILLION));
         // Workers take half of the machine at first; then a picture of all points takes 30 ms.
         for number in 0..400 {
-            let points = effort.at_best().most_points().min(MILLION);
+            let points = effort.at_best().max_points().min(MILLION);
             let factor = if number < 60 { 2.0 } else { 1.0 };
             effort.note_drawn(points, factor * 30.0 * points as f64 / MILLION as f64);
         }
@@ -327,7 +327,7 @@ mod tests {
         effort.forget();
         let mut late = 0;
         for _ in 0..2000 {
-            let points = effort.at_best().most_points().min(MILLION);
+            let points = effort.at_best().max_points().min(MILLION);
             let picture_ms = 41.0 * points as f64 / MILLION as f64;
             late += u32::from(picture_ms > 40.0);
             effort.note_drawn(points, picture_ms);
@@ -343,7 +343,7 @@ mod tests {
         // Most of a picture is the same for any points. While workers are busy, everything takes longer.
         let mut drawn = |pictures, factor: f64| {
             for _ in 0..pictures {
-                let points = effort.at_best().most_points().min(MILLION);
+                let points = effort.at_best().max_points().min(MILLION);
                 effort.note_drawn(points, factor * (8.0 + points as f64 / 16_000.0));
             }
             effort.at_best()
@@ -370,7 +370,7 @@ mod tests {
         }
         // Few points that are late say enough.
         for _ in 0..20 {
-            let points = effort.at_best().most_points().min(1 << 17);
+            let points = effort.at_best().max_points().min(1 << 17);
             effort.note_drawn(points, points as f64 / 2_080.0);
         }
         assert_eq!(effort.at_best(), Detail::at_most(1 << 16), "63 ms for 2^17, 32 planned");

@@ -293,7 +293,7 @@ impl Cache {
     /// Remembers how large frame `index` is.
     pub(super) fn learn_bytes(&mut self, index: usize, bytes: usize) {
         self.entries[index].known_bytes = Some((self.needs_epoch, bytes));
-        self.largest_bytes = Some(self.largest_bytes.map_or(bytes, |most| most.max(bytes)));
+        self.largest_bytes = Some(self.largest_bytes.map_or(bytes, |max| max.max(bytes)));
     }
 
     /// Frame `index` stays as it is until other needs are asked for: somebody has cancelled what it lacks. False if
@@ -320,8 +320,8 @@ impl Cache {
         self.largest_points = self.largest_points.max(prepared.frame.points_in_file());
         if is_complete && !prepared.frame.is_empty() {
             let per_point = bytes as f64 / prepared.frame.len() as f64;
-            let most = self.bytes_per_point.map_or(per_point, |most| most.max(per_point));
-            self.bytes_per_point = Some(most);
+            let max = self.bytes_per_point.map_or(per_point, |max| max.max(per_point));
+            self.bytes_per_point = Some(max);
         }
         if prepared.is_sample() {
             let before = self.entries[index].coarse.replace(prepared);

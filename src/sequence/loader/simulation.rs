@@ -83,7 +83,7 @@ impl Simulation {
         let cost = (self.cost)(job.index);
         let points = match job.detail {
             Detail::Full => self.points,
-            detail @ Detail::AtMost(_) => detail.most_points().min(self.points),
+            detail @ Detail::AtMost(_) => detail.max_points().min(self.points),
         };
         let is_decoded = job.existing.is_none();
         Timings {

@@ -8,7 +8,7 @@
 //!
 //! A small frame comes at once: it would only flash as points.
 
-use crate::analysis::MOST_JOINED;
+use crate::analysis::MAX_JOINED;
 use crate::cloud::{Frame, PointRecord, ShapeRecord};
 use crate::sequence::records::lacks_surface;
 use crate::sequence::{ColorSource, Needs, Paint};
@@ -20,7 +20,7 @@ pub(crate) const STAGED_POINTS: usize = 1 << 17;
 pub(crate) const SAMPLE_POINTS: usize = 1 << 17;
 
 /// Frames of fewer points have no sample: all are read and sorted in less than a tenth of a second.
-pub(crate) const FEWEST_SAMPLED: usize = 1 << 19;
+pub(crate) const MIN_SAMPLED: usize = 1 << 19;
 
 /// Returns true if `frame` is shown with nothing but its points before `needs` are met, as these take long.
 pub(super) fn comes_in_stages(frame: &Frame, needs: &Needs) -> bool {
@@ -49,7 +49,7 @@ pub(super) fn completion_bytes(frame: &Frame, needs: &Needs) -> u64 {
     let shapes = if wants_shapes { size_of::<ShapeRecord>() } else { 0 };
     let estimated = match frame.len() {
         _ if !wants_shapes || !lacks_surface(frame) => 0,
-        0..=MOST_JOINED => ESTIMATED_BYTES[0],
+        0..=MAX_JOINED => ESTIMATED_BYTES[0],
         _ => ESTIMATED_BYTES[1],
     };
     let octree = needs.levels.map_or(0, |_| OCTREE_BYTES);

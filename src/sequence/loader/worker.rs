@@ -288,8 +288,8 @@ fn check_memory(shared: &Shared, index: usize, frame: &Frame, needs: &Needs) -> 
 fn sample(shared: &Shared, job: &Job) -> Option<Finished> {
     let reading = shared.readings.begin(job.index, ReadingStage::Frame);
     let prepared = || {
-        let (most, fewest) = (stages::SAMPLE_POINTS, stages::FEWEST_SAMPLED);
-        let loaded = shared.sequence.load_sample(job.index, most, fewest)?;
+        let (max, min) = (stages::SAMPLE_POINTS, stages::MIN_SAMPLED);
+        let loaded = shared.sequence.load_sample(job.index, max, min)?;
         let frame = Arc::new(loaded.frame);
         let needs = stages::points_alone(&frame, &job.needs);
         Some(prepare(job.index, frame, loaded.decode_ms, &needs, &shared.counters))
@@ -311,12 +311,12 @@ fn from_existing(
     job: &Job,
     progress: &Progress,
 ) -> Result<PreparedFrame, FrameError> {
-    let most_points = job.detail.most_points();
+    let max_points = job.detail.max_points();
     if !job.detail.is_exceeded_by(&existing.frame) {
         let counters = &shared.counters;
         return Ok(complete_observed(existing, mesh, &job.needs, counters, progress));
     }
-    prepare_sample(existing, mesh, most_points, &job.needs, &shared.counters).map_err(|reason| FrameError::Invalid {
+    prepare_sample(existing, mesh, max_points, &job.needs, &shared.counters).map_err(|reason| FrameError::Invalid {
         index: job.index,
         path: shared.sequence.entry(job.index).path.clone(),
         reason,

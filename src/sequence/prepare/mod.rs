@@ -81,17 +81,17 @@ pub(super) fn prepare_observed(
     build.finish(needs)
 }
 
-/// Prepares at most `most_points` of the points of `existing`, taken evenly, with all triangles. Normals and radii that
+/// Prepares at most `max_points` of the points of `existing`, taken evenly, with all triangles. Normals and radii that
 /// are known are not estimated again.
 pub(super) fn prepare_sample(
     existing: &PreparedFrame,
     mesh: Option<Mesh>,
-    most_points: usize,
+    max_points: usize,
     needs: &Needs,
     counters: &PrepareCounters,
 ) -> Result<PreparedFrame, CloudError> {
     let start = Instant::now();
-    let (frame, slots) = existing.frame.sample(most_points)?;
+    let (frame, slots) = existing.frame.sample(max_points)?;
     let factor = radius_factor(existing.frame.len(), slots.len());
     let shapes = existing.shapes.as_ref().map(|shapes| {
         let shape = |&slot: &u32| ShapeRecord {

@@ -17,10 +17,10 @@ use glam::Vec3;
 use std::sync::Arc;
 
 /// Clouds of more points are dense: the disks of stray ones are small there.
-const MOST_POINTS: usize = 1 << 18;
+const MAX_POINTS: usize = 1 << 18;
 
 /// Disks of more points are too small to be seen as such; what they become would be up to 19 times as many.
-const MOST_BENT: usize = 1 << 15;
+const MAX_BENT: usize = 1 << 15;
 
 /// Scale of an outlier's disk, as a factor on its radius.
 const SHRUNK: f32 = 1e-3;
@@ -28,7 +28,7 @@ const SHRUNK: f32 = 1e-3;
 /// Returns the outlier flag of each point: none is set if the file defines how large disks are, or there are too many
 /// points.
 pub(super) fn is_stray(frame: &Frame) -> Vec<bool> {
-    if frame.len() > MOST_POINTS || frame.radii().is_some() {
+    if frame.len() > MAX_POINTS || frame.radii().is_some() {
         return vec![false; frame.len()];
     }
     stray_points(frame.positions())
@@ -65,7 +65,7 @@ pub(super) fn bent_surface(
     shapes: &[ShapeRecord],
     is_stray: &[bool],
 ) -> Option<PhotoSurface> {
-    if points.len() > MOST_BENT || frame.radii().is_some() {
+    if points.len() > MAX_BENT || frame.radii().is_some() {
         return None;
     }
     let disks = points.iter().zip(shapes).map(|(point, shape)| Disk {

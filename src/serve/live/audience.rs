@@ -11,7 +11,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// Clients at once.
-pub(super) const MOST_CLIENTS: usize = 64;
+pub(super) const MAX_CLIENTS: usize = 64;
 
 /// Clients that speak at all do so more often: pings come twice per second.
 const SPEAKS_WITHIN: Duration = Duration::from_secs(2);
@@ -186,7 +186,7 @@ impl Audience {
         if inside.is_over {
             return Joining::Over;
         }
-        if inside.clients.len() >= MOST_CLIENTS && !inside.give_way(stuck) {
+        if inside.clients.len() >= MAX_CLIENTS && !inside.give_way(stuck) {
             return Joining::Full;
         }
         if let Some(newest) = &inside.newest {

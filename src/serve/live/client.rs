@@ -3,7 +3,7 @@
 use super::audience::Client;
 use super::mailbox::{Next, heartbeat};
 use crate::analysis::screen::ScreenEstimator;
-use crate::deadlines::LeastRate;
+use crate::deadlines::MinRate;
 use crate::locks::lock;
 use crate::serve::steady::SteadyWriter;
 use crate::wire::{Got, Kind, Message, Ping, Pong, StreamHead, View, WireError, read_message};
@@ -18,10 +18,10 @@ use std::time::{Duration, Instant};
 const HEARTBEAT: Duration = Duration::from_secs(1);
 
 /// Bytes of a message of a client.
-const MOST_SAID_BYTES: u64 = 256;
+const MAX_SAID_BYTES: u64 = 256;
 
 /// So many messages of a client are heard in so much time: more than there are frames, and no work for a processor.
-const MOST_SAID: (u32, Duration) = (1000, Duration::from_millis(50));
+const MAX_SAID: (u32, Duration) = (1000, Duration::from_millis(50));
 
 /// Estimators of what views show: as many as there are processors, as each has numbers for every pixel of the largest
 /// view that anybody has sent it.
@@ -51,14 +51,14 @@ impl Estimators {
 /// Sends what is in the mailbox until the client has left, or there is no more; says why it has ended.
 pub(super) fn send(
     client: &Client,
-    least: LeastRate,
+    min: MinRate,
     head: &StreamHead,
     estimators: &Estimators,
     clock_ns: impl Fn() -> u64,
     newest: impl Fn() -> Option<u64>,
 ) -> String {
     let deliver = |parts: &[&[u8]]| -> io::Result<()> {
-        let mut writer = SteadyWriter::new(&client.stream, least);
+        let mut writer = SteadyWriter::new(&client.stream, min);
         client.begins_to_take();
         for part in parts {
             writer.write(part, |_| client.begins_to_take())?;
@@ -130,15 +130,15 @@ fn stamp(payload: &mut Vec<u8>, kind: Kind, clock_ns: u64) {
 /// Hears what the client says until it says no more.
 pub(super) fn listen(client: &Client, stream: &TcpStream, clock_ns: impl Fn() -> u64) -> WireError {
     let mut reader = BufReader::with_capacity(1 << 10, stream);
-    let (most, time) = MOST_SAID;
+    let (max, time) = MAX_SAID;
     let (mut said, mut begun) = (0, Instant::now());
     loop {
-        if said == most {
+        if said == max {
             thread::sleep(time.saturating_sub(begun.elapsed()));
             (said, begun) = (0, Instant::now());
         }
         said += 1;
-        let heard = read_message(&mut reader, MOST_SAID_BYTES).and_then(|message| {
+        let heard = read_message(&mut reader, MAX_SAID_BYTES).and_then(|message| {
             match message.kind {
                 Kind::Ping => {
                     let received_ns = clock_ns();

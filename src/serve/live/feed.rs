@@ -7,13 +7,13 @@ use crate::messages::frame_by_index;
 use crate::progress::Progress;
 use crate::scene::PointSpacing;
 use crate::source::{Decoder, Source};
-use crate::wire::{ImageCoding, Kind, MOST_PAYLOAD_BYTES, images_body, points_body};
+use crate::wire::{ImageCoding, Kind, MAX_PAYLOAD_BYTES, images_body, points_body};
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 /// Bytes of bodies that are kept: a short sequence that is played over and over is made once.
-const MOST_KEPT_BYTES: usize = 256 << 20;
+const MAX_KEPT_BYTES: usize = 256 << 20;
 
 /// Number of frames after which the point spacing is measured again.
 const SPACING_FRAMES: usize = 100;
@@ -23,7 +23,7 @@ pub(super) struct Feed {
     source: Arc<dyn Source>,
     decoder: Box<dyn Decoder>,
     coding: ImageCoding,
-    most_bytes: u64,
+    max_bytes: u64,
     kept: BTreeMap<usize, Body>,
     kept_bytes: usize,
     /// Frames that cannot be read, which was said.
@@ -35,12 +35,12 @@ pub(super) struct Feed {
 }
 
 impl Feed {
-    pub(super) fn new(source: Arc<dyn Source>, coding: ImageCoding, most_bytes: u64) -> Self {
+    pub(super) fn new(source: Arc<dyn Source>, coding: ImageCoding, max_bytes: u64) -> Self {
         Self {
             decoder: source.decoder(),
             source,
             coding,
-            most_bytes,
+            max_bytes,
             kept: BTreeMap::new(),
             kept_bytes: 0,
             broken: BTreeSet::new(),
@@ -101,7 +101,7 @@ impl Feed {
                 return None;
             }
         };
-        if !self.source.is_live() && self.kept_bytes + body.bytes.len() <= MOST_KEPT_BYTES {
+        if !self.source.is_live() && self.kept_bytes + body.bytes.len() <= MAX_KEPT_BYTES {
             self.kept_bytes += body.bytes.len();
             self.kept.insert(index, body.clone());
         }
@@ -111,7 +111,7 @@ impl Feed {
     fn made(&mut self, index: usize) -> Result<Body, String> {
         let (kind, bytes) = if let Some(images) = self.source.raw_images(index) {
             let images = images.map_err(|error| error.to_string())?;
-            let (body, problem) = images_body(&images, self.coding, self.most_bytes)?;
+            let (body, problem) = images_body(&images, self.coding, self.max_bytes)?;
             if let Some(problem) = problem
                 && (self.source.is_live() || self.said.insert(index))
             {
@@ -121,9 +121,9 @@ impl Feed {
         } else {
             (Kind::Points, points_body(&self.decoded(index)?))
         };
-        if bytes.len() as u64 + 1024 > MOST_PAYLOAD_BYTES {
+        if bytes.len() as u64 + 1024 > MAX_PAYLOAD_BYTES {
             return Err(format!(
-                "it is {} bytes, and {MOST_PAYLOAD_BYTES} are sent at most: thin it out by pointreel convert",
+                "it is {} bytes, and {MAX_PAYLOAD_BYTES} are sent at most: thin it out by pointreel convert",
                 bytes.len()
             ));
         }

@@ -13,13 +13,13 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
 /// Frames that wait.
-pub(super) const MOST_FRAMES: usize = 2;
+pub(super) const MAX_FRAMES: usize = 2;
 
 /// Answers that wait: a client that asks more often is not answered.
-const MOST_ANSWERS: usize = 8;
+const MAX_ANSWERS: usize = 8;
 
 /// Frames that are on the way to a client that says what it has received.
-const MOST_ON_THE_WAY: usize = 2;
+const MAX_ON_THE_WAY: usize = 2;
 
 /// Next item of a client's send queue.
 #[derive(Debug)]
@@ -52,7 +52,7 @@ struct Inside {
 
 impl Inside {
     fn is_free(&self) -> bool {
-        !self.says_what_it_got || self.on_the_way.len() < MOST_ON_THE_WAY
+        !self.says_what_it_got || self.on_the_way.len() < MAX_ON_THE_WAY
     }
 }
 
@@ -60,7 +60,7 @@ impl Mailbox {
     /// Takes a frame; says whether another one was dropped for it.
     pub(super) fn push(&self, frame: Arc<Outgoing>) -> bool {
         let mut inside = lock(&self.inside);
-        let drops = inside.frames.len() >= MOST_FRAMES;
+        let drops = inside.frames.len() >= MAX_FRAMES;
         if drops {
             inside.frames.pop_front();
             inside.dropped += 1;
@@ -73,7 +73,7 @@ impl Mailbox {
 
     pub(super) fn answer(&self, message: Message) {
         let mut inside = lock(&self.inside);
-        if inside.answers.len() < MOST_ANSWERS {
+        if inside.answers.len() < MAX_ANSWERS {
             inside.answers.push_back(message);
         }
         drop(inside);
@@ -121,7 +121,7 @@ impl Mailbox {
         let Some(frame) = inside.frames.pop_front() else {
             return Next::Nothing;
         };
-        if inside.on_the_way.len() >= MOST_ON_THE_WAY {
+        if inside.on_the_way.len() >= MAX_ON_THE_WAY {
             inside.on_the_way.pop_front();
         }
         inside.on_the_way.push_back(frame.number);
@@ -199,7 +199,7 @@ mod tests {
             mailbox.answer(heartbeat(number, None));
         }
         let answers = (0..20).filter(|_| matches!(mailbox.next(Duration::ZERO), Next::Answer(_)));
-        assert_eq!(answers.count(), MOST_ANSWERS);
+        assert_eq!(answers.count(), MAX_ANSWERS);
         mailbox.answer(heartbeat(0, None));
         mailbox.end("it is over");
         assert!(matches!(mailbox.next(Duration::from_mins(1)), Next::End(reason) if reason == "it is over"));

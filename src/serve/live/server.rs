@@ -6,7 +6,7 @@ use super::feed::Feed;
 use super::outgoing::{Body, Outgoing};
 use super::schedule::Schedule;
 use super::surfels::WholeFrame;
-use crate::deadlines::{LeastRate, ServerDeadlines};
+use crate::deadlines::{MinRate, ServerDeadlines};
 use crate::serve::accept::AcceptBackOff;
 use crate::source::Source;
 use crate::wire::{FrameHead, ImageCoding, StreamHead};
@@ -23,7 +23,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 const LOOK: Duration = Duration::from_millis(10);
 
 /// Clients that wait for a place; more are left to the queue of the system.
-const MOST_WAITING: usize = 16;
+const MAX_WAITING: usize = 16;
 
 /// Options for serving a sequence live.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,7 +33,7 @@ pub struct LiveOptions {
     /// True if playback loops: the sequence restarts at its end.
     pub repeats: bool,
     /// Most bytes that a frame may take in memory.
-    pub most_bytes: u64,
+    pub max_bytes: u64,
 }
 
 /// Server statistics so far.
@@ -169,7 +169,7 @@ impl LiveServer {
 
     /// Plays until [`LiveServer::stop`], or to the end of a sequence that is not repeated.
     pub fn run(&self) -> io::Result<()> {
-        let mut feed = Feed::new(Arc::clone(&self.source), self.options.coding, self.options.most_bytes);
+        let mut feed = Feed::new(Arc::clone(&self.source), self.options.coding, self.options.max_bytes);
         let reason = thread::scope(|scope| -> io::Result<&str> {
             let accepting = thread::Builder::new()
                 .name("live clients".to_owned())
@@ -289,7 +289,7 @@ impl LiveServer {
         let mut waiting = VecDeque::new();
         while !self.shared.is_over() {
             self.seat(&mut waiting);
-            if waiting.len() >= MOST_WAITING {
+            if waiting.len() >= MAX_WAITING {
                 thread::sleep(LOOK);
                 continue;
             }
@@ -342,7 +342,7 @@ impl LiveServer {
 }
 
 /// Starts the threads of a client.
-fn attend(shared: &Arc<Shared>, client: &Arc<Client>, least: LeastRate) -> io::Result<()> {
+fn attend(shared: &Arc<Shared>, client: &Arc<Client>, min: MinRate) -> io::Result<()> {
     let (listener, clock) = (Arc::clone(client), Arc::clone(shared));
     thread::Builder::new().name("live listener".to_owned()).spawn(move || {
         let error = client::listen(&listener, &listener.stream, || clock.clock_ns());
@@ -357,7 +357,7 @@ fn attend(shared: &Arc<Shared>, client: &Arc<Client>, least: LeastRate) -> io::R
         .spawn(move || {
             let head = shared.head();
             let (clock, newest) = (|| shared.clock_ns(), || shared.audience.newest());
-            let reason = client::send(&client, least, &head, &shared.estimators, clock, newest);
+            let reason = client::send(&client, min, &head, &shared.estimators, clock, newest);
             client.hang_up();
             shared.audience.leave(&client);
             let report = client.report(reason);

@@ -74,13 +74,13 @@ impl SharedDepth {
             return None;
         }
         let is_large = |entry: &Arc<FrameEntry>| fs::metadata(&entry.path).is_ok_and(|file| file.len() > LARGE_BYTES);
-        let most = if is_large(&entries[0]) {
+        let max = if is_large(&entries[0]) {
             SAMPLED_LARGE_FRAMES
         } else {
             SAMPLED_FRAMES
         };
         let last = entries.len() - 1;
-        let steps = (most - 1).min(last);
+        let steps = (max - 1).min(last);
         let depths = (0..=steps).filter_map(|step| {
             let place = step * last / steps;
             let cloud = read_frame(&entries[place], options, shared, &Progress::default());

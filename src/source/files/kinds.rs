@@ -55,7 +55,7 @@ const THINGS: [&str; 42] = [
 ];
 
 /// More files with a number are a sequence, whatever stands before it.
-const MOST_LEVELS: usize = 8;
+const MAX_LEVELS: usize = 8;
 
 /// Returns true if the names of `files` are those of different things.
 pub(super) fn are_different_things(files: &[PathBuf]) -> bool {
@@ -67,7 +67,7 @@ pub(super) fn are_different_things(files: &[PathBuf]) -> bool {
 
 /// Returns true if the numbers of `files` are levels of detail or point counts: `lod0`, `100k`.
 pub(super) fn are_levels(files: &[PathBuf]) -> bool {
-    if files.len() < 2 || files.len() > MOST_LEVELS {
+    if files.len() < 2 || files.len() > MAX_LEVELS {
         return false;
     }
     let is_level = |file: &PathBuf| {

@@ -128,7 +128,7 @@ impl Looks {
         let first = seen.map_or_else(Instant::now, |seen| seen.first);
         let rests = seen.is_some_and(|seen| seen.stamp == stamp) || is_older(&entry.path, OLD);
         self.coming.insert(entry.path.clone(), Seen { stamp, first });
-        let has_waited = |most: Duration| first.elapsed() >= most;
+        let has_waited = |max: Duration| first.elapsed() >= max;
         let has_normals = match &entry.normals {
             Some(normals) => is_older(normals, QUIET),
             None => !expects_normals || is_older(&entry.path, NORMALS),
@@ -158,10 +158,10 @@ pub(super) fn is_quiet(entry: &FrameEntry) -> bool {
     is_older(&entry.path, QUIET) && normals.is_none_or(|normals| is_older(normals, QUIET))
 }
 
-fn is_older(path: &Path, least: Duration) -> bool {
+fn is_older(path: &Path, min: Duration) -> bool {
     let modified = fs::metadata(path).and_then(|metadata| metadata.modified());
     // A clock behind that of the file says nothing.
-    modified.is_ok_and(|at| at.elapsed().is_ok_and(|age| age >= least))
+    modified.is_ok_and(|at| at.elapsed().is_ok_and(|age| age >= min))
 }
 
 /// `None` for a file that is not there.

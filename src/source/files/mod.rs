@@ -172,19 +172,14 @@ impl Meshes for Files {
 }
 
 impl Samples for Files {
-    fn sample(
-        &self,
-        index: usize,
-        most_points: usize,
-        fewest_points: usize,
-    ) -> Result<Option<FrameSample>, DecodeFailure> {
+    fn sample(&self, index: usize, max_points: usize, min_points: usize) -> Result<Option<FrameSample>, DecodeFailure> {
         /// A disk that has to look for every point of a sample would take longer for them than for all: then there is
         /// none.
-        const MOST_TIME: Duration = Duration::from_secs(1);
+        const MAX_TIME: Duration = Duration::from_secs(1);
         let entry = self.entry(index);
         match (&entry.content, &entry.normals) {
             (FrameBytes::File(Part::Whole | Part::Sole), None) => {
-                let sample = io::read_sample(&entry.path, most_points, fewest_points, MOST_TIME)?;
+                let sample = io::read_sample(&entry.path, max_points, min_points, MAX_TIME)?;
                 Ok(sample.map(|(mut cloud, points)| {
                     self.color_depth.apply(&mut cloud, &self.options.read, &self.shared);
                     (placed(cloud, &entry).into(), points)

@@ -172,14 +172,14 @@ fn read_list(path: &Path) -> Result<(Vec<Duration>, Option<String>), String> {
 /// Puts times between their neighbours that are none or go back, if they are few: at most a tenth, or one. Which
 /// these are, from 1; `None` if they are many.
 fn mend(times: &mut [Option<Duration>]) -> Option<Vec<usize>> {
-    let most = (times.len() / 10).max(usize::from(times.len() > 3));
+    let max = (times.len() / 10).max(usize::from(times.len() > 3));
     let grows = longest_growth(times);
     let mut bad = Vec::new();
     for (at, time) in times.iter_mut().enumerate().filter(|(at, _)| !grows.contains(at)) {
         *time = None;
         bad.push(at + 1);
     }
-    if bad.len() > most {
+    if bad.len() > max {
         return None;
     }
     let known: Vec<(usize, Duration)> = times
@@ -242,8 +242,8 @@ fn times_of_text(text: &str) -> Option<Vec<Option<Duration>>> {
         lines.remove(0);
     }
     let whole: Vec<Option<Duration>> = lines.iter().map(|line| time_of_number(line)).collect();
-    let most = (lines.len() / 10).max(usize::from(lines.len() > 3));
-    let is_whole = whole.iter().filter(|time| time.is_none()).count() <= most;
+    let max = (lines.len() / 10).max(usize::from(lines.len() > 3));
+    let is_whole = whole.iter().filter(|time| time.is_none()).count() <= max;
     let column = |from_end: bool| -> Option<Vec<Duration>> {
         let word = |line: &&str| {
             let mut words = line.split([' ', '\t', ',', ';']).filter(|word| !word.is_empty());

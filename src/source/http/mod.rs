@@ -7,7 +7,7 @@
 //! is opened, and not again.
 //!
 //! **Bounds.** No more is read than was asked for, whatever the server sends, and no faster than is allowed
-//! ([`pace`]). Blocks take [`MOST_BLOCKS`] times [`BLOCK_BYTES`]. What comes more slowly than
+//! ([`pace`]). Blocks take [`MAX_BLOCKS`] times [`BLOCK_BYTES`]. What comes more slowly than
 //! [`ClientDeadlines::transfer`] allows is an error, however often a server begins again or says a byte.
 
 mod answer;
@@ -36,7 +36,7 @@ use ureq::http::{Response, StatusCode, header};
 const BLOCK_BYTES: u64 = 1 << 16;
 
 /// Blocks that are kept.
-const MOST_BLOCKS: usize = 64;
+const MAX_BLOCKS: usize = 64;
 
 /// Before a read is tried again: the first pause, which doubles up to the longest.
 const PAUSES: [Duration; 2] = [Duration::from_millis(50), Duration::from_secs(1)];
@@ -45,7 +45,7 @@ const PAUSES: [Duration; 2] = [Duration::from_millis(50), Duration::from_secs(1)
 const PIECE_BYTES: usize = 1 << 14;
 
 /// Redirections of one address.
-const MOST_REDIRECTS: u32 = 5;
+const MAX_REDIRECTS: u32 = 5;
 
 const CHANGED: &str = "the file has changed on the server: open it again";
 
@@ -84,14 +84,14 @@ impl HttpFile {
     ///
     /// # Errors
     /// No such file, no answer within `deadlines`, and servers that do not answer ranges.
-    pub(super) fn open(url: &str, most_bits_per_s: Option<f64>, deadlines: ClientDeadlines) -> io::Result<Self> {
+    pub(super) fn open(url: &str, max_bits_per_s: Option<f64>, deadlines: ClientDeadlines) -> io::Result<Self> {
         let mut file = Self {
             // The answers that lead elsewhere may have bodies without an end.
-            agent: agent(&deadlines, MOST_REDIRECTS, Some(deadlines.transfer.grace)),
+            agent: agent(&deadlines, MAX_REDIRECTS, Some(deadlines.transfer.grace)),
             url: url.to_owned(),
             len: 0,
             version: None,
-            pace: BytePace::new(most_bits_per_s.map(|bits| bits / 8.0)),
+            pace: BytePace::new(max_bits_per_s.map(|bits| bits / 8.0)),
             deadlines,
             blocks: Mutex::default(),
         };
@@ -119,7 +119,7 @@ impl HttpFile {
             | ureq::Error::ConnectionFailed
             | ureq::Error::HostNotFound => Failure::Broken(io::Error::other(error)),
             ureq::Error::TooManyRedirects => refused(format!(
-                "the server leads from one address to another, more than {MOST_REDIRECTS} times"
+                "the server leads from one address to another, more than {MAX_REDIRECTS} times"
             )),
             error => Failure::Refused(io::Error::other(error)),
         })?;
@@ -233,7 +233,7 @@ impl HttpFile {
         let block = Arc::new(bytes);
         let mut blocks = lock(&self.blocks);
         blocks.push_back((index, Arc::clone(&block)));
-        if blocks.len() > MOST_BLOCKS {
+        if blocks.len() > MAX_BLOCKS {
             blocks.pop_front();
         }
         Ok(block)
@@ -270,13 +270,13 @@ fn refused(reason: String) -> Failure {
     Failure::Refused(io::Error::other(reason))
 }
 
-/// A client of servers. `most` bounds an exchange with its redirections and bodies.
-fn agent(deadlines: &ClientDeadlines, most_redirects: u32, most: Option<Duration>) -> ureq::Agent {
+/// A client of servers. `max` bounds an exchange with its redirections and bodies.
+fn agent(deadlines: &ClientDeadlines, max_redirects: u32, max: Option<Duration>) -> ureq::Agent {
     ureq::Agent::config_builder()
         .http_status_as_error(false)
-        .max_redirects(most_redirects)
+        .max_redirects(max_redirects)
         .max_redirects_will_error(true)
-        .timeout_global(most)
+        .timeout_global(max)
         .timeout_resolve(Some(deadlines.silence))
         .timeout_connect(Some(deadlines.silence))
         .timeout_send_request(Some(deadlines.silence))

@@ -1,7 +1,7 @@
 //! Servers that never answer, drip, lie and break, over the loopback. Deadlines are short.
 
 use super::HttpFile;
-use crate::deadlines::{ClientDeadlines, LeastRate};
+use crate::deadlines::{ClientDeadlines, MinRate};
 use crate::reel::ReadAt as _;
 use std::io::{Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
@@ -16,7 +16,7 @@ const LONG: Duration = Duration::from_secs(30);
 fn deadlines() -> ClientDeadlines {
     ClientDeadlines {
         silence: Duration::from_millis(200),
-        transfer: LeastRate {
+        transfer: MinRate {
             grace: Duration::from_millis(500),
             bytes_per_s: 1e5,
         },

@@ -1,6 +1,6 @@
 //! Timeouts for transferring a byte range of a file, independent of individual connections.
 
-use crate::deadlines::LeastRate;
+use crate::deadlines::MinRate;
 use std::fmt;
 use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
@@ -10,7 +10,7 @@ pub(super) struct Transfer<'a> {
     url: &'a str,
     /// The thing that is waited for.
     what: String,
-    least: LeastRate,
+    min: MinRate,
     begun: Instant,
     /// Time during which no more data was wanted because the rate was limited.
     paused: Duration,
@@ -22,11 +22,11 @@ pub(super) struct Transfer<'a> {
 
 impl<'a> Transfer<'a> {
     /// From now on `what` of the file at `url` is waited for.
-    pub(super) fn new(url: &'a str, what: String, least: LeastRate) -> Self {
+    pub(super) fn new(url: &'a str, what: String, min: MinRate) -> Self {
         Self {
             url,
             what,
-            least,
+            min,
             begun: Instant::now(),
             paused: Duration::ZERO,
             came: 0,
@@ -51,9 +51,9 @@ impl<'a> Transfer<'a> {
     /// for too long.
     pub(super) fn time_left(&self) -> Option<Duration> {
         let waited = self.waited();
-        let of_all = self.least.time_left(self.came, waited)?;
+        let of_all = self.min.time_left(self.came, waited)?;
         let silent = waited.saturating_sub(self.last);
-        let of_next = self.least.grace.checked_sub(silent).filter(|left| !left.is_zero())?;
+        let of_next = self.min.grace.checked_sub(silent).filter(|left| !left.is_zero())?;
         Some(of_all.min(of_next))
     }
 
@@ -65,7 +65,7 @@ impl<'a> Transfer<'a> {
             self.waited().as_secs_f64(),
             self.what,
             self.came,
-            self.least.bytes_per_s
+            self.min.bytes_per_s
         );
         io::Error::new(ErrorKind::TimedOut, text)
     }
@@ -74,7 +74,7 @@ impl<'a> Transfer<'a> {
 impl fmt::Display for Transfer<'_> {
     /// The end of a sentence that begins with *waiting for*.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let seconds = self.least.grace.as_secs();
+        let seconds = self.min.grace.as_secs();
         write!(
             f,
             "{} from {} (up to {seconds} s without progress)",

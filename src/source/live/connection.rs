@@ -24,14 +24,14 @@ const PING_INTERVAL: Duration = Duration::from_millis(500);
 const BACK_OFF: [Duration; 2] = [Duration::from_millis(100), Duration::from_secs(5)];
 
 /// Stays connected to `address` until the source is closed.
-pub(super) fn run(shared: &Arc<Shared>, address: &str, most_bytes: u64, deadlines: &ClientDeadlines) {
+pub(super) fn run(shared: &Arc<Shared>, address: &str, max_bytes: u64, deadlines: &ClientDeadlines) {
     let [shortest, longest] = BACK_OFF;
     let mut back_off = shortest;
     while !shared.is_closed() {
         let received = shared.status().received_frames;
         let (problem, is_final) = match connect(address, deadlines) {
             Ok(stream) => {
-                let Err(error) = follow(shared, &stream, most_bytes, deadlines);
+                let Err(error) = follow(shared, &stream, max_bytes, deadlines);
                 (error.to_string(), error.is_final())
             }
             Err(problem) => (problem, false),
@@ -74,7 +74,7 @@ enum Never {}
 fn follow(
     shared: &Shared,
     stream: &TcpStream,
-    most_bytes: u64,
+    max_bytes: u64,
     deadlines: &ClientDeadlines,
 ) -> Result<Never, WireError> {
     let prepared = stream
@@ -99,7 +99,7 @@ fn follow(
     loop {
         // What is read ahead of it was no wait.
         reader.get_mut().message = None;
-        let message = read_message(&mut reader, most_bytes)?;
+        let message = read_message(&mut reader, max_bytes)?;
         match message.kind {
             Kind::Images | Kind::Points => {
                 if let Some(number) = shared.frame(message)? {

@@ -52,7 +52,7 @@ impl<S: FrameStore> Decoder for StreamDecoder<S> {
         &mut self,
         index: usize,
         entry: &FrameEntry,
-        _most_points: usize,
+        _max_points: usize,
         progress: &Progress,
     ) -> Result<DecodedFrame, DecodeFailure> {
         let cloud = self.cloud(index, progress);
@@ -81,10 +81,10 @@ pub(super) fn sensor(frame: &Frame) -> Option<Sensor> {
 }
 
 /// The images of a frame.
-pub(super) fn raw_images(frame: &Frame, most_bytes: u64) -> Option<Result<RawImages, DecodeFailure>> {
+pub(super) fn raw_images(frame: &Frame, max_bytes: u64) -> Option<Result<RawImages, DecodeFailure>> {
     match &frame.content {
         Content::Points(_) => None,
-        Content::Images(images) => Some(images.raw(most_bytes).map_err(DecodeFailure::from)),
+        Content::Images(images) => Some(images.raw(max_bytes).map_err(DecodeFailure::from)),
     }
 }
 

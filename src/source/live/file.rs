@@ -45,7 +45,7 @@ struct Recorded {
     file: Mutex<File>,
     /// Byte offset of the message of each frame.
     offsets: Vec<u64>,
-    most_bytes: u64,
+    max_bytes: u64,
 }
 
 /// A file that a stream was recorded to.
@@ -82,7 +82,7 @@ impl RecordedStream {
         let recorded = Recorded {
             file: Mutex::new(regular_file::open(path).map_err(unreadable)?),
             offsets: walked.frames.iter().map(|(offset, ..)| *offset).collect(),
-            most_bytes: options.read.max_memory_bytes,
+            max_bytes: options.read.max_memory_bytes,
         };
         Ok(Self {
             entries: walked.frames.iter().map(entry).collect(),
@@ -189,7 +189,7 @@ impl FrameStore for Recorded {
         let read = file
             .seek(SeekFrom::Start(offset))
             .map_err(WireError::Io)
-            .and_then(|_| read_message(&mut *file, self.most_bytes));
+            .and_then(|_| read_message(&mut *file, self.max_bytes));
         drop(file);
         let frame = read
             .and_then(Frame::of)
@@ -246,7 +246,7 @@ impl DepthImages for RecordedStream {
     fn raw_images(&self, index: usize) -> Option<Result<RawImages, DecodeFailure>> {
         let frame = self.recorded.frame(index).map_err(DecodeFailure::from);
         match frame {
-            Ok(frame) => raw_images(&frame, self.recorded.most_bytes),
+            Ok(frame) => raw_images(&frame, self.recorded.max_bytes),
             Err(error) => Some(Err(error)),
         }
     }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 const WINDOW: Duration = Duration::from_secs(2);
 
 /// Entries that are kept: more come only from streams of tiny frames, whose rate is then that of a shorter time.
-const MOST_ENTRIES: usize = 1024;
+const MAX_ENTRIES: usize = 1024;
 
 /// Data rate received recently.
 #[derive(Debug, Default)]
@@ -18,7 +18,7 @@ pub(super) struct Rate {
 impl Rate {
     /// So many bytes of a frame have come.
     pub(super) fn add(&mut self, now: Instant, bytes: usize) {
-        if self.came.len() == MOST_ENTRIES {
+        if self.came.len() == MAX_ENTRIES {
             self.came.pop_front();
         }
         self.came.push_back((now, bytes));

@@ -8,10 +8,10 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Maximum size of all frames together, in bytes: ten seconds of uncompressed 640 × 480 at 30 frames per second.
-const MOST_BYTES: usize = 512 << 20;
+const MAX_BYTES: usize = 512 << 20;
 
 /// Frames at most, of streams of tiny ones.
-const MOST_FRAMES: usize = 1 << 14;
+const MAX_FRAMES: usize = 1 << 14;
 
 /// A frame, and when it came.
 #[derive(Debug)]
@@ -62,7 +62,7 @@ impl Ring {
             && frames.newest.len() > 1
         {
             let is_old = now.saturating_duration_since(oldest.arrived) > self.keeps;
-            if !is_old && frames.byte_size <= MOST_BYTES && frames.newest.len() <= MOST_FRAMES {
+            if !is_old && frames.byte_size <= MAX_BYTES && frames.newest.len() <= MAX_FRAMES {
                 break;
             }
             let gone = frames.newest.pop_front().map_or(0, |held| held.frame.byte_size);

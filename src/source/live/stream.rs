@@ -40,7 +40,7 @@ pub struct LiveStream {
     /// Streams with other filters have it as well.
     wanted: Arc<Wanted>,
     received: Arc<ReceivedFrames>,
-    most_bytes: u64,
+    max_bytes: u64,
     is_of_surfels: bool,
     /// Frames that were told of.
     told: Mutex<usize>,
@@ -93,10 +93,10 @@ impl LiveStream {
         let keeps = Duration::try_from_secs_f64(keeps).unwrap_or(Duration::MAX);
         let shared = Arc::new(Shared::new(keeps));
         let connected = Arc::clone(&shared);
-        let most_bytes = options.read.max_memory_bytes;
+        let max_bytes = options.read.max_memory_bytes;
         thread::Builder::new()
             .name("live stream".to_owned())
-            .spawn(move || connection::run(&connected, &address, most_bytes, &deadlines))
+            .spawn(move || connection::run(&connected, &address, max_bytes, &deadlines))
             .map_err(|reason| SequenceError::NoThread { reason })?;
         let stream = Self {
             input: input.to_owned(),
@@ -105,7 +105,7 @@ impl LiveStream {
             }),
             shared,
             received: Arc::new(ReceivedFrames::new(input, options)),
-            most_bytes,
+            max_bytes,
             is_of_surfels: options.live_surfels,
             told: Mutex::default(),
         };
@@ -221,7 +221,7 @@ impl DepthImages for LiveStream {
     }
 
     fn raw_images(&self, index: usize) -> Option<Result<RawImages, DecodeFailure>> {
-        raw_images(&self.shared.ring.frame(index)?.frame, self.most_bytes)
+        raw_images(&self.shared.ring.frame(index)?.frame, self.max_bytes)
     }
 
     fn filters(&self) -> Option<Filters> {
@@ -236,7 +236,7 @@ impl DepthImages for LiveStream {
             shared: Arc::clone(&self.shared),
             wanted: Arc::clone(&self.wanted),
             received: Arc::new(self.received.filtered(filters)),
-            most_bytes: self.most_bytes,
+            max_bytes: self.max_bytes,
             is_of_surfels: self.is_of_surfels,
             told: Mutex::new(*lock(&self.told)),
         }))

@@ -85,7 +85,7 @@ fn times_of(entries: &[FrameEntry]) -> Vec<Option<Duration>> {
 
 /// Returns the time steps of cameras, each of which is sorted by its clock.
 pub(super) fn together(cameras: &[Vec<Timed>]) -> Vec<Together> {
-    let most_apart = 0.5 * usual_step(cameras.iter().map(Vec::as_slice));
+    let max_apart = 0.5 * usual_step(cameras.iter().map(Vec::as_slice));
     let mut all: Vec<(f64, usize, usize)> = cameras
         .iter()
         .enumerate()
@@ -99,7 +99,7 @@ pub(super) fn together(cameras: &[Vec<Timed>]) -> Vec<Together> {
     let mut moments: Vec<Together> = Vec::new();
     for (clock, camera, at) in all {
         let last = moments.last_mut();
-        let last = last.filter(|last| last.of_each[camera].is_none() && clock - last.clock < most_apart);
+        let last = last.filter(|last| last.of_each[camera].is_none() && clock - last.clock < max_apart);
         if let Some(last) = last {
             last.of_each[camera] = Some(at);
         } else {
@@ -113,12 +113,12 @@ pub(super) fn together(cameras: &[Vec<Timed>]) -> Vec<Together> {
 
 /// Returns the entry of `others` that belongs to the same time step as `clock`.
 pub(super) fn beside(others: &[Timed], clock: f64) -> Option<&Timed> {
-    let most_apart = 0.5 * usual_step([others]);
+    let max_apart = 0.5 * usual_step([others]);
     let nearest = others.iter().min_by(|left, right| {
         let apart = |of: &Timed| (of.clock - clock).abs();
         apart(left).total_cmp(&apart(right))
     });
-    nearest.filter(|other| (other.clock - clock).abs() < most_apart)
+    nearest.filter(|other| (other.clock - clock).abs() < max_apart)
 }
 
 /// The median step of all cameras.

@@ -27,7 +27,7 @@ const BASES: &[&str] = &[
 const WITHIN: &[&str] = &["", "images", "image", "rgb", "data"];
 
 /// Entries of a folder that are looked at.
-const MOST_ENTRIES: usize = 200_000;
+const MAX_ENTRIES: usize = 200_000;
 
 /// Layout of the images in folders.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -299,7 +299,7 @@ pub(super) fn entries_of(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Vec::new();
     };
-    let entries = entries.take(MOST_ENTRIES).flatten();
+    let entries = entries.take(MAX_ENTRIES).flatten();
     let is_shown = |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default();
         !name.as_encoded_bytes().starts_with(b".")

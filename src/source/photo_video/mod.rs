@@ -35,7 +35,7 @@ const POINT_FOLDERS: &[&str] = &["points", "pointclouds", "point_clouds", "cloud
 
 /// Longest side, in pixels, of images used for plane sweeping where pairs show nothing: a video frame has to be there
 /// soon. `--dense` uses as many pixels as for a single set.
-const MOST_SIDE_PX: u32 = 320;
+const MAX_SIDE_PX: u32 = 320;
 
 /// Multi-view video of a dynamic scene.
 #[derive(Debug)]
@@ -324,11 +324,11 @@ impl Moment {
             Images::InFolder(folder) => (vec![folder.clone()], false),
             Images::Listed(_) => (Vec::new(), true),
         };
-        let least = if is_complete { QUIET } else { LATE };
+        let min = if is_complete { QUIET } else { LATE };
         let is_old = |path: &PathBuf| {
             let modified = std::fs::metadata(path).and_then(|metadata| metadata.modified());
             // A clock that stands before the file's says nothing.
-            modified.map_or(true, |at| at.elapsed().map_or(true, |age| age >= least))
+            modified.map_or(true, |at| at.elapsed().map_or(true, |age| age >= min))
         };
         files.iter().all(is_old)
     }
@@ -346,7 +346,7 @@ impl Decoder for MomentDecoder {
         &mut self,
         index: usize,
         _entry: &FrameEntry,
-        _most_points: usize,
+        _max_points: usize,
         progress: &Progress,
     ) -> Result<DecodedFrame, DecodeFailure> {
         let moment = read(&self.moments).get(index).map(Arc::clone);
@@ -392,7 +392,7 @@ impl MomentDecoder {
         match of_pairs.cloud(set, progress) {
             Err(DenseError::Nothing { .. }) => {
                 let small = Dense {
-                    most_side_px: MOST_SIDE_PX,
+                    max_side_px: MAX_SIDE_PX,
                     ..usual
                 };
                 small.cloud(set, progress)

@@ -231,8 +231,8 @@ fn assert_films(video: &PhotoVideo, filmed: impl Fn(usize) -> Filmed, moments: u
             share_on_ball(&cloud, usize::from(moment == 0)),
         );
         // Two views alone have no third one that tells mistakes.
-        let least = if filmed.cameras > 2 { 0.9 } else { 0.8 };
-        assert!(own > least && other < 0.5, "{own} on its ball, {other} on another");
+        let min = if filmed.cameras > 2 { 0.9 } else { 0.8 };
+        assert!(own > min && other < 0.5, "{own} on its ball, {other} on another");
     }
 }
 

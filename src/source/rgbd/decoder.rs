@@ -65,7 +65,7 @@ fn check_pixels([width, height]: [u32; 2], path: &Path, options: &ReadOptions) -
             path: path.to_owned(),
             size_px: [width, height],
             bytes,
-            most_bytes: options.max_memory_bytes,
+            max_bytes: options.max_memory_bytes,
         });
     }
     Ok(())
@@ -190,7 +190,7 @@ impl Recorded {
         color_px: Option<[u32; 2]>,
     ) -> Result<Arc<PreparedRig>, NoCamera> {
         /// Maximum number of cached cameras: a recording that changes its images more often prepares the cameras again.
-        const MOST_KEPT: usize = 8;
+        const MAX_KEPT: usize = 8;
         let is_it = |known: &&Arc<PreparedRig>| {
             let is_camera = Arc::ptr_eq(&known.calibration, calibration) || known.calibration == *calibration;
             is_camera && known.depth_px == depth_px && known.color_px == color_px
@@ -210,7 +210,7 @@ impl Recorded {
             rays,
             rig: Arc::new(rig),
         });
-        cameras.truncate(MOST_KEPT - 1);
+        cameras.truncate(MAX_KEPT - 1);
         cameras.insert(0, Arc::clone(&prepared));
         Ok(prepared)
     }
@@ -495,7 +495,7 @@ impl Decoder for ImageDecoder {
         &mut self,
         index: usize,
         _entry: &FrameEntry,
-        _most_points: usize,
+        _max_points: usize,
         progress: &Progress,
     ) -> Result<DecodedFrame, DecodeFailure> {
         let recorded = Arc::clone(&self.recorded);

@@ -27,7 +27,7 @@ const KNOWN: [f64; 6] = [1000.0, 256.0, 4000.0, 5000.0, 6553.5, 10_000.0];
 const ALL: f64 = 0.98;
 
 /// Distinct numbers below which their multiples say nothing.
-const FEWEST_DISTINCT: usize = 64;
+const MIN_DISTINCT: usize = 64;
 
 /// Origin of a recording's depth units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -177,7 +177,7 @@ fn are_fifths(numbers: &[u16]) -> bool {
         let multiples = numbers.iter().filter(|number| number.is_multiple_of(step)).count();
         multiples as f64 / numbers.len().max(1) as f64
     };
-    distinct >= FEWEST_DISTINCT && share(5) >= ALL && share(10) < ALL
+    distinct >= MIN_DISTINCT && share(5) >= ALL && share(10) < ALL
 }
 
 #[cfg(test)]

@@ -17,18 +17,18 @@ pub enum RgbdError {
         reason: std::io::Error,
     },
     /// A file that is larger than a frame may be.
-    #[error("{} has {bytes} bytes, and {most_bytes} are read: raise --max-memory if that is right", path.display())]
+    #[error("{} has {bytes} bytes, and {max_bytes} are read: raise --max-memory if that is right", path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
         /// Its size.
         bytes: u64,
         /// Maximum size that is read, in bytes.
-        most_bytes: u64,
+        max_bytes: u64,
     },
     /// An image of more pixels than there is memory for.
     #[error(
-        "{} has an image of {} × {} pixels, which would take {bytes} bytes of memory, and may take {most_bytes}: raise \
+        "{} has an image of {} × {} pixels, which would take {bytes} bytes of memory, and may take {max_bytes}: raise \
          --max-memory if the machine has it", path.display(), size_px[0], size_px[1]
     )]
     ManyPixels {
@@ -39,7 +39,7 @@ pub enum RgbdError {
         /// Memory they would require, in bytes.
         bytes: u64,
         /// Memory limit, in bytes.
-        most_bytes: u64,
+        max_bytes: u64,
     },
     /// An image that cannot be decoded.
     #[error(

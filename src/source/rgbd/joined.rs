@@ -11,7 +11,7 @@ use glam::{DAffine3, Vec3};
 use std::fmt;
 
 /// Points up to which all are kept: those of 27 images of 640×480. The software renderer draws them in a second.
-const MOST_POINTS: usize = 1 << 23;
+const MAX_POINTS: usize = 1 << 23;
 
 /// Edges of the finest cells, without one that was asked for, from a pixel to the next on what was seen: few points of
 /// one frame are joined.
@@ -33,7 +33,7 @@ pub(super) struct Merged {
     joined: usize,
     /// As it was asked for.
     edge_m: Option<f64>,
-    most_points: usize,
+    max_points: usize,
     has_colors: bool,
     lacks_colors: bool,
     warnings: Vec<String>,
@@ -41,9 +41,9 @@ pub(super) struct Merged {
 
 impl Merged {
     /// Creates an empty point set. Points are voxel-downsampled to cells of `edge_m`; not at all if that is 0; and if
-    /// it is not given, to cells as fine as [`MOST_POINTS`] allow. Cells take no more than `most_bytes`.
-    pub(super) fn new(edge_m: Option<f64>, most_bytes: u64) -> Self {
-        let most_cells = usize::try_from(most_bytes / CELL_BYTES).unwrap_or(usize::MAX).max(1);
+    /// it is not given, to cells as fine as [`MAX_POINTS`] allow. Cells take no more than `max_bytes`.
+    pub(super) fn new(edge_m: Option<f64>, max_bytes: u64) -> Self {
+        let max_cells = usize::try_from(max_bytes / CELL_BYTES).unwrap_or(usize::MAX).max(1);
         let mut points = RawCloud::from_positions(Positions::F64(Vec::new()));
         points.attributes.colors = Some(Vec::new());
         points.attributes.normals = Some(Vec::new());
@@ -53,10 +53,10 @@ impl Merged {
             cells: edge_m.filter(|&edge| edge > 0.0).map(Cells::new),
             joined: 0,
             edge_m,
-            most_points: match edge_m {
+            max_points: match edge_m {
                 Some(0.0) => usize::MAX,
-                Some(_) => most_cells,
-                None => most_cells.min(MOST_POINTS),
+                Some(_) => max_cells,
+                None => max_cells.min(MAX_POINTS),
             },
             has_colors: false,
             lacks_colors: false,
@@ -97,7 +97,7 @@ impl Merged {
         self.lacks_colors |= cloud.attributes.colors.is_none();
         self.warnings.append(&mut cloud.warnings);
         let count = cloud.positions.len();
-        if self.cells.is_none() && self.points.positions.len() + count > self.most_points {
+        if self.cells.is_none() && self.points.positions.len() + count > self.max_points {
             let mut cells = Cells::new((spacing(&cloud.positions) / EDGES_PER_PIXEL).max(FINEST_EDGE_M));
             cells.add(&self.points)?;
             self.joined = self.points.positions.len();
@@ -110,7 +110,7 @@ impl Merged {
         };
         cells.add(&cloud)?;
         self.joined += count;
-        while cells.len() > self.most_points {
+        while cells.len() > self.max_points {
             cells.coarsen();
         }
         Ok(())
@@ -188,8 +188,8 @@ mod tests {
     }
 
     /// The wall as cameras saw it that stand in a row, a centimetre apart, each off by a few millimetres.
-    fn merged(edge_m: Option<f64>, most_cells: u64) -> RawCloud {
-        let mut merged = Merged::new(edge_m, CELL_BYTES * most_cells);
+    fn merged(edge_m: Option<f64>, max_cells: u64) -> RawCloud {
+        let mut merged = Merged::new(edge_m, CELL_BYTES * max_cells);
         for (camera, off_m) in (0..).zip([0.001, -0.001, 0.003, -0.003]) {
             // Half of a millimetre: no point lies between two cells.
             let from = DVec3::new(0.01 * f64::from(camera) + 0.000_5, 0.000_5, 0.000_5);

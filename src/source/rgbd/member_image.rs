@@ -22,14 +22,14 @@ pub(super) struct MemberImage {
 impl MemberImage {
     /// Its pixels.
     pub(super) fn raster(&self, options: &ReadOptions) -> Result<Raster, RgbdError> {
-        let most_bytes = options.max_memory_bytes;
+        let max_bytes = options.max_memory_bytes;
         let wrong = |reason: String| RgbdError::Image {
             path: self.path.join(&self.name),
             reason,
         };
-        let bytes = member(&mut archive(&self.path)?, &self.path, &self.name, most_bytes)?;
+        let bytes = member(&mut archive(&self.path)?, &self.path, &self.name, max_bytes)?;
         match self.depth_px {
-            None => raster::decode(&bytes, most_bytes).map_err(wrong),
+            None => raster::decode(&bytes, max_bytes).map_err(wrong),
             Some(size_px) => Ok(Raster {
                 size_px,
                 samples: Samples::GrayF32(depths(&bytes, pixels(size_px)).map_err(wrong)?),
@@ -65,12 +65,12 @@ pub(super) fn archive(path: &Path) -> Result<ZipArchive<BufReader<File>>, RgbdEr
     })
 }
 
-/// The unpacked file `name` of an archive, of at most `most_bytes`.
+/// The unpacked file `name` of an archive, of at most `max_bytes`.
 pub(super) fn member(
     archive: &mut ZipArchive<BufReader<File>>,
     path: &Path,
     name: &str,
-    most_bytes: u64,
+    max_bytes: u64,
 ) -> Result<Vec<u8>, RgbdError> {
     let wrong = |reason: String| RgbdError::Image {
         path: path.join(name),
@@ -79,14 +79,14 @@ pub(super) fn member(
     let member = archive.by_name(name).map_err(|error| wrong(error.to_string()))?;
     let mut bytes = Vec::new();
     member
-        .take(most_bytes.saturating_add(1))
+        .take(max_bytes.saturating_add(1))
         .read_to_end(&mut bytes)
         .map_err(|error| wrong(error.to_string()))?;
-    if bytes.len() as u64 > most_bytes {
+    if bytes.len() as u64 > max_bytes {
         return Err(RgbdError::TooLarge {
             path: path.join(name),
             bytes: bytes.len() as u64,
-            most_bytes,
+            max_bytes,
         });
     }
     Ok(bytes)
@@ -108,10 +108,10 @@ fn depths(bytes: &[u8], count: usize) -> Result<Vec<f32>, String> {
     Ok(floats.map(|&bytes| f32::from_le_bytes(bytes)).collect())
 }
 
-pub(super) fn unpacked(bytes: &[u8], most_bytes: u64) -> Result<Vec<u8>, String> {
+pub(super) fn unpacked(bytes: &[u8], max_bytes: u64) -> Result<Vec<u8>, String> {
     let mut decoder = LzfseRingDecoder::default();
     let mut unpacked = Vec::new();
-    let read = decoder.reader_bytes(bytes).take(most_bytes).read_to_end(&mut unpacked);
+    let read = decoder.reader_bytes(bytes).take(max_bytes).read_to_end(&mut unpacked);
     read.map_err(|error| format!("it is not packed by LZFSE, or damaged ({error})"))?;
     Ok(unpacked)
 }

@@ -48,10 +48,10 @@ impl MergedFrames {
             ));
         }
         let bytes = posed as u64 * recording.recorded.frame_bytes();
-        let most_bytes = recording.recorded.read.max_memory_bytes;
-        if recording.recorded.merge_edge_m == Some(0.0) && bytes > most_bytes {
+        let max_bytes = recording.recorded.read.max_memory_bytes;
+        if recording.recorded.merge_edge_m == Some(0.0) && bytes > max_bytes {
             return Err(wrong(format!(
-                "all of their points would take about {bytes} bytes of memory, and may take {most_bytes}: name fewer, \
+                "all of their points would take about {bytes} bytes of memory, and may take {max_bytes}: name fewer, \
                  join points by --merge-cells, or raise --max-memory if the machine has it"
             )));
         }
@@ -206,7 +206,7 @@ impl Decoder for MergingDecoder {
         &mut self,
         _index: usize,
         _entry: &FrameEntry,
-        _most_points: usize,
+        _max_points: usize,
         progress: &Progress,
     ) -> Result<DecodedFrame, DecodeFailure> {
         let mut decoder = self.recording.decoder();

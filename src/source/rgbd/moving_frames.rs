@@ -7,7 +7,7 @@
 //! `tf2` does. Before the first and after the last it is valid for the maximum time offset between images of one time
 //! step. A camera without a moving link above it has no pose: nobody has said that it moves, or where.
 
-use super::pairs::MOST_APART;
+use super::pairs::MAX_APART;
 use crate::io::recordings::recording::camera::Link;
 use glam::DAffine3;
 use std::collections::HashMap;
@@ -85,7 +85,7 @@ impl Parent {
                 let [passed, whole] = [time, end].map(|later| later.saturating_sub(start).as_secs_f64());
                 Some(between(from, to, passed / whole))
             }
-            (Some((at, place)), None) | (None, Some((at, place))) => (at.abs_diff(time) <= MOST_APART).then_some(place),
+            (Some((at, place)), None) | (None, Some((at, place))) => (at.abs_diff(time) <= MAX_APART).then_some(place),
             (None, None) => None,
         }
     }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Maximum time difference between timestamps of the same time step.
-pub(super) const MOST_APART: Duration = Duration::from_millis(20);
+pub(super) const MAX_APART: Duration = Duration::from_millis(20);
 
 /// Names that a note lists.
 const NAMED: usize = 3;
@@ -66,7 +66,7 @@ pub(super) fn by_time(depths: &[(Duration, PathBuf)], colors: &[(Duration, PathB
     Pairs::of(&paths(depths), &paths(colors), depths.iter().map(color_of).collect())
 }
 
-/// The index, of `count` ascending times, that is nearest to `time` and not more than [`MOST_APART`] away.
+/// The index, of `count` ascending times, that is nearest to `time` and not more than [`MAX_APART`] away.
 pub(super) fn nearest(count: usize, at: impl Fn(usize) -> Duration, time: Duration) -> Option<usize> {
     let (mut low, mut high) = (0, count);
     while low < high {
@@ -81,7 +81,7 @@ pub(super) fn nearest(count: usize, at: impl Fn(usize) -> Duration, time: Durati
     around
         .map(|index| (at(index).abs_diff(time), index))
         .min()
-        .filter(|(apart, _)| *apart <= MOST_APART)
+        .filter(|(apart, _)| *apart <= MAX_APART)
         .map(|(_, index)| index)
 }
 

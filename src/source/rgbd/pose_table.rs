@@ -270,9 +270,9 @@ fn of_graph(text: &str) -> Trajectory {
     };
     let mut poses: Vec<(usize, Option<DAffine3>)> = text.lines().filter_map(vertex).collect();
     // Keys of GTSAM hold a letter in their highest byte.
-    let most = usize::MAX >> 8;
+    let max = usize::MAX >> 8;
     for (number, _) in &mut poses {
-        *number &= most;
+        *number &= max;
     }
     Trajectory::Numbered(poses.into_iter().collect())
 }

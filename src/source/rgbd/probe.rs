@@ -77,9 +77,9 @@ pub(super) fn usual_filters(recorded: &Recorded, count: usize) -> (Filters, Vec<
     (filters, assumptions)
 }
 
-/// At most `most` of `count` indices, evenly spread.
-fn spread(count: usize, most: usize) -> impl Iterator<Item = usize> {
-    let taken = count.min(most);
+/// At most `max` of `count` indices, evenly spread.
+fn spread(count: usize, max: usize) -> impl Iterator<Item = usize> {
+    let taken = count.min(max);
     (0..taken).map(move |at| at * count / taken)
 }
 

@@ -31,7 +31,7 @@ use zip::ZipArchive;
 const KNOWN_SIZES: [[u32; 2]; 3] = [[192, 256], [480, 640], [360, 640]];
 
 /// Metadata of an hour has fewer bytes.
-const MOST_METADATA_BYTES: u64 = 64 << 20;
+const MAX_METADATA_BYTES: u64 = 64 << 20;
 
 const EXTENSIONS: &[&str] = &["r3d"];
 
@@ -49,7 +49,7 @@ fn find(path: &Path, options: &ReadOptions) -> Result<FoundRecording, RgbdError>
         path: path.join("metadata"),
         reason,
     };
-    let text = member(&mut archive, path, "metadata", MOST_METADATA_BYTES)?;
+    let text = member(&mut archive, path, "metadata", MAX_METADATA_BYTES)?;
     let json: Value = serde_json::from_slice(&text).map_err(|error| wrong(error.to_string()))?;
     let numbers: Vec<u64> = depth_numbers(&archive);
     let Some(first) = numbers.first() else {
@@ -111,8 +111,8 @@ fn depth_size(json: &Value, first_depth: &[u8]) -> Result<[u32; 2], String> {
     if let Some(size) = size(json, ["dw", "dh"]) {
         return Ok(size);
     }
-    let most_bytes = KNOWN_SIZES.map(pixels).into_iter().max().unwrap_or_default() as u64 * 4 + 1;
-    let count = unpacked(first_depth, most_bytes)?.len() / 4;
+    let max_bytes = KNOWN_SIZES.map(pixels).into_iter().max().unwrap_or_default() as u64 * 4 + 1;
+    let count = unpacked(first_depth, max_bytes)?.len() / 4;
     let is_of_count = |size: &&[u32; 2]| pixels(**size) == count;
     let found = KNOWN_SIZES.iter().find(is_of_count);
     found

@@ -7,15 +7,15 @@ use std::io::Read as _;
 use std::path::Path;
 
 /// A trajectory of a day has fewer bytes.
-const MOST_BYTES: u64 = 256 << 20;
+const MAX_BYTES: u64 = 256 << 20;
 
 /// The text of the file at `path`; bytes that are not UTF-8 are replaced.
 pub(in crate::source) fn read(path: &Path) -> Result<String, RgbdError> {
-    Ok(String::from_utf8_lossy(&read_bytes(path, MOST_BYTES)?).into_owned())
+    Ok(String::from_utf8_lossy(&read_bytes(path, MAX_BYTES)?).into_owned())
 }
 
-/// The bytes of the file at `path`, no more than `most_bytes`.
-pub(super) fn read_bytes(path: &Path, most_bytes: u64) -> Result<Vec<u8>, RgbdError> {
+/// The bytes of the file at `path`, no more than `max_bytes`.
+pub(super) fn read_bytes(path: &Path, max_bytes: u64) -> Result<Vec<u8>, RgbdError> {
     let unreadable = |reason| RgbdError::Unreadable {
         path: path.to_owned(),
         reason,
@@ -26,24 +26,24 @@ pub(super) fn read_bytes(path: &Path, most_bytes: u64) -> Result<Vec<u8>, RgbdEr
         return Err(unreadable(std::io::Error::other("it is no regular file")));
     }
     let bytes = metadata.len();
-    let most_bytes = most_bytes.min(isize::MAX as u64);
-    if bytes > most_bytes {
+    let max_bytes = max_bytes.min(isize::MAX as u64);
+    if bytes > max_bytes {
         return Err(RgbdError::TooLarge {
             path: path.to_owned(),
             bytes,
-            most_bytes,
+            max_bytes,
         });
     }
     let mut read = Vec::new();
     crate::memory::try_reserve(&mut read, bytes as usize)
         .map_err(|reason| unreadable(std::io::Error::other(reason)))?;
-    file.take(most_bytes).read_to_end(&mut read).map_err(unreadable)?;
+    file.take(max_bytes).read_to_end(&mut read).map_err(unreadable)?;
     Ok(read)
 }
 
 /// The shape and the numbers of an array of numpy, in the order of C.
 pub(super) fn array(path: &Path) -> Result<Array, RgbdError> {
-    array_of(path, &read_bytes(path, MOST_BYTES)?)
+    array_of(path, &read_bytes(path, MAX_BYTES)?)
 }
 
 /// The shape of the array at `path`, of which only the head is read.
@@ -63,8 +63,8 @@ type Array = (Vec<usize>, Vec<f64>);
 
 /// Reads the numeric arrays in a NumPy archive, with their names; others are skipped.
 pub(super) fn arrays(path: &Path) -> Result<Vec<(String, Array)>, RgbdError> {
-    let bytes = read_bytes(path, MOST_BYTES)?;
-    let members = raster::members_of_npz(&bytes, MOST_BYTES).map_err(|reason| RgbdError::Image {
+    let bytes = read_bytes(path, MAX_BYTES)?;
+    let members = raster::members_of_npz(&bytes, MAX_BYTES).map_err(|reason| RgbdError::Image {
         path: path.to_owned(),
         reason,
     })?;

@@ -149,8 +149,8 @@ impl RosRecording<'_> {
     /// Returns the result of `parse` for the first valid message of `topic`.
     fn first<T>(&self, topic: &CameraTopic, parse: impl Fn(&[u8], &io::Message) -> Option<T>) -> Option<T> {
         /// Some drivers begin with empty messages; a topic of thousands of broken ones is not read to its end.
-        const MOST_TRIED: usize = 16;
-        let mut tried = topic.messages.iter().take(MOST_TRIED);
+        const MAX_TRIED: usize = 16;
+        let mut tried = topic.messages.iter().take(MAX_TRIED);
         tried.find_map(|(_, message)| recording::read_parsed(self.path, message, self.read, &parse))
     }
 

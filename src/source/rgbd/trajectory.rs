@@ -144,11 +144,11 @@ pub(in crate::source) fn matrix(rows: &[f64]) -> Option<DMat4> {
 /// A matrix that moves and turns, as the nearest that does so exactly; trackers write others where they are lost.
 pub(in crate::source) fn rigid(matrix: Option<DMat4>) -> Option<DAffine3> {
     /// Rounding to four digits stays below it.
-    const MOST_OFF: f64 = 0.05;
+    const MAX_OFF: f64 = 0.05;
     let matrix = matrix.filter(DMat4::is_finite)?;
     let rotation = DMat3::from_mat4(matrix);
     let off = rotation.transpose() * rotation - DMat3::IDENTITY;
-    let is_rotation = off.to_cols_array().iter().all(|off| off.abs() <= MOST_OFF) && rotation.determinant() > 0.0;
+    let is_rotation = off.to_cols_array().iter().all(|off| off.abs() <= MAX_OFF) && rotation.determinant() > 0.0;
     let translation = matrix.w_axis.truncate();
     is_rotation.then(|| DAffine3::from_mat3_translation(rotation, translation))
 }

@@ -27,7 +27,7 @@ use rayon::prelude::*;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dense {
     /// Maximum side length in pixels: images are halved until no side is longer.
-    pub most_side_px: u32,
+    pub max_side_px: u32,
     /// Number of neighbouring images that each image is compared with.
     pub neighbours: usize,
     /// Consistency criterion for keeping depths.
@@ -39,7 +39,7 @@ pub struct Dense {
 impl Default for Dense {
     fn default() -> Self {
         Self {
-            most_side_px: 640,
+            max_side_px: 640,
             neighbours: 4,
             consistency: Consistency::default(),
             matcher: SharedMatcher::default(),
@@ -75,7 +75,7 @@ pub enum DenseError {
 /// Maximum number of pixels of all depth maps together: of larger image sets every second, third … image is swept, each
 /// with its nearest neighbours among all. Time and points grow with them, and what hundreds of images show is seen by
 /// dozens.
-const MOST_PIXELS: u64 = 12 << 20;
+const MAX_PIXELS: u64 = 12 << 20;
 
 /// Angles between neighbours whose depths tell most: smaller ones tell none, larger ones show other sides.
 pub(super) const ANGLES_DEG: std::ops::RangeInclusive<f64> = 1.5..=40.0;
@@ -104,7 +104,7 @@ impl Dense {
     /// # Errors
     /// [`DenseError`].
     pub fn cloud(&self, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DenseError> {
-        let (small, mut reasons) = read_small(set, self.most_side_px)?;
+        let (small, mut reasons) = read_small(set, self.max_side_px)?;
         let views: Vec<View<'_>> = small.iter().map(Small::view).collect();
         if let Some(mut pair) = of_pair(&small, &views, &*self.matcher.0, &Matching::default())? {
             progress.set(2, 2);
@@ -173,11 +173,11 @@ impl Dense {
 ///
 /// # Errors
 /// [`DenseError::TooFew`] of less than two.
-pub(super) fn read_small(set: &ViewSet, most_side_px: u32) -> Result<(Vec<Small>, Vec<String>), DenseError> {
+pub(super) fn read_small(set: &ViewSet, max_side_px: u32) -> Result<(Vec<Small>, Vec<String>), DenseError> {
     let longest = |photo: &Photo| photo.camera.size_px().into_iter().max().unwrap_or(1);
     let longest = set.photos.iter().map(longest).max().unwrap_or(1);
     let halvings = (0..32)
-        .find(|&halvings| longest >> halvings <= most_side_px)
+        .find(|&halvings| longest >> halvings <= max_side_px)
         .unwrap_or(0);
     let read = |(number, photo): (usize, &Photo)| -> Result<Small, PhotosError> {
         let photo = PreparedPhoto::read(photo, Extent::Same, halvings)?;
@@ -238,7 +238,7 @@ pub(super) fn telling(set: &ViewSet, middle: DVec3, number: usize) -> impl Itera
 /// Returns the stride N at which images with these pixel counts are swept: one of every N.
 fn every(pixels: impl Iterator<Item = u64>) -> usize {
     let all: u64 = pixels.sum();
-    all.div_ceil(MOST_PIXELS).max(1) as usize
+    all.div_ceil(MAX_PIXELS).max(1) as usize
 }
 
 /// Computes the points of a pair of images, as seen by the first; `None` for other counts, and for two that cannot be

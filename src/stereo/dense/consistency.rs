@@ -15,7 +15,7 @@ use rayon::prelude::*;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Consistency {
     /// So many views have to agree, the one itself among them. Of fewer views, all of them.
-    pub least_views: usize,
+    pub min_views: usize,
     /// Two depths agree if they differ by at most this part.
     pub tolerance: f64,
 }
@@ -23,7 +23,7 @@ pub struct Consistency {
 impl Default for Consistency {
     fn default() -> Self {
         Self {
-            least_views: 3,
+            min_views: 3,
             tolerance: 0.01,
         }
     }
@@ -55,7 +55,7 @@ pub fn consistent(
             });
         }
     }
-    let needed = consistency.least_views.min(maps.len());
+    let needed = consistency.min_views.min(maps.len());
     let filtered = |index: usize| {
         let others: Vec<Other<'_>> = (0..maps.len())
             .filter(|&other| other != index)

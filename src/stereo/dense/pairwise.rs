@@ -30,7 +30,7 @@ use rayon::prelude::*;
 #[derive(Debug, Clone)]
 pub struct Pairwise {
     /// Maximum side length in pixels: images are halved until no side is longer.
-    pub most_side_px: u32,
+    pub max_side_px: u32,
     /// Settings for pair matching.
     pub matching: Matching,
     /// Stereo matcher of the pairs.
@@ -43,15 +43,15 @@ impl Default for Pairwise {
     fn default() -> Self {
         Self {
             // 160 × 120 of VGA: as many pixels as the paper has, nearly.
-            most_side_px: 160,
+            max_side_px: 160,
             matching: Matching {
-                least_area_px: 20,
+                min_area_px: 20,
                 ..Matching::default()
             },
             matcher: SharedMatcher::default(),
             // Depths of a hundred pixels a side are coarse, and there is one map for two photographs.
             consistency: Consistency {
-                least_views: 2,
+                min_views: 2,
                 tolerance: 0.02,
             },
         }
@@ -70,7 +70,7 @@ impl Pairwise {
     /// # Errors
     /// [`DenseError`].
     pub fn cloud(&self, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DenseError> {
-        let (small, reasons) = read_small(set, self.most_side_px)?;
+        let (small, reasons) = read_small(set, self.max_side_px)?;
         let views: Vec<View<'_>> = small.iter().map(Small::view).collect();
         if let Some(mut pair) = of_pair(&small, &views, &*self.matcher.0, &self.matching)? {
             progress.set(2, 2);

@@ -16,4 +16,4 @@ pub(crate) const PARABOLA_REACH: usize = 4;
 pub(crate) const REFINE_REACH: usize = 3;
 
 /// Largest square whose sums fit 16 bits.
-pub(crate) const MOST_RADIUS: usize = 15;
+pub(crate) const MAX_RADIUS: usize = 15;

@@ -14,24 +14,22 @@ pub(in crate::stereo) fn remove_even(image: &GrayImage, labels: &mut [f32]) {
     let [width, height] = [image.width(), image.height()];
     labels.par_chunks_exact_mut(width).enumerate().for_each_init(
         || [vec![0; width], vec![0; width]],
-        |[least, most], (y, labels)| {
+        |[min, max], (y, labels)| {
             dispatch!(Level::new(), _simd => {
-                least.fill(u8::MAX);
-                most.fill(0);
+                min.fill(u8::MAX);
+                max.fill(0);
                 for row in y.saturating_sub(HALF_HEIGHT)..(y + HALF_HEIGHT + 1).min(height) {
-                    for ((least, most), &pixel) in least.iter_mut().zip(&mut *most).zip(image.row(row)) {
-                        *least = (*least).min(pixel);
-                        *most = (*most).max(pixel);
+                    for ((min, max), &pixel) in min.iter_mut().zip(&mut *max).zip(image.row(row)) {
+                        *min = (*min).min(pixel);
+                        *max = (*max).max(pixel);
                     }
                 }
             });
             for (x, label) in labels.iter_mut().enumerate().filter(|(_, label)| !label.is_nan()) {
                 let columns = x.saturating_sub(HALF_WIDTH)..(x + HALF_WIDTH + 1).min(width);
-                let least = least[columns.clone()]
-                    .iter()
-                    .fold(u8::MAX, |least, &pixel| least.min(pixel));
-                let most = most[columns].iter().fold(0, |most: u8, &pixel| most.max(pixel));
-                if most - least <= EVEN_WINDOW {
+                let min = min[columns.clone()].iter().fold(u8::MAX, |min, &pixel| min.min(pixel));
+                let max = max[columns].iter().fold(0, |max: u8, &pixel| max.max(pixel));
+                if max - min <= EVEN_WINDOW {
                     *label = f32::NAN;
                 }
             }

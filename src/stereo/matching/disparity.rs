@@ -53,9 +53,9 @@ impl DisparityMap {
             pixel(first.x, last.y),
             pixel(last.x, last.y),
         ];
-        let least = four.into_iter().fold(f64::INFINITY, f64::min);
-        let most = four.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        if four.iter().any(|disparity| disparity.is_nan()) || most - least > 1.0 {
+        let min = four.into_iter().fold(f64::INFINITY, f64::min);
+        let max = four.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        if four.iter().any(|disparity| disparity.is_nan()) || max - min > 1.0 {
             let disparity = pixel(nearest.x, nearest.y);
             return (!disparity.is_nan()).then_some(disparity);
         }

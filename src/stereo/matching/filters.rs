@@ -30,12 +30,12 @@ pub(in crate::stereo) fn median(values: &[f32], width: usize) -> Vec<f32> {
     out
 }
 
-/// Takes out connected pixels that are fewer than `least`. Neighbours in a line or a column are connected where
+/// Takes out connected pixels that are fewer than `min`. Neighbours in a line or a column are connected where
 /// `is_near` says so of their values. Preconditions: whole lines; `is_near` is false for NaN.
 pub(in crate::stereo) fn remove_specks(
     values: &mut [f32],
     width: usize,
-    least: usize,
+    min: usize,
     is_near: impl Fn(f32, f32) -> bool,
 ) {
     let mut sets = Sets::new(values.len());
@@ -52,7 +52,7 @@ pub(in crate::stereo) fn remove_specks(
         sizes[sets.first(at) as usize] += 1;
     }
     for (at, value) in values.iter_mut().enumerate() {
-        if (sizes[sets.first(at as u32) as usize] as usize) < least {
+        if (sizes[sets.first(at as u32) as usize] as usize) < min {
             *value = f32::NAN;
         }
     }
@@ -128,7 +128,7 @@ mod tests {
         fn areas_are_those_of_a_flood(
             labels in proptest::collection::vec(0_u8..4, 1..120),
             width in 1_usize..12,
-            least in 1_usize..9,
+            min in 1_usize..9,
         ) {
             let height = labels.len() / width;
             prop_assume!(height > 0);
@@ -137,7 +137,7 @@ mod tests {
                 .map(|&label| if label == 3 { NONE } else { 5.0 * f32::from(label) })
                 .collect();
             let mut left = values.clone();
-            remove_specks(&mut left, width, least, is_near);
+            remove_specks(&mut left, width, min, is_near);
             for start in 0..values.len() {
                 let mut seen = vec![false; values.len()];
                 let mut open = vec![start];
@@ -158,7 +158,7 @@ mod tests {
                         }
                     }
                 }
-                let stays = !values[start].is_nan() && size >= least;
+                let stays = !values[start].is_nan() && size >= min;
                 prop_assert_eq!(!left[start].is_nan(), stays, "pixel {}", start);
             }
         }

@@ -5,7 +5,7 @@
 //! that all squares weigh the same and left and right can be compared. It wins for small images in a hurry: 128 × 128
 //! pixels take a few milliseconds. Elsewhere semi-global matching fills what it leaves open, and has cleaner borders.
 
-use super::constants::MOST_RADIUS;
+use super::constants::MAX_RADIUS;
 use super::costs::{Costs, MAX_COST};
 use crate::stereo::StereoError;
 use fearless_simd::{Level, dispatch};
@@ -15,12 +15,12 @@ use rayon::prelude::*;
 const LINES: usize = 16;
 
 /// Most bytes of a line of costs.
-const MOST_LINE_BYTES: usize = 64 << 20;
+const MAX_LINE_BYTES: usize = 64 << 20;
 
-const _: () = assert!((2 * MOST_RADIUS + 1).pow(2) * MAX_COST as usize <= u16::MAX as usize);
+const _: () = assert!((2 * MAX_RADIUS + 1).pow(2) * MAX_COST as usize <= u16::MAX as usize);
 
 /// Sums costs over squares of 2 `radius` + 1 pixels and writes what `winners` makes of the sums of each line to the
-/// line of `out`. A radius above [`MOST_RADIUS`] is taken as that.
+/// line of `out`. A radius above [`MAX_RADIUS`] is taken as that.
 ///
 /// # Errors
 /// [`StereoError::TooLarge`].
@@ -30,14 +30,14 @@ pub(in crate::stereo) fn local<T: Send>(
     out: &mut [T],
     winners: impl Fn(&mut [u16], &mut [T]) + Sync,
 ) -> Result<(), StereoError> {
-    let radius = radius.min(MOST_RADIUS);
+    let radius = radius.min(MAX_RADIUS);
     let [width, height] = costs.size();
     let line = width * costs.count();
-    if line > MOST_LINE_BYTES {
+    if line > MAX_LINE_BYTES {
         let bytes = |line: usize| ((line * (LINES + 2 * radius + 4)) as u64) >> 20;
         return Err(StereoError::TooLarge {
             needed_mib: bytes(line),
-            most_mib: bytes(MOST_LINE_BYTES),
+            max_mib: bytes(MAX_LINE_BYTES),
         });
     }
     out.par_chunks_mut(LINES * width).enumerate().for_each(|(task, out)| {

@@ -14,10 +14,10 @@ use crate::stereo::StereoError;
 const COARSE_PX: u32 = 256;
 
 /// At least so many of a thousand pixels have to be found.
-const LEAST_FOUND: usize = 20;
+const MIN_FOUND: usize = 20;
 
 /// Areas of less than this part of the image are mistakes.
-const LEAST_AREA: usize = 400;
+const MIN_AREA: usize = 400;
 
 /// With as many disparities to choose from, chance alone finds one a few percent better.
 const UNIQUE_PERCENT: u16 = 10;
@@ -42,12 +42,12 @@ impl Matching {
         }
         let reach = (left.width() * 3 / 4) as i32;
         let matching = Self {
-            least_area_px: left.pixels().len() / LEAST_AREA,
+            min_area_px: left.pixels().len() / MIN_AREA,
             unique_percent: self.unique_percent.max(UNIQUE_PERCENT),
             ..self.clone()
         };
         let map = matching.disparities(&left, &right, DisparityRange::new(-reach, reach)?)?;
-        if map.found_count() * 1000 < (LEAST_FOUND * map.pixels().len()).max(1) {
+        if map.found_count() * 1000 < (MIN_FOUND * map.pixels().len()).max(1) {
             return Err(StereoError::NothingAlike);
         }
         // Not a number is neither.

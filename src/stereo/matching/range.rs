@@ -4,7 +4,7 @@ use super::costs::LANES;
 use crate::stereo::StereoError;
 
 /// Most disparities that are tried.
-const MOST: usize = 8192;
+const MAX: usize = 8192;
 
 /// Disparities in pixels, column in the left image less column in the right one: above 0 for what is before infinity
 /// in views whose principal points agree.
@@ -21,9 +21,9 @@ impl DisparityRange {
     /// # Errors
     /// [`StereoError::NoRange`] where `max` is below `min`, or too far above.
     pub fn new(min: i32, max: i32) -> Result<Self, StereoError> {
-        let error = StereoError::NoRange { min, max, most: MOST };
+        let error = StereoError::NoRange { min, max, most: MAX };
         let count = usize::try_from(i64::from(max) - i64::from(min) + 1).map_err(|_| error.clone())?;
-        if count == 0 || count > MOST || min.unsigned_abs() as usize > 1 << 24 {
+        if count == 0 || count > MAX || min.unsigned_abs() as usize > 1 << 24 {
             return Err(error);
         }
         Ok(Self {

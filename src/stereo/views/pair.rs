@@ -44,7 +44,7 @@ fn range_between(rectified: &Rectified, first: &View<'_>, depths: [f64; 2]) -> O
     let world_from_first = first.camera_from_world.inverse();
     let [width, height] = first.camera.size_px().map(|edge| f64::from(edge - 1));
     let places = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.5, 0.5]];
-    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
     for [across, down] in places {
         let Some(ray) = first.camera.ray(DVec2::new(across * width, down * height)) else {
             continue;
@@ -59,9 +59,9 @@ fn range_between(rectified: &Rectified, first: &View<'_>, depths: [f64; 2]) -> O
             let [Some(left), Some(right)] = columns else {
                 continue;
             };
-            least = least.min(left - right);
-            most = most.max(left - right);
+            min = min.min(left - right);
+            max = max.max(left - right);
         }
     }
-    (least <= most).then(|| DisparityRange::new(least.floor() as i32 - 1, most.ceil() as i32 + 1).ok())?
+    (min <= max).then(|| DisparityRange::new(min.floor() as i32 - 1, max.ceil() as i32 + 1).ok())?
 }

@@ -234,8 +234,8 @@ fn what_does_not_fit_is_said() {
     let loose = mcap::WriteOptions::new().use_chunks(false);
     write(&path, "protobuf", &[narrow], loose);
     let entries = io::list(&path, &ReadOptions::default()).unwrap();
-    let read = |most_bytes: u64| {
-        let options = ReadOptions::default().with_max_memory(most_bytes);
+    let read = |max_bytes: u64| {
+        let options = ReadOptions::default().with_max_memory(max_bytes);
         io::read_part(&path, &entries[0].part, &options)
     };
     assert_eq!(read(2400).unwrap().positions.len(), 100);

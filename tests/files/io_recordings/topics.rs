@@ -38,9 +38,9 @@ fn the_topic_that_is_named_is_read() {
     let folder = folder();
     let options = ReadOptions::default();
     for path in recordings(folder.path()) {
-        let most = io::contents(&path, None, &options).unwrap();
-        assert_eq!(most.topics, topics("/points"), "{}", path.display());
-        assert_eq!(most, io::contents(&path, Some("/points"), &options).unwrap());
+        let max = io::contents(&path, None, &options).unwrap();
+        assert_eq!(max.topics, topics("/points"), "{}", path.display());
+        assert_eq!(max, io::contents(&path, Some("/points"), &options).unwrap());
 
         let other = io::contents(&path, Some("/other"), &options).unwrap();
         assert_eq!(other.topics, topics("/other"));

@@ -51,9 +51,9 @@ fn topics(read: &str) -> Vec<Topic> {
 fn the_sensor_with_most_packets_is_read_and_others_by_their_names() {
     let (_files, path) = write(true);
     let options = ReadOptions::default();
-    let most = io::contents(&path, None, &options).unwrap();
-    assert_eq!(most.topics, topics("192.168.1.7:2368"));
-    assert_eq!(most.entries.len(), 3);
+    let max = io::contents(&path, None, &options).unwrap();
+    assert_eq!(max.topics, topics("192.168.1.7:2368"));
+    assert_eq!(max.entries.len(), 3);
     let ouster = io::contents(&path, Some("192.168.1.30:7502"), &options).unwrap();
     assert_eq!(ouster.topics, topics("192.168.1.30:7502"));
     let cloud = io::read_part(&path, &ouster.entries[0].part, &options).unwrap();

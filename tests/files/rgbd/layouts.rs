@@ -53,8 +53,8 @@ pub(crate) fn check_frame(
             "{name}, frame {frame}, pixel {at}"
         );
         // Half a step of a Kinect's code at these depths, along the ray.
-        let most = if has.exact_depths { 1e-6 } else { 0.004 };
-        let is_same = !expected.is_finite() || found.distance(*expected) <= most;
+        let max = if has.exact_depths { 1e-6 } else { 0.004 };
+        let is_same = !expected.is_finite() || found.distance(*expected) <= max;
         assert!(is_same, "{name}, frame {frame}, pixel {at}: {found}, {expected}");
     }
     let colors: Vec<[u8; 3]> = cloud

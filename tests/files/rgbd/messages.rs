@@ -320,9 +320,9 @@ fn inverse_depths_are_as_near_as_their_steps() {
     for (found, expected) in found.iter().zip(Recording::new().points(0)) {
         assert_eq!(found.is_finite(), expected.is_finite());
         // Half a step of 1/z.
-        let most = 0.5 * expected.z * expected.z / 10_100.0 * 1.3 + 1e-6;
+        let max = 0.5 * expected.z * expected.z / 10_100.0 * 1.3 + 1e-6;
         assert!(
-            !expected.is_finite() || found.distance(expected) <= most,
+            !expected.is_finite() || found.distance(expected) <= max,
             "{found} {expected}"
         );
     }

@@ -61,8 +61,8 @@ fn place(bytes: &[u8], random: &mut Random) -> usize {
 /// A part of `bytes`, mostly short.
 fn range(bytes: &[u8], random: &mut Random) -> std::ops::Range<usize> {
     let start = place(bytes, random);
-    let most = [4, 16, 64, 1024][random.below(4)];
-    start..(start + 1 + random.below(most)).min(bytes.len())
+    let max = [4, 16, 64, 1024][random.below(4)];
+    start..(start + 1 + random.below(max)).min(bytes.len())
 }
 
 /// Changes `bytes` once.

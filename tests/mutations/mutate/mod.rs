@@ -17,7 +17,7 @@ pub(crate) enum Shape {
 }
 
 /// No mutation makes a file larger than this.
-const MOST_BYTES: usize = 1 << 20;
+const MAX_BYTES: usize = 1 << 20;
 
 /// Changes `bytes`; `other` is a file of the same kind, parts of which may come into this one.
 pub(crate) fn mutate(shape: Shape, bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
@@ -30,6 +30,6 @@ pub(crate) fn mutate(shape: Shape, bytes: &mut Vec<u8>, other: &[u8], random: &m
             Shape::Json if random.one_in(5) => text::mutate(bytes, other, random),
             Shape::Json => json::mutate(bytes, random),
         }
-        bytes.truncate(MOST_BYTES);
+        bytes.truncate(MAX_BYTES);
     }
 }

@@ -4,7 +4,7 @@ use super::{put, u16_at, u32_at};
 use std::io::Read as _;
 
 /// No member is unpacked further than this for its checksum.
-const MOST_BYTES: u64 = 1 << 24;
+const MAX_BYTES: u64 = 1 << 24;
 
 /// The sum of each header.
 pub(super) fn repair_tar(bytes: &mut [u8]) {
@@ -27,7 +27,7 @@ fn unpacked(packed: &[u8]) -> (u32, u64) {
     let mut bytes = Vec::new();
     // What comes out before it is damaged is what a reader sees.
     let _ = flate2::read::DeflateDecoder::new(packed)
-        .take(MOST_BYTES)
+        .take(MAX_BYTES)
         .read_to_end(&mut bytes);
     (crc32fast::hash(&bytes), bytes.len() as u64)
 }

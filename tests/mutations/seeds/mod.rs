@@ -11,10 +11,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Larger files make slow seeds; what is in them is in small ones too.
-const MOST_BYTES: u64 = 64 << 10;
+const MAX_BYTES: u64 = 64 << 10;
 
 /// Seeds of one kind from one folder that is named.
-const MOST_OF_KIND: usize = 40;
+const MAX_OF_KIND: usize = 40;
 
 fn project() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -47,7 +47,7 @@ pub(crate) fn gather(folder: &Path, named: &[PathBuf]) {
     }
     gather_converted(folder);
     for named in named {
-        gather_files(named, folder, MOST_OF_KIND);
+        gather_files(named, folder, MAX_OF_KIND);
     }
     copy_all(&project().join("fuzz/seeds/mutations"), folder);
 }
@@ -72,7 +72,7 @@ fn copy_all(from: &Path, to: &Path) {
 }
 
 /// Files below `from` whose extensions are those of kinds.
-fn gather_files(from: &Path, folder: &Path, most_of_kind: usize) {
+fn gather_files(from: &Path, folder: &Path, max_of_kind: usize) {
     let mut counts = std::collections::BTreeMap::new();
     let mut folders = vec![from.to_owned()];
     while let Some(next) = folders.pop() {
@@ -88,11 +88,11 @@ fn gather_files(from: &Path, folder: &Path, most_of_kind: usize) {
                 folders.extend((!path.ends_with("hostile")).then_some(path));
             } else if let Some(kind) = kind
                 && extension != "json"
-                && path.metadata().unwrap().len() <= MOST_BYTES
+                && path.metadata().unwrap().len() <= MAX_BYTES
             {
                 let count: &mut usize = counts.entry(kind.extension).or_default();
                 *count += 1;
-                if *count <= most_of_kind {
+                if *count <= max_of_kind {
                     let name = format!("{count}-{name}");
                     keep(&one(kind.set, &name, fs::read(&path).unwrap()), folder);
                 }

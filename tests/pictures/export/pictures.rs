@@ -52,7 +52,7 @@ fn parts_beside_whole(renderer: AnyRenderer, style: &Style) -> (f64, usize) {
 
 /// Places within a part are rounded otherwise. Where squares are cut off at once, as the mode `regular` does, a pixel
 /// whose middle is on a border may be inside in one picture and outside in the other: here 4 of 66,000 are.
-const MOST_BORDER_PIXELS: usize = 10;
+const MAX_BORDER_PIXELS: usize = 10;
 
 fn ways() -> Vec<Style> {
     let mut ways = vec![
@@ -104,7 +104,7 @@ fn the_processor_draws_the_same_picture_in_parts() {
     for style in ways() {
         let (db, others) = parts_beside_whole(AnyRenderer::cpu(), &style);
         let has_borders = style.surfels.splatting == Splatting::Regular;
-        let is_near = db >= 60.0 || (has_borders && others <= MOST_BORDER_PIXELS);
+        let is_near = db >= 60.0 || (has_borders && others <= MAX_BORDER_PIXELS);
         assert!(is_near, "{db} dB, {others} pixels: {style:?}");
     }
 }
@@ -112,10 +112,10 @@ fn the_processor_draws_the_same_picture_in_parts() {
 /// Masks are made for directions in the middles of sectors of the picture, which are those of its parts then.
 #[test]
 fn byte_codes_are_nearly_the_same_in_parts() {
-    for (footprint, least_db) in [(Footprint::Masks, 35.0), (Footprint::Pixels, 60.0)] {
+    for (footprint, min_db) in [(Footprint::Masks, 35.0), (Footprint::Pixels, 60.0)] {
         let style = style().with(|style| style.codes.footprint = footprint);
         let (db, _) = parts_beside_whole(AnyRenderer::cpu(), &style);
-        assert!(db >= least_db, "{db} dB: {footprint}");
+        assert!(db >= min_db, "{db} dB: {footprint}");
     }
 }
 

@@ -164,7 +164,7 @@ fn run(command: &str, input: &Path, output: &Path, limit_bytes: u64) -> Outcome 
 }
 
 /// Waits for `child`, and kills it where it takes too much memory or time.
-fn watched(mut child: Child, errors: &Path, most_bytes: u64) -> Outcome {
+fn watched(mut child: Child, errors: &Path, max_bytes: u64) -> Outcome {
     const BETWEEN_LOOKS: Duration = Duration::from_millis(3);
     let start = Instant::now();
     let mut peak_bytes = 0;
@@ -173,7 +173,7 @@ fn watched(mut child: Child, errors: &Path, most_bytes: u64) -> Outcome {
         if let Some(status) = child.try_wait().unwrap() {
             break status.code();
         }
-        if peak_bytes > most_bytes || start.elapsed() > PATIENCE {
+        if peak_bytes > max_bytes || start.elapsed() > PATIENCE {
             child.kill().unwrap();
             break child.wait().unwrap().code();
         }

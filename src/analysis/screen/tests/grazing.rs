@@ -112,9 +112,9 @@ fn a_plane_does_not_hide_itself_from_any_side() {
                 let kept = visible.slots.iter().filter(|&&slot| inside(&points[slot as usize]));
                 let (kept, all) = (kept.count(), points.iter().filter(|point| inside(point)).count());
                 // Beyond that some rows of pixels have more depth in them than half a pixel's slope and the radius.
-                let least = if degrees < 81.0 { 0.98 } else { 0.8 };
+                let min = if degrees < 81.0 { 0.98 } else { 0.8 };
                 assert!(
-                    kept as f64 >= least * all as f64,
+                    kept as f64 >= min * all as f64,
                     "{degrees} degrees, {kind}, {px_per_spacing} pixels: {kept} of {all}"
                 );
             }
@@ -131,8 +131,8 @@ fn of_points_that_are_smaller_than_a_pixel_each_pixel_keeps_its_nearest() {
             let mut nearest = BTreeMap::new();
             for point in &points {
                 let depth = -point.position[2];
-                let least = nearest.entry(pixel_of(&view, point)).or_insert(depth);
-                *least = depth.min(*least);
+                let min = nearest.entry(pixel_of(&view, point)).or_insert(depth);
+                *min = depth.min(*min);
             }
             let visible = estimate(&view, &points, SPACING as f32, Search::Fixed).visible;
             assert!(visible.len() >= nearest.len());

@@ -54,8 +54,8 @@ impl Picture {
             let pixel = seen.place_px.map(|px| px.floor() as i64);
             let within = [0, 1].map(|axis| f64::from(seen.place_px[axis]) - pixel[axis] as f64 - 0.5);
             let depth = f64::from(seen.depth);
-            let least = nearest.entry(pixel).or_insert(depth);
-            *least = depth.min(*least);
+            let min = nearest.entry(pixel).or_insert(depth);
+            *min = depth.min(*min);
             Some((depth, pixel, within))
         });
         Self {

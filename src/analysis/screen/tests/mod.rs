@@ -139,8 +139,8 @@ fn radii_close_a_square_grid_and_no_more_than_twice_that() {
         radii.sort_by(f64::total_cmp);
         // Half a diagonal closes it, of pixels where these are larger; at the rim of the grid half of a neighbourhood
         // is empty.
-        let (least, median) = (radii[0], quantile(&radii, 0.5));
-        assert!(least > 0.7, "{px_per_spacing}: {least}");
+        let (min, median) = (radii[0], quantile(&radii, 0.5));
+        assert!(min > 0.7, "{px_per_spacing}: {min}");
         assert!((0.75..1.5).contains(&median), "{px_per_spacing}: {median}");
     }
 }
@@ -194,13 +194,13 @@ fn curved_surfaces_have_their_normals_but_at_their_rims() {
         let points = depth_image(ball);
         // Of the ball the mean spacing is that of its front.
         let errors = estimate(&sensor(), &points, spacing, search).errors(&points, ball_normal);
-        let [median, most] = [0.5, 0.95].map(|share| quantile(&errors, share));
-        assert!(median < 0.3 && most < 5.0, "ball {search:?}: {median} {most}");
+        let [median, max] = [0.5, 0.95].map(|share| quantile(&errors, share));
+        assert!(median < 0.3 && max < 5.0, "ball {search:?}: {median} {max}");
         let points = depth_image(torus);
         assert!(points.len() > 20_000);
         let errors = estimate(&sensor(), &points, spacing, search).errors(&points, torus_normal);
-        let [median, most] = [0.5, 0.95].map(|share| quantile(&errors, share));
-        assert!(median < 0.6 && most < 8.0, "torus {search:?}: {median} {most}");
+        let [median, max] = [0.5, 0.95].map(|share| quantile(&errors, share));
+        assert!(median < 0.6 && max < 8.0, "torus {search:?}: {median} {max}");
     }
 }
 

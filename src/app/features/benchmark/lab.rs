@@ -142,8 +142,8 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<
 }
 
 /// Grid lines at 1, 2 and 5 of each power of ten.
-fn decades(least: f64, most: f64) -> Vec<GridMark> {
-    let powers = least.floor() as i32..=most.ceil() as i32;
+fn decades(min: f64, max: f64) -> Vec<GridMark> {
+    let powers = min.floor() as i32..=max.ceil() as i32;
     let marks = powers.flat_map(|power| {
         [(1.0, 1.0), (2.0, 0.3), (5.0, 0.3)].map(|(step, step_size): (f64, f64)| GridMark {
             value: f64::from(power) + step.log10(),

@@ -24,7 +24,7 @@ const MARGIN: f32 = 10.0;
 const USUAL_WIDTH: f32 = 460.0;
 
 /// Minimum size: below it the window shows nothing, points.
-const LEAST_SIZE: [f32; 2] = [260.0, 140.0];
+const MIN_SIZE: [f32; 2] = [260.0, 140.0];
 
 /// Request of the panel to the window.
 #[derive(Debug, Clone)]
@@ -60,7 +60,7 @@ pub(in crate::app) fn benchmark_ui(
     let mut window = tool_window(ui.ctx(), PanelId::BENCHMARK.name(), "Benchmark");
     if !is_small {
         window = window
-            .min_size(LEAST_SIZE)
+            .min_size(MIN_SIZE)
             .max_size(room.size() - Vec2::splat(2.0 * MARGIN));
     }
     let shown = window

@@ -22,7 +22,7 @@ const WIDTH: f32 = 470.0;
 const VALUE_INDENT: f32 = 110.0;
 
 /// Colour errors that are offered; others are for the command line.
-const MOST_COLOR_ERROR: u8 = 32;
+const MAX_COLOR_ERROR: u8 = 32;
 
 /// Request of the panel to the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -208,7 +208,7 @@ fn attributes(ui: &mut Ui, save: &mut Save, of: &Savable) {
             ui,
             "Colour error",
             "Maximum error per colour channel (0–255); 0 is lossless",
-            Slider::new(&mut save.color_error, 0..=MOST_COLOR_ERROR).clamping(egui::SliderClamping::Edits),
+            Slider::new(&mut save.color_error, 0..=MAX_COLOR_ERROR).clamping(egui::SliderClamping::Edits),
         );
     }
     if keeps_points {

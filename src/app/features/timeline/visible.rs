@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 /// Fewer frames are not shown.
-const LEAST_FRAMES: f64 = 8.0;
+const MIN_FRAMES: f64 = 8.0;
 
 /// The frames that the timeline shows: all of them, unless it was zoomed.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -38,7 +38,7 @@ impl VisibleFrames {
     pub(in crate::app) fn zoom(&mut self, factor: f64, share: f64, count: usize) {
         let Zoomed { first, shown } = self.present(count);
         let all = count as f64;
-        let wanted = (shown * factor).clamp(LEAST_FRAMES.min(all), all);
+        let wanted = (shown * factor).clamp(MIN_FRAMES.min(all), all);
         let first = first + share * (shown - wanted);
         self.set(first, wanted, count);
     }

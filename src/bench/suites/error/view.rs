@@ -133,8 +133,8 @@ fn opacity(on_grey: [u8; 4], on_white: [u8; 4]) -> f32 {
     let through: i32 = (0..3)
         .map(|channel| i32::from(on_white[channel]) - i32::from(on_grey[channel]))
         .sum();
-    let most: i32 = BACKGROUND.iter().map(|&grey| 255 - i32::from(grey)).sum();
-    1.0 - through as f32 / most as f32
+    let max: i32 = BACKGROUND.iter().map(|&grey| 255 - i32::from(grey)).sum();
+    1.0 - through as f32 / max as f32
 }
 
 /// Each pixel of a larger picture has the depth of the pixel that it is drawn by.

@@ -66,7 +66,7 @@ fn looking(edge_px: u32, degrees: f64, distance: f64) -> Option<(rgbd::Camera, D
 }
 
 /// The mean of what the rays of a pixel see; `None` where one sees what is not compared.
-fn seen(pinhole: &rgbd::Camera, world_from_camera: &DAffine3, [x, y]: [u32; 2], most: f64) -> Option<f64> {
+fn seen(pinhole: &rgbd::Camera, world_from_camera: &DAffine3, [x, y]: [u32; 2], max: f64) -> Option<f64> {
     let mut sum = 0.0;
     for ray in 0..RAYS * RAYS {
         let aside = |at: u32| (f64::from(at) + 0.5) / f64::from(RAYS) - 0.5;
@@ -75,7 +75,7 @@ fn seen(pinhole: &rgbd::Camera, world_from_camera: &DAffine3, [x, y]: [u32; 2], 
         let eye = world_from_camera.translation;
         let along = -eye.z / direction.z;
         let place = (eye + along * direction).truncate();
-        if along <= 0.0 || place.abs().max_element() > most {
+        if along <= 0.0 || place.abs().max_element() > max {
             return None;
         }
         sum += color(place);

@@ -37,8 +37,8 @@ pub(super) struct StyledFrame<'a> {
 
 impl Filmed<'_> {
     /// At most so many of its points, taken evenly.
-    pub(super) fn few(&self, most_points: usize) -> Result<PreparedFrame, CloudError> {
-        let (few, _) = self.frame.frame.sample(most_points)?;
+    pub(super) fn few(&self, max_points: usize) -> Result<PreparedFrame, CloudError> {
+        let (few, _) = self.frame.frame.sample(max_points)?;
         let needs = Scene::needs(&self.style);
         Ok(prepare(
             self.frame.index,

@@ -22,7 +22,7 @@ use image::codecs::jpeg::JpegEncoder;
 use std::sync::Arc;
 
 /// Maximum number of splats without images: as many as the paper has.
-const MOST_SPLATS: usize = 1_000_000;
+const MAX_SPLATS: usize = 1_000_000;
 
 /// The paper says "high".
 const JPEG_QUALITY: u8 = 90;
@@ -62,7 +62,7 @@ pub(super) fn measure(
         rows.push(ViewSamples::of(run, runner, filmed, photographed, views)?.row(cells));
     }
     run.begin_step(format!("{}: splats by size", filmed.name))?;
-    let splats = filmed.few(MOST_SPLATS)?;
+    let splats = filmed.few(MAX_SPLATS)?;
     let bytes = Some(bytes_of_points(&splats.frame)? as f64);
     let cells = cells(filmed.name, "splats", &splats, 0, bytes);
     let splats = StyledFrame {

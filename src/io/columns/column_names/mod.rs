@@ -367,9 +367,9 @@ fn triples(words: &[Words]) -> Vec<(Vec<&str>, [usize; 3])> {
 /// The columns of several markers in a row, named alike but for a number: `x0 y0 z0 x1 y1 z1 …`, `marker2_x …`. None
 /// where the names are those of one point, or of few without a column of frames or times.
 pub(in crate::io) fn markers(names: &[&str]) -> Vec<[usize; 3]> {
-    const FEWEST_WITH_FRAMES: usize = 3;
+    const MIN_WITH_FRAMES: usize = 3;
     /// Three may be the corners of a triangle, four those of a tetrahedron.
-    const FEWEST: usize = 5;
+    const MIN: usize = 5;
     const FRAME_WORDS: [&str; 6] = ["frame", "frames", "time", "timestamp", "t", "step"];
     let words: Vec<Words> = names.iter().map(|name| Words::of(name)).collect();
     let is_number = |word: &str| word.bytes().all(|byte| byte.is_ascii_digit());
@@ -395,12 +395,12 @@ pub(in crate::io) fn markers(names: &[&str]) -> Vec<[usize; 3]> {
             .first()
             .is_some_and(|word| FRAME_WORDS.contains(&word.as_str()))
     };
-    let fewest = if words.iter().any(is_frame) {
-        FEWEST_WITH_FRAMES
+    let min = if words.iter().any(is_frame) {
+        MIN_WITH_FRAMES
     } else {
-        FEWEST
+        MIN
     };
-    if columns.len() < fewest { Vec::new() } else { columns }
+    if columns.len() < min { Vec::new() } else { columns }
 }
 
 fn cartesian(words: &[Words]) -> Option<Found> {

@@ -111,8 +111,8 @@ impl<'a> Buffers<'a> {
     }
 }
 
-/// The bytes that `uri` in the file `path` stands for, not more than `most_bytes`.
-pub(super) fn resource(uri: &str, path: &Path, most_bytes: u64, options: &ReadOptions) -> Result<Vec<u8>, String> {
+/// The bytes that `uri` in the file `path` stands for, not more than `max_bytes`.
+pub(super) fn resource(uri: &str, path: &Path, max_bytes: u64, options: &ReadOptions) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let lenient = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
         let engine = GeneralPurpose::new(&STANDARD, lenient);
@@ -120,7 +120,7 @@ pub(super) fn resource(uri: &str, path: &Path, most_bytes: u64, options: &ReadOp
         if !kind.ends_with(";base64") {
             return Err("its data: URI is not in base64".to_owned());
         }
-        if text.len() as u64 > most_bytes {
+        if text.len() as u64 > max_bytes {
             return Err(format!(
                 "its data: URI is larger than --max-memory allows ({})",
                 mebibytes(options.max_memory_bytes)
@@ -131,7 +131,7 @@ pub(super) fn resource(uri: &str, path: &Path, most_bytes: u64, options: &ReadOp
             .map_err(|error| format!("its data: URI is damaged ({error})"));
     }
     let name = percent_decoded(uri).ok_or_else(|| format!("`{}` is no URI of a file", uri.escape_default()))?;
-    beside::read(&name, path, most_bytes, options)
+    beside::read(&name, path, max_bytes, options)
 }
 
 /// Text without `%20` and its like.

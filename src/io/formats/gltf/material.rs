@@ -145,10 +145,10 @@ fn picture_of(source: &AccessorSource<'_>, texture: usize, path: &Path) -> Resul
         return Ok(None);
     };
     let image = at(&source.document.images, image, "image")?;
-    let most_bytes = source.options.left_bytes().saturating_sub(source.spent_bytes.get());
+    let max_bytes = source.options.left_bytes().saturating_sub(source.spent_bytes.get());
     let owned;
     let bytes = match (&image.uri, image.buffer_view) {
-        (Some(uri), _) => match resource(uri, path, most_bytes, source.options) {
+        (Some(uri), _) => match resource(uri, path, max_bytes, source.options) {
             Ok(bytes) => {
                 owned = bytes;
                 &owned[..]
@@ -158,7 +158,7 @@ fn picture_of(source: &AccessorSource<'_>, texture: usize, path: &Path) -> Resul
         (None, Some(view)) => source.buffers.view(source.document, view)?,
         (None, None) => return Ok(None),
     };
-    let Ok(picture) = picture::decode(bytes, most_bytes) else {
+    let Ok(picture) = picture::decode(bytes, max_bytes) else {
         return Ok(None);
     };
     source.spend(picture.as_raw().len() as u64)?;

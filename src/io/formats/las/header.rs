@@ -92,15 +92,15 @@ impl LasHeader {
         }
         // The two highest bits say that the points are compressed.
         let (format, compressed) = (bytes[104] & 0x3f, bytes[104] & 0xc0 != 0);
-        let Some(&least_bytes) = POINT_BYTES.get(usize::from(format)) else {
+        let Some(&min_bytes) = POINT_BYTES.get(usize::from(format)) else {
             return Err(Fault::header(format!(
                 "point format {format} is not known: 0 to 10 are read"
             )));
         };
         let point_bytes = word(105);
-        if point_bytes < least_bytes {
+        if point_bytes < min_bytes {
             return Err(Fault::header(format!(
-                "points of format {format} take {least_bytes} bytes at least, but the header says {point_bytes}"
+                "points of format {format} take {min_bytes} bytes at least, but the header says {point_bytes}"
             )));
         }
         let (scale, offset) = ([131, 139, 147].map(float), [155, 163, 171].map(float));

@@ -183,7 +183,7 @@ impl Channel {
         let single = u32::from(count == 1);
         let pulse = usize::from(PULSES[count][number] - b'0');
         let medians = &mut self.steps[2 * pulse + usize::from(self.has_new_time)];
-        let even = |bits: u32, most: u32| bits.min(most) & !1;
+        let even = |bits: u32, max: u32| bits.min(max) & !1;
 
         let x_step = self.x.decompress(layer, medians[0].get(), single)?;
         let context = single + even(self.x.k(), Y_BITS);

@@ -18,7 +18,7 @@ use std::path::Path;
 const HEADER_BYTES: u64 = 375;
 
 /// Records behind the points that are longer are not about coordinates.
-const MOST_LATE_BYTES: u64 = 16 << 20;
+const MAX_LATE_BYTES: u64 = 16 << 20;
 
 /// The coarse levels of the file at `path` for which there is memory; `None` where all of it fits, and where it has
 /// none.
@@ -131,7 +131,7 @@ impl<'a> Windows<'a> {
             return header;
         };
         let bytes = self.length.saturating_sub(start) as u64;
-        let fits = bytes <= MOST_LATE_BYTES && self.options.claim("records", bytes).is_ok();
+        let fits = bytes <= MAX_LATE_BYTES && self.options.claim("records", bytes).is_ok();
         let late = fits
             .then(|| self.bytes(start..self.length).ok())
             .flatten()

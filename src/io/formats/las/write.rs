@@ -28,13 +28,13 @@ struct Axis {
 
 impl Axis {
     /// Minimum number of decimal digits: a thousandth.
-    const LEAST_DIGITS: i32 = 3;
+    const MIN_DIGITS: i32 = 3;
     /// More than coordinates of double precision have.
-    const MOST_DIGITS: i32 = 15;
+    const MAX_DIGITS: i32 = 15;
 
     /// The scale for `coordinates` from `min` to `max`, each of which is known to `precision` times itself.
     fn new(min: f64, max: f64, precision: f64, coordinates: &(impl Iterator<Item = f64> + Clone)) -> Self {
-        let mut digits = Self::LEAST_DIGITS;
+        let mut digits = Self::MIN_DIGITS;
         while Self::fitting(digits, min, max).is_none() && digits > -300 {
             digits -= 1;
         }
@@ -42,7 +42,7 @@ impl Axis {
             digits,
             offset: min / 2.0 + max / 2.0,
         });
-        while axis.digits < Self::MOST_DIGITS
+        while axis.digits < Self::MAX_DIGITS
             && !coordinates
                 .clone()
                 .all(|value| (axis.value(axis.raw(value)) - value).abs() <= precision * value.abs())

@@ -45,8 +45,8 @@ const FLAGS: [(usize, &str); 6] = [
 impl<'a> StandardFields<'a> {
     pub(super) fn of(scalars: &'a [ScalarField]) -> Self {
         let field = |name: &str| scalars.iter().find(|field| field.name.eq_ignore_ascii_case(name));
-        let up_to = |name: &str, most: f64| {
-            let fits = |value: f64| (0.0..=most).contains(&value) && value.fract() == 0.0;
+        let up_to = |name: &str, max: f64| {
+            let fits = |value: f64| (0.0..=max).contains(&value) && value.fract() == 0.0;
             field(name).filter(|field| numbers(field).all(fits))
         };
         let mut flags = [None; 8];

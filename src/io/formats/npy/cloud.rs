@@ -48,7 +48,7 @@ const NORMALS: [&str; 2] = ["normals", "normal"];
 const MAX_ENTRIES: usize = 2048;
 
 /// Bytes that deflate makes of one at most.
-pub(super) const MOST_DEFLATED: u64 = 1032;
+pub(super) const MAX_DEFLATED: u64 = 1032;
 
 pub(in crate::io) fn decode(bytes: &[u8], part: &Part, options: &ReadOptions) -> Result<RawCloud, Fault> {
     let array = Array::parse(bytes)?;
@@ -331,7 +331,7 @@ pub(super) fn unpacked(bytes: &[u8], options: &ReadOptions) -> Result<Vec<(Strin
         // The size is a claim as well: it is believed as far as packed bytes can unpack to it, and ends what is
         // unpacked.
         let claimed = member.size();
-        let believed = claimed.min(member.compressed_size().saturating_mul(MOST_DEFLATED));
+        let believed = claimed.min(member.compressed_size().saturating_mul(MAX_DEFLATED));
         let mut unpacked = Vec::new();
         crate::memory::try_reserve(&mut unpacked, believed as usize).map_err(|error| damaged(&error))?;
         member

@@ -4,7 +4,7 @@
 //! of a file (`io/shared.rs`); a frame then is a view of its layer, also of those companion arrays that have the same
 //! number of layers.
 
-use super::cloud::{MOST_DEFLATED, cloud_of_archive, parsed, place_of_positions, unpacked};
+use super::cloud::{MAX_DEFLATED, cloud_of_archive, parsed, place_of_positions, unpacked};
 use super::header::Array;
 use super::layers::{layer_count, numbered_frames, unroll_images};
 use super::looks::{refuse, take_point_map};
@@ -140,19 +140,19 @@ fn layers_of(file: File, file_bytes: u64) -> Option<usize> {
     // Arrays of words and the like are no frames.
     let array = |(name, head): &(String, Vec<u8>)| Some((name.clone(), Array::parse_head(head)?));
     let arrays: Vec<(String, Array<'static>)> = heads.iter().filter_map(array).collect();
-    let most_bytes = file_bytes.saturating_mul(MOST_DEFLATED);
+    let max_bytes = file_bytes.saturating_mul(MAX_DEFLATED);
     match place_of_positions(&arrays) {
-        Some(place) => layers_of_array(arrays, place, most_bytes),
+        Some(place) => layers_of_array(arrays, place, max_bytes),
         None => numbered_frames(&arrays).map(|places| places.len()),
     }
 }
 
-/// The layers of the array at `place`; `None` if it has none, or claims more than `most_bytes`.
-fn layers_of_array(mut arrays: Vec<(String, Array<'static>)>, place: usize, most_bytes: u64) -> Option<usize> {
+/// The layers of the array at `place`; `None` if it has none, or claims more than `max_bytes`.
+fn layers_of_array(mut arrays: Vec<(String, Array<'static>)>, place: usize, max_bytes: u64) -> Option<usize> {
     unroll_images(&mut arrays, place);
     let (_, positions) = arrays.swap_remove(place);
     let positions = positions.without_single_layers();
     let layers = layer_count(&positions).filter(|&layers| layers <= MAX_LAYERS)?;
-    positions.claimed_bytes().filter(|&bytes| bytes as u64 <= most_bytes)?;
+    positions.claimed_bytes().filter(|&bytes| bytes as u64 <= max_bytes)?;
     Some(layers)
 }

@@ -199,8 +199,8 @@ fn is_point_map(array: &Array<'_>) -> bool {
         let is_known = point.iter().all(|value| value.is_finite()) && point != [0.0; 3];
         is_known.then_some(point)
     };
-    let places = |count: usize, most: usize| {
-        let taken = count.min(most);
+    let places = |count: usize, max: usize| {
+        let taken = count.min(max);
         (0..taken).map(move |index| index * count / taken)
     };
     let (mut down, mut along, mut all) = (Vec::new(), Vec::new(), Vec::new());

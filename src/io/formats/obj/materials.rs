@@ -153,13 +153,13 @@ fn picture_name(statement: &str) -> &str {
     while let Some(option) = rest.strip_prefix('-') {
         let (option, behind) = option.split_once(char::is_whitespace).unwrap_or((option, ""));
         // `-mm` has two arguments; those that are triples may have fewer, all of them numbers.
-        let most_arguments = match option {
+        let max_arguments = match option {
             "o" | "s" | "t" => 3,
             "mm" => 2,
             _ => 1,
         };
         rest = behind.trim_start();
-        for taken in 0..most_arguments {
+        for taken in 0..max_arguments {
             let Some((argument, behind)) = rest.split_once(char::is_whitespace) else {
                 break;
             };

@@ -175,9 +175,9 @@ impl Line {
 
 /// As many of the names as anybody reads.
 fn shortened(names: &[String]) -> String {
-    const MOST: usize = 32;
-    let more = if names.len() > MOST { " …" } else { "" };
-    format!("{}{more}", names[..names.len().min(MOST)].join(" "))
+    const MAX: usize = 32;
+    let more = if names.len() > MAX { " …" } else { "" };
+    format!("{}{more}", names[..names.len().min(MAX)].join(" "))
 }
 
 impl Lines {

@@ -315,8 +315,8 @@ impl Table {
         progress: &Progress,
     ) -> Result<(Vec<Column<'static>>, Vec<String>), Fault> {
         /// A digit and a separator.
-        const LEAST_NUMBER_BYTES: usize = 2;
-        self.check_claim(self.row_numbers().saturating_mul(LEAST_NUMBER_BYTES), payload.len() + 1)?;
+        const MIN_NUMBER_BYTES: usize = 2;
+        self.check_claim(self.row_numbers().saturating_mul(MIN_NUMBER_BYTES), payload.len() + 1)?;
         let what = format!("the numbers of {} points", self.rows);
         options.claim_entries(&what, self.rows, self.row_numbers().saturating_mul(size_of::<f64>()))?;
         let column = |number: Number| Column {

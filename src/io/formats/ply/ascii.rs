@@ -157,9 +157,9 @@ fn point(tokens: &mut Tokens<'_>, vertex: &Element, row: usize, kept: &mut KeptC
 
 /// A number as text takes a digit and what separates it from the next.
 fn check_ascii_claim(element: &Element, payload: &[u8]) -> Result<(), Fault> {
-    const LEAST_NUMBER_BYTES: usize = 2;
+    const MIN_NUMBER_BYTES: usize = 2;
     // The last number need not be followed by anything.
-    element.check_claim(element.properties.len() * LEAST_NUMBER_BYTES, payload.len() + 1)
+    element.check_claim(element.properties.len() * MIN_NUMBER_BYTES, payload.len() + 1)
 }
 
 /// Steps over a property of a row, of which each item is handed over if it is a list; the value, if it is none.

@@ -119,7 +119,7 @@ fn walked_columns<'a>(
     vertex: &Element,
     options: &ReadOptions,
 ) -> Result<Vec<Column<'a>>, Fault> {
-    vertex.check_claim(vertex.least_row_bytes(), cursor.rest().len())?;
+    vertex.check_claim(vertex.min_row_bytes(), cursor.rest().len())?;
     KeptColumns::claim(vertex, options)?;
     let mut kept = KeptColumns::new(vertex);
     for row in 0..vertex.count {
@@ -151,7 +151,7 @@ impl<'a> Cursor<'a> {
             self.at += element.count * row_bytes;
             return Ok(());
         }
-        element.check_claim(element.least_row_bytes(), self.rest().len())?;
+        element.check_claim(element.min_row_bytes(), self.rest().len())?;
         for row in 0..element.count {
             for property in &element.properties {
                 self.step(property, &element.name, row)?;
@@ -162,7 +162,7 @@ impl<'a> Cursor<'a> {
 
     /// Steps over all rows of an element with faces, and makes triangles of them.
     fn read_faces(&mut self, element: &Element, list: FaceList, faces: &mut Faces) -> Result<(), Fault> {
-        let claim = element.check_claim(element.least_row_bytes(), self.rest().len());
+        let claim = element.check_claim(element.min_row_bytes(), self.rest().len());
         let read = self.read_faces_to_end(element, list, faces);
         read.map_err(|fault| fault.explained_by(claim))
     }

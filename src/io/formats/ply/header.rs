@@ -293,7 +293,7 @@ impl Element {
     }
 
     /// The least bytes that a binary row takes: empty lists have a length.
-    pub(super) fn least_row_bytes(&self) -> usize {
+    pub(super) fn min_row_bytes(&self) -> usize {
         self.properties
             .iter()
             .map(|property| match property.kind {
@@ -340,7 +340,7 @@ mod tests {
         };
         assert_eq!((first.name.as_str(), first.count), ("a-b", 3));
         assert_eq!(first.fixed_row_bytes(), None);
-        assert_eq!(first.least_row_bytes(), 1 + 1);
+        assert_eq!(first.min_row_bytes(), 1 + 1);
         assert_eq!((vertex.name.as_str(), vertex.count), ("vertex", 7));
         assert_eq!(vertex.fixed_row_bytes(), Some(2 + 4 + 8));
     }

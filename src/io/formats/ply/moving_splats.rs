@@ -122,9 +122,9 @@ impl<'a> MovingSplats<'a> {
 /// Says so where fields of `cloud` are of splats that move in another way.
 pub(super) fn warn_of_unknown(cloud: &mut RawCloud) {
     /// More is not read by anybody.
-    const MOST_NAMED: usize = 3;
+    const MAX_NAMED: usize = 3;
     let is_moving = |name: &&&str| cloud.attributes.scalars.iter().any(|field| field.name == ***name);
-    let names = OF_OTHERS.iter().filter(is_moving).take(MOST_NAMED);
+    let names = OF_OTHERS.iter().filter(is_moving).take(MAX_NAMED);
     let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
     let (property, says) = match names.len() {
         0 => return,

@@ -121,17 +121,17 @@ fn start_of(header: &PlyHeader, element: &Element) -> Option<usize> {
 fn within(ends: &[Vec<f64>], splat: usize, shares: Vec3) -> Vec3 {
     let chunk = splat / CHUNK_SPLATS;
     Vec3::from_array([0, 1, 2].map(|axis| {
-        let [least, most] = [ends[axis][chunk], ends[axis + 3][chunk]];
+        let [min, max] = [ends[axis][chunk], ends[axis + 3][chunk]];
         let share = f64::from(shares[axis]);
-        (least * (1.0 - share) + most * share) as f32
+        (min * (1.0 - share) + max * share) as f32
     }))
 }
 
 /// Three shares of 11, 10 and 11 bits.
 fn three_parts(word: u32) -> Vec3 {
     let share = |shift: u32, bits: u32| {
-        let most = (1 << bits) - 1;
-        (word >> shift & most) as f32 / most as f32
+        let max = (1 << bits) - 1;
+        (word >> shift & max) as f32 / max as f32
     };
     Vec3::new(share(21, 11), share(11, 10), share(0, 11))
 }

@@ -34,10 +34,10 @@ fn unmarked_utf16(text: &[u8]) -> Option<fn([u8; 2]) -> u16> {
         return None;
     }
     let zeros = |place: usize| pairs.iter().filter(|pair| pair[place] == 0).count();
-    let is_most = |count: usize| count * 10 >= pairs.len() * 9;
+    let is_max = |count: usize| count * 10 >= pairs.len() * 9;
     match (zeros(0), zeros(1)) {
-        (0, high) if is_most(high) => Some(u16::from_le_bytes),
-        (high, 0) if is_most(high) => Some(u16::from_be_bytes),
+        (0, high) if is_max(high) => Some(u16::from_le_bytes),
+        (high, 0) if is_max(high) => Some(u16::from_be_bytes),
         _ => None,
     }
 }

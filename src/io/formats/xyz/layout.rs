@@ -42,7 +42,7 @@ fn rows_of_sample(text: &[u8]) -> Vec<&[u8]> {
 }
 
 /// Nine of ten.
-fn are_most(count: usize, all: usize) -> bool {
+fn are_max(count: usize, all: usize) -> bool {
     count > 0 && count * 10 >= all * 9
 }
 
@@ -80,7 +80,7 @@ fn is_bracketed(line: &[u8]) -> bool {
 fn has_bracketed_rows(text: &[u8]) -> bool {
     let rows = rows_of_sample(text);
     let bracketed = rows.iter().filter(|line| is_bracketed(line)).count();
-    are_most(bracketed, rows.len())
+    are_max(bracketed, rows.len())
 }
 
 /// Returns the text with spaces instead of brackets, and instead of the comma or semicolon after the last of them.
@@ -135,7 +135,7 @@ fn has_commas_of_both_kinds(text: &[u8]) -> bool {
         cells.is_some_and(|cells| cells.iter().all(|cell| is_number(cell)))
     };
     let rows = rows_of_sample(text);
-    are_most(rows.iter().filter(fits).count(), rows.len())
+    are_max(rows.iter().filter(fits).count(), rows.len())
 }
 
 /// Returns the text with semicolons instead of commas before white space.

@@ -68,8 +68,8 @@ fn is_table_of_numbers(name: &Path, bytes: &[u8]) -> bool {
     let widths: Vec<usize> = lines.iter().map(width).skip_while(|width| *width < 3).collect();
     // ZMap+ grids wrap their lines behind a header between two of these signs.
     let is_grid = lines.iter().any(|line| line.starts_with(b"@"));
-    let is_most = |first: &usize| widths.iter().filter(|width| *width == first).count() * 2 > widths.len();
-    !is_grid && widths.first().is_some_and(is_most)
+    let is_max = |first: &usize| widths.iter().filter(|width| *width == first).count() * 2 > widths.len();
+    !is_grid && widths.first().is_some_and(is_max)
 }
 
 /// The text of a file as UTF-8.

@@ -23,8 +23,8 @@ pub(super) struct Head {
 }
 
 /// Bytes that an id and a length have at most.
-const MOST_ID_BYTES: usize = 4;
-const MOST_LENGTH_BYTES: usize = 8;
+const MAX_ID_BYTES: usize = 4;
+const MAX_LENGTH_BYTES: usize = 8;
 
 /// Bytes of a number by its first byte.
 fn length_of(first: u8) -> usize {
@@ -45,17 +45,17 @@ fn value(bytes: &[u8]) -> (u64, bool) {
 
 /// The head that `walk` is at; `None` where there is none, or no whole one.
 pub(super) fn head(walk: &mut Walk) -> Option<Head> {
-    let mut bytes = |most: usize| {
+    let mut bytes = |max: usize| {
         let mut bytes = walk.take(1)?;
         let length = length_of(bytes[0]);
-        if length > most {
+        if length > max {
             return None;
         }
         bytes.extend(walk.take(length as u64 - 1)?);
         Some(bytes)
     };
-    let id = number(&bytes(MOST_ID_BYTES)?) as u32;
-    let (byte_count, is_unknown) = value(&bytes(MOST_LENGTH_BYTES)?);
+    let id = number(&bytes(MAX_ID_BYTES)?) as u32;
+    let (byte_count, is_unknown) = value(&bytes(MAX_LENGTH_BYTES)?);
     Some(Head {
         id,
         byte_count: (!is_unknown).then_some(byte_count),
@@ -65,7 +65,7 @@ pub(super) fn head(walk: &mut Walk) -> Option<Head> {
 /// The number that `bytes` begin with, and what follows; `None` where it is not whole.
 pub(super) fn leading_number(bytes: &[u8]) -> Option<(u64, &[u8])> {
     let length = length_of(*bytes.first()?);
-    if length > MOST_LENGTH_BYTES {
+    if length > MAX_LENGTH_BYTES {
         return None;
     }
     let (number, rest) = bytes.split_at_checked(length)?;
@@ -76,11 +76,11 @@ pub(super) fn leading_number(bytes: &[u8]) -> Option<(u64, &[u8])> {
 pub(super) fn children(mut body: &[u8]) -> impl Iterator<Item = (u32, &[u8])> {
     std::iter::from_fn(move || {
         let length = length_of(*body.first()?);
-        let (id, rest) = body.split_at_checked(length.min(MOST_ID_BYTES))?;
+        let (id, rest) = body.split_at_checked(length.min(MAX_ID_BYTES))?;
         let (byte_count, rest) = leading_number(rest)?;
         let (child, rest) = rest.split_at_checked(usize::try_from(byte_count).ok()?)?;
         body = rest;
-        (length <= MOST_ID_BYTES).then(|| (number(id) as u32, child))
+        (length <= MAX_ID_BYTES).then(|| (number(id) as u32, child))
     })
 }
 

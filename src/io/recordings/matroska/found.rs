@@ -89,12 +89,12 @@ impl Track {
 }
 
 impl Block {
-    /// Its bytes in the file at `path`, no more than `most_bytes`; the error is the end of a sentence.
-    pub(crate) fn read(&self, path: &Path, most_bytes: u64) -> Result<Vec<u8>, String> {
+    /// Its bytes in the file at `path`, no more than `max_bytes`; the error is the end of a sentence.
+    pub(crate) fn read(&self, path: &Path, max_bytes: u64) -> Result<Vec<u8>, String> {
         let Self { offset, byte_count, .. } = *self;
-        if byte_count > most_bytes {
+        if byte_count > max_bytes {
             return Err(format!(
-                "it has {byte_count} bytes, and {most_bytes} are read: raise --max-memory if that is right"
+                "it has {byte_count} bytes, and {max_bytes} are read: raise --max-memory if that is right"
             ));
         }
         let read = || {

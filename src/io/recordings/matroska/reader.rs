@@ -31,10 +31,10 @@ const SIMPLE_BLOCK: u32 = 0xa3;
 const USUAL_SCALE_NS: u64 = 1_000_000;
 
 /// Heads, tracks and tags are text and numbers; more is none that is needed here.
-const MOST_BODY_BYTES: u64 = 16 << 20;
+const MAX_BODY_BYTES: u64 = 16 << 20;
 
 /// Bytes before the frame of a block: the number of its track, a time, flags, and the number of frames.
-const MOST_BLOCK_HEAD_BYTES: u64 = 8 + 2 + 1 + 1;
+const MAX_BLOCK_HEAD_BYTES: u64 = 8 + 2 + 1 + 1;
 
 /// Flags of a block that say how several frames share it.
 const LACING: u8 = 0b0000_0110;
@@ -153,7 +153,7 @@ impl Reader {
 
     /// The body of a small element.
     fn body(&mut self, head: &Head) -> Option<Vec<u8>> {
-        let byte_count = head.byte_count.filter(|&count| count <= MOST_BODY_BYTES)?;
+        let byte_count = head.byte_count.filter(|&count| count <= MAX_BODY_BYTES)?;
         self.walk.take(byte_count)
     }
 
@@ -162,7 +162,7 @@ impl Reader {
         let byte_count = head.byte_count?;
         let start = self.walk.position();
         let end = start.checked_add(byte_count)?;
-        let bytes = self.walk.take(byte_count.min(MOST_BLOCK_HEAD_BYTES))?;
+        let bytes = self.walk.take(byte_count.min(MAX_BLOCK_HEAD_BYTES))?;
         self.walk.go_to(end)?;
         let (track, rest) = leading_number(&bytes)?;
         let &[high, low, flags, ref rest @ ..] = rest else {

@@ -19,7 +19,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 /// The longest packet that `tcpdump` captures has 256 KiB; records have names and statistics besides.
-const MOST_RECORD_BYTES: u32 = 1 << 20;
+const MAX_RECORD_BYTES: u32 = 1 << 20;
 
 /// The header of a file of libpcap.
 const FILE_HEADER_BYTES: usize = 24;
@@ -188,7 +188,7 @@ impl Capture {
                 return Err(damaged(offset, length));
             }
             // What else is long, as keys of encryption, is nothing that is looked at.
-            if length > MOST_RECORD_BYTES && !matters {
+            if length > MAX_RECORD_BYTES && !matters {
                 let skipped = self.window.skip(u64::from(length));
                 skipped.map_err(|error| unreadable(offset, &error))?;
                 continue;
@@ -224,7 +224,7 @@ impl Capture {
     /// Takes the next record, which has `length` bytes behind the first `head_bytes`; says how many these are.
     fn take_record(&mut self, head_bytes: usize, length: u32) -> Result<usize, Fault> {
         let offset = self.window.offset();
-        if length > MOST_RECORD_BYTES {
+        if length > MAX_RECORD_BYTES {
             return Err(damaged(offset, length));
         }
         let count = head_bytes + length as usize;

@@ -3,7 +3,7 @@
 //!
 //! There is no rule for their names. `ouster-cli` writes `drive.json` next to `drive.pcap`, recorders of several
 //! sensors write `drive_0.json`, `drive_1.json`, and calibrations are called `db.xml`. So all files of the extension in
-//! the folder are examined, but not more than [`MOST_FILES`], and those whose names have most in common with the
+//! the folder are examined, but not more than [`MAX_FILES`], and those whose names have most in common with the
 //! capture's come first. Packets that come from a network have one such file, which is named after the address.
 
 use crate::io::error::Fault;
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Files of a folder that are looked into.
-const MOST_FILES: usize = 64;
+const MAX_FILES: usize = 64;
 
 /// Source of the companion files.
 #[derive(Debug, Clone)]
@@ -35,11 +35,11 @@ impl Companions {
     }
 
     /// Names and texts of files with `extension`, the nearest by their names first; of what was given its text.
-    pub(super) fn texts(&self, extension: &str, most_bytes: u64) -> Box<dyn Iterator<Item = (String, String)> + '_> {
+    pub(super) fn texts(&self, extension: &str, max_bytes: u64) -> Box<dyn Iterator<Item = (String, String)> + '_> {
         match self {
             Self::Beside { capture, options } => {
                 Box::new(names(capture, extension).into_iter().filter_map(move |name| {
-                    let bytes = beside::read(&name, capture, most_bytes, options).ok()?;
+                    let bytes = beside::read(&name, capture, max_bytes, options).ok()?;
                     Some((name, String::from_utf8_lossy(&bytes).into_owned()))
                 }))
             }
@@ -93,6 +93,6 @@ fn names(path: &Path, extension: &str) -> Vec<String> {
         both.take_while(|(left, right)| left == right).count()
     };
     names.sort_by_cached_key(|name| (Reverse(*name == own), Reverse(common(name)), name.clone()));
-    names.truncate(MOST_FILES);
+    names.truncate(MAX_FILES);
     names
 }

@@ -31,7 +31,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 /// More sensors are none of a recording, but a network's whole traffic, or noise.
-const MOST_SENSORS: usize = 64;
+const MAX_SENSORS: usize = 64;
 
 /// Sensors found in a capture.
 pub(super) struct FoundSensors {
@@ -149,7 +149,7 @@ impl FoundSensors {
             return None;
         }
         if !self.sensors.contains_key(&key) {
-            if self.sensors.len() == MOST_SENSORS {
+            if self.sensors.len() == MAX_SENSORS {
                 return None;
             }
             let Some(Sender::Read { maker, .. }) = self.makers.sender(datagram) else {
@@ -201,10 +201,10 @@ impl FoundSensors {
         notes.extend(self.traffic.notes());
         // Addresses are in the order of numbers, topics in that of names.
         read.sort_by(|left, right| left.0.cmp(&right.0));
-        let most = read.iter().map(|(_, _, sensor)| sensor.rows.packets).max();
+        let max = read.iter().map(|(_, _, sensor)| sensor.rows.packets).max();
         let chosen = read.iter().position(|(name, _, sensor)| match wanted {
             Some(wanted) => name == wanted,
-            None => Some(sensor.rows.packets) == most,
+            None => Some(sensor.rows.packets) == max,
         });
         for (index, (name, key, sensor)) in read.iter_mut().enumerate() {
             let stubs = sensor.rows.drop_stubs();

@@ -11,7 +11,7 @@ use super::makers::{MAKERS, Makers, Sender};
 use super::part::{FrameId, TurnPart};
 use super::seam::Coverage;
 use super::streams::{Streams, Verdict};
-use super::turn::{LONGEST_TURN, MOST_PACKETS};
+use super::turn::{LONGEST_TURN, MAX_PACKETS};
 use super::unpacking::Unpacking;
 use crate::cloud::RawCloud;
 use crate::io::error::Fault;
@@ -70,8 +70,8 @@ impl Companion {
     pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let mut bytes = Vec::new();
         let kinds = || MAKERS.iter().map(|maker| &maker.companion);
-        let most = kinds().map(|kind| kind.most_bytes).max().unwrap_or(0);
-        let read = File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes));
+        let max = kinds().map(|kind| kind.max_bytes).max().unwrap_or(0);
+        let read = File::open(path).and_then(|file| file.take(max).read_to_end(&mut bytes));
         read.map_err(|error| format!("{} cannot be read ({error})", path.display()))?;
         let text = String::from_utf8_lossy(&bytes);
         let told = |fault: Fault| format!("{}, {}: {}", path.display(), fault.place, fault.problem);
@@ -240,7 +240,7 @@ impl LiveTurns {
 
     fn is_over(&self, time: Duration) -> bool {
         self.current.as_ref().is_some_and(|turn| {
-            turn.packets.len() as u64 >= MOST_PACKETS || time.saturating_sub(turn.time) >= LONGEST_TURN
+            turn.packets.len() as u64 >= MAX_PACKETS || time.saturating_sub(turn.time) >= LONGEST_TURN
         })
     }
 

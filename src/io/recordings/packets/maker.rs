@@ -27,7 +27,7 @@ pub(super) struct Maker {
 
 /// A file that packets of some sensors cannot be read without.
 pub(super) struct CompanionKind {
-    pub(super) most_bytes: u64,
+    pub(super) max_bytes: u64,
     /// Returns true if a text is such a companion, or was meant as one.
     pub(super) is_one: fn(&str) -> bool,
     /// Validates a text; the error is the problem with it, if there is one.

@@ -17,11 +17,11 @@ pub(super) struct Measured {
     /// Return number among several echoes of a shot, counted from 1 in the order of the packets.
     pub(super) return_number: u8,
     /// One number for each of the names that the sensor has.
-    pub(super) values: [f32; MOST_VALUES],
+    pub(super) values: [f32; MAX_VALUES],
 }
 
 /// Maximum number of additional values per point that any sensor provides.
-pub(super) const MOST_VALUES: usize = 4;
+pub(super) const MAX_VALUES: usize = 4;
 
 /// The points of a turn.
 #[derive(Debug)]
@@ -29,14 +29,14 @@ pub(super) struct Points {
     /// Names of [`Measured::values`], the default one for colouring first.
     names: &'static [&'static str],
     positions: Vec<[f32; 3]>,
-    values: Vec<[f32; MOST_VALUES]>,
+    values: Vec<[f32; MAX_VALUES]>,
     rings: Vec<f32>,
     times_s: Vec<f64>,
     returns: Vec<f32>,
 }
 
 impl Points {
-    /// No points yet, of a sensor that has `names` of each. Precondition: no more than [`MOST_VALUES`].
+    /// No points yet, of a sensor that has `names` of each. Precondition: no more than [`MAX_VALUES`].
     pub(super) fn new(names: &'static [&'static str]) -> Self {
         Self {
             names,
@@ -49,7 +49,7 @@ impl Points {
     }
 
     const POINT_BYTES: u64 =
-        (size_of::<[f32; 3]>() + size_of::<[f32; MOST_VALUES]>() + 2 * size_of::<f32>() + size_of::<f64>()) as u64;
+        (size_of::<[f32; 3]>() + size_of::<[f32; MAX_VALUES]>() + 2 * size_of::<f32>() + size_of::<f64>()) as u64;
 
     pub(super) fn push(&mut self, point: &Measured) {
         self.positions.push(point.position.map(|coordinate| coordinate as f32));

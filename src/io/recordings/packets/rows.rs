@@ -2,7 +2,7 @@
 
 use super::layout::Layout;
 use super::part::TurnPart;
-use super::turn::{LONGEST_TURN, MOST_PACKETS, TurnPlace};
+use super::turn::{LONGEST_TURN, MAX_PACKETS, TurnPlace};
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
@@ -49,7 +49,7 @@ impl Rows {
         let last = self.all.last_mut();
         let is_over = last
             .as_ref()
-            .is_some_and(|last| last.packets >= MOST_PACKETS || row.time.saturating_sub(last.time) >= LONGEST_TURN);
+            .is_some_and(|last| last.packets >= MAX_PACKETS || row.time.saturating_sub(last.time) >= LONGEST_TURN);
         self.is_cut_by_time |= is_over && begins_at.is_none();
         let begins_at = begins_at.or(is_over.then_some(0));
         if let Some(last) = last

@@ -18,7 +18,7 @@ const MIN_GAP_BINS: usize = 30;
 const MIN_RATIO: usize = 3;
 
 /// The azimuth falls by as much where a revolution begins; less is a head that stands, or a packet that came late.
-const MAX_LEAST_FALL: i32 = 2000;
+const MAX_MIN_FALL: i32 = 2000;
 
 /// Azimuths that were measured.
 #[derive(Debug, Clone)]
@@ -30,14 +30,14 @@ pub(super) struct Seam {
     /// An azimuth, from 0 to before [`TURN`].
     pub(super) azimuth: i32,
     /// The azimuth falls by at least as much there, counted from the seam on.
-    pub(super) least_fall: i32,
+    pub(super) min_fall: i32,
 }
 
 impl Default for Seam {
     fn default() -> Self {
         Self {
             azimuth: 0,
-            least_fall: MAX_LEAST_FALL,
+            min_fall: MAX_MIN_FALL,
         }
     }
 }
@@ -67,12 +67,12 @@ impl Coverage {
             return Seam::default();
         };
         let window = (BINS - length) as i32 * BIN;
-        let least_fall = MAX_LEAST_FALL.min(window / 2);
+        let min_fall = MAX_MIN_FALL.min(window / 2);
         let holds_zero = begin + length >= BINS || begin == 0;
         let centre = (begin + length / 2) % BINS;
         Seam {
             azimuth: if holds_zero { 0 } else { centre as i32 * BIN },
-            least_fall,
+            min_fall,
         }
     }
 
@@ -132,8 +132,8 @@ mod tests {
         let mut coverage = Coverage::default();
         (-600..600).for_each(|azimuth| coverage.add(azimuth));
         let seam = coverage.seam();
-        assert_eq!(seam.least_fall, 600);
+        assert_eq!(seam.min_fall, 600);
         let fall = seam.after_seam(599) - seam.after_seam(-600);
-        assert!(fall > seam.least_fall, "{fall}");
+        assert!(fall > seam.min_fall, "{fall}");
     }
 }

@@ -5,7 +5,7 @@
 //! or is sent to do harm is mostly single. Another one is named once and skipped. A sensor that sends nothing for a
 //! while loses its place, so that one that was started again, which sends from another port, gets in.
 //!
-//! **Bounds.** [`MOST_STREAMS`] are remembered; of more, those that have sent least are forgotten.
+//! **Bounds.** [`MAX_STREAMS`] are remembered; of more, those that have sent least are forgotten.
 
 use super::maker::Sort;
 use std::collections::BTreeMap;
@@ -17,10 +17,10 @@ use std::time::Duration;
 const RUN_PACKETS: u32 = 16;
 const RUN_TIME: Duration = Duration::from_secs(2);
 
-const MOST_STREAMS: usize = 256;
+const MAX_STREAMS: usize = 256;
 
 /// Other sensors that are named.
-const MOST_NAMED: usize = 8;
+const MAX_NAMED: usize = 8;
 
 /// The use of a packet.
 #[derive(Debug, PartialEq, Eq)]
@@ -110,7 +110,7 @@ impl Streams {
         self.runs.remove(&address);
         match &self.shown {
             None => Verdict::Free,
-            Some(shown) if self.named.len() < MOST_NAMED && !self.named.contains(&address) => {
+            Some(shown) if self.named.len() < MAX_NAMED && !self.named.contains(&address) => {
                 self.named.push(address);
                 Verdict::Second(format!(
                     "{sort} at {address} sends to the same port and is skipped: {} at {} is shown. Give each sensor a \
@@ -133,13 +133,13 @@ impl Streams {
 
     /// Makes room for a stream from `address`.
     fn forget(&mut self, address: SocketAddr, now: Duration) {
-        if self.runs.len() < MOST_STREAMS || self.runs.contains_key(&address) {
+        if self.runs.len() < MAX_STREAMS || self.runs.contains_key(&address) {
             return;
         }
         self.runs.retain(|_, run| now.saturating_sub(run.begun) <= RUN_TIME);
-        if self.runs.len() >= MOST_STREAMS {
-            let least = self.runs.iter().min_by_key(|(_, run)| (run.packets, run.begun));
-            if let Some(address) = least.map(|(address, _)| *address) {
+        if self.runs.len() >= MAX_STREAMS {
+            let min = self.runs.iter().min_by_key(|(_, run)| (run.packets, run.begun));
+            if let Some(address) = min.map(|(address, _)| *address) {
                 self.runs.remove(&address);
             }
         }
@@ -212,7 +212,7 @@ mod tests {
                 verdict = streams.add(address(1), &VLP, ms(at / 100));
             }
         }
-        assert!(streams.runs.len() <= MOST_STREAMS);
+        assert!(streams.runs.len() <= MAX_STREAMS);
         assert_eq!(verdict, Verdict::Free);
     }
 }

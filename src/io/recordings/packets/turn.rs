@@ -29,7 +29,7 @@ pub(super) struct TurnPlace {
 
 /// A head that stands turns no more: then so much time is one frame, and so many packets are.
 pub(super) const LONGEST_TURN: Duration = Duration::from_secs(2);
-pub(super) const MOST_PACKETS: u64 = 1 << 14;
+pub(super) const MAX_PACKETS: u64 = 1 << 14;
 
 impl std::fmt::Debug for Turn {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

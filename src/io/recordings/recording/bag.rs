@@ -15,9 +15,9 @@ use std::time::Duration;
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 /// Headers are a few short fields.
-const MOST_HEADER_BYTES: u64 = 1 << 20;
+const MAX_HEADER_BYTES: u64 = 1 << 20;
 /// A connection carries the definition of its type.
-const MOST_TEXT_BYTES: u64 = 16 << 20;
+const MAX_TEXT_BYTES: u64 = 16 << 20;
 /// Sequence number and time stamp.
 const START_BYTES: u64 = 16;
 
@@ -165,12 +165,12 @@ fn record(
     chunks: &mut Vec<(MessageChunk, Vec<u32>)>,
     closing: &mut Closing,
 ) -> Option<()> {
-    let mut length = |most: u64| {
+    let mut length = |max: u64| {
         let length = u64::from(Bytes::new(&walk.take(4)?).u32()?);
-        (length <= most).then_some(length)
+        (length <= max).then_some(length)
     };
     // Zeros are no record, and there may be terabytes of them in a sparse file.
-    let header_bytes = length(MOST_HEADER_BYTES).filter(|&length| length > 0)?;
+    let header_bytes = length(MAX_HEADER_BYTES).filter(|&length| length > 0)?;
     let header = RecordHeader::parse(&walk.take(header_bytes)?)?;
     let data_bytes = u64::from(Bytes::new(&walk.take(4)?).u32()?);
     let offset = walk.position();
@@ -183,7 +183,7 @@ fn record(
             closing.claimed = header.index_at.zip(header.chunks);
             closing.connections[0] = header.connections.unwrap_or(0);
         }
-        CONNECTION if data_bytes <= MOST_TEXT_BYTES => {
+        CONNECTION if data_bytes <= MAX_TEXT_BYTES => {
             let data = walk.take(data_bytes)?;
             closing.connections[1] += 1;
             connection(&header, &data, found);

@@ -7,7 +7,7 @@ pub(super) struct Bytes<'a> {
     at: usize,
     big_endian: bool,
     /// Numbers lie at multiples of their size, or of this, if that is less.
-    most_alignment: usize,
+    max_alignment: usize,
 }
 
 impl<'a> Bytes<'a> {
@@ -17,17 +17,17 @@ impl<'a> Bytes<'a> {
             all,
             at: 0,
             big_endian: false,
-            most_alignment: 1,
+            max_alignment: 1,
         }
     }
 
-    /// As CDR has it: numbers lie at multiples of their size, up to `most_alignment` bytes.
-    pub(super) fn aligned(all: &'a [u8], big_endian: bool, most_alignment: usize) -> Self {
+    /// As CDR has it: numbers lie at multiples of their size, up to `max_alignment` bytes.
+    pub(super) fn aligned(all: &'a [u8], big_endian: bool, max_alignment: usize) -> Self {
         Self {
             all,
             at: 0,
             big_endian,
-            most_alignment,
+            max_alignment,
         }
     }
 
@@ -47,7 +47,7 @@ impl<'a> Bytes<'a> {
     }
 
     fn number<const SIZE: usize>(&mut self) -> Option<[u8; SIZE]> {
-        self.at = self.at.checked_next_multiple_of(SIZE.min(self.most_alignment))?;
+        self.at = self.at.checked_next_multiple_of(SIZE.min(self.max_alignment))?;
         let mut raw: [u8; SIZE] = self.take(SIZE)?.try_into().ok()?;
         if self.big_endian {
             raw.reverse();

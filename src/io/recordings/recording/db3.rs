@@ -20,7 +20,7 @@ const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 /// Kind of CDR and time stamp.
 const START_BYTES: u64 = 12;
 /// No row of a table is smaller than this on its page.
-const LEAST_ROW_BYTES: u64 = 4;
+const MIN_ROW_BYTES: u64 = 4;
 /// Names of tables that are looked at in a database of another program.
 const MAX_TABLES: u32 = 1000;
 /// Those that a message has.
@@ -116,7 +116,7 @@ fn open(path: &Path) -> Result<Connection, Failure> {
 
 fn find_rows(path: &Path, wanted: Wanted) -> Result<FoundMessages, Failure> {
     let file_bytes = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
-    let mut rows_left = file_bytes / LEAST_ROW_BYTES;
+    let mut rows_left = file_bytes / MIN_ROW_BYTES;
     let mut count = || {
         rows_left = rows_left
             .checked_sub(1)

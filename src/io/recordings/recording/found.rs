@@ -202,11 +202,11 @@ impl FoundMessages {
                 by_name.entry(&topic.name).or_default().push((time, message));
             }
         }
-        let most = by_name.values().map(Vec::len).max().unwrap_or(0);
+        let max = by_name.values().map(Vec::len).max().unwrap_or(0);
         let read = by_name.iter().find_map(|(&name, messages)| {
             let is_read = match wanted {
                 Some(wanted) => name == wanted,
-                None => messages.len() == most,
+                None => messages.len() == max,
             };
             is_read.then_some(name)
         });

@@ -19,7 +19,7 @@ const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 /// Kind and length.
 const HEAD_BYTES: u64 = 9;
 /// Schemas and channels are text; more is none that is needed here.
-const MOST_TEXT_BYTES: u64 = 16 << 20;
+const MAX_TEXT_BYTES: u64 = 16 << 20;
 /// Number of bytes that cover a record's header: for a chunk, everything before its data; for a message, everything
 /// before its own data, plus its timestamp, even in words.
 const START_BYTES: u64 = 256;
@@ -108,7 +108,7 @@ impl Finder {
             return None;
         }
         match kind {
-            SCHEMA | CHANNEL if length <= MOST_TEXT_BYTES => {
+            SCHEMA | CHANNEL if length <= MAX_TEXT_BYTES => {
                 let bytes = walk.take(length)?;
                 self.text_record(kind, &bytes);
             }

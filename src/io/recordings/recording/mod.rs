@@ -138,8 +138,8 @@ pub(crate) fn read_image(
     options: &ReadOptions,
 ) -> Result<Raster, IoError> {
     let bytes = message_bytes(path, message, options)?;
-    let most_bytes = options.holding(bytes.capacity()).left_bytes();
-    camera::image(&bytes, message, kind, most_bytes).map_err(|problem| {
+    let max_bytes = options.holding(bytes.capacity()).left_bytes();
+    camera::image(&bytes, message, kind, max_bytes).map_err(|problem| {
         let (format, place) = place_of(path, message);
         Fault::new(place, format!("the image: {problem}")).of(path, format)
     })

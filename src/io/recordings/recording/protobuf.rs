@@ -8,7 +8,7 @@ use super::bytes::Bytes;
 /// Bits of the number of a field that say its kind.
 const KIND_BITS: u32 = 3;
 /// A varint of 64 bits has no more bytes.
-const MOST_VARINT_BYTES: u32 = 10;
+const MAX_VARINT_BYTES: u32 = 10;
 
 /// A value as it is written.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,7 +58,7 @@ impl<'a> MessageFields<'a> {
 
     fn varint(&mut self) -> Option<u64> {
         let mut number = 0;
-        for index in 0..MOST_VARINT_BYTES {
+        for index in 0..MAX_VARINT_BYTES {
             let byte = self.0.u8()?;
             number |= u64::from(byte & 0x7f) << (7 * index);
             if byte < 0x80 {

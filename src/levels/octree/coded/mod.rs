@@ -151,8 +151,8 @@ impl CodedCloud {
     }
 
     /// The deepest level with at most so many nodes.
-    pub fn deepest_level_of(&self, most_nodes: usize) -> u32 {
-        let has_few = |&level: &u32| self.level(level).len() <= most_nodes;
+    pub fn deepest_level_of(&self, max_nodes: usize) -> u32 {
+        let has_few = |&level: &u32| self.level(level).len() <= max_nodes;
         (0..=self.depth()).rev().find(has_few).unwrap_or(0)
     }
 

@@ -9,9 +9,9 @@ use glam::DVec3;
 use std::path::Path;
 
 /// Bytes that the shortest row of each file takes.
-const LEAST_CAMERA: usize = 4 + 4 + 16 + 2 * 8;
-const LEAST_IMAGE: usize = 4 + 7 * 8 + 4 + 1 + 8;
-const LEAST_POINT: usize = 8 + 24 + 3 + 8 + 8;
+const MIN_CAMERA: usize = 4 + 4 + 16 + 2 * 8;
+const MIN_IMAGE: usize = 4 + 7 * 8 + 4 + 1 + 8;
+const MIN_POINT: usize = 8 + 24 + 3 + 8 + 8;
 const FEATURE: usize = 24;
 const TRACK_ENTRY: usize = 8;
 
@@ -19,7 +19,7 @@ pub(super) fn cameras(path: &Path) -> Result<Cameras, PhotosError> {
     let file = read_file(path)?;
     let mut bytes = Bytes::new(path, &file);
     let mut cameras = Cameras::new();
-    for _ in 0..bytes.count("cameras", LEAST_CAMERA)? {
+    for _ in 0..bytes.count("cameras", MIN_CAMERA)? {
         let id = bytes.u32()?;
         let number = bytes.u32()?.cast_signed();
         let size = [bytes.u64()?, bytes.u64()?];
@@ -43,7 +43,7 @@ pub(super) fn images(path: &Path) -> Result<Vec<Image>, PhotosError> {
     let file = read_file(path)?;
     let mut bytes = Bytes::new(path, &file);
     let mut images = Vec::new();
-    for _ in 0..bytes.count("photographs", LEAST_IMAGE)? {
+    for _ in 0..bytes.count("photographs", MIN_IMAGE)? {
         let id = bytes.u32()?;
         let quaternion = bytes.f64s()?;
         let shift = DVec3::from_array(bytes.f64s()?);
@@ -72,7 +72,7 @@ pub(super) fn points(path: &Path, features: &Features<'_>) -> Result<SparsePoint
     let mut bytes = Bytes::new(path, &file);
     let mut points = SparsePoints::default();
     let mut track = Vec::new();
-    for _ in 0..bytes.count("points", LEAST_POINT)? {
+    for _ in 0..bytes.count("points", MIN_POINT)? {
         bytes.u64()?;
         let position = bytes.f64s()?;
         let color = [bytes.u8()?, bytes.u8()?, bytes.u8()?];

@@ -6,7 +6,7 @@ use crate::rgbd::DepthImage;
 use std::path::Path;
 
 /// Sides of an image that is still one.
-const MOST_SIDE: usize = 65_536;
+const MAX_SIDE: usize = 65_536;
 
 /// Depths along the axis in the unit of the world, 0 where there is none, of a file in `stereo/depth_maps`.
 ///
@@ -21,7 +21,7 @@ pub fn colmap_depth(path: &Path) -> Result<DepthImage, PhotosError> {
         let end = rest.iter().take(12).position(|&byte| byte == b'&')?;
         let number: usize = std::str::from_utf8(&rest[..end]).ok()?.trim().parse().ok()?;
         rest = &rest[end + 1..];
-        (number <= MOST_SIDE).then_some(number)
+        (number <= MAX_SIDE).then_some(number)
     };
     let mut sides = || Some([side()?, side()?, side()?]);
     let [width, height, channels] = sides().ok_or_else(problem)?;

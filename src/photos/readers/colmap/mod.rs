@@ -56,7 +56,7 @@ const FOLDERS: &[&str] = &[
 
 /// Maximum number of models of one scene whose numbers are tried: COLMAP creates one for each connected group of
 /// images.
-const MOST_MODELS: u32 = 50;
+const MAX_MODELS: u32 = 50;
 
 /// Names of the files of a model.
 const FILES: &[&str] = &["cameras", "images", "points3d", "rigs", "frames"];
@@ -77,7 +77,7 @@ fn model_in(folder: &Path) -> Option<PathBuf> {
     if is_in(folder) {
         return Some(folder.to_owned());
     }
-    let numbered = (0..MOST_MODELS).map(|number| folder.join(number.to_string()));
+    let numbered = (0..MAX_MODELS).map(|number| folder.join(number.to_string()));
     let size_of = |model: &PathBuf| {
         let size = |name: &str| fs::metadata(model.join(name)).map_or(0, |file| file.len());
         size("images.bin").max(size("images.txt"))

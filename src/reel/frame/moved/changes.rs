@@ -62,7 +62,7 @@ impl LevelChanges {
         let values = &mut level.values;
         add(&mut values.colors, &self.colors, 255);
         for (single, (codes, changes)) in values.singles.iter_mut().zip(&self.singles).enumerate() {
-            add(codes, changes, schema.most_code(single));
+            add(codes, changes, schema.max_code(single));
         }
         values.normals = self.normals;
     }
@@ -110,10 +110,10 @@ fn differences<const N: usize>(before: &[[u16; N]], values: &[[u16; N]]) -> Vec<
     before.iter().zip(values).map(of_node).collect()
 }
 
-fn add<const N: usize>(values: &mut [[u16; N]], changes: &[[i32; N]], most: u16) {
+fn add<const N: usize>(values: &mut [[u16; N]], changes: &[[i32; N]], max: u16) {
     for (value, change) in values.iter_mut().zip(changes) {
         for channel in 0..N {
-            value[channel] = (i32::from(value[channel]) + change[channel]).clamp(0, i32::from(most)) as u16;
+            value[channel] = (i32::from(value[channel]) + change[channel]).clamp(0, i32::from(max)) as u16;
         }
     }
 }

@@ -171,8 +171,8 @@ fn code_changes<C: BitCoder + Send>(
             Told::Normals(levels, directions) => code_normals(schema, coders, followed, places, levels, &directions),
             Told::Singles(of_singles) => {
                 for levels in of_singles {
-                    let most = i32::from(u16::MAX);
-                    code_levels(coders, plans, places, levels, 1, &(-most..=most));
+                    let max = i32::from(u16::MAX);
+                    code_levels(coders, plans, places, levels, 1, &(-max..=max));
                 }
             }
         });

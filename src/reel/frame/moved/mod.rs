@@ -28,10 +28,10 @@ use super::grid::Grid;
 use super::schema::{Kept, Schema, Values};
 
 /// Maximum coded motion of a node in parts of a cell: within it, quotients are exact ([`crate::reel::coder::divided`]).
-const MOST_CHANGE: i32 = 1 << 13;
+const MAX_CHANGE: i32 = 1 << 13;
 
 /// Most bits of a position, so that it may leave the cube.
-const MOST_POSITION_BITS: u32 = 28;
+const MAX_POSITION_BITS: u32 = 28;
 
 /// Precision of node motion.
 #[derive(Debug, Clone, Copy)]
@@ -48,8 +48,8 @@ struct MotionScale {
 impl MotionScale {
     /// The step of a level by how many levels of nodes are below it.
     fn step(self, below: u32) -> i32 {
-        let [finest, least] = self.steps;
-        ((finest >> below.min(16)) | 1).max(least)
+        let [finest, min] = self.steps;
+        ((finest >> below.min(16)) | 1).max(min)
     }
 }
 
@@ -78,5 +78,5 @@ pub(in crate::reel) fn part_bits(schema: &Schema, grid: &Grid) -> Option<u32> {
         schema.has_exact_normals || schema.has_exact_scalars || schema.has_ellipses || schema.radii == Values::Exact;
     let bits = motion_scale(schema).part_bits;
     let is_told = !is_exact && schema.kept != Kept::Exact;
-    (is_told && grid.depth + bits <= MOST_POSITION_BITS).then_some(bits)
+    (is_told && grid.depth + bits <= MAX_POSITION_BITS).then_some(bits)
 }

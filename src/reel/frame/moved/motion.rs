@@ -7,7 +7,7 @@
 
 use super::followed::Followed;
 use super::slope::Below;
-use super::{MOST_CHANGE, MotionScale};
+use super::{MAX_CHANGE, MotionScale};
 use crate::reel::coder::{BitCoder, MagnitudeModel, RestModels, divided};
 use crate::reel::tree::{Known, NONE};
 
@@ -100,7 +100,7 @@ fn code_level<C: BitCoder>(
         for axis in 0..3 {
             let made_up = divided(left - 2 * others[axis], 2 * left);
             let foreseen = parent[axis] + differences[node][axis];
-            let predicted = (foreseen + made_up).clamp(-MOST_CHANGE, MOST_CHANGE);
+            let predicted = (foreseen + made_up).clamp(-MAX_CHANGE, MAX_CHANGE);
             let context = usize::from(left == 1) * 3 + axis;
             let class = (32 - sum.leading_zeros() as usize).min(CLASSES - 1);
             let model = &mut models.models[(context * CLASSES + class) * CLASSES + before];
@@ -110,13 +110,13 @@ fn code_level<C: BitCoder>(
                 (steps[node][axis] - predicted + unit / 2).div_euclid(unit)
             };
             // What damaged bytes say may be any number.
-            let most = i64::from(MOST_CHANGE);
+            let max = i64::from(MAX_CHANGE);
             let units = model
                 .code_signed(coder, &mut models.rest, i64::from(units))
-                .clamp(-most, most) as i32;
-            let step = (predicted + units * unit).clamp(-MOST_CHANGE, MOST_CHANGE);
+                .clamp(-max, max) as i32;
+            let step = (predicted + units * unit).clamp(-MAX_CHANGE, MAX_CHANGE);
             steps[node][axis] = step;
-            others[axis] = (others[axis] + step - foreseen).clamp(-MOST_CHANGE, MOST_CHANGE);
+            others[axis] = (others[axis] + step - foreseen).clamp(-MAX_CHANGE, MAX_CHANGE);
             sum += units.unsigned_abs();
         }
         before = (32 - sum.leading_zeros() as usize).min(CLASSES - 1);

@@ -6,7 +6,7 @@ use super::super::schema::Schema;
 use super::super::summaries::{PointValues, children};
 use super::changes::{Changes, LevelChanges};
 use super::followed::Followed;
-use super::{MOST_CHANGE, MOST_POSITION_BITS, motion_scale, part_bits};
+use super::{MAX_CHANGE, MAX_POSITION_BITS, motion_scale, part_bits};
 use crate::cloud::RawCloud;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
@@ -84,7 +84,7 @@ impl<'a> Run<'a> {
         let depth = self.plan.grid.depth as usize;
         let finest = followed.levels.last()?;
         let truth = self.truth_of(cloud);
-        let is_near = |place: &DVec3| place.abs().max_element() < f64::from(1 << MOST_POSITION_BITS);
+        let is_near = |place: &DVec3| place.abs().max_element() < f64::from(1 << MAX_POSITION_BITS);
         if !truth.iter().all(is_near) {
             return None;
         }
@@ -105,7 +105,7 @@ impl<'a> Run<'a> {
             steps[level] = mean_steps(&steps[level + 1], &children(&self.masks[level]));
         }
         self.truth = truth;
-        let can_be_told = |along: &i32| along.abs() <= MOST_CHANGE;
+        let can_be_told = |along: &i32| along.abs() <= MAX_CHANGE;
         if !steps.iter().flatten().flatten().all(can_be_told) {
             return None;
         }
@@ -203,10 +203,10 @@ fn mean_steps(below: &[[i32; 3]], nodes: &[Range<usize>]) -> Vec<[i32; 3]> {
 }
 
 /// Points whose distances are compared.
-const MOST_PAIRS: usize = 4096;
+const MAX_PAIRS: usize = 4096;
 
 /// Maximum factor by which points may be farther apart than in the key frame.
-const MOST_STRETCH: f64 = 2.0;
+const MAX_STRETCH: f64 = 2.0;
 
 /// Returns true if frame `other` of a group has the points of frame `key` in the same order, and points that were next
 /// to each other still are.
@@ -221,7 +221,7 @@ pub(in crate::reel) fn follows(plan: &GroupPlan, clouds: &[&RawCloud], key: usiz
     if !is_alike {
         return false;
     }
-    let stride = order.len().div_ceil(MOST_PAIRS);
+    let stride = order.len().div_ceil(MAX_PAIRS);
     let nearly_largest = |cloud: &RawCloud| {
         let pairs = order.windows(2).step_by(stride);
         let position = |point: u32| cloud.positions.get(point as usize);
@@ -231,5 +231,5 @@ pub(in crate::reel) fn follows(plan: &GroupPlan, clouds: &[&RawCloud], key: usiz
         let place = lengths.len() * 19 / 20;
         *lengths.select_nth_unstable_by(place, f64::total_cmp).1
     };
-    nearly_largest(clouds[other]) <= MOST_STRETCH * nearly_largest(clouds[key]).max(plan.grid.cell)
+    nearly_largest(clouds[other]) <= MAX_STRETCH * nearly_largest(clouds[key]).max(plan.grid.cell)
 }

@@ -119,9 +119,9 @@ mod tests {
                 .map(|(color, share, nearness)| Shown { color: color.into(), share, nearness })
                 .collect();
             let found = agreed(&shown);
-            let least = shown.iter().fold(Vec3::INFINITY, |least, shown| least.min(shown.color));
-            let most = shown.iter().fold(Vec3::NEG_INFINITY, |most, shown| most.max(shown.color));
-            prop_assert!(found.cmpge(least - 1e-5).all() && found.cmple(most + 1e-5).all());
+            let min = shown.iter().fold(Vec3::INFINITY, |min, shown| min.min(shown.color));
+            let max = shown.iter().fold(Vec3::NEG_INFINITY, |max, shown| max.max(shown.color));
+            prop_assert!(found.cmpge(min - 1e-5).all() && found.cmple(max + 1e-5).all());
             let mut more = shown.clone();
             more[0].share += 1e-4;
             prop_assert!(agreed(&more).distance(found) < 0.02);

@@ -62,11 +62,11 @@ impl Projected<'_> {
     ) -> Vec<(usize, [u8; 4])> {
         let mut closed = Vec::new();
         let mut scores = Scores::default();
-        let most = self.views.gap_px as i32;
+        let max = self.views.gap_px as i32;
         let mut met = -1;
         for x in 0..drawn.size[0] {
             let at = drawn.at([x, y]);
-            let is_within_reach = x - met < most || i32::from(rows_down[at]) < most;
+            let is_within_reach = x - met < max || i32::from(rows_down[at]) < max;
             if drawn.is_solid(at) {
                 met = x;
             }
@@ -74,7 +74,7 @@ impl Projected<'_> {
             if pixel[3] == u8::MAX {
                 continue;
             }
-            let in_gap = is_within_reach.then(|| drawn.depth_in_gap([x, y], most)).flatten();
+            let in_gap = is_within_reach.then(|| drawn.depth_in_gap([x, y], max)).flatten();
             let answer = in_gap.map(|in_gap| {
                 let own = drawn.depths[at];
                 let depth = if own > 0.0 { own } else { in_gap };
@@ -147,12 +147,12 @@ impl Drawn<'_> {
         Some(sum.map(|sum| sum / shares))
     }
 
-    fn steps_to_opaque(&self, [x, y]: [i32; 2], [right, down]: [i32; 2], most: i32) -> Option<i32> {
+    fn steps_to_opaque(&self, [x, y]: [i32; 2], [right, down]: [i32; 2], max: i32) -> Option<i32> {
         let is_opaque = |steps: i32| {
             let pixel = [x + steps * right, y + steps * down];
             self.is_inside(pixel) && self.pixels[self.at(pixel)][3] == u8::MAX
         };
-        (1..=most).find(|&steps| is_opaque(steps))
+        (1..=max).find(|&steps| is_opaque(steps))
     }
 
     fn is_inside(&self, [x, y]: [i32; 2]) -> bool {
@@ -163,8 +163,8 @@ impl Drawn<'_> {
         is_solid(self.pixels[at])
     }
 
-    fn end(&self, [x, y]: [i32; 2], [right, down]: [i32; 2], most: i32) -> Option<End> {
-        for steps in 1..=most {
+    fn end(&self, [x, y]: [i32; 2], [right, down]: [i32; 2], max: i32) -> Option<End> {
+        for steps in 1..=max {
             let pixel = [x + steps * right, y + steps * down];
             let depth = if !self.is_inside(pixel) {
                 0.0
@@ -205,9 +205,9 @@ impl Drawn<'_> {
         found.filter(|_| open_lines == 0 || is_slit)
     }
 
-    fn ends(&self, pixel: [i32; 2], [right, down]: [i32; 2], most: i32) -> Option<(End, End)> {
-        let one = self.end(pixel, [-right, -down], most - 1)?;
-        Some((one, self.end(pixel, [right, down], most - one.steps)?))
+    fn ends(&self, pixel: [i32; 2], [right, down]: [i32; 2], max: i32) -> Option<(End, End)> {
+        let one = self.end(pixel, [-right, -down], max - 1)?;
+        Some((one, self.end(pixel, [right, down], max - one.steps)?))
     }
 }
 

@@ -23,7 +23,7 @@ use super::tile::{Tile, WIDTH};
 use super::view::{PixelRect, PixelView};
 use crate::photos::Photograph;
 use crate::render::constants::{
-    PHOTO_LEAST_COSINE, PHOTO_OPACITY, PHOTO_PER_STEP_ANGLE2, PHOTO_RIM, PHOTO_SAME_ANGLE2, PHOTO_TRUST_NEAR_STEPS,
+    PHOTO_MIN_COSINE, PHOTO_OPACITY, PHOTO_PER_STEP_ANGLE2, PHOTO_RIM, PHOTO_SAME_ANGLE2, PHOTO_TRUST_NEAR_STEPS,
 };
 use crate::scene::{DepthMap, DepthRelation, PhotoClipping, PhotoHoles, PhotoRelight, PhotoStyle, PhotoViews};
 use agreement::{Shown, agreed};
@@ -189,15 +189,15 @@ impl<'a> Projected<'a> {
         self.candidates
             .score(simd, place.position, place.to_eye, place.normal, scores);
         // One more than is blended: weights are relative to that of the last.
-        let mut seeing = [Seeing::default(); PhotoStyle::MOST_VIEWS + 1];
+        let mut seeing = [Seeing::default(); PhotoStyle::MAX_VIEWS + 1];
         let wanted = self.views.blended + 1;
         let (mut count, mut through, mut nearest) = (0, 0.0, None);
-        for _ in 0..PhotoViews::MOST_ASKED {
+        for _ in 0..PhotoViews::MAX_ASKED {
             let Some(view) = scores.take_best() else {
                 break;
             };
             let angle2 = scores.angle2(view);
-            let least = *nearest.get_or_insert(angle2);
+            let min = *nearest.get_or_insert(angle2);
             let of_view = &self.views.views[view];
             let [column, row] = scores.place(view);
             let share = [column / of_view.size[0], row / of_view.size[1]];
@@ -207,7 +207,7 @@ impl<'a> Projected<'a> {
             }
             let share = share_seen(place, scores.facing(view));
             if seen == DepthRelation::Through {
-                through += share * self.weight(angle2 - least);
+                through += share * self.weight(angle2 - min);
                 continue;
             }
             let trust = share * trust(angle2, is_near_step);
@@ -224,8 +224,8 @@ impl<'a> Projected<'a> {
         }
         let seeing = &seeing[..count];
         let votes = || -> f32 {
-            let least = nearest.unwrap_or_default();
-            let of_each = seeing.iter().map(|seen| seen.share * self.weight(seen.angle2 - least));
+            let min = nearest.unwrap_or_default();
+            let of_each = seeing.iter().map(|seen| seen.share * self.weight(seen.angle2 - min));
             of_each.sum()
         };
         let is_clipped = match self.views.clipping {
@@ -259,7 +259,7 @@ impl<'a> Projected<'a> {
         let beyond = if beyond < 0.999 { beyond } else { 0.0 };
         let (mut sum, mut object, mut background) = (0.0, 0.0, 0.0);
         let same_angle2 = PHOTO_SAME_ANGLE2 / self.views.per_sigma2;
-        let mut shown = [Shown::default(); PhotoStyle::MOST_VIEWS];
+        let mut shown = [Shown::default(); PhotoStyle::MAX_VIEWS];
         let mut normals = Vec3::ZERO;
         for (shown, seen) in shown.iter_mut().zip(blended) {
             let view = &self.views.views[seen.view];
@@ -337,7 +337,7 @@ fn share_seen(place: &Place, facing: f32) -> f32 {
     if facing_eye <= 0.0 {
         return 1.0;
     }
-    let share = (facing / facing_eye.max(PHOTO_LEAST_COSINE)).min(1.0);
+    let share = (facing / facing_eye.max(PHOTO_MIN_COSINE)).min(1.0);
     share * share
 }
 
@@ -391,7 +391,7 @@ impl Place {
             per_px
         } else {
             // Along the ray, down to the plane through the place.
-            let down_to = |step: Vec3| step + to_eye * (-normal.dot(step) / cosine.max(PHOTO_LEAST_COSINE));
+            let down_to = |step: Vec3| step + to_eye * (-normal.dot(step) / cosine.max(PHOTO_MIN_COSINE));
             [down_to(per_px[0]), down_to(per_px[1])]
         };
         Self {

@@ -9,7 +9,7 @@
 //!
 //! The same arithmetic: `shaders/common/photographs.wgsl`.
 
-use crate::render::constants::PHOTO_LEAST_FACING;
+use crate::render::constants::PHOTO_MIN_FACING;
 use crate::scene::{DepthMap, PhotoView};
 use glam::{Vec3, Vec4};
 
@@ -67,7 +67,7 @@ impl DepthView<'_> {
         }
         let normal = (left - right).cross(up - down).normalize_or_zero();
         let facing = -normal.dot(middle) / middle.length();
-        if facing.abs() < PHOTO_LEAST_FACING {
+        if facing.abs() < PHOTO_MIN_FACING {
             Vec3::ZERO
         } else {
             normal * facing.signum()

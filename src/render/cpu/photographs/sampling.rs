@@ -2,7 +2,7 @@
 //! footprint, several times along its long one.
 
 use crate::photos::Texture;
-use crate::render::constants::PHOTO_MOST_TAPS;
+use crate::render::constants::PHOTO_MAX_TAPS;
 use glam::Vec4;
 
 /// Position in an image, and the footprint of one pixel of the rendered frame there; all in texels of the finest level.
@@ -23,7 +23,7 @@ pub(super) fn sample(texture: &Texture, footprint: &Footprint) -> [f32; 4] {
     } else {
         (second, second_len, first_len)
     };
-    let taps = (long_len / short_len.max(1.0)).ceil().clamp(1.0, PHOTO_MOST_TAPS);
+    let taps = (long_len / short_len.max(1.0)).ceil().clamp(1.0, PHOTO_MAX_TAPS);
     let per_tap = long_len / taps;
     let lod = if per_tap > 1.0 { per_tap.log2() } else { 0.0 };
     let mut sum = Vec4::ZERO;

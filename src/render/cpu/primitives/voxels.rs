@@ -122,7 +122,7 @@ impl<'a> Cubes<'a> {
             clip,
             outline: Outline::Parallelogram,
             cull_back_faces: true,
-            least_reach_px: 0.0,
+            min_reach_px: 0.0,
         };
         let faces = [
             cells.faces(simd, &canvas, 0),

@@ -48,12 +48,12 @@ impl<'a> Occlusion<'a> {
         }
         let AmbientOcclusion {
             near_radius_px,
-            most_radius_px,
+            max_radius_px,
             px_per_slope,
             strength,
         } = self.settings;
         let radius_px = (depth * near_radius_px)
-            .min(splat(most_radius_px))
+            .min(splat(max_radius_px))
             .max(splat(f32::MIN_POSITIVE));
         let per_radius = 1.0 / radius_px;
         let heights = per_radius * px_per_slope;

@@ -31,7 +31,7 @@ shared_struct! {
         /// Radius of the ball at the near plane.
         near_radius_px: f32,
         /// The largest one.
-        most_radius_px: f32,
+        max_radius_px: f32,
         /// Strength of the darkening; 0 if there is no ambient occlusion.
         strength: f32,
         /// Padding.
@@ -42,7 +42,7 @@ shared_struct! {
 fn uniform(packet: &ScenePacket) -> OcclusionUniform {
     AmbientOcclusion::of(packet).map_or_else(OcclusionUniform::zeroed, |occlusion| OcclusionUniform {
         near_radius_px: occlusion.near_radius_px,
-        most_radius_px: occlusion.most_radius_px,
+        max_radius_px: occlusion.max_radius_px,
         strength: occlusion.strength,
         unused: 0.0,
     })

@@ -115,16 +115,16 @@ impl<'a> EyeDome<'a> {
         let [gain, gain_aslant] = light.gains;
         let in_line = [per_depth * gain, f32x8::splat(simd, gain)];
         let aslant = [per_depth * gain_aslant, f32x8::splat(simd, gain_aslant)];
-        let most = f32x8::splat(simd, light.most);
+        let max = f32x8::splat(simd, light.max);
         let mut sums = [nothing; 2];
-        add(simd, &mut sums, depths_at(self.row, -straight), in_line, most);
-        add(simd, &mut sums, depths_at(self.row, straight), in_line, most);
+        add(simd, &mut sums, depths_at(self.row, -straight), in_line, max);
+        add(simd, &mut sums, depths_at(self.row, straight), in_line, max);
         for row in self.straight {
-            add(simd, &mut sums, depths_at(row, 0), in_line, most);
+            add(simd, &mut sums, depths_at(row, 0), in_line, max);
         }
         for row in self.diagonal {
-            add(simd, &mut sums, depths_at(row, -diagonal), aslant, most);
-            add(simd, &mut sums, depths_at(row, diagonal), aslant, most);
+            add(simd, &mut sums, depths_at(row, -diagonal), aslant, max);
+            add(simd, &mut sums, depths_at(row, diagonal), aslant, max);
         }
         let [steps, outside] = sums;
         let edge = outside * (EyeDomeLight::LONE - outside).max(nothing) * light.edge;
@@ -141,10 +141,10 @@ fn add<S: Simd>(
     [steps, outside]: &mut [f32x8<S>; 2],
     depths: f32x8<S>,
     [scale, gain]: [f32x8<S>; 2],
-    most: f32x8<S>,
+    max: f32x8<S>,
 ) {
     let nothing = f32x8::splat(simd, 0.0);
-    *steps += depths.mul_sub(scale, gain).max(nothing).min(most);
+    *steps += depths.mul_sub(scale, gain).max(nothing).min(max);
     let is_there = depths.simd_gt(nothing);
     *outside += simd.select_f32x8(is_there, nothing, f32x8::splat(simd, 0.125));
 }
@@ -199,7 +199,7 @@ mod tests {
             let x = (x as i32 + right * reach).clamp(0, width as i32 - 1) as usize;
             let y = (y as i32 + down * reach).clamp(0, height as i32 - 1) as usize;
             let depth = depths[width * y + x];
-            steps += (light.gains[way] * (depth / own - 1.0)).clamp(0.0, light.most);
+            steps += (light.gains[way] * (depth / own - 1.0)).clamp(0.0, light.max);
             outside += if depth == 0.0 { 0.125 } else { 0.0 };
         }
         (-(steps + light.edge * outside * (EyeDomeLight::LONE - outside).max(0.0))).exp()
@@ -209,7 +209,7 @@ mod tests {
         EyeDomeLight {
             reach_px,
             gains: [37.5, 30.0],
-            most: 0.9,
+            max: 0.9,
             edge: 5.0,
         }
     }

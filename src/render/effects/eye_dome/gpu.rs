@@ -53,7 +53,7 @@ shared_struct! {
         /// Straight and on diagonals.
         gains: [f32; 2],
         /// Most that a step adds.
-        most: f32,
+        max: f32,
         /// The darkness of edges.
         edge: f32,
         /// Padding.
@@ -65,7 +65,7 @@ fn uniform(packet: &ScenePacket) -> EyeDomeUniform {
     EyeDomeLight::of(packet).map_or_else(EyeDomeUniform::zeroed, |light| EyeDomeUniform {
         reach_px: light.reach_px.map(|reach_px| reach_px as i32),
         gains: light.gains,
-        most: light.most,
+        max: light.max,
         edge: light.edge,
         unused: [0.0; 2],
     })

@@ -11,8 +11,7 @@
 //! from their borders.
 
 use crate::render::constants::{
-    FXAA_BLUE, FXAA_DETAIL, FXAA_END_OF_EDGE, FXAA_GREEN, FXAA_LEAST_CONTRAST, FXAA_LEAST_SHARE, FXAA_MOST_BLENDED,
-    FXAA_RED,
+    FXAA_BLUE, FXAA_DETAIL, FXAA_END_OF_EDGE, FXAA_GREEN, FXAA_MAX_BLENDED, FXAA_MIN_CONTRAST, FXAA_MIN_SHARE, FXAA_RED,
 };
 use crate::scene::Antialiasing;
 use glam::Vec3;
@@ -72,9 +71,9 @@ pub(super) fn smooth(drawn: &RgbaImage, shown: &mut RgbaImage) {
 impl Cross {
     /// Between the lightest and the darkest of them; `None` where that is too little for an edge.
     fn contrast(&self) -> Option<f32> {
-        let most = self.sides.iter().copied().fold(self.middle, f32::max);
-        let contrast = most - self.sides.iter().copied().fold(self.middle, f32::min);
-        (contrast >= FXAA_LEAST_CONTRAST.max(FXAA_LEAST_SHARE * most)).then_some(contrast)
+        let max = self.sides.iter().copied().fold(self.middle, f32::max);
+        let contrast = max - self.sides.iter().copied().fold(self.middle, f32::min);
+        (contrast >= FXAA_MIN_CONTRAST.max(FXAA_MIN_SHARE * max)).then_some(contrast)
     }
 }
 
@@ -129,7 +128,7 @@ impl AliasedPicture<'_> {
         let share = self.covered(place, middle, other, beside, along);
         let smooth_edge = own.lerp(color(self.pixel(sum(place, beside))), share);
         let detail = (0.25 * (north + south + west + east) - middle).abs() / contrast - FXAA_DETAIL;
-        let blended = (detail / (1.0 - FXAA_DETAIL)).clamp(0.0, FXAA_MOST_BLENDED);
+        let blended = (detail / (1.0 - FXAA_DETAIL)).clamp(0.0, FXAA_MAX_BLENDED);
         let around = (own + sides.iter().sum::<Vec3>() + corners.iter().sum::<Vec3>()) / 9.0;
         let smooth = smooth_edge.lerp(around, blended) * 255.0 + 0.5;
         let [red, green, blue] = smooth.to_array().map(|channel| channel as u8);

@@ -1,8 +1,7 @@
 //! Its pass.
 
 use crate::render::constants::{
-    FXAA_BLUE, FXAA_DETAIL, FXAA_END_OF_EDGE, FXAA_GREEN, FXAA_LEAST_CONTRAST, FXAA_LEAST_SHARE, FXAA_MOST_BLENDED,
-    FXAA_RED,
+    FXAA_BLUE, FXAA_DETAIL, FXAA_END_OF_EDGE, FXAA_GREEN, FXAA_MAX_BLENDED, FXAA_MIN_CONTRAST, FXAA_MIN_SHARE, FXAA_RED,
 };
 use crate::render::gpu::constants::declared;
 use crate::render::gpu::part::Part;
@@ -31,9 +30,9 @@ const PART: Part = Part {
             FXAA_DETAIL,
             FXAA_END_OF_EDGE,
             FXAA_GREEN,
-            FXAA_LEAST_CONTRAST,
-            FXAA_LEAST_SHARE,
-            FXAA_MOST_BLENDED,
+            FXAA_MIN_CONTRAST,
+            FXAA_MIN_SHARE,
+            FXAA_MAX_BLENDED,
             FXAA_RED,
             FXAA_SEARCH_STEPS,
         ]

@@ -71,9 +71,9 @@ pub(super) struct MadePoints {
 impl DepthMaker {
     /// Returns true if the adapter's limits on bindings and dispatches are large enough.
     pub(super) fn can_hold(context: &Context, frame: &DepthFrame) -> bool {
-        let most_groups = context.limits.max_compute_workgroups_per_dimension;
+        let max_groups = context.limits.max_compute_workgroups_per_dimension;
         let bytes = (frame.pixels() * size_of::<PointRecord>()) as u64;
-        bytes <= context.max_storage_bytes() && groups(frame.size_px()).iter().all(|&count| count <= most_groups)
+        bytes <= context.max_storage_bytes() && groups(frame.size_px()).iter().all(|&count| count <= max_groups)
     }
 
     /// Makes the points of `images`. Precondition: [`DepthMaker::can_hold`].

@@ -144,12 +144,12 @@ fn range_median_and_flying_pixels_are_those_of_the_processor_to_the_bit() {
         median,
         flying(FlyingPixels::USUAL),
         flying(FlyingPixels {
-            least_neighbours: 6,
+            min_neighbours: 6,
             ..FlyingPixels::USUAL
         }),
         flying(FlyingPixels {
             erosion_px: 2,
-            most_share: 0.3,
+            max_share: 0.3,
             ..FlyingPixels::USUAL
         }),
         Filters { median: true, ..near },

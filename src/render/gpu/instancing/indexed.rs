@@ -72,9 +72,9 @@ impl Indexed {
         amplification: &'static Amplification,
         mesh: &MeshRecords,
     ) -> Stream {
-        let most_triangles = self.max_chunk_records(context, amplification);
-        let most = most_triangles.min(context.max_chunk_records.unwrap_or(usize::MAX));
-        let parts = parts(mesh, most, most / RECORDS_PER_VERTEX);
+        let max_triangles = self.max_chunk_records(context, amplification);
+        let max = max_triangles.min(context.max_chunk_records.unwrap_or(usize::MAX));
+        let parts = parts(mesh, max, max / RECORDS_PER_VERTEX);
         let byte_size = |part: &Part<'_>| size_of_val(&*part.triangles) + size_of_val(&*part.vertices);
         let textures = [
             storage(context, bytemuck::cast_slice(mesh.textures.texels())),
@@ -126,11 +126,11 @@ fn storage(context: &Context, bytes: &[u8]) -> wgpu::Buffer {
 }
 
 /// Parts of at most so many triangles and vertices, but of one triangle at least, in the order of the triangles.
-fn parts(mesh: &MeshRecords, most_triangles: usize, most_vertices: usize) -> Vec<Part<'_>> {
+fn parts(mesh: &MeshRecords, max_triangles: usize, max_vertices: usize) -> Vec<Part<'_>> {
     if mesh.triangles.is_empty() {
         return Vec::new();
     }
-    if mesh.triangles.len() <= most_triangles && mesh.vertices.len() <= most_vertices {
+    if mesh.triangles.len() <= max_triangles && mesh.vertices.len() <= max_vertices {
         return vec![Part {
             triangles: Cow::Borrowed(&mesh.triangles),
             vertices: Cow::Borrowed(&mesh.vertices),
@@ -140,7 +140,7 @@ fn parts(mesh: &MeshRecords, most_triangles: usize, most_vertices: usize) -> Vec
     let mut numbers: HashMap<u32, u32> = HashMap::new();
     let (mut triangles, mut vertices) = (Vec::new(), Vec::new());
     for triangle in mesh.triangles.iter() {
-        let is_full = triangles.len() + 1 > most_triangles || vertices.len() + 3 > most_vertices;
+        let is_full = triangles.len() + 1 > max_triangles || vertices.len() + 3 > max_vertices;
         if is_full && !triangles.is_empty() {
             parts.push(Part {
                 triangles: Cow::Owned(std::mem::take(&mut triangles)),
@@ -174,8 +174,8 @@ mod tests {
         #[test]
         fn parts_have_all_triangles_in_their_order_with_their_own_vertices(
             corners in prop::collection::vec(prop::array::uniform3(0u32..30), 1..80),
-            most_triangles in 1usize..40,
-            most_vertices in 3usize..40,
+            max_triangles in 1usize..40,
+            max_vertices in 3usize..40,
         ) {
             let vertex = |index: u32| VertexRecord { texture: index, ..VertexRecord::zeroed() };
             let triangle = |corners: [u32; 3]| TriangleRecord { corners, normal: [0; 2] };
@@ -183,10 +183,10 @@ mod tests {
                 Arc::new((0..30).map(vertex).collect()),
                 Arc::new(corners.iter().copied().map(triangle).collect()),
             );
-            let parts = parts(&mesh, most_triangles, most_vertices);
+            let parts = parts(&mesh, max_triangles, max_vertices);
             let mut found = Vec::new();
             for part in &parts {
-                prop_assert!(part.triangles.len() <= most_triangles && part.vertices.len() <= most_vertices);
+                prop_assert!(part.triangles.len() <= max_triangles && part.vertices.len() <= max_vertices);
                 let named = |corner: u32| part.vertices[corner as usize].texture;
                 found.extend(part.triangles.iter().map(|triangle| triangle.corners.map(named)));
             }

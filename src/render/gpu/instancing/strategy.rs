@@ -86,7 +86,7 @@ pub(in crate::render::gpu) trait RecordInstancing: Instancing {
     fn chunk_in(&self, context: &Context, room: &Room, record_count: u32) -> Chunk;
 
     /// The most records of a chunk that the strategy and the adapter can hold, at least one.
-    fn most_records(&self, context: &Context, amplification: &'static Amplification) -> usize {
+    fn max_records(&self, context: &Context, amplification: &'static Amplification) -> usize {
         self.max_chunk_records(context, amplification)
             .min(context.max_chunk_records.unwrap_or(usize::MAX))
             .max(1)
@@ -100,7 +100,7 @@ pub(in crate::render::gpu) fn upload(
     amplification: &'static Amplification,
     records: &[u8],
 ) -> Stream {
-    let max_records = instancing.most_records(context, amplification);
+    let max_records = instancing.max_records(context, amplification);
     Stream {
         chunks: records
             .chunks(max_records * RECORD_BYTES)

@@ -71,7 +71,7 @@ pub(in crate::render::gpu) const SHADE_PHOTO_ANSWERS_PHYSICAL: ScreenPass = Scre
 };
 
 const LIGHTS: Part = Part {
-    constants: || declared![MOST_LAMPS, SHININESS],
+    constants: || declared![MAX_LAMPS, SHININESS],
     uniform: Some(Uniform {
         name: "lights",
         layout: &LightsUniform::LAYOUT,
@@ -80,7 +80,7 @@ const LIGHTS: Part = Part {
 };
 
 /// Maximum number of lamps in addition to the headlight.
-const MOST_LAMPS: u32 = Lights::MOST_LAMPS as u32;
+const MAX_LAMPS: u32 = Lights::MAX_LAMPS as u32;
 
 /// The power of highlights.
 const SHININESS: u32 = Lights::SHININESS;
@@ -97,9 +97,9 @@ shared_struct! {
         /// Padding.
         unused: f32,
         /// In view space: where a lamp is (the fourth is 1), or from which direction it shines (0).
-        lamp_places: [[f32; 4]; Lights::MOST_LAMPS],
+        lamp_places: [[f32; 4]; Lights::MAX_LAMPS],
         /// Linear; black ones are none.
-        lamp_colors: [[f32; 4]; Lights::MOST_LAMPS],
+        lamp_colors: [[f32; 4]; Lights::MAX_LAMPS],
     }
 }
 

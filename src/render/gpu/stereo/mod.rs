@@ -27,7 +27,7 @@ mod tests;
 pub(super) use passes::SHADER;
 
 use super::compute::Bound;
-use super::constants::{NO_LABEL, STEREO_MOST_LABELS};
+use super::constants::{NO_LABEL, STEREO_MAX_LABELS};
 use super::context::Context;
 use super::gpu_data::StereoMatching;
 use super::readback::map_and_read;
@@ -139,7 +139,7 @@ impl<'a> Job<'a> {
             Gathering::SemiGlobal(_) => false,
             Gathering::Local { .. } => true,
         };
-        if left.size_px() != right.size_px() || range.count() > STEREO_MOST_LABELS as usize {
+        if left.size_px() != right.size_px() || range.count() > STEREO_MAX_LABELS as usize {
             return None;
         }
         let uniform = StereoMatching::of(left.size_px(), range, matching);

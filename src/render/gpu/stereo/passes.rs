@@ -159,8 +159,8 @@ impl Programs {
 /// Returns true if the adapter's dispatch limits allow all passes of such a pair; `is_local` selects the summation of
 /// squares.
 pub(super) fn has_groups(context: &Context, uniform: &StereoMatching, is_local: bool) -> bool {
-    let most = context.limits.max_compute_workgroups_per_dimension;
-    let fit = |which, uniform: &StereoMatching| groups(which, uniform).iter().all(|&count| count <= most);
+    let max = context.limits.max_compute_workgroups_per_dimension;
+    let fit = |which, uniform: &StereoMatching| groups(which, uniform).iter().all(|&count| count <= max);
     let are_gathered = if is_local {
         fit(Pass::SumColumns, uniform) && fit(Pass::SumSquares, uniform)
     } else {

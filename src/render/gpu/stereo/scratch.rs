@@ -14,10 +14,10 @@ const WORD_BYTES: u64 = 4;
 const CENSUS_BYTES: u64 = 8;
 
 /// Memory limit for the buffers of a pair.
-const MOST_BYTES: u64 = 512 << 20;
+const MAX_BYTES: u64 = 512 << 20;
 
 /// More is not kept between pairs.
-const MOST_KEPT_BYTES: u64 = 128 << 20;
+const MAX_KEPT_BYTES: u64 = 128 << 20;
 
 /// Dimensions that determine the buffer sizes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,7 +34,7 @@ impl Sizes {
     /// fewer than 2³² pixels and 2¹⁶ labels.
     pub(super) fn fit(&self, context: &Context) -> bool {
         let largest = self.sums().max(2 * self.pixels * CENSUS_BYTES);
-        largest <= context.max_storage_bytes() && self.all() <= MOST_BYTES
+        largest <= context.max_storage_bytes() && self.all() <= MAX_BYTES
     }
 
     fn sums(&self) -> u64 {
@@ -110,7 +110,7 @@ impl Scratch {
 
     /// Returns true if the scratch buffers are worth keeping for the next pair.
     pub(super) fn is_kept(&self) -> bool {
-        self.sizes.all() <= MOST_KEPT_BYTES
+        self.sizes.all() <= MAX_KEPT_BYTES
     }
 
     /// Uploads both images, and the uniforms of all paths. Precondition: images of the size of these buffers.

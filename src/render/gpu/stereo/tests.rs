@@ -15,7 +15,7 @@ const SIZES: [[u32; 2]; 7] = [[1, 1], [9, 1], [1, 7], [5, 40], [33, 17], [47, 31
 const RANGES: [[i32; 2]; 5] = [[0, 63], [-20, 43], [-3, 60], [-500, -440], [30, 300]];
 
 /// Larger images are matched in fewer ways.
-const MOST_SMALL_PIXELS: u32 = 2000;
+const MAX_SMALL_PIXELS: u32 = 2000;
 
 static CONTEXT: LazyLock<Arc<Context>> = LazyLock::new(context);
 
@@ -84,7 +84,7 @@ fn all_matchings() -> Vec<Matching> {
     let narrow = Penalties {
         p1: 3,
         p2: 61,
-        p2_least: 9,
+        p2_min: 9,
         half_change: 0,
     };
     let gatherings = [
@@ -101,7 +101,7 @@ fn all_matchings() -> Vec<Matching> {
             between,
             // Whatever differs is to be seen, and what is usual as well.
             unique_percent: [3, 0, 5, 0, 0][number],
-            least_area_px: [100, 0, 0, 0, 0][number],
+            min_area_px: [100, 0, 0, 0, 0][number],
         })
     });
     all.collect()
@@ -142,7 +142,7 @@ fn compare(
 /// The pairs of a size that are worth their time: those of many pixels are slow on an adapter without a card.
 fn pairs_of(size: [u32; 2], seed: u64) -> Vec<(&'static str, [GrayImage; 2])> {
     let mut pairs = pairs(size, seed);
-    if size[0] * size[1] > MOST_SMALL_PIXELS {
+    if size[0] * size[1] > MAX_SMALL_PIXELS {
         pairs.retain(|(name, _)| ["walls", "one image twice"].contains(name));
     }
     pairs
@@ -153,7 +153,7 @@ fn disparities_are_those_of_the_processor() {
     let matcher = CardMatcher::new(Arc::clone(&CONTEXT));
     let mut found = [0; 2];
     for (number, size) in SIZES.into_iter().enumerate() {
-        let is_small = size[0] * size[1] <= MOST_SMALL_PIXELS;
+        let is_small = size[0] * size[1] <= MAX_SMALL_PIXELS;
         for (name, pair) in pairs_of(size, 7 + number as u64) {
             for matching in all_matchings() {
                 for &ends in if is_small { &RANGES[..] } else { &RANGES[1..2] } {
@@ -215,12 +215,12 @@ fn sums_along_paths(costs: &[u32], guide: &GrayImage, count: usize, penalties: P
                 if let (Some(before), Some(from)) = (&before, from) {
                     let change = u32::from(guide.pixels()[from].abs_diff(guide.pixels()[at]));
                     let half = u32::from(penalties.half_change.max(1));
-                    let above = u32::from(penalties.p2 - penalties.p2_least) * half / (half + change);
+                    let above = u32::from(penalties.p2 - penalties.p2_min) * half / (half + change);
                     let least = before.iter().copied().min().unwrap();
                     let beside = [label.wrapping_sub(1), label + 1];
                     let near = beside.iter().filter_map(|&label| before.get(label)).min().unwrap();
                     best = before[label].min(near + u32::from(penalties.p1));
-                    best = best.min(least + u32::from(penalties.p2_least) + above) - least;
+                    best = best.min(least + u32::from(penalties.p2_min) + above) - least;
                 }
                 path[at * count + label] = costs[at * count + label] + best;
             }
@@ -339,7 +339,7 @@ fn what_is_not_for_the_card_is_told_or_matched_by_the_processor() {
     let wrong = Matching {
         gathering: Gathering::SemiGlobal(Penalties {
             p1: 9,
-            p2_least: 8,
+            p2_min: 8,
             ..Penalties::default()
         }),
         ..Matching::default()

@@ -35,7 +35,7 @@ use super::primitives::Amplification;
 use super::recording::Recording;
 use super::residency::{Residency, StreamKey};
 use super::rooms::stream_in;
-use crate::analysis::screen::constants::MOST_LEVELS;
+use crate::analysis::screen::constants::MAX_LEVELS;
 use crate::analysis::screen::with_margin_of_splats;
 use crate::scene::VisiblePoints;
 use count::CountReader;
@@ -186,7 +186,7 @@ fn sizes_of(visible: &VisiblePoints, screening: &Screening) -> Sizes {
 
 /// One uniform for each level of cells, then one for each chunk of records.
 fn uniforms(screening: &Screening, stream: &Stream) -> Vec<Screening> {
-    let mut uniforms: Vec<Screening> = (0..=MOST_LEVELS)
+    let mut uniforms: Vec<Screening> = (0..=MAX_LEVELS)
         .map(|level| Screening { level, ..*screening })
         .collect();
     let mut first = 0;

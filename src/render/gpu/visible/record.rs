@@ -2,7 +2,7 @@
 
 use super::passes::{DRAWN_POINTS, DRAWN_SHAPES, POINTS, Pass, Programs, Work};
 use super::scratch::{Scratch, Sizes};
-use crate::analysis::screen::constants::MOST_LEVELS;
+use crate::analysis::screen::constants::MAX_LEVELS;
 use crate::render::gpu::recording::Recording;
 
 /// Names of the passes in timings.
@@ -76,7 +76,7 @@ pub(super) fn write_surfels(
     };
     programs.dispatch(&mut pass, Pass::Choose, &choose, work);
     let coarsen = programs.group(context, Pass::Coarsen, |binding| scratch.buffer(binding));
-    for level in 0..=MOST_LEVELS {
+    for level in 0..=MAX_LEVELS {
         let work = Work {
             uniform_offset: scratch.uniform_offset(level),
             invocations: sizes.cells_of(level),
@@ -84,7 +84,7 @@ pub(super) fn write_surfels(
         programs.dispatch(&mut pass, Pass::Coarsen, &coarsen, work);
     }
     for which in [Pass::Surface, Pass::Lend] {
-        for (chunk, ([drawn_points, drawn_shapes], &count)) in (MOST_LEVELS + 1..).zip(rooms.iter().zip(counts)) {
+        for (chunk, ([drawn_points, drawn_shapes], &count)) in (MAX_LEVELS + 1..).zip(rooms.iter().zip(counts)) {
             let group = programs.group(context, which, |binding| match binding {
                 POINTS => points,
                 DRAWN_POINTS => drawn_points,

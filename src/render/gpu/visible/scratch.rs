@@ -3,12 +3,12 @@
 use super::passes::{
     CELL_KEYS, CELL_KEYS_FOUND, CELLS, DEPTHS, FOUND, NEAREST, NEAREST_DRAWN, NORMALS, PLACES, SEEN_POINTS,
 };
-use crate::analysis::screen::constants::{BORDER_PX, MOST_LEVELS};
+use crate::analysis::screen::constants::{BORDER_PX, MAX_LEVELS};
 use crate::render::gpu::constants::GROUP_RECORDS;
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::Screening;
 use crate::render::gpu::recording::Recording;
-use crate::render::gpu::rooms::MOST_ROOM;
+use crate::render::gpu::rooms::MAX_ROOM;
 
 /// Bytes of `Found` in `screen_normals/view.wgsl`.
 pub(super) const FOUND_BYTES: u64 = 24;
@@ -49,7 +49,7 @@ impl Sizes {
         let [width, height] = self.size_px.map(u64::from);
         let points = u64::from(self.points);
         let cells = || {
-            (0..=MOST_LEVELS)
+            (0..=MAX_LEVELS)
                 .map(|level| u64::from(self.cells_of(level)))
                 .sum::<u64>()
         };
@@ -70,9 +70,9 @@ impl Sizes {
     pub(super) fn fit(&self, context: &Context) -> bool {
         let invocations = self.points.max(self.bordered()).max(self.cells_of(0));
         let groups = invocations.div_ceil(GROUP_RECORDS);
-        let most_bytes = OWN.into_iter().map(|binding| self.bytes(binding)).max();
+        let max_bytes = OWN.into_iter().map(|binding| self.bytes(binding)).max();
         groups <= context.limits.max_compute_workgroups_per_dimension
-            && most_bytes.is_none_or(|bytes| bytes <= context.max_storage_bytes())
+            && max_bytes.is_none_or(|bytes| bytes <= context.max_storage_bytes())
     }
 }
 
@@ -94,7 +94,7 @@ impl Scratch {
         let mut own = own.into_iter();
         let buffers = OWN.into_iter().map(|binding| {
             let needed = sizes.bytes(binding).max(PLACE_BYTES);
-            let fits = |buffer: &wgpu::Buffer| (needed..=MOST_ROOM as u64 * needed).contains(&buffer.size());
+            let fits = |buffer: &wgpu::Buffer| (needed..=MAX_ROOM as u64 * needed).contains(&buffer.size());
             own.next()
                 .filter(fits)
                 .unwrap_or_else(|| buffer(context, needed, usage_of(binding)))

@@ -12,7 +12,7 @@ use glam::{Mat3, Vec3};
 use wgpu::BufferUsages as Usages;
 
 /// Records of a chunk: fewer than there are points.
-const MOST: usize = 10_000;
+const MAX: usize = 10_000;
 
 /// A camera in the plane of x and z that looks at what is a unit before the sensor.
 fn view(eye: Vec3, size_px: [u32; 2], px_per_slope: f32) -> ScreenView {
@@ -89,12 +89,10 @@ fn made(
         size_px: screening.size_px,
     };
     assert!(sizes.fit(context));
-    let counts: Vec<u32> = points.chunks(MOST).map(|chunk| chunk.len() as u32).collect();
-    let mut uniforms: Vec<Screening> = (0..=MOST_LEVELS)
-        .map(|level| Screening { level, ..screening })
-        .collect();
+    let counts: Vec<u32> = points.chunks(MAX).map(|chunk| chunk.len() as u32).collect();
+    let mut uniforms: Vec<Screening> = (0..=MAX_LEVELS).map(|level| Screening { level, ..screening }).collect();
     uniforms.extend((0..).zip(&counts).map(|(chunk, &count)| Screening {
-        first: chunk * MOST as u32,
+        first: chunk * MAX as u32,
         count,
         ..screening
     }));

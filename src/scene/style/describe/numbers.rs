@@ -61,13 +61,13 @@ impl Numbers {
 
     /// The nearest number that files may hold.
     pub(super) fn nearest(&self, number: f64) -> f64 {
-        let [least, most] = self.kept.map(f64::from);
-        number.clamp(least, most)
+        let [min, max] = self.kept.map(f64::from);
+        number.clamp(min, max)
     }
 
     /// A number of the command line. `Err` says what was expected.
     pub fn parse(&self, text: &str) -> Result<f64, String> {
-        let [least, most] = self.kept;
+        let [min, max] = self.kept;
         let number = || match self.typed {
             Typed::Whole | Typed::WholePositive => text.parse::<u32>().ok().map(f64::from),
             _ => text.parse::<f32>().ok().map(f64::from),
@@ -82,7 +82,7 @@ impl Numbers {
             Typed::Positive => "expected a number above 0".to_owned(),
             Typed::NotNegative => "expected a number from 0 up".to_owned(),
             Typed::Kept(expected) => format!("expected {expected}"),
-            Typed::Whole => format!("expected a whole number from {least} to {most}"),
+            Typed::Whole => format!("expected a whole number from {min} to {max}"),
             Typed::WholePositive => "expected a whole number from 1 up".to_owned(),
         })
     }

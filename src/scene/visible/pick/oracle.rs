@@ -81,14 +81,14 @@ impl Oracle<'_> {
             let aside = px - self.px;
             let scale = f64::from(style.points.scale);
             let px_per_unit = 0.5 * height * f64::from(self.packet.view.focal[1]) / clip.w;
-            let least_px = match shape {
+            let min_px = match shape {
                 PointShape::Square => 0.505,
                 PointShape::Disk | PointShape::Gaussian => 0.715,
             };
-            let in_scene_px = |radius: f64| (scale * radius * px_per_unit).max(least_px);
+            let in_scene_px = |radius: f64| (scale * radius * px_per_unit).max(min_px);
             let half_px = match points.sizing {
                 PointSizing::Pixels if shape == PointShape::Gaussian || style.lights_points() => {
-                    least_px.max(0.5 * f64::from(style.points.size_px))
+                    min_px.max(0.5 * f64::from(style.points.size_px))
                 }
                 PointSizing::Pixels => 0.5 * f64::from(style.points.size_px),
                 PointSizing::Projected => in_scene_px(f64::from(self.packet.params.point_spacing) / 2f64.sqrt()),
@@ -107,7 +107,7 @@ impl Oracle<'_> {
                 best = Some((clip.w, slot));
             }
         }
-        best.map(|(_, slot)| slot).or_else(|| most_of_blended(blended))
+        best.map(|(_, slot)| slot).or_else(|| max_of_blended(blended))
     }
 
     pub(super) fn surfel(&self) -> Option<usize> {
@@ -135,7 +135,7 @@ impl Oracle<'_> {
                 met.push((depth, radius, a.hypot(b), slot));
             }
         }
-        most_of_blended(met)
+        max_of_blended(met)
     }
 
     /// The record of the nearest triangle or point of a mesh, and where it is met.
@@ -190,7 +190,7 @@ impl Oracle<'_> {
 
 /// Returns the one nearest to the centre of what is drawn there, of those no farther behind the nearest than its
 /// radius. Each is a depth, a radius, a fraction of the radius and a slot.
-fn most_of_blended(mut met: Vec<(f64, f64, f64, usize)>) -> Option<usize> {
+fn max_of_blended(mut met: Vec<(f64, f64, f64, usize)>) -> Option<usize> {
     let backmost = met.iter().map(|&(depth, radius, ..)| depth + radius).reduce(f64::min)?;
     met.retain(|&(depth, ..)| depth <= backmost);
     met.sort_by(|a, b| a.2.total_cmp(&b.2));

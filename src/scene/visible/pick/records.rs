@@ -47,7 +47,7 @@ impl Drawn for Sprites<'_> {
     }
 
     fn reach_px(&self) -> f64 {
-        0.5 * f64::from(self.size.least_px)
+        0.5 * f64::from(self.size.min_px)
     }
 
     fn faces_eye(&self, _: usize, _: DVec3) -> bool {
@@ -71,11 +71,11 @@ impl Drawn for Sprites<'_> {
 
 /// Returns the intersection of the ray with the square or the disk of a point.
 fn meet_sprite(depth: f64, aside_px: DVec2, half_px: f64, shape: PointShape) -> Option<Met> {
-    let aside_most_px = aside_px.abs().max_element();
+    let aside_max_px = aside_px.abs().max_element();
     let covers = match shape {
-        PointShape::Square => aside_most_px <= half_px,
+        PointShape::Square => aside_max_px <= half_px,
         // And the pixel that the point is in.
-        PointShape::Disk | PointShape::Gaussian => aside_px.length() <= half_px || aside_most_px <= 0.5,
+        PointShape::Disk | PointShape::Gaussian => aside_px.length() <= half_px || aside_max_px <= 0.5,
     };
     covers.then_some(Met {
         depth,
@@ -258,7 +258,7 @@ impl<'a> Triangles<'a> {
     pub(super) fn new(mesh: &'a MeshRecords, packet: &ScenePacket) -> Self {
         Self {
             mesh,
-            half_px: 0.5 * f64::from(PointSize::of(packet).least_px),
+            half_px: 0.5 * f64::from(PointSize::of(packet).min_px),
             shape: packet.style.drawn_points().shape,
         }
     }

@@ -1,8 +1,8 @@
 //! Servers that are none, and clients that talk nonsense.
 
 use super::*;
-use crate::deadlines::{ClientDeadlines, LeastRate, ServerDeadlines};
-use crate::serve::live::audience::MOST_CLIENTS;
+use crate::deadlines::{ClientDeadlines, MinRate, ServerDeadlines};
+use crate::serve::live::audience::MAX_CLIENTS;
 use crate::wire::{Ping, View};
 use glam::{DVec3, Mat3};
 use std::net::Shutdown;
@@ -28,7 +28,7 @@ fn hostile(bytes: Vec<u8>) -> (PathBuf, SocketAddr) {
 fn impatient() -> ClientDeadlines {
     ClientDeadlines {
         silence: Duration::from_millis(500),
-        transfer: LeastRate {
+        transfer: MinRate {
             grace: Duration::from_millis(500),
             bytes_per_s: 1e5,
         },
@@ -132,7 +132,7 @@ fn assert_served_at_once(server: &Running) {
 }
 
 fn crowd(server: &Running) -> Vec<TcpStream> {
-    let crowd: Vec<TcpStream> = (0..MOST_CLIENTS)
+    let crowd: Vec<TcpStream> = (0..MAX_CLIENTS)
         .map(|_| TcpStream::connect(server.address()).unwrap())
         .collect();
     wait_for("clients", || server.server.report().clients == crowd.len());
@@ -171,13 +171,13 @@ fn where_all_who_are_there_take_part_others_are_told_so() {
     wait_for("pings", || server.server.all_have_spoken());
     let error = LiveStream::open(&server.url(), &OpenOptions::default(), &Progress::default()).err();
     assert!(error.unwrap().to_string().contains("as many clients as may be"));
-    assert_eq!(server.server.report().clients, MOST_CLIENTS);
+    assert_eq!(server.server.report().clients, MAX_CLIENTS);
 }
 
 #[test]
 fn a_client_that_takes_a_frame_too_slowly_is_left() {
     let deadlines = ServerDeadlines {
-        message: LeastRate {
+        message: MinRate {
             grace: Duration::from_millis(200),
             bytes_per_s: 1e9,
         },

@@ -81,7 +81,7 @@ impl Running {
         let options = LiveOptions {
             coding,
             repeats: true,
-            most_bytes: 1 << 28,
+            max_bytes: 1 << 28,
         };
         let events = Arc::<Mutex<Vec<LiveEvent>>>::default();
         let told = Arc::clone(&events);
@@ -245,9 +245,9 @@ fn images_arrive_raw_and_become_the_clouds_that_files_do_whatever_the_filters() 
             let [came_colors, expected_colors] =
                 [&mut came, &mut expected].map(|cloud| cloud.attributes.colors.take().unwrap());
             let pairs = came_colors.as_flattened().iter().zip(expected_colors.as_flattened());
-            let most = pairs.map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+            let max = pairs.map(|(a, b)| a.abs_diff(*b)).max().unwrap();
             let allowed = if coding.color == ColorCoding::Raw { 0 } else { 16 };
-            assert!(most <= allowed, "colours differ by {most} with {coding:?}");
+            assert!(max <= allowed, "colours differ by {max} with {coding:?}");
             assert_eq!(text(&came), text(&expected), "{coding:?} {filters}");
         }
     }
@@ -395,7 +395,7 @@ fn a_sequence_that_is_not_repeated_ends() {
     let options = LiveOptions {
         coding: RAW,
         repeats: false,
-        most_bytes: 1 << 20,
+        max_bytes: 1 << 20,
     };
     let schedule = Schedule::new(5, 50.0, |_| 1.0);
     let server = LiveServer::bind(source, schedule, "127.0.0.1:0".parse().unwrap(), options, |_| ()).unwrap();

@@ -19,7 +19,7 @@ const COLOR: &str = "CALIBRATION_CameraLocationPV0";
 const DEPTH_SENSOR_PX: [u64; 2] = [1024, 1024];
 
 /// Tolerance for the products of rotation axes, which should be 0 and 1: they are written as single-precision floats.
-const MOST_SKEW: f64 = 1e-3;
+const MAX_SKEW: f64 = 1e-3;
 
 /// The cameras of a device.
 #[derive(Debug, Clone, PartialEq)]
@@ -178,7 +178,7 @@ fn place(camera: &Value) -> Result<DAffine3, String> {
     };
     let rotation = DMat3::from_cols_array(&rows).transpose();
     let off = (rotation.transpose() * rotation - DMat3::IDENTITY).to_cols_array();
-    let is_rotation = off.iter().all(|off| off.abs() <= MOST_SKEW) && rotation.determinant() > 0.0;
+    let is_rotation = off.iter().all(|off| off.abs() <= MAX_SKEW) && rotation.determinant() > 0.0;
     if !is_rotation {
         return Err("the rotation of `Rt` is none: its axes are not at right angles".to_owned());
     }

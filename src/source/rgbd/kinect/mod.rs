@@ -29,7 +29,7 @@ use std::time::Duration;
 const UNITS_PER_METRE: f64 = 1000.0;
 
 /// A calibration has twenty thousand bytes.
-const MOST_CALIBRATION_BYTES: u64 = 16 << 20;
+const MAX_CALIBRATION_BYTES: u64 = 16 << 20;
 
 /// The extension of its recordings.
 const EXTENSION: &str = "mkv";
@@ -176,7 +176,7 @@ impl KinectRecording<'_> {
     }
 
     /// The calibration that is attached.
-    fn device(&self, most_bytes: u64) -> Result<Device, String> {
+    fn device(&self, max_bytes: u64) -> Result<Device, String> {
         let name = self.file.tag("K4A_CALIBRATION_FILE").unwrap_or("calibration.json");
         let named = self.file.attachments.iter().find(|file| file.name == name);
         let Some(attached) = named else {
@@ -186,7 +186,7 @@ impl KinectRecording<'_> {
                 name.escape_default()
             ));
         };
-        let json = attached.content.read(self.path, most_bytes.min(MOST_CALIBRATION_BYTES));
+        let json = attached.content.read(self.path, max_bytes.min(MAX_CALIBRATION_BYTES));
         let device = json.and_then(|json| Device::of_json(&json));
         device.map_err(|problem| format!("the attached file `{}`: {problem}", name.escape_default()))
     }

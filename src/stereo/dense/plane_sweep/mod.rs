@@ -34,7 +34,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use turned::{Other, Turned};
 
 /// Most planes.
-const MOST_PLANES: usize = 1024;
+const MAX_PLANES: usize = 1024;
 
 /// Lines of a task.
 const LINES: usize = 4;
@@ -43,10 +43,10 @@ const LINES: usize = 4;
 const COST_STEPS: usize = 15;
 
 /// Most bytes of all costs, and of all other views.
-const MOST_BYTES: u64 = 2 << 30;
+const MAX_BYTES: u64 = 2 << 30;
 
 /// Most other views: more would tell nothing that the nearest do not.
-const MOST_OTHERS: usize = 64;
+const MAX_OTHERS: usize = 64;
 
 /// Planes by which neighbours on one surface differ at most.
 const SPECK_STEP: f32 = 1.0;
@@ -66,7 +66,7 @@ pub struct PlaneSweep {
     /// By how much all other planes have to cost more than the one that is taken, in percent.
     pub unique_percent: u16,
     /// Connected areas of fewer pixels are taken out.
-    pub least_area_px: usize,
+    pub min_area_px: usize,
 }
 
 impl PlaneSweep {
@@ -81,7 +81,7 @@ impl PlaneSweep {
             planes: None,
             gathering: Gathering::SemiGlobal(Penalties::default()),
             unique_percent: 3,
-            least_area_px: 30,
+            min_area_px: 30,
         }
     }
 
@@ -109,7 +109,7 @@ impl PlaneSweep {
         if others.is_empty() {
             return Err(StereoError::TooFewViews(1));
         }
-        let others = &others[..others.len().min(MOST_OTHERS)];
+        let others = &others[..others.len().min(MAX_OTHERS)];
         for (index, view) in std::iter::once(view).chain(others).enumerate() {
             view.check(index)?;
         }
@@ -135,7 +135,7 @@ impl PlaneSweep {
         }
         let labels = refine(&labels, size[0], |at, label| volume.around(at, label));
         let mut labels = median(&labels, size[0]);
-        remove_specks(&mut labels, size[0], self.least_area_px, |a, b| {
+        remove_specks(&mut labels, size[0], self.min_area_px, |a, b| {
             (a - b).abs() <= SPECK_STEP
         });
         let step = planes[1] - planes[0];
@@ -151,14 +151,14 @@ impl PlaneSweep {
     fn check_depths(&self) -> Result<(), StereoError> {
         let (near, far) = (self.near, self.far);
         let planes = self.planes.unwrap_or(LANES);
-        if near > 0.0 && near < far && far.is_finite() && (2..=MOST_PLANES).contains(&planes) {
+        if near > 0.0 && near < far && far.is_finite() && (2..=MAX_PLANES).contains(&planes) {
             return Ok(());
         }
         Err(StereoError::NoDepths {
             near,
             far,
             planes,
-            most: MOST_PLANES,
+            most: MAX_PLANES,
         })
     }
 
@@ -167,7 +167,7 @@ impl PlaneSweep {
         let range = [1.0 / self.far, 1.0 / self.near];
         let count = self.planes.unwrap_or_else(|| {
             let shifts = others.iter().map(|other| other.shift(size, range));
-            (shifts.fold(0.0, f32::max) as usize + 1).min(MOST_PLANES)
+            (shifts.fold(0.0, f32::max) as usize + 1).min(MAX_PLANES)
         });
         let count = count.next_multiple_of(LANES);
         let step = (range[1] - range[0]) / (count - 1) as f64;
@@ -181,10 +181,10 @@ fn costs(image: &GrayImage, others: &[Other], planes: &[f32], progress: &Progres
     let size = [image.width(), image.height()];
     let line = size[0] * planes.len();
     let needed = line as u64 * size[1] as u64 + others.len() as u64 * Other::byte_size(size);
-    if needed > MOST_BYTES {
+    if needed > MAX_BYTES {
         return Err(StereoError::TooLarge {
             needed_mib: needed >> 20,
-            most_mib: MOST_BYTES >> 20,
+            max_mib: MAX_BYTES >> 20,
         });
     }
     let range = [planes[0], planes[planes.len() - 1]];

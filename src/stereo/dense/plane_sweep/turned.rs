@@ -33,7 +33,7 @@ pub(super) const UNSEEN_COST: u8 = u8::MAX;
 
 /// Minimum scale for using the central plane: if the view is enlarged by more, as if it stood on that plane, the plane
 /// at infinity is used instead.
-const LEAST_SCALE: f32 = 0.2;
+const MIN_SCALE: f32 = 0.2;
 
 /// Bits of a step from place to place that are behind the point.
 const FRACTION: u32 = 16;
@@ -41,7 +41,7 @@ const FRACTION: u32 = 16;
 const ONE: f64 = (1_u64 << FRACTION) as f64;
 
 /// Places and steps beyond are of planes that nobody sees; a line of these fits 64 bits.
-const MOST_PLACES: f32 = 16_777_216.0;
+const MAX_PLACES: f32 = 16_777_216.0;
 
 /// Shares of the two places around one.
 const SHARES: u32 = 16;
@@ -112,7 +112,7 @@ impl Other {
         };
         let middle = 0.5 * (range[0] + range[1]);
         let scale = on(middle).determinant() / self.linear.determinant();
-        let laid_on = if scale > LEAST_SCALE { middle } else { 0.0 };
+        let laid_on = if scale > MIN_SCALE { middle } else { 0.0 };
         let other_from_first = on(laid_on);
         let moves = other_from_first.inverse() * self.offset;
         let mut turned = Turned {
@@ -123,9 +123,9 @@ impl Other {
             moves,
             laid_on,
         };
-        let [least, most] = turned.reach(size, range);
-        turned.first = least;
-        let pixels = (most - least + 1.0).to_array().map(|edge| edge as usize);
+        let [min, max] = turned.reach(size, range);
+        turned.first = min;
+        let pixels = (max - min + 1.0).to_array().map(|edge| edge as usize);
         (turned.columns, turned.rows) = (pixels[0] * PHASES, pixels[1] * PHASES);
         turned.bits = vec![UNSEEN; turned.columns * turned.rows];
         let phases: Vec<[usize; 2]> = (0..PHASES * PHASES)
@@ -133,7 +133,7 @@ impl Other {
             .collect();
         for [across, down] in phases {
             let shift = Vec2::new(across as f32, down as f32) / PHASES as f32;
-            let (laid, is_seen) = self.lay(&other_from_first, least + shift, pixels);
+            let (laid, is_seen) = self.lay(&other_from_first, min + shift, pixels);
             let lines = turned.bits.chunks_exact_mut(turned.columns).skip(down).step_by(PHASES);
             let of_laid = census(&laid);
             let of_laid = of_laid.chunks_exact(pixels[0]).zip(is_seen.chunks_exact(pixels[0]));
@@ -149,7 +149,7 @@ impl Other {
 
     /// The view at pixels from `first` on, and which of them it shows.
     fn lay(&self, other_from_first: &Mat3, first: Vec2, [width, height]: [usize; 2]) -> (GrayImage, Vec<bool>) {
-        let most = Vec2::new(self.image.width() as f32, self.image.height() as f32) - 0.5;
+        let max = Vec2::new(self.image.width() as f32, self.image.height() as f32) - 0.5;
         let mut laid = GrayImage::black([width, height]);
         let mut is_seen = vec![false; width * height];
         let lines = laid
@@ -161,7 +161,7 @@ impl Other {
             for (x, (pixel, is_seen)) in pixels.iter_mut().zip(is_seen).enumerate() {
                 let to = line + other_from_first.x_axis * x as f32;
                 let at = to.truncate() / to.z;
-                *is_seen = to.z > 0.0 && at.cmpge(Vec2::splat(-0.5)).all() && at.cmple(most).all();
+                *is_seen = to.z > 0.0 && at.cmpge(Vec2::splat(-0.5)).all() && at.cmple(max).all();
                 // Beyond the border is the border: where all is even, no plane costs more than others.
                 *pixel = self.image.bilinear(at.x, at.y);
             }
@@ -182,12 +182,12 @@ impl Turned {
     /// size to each side.
     fn reach(&self, size: [usize; 2], range: [f32; 2]) -> [Vec2; 2] {
         let size = Vec2::new(size[0] as f32, size[1] as f32);
-        let (mut least, mut most) = (Vec2::ZERO, size);
+        let (mut min, mut max) = (Vec2::ZERO, size);
         for (scale, shift) in range.into_iter().filter_map(|inverse| self.on(inverse)) {
-            least = least.min(shift);
-            most = most.max(scale * size + shift);
+            min = min.min(shift);
+            max = max.max(scale * size + shift);
         }
-        [least.max(-size).floor(), most.min(2.0 * size).ceil()]
+        [min.max(-size).floor(), max.min(2.0 * size).ceil()]
     }
 
     /// Writes the costs of the pixels of line `y` of the first view, whose bits are `own`, on a plane: [`UNSEEN_COST`]
@@ -229,10 +229,10 @@ impl Turned {
         // What is not mixed is rounded.
         let mixes_along = self.moves.x.abs() >= self.moves.y.abs();
         *(if mixes_along { &mut row } else { &mut first }) += 0.5;
-        let first = first.clamp(-MOST_PLACES, MOST_PLACES);
+        let first = first.clamp(-MAX_PLACES, MAX_PLACES);
         Some(Lines {
             start: (f64::from(first) * ONE) as i64,
-            step: ((f64::from(phases * scale).min(f64::from(MOST_PLACES)) * ONE) as i64).max(1),
+            step: ((f64::from(phases * scale).min(f64::from(MAX_PLACES)) * ONE) as i64).max(1),
             rows: [self.row(row), self.row(row + 1.0)],
             is_seen: row >= 0.0 && row < self.rows as f32,
             mixing: if mixes_along {

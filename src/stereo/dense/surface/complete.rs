@@ -13,7 +13,7 @@ use glam::Vec3;
 const PER_COLOR: f32 = 1.0 / 0.03;
 
 /// Minimum weight of a neighbour of any other colour: no pixel is without neighbours.
-const LEAST_SHARE: f32 = 1e-3;
+const MIN_SHARE: f32 = 1e-3;
 
 /// Rounds of over-relaxation, and by how much each goes beyond the mean.
 const ROUNDS: usize = 120;
@@ -42,7 +42,7 @@ pub(super) fn complete(inverse: &mut [f32], colors: &[[u8; 3]], width: usize) {
                 (row > 0).then(|| at - width),
                 (row + 1 < height).then_some(at + width),
             ];
-            let share = |other: usize| (-PER_COLOR * color(at).distance(color(other))).exp() + LEAST_SHARE;
+            let share = |other: usize| (-PER_COLOR * color(at).distance(color(other))).exp() + MIN_SHARE;
             let shares = beside.map(|other| other.map_or((at, 0.0), |other| (other, share(other))));
             let sum = shares
                 .iter()
@@ -59,9 +59,9 @@ pub(super) fn complete(inverse: &mut [f32], colors: &[[u8; 3]], width: usize) {
         }
     }
     // A step beyond the mean can end below nothing.
-    let least = start.iter().copied().fold(f32::INFINITY, f32::min);
+    let min = start.iter().copied().fold(f32::INFINITY, f32::min);
     for &at in &unknown {
-        inverse[at] = inverse[at].max(least);
+        inverse[at] = inverse[at].max(min);
     }
 }
 

@@ -17,7 +17,7 @@ const COARSER: f64 = 1.3;
 
 /// Radius of a disk in pixels, and the least cosine it is stretched by.
 const RADIUS_PX: f64 = 1.0;
-const LEAST_COSINE: f64 = 0.3;
+const MIN_COSINE: f64 = 0.3;
 
 /// The disks of all maps, relative to `origin`.
 pub(super) fn fuse(maps: &[Map<'_>], origin: DVec3) -> PhotoSurface {
@@ -71,7 +71,7 @@ fn disk(maps: &[Map<'_>], index: usize, at: usize, origin: DVec3) -> Option<(Poi
     let normal = map.normal(at);
     let to_eye = (map.center() - place).normalize_or_zero();
     let normal = normal.map_or(to_eye, |normal| normal * normal.dot(to_eye).signum());
-    let cosine = normal.dot(to_eye).max(LEAST_COSINE);
+    let cosine = normal.dot(to_eye).max(MIN_COSINE);
     let [red, green, blue] = map.view.image.pixels()[at];
     let point = PointRecord {
         position: (place - origin).as_vec3().to_array(),

@@ -33,26 +33,26 @@ use others::{add_pairs, carry_over, forget_doubted, is_looked_through};
 use rayon::prelude::*;
 
 /// Maximum side length in pixels: images are halved until no side is longer. A set of 25 takes some 20 s of one core.
-const MOST_SIDE_PX: u32 = 400;
+const MAX_SIDE_PX: u32 = 400;
 
 /// Maximum number of images whose depth maps are computed: a larger set is sampled evenly.
-const MOST_MAPS: usize = 64;
+const MAX_MAPS: usize = 64;
 
 /// Sets of more points have a surface.
-const MOST_POINTS: usize = 1 << 17;
+const MAX_POINTS: usize = 1 << 17;
 
 /// Number of neighbouring images that each image is compared with.
 const NEIGHBOURS: usize = 4;
 
 /// Maximum reprojection error in pixels of a valid point in an image that sees it.
-const MOST_OFF_PX: f64 = 3.0;
+const MAX_OFF_PX: f64 = 3.0;
 
 /// Minimum angle in radians between two images that determines how far away a point is.
-const LEAST_ANGLE: f64 = 0.03;
+const MIN_ANGLE: f64 = 0.03;
 
 /// Consistency criterion for depths seen by only two views.
 const OF_TWO: Consistency = Consistency {
-    least_views: 2,
+    min_views: 2,
     tolerance: 0.01,
 };
 
@@ -76,8 +76,8 @@ pub fn photo_surface(
     progress: &Progress,
 ) -> Option<PhotoSurface> {
     let has_depths = photographs.all().iter().any(|photograph| photograph.depth.is_some());
-    let has_cloud = set.points.len() > MOST_POINTS || set.points.is_empty() && set.points_file.is_some();
-    if has_depths || has_cloud || photographs.all().len() < Consistency::default().least_views {
+    let has_cloud = set.points.len() > MAX_POINTS || set.points.is_empty() && set.points_file.is_some();
+    if has_depths || has_cloud || photographs.all().len() < Consistency::default().min_views {
         return None;
     }
     let all = photographs.all().iter();
@@ -85,7 +85,7 @@ pub fn photo_surface(
     let views: Vec<View<'_>> = small.iter().map(Small::view).collect();
     let middles = set.middles();
     let looked_at: Vec<usize> = (0..small.len())
-        .step_by(small.len().div_ceil(MOST_MAPS).max(1))
+        .step_by(small.len().div_ceil(MAX_MAPS).max(1))
         .collect();
     progress.set(0, PlaneSweep::STEPS * looked_at.len());
     let measured: Result<Vec<DepthImage>, StereoError> = looked_at
@@ -184,7 +184,7 @@ fn is_sound(set: &ViewSet, position: DVec3, track: &[Observation]) -> bool {
             continue;
         };
         let found = photo.project(position);
-        if found.is_none_or(|found| found.distance(seen.pixel.as_dvec2()) > MOST_OFF_PX) {
+        if found.is_none_or(|found| found.distance(seen.pixel.as_dvec2()) > MAX_OFF_PX) {
             return false;
         }
         ways.push((position - photo.center()).normalize_or_zero());
@@ -192,13 +192,13 @@ fn is_sound(set: &ViewSet, position: DVec3, track: &[Observation]) -> bool {
     let [Some(first), Some(_), Some(_)] = [ways.first(), ways.get(1), ways.get(2)] else {
         return false;
     };
-    ways.iter().any(|way| way.dot(*first) < LEAST_ANGLE.cos())
+    ways.iter().any(|way| way.dot(*first) < MIN_ANGLE.cos())
 }
 
 impl Small {
     fn of(photograph: &Photograph) -> Option<Self> {
         let levels = photograph.texture.levels();
-        let is_small = |size: [u32; 2]| size[0].max(size[1]) <= MOST_SIDE_PX;
+        let is_small = |size: [u32; 2]| size[0].max(size[1]) <= MAX_SIDE_PX;
         let level = levels
             .iter()
             .find(|level| is_small(level.size_px()))

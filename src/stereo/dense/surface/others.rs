@@ -12,12 +12,12 @@ pub(super) const SAME: f64 = 0.01;
 pub(super) const BEFORE: f64 = 0.02;
 
 /// So many views may look through a place for each that has measured it. Views that agree by chance are few.
-const MOST_AGAINST: f64 = 0.25;
+const MAX_AGAINST: f64 = 0.25;
 
 /// Maximum difference of the colour channels of one position in two images.
 const ALIKE: u8 = 8;
 
-/// Forgets what was measured where more views look through it than [`MOST_AGAINST`] of those that have it as well: a
+/// Forgets what was measured where more views look through it than [`MAX_AGAINST`] of those that have it as well: a
 /// speck in the air, before the eye, is as large as a house.
 pub(super) fn forget_doubted(maps: &mut [Map<'_>]) {
     let doubted: Vec<Vec<usize>> = (0..maps.len())
@@ -51,7 +51,7 @@ fn is_doubted(maps: &[Map<'_>], index: usize, at: usize) -> bool {
             against += 1.0;
         }
     }
-    against > MOST_AGAINST * with_it
+    against > MAX_AGAINST * with_it
 }
 
 /// Returns true if a view has measured something behind a position.

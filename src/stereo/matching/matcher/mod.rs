@@ -40,7 +40,7 @@ pub struct Matching {
     /// Subpixel disparity method.
     pub between: Between,
     /// Connected areas of fewer pixels are taken out.
-    pub least_area_px: usize,
+    pub min_area_px: usize,
 }
 
 impl Default for Matching {
@@ -49,7 +49,7 @@ impl Default for Matching {
             gathering: Gathering::SemiGlobal(Penalties::default()),
             unique_percent: 3,
             between: Between::default(),
-            least_area_px: 100,
+            min_area_px: 100,
         }
     }
 }
@@ -60,7 +60,7 @@ impl Matching {
         Self {
             gathering: Gathering::Local { radius_px: 3 },
             unique_percent: 5,
-            least_area_px: 30,
+            min_area_px: 30,
             ..Self::default()
         }
     }
@@ -106,7 +106,7 @@ impl Matching {
 
     /// The map of filtered disparities, NaN where there is none, less its specks. Precondition: as many as pixels.
     pub(crate) fn without_specks(&self, size: [usize; 2], mut disparities: Vec<f32>) -> DisparityMap {
-        remove_specks(&mut disparities, size[0], self.least_area_px, |a, b| {
+        remove_specks(&mut disparities, size[0], self.min_area_px, |a, b| {
             (a - b).abs() <= SPECK_STEP_PX
         });
         DisparityMap::new(size, disparities)

@@ -84,7 +84,7 @@ fn a_slanted_plane_is_found_to_a_tenth_of_a_pixel() {
         between: Between::Parabola,
         ..Matching::default()
     };
-    for (matching, median_px, most_px) in [
+    for (matching, median_px, max_px) in [
         (Matching::default(), 0.04, 0.12),
         (parabola, 0.07, 0.15),
         (Matching::fast(), 0.04, 0.12),
@@ -94,7 +94,7 @@ fn a_slanted_plane_is_found_to_a_tenth_of_a_pixel() {
         // Those whose partners are on the right image: a twelfth of the width is not.
         assert!(count * 100 >= 85 * WIDTH * HEIGHT, "{count} pixels by {matching:?}");
         assert!(
-            median <= median_px && most <= most_px,
+            median <= median_px && most <= max_px,
             "{median} and {most} px by {matching:?}"
         );
     }

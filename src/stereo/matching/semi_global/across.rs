@@ -20,7 +20,7 @@ pub(super) struct Paths {
     /// after the last one are costs of 0, which add nothing.
     costs: Vec<u8>,
     /// The smallest of each.
-    least: Vec<[u8; 3]>,
+    min: Vec<[u8; 3]>,
 }
 
 /// Three paths on their way through the image.
@@ -39,7 +39,7 @@ impl Across {
         let pixel = 3 * (count + BORDERS);
         let now = Paths {
             costs: vec![0; (width + 2) * pixel],
-            least: vec![[0; 3]; width + 2],
+            min: vec![[0; 3]; width + 2],
         };
         let next = now.clone();
         Self { way, count, now, next }
@@ -81,17 +81,17 @@ impl Across {
         let columns = guide.width().div_ceil(rayon::current_num_threads());
         let inner = pixel..(guide.width() + 1) * pixel;
         let paths = self.next.costs[inner].chunks_mut(columns * pixel);
-        let least = self.next.least[1..=guide.width()].chunks_mut(columns);
-        let strips = (0..).step_by(columns).zip(paths.zip(least));
+        let min = self.next.min[1..=guide.width()].chunks_mut(columns);
+        let strips = (0..).step_by(columns).zip(paths.zip(min));
         if let Some(sums) = sums {
             let strips: Vec<_> = strips.zip(sums.chunks_mut(columns * self.count)).collect();
-            strips.into_par_iter().for_each(|((from, (paths, least)), sums)| {
-                dispatch!(Level::new(), simd => line.advance::<_, true>(simd, from, paths, least, sums));
+            strips.into_par_iter().for_each(|((from, (paths, min)), sums)| {
+                dispatch!(Level::new(), simd => line.advance::<_, true>(simd, from, paths, min, sums));
             });
         } else {
             let strips: Vec<_> = strips.collect();
-            strips.into_par_iter().for_each(|(from, (paths, least))| {
-                dispatch!(Level::new(), simd => line.advance::<_, false>(simd, from, paths, least, &mut []));
+            strips.into_par_iter().for_each(|(from, (paths, min))| {
+                dispatch!(Level::new(), simd => line.advance::<_, false>(simd, from, paths, min, &mut []));
             });
         }
         std::mem::swap(&mut self.now, &mut self.next);
@@ -109,20 +109,20 @@ struct Line<'a> {
 }
 
 impl Line<'_> {
-    /// The columns from `from` on, as many as `least` has.
+    /// The columns from `from` on, as many as `min` has.
     #[inline(always)]
     fn advance<S: Simd, const IS_SUMMED: bool>(
         &self,
         simd: S,
         from: usize,
         paths: &mut [u8],
-        least: &mut [[u8; 3]],
+        min: &mut [[u8; 3]],
         sums: &mut [u16],
     ) {
         let each = self.count + BORDERS;
         let last = self.brightness.len() - 1;
         let never = u8::MAX - self.table.p1;
-        for (at, (after, least)) in paths.chunks_exact_mut(3 * each).zip(least).enumerate() {
+        for (at, (after, min)) in paths.chunks_exact_mut(3 * each).zip(min).enumerate() {
             let x = from + at;
             let neighbours = [x.saturating_sub(1), x, (x + 1).min(last)];
             let before = [0, 1, 2].map(|path| {
@@ -130,7 +130,7 @@ impl Line<'_> {
                 let place = 3 * (x + path) + path;
                 Before {
                     costs: &self.before.costs[place * each..(place + 1) * each],
-                    least: self.before.least[x + path][path],
+                    min: self.before.min[x + path][path],
                     p2: self
                         .table
                         .p2(self.brightness_before[neighbours[path]], self.brightness[x]),
@@ -149,7 +149,7 @@ impl Line<'_> {
             } else {
                 &mut *sums
             };
-            *least = step::<_, 3, IS_SUMMED>(simd, costs, self.table.p1, before, &mut after, sums);
+            *min = step::<_, 3, IS_SUMMED>(simd, costs, self.table.p1, before, &mut after, sums);
         }
     }
 }

@@ -28,18 +28,18 @@ fn go<S: Simd>(
     // No path leads to the first pixel: costs of 0 add nothing.
     let mut before = vec![0; count + BORDERS];
     let mut after = vec![u8::MAX - table.p1; count + BORDERS];
-    let mut least = 0;
+    let mut min = 0;
     let mut last = None;
     for x in columns {
         let p2 = last.map_or(0, |last: usize| table.p2(brightness[last], brightness[x]));
         let path = Before {
             costs: &before,
-            least,
+            min,
             p2,
         };
         let labels = x * count..(x + 1) * count;
         let costs = &costs[labels.clone()];
-        [least] = step::<_, 1, true>(simd, costs, table.p1, [path], &mut [&mut after], &mut sums[labels]);
+        [min] = step::<_, 1, true>(simd, costs, table.p1, [path], &mut [&mut after], &mut sums[labels]);
         std::mem::swap(&mut before, &mut after);
         if last.is_none() {
             after.fill(u8::MAX - table.p1);

@@ -30,7 +30,7 @@ use across::{Across, Way};
 use rayon::prelude::*;
 
 /// Memory limit for the whole matching.
-const MOST_BYTES: u64 = 2 << 30;
+const MAX_BYTES: u64 = 2 << 30;
 
 /// Sums the costs of eight paths and writes what `winners` makes of the sums of each line (pixel by pixel, label by
 /// label, changed as it likes) to the line of `out`.
@@ -100,10 +100,10 @@ fn check_memory(width: usize, height: usize, count: usize, band: usize) -> Resul
     let line = (width * count) as u64;
     // Costs and sums of a band, and three paths for each band.
     let needed = line * (3 * band.min(height) + 3 * height.div_ceil(band) + 12) as u64;
-    if needed > MOST_BYTES {
+    if needed > MAX_BYTES {
         return Err(StereoError::TooLarge {
             needed_mib: needed >> 20,
-            most_mib: MOST_BYTES >> 20,
+            max_mib: MAX_BYTES >> 20,
         });
     }
     Ok(())

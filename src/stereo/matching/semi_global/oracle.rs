@@ -31,15 +31,15 @@ fn sums_by_definition(volume: &Volume, guide: &GrayImage, penalties: Penalties) 
                         let p2 = i32::from(table.p2(guide.pixels()[from], guide.pixels()[at]));
                         let p1 = i32::from(penalties.p1);
                         let of = |label: usize| path[from * count + label];
-                        let least = (0..count).map(of).min().unwrap();
-                        let mut best = of(label).min(least + p2);
+                        let min = (0..count).map(of).min().unwrap();
+                        let mut best = of(label).min(min + p2);
                         if label > 0 {
                             best = best.min(of(label - 1) + p1);
                         }
                         if label + 1 < count {
                             best = best.min(of(label + 1) + p1);
                         }
-                        best - least
+                        best - min
                     };
                     path[at * count + label] = cost + before;
                 }
@@ -79,12 +79,12 @@ proptest! {
         seed in any::<u64>(),
         p1 in 0_u8..60,
         more in 1_u8..40,
-        most in 0_u8..60,
+        max in 0_u8..60,
         half_change in any::<u8>(),
     ) {
         let volume = Volume::random([width, height], blocks * COUNT, seed);
         let guide = random_guide([width, height], seed ^ 1);
-        let penalties = Penalties { p1, p2: p1 + more + most, p2_least: p1 + more, half_change };
+        let penalties = Penalties { p1, p2: p1 + more + max, p2_min: p1 + more, half_change };
         if let Err(error) = penalties.table() {
             prop_assert!(u16::from(p1) + u16::from(penalties.p2) > 193, "{error}");
             return Ok(());
@@ -111,11 +111,11 @@ fn any_number_of_threads_gives_the_same_sums() {
 #[test]
 fn penalties_that_bytes_cannot_hold_are_refused() {
     let default = Penalties::default();
-    for (p1, p2_least, p2) in [(24, 24, 120), (24, 60, 59), (100, 110, 120), (255, 255, 255)] {
+    for (p1, p2_min, p2) in [(24, 24, 120), (24, 60, 59), (100, 110, 120), (255, 255, 255)] {
         let penalties = Penalties {
             p1,
             p2,
-            p2_least,
+            p2_min,
             ..default
         };
         let error = penalties.table().unwrap_err();

@@ -11,7 +11,7 @@ pub struct Penalties {
     /// For a larger step between pixels of the same brightness.
     pub p2: u8,
     /// For a larger step where brightness changes most.
-    pub p2_least: u8,
+    pub p2_min: u8,
     /// The change of brightness from pixel to pixel at which P2 is half way down.
     pub half_change: u8,
 }
@@ -21,14 +21,14 @@ impl Default for Penalties {
         Self {
             p1: 24,
             p2: 120,
-            p2_least: 44,
+            p2_min: 44,
             half_change: 16,
         }
     }
 }
 
 /// A path's cost is at most that of a pixel and P2; with P1 added it has to stay a byte.
-const MOST: u8 = u8::MAX - MAX_COST;
+const MAX: u8 = u8::MAX - MAX_COST;
 
 /// P2 of each change of brightness.
 #[derive(Debug, Clone)]
@@ -49,23 +49,23 @@ impl Penalties {
         let Self {
             p1,
             p2,
-            p2_least,
+            p2_min,
             half_change,
         } = self;
-        if p1 >= p2_least || p2_least > p2 || p1.checked_add(p2).is_none_or(|sum| sum > MOST) {
+        if p1 >= p2_min || p2_min > p2 || p1.checked_add(p2).is_none_or(|sum| sum > MAX) {
             return Err(StereoError::NoPenalties {
                 p1,
-                p2_least,
+                p2_min,
                 p2,
-                most: MOST,
+                most: MAX,
             });
         }
         let half = u16::from(half_change.max(1));
         Ok(Table {
             p1,
             p2: std::array::from_fn(|change| {
-                let above = u16::from(p2 - p2_least) * half / (half + change as u16);
-                p2_least + above as u8
+                let above = u16::from(p2 - p2_min) * half / (half + change as u16);
+                p2_min + above as u8
             }),
         })
     }

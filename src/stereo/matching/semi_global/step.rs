@@ -15,7 +15,7 @@ pub(super) struct Before<'a> {
     /// Costs at the pixel before, with [`BORDERS`].
     pub(super) costs: &'a [u8],
     /// Their smallest.
-    pub(super) least: u8,
+    pub(super) min: u8,
     pub(super) p2: u8,
 }
 
@@ -31,9 +31,9 @@ pub(super) fn step<S: Simd, const N: usize, const IS_SUMMED: bool>(
     sums: &mut [u16],
 ) -> [u8; N] {
     let p1 = u8x32::splat(simd, p1);
-    let least = before.map(|path| u8x32::splat(simd, path.least));
-    let jump = before.map(|path| u8x32::splat(simd, path.least + path.p2));
-    let mut least_after = [u8x32::splat(simd, u8::MAX); N];
+    let min = before.map(|path| u8x32::splat(simd, path.min));
+    let jump = before.map(|path| u8x32::splat(simd, path.min + path.p2));
+    let mut min_after = [u8x32::splat(simd, u8::MAX); N];
     for at in (0..pixel.len()).step_by(LANES) {
         let cost = u8x32::from_slice(simd, &pixel[at..at + LANES]);
         let mut sum = [u16x16::splat(simd, 0); 2];
@@ -44,9 +44,9 @@ pub(super) fn step<S: Simd, const N: usize, const IS_SUMMED: bool>(
             let above = u8x32::from_slice(simd, &costs[2..]);
             let near = below.min(above) + p1;
             let best = same.min(near).min(jump[path]);
-            let cost = cost + best - least[path];
+            let cost = cost + best - min[path];
             cost.store_slice(&mut after[path][at + 1..=at + LANES]);
-            least_after[path] = least_after[path].min(cost);
+            min_after[path] = min_after[path].min(cost);
             if IS_SUMMED {
                 let (low, high) = simd.split_u8x32(cost);
                 sum = [sum[0] + simd.widen_u8x16(low), sum[1] + simd.widen_u8x16(high)];
@@ -59,16 +59,16 @@ pub(super) fn step<S: Simd, const N: usize, const IS_SUMMED: bool>(
             (u16x16::from_slice(simd, high) + sum[1]).store_slice(high);
         }
     }
-    least_after.map(|least| smallest(simd, least))
+    min_after.map(|min| smallest(simd, min))
 }
 
 #[inline(always)]
 fn smallest<S: Simd>(simd: S, lanes: u8x32<S>) -> u8 {
     let (low, high) = simd.split_u8x32(lanes);
     let sixteen = low.min(high);
-    let mut least = u8::MAX;
+    let mut min = u8::MAX;
     for &lane in sixteen.as_slice() {
-        least = least.min(lane);
+        min = min.min(lane);
     }
-    least
+    min
 }

@@ -18,10 +18,10 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 /// Maximum ratio of the pixel count of a rectified image to that of the input image.
-const MOST_GROWTH: f64 = 4.0;
+const MAX_GROWTH: f64 = 4.0;
 
 /// Cosine of the largest turn: 70°.
-const LEAST_COSINE: f64 = 0.342;
+const MIN_COSINE: f64 = 0.342;
 
 /// Two views turned to one orientation.
 #[derive(Debug, Clone)]
@@ -62,18 +62,18 @@ impl Rectified {
         let bottom = first[1].y.min(second[1].y).floor();
         let width = (first[1].x - first[0].x).max(second[1].x - second[0].x).ceil();
         let height = bottom - top;
-        let most = cameras.map(|camera| f64::from(camera.size_px()[0]) * f64::from(camera.size_px()[1]) * MOST_GROWTH);
+        let max = cameras.map(|camera| f64::from(camera.size_px()[0]) * f64::from(camera.size_px()[1]) * MAX_GROWTH);
         if height < 1.0 {
             return Err(StereoError::NotSideBySide("they share no line"));
         }
-        if (width + 1.0) * (height + 1.0) > most[0].max(most[1]) {
+        if (width + 1.0) * (height + 1.0) > max[0].max(max[1]) {
             return Err(StereoError::NotSideBySide(
                 "one looks almost along the line between them",
             ));
         }
         let size = [width as u32 + 1, height as u32 + 1];
         // Whole pixels, so that disparities differ from angles by whole numbers.
-        let left = [first, second].map(|[least, most]| f64::midpoint(least.x, most.x - width).round());
+        let left = [first, second].map(|[min, max]| f64::midpoint(min.x, max.x - width).round());
         let rectified = |index: usize| {
             let principal = DVec2::new(-left[index], -top);
             Camera::new(size, DVec2::splat(focal), principal, Distortion::None)
@@ -200,7 +200,7 @@ fn common_rotation(places: [DVec3; 2], poses: [DAffine3; 2]) -> Result<DMat3, St
     // y = z × x.
     let y = y.normalize();
     let z = x.cross(y);
-    if axes.iter().any(|axis| axis.dot(z) < LEAST_COSINE) {
+    if axes.iter().any(|axis| axis.dot(z) < MIN_COSINE) {
         return Err(StereoError::NotSideBySide(
             "they look along the line between them, or away from each other",
         ));
@@ -211,16 +211,16 @@ fn common_rotation(places: [DVec3; 2], poses: [DAffine3; 2]) -> Result<DMat3, St
 /// Least and largest pixel that the image reaches to.
 fn reach(homography: &DMat3, camera: &Camera) -> Result<[DVec2; 2], StereoError> {
     let [width, height] = camera.size_px().map(|side| f64::from(side) - 1.0);
-    let mut least = DVec2::INFINITY;
-    let mut most = DVec2::NEG_INFINITY;
+    let mut min = DVec2::INFINITY;
+    let mut max = DVec2::NEG_INFINITY;
     for corner in [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]] {
         let Some(at) = through(homography, corner.into()).filter(|at| at.is_finite()) else {
             return Err(StereoError::NotSideBySide("one sees the line between them"));
         };
-        least = least.min(at);
-        most = most.max(at);
+        min = min.min(at);
+        max = max.max(at);
     }
-    Ok([least, most])
+    Ok([min, max])
 }
 
 #[cfg(test)]

@@ -142,8 +142,8 @@ fn depths_of_a_wall_are_found_by_pairs_beside_and_above_each_other() {
             "{count} of {width} × {height}, {step}"
         );
         // A tenth of a pixel is 3 ‰ of the depth here.
-        let (median, most) = (errors[count / 2], errors[count * 95 / 100]);
-        assert!(median <= 2e-3 && most <= 8e-3, "{median} {most} of {step}");
+        let (median, max) = (errors[count / 2], errors[count * 95 / 100]);
+        assert!(median <= 2e-3 && max <= 8e-3, "{median} {max} of {step}");
     }
 }
 

@@ -29,7 +29,7 @@ pub(super) fn curve_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) {
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
     let weak = ui.visuals().weak_text_color();
-    let Some((least, most)) = curve.range() else {
+    let Some((min, max)) = curve.range() else {
         let text = match quantity {
             Quantity::Loss | Quantity::Error => "no octree was built yet",
             Quantity::Points | Quantity::Bounds => "no frame was prepared yet",
@@ -43,10 +43,10 @@ pub(super) fn curve_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) {
         );
         return;
     };
-    paint(ui, rect, curve.columns(), least, most);
+    paint(ui, rect, curve.columns(), min, max);
     for (value, place, align) in [
-        (most, rect.left_top() + vec2(4.0, 1.0), Align2::LEFT_TOP),
-        (least, rect.left_bottom() + vec2(4.0, -1.0), Align2::LEFT_BOTTOM),
+        (max, rect.left_top() + vec2(4.0, 1.0), Align2::LEFT_TOP),
+        (min, rect.left_bottom() + vec2(4.0, -1.0), Align2::LEFT_BOTTOM),
     ] {
         painter.text(place, align, text_of(quantity, value), FontId::proportional(10.0), weak);
     }
@@ -66,13 +66,13 @@ pub(super) fn curve_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) {
 }
 
 /// A line through all columns that are known.
-fn paint(ui: &Ui, rect: Rect, columns: &[Option<(f32, f32)>], least: f32, most: f32) {
+fn paint(ui: &Ui, rect: Rect, columns: &[Option<(f32, f32)>], min: f32, max: f32) {
     let painter = ui.painter_at(rect);
     let stroke = Stroke::new(1.0, ACCENT);
-    let span = most - least;
+    let span = max - min;
     let y = |value: f32| {
         // A value that never changes lies in the middle.
-        let part = if span > 0.0 { (value - least) / span } else { 0.5 };
+        let part = if span > 0.0 { (value - min) / span } else { 0.5 };
         egui::lerp(rect.bottom() - MARGIN..=rect.top() + MARGIN, part)
     };
     // One line for each run of columns that are known: lines as short as a column are rounded away.

@@ -17,10 +17,10 @@ use std::time::Duration;
 const ONE_ROW_WIDTH: f32 = 860.0;
 
 /// Room from which on the name of the file is worth showing, points.
-const LEAST_NAME_WIDTH: f32 = 60.0;
+const MIN_NAME_WIDTH: f32 = 60.0;
 
 /// A window that is lower has no row for the pace, points.
-const LEAST_PACE_HEIGHT: f32 = 280.0;
+const MIN_PACE_HEIGHT: f32 = 280.0;
 
 /// A row that is narrower has one button, points.
 const ALL_BUTTONS_WIDTH: f32 = 240.0;
@@ -34,7 +34,7 @@ pub(super) fn row_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option<C
     if ui.available_width() < ONE_ROW_WIDTH {
         ui.horizontal(|ui| command = transport_and_place(ui, context));
         // The menu Playback has it as well.
-        if ui.ctx().content_rect().height() >= LEAST_PACE_HEIGHT {
+        if ui.ctx().content_rect().height() >= MIN_PACE_HEIGHT {
             ui.horizontal_wrapped(|ui| {
                 curve_choice(ui, context.timeline);
                 legend_ui(ui);
@@ -154,7 +154,7 @@ fn place(ui: &mut Ui, player: &Player) {
     let digits = sequence.len().to_string().len();
     let text = format!("{:>digits$} of {}", frame + 1, sequence.len());
     ui.label(RichText::new(text).monospace().strong());
-    if let Some(number) = own_number(sequence, frame).filter(|_| ui.available_width() > LEAST_NAME_WIDTH) {
+    if let Some(number) = own_number(sequence, frame).filter(|_| ui.available_width() > MIN_NAME_WIDTH) {
         ui.weak(format!("file {number}"))
             .on_hover_text("The number in the name of the file");
     }
@@ -184,7 +184,7 @@ fn shown_ui(ui: &mut Ui, player: &Player) {
 }
 
 fn name_ui(ui: &mut Ui, player: &Player, frame: usize) {
-    if !player.sequence().is_empty() && ui.available_width() > LEAST_NAME_WIDTH {
+    if !player.sequence().is_empty() && ui.available_width() > MIN_NAME_WIDTH {
         let entry = player.sequence().entry(frame);
         ui.add(Label::new(&entry.name).truncate())
             .on_hover_text(entry.path.display().to_string());

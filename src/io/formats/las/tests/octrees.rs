@@ -131,8 +131,8 @@ fn levels_of_a_file_beyond_the_limit_are_read_by_windows() {
     const FILE_BYTES: u64 = 1 << 20;
     let file = tempfile::Builder::new().suffix(".laz").tempfile().unwrap();
     std::fs::write(file.path(), octree()).unwrap();
-    let read = |most_bytes: u64| {
-        let options = options().with_max_memory(most_bytes);
+    let read = |max_bytes: u64| {
+        let options = options().with_max_memory(max_bytes);
         super::super::windows::read_levels(file.path(), &options, &Progress::default())
     };
     assert!(read(FILE_BYTES).unwrap().is_none(), "all of it fits");

@@ -360,11 +360,11 @@ fn join_words(blocks: &mut [LineBlock<'_>], kinds: &[Kind]) -> Vec<Vec<String>> 
 fn blocks(mut text: &[u8]) -> Vec<&[u8]> {
     let mut blocks = Vec::new();
     while !text.is_empty() {
-        let least = text.len().min(BLOCK_BYTES);
-        let end = text[least..]
+        let min = text.len().min(BLOCK_BYTES);
+        let end = text[min..]
             .iter()
             .position(|&byte| byte == b'\n')
-            .map_or(text.len(), |end| least + end + 1);
+            .map_or(text.len(), |end| min + end + 1);
         let (block, rest) = text.split_at(end);
         blocks.push(block);
         text = rest;

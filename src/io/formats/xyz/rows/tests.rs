@@ -75,9 +75,9 @@ fn many_blocks_are_parsed_as_one_and_name_the_line() {
 #[test]
 fn lines_take_no_more_memory_than_they_may() {
     let kinds = [Kind::Required; 3];
-    let parse = |line: &str, most_bytes: u64| {
+    let parse = |line: &str, max_bytes: u64| {
         let text = line.repeat(1 << 20);
-        let options = ReadOptions::default().with_max_memory(most_bytes);
+        let options = ReadOptions::default().with_max_memory(max_bytes);
         let progress = Progress::default();
         parse(text.as_bytes(), 1, &kinds, Dialect::MIXED, &options, &progress).map(|rows| rows.len())
     };

@@ -13,12 +13,12 @@ use glam::{DMat4, DVec3};
 use serde_json::Value;
 
 /// Angles of 128 beams and the shifts of as many pixels are some kilobytes.
-pub(super) const MOST_BYTES: u64 = 4 << 20;
+pub(super) const MAX_BYTES: u64 = 4 << 20;
 
 /// Beams of a sensor, columns of a turn and of a packet, at most: twice those of any that there is.
-const MOST_BEAMS: u64 = 256;
-const MOST_COLUMNS: u64 = 8192;
-const MOST_PACKET_COLUMNS: u64 = 64;
+const MAX_BEAMS: u64 = 256;
+const MAX_COLUMNS: u64 = 8192;
+const MAX_PACKET_COLUMNS: u64 = 64;
 
 /// Height of the lidar above the foot of the sensor if the metadata does not specify it.
 const HEIGHT_MM: f64 = 36.18;
@@ -65,7 +65,7 @@ pub(super) fn parse(text: &str) -> Result<Metadata, Fault> {
     let altitudes_deg = angles(beams("beam_altitude_angles"), "beam_altitude_angles")?;
     let azimuths_deg = angles(beams("beam_azimuth_angles"), "beam_azimuth_angles")?;
     let pixels = match sections.format("pixels_per_column") {
-        Some(value) => count(value, "pixels_per_column", MOST_BEAMS)?,
+        Some(value) => count(value, "pixels_per_column", MAX_BEAMS)?,
         None => altitudes_deg.len(),
     };
     for (name, list) in [
@@ -89,7 +89,7 @@ pub(super) fn parse(text: &str) -> Result<Metadata, Fault> {
             is_fusa: sections.has_fusa_header()?,
             pixels,
             columns: match sections.format("columns_per_packet") {
-                Some(value) => count(value, "columns_per_packet", MOST_PACKET_COLUMNS)?,
+                Some(value) => count(value, "columns_per_packet", MAX_PACKET_COLUMNS)?,
                 None => 16,
             },
         },
@@ -137,7 +137,7 @@ impl<'a> Sections<'a> {
     fn columns_of_turn(self) -> Result<usize, Fault> {
         let mode = self.config("lidar_mode").and_then(Value::as_str);
         match (self.format("columns_per_frame"), mode.and_then(columns_of_mode)) {
-            (Some(value), _) => count(value, "columns_per_frame", MOST_COLUMNS),
+            (Some(value), _) => count(value, "columns_per_frame", MAX_COLUMNS),
             (None, Some(columns)) => Ok(columns),
             (None, None) => Err(Fault::header(
                 "neither columns_per_frame nor lidar_mode says how many columns a turn has, expected one, such as \
@@ -193,14 +193,14 @@ fn number_of_text(value: &Value) -> Option<u64> {
 /// `1024x10` has 1024 columns.
 fn columns_of_mode(mode: &str) -> Option<usize> {
     let columns = mode.split_once('x')?.0.parse().ok()?;
-    (1..=MOST_COLUMNS as usize).contains(&columns).then_some(columns)
+    (1..=MAX_COLUMNS as usize).contains(&columns).then_some(columns)
 }
 
-fn count(value: &Value, name: &str, most: u64) -> Result<usize, Fault> {
-    let count = value.as_u64().filter(|count| (1..=most).contains(count));
+fn count(value: &Value, name: &str, max: u64) -> Result<usize, Fault> {
+    let count = value.as_u64().filter(|count| (1..=max).contains(count));
     count
         .map(|count| count as usize)
-        .ok_or_else(|| Fault::header(format!("{name} is {value}, expected a number from 1 to {most}")))
+        .ok_or_else(|| Fault::header(format!("{name} is {value}, expected a number from 1 to {max}")))
 }
 
 fn angles(value: Option<&Value>, name: &str) -> Result<Vec<f64>, Fault> {

@@ -5,7 +5,7 @@
 //! profile is a row of [`PROFILES`]: where in a pixel the numbers of each echo are.
 
 use super::super::part::FrameId;
-use super::super::points::MOST_VALUES;
+use super::super::points::MAX_VALUES;
 
 /// Numbers of a pixel that lie at the same place in all pixels of a profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -229,7 +229,7 @@ pub(super) struct Echo {
     /// 0 where nothing came back.
     pub(super) range_mm: u32,
     /// In the order of [`Profile::value_names`].
-    pub(super) values: [f32; MOST_VALUES],
+    pub(super) values: [f32; MAX_VALUES],
 }
 
 impl Profile {
@@ -265,7 +265,7 @@ impl Profile {
     /// The echoes of a pixel, which has as many bytes as one of the profile.
     pub(super) fn echoes(&self, pixel: &[u8]) -> [Option<Echo>; 2] {
         let echo = |at: &EchoBits| {
-            let mut values = [0.0; MOST_VALUES];
+            let mut values = [0.0; MAX_VALUES];
             for (value, bits) in values.iter_mut().zip(at.values) {
                 *value = bits.of(pixel) as f32;
             }

@@ -1,7 +1,7 @@
 //! Ouster sensors: identification of their packets, by the sidecar metadata or by packet length, and the start of their
 //! revolutions.
 
-use super::metadata::{MOST_BYTES, Metadata, is_metadata, parse};
+use super::metadata::{MAX_BYTES, Metadata, is_metadata, parse};
 use super::profile::{PacketShape, may_be};
 use super::{Scanner, Unpacking};
 use crate::io::recordings::packets::companions::{Companions, told};
@@ -18,7 +18,7 @@ use std::time::Duration;
 pub(in super::super) const MAKER: Maker = Maker {
     packets: "Ouster (default: port 7502)",
     companion: CompanionKind {
-        most_bytes: MOST_BYTES,
+        max_bytes: MAX_BYTES,
         is_one: is_metadata,
         check: |text| parse(text).map(drop),
     },
@@ -31,7 +31,7 @@ pub(in super::super) const MAKER: Maker = Maker {
 };
 
 /// Larger than what else is sent between sensors and those who listen.
-const LEAST_BYTES: usize = 1024;
+const MIN_BYTES: usize = 1024;
 
 struct OfOuster {
     companions: Companions,
@@ -50,7 +50,7 @@ struct Beside {
 impl Beside {
     fn read(companions: &Companions) -> Self {
         let (mut metadata, mut problems) = (Vec::new(), Vec::new());
-        for (name, text) in companions.texts("json", MOST_BYTES) {
+        for (name, text) in companions.texts("json", MAX_BYTES) {
             if !is_metadata(&text) {
                 continue;
             }
@@ -92,7 +92,7 @@ impl Beside {
 
 impl Recogniser for OfOuster {
     fn may_be(&self, datagram: &Datagram<'_>) -> bool {
-        datagram.byte_count >= LEAST_BYTES
+        datagram.byte_count >= MIN_BYTES
     }
 
     fn can_read(&mut self, datagram: &Datagram<'_>) -> Option<Claim> {

@@ -13,10 +13,10 @@ use roxmltree::{Document, Node, ParsingOptions};
 pub(super) const LASERS: usize = 2 * SHOTS;
 
 /// A calibration has some ten numbers a laser.
-pub(super) const MOST_BYTES: u64 = 4 << 20;
+pub(super) const MAX_BYTES: u64 = 4 << 20;
 
 /// Elements of a file; more are none of a calibration.
-const MOST_NODES: u32 = 100_000;
+const MAX_NODES: u32 = 100_000;
 
 /// Reference distance of a sensor's calibration.
 const FAR_M: f64 = 25.04;
@@ -57,17 +57,17 @@ pub(super) fn is_calibration(text: &str) -> bool {
 /// # Errors
 /// What is wrong with it.
 pub(super) fn parse(text: &str) -> Result<Calibration, Fault> {
-    if text.len() as u64 > MOST_BYTES {
+    if text.len() as u64 > MAX_BYTES {
         return Err(Fault::header(format!(
             "it has {}, a calibration has less than {}",
             mebibytes(text.len() as u64),
-            mebibytes(MOST_BYTES)
+            mebibytes(MAX_BYTES)
         )));
     }
     let options = ParsingOptions {
         // The files have a document type, without entities.
         allow_dtd: true,
-        nodes_limit: MOST_NODES,
+        nodes_limit: MAX_NODES,
         ..ParsingOptions::default()
     };
     let document = Document::parse_with_options(text, options)

@@ -18,7 +18,7 @@ mod tables;
 
 pub(super) use sensor::MAKER;
 
-use super::points::{MOST_VALUES, Measured, Points};
+use super::points::{MAX_VALUES, Measured, Points};
 use super::seam::{Seam, TURN};
 use calibration::Calibration;
 use model::{Laser, Model};
@@ -29,7 +29,7 @@ use std::ops::Range;
 const NAMES: &[&str] = &["intensity"];
 
 /// The azimuth grows by less between cycles, at 20 turns a second and with two echoes; more is a gap.
-const MOST_STEP: i32 = 200;
+const MAX_STEP: i32 = 200;
 
 /// Times of packets count from the hour.
 const HOUR_US: i64 = 3_600_000_000;
@@ -139,9 +139,7 @@ impl Turning {
         let mut found = None;
         for cycle in 0..count {
             let azimuth = self.seam.after_seam(packet.block(cycle * blocks).azimuth);
-            let begins = self
-                .azimuth
-                .is_none_or(|before| before - azimuth > self.seam.least_fall);
+            let begins = self.azimuth.is_none_or(|before| before - azimuth > self.seam.min_fall);
             if begins && found.is_none() {
                 found = Some(cycle as u8);
             }
@@ -186,7 +184,7 @@ impl<'a> Unpacking<'a> {
                 self.azimuth.map_or(0, |before| azimuth - before)
             };
             let step = if step < -TURN / 2 { step + TURN } else { step };
-            if (0..=MOST_STEP).contains(&step) {
+            if (0..=MAX_STEP).contains(&step) {
                 self.step = step;
             }
             self.azimuth = Some(azimuth);
@@ -230,7 +228,7 @@ impl<'a> Unpacking<'a> {
                 ) else {
                     continue;
                 };
-                let mut values = [0.0; MOST_VALUES];
+                let mut values = [0.0; MAX_VALUES];
                 values[0] = f32::from(measured.reflectivity);
                 points.push(&Measured {
                     position,

@@ -1,6 +1,6 @@
 //! Sensors of Velodyne: which packets are theirs, and where their turns begin.
 
-use super::calibration::{Calibration, MOST_BYTES, is_calibration, parse};
+use super::calibration::{Calibration, MAX_BYTES, is_calibration, parse};
 use super::model::Model;
 use super::packet::DataPacket;
 use super::{NAMES, Scanner, Turning, Unpacking};
@@ -18,7 +18,7 @@ use std::time::Duration;
 pub(in super::super) const MAKER: Maker = Maker {
     packets: "Velodyne (1206 bytes, default: port 2368)",
     companion: CompanionKind {
-        most_bytes: MOST_BYTES,
+        max_bytes: MAX_BYTES,
         is_one: is_calibration,
         check: |text| parse(text).map(drop),
     },
@@ -33,7 +33,7 @@ impl OfVelodyne {
     /// # Errors
     /// Where it is expected, or what is wrong with the one that is there.
     fn calibration(&self) -> Result<Calibration, String> {
-        let mut texts = self.0.texts("xml", MOST_BYTES);
+        let mut texts = self.0.texts("xml", MAX_BYTES);
         if let Some((name, text)) = texts.find(|(_, text)| is_calibration(text)) {
             return parse(&text).map_err(|fault| told(&name, &fault));
         }

@@ -89,8 +89,8 @@ mod tests {
             for (at, found) in found.iter().enumerate() {
                 let (x, y) = (at as u32 % width, at as u32 / width);
                 let is_within = (1..width - 1).contains(&x) && (1..height - 1).contains(&y);
-                let most = if is_within { 0 } else { 20 };
-                let is_near = found.iter().zip(truth(x, y)).all(|(a, b)| a.abs_diff(b) <= most);
+                let max = if is_within { 0 } else { 20 };
+                let is_near = found.iter().zip(truth(x, y)).all(|(a, b)| a.abs_diff(b) <= max);
                 assert!(is_near, "{name} at {x}, {y}: {found:?}");
             }
         }

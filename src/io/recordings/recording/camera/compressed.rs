@@ -8,10 +8,10 @@ use super::messages::PackedImage;
 use crate::raster::{self, Raster, Samples, rvl};
 
 /// The pixels of an image; the error is the end of a sentence.
-pub(super) fn raster(image: &PackedImage<'_>, most_bytes: u64) -> Result<Raster, String> {
+pub(super) fn raster(image: &PackedImage<'_>, max_bytes: u64) -> Result<Raster, String> {
     let words = &image.head.encoding;
     if !words.contains("compressedDepth") {
-        return raster::decode(image.data, most_bytes);
+        return raster::decode(image.data, max_bytes);
     }
     let mut bytes = Bytes::new(image.data);
     let mut head = || Some((bytes.u32()?, bytes.f32()?, bytes.f32()?));
@@ -22,9 +22,9 @@ pub(super) fn raster(image: &PackedImage<'_>, most_bytes: u64) -> Result<Raster,
     let is_inverse = words.starts_with("32FC1");
     let is_rvl = words.ends_with("rvl");
     let decoded = if is_rvl {
-        rvl::decode(packed, most_bytes)?
+        rvl::decode(packed, max_bytes)?
     } else {
-        raster::decode(packed, most_bytes)?
+        raster::decode(packed, max_bytes)?
     };
     if !is_inverse {
         return Ok(decoded);

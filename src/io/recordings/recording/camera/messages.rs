@@ -138,14 +138,14 @@ pub(crate) fn head(bytes: &[u8], message: &Message, kind: CameraMessage) -> Opti
 /// `sensor_msgs/CameraInfo`.
 pub(crate) fn camera_info(bytes: &[u8], message: &Message) -> Option<CameraInfo> {
     /// Lenses have fourteen numbers at most.
-    const MOST_COEFFICIENTS: u32 = 64;
+    const MAX_COEFFICIENTS: u32 = 64;
     let serialisation = serialisation(message)?;
     let mut fields = serialisation.body(bytes)?;
     let frame_id = frame_id(serialisation.header(&mut fields)?.frame_id);
     let (height, width) = (fields.u32()?, fields.u32()?);
     let model = fields.text()?;
     let count = fields.u32()?;
-    if count > MOST_COEFFICIENTS {
+    if count > MAX_COEFFICIENTS {
         return None;
     }
     let distortion = (0..count).map(|_| fields.f64()).collect::<Option<_>>()?;

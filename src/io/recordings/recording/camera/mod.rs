@@ -17,13 +17,13 @@ use super::message::Message;
 use crate::raster::Raster;
 
 /// The image of a message; the error is the end of a sentence.
-pub(super) fn image(bytes: &[u8], message: &Message, kind: CameraMessage, most_bytes: u64) -> Result<Raster, String> {
+pub(super) fn image(bytes: &[u8], message: &Message, kind: CameraMessage, max_bytes: u64) -> Result<Raster, String> {
     const CUT: &str = "the message ends before its last field: it is truncated or damaged";
     if kind == CameraMessage::CompressedImage {
         let image = messages::compressed(bytes, message).ok_or(CUT)?;
-        return compressed::raster(&image, most_bytes);
+        return compressed::raster(&image, max_bytes);
     }
-    pixels::raster(&messages::raw(bytes, message).ok_or(CUT)?, most_bytes)
+    pixels::raster(&messages::raw(bytes, message).ok_or(CUT)?, max_bytes)
 }
 
 /// The image of bytes that no message is around: pixels as `sensor_msgs/Image` calls them, in rows without gaps; the
@@ -33,7 +33,7 @@ pub(crate) fn bare_image(
     size_px: [u32; 2],
     big_endian: bool,
     data: &[u8],
-    most_bytes: u64,
+    max_bytes: u64,
 ) -> Result<Raster, String> {
     let image = messages::RawImage {
         head: ImageHead {
@@ -45,5 +45,5 @@ pub(crate) fn bare_image(
         step: pixels::row_bytes(encoding, size_px[0])?,
         data,
     };
-    pixels::raster(&image, most_bytes)
+    pixels::raster(&image, max_bytes)
 }

@@ -72,7 +72,7 @@ pub(super) fn row_bytes(encoding: &str, width: u32) -> Result<u32, String> {
 }
 
 /// The pixels of an image; the error is the end of a sentence.
-pub(super) fn raster(image: &RawImage<'_>, most_bytes: u64) -> Result<Raster, String> {
+pub(super) fn raster(image: &RawImage<'_>, max_bytes: u64) -> Result<Raster, String> {
     let [width, height] = image.size_px;
     let pixels = Pixels::of(&image.head.encoding)?;
     if matches!(pixels, Pixels::Yuv(_)) && !width.is_multiple_of(2) {
@@ -92,9 +92,9 @@ pub(super) fn raster(image: &RawImage<'_>, most_bytes: u64) -> Result<Raster, St
         ));
     }
     // As many bytes as are there, or three for one of them, are made of it.
-    if there > most_bytes {
+    if there > max_bytes {
         return Err(format!(
-            "it has {there} bytes, and {most_bytes} are read: raise --max-memory if that is right"
+            "it has {there} bytes, and {max_bytes} are read: raise --max-memory if that is right"
         ));
     }
     let rows = image.data.chunks(step as usize).take(lines as usize);

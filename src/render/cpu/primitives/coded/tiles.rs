@@ -234,7 +234,7 @@ impl CodedTiles<'_> {
                 clip,
                 outline: Outline::Disk,
                 cull_back_faces: false,
-                least_reach_px: 0.0,
+                min_reach_px: 0.0,
             };
             Facet::of_patch(simd, &disk, [center, u, v])
         };

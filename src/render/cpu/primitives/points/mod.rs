@@ -59,7 +59,7 @@ impl DrawnRecords for Points<'_> {
         Extent {
             scale: 0.5 * self.size.edge_per_radius,
             margin: 0.5 * self.size.edge,
-            margin_px: 0.5 * self.size.least_px,
+            margin_px: 0.5 * self.size.min_px,
         }
     }
 
@@ -111,7 +111,7 @@ impl<'a> Points<'a> {
         records: &[],
         shapes: None,
         size: PointSize {
-            least_px: 1.0,
+            min_px: 1.0,
             edge: 0.0,
             edge_per_radius: 0.0,
         },
@@ -198,7 +198,7 @@ impl<'a> Points<'a> {
             x_px: px(points.x, 0),
             y_px: px(points.y, 1),
             depth: per_distance * view.near,
-            half_px: (self.half_edges(simd, eight) * per_distance * view.px_per_slope[0]).max(0.5 * self.size.least_px),
+            half_px: (self.half_edges(simd, eight) * per_distance * view.px_per_slope[0]).max(0.5 * self.size.min_px),
             color,
         }
     }

@@ -52,7 +52,7 @@ impl Points<'_> {
                 PointShape::Disk | PointShape::Gaussian => Outline::Disk,
             },
             cull_back_faces: false,
-            least_reach_px: 0.0,
+            min_reach_px: 0.0,
         };
         let passes: &[Pass] = match self.shape {
             PointShape::Square | PointShape::Disk => &[Pass::Solid],
@@ -74,8 +74,8 @@ impl Points<'_> {
     fn patches<S: Simd>(&self, simd: S, view: &PixelView, eight: Range<usize>) -> Patches<S> {
         let [x, y, z, _] = words(simd, &self.records[eight.clone()]);
         let centers = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
-        let least = centers.z * (-0.5 * self.size.least_px / view.px_per_slope[0]);
-        let half_edges = self.half_edges(simd, eight).max(least);
+        let min = centers.z * (-0.5 * self.size.min_px / view.px_per_slope[0]);
+        let half_edges = self.half_edges(simd, eight).max(min);
         let none = Vectors::splat(simd, Vec3::ZERO);
         Patches {
             centers,

@@ -13,7 +13,7 @@ use crate::render::cpu::footprints::Footprints;
 use crate::render::cpu::raster::{self, Middle};
 use crate::render::cpu::records::DrawnRecords;
 use crate::render::cpu::shading::{BACK_SIDE, Light, Shading, SurfaceNormal, seen_from_behind, unit_color};
-use crate::render::cpu::small_splats::{EightSmall, MOST_REACH_OF_SMALL_PX, SmallSums, are_small};
+use crate::render::cpu::small_splats::{EightSmall, MAX_REACH_OF_SMALL_PX, SmallSums, are_small};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{DrawSettings, Lighting, Primitive, ScenePacket, SplatFilter, Splatting, Surfels as SurfelRecords};
@@ -198,7 +198,7 @@ impl<'a> Surfels<'a> {
             clip,
             outline: Outline::Disk,
             cull_back_faces: self.style.culls_back_faces(),
-            least_reach_px: 0.0,
+            min_reach_px: 0.0,
         }
     }
 
@@ -243,7 +243,7 @@ impl<'a> Surfels<'a> {
         if self.filter == SplatFilter::Off {
             return Fate::Unseen;
         }
-        let are_large = !footprints.are_within(simd, MOST_REACH_OF_SMALL_PX) & middles.are_there;
+        let are_large = !footprints.are_within(simd, MAX_REACH_OF_SMALL_PX) & middles.are_there;
         if simd.any_true_mask32x8(are_large) {
             Fate::Drawn
         } else {
@@ -314,7 +314,7 @@ impl<'a> Surfels<'a> {
                         }
                         splats = splats.filtered(&on_screen);
                     }
-                    SplatFilter::Clamp => canvas.least_reach_px = SplatFilter::CLAMP_RADIUS_PX,
+                    SplatFilter::Clamp => canvas.min_reach_px = SplatFilter::CLAMP_RADIUS_PX,
                 }
                 let facets = splats.facets(simd, &canvas, seen);
                 for lane in 0..LANES {
