@@ -111,7 +111,7 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
         .painted(),
         content,
         ground: None,
-        photographs: None,
+        posed_images: None,
         params: PacketParams::default(),
         bounds,
     }

@@ -18,7 +18,7 @@ use std::sync::Arc;
 mod shapes;
 
 /// A sequence to write and to play.
-struct Film {
+struct MultiviewVideo {
     name: &'static str,
     frames: usize,
     points: usize,
@@ -26,15 +26,15 @@ struct Film {
     fps: f64,
 }
 
-const FILMS: [Film; 2] = [
-    Film {
+const MULTIVIEW_VIDEOS: [MultiviewVideo; 2] = [
+    MultiviewVideo {
         name: "100 frames of 100,000 points, normals in the files",
         frames: 100,
         points: 100_000,
         has_normals: true,
         fps: 60.0,
     },
-    Film {
+    MultiviewVideo {
         name: "30 frames of 1,000,000 points, no normals",
         frames: 30,
         points: 1_000_000,
@@ -47,14 +47,18 @@ const FILMS: [Film; 2] = [
 fn main() {
     pointreel::memory::keep_freed_pages();
     let is_soak = std::env::args().any(|argument| argument == "soak");
-    let films = if is_soak { &FILMS[..1] } else { &FILMS[..] };
-    for film in films {
+    let multiview_videos = if is_soak {
+        &MULTIVIEW_VIDEOS[..1]
+    } else {
+        &MULTIVIEW_VIDEOS[..]
+    };
+    for multiview_video in multiview_videos {
         let folder = tempfile::tempdir().expect("a folder for the frames");
-        film.write(folder.path());
+        multiview_video.write(folder.path());
         let sequence = Sequence::discover(&[folder.path().to_owned()]).expect("the frames");
         let inputs = [Input {
-            name: film.name.to_owned(),
-            sequence: Arc::new(sequence.with_fps(film.fps)),
+            name: multiview_video.name.to_owned(),
+            sequence: Arc::new(sequence.with_fps(multiview_video.fps)),
             shape: None,
         }];
         let default = BenchOptions::new(suites::PLAY);
@@ -73,7 +77,7 @@ fn main() {
     }
 }
 
-impl Film {
+impl MultiviewVideo {
     /// A torus with bumps that turns.
     fn write(&self, folder: &Path) {
         let (positions, colors) = shapes::bumpy_torus(self.points);

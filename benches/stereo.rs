@@ -65,7 +65,7 @@ fn small_pair() -> [GrayImage; 2] {
 
 struct Sweep {
     camera: Camera,
-    photographs: Vec<(ColorImage, DAffine3)>,
+    posed_images: Vec<(ColorImage, DAffine3)>,
 }
 
 impl Sweep {
@@ -74,23 +74,23 @@ impl Sweep {
         let size = [256, 192];
         let (focal, middle) = (220.0, DVec2::new(127.5, 95.5));
         let camera = Camera::new(size, DVec2::splat(focal), middle, Distortion::None).expect("a pinhole");
-        let photographs = [0.0, -0.2, -0.1, 0.1, 0.2].map(|place: f64| {
-            let photograph = image(size, |u, v| {
+        let posed_images = [0.0, -0.2, -0.1, 0.1, 0.2].map(|place: f64| {
+            let posed_image = image(size, |u, v| {
                 let (x, y) = ((u - middle.x) / focal, (v - middle.y) / focal);
                 let depth = (2.0 + 0.1 * place) / (1.0 - 0.1 * x);
                 [(place + x * depth) * 110.0, y * depth * 110.0]
             });
-            (photograph, DAffine3::from_translation(DVec3::new(-place, 0.0, 0.0)))
+            (posed_image, DAffine3::from_translation(DVec3::new(-place, 0.0, 0.0)))
         });
         Self {
             camera,
-            photographs: photographs.into(),
+            posed_images: posed_images.into(),
         }
     }
 
     fn views(&self) -> Vec<View<'_>> {
-        let photographs = self.photographs.iter();
-        let views = photographs.map(|(image, camera_from_world)| View {
+        let posed_images = self.posed_images.iter();
+        let views = posed_images.map(|(image, camera_from_world)| View {
             image,
             camera: &self.camera,
             camera_from_world: *camera_from_world,
@@ -149,7 +149,7 @@ fn by_card(group: &mut BenchmarkGroup<'_, WallTime>, [left, right]: [&GrayImage;
     }
 }
 
-fn photograph(path: &Path) -> Option<GrayImage> {
+fn posed_image(path: &Path) -> Option<GrayImage> {
     let image = image::open(path).ok()?.into_rgb8();
     let size = [image.width(), image.height()];
     let colors = ColorImage::new(size, image.pixels().map(|pixel| pixel.0).collect())?;
@@ -158,7 +158,7 @@ fn photograph(path: &Path) -> Option<GrayImage> {
 
 fn aloe(criterion: &mut Criterion) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(ALOE);
-    let images = ["aloeL.jpg", "aloeR.jpg"].map(|name| photograph(&folder.join(name)));
+    let images = ["aloeL.jpg", "aloeR.jpg"].map(|name| posed_image(&folder.join(name)));
     let ([Some(left), Some(right)], Ok(truth)) = (images, image::open(folder.join("aloeGT.png"))) else {
         println!("no aloe in {ALOE}: passed over");
         return;

@@ -79,7 +79,7 @@ fn sphere(count: usize, primitive: Primitive, strategy: Strategy) -> ScenePacket
             }
         },
         ground: None,
-        photographs: None,
+        posed_images: None,
         params: PacketParams::default(),
         bounds,
     }

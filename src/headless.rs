@@ -1,13 +1,13 @@
 //! Pictures without a window: the same sequence, scene and renderer as the window uses, one frame at a time.
 
 use crate::composition::{
-    ComposeOptions, Composed, Drawn, Frames, Inputs, PHOTOGRAPH_BYTES, PictureView, Problem, StandIns, WholeFrame,
-    compose, on_surface, packet,
+    ComposeOptions, Composed, Drawn, Frames, Inputs, PHOTO_BYTES, PictureView, Problem, StandIns, WholeFrame, compose,
+    on_surface, packet,
 };
 use crate::levels::LevelsSize;
 use crate::locks::lock;
 use crate::math::Aabb;
-use crate::photos::{LoadedPhotographs, Photographs, ViewSet};
+use crate::photos::{LoadedPhotos, PosedImages, ViewSet};
 use crate::progress::Progress;
 use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer, scaled_to};
 use crate::scene::{
@@ -159,7 +159,7 @@ pub struct Headless {
     /// Texts over pictures.
     labels: Arc<Vec<Label>>,
     /// Input images that were loaded last.
-    photographs: Mutex<Option<(Arc<ViewSet>, Arc<LoadedPhotographs>)>>,
+    posed_images: Mutex<Option<(Arc<ViewSet>, Arc<LoadedPhotos>)>>,
     /// Input images of one static scene that have a surface of their own.
     surfaced: Mutex<Option<Surfaced>>,
 }
@@ -167,9 +167,9 @@ pub struct Headless {
 /// Input images of one static scene with the surface reconstructed from them.
 #[derive(Debug)]
 struct Surfaced {
-    of: Arc<LoadedPhotographs>,
+    of: Arc<LoadedPhotos>,
     left_out: Vec<usize>,
-    used: Arc<Photographs>,
+    used: Arc<PosedImages>,
 }
 
 impl Headless {
@@ -182,7 +182,7 @@ impl Headless {
             scene: Scene::default(),
             look: OnceLock::new(),
             labels: Arc::default(),
-            photographs: Mutex::default(),
+            posed_images: Mutex::default(),
             surfaced: Mutex::default(),
         }
     }
@@ -270,24 +270,24 @@ impl Headless {
     }
 
     /// Returns the input images of the scene that frame `index` shows, if there are any. They are loaded once.
-    fn loaded_photographs(&self, index: usize) -> Option<Arc<LoadedPhotographs>> {
-        let set = self.sequence.source().photographs(index)?;
-        let mut known = lock(&self.photographs);
+    fn loaded_photos(&self, index: usize) -> Option<Arc<LoadedPhotos>> {
+        let set = self.sequence.source().posed_images(index)?;
+        let mut known = lock(&self.posed_images);
         if let Some((of, loaded)) = &*known
             && Arc::ptr_eq(of, &set)
         {
             return Some(Arc::clone(loaded));
         }
-        let loaded = Arc::new(LoadedPhotographs::of(&set, PHOTOGRAPH_BYTES, &Progress::default()));
+        let loaded = Arc::new(LoadedPhotos::of(&set, PHOTO_BYTES, &Progress::default()));
         *known = Some((set, Arc::clone(&loaded)));
         Some(loaded)
     }
 
     /// Returns the input images that are not excluded, on the surface reconstructed from them if they are of one static
     /// scene.
-    fn photographs_without(&self, index: usize, left_out: &[usize]) -> Option<Arc<Photographs>> {
-        let loaded = self.loaded_photographs(index)?;
-        let set = self.sequence.source().photographs(index)?;
+    fn photos_without(&self, index: usize, left_out: &[usize]) -> Option<Arc<PosedImages>> {
+        let loaded = self.loaded_photos(index)?;
+        let set = self.sequence.source().posed_images(index)?;
         let mut known = lock(&self.surfaced);
         if let Some(surfaced) = &*known
             && Arc::ptr_eq(&surfaced.of, &loaded)
@@ -296,9 +296,9 @@ impl Headless {
             return Some(Arc::clone(&surfaced.used));
         }
         let used = if left_out.is_empty() {
-            Arc::clone(&loaded.photographs)
+            Arc::clone(&loaded.posed_images)
         } else {
-            Arc::new(loaded.photographs.without(left_out))
+            Arc::new(loaded.posed_images.without(left_out))
         };
         let used = on_surface(used, &set, &self.sequence, &Progress::default());
         *known = Some(Surfaced {
@@ -435,9 +435,9 @@ impl Frames for Headless {
         self.loader.wait(index, needs).map(Some)
     }
 
-    fn photographs(&self, index: usize, left_out: &[usize]) -> Option<LoadedPhotographs> {
-        let notes = self.loaded_photographs(index)?.notes.clone();
-        let photographs = self.photographs_without(index, left_out)?;
-        Some(LoadedPhotographs { photographs, notes })
+    fn posed_images(&self, index: usize, left_out: &[usize]) -> Option<LoadedPhotos> {
+        let notes = self.loaded_photos(index)?.notes.clone();
+        let posed_images = self.photos_without(index, left_out)?;
+        Some(LoadedPhotos { posed_images, notes })
     }
 }

@@ -90,17 +90,14 @@ fn open_play_scrub_draw_otherwise_measure_and_export(painter: &str) {
     screen.wait_for("marks stay", is_as_opened);
 
     screen.key(P);
-    let photographed = new_picture(home.path(), 1);
-    assert_is_on_screen(&photographed, &opened);
+    let textured = new_picture(home.path(), 1);
+    assert_is_on_screen(&textured, &opened);
     screen.key_with(SHIFT, P);
     screen.wait_for("no window to export from", is_other);
     screen.wait_for_rest("the window to export from does not settle");
     screen.click(EXPORT);
     let exported = new_picture(home.path(), 2);
-    assert!(
-        exported == photographed,
-        "the export is another picture than the screen's"
-    );
+    assert!(exported == textured, "the export is another picture than the screen's");
     assert!(program.0.try_wait().unwrap().is_none(), "the window went on");
 }
 

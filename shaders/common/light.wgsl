@@ -5,26 +5,26 @@
 #import generated/constants
 
 // The exponent of the multiplications below.
-const_assert HEAD_LIGHT_SHININESS == 3u * 8u;
+const_assert HEADLIGHT_SHININESS == 3u * 8u;
 
 // x: factor on the colour; y: white added by the highlight. `to_eye` need not have unit length.
-fn head_light(normal: vec3f, to_eye: vec3f) -> vec2f {
+fn headlight(normal: vec3f, to_eye: vec3f) -> vec2f {
     // Light and eye share a direction, so the half vector is that direction too.
     let facing = abs(dot(normal, normalize(to_eye)));
     let facing2 = facing * facing;
     let facing4 = facing2 * facing2;
     let facing8 = facing4 * facing4;
     return vec2f(
-        HEAD_LIGHT_AMBIENT + (1.0 - HEAD_LIGHT_AMBIENT) * facing,
-        HEAD_LIGHT_SPECULAR * facing8 * facing8 * facing8,
+        HEADLIGHT_AMBIENT + (1.0 - HEADLIGHT_AMBIENT) * facing,
+        HEADLIGHT_SPECULAR * facing8 * facing8 * facing8,
     );
 }
 
 // All in the same axes.
 fn light_at_vertex(normal: vec3f, center_from_eye: vec3f, corner_from_eye: vec3f) -> vec2f {
     switch view.lighting {
-        case LIGHTING_PER_SURFEL: { return head_light(normal, -center_from_eye); }
-        case LIGHTING_PER_VERTEX: { return head_light(normal, -corner_from_eye); }
+        case LIGHTING_PER_SURFEL: { return headlight(normal, -center_from_eye); }
+        case LIGHTING_PER_VERTEX: { return headlight(normal, -corner_from_eye); }
         default: { return vec2f(1.0, 0.0); }
     }
 }
@@ -33,7 +33,7 @@ fn light_at_vertex(normal: vec3f, center_from_eye: vec3f, corner_from_eye: vec3f
 fn shade(color: vec3f, normal: vec3f, light: vec2f, pixel: vec2f) -> vec3f {
     var factors = light;
     if (view.lighting == LIGHTING_PER_FRAGMENT) {
-        factors = head_light(normal, -ray_through(pixel));
+        factors = headlight(normal, -ray_through(pixel));
     }
     return min(color * factors.x + factors.y, vec3f(1.0));
 }

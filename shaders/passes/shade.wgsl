@@ -1,6 +1,6 @@
 // Deferred shading (paper 003 §3.6): light falls on the blended surface, once for each pixel. Leaves sums of lit
 // colours and weights, as the attribute pass does without it. What light is: `blinn_phong.wgsl`, `physical.wgsl`.
-// What colours and normals are: `own_colors.wgsl`, `photographed.wgsl`.
+// What colours and normals are: `own_colors.wgsl`, `textured.wgsl`.
 
 #import common/blended_surface.wgsl
 #import common/fullscreen.wgsl

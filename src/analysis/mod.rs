@@ -20,7 +20,7 @@ pub use color::colors::fake_color;
 pub use normal_errors::NormalErrors;
 pub use search::nearest_point::NearestPoint;
 pub use search::neighbours::{Neighbours, nearest_neighbours};
-pub use surface::bent_disks::{Disk, bent_disks};
+pub use surface::curved_splats::{Disk, curved_splats};
 pub use surface::file_surface::FileSurface;
 pub use surface::radii::LONE_RADIUS;
 pub use surface::stray::stray_points;

@@ -73,7 +73,7 @@ pub enum OptionGroup {
     /// First frame to measure; in the window it is the shown one.
     FirstFrame,
     /// Selection of the held-out images.
-    Photographs,
+    Photos,
 }
 
 impl Suite {

@@ -195,7 +195,7 @@ fn loose_cameras(sequence: &Sequence) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut before: Option<Arc<ViewSet>> = None;
     for frame in 0..sequence.len() {
-        let Some(set) = sequence.source().photographs(frame) else {
+        let Some(set) = sequence.source().posed_images(frame) else {
             continue;
         };
         if before.as_ref().is_none_or(|before| !Arc::ptr_eq(before, &set)) {

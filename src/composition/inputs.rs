@@ -4,7 +4,7 @@ use super::composed::Coarse;
 use super::depths_ahead::DepthsAhead;
 use super::options::ComposeOptions;
 use crate::measure::Change;
-use crate::photos::LoadedPhotographs;
+use crate::photos::LoadedPhotos;
 use crate::scene::Style;
 use crate::sequence::{FrameError, Needs, PreparedFrame, Sequence};
 use std::fmt;
@@ -37,7 +37,7 @@ pub trait Frames: fmt::Debug {
 
     /// Returns the images of frame `index` except for these numbers, on their surface if they are of one scene, and
     /// notes on those that could not be loaded.
-    fn photographs(&self, _index: usize, _left_out: &[usize]) -> Option<LoadedPhotographs> {
+    fn posed_images(&self, _index: usize, _left_out: &[usize]) -> Option<LoadedPhotos> {
         None
     }
 
@@ -95,8 +95,8 @@ struct NoFrames;
 impl Frames for NoFrames {}
 
 impl<'a> Inputs<'a> {
-    /// Creates the inputs of [`Lane::Photographs`](super::Lane::Photographs), for a frame whose images are there.
-    pub fn of_photographs(pose: &'a PreparedFrame, style: &'a Style, frames: &'a dyn Frames) -> Self {
+    /// Creates the inputs of [`Lane::Photos`](super::Lane::Photographs), for a frame whose images are there.
+    pub fn of_photos(pose: &'a PreparedFrame, style: &'a Style, frames: &'a dyn Frames) -> Self {
         Self {
             pose,
             options: &NO_OPTIONS,

@@ -7,7 +7,7 @@
 //! | change map | another frame | [`ComposeOptions::change`] | the same points in other colours |
 //! | onion skin | neighbouring frames | [`ComposeOptions::onion`] | the frame among ghosts |
 //! | trails | paths of points | [`ComposeOptions::trails`] | the frame among tubes |
-//! | images | posed images of the frame | [`photographs_apply`] | curved splats, outliers, depths |
+//! | images | posed images of the frame | [`photos_apply`] | curved splats, outliers, depths |
 //! | in view | surfels of the visible points | [`StandIns::in_view`] | these instead of all points |
 //! | levels | the frame with levels of detail | [`StandIns::coarse`] | fewer records while the camera moves |
 //! | packet | the camera | always | the packet ([`packet`]) |
@@ -32,7 +32,7 @@ mod onion;
 mod onion_skin;
 mod options;
 mod packet;
-mod photographs;
+mod photos;
 mod points_in_view;
 mod stages;
 mod step;
@@ -49,7 +49,7 @@ pub use levels::{has_moving_levels, in_cells};
 pub use onion_skin::OnionSkin;
 pub use options::{ChangeColors, ComposeOptions, TrailLook};
 pub use packet::{Drawn, PictureView, packet};
-pub use photographs::{PHOTOGRAPH_BYTES, on_surface, photographs_apply};
+pub use photos::{PHOTO_BYTES, on_surface, photos_apply};
 pub use points_in_view::points_in_view;
 pub use stages::STAGES;
 pub use step::{Lane, MakeStep, Stage, Step};

@@ -51,8 +51,8 @@ pub fn packet<'a>(
 ) -> ScenePacket {
     let Drawn { frame, depths } = drawn.into();
     let mut packet = scene.packet(frame, view.origin, view.camera, style, view.size_px);
-    if let Some(photographs) = &mut packet.photographs {
-        photographs.depths = depths.cloned();
+    if let Some(posed_images) = &mut packet.posed_images {
+        posed_images.depths = depths.cloned();
     }
     packet
 }

@@ -1,14 +1,14 @@
 //! The list of stages.
 
 use super::step::Stage;
-use super::{change, in_view, levels, onion, photographs, trails};
+use super::{change, in_view, levels, onion, photos, trails};
 
 /// All that is between a pose and its packet, in order.
 pub const STAGES: &[Stage] = &[
     change::STAGE,
     onion::STAGE,
     trails::STAGE,
-    photographs::STAGE,
+    photos::STAGE,
     in_view::STAGE,
     levels::STAGE,
 ];

@@ -14,7 +14,7 @@ pub enum Lane {
     /// Depends on other frames: a task per pose.
     Poses,
     /// Depends on the input images: runs as a task in a pool of its own, also for the frames that follow.
-    Photographs,
+    Photos,
     /// Depends on the camera: for each picture, of what tasks have made ([`StandIns`](super::StandIns)).
     View,
 }

@@ -67,7 +67,7 @@ fn cameras_note(sequence: &Sequence) -> Option<String> {
         return None;
     }
     let first = source.frames().start.min(sequence.len() - 1);
-    let what = if source.photographs(first).is_some() {
+    let what = if source.posed_images(first).is_some() {
         "photographs and their cameras"
     } else if source.sensor(first).is_some() {
         "images, intrinsics and poses of the depth camera"

@@ -17,7 +17,7 @@ pub enum Part {
     /// One of several scans in a file (E57), counted from 0.
     Scan(usize),
     /// The pose at this time of an animation (glTF).
-    Moment(Duration),
+    TimeStep(Duration),
     /// A layer of an array of T × N × 3 (NPZ), or a frame of a text, counted from 0.
     Layer(usize),
     /// A file within an archive.

@@ -40,7 +40,7 @@ pub(super) enum Holding {
     /// Scans, which together are a cloud as well.
     Scans,
     /// Time steps of an animation.
-    Moments,
+    TimeSteps,
     /// Layers of an array.
     Layers,
     /// Rows of text, which may be those of several frames.

@@ -61,7 +61,7 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
         }
         Part::Message(message) => return recording::read(path, message, options),
         Part::Turn(turn) => return packets::read(path, turn, options, progress),
-        Part::Whole | Part::Sole | Part::Scan(_) | Part::Moment(_) | Part::Layer(_) => {}
+        Part::Whole | Part::Sole | Part::Scan(_) | Part::TimeStep(_) | Part::Layer(_) => {}
     }
     let magic = first_bytes(path)?;
     if magic.is_empty() {

@@ -52,11 +52,11 @@ impl SharedFile {
         options: &ReadOptions,
         progress: &Progress,
     ) -> Result<RawCloud, Arc<IoError>> {
-        if !matches!(part, Part::Moment(_) | Part::Layer(_)) {
+        if !matches!(part, Part::TimeStep(_) | Part::Layer(_)) {
             return read_part_observed(path, part, options, progress).map_err(Arc::new);
         }
         let (format, decoded) = match (self.content(path, options, progress)?, part) {
-            (Content::Scene(scene), Part::Moment(time)) => (gltf::FORMAT, scene.frame(time.as_secs_f64())),
+            (Content::Scene(scene), Part::TimeStep(time)) => (gltf::FORMAT, scene.frame(time.as_secs_f64())),
             (Content::Arrays(arrays), part) => (npy::ARCHIVE, arrays.frame(npy::layer_of(part), options)),
             (Content::Table(table), part) => (xyz::FORMAT, table.frame(npy::layer_of(part), options)),
             // The file is another one than that whose frames were listed.

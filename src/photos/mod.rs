@@ -13,7 +13,7 @@
 //!
 //! [`PreparedPhoto`] is an image as drawing takes it: masked, undistorted to a pinhole, and halved the number of times
 //! that [`halvings_within`] determines for a memory budget. [`gains`] makes images of different exposures agree.
-//! [`LoadedPhotographs`] are all of a set, with the levels of their [`Texture`]s.
+//! [`LoadedPhotos`] are all of a set, with the levels of their [`Texture`]s.
 
 mod depth_file;
 mod error;
@@ -30,15 +30,15 @@ pub use found::files::is_picture;
 pub use found::rig::Rig;
 pub use images::budget::{halvings_within, texture_bytes};
 pub use images::gains::gains;
-pub use images::loading::LoadedPhotographs;
+pub use images::loading::LoadedPhotos;
 pub use images::mips::{halved, mips};
 pub use images::photo_image::PhotoImage;
-pub use images::photographs::{PhotoSurface, Photograph, Photographs};
+pub use images::photos::{PhotoSurface, PosedImage, PosedImages};
 pub use images::prepared::PreparedPhoto;
 pub use images::texture::Texture;
 pub use images::undistort::{Extent, pinhole_of, undistort};
 pub use readers::colmap::colmap_depth;
-pub use readers::unread::{is_beside_photographs, unread};
+pub use readers::unread::{is_beside_photos, unread};
 pub use readers::{FoundSet, find};
 pub use sets::photo::{Photo, center_of, resized};
 pub use sets::points::{Observation, SparsePoints};

@@ -142,8 +142,8 @@ impl Player {
     }
 
     /// Returns the images of the shown frame, as far as they are known.
-    pub fn photographs(&self) -> Option<Arc<ViewSet>> {
-        self.sequence().source().photographs(self.shown()?.index)
+    pub fn posed_images(&self) -> Option<Arc<ViewSet>> {
+        self.sequence().source().posed_images(self.shown()?.index)
     }
 
     /// Why the frame at the playhead is not in the picture, if it cannot be read.

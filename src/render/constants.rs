@@ -80,12 +80,12 @@ pub(super) const PHOTO_MIN_COSINE: f32 = 0.1;
 pub(super) const PHOTO_MIN_FACING: f32 = 0.173_648_18;
 
 /// Light of a surface that is seen edge-on.
-pub(super) const HEAD_LIGHT_AMBIENT: f32 = 0.25;
+pub(super) const HEADLIGHT_AMBIENT: f32 = 0.25;
 /// White that is added where a surface faces the eye.
-pub(super) const HEAD_LIGHT_SPECULAR: f32 = 0.15;
+pub(super) const HEADLIGHT_SPECULAR: f32 = 0.15;
 /// Exponent of that white. Renderers multiply, since it is worked out for every fragment of every layer: the cube of
 /// the eighth power.
-pub(super) const HEAD_LIGHT_SHININESS: u32 = 24;
+pub(super) const HEADLIGHT_SHININESS: u32 = 24;
 /// Factor on the colour of a surfel that is seen from behind, where that is to be told.
 pub(super) const BACK_SIDE: f32 = 0.8;
 

@@ -2,17 +2,17 @@
 //! drawn on the CPU, once for each frame and not for each rendered image.
 
 use super::cpu::depths::distances_of_surface;
-use crate::scene::{DepthMap, PhotoDepths, PhotographsInFrame, ScenePacket, SurfelStyle, seen_by_photograph};
+use crate::scene::{DepthMap, PhotoDepths, PhotosInFrame, ScenePacket, SurfelStyle, seen_by_photo};
 use std::sync::Arc;
 
 /// The depths of the packet that was drawn last, and what they were drawn of.
 #[derive(Debug, Default)]
-pub(in crate::render) struct KnownDepths(Option<((PhotographsInFrame, SurfelStyle), Arc<PhotoDepths>)>);
+pub(in crate::render) struct KnownDepths(Option<((PhotosInFrame, SurfelStyle), Arc<PhotoDepths>)>);
 
 impl KnownDepths {
     /// Returns the depth maps of a packet: those that it provides, those that are cached, or those drawn now.
     pub(in crate::render) fn of(&mut self, packet: &ScenePacket) -> Arc<PhotoDepths> {
-        let Some(shown) = &packet.photographs else {
+        let Some(shown) = &packet.posed_images else {
             return Arc::default();
         };
         if let Some(depths) = &shown.depths {
@@ -20,25 +20,25 @@ impl KnownDepths {
         }
         let of = (shown.clone(), packet.style.surfels);
         let known = self.0.take().filter(|(known, _)| *known == of);
-        let known = known.unwrap_or_else(|| (of, Arc::new(depths_of_photographs(packet))));
+        let known = known.unwrap_or_else(|| (of, Arc::new(depths_of_photos(packet))));
         Arc::clone(&self.0.insert(known).1)
     }
 }
 
 /// Returns the depth maps of the input images of a packet: those of their files, else of the surface. Empty without
 /// input images.
-pub fn depths_of_photographs(packet: &ScenePacket) -> PhotoDepths {
-    let Some(shown) = &packet.photographs else {
+pub fn depths_of_photos(packet: &ScenePacket) -> PhotoDepths {
+    let Some(shown) = &packet.posed_images else {
         return PhotoDepths::default();
     };
     let mut blocks = None;
     let max_extent = 2.0 * packet.bounds.radius();
-    let photographs = shown.photographs.all().iter();
-    let maps = photographs.map(|photograph| {
-        if let Some(depth) = &photograph.depth {
+    let posed_images = shown.posed_images.all().iter();
+    let maps = posed_images.map(|posed_image| {
+        if let Some(depth) = &posed_image.depth {
             return DepthMap::new(depth.size_px(), depth.metres().to_vec(), max_extent, true);
         }
-        let Some(seen) = seen_by_photograph(packet, photograph) else {
+        let Some(seen) = seen_by_photo(packet, posed_image) else {
             return DepthMap::new([1, 1], vec![0.0], 0.0, false);
         };
         let distances = distances_of_surface(&seen, &mut blocks);

@@ -13,7 +13,7 @@ mod pass_times;
 pub mod truth;
 
 pub use any::AnyRenderer;
-pub use known_depths::depths_of_photographs;
+pub use known_depths::depths_of_photos;
 pub use matcher::matcher_of_machine;
 pub use pass_times::{PassTime, PassTimes};
 

@@ -233,10 +233,10 @@ mod tests {
             of([4, 4], 1.0, f64::INFINITY, none()),
             CameraError::NoPrincipalPoint(..)
         ));
-        let bent = Distortion::Fisheye {
+        let curved = Distortion::Fisheye {
             k: [f64::NAN, 0.0, 0.0, 0.0],
         };
-        assert_eq!(of([4, 4], 1.0, 0.0, bent), CameraError::NoDistortion);
+        assert_eq!(of([4, 4], 1.0, 0.0, curved), CameraError::NoDistortion);
     }
 
     fn distortions() -> impl Strategy<Value = Distortion> {

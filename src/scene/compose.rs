@@ -7,7 +7,7 @@ use super::content::{CodedCells, Content, Surfels};
 use super::first_look::{PointSpacing, typical_spacing};
 use super::packet::{PacketParams, ScenePacket};
 use super::{
-    Camera, Clip, DrawSettings, GroundPlane, PhotographsInFrame, PointSizing, Primitive, RendererChoice, Style,
+    Camera, Clip, DrawSettings, GroundPlane, PhotosInFrame, PointSizing, Primitive, RendererChoice, Style,
     ViewTransform,
 };
 use crate::analysis::screen::ScreenCloud;
@@ -140,12 +140,12 @@ fn of_points(frame: &PreparedFrame) -> Option<Surfels> {
 }
 
 /// Returns the curved splats for view-dependent texturing, if there are input images and these disks differ.
-fn bent(frame: &PreparedFrame) -> Option<Surfels> {
-    let photographs = frame.photographs.as_ref()?;
-    let bent = frame.bent.as_ref().filter(|_| !photographs.all().is_empty())?;
+fn curved(frame: &PreparedFrame) -> Option<Surfels> {
+    let posed_images = frame.posed_images.as_ref()?;
+    let curved = frame.curved.as_ref().filter(|_| !posed_images.all().is_empty())?;
     Some(Surfels {
-        points: Arc::clone(&bent.points),
-        shapes: Arc::clone(&bent.shapes),
+        points: Arc::clone(&curved.points),
+        shapes: Arc::clone(&curved.shapes),
     })
 }
 
@@ -194,16 +194,16 @@ impl Scene {
         let view = camera.transform(origin, viewport_px);
         let mut style = *style;
         let clip = style.of_sequence.clip.take().filter(|clip| clip.is_on);
-        style.of_sequence.has_photographs = frame.photographs.is_some();
-        let photographs = frame.photographs.as_ref().filter(|_| style.draws_photographs());
-        let photographs = photographs.map(|photographs| PhotographsInFrame {
-            photographs: Arc::clone(photographs),
+        style.of_sequence.has_photos = frame.posed_images.is_some();
+        let posed_images = frame.posed_images.as_ref().filter(|_| style.draws_photos());
+        let posed_images = posed_images.map(|posed_images| PhotosInFrame {
+            posed_images: Arc::clone(posed_images),
             origin,
-            surface: bent(frame).or_else(|| of_points(frame)),
+            surface: curved(frame).or_else(|| of_points(frame)),
             depths: None,
         });
-        if photographs.is_some() {
-            style = style.of_photographs();
+        if posed_images.is_some() {
+            style = style.of_photos();
         }
         if style.shows_normal_errors() {
             style = style.of_normal_errors();
@@ -231,7 +231,7 @@ impl Scene {
             style: style.painted(),
             bounds,
             ground,
-            photographs,
+            posed_images,
             params,
         }
     }
@@ -272,8 +272,8 @@ impl Scene {
         }
         let points = || Arc::clone(&frame.points);
         let surfels = || {
-            let bent = bent(frame).filter(|_| style.draws_photographs());
-            bent.or_else(|| of_points(frame)).map(Content::Surfels)
+            let curved = curved(frame).filter(|_| style.draws_photos());
+            curved.or_else(|| of_points(frame)).map(Content::Surfels)
         };
         let whole = match style.primitive {
             _ if is_of_screen && !style.shows_normal_errors() => Content::Points(points()),

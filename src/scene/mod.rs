@@ -10,7 +10,7 @@ mod environment;
 mod first_look;
 mod light;
 mod packet;
-mod photographs;
+mod photos;
 mod style;
 mod view;
 mod visible;
@@ -39,10 +39,10 @@ pub use light::lights::{Lamp, Lights};
 pub use light::physical_light::{PhysicalLight, PhysicalTables};
 pub use light::shadow::Shadow;
 pub use packet::{PacketParams, ScenePacket};
-pub use photographs::photo_depths::PhotoDepths;
-pub(crate) use photographs::photo_depths::{DepthMap, DepthRelation};
-pub use photographs::photo_views::{PhotoView, PhotoViews, seen_by_photograph};
-pub use photographs::photographs_in_frame::PhotographsInFrame;
+pub use photos::photo_depths::PhotoDepths;
+pub(crate) use photos::photo_depths::{DepthMap, DepthRelation};
+pub use photos::photo_views::{PhotoView, PhotoViews, seen_by_photo};
+pub use photos::photos_in_frame::PhotosInFrame;
 pub(crate) use style::choices;
 pub use style::{
     Antialiasing, Automatic, BackFaces, Backdrop, Background, Choice, CodeStyle, DrawSettings, DrawingSettings,

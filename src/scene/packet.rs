@@ -2,7 +2,7 @@
 
 use super::content::Content;
 use super::style::{Antialiasing, BackFaces, Splatting};
-use super::{Clip, DrawSettings, GroundPlane, Lighting, PhotographsInFrame, Primitive, ViewTransform};
+use super::{Clip, DrawSettings, GroundPlane, Lighting, PhotosInFrame, Primitive, ViewTransform};
 use crate::math::Aabb;
 
 /// Everything a renderer needs for one picture. Equal packets make equal pictures.
@@ -21,7 +21,7 @@ pub struct ScenePacket {
     /// The plane of [`super::Backdrop::grid`], if it is on.
     pub ground: Option<GroundPlane>,
     /// Posed images that surfaces take their colours from, if these are not those of points.
-    pub photographs: Option<PhotographsInFrame>,
+    pub posed_images: Option<PhotosInFrame>,
     /// Parameters derived from settings for this image.
     pub params: PacketParams,
 }
@@ -86,7 +86,7 @@ impl ScenePacket {
         packet.viewport_px = viewport_px;
         packet.view = view;
         packet.ground = None;
-        packet.photographs = None;
+        packet.posed_images = None;
         packet.style.light.lighting = Lighting::Unlit;
         packet.style.drawing.antialiasing = Antialiasing::None;
         let surfels = &mut packet.style.surfels;

@@ -79,7 +79,7 @@ impl Source for AsReel {
             growth,
             live,
             depth_images,
-            photographs,
+            posed_images,
             image_files,
         } = self.source.capabilities();
         Capabilities {
@@ -91,7 +91,7 @@ impl Source for AsReel {
             growth,
             live,
             depth_images: depth_images.map(|_| self as &dyn DepthImages),
-            photographs,
+            posed_images,
             image_files,
         }
     }
@@ -153,7 +153,7 @@ mod tests {
     use crate::reel::Precision;
     use crate::rgbd::{Camera, Distortion, Rig};
     use crate::source::{
-        FrameList, Groups, Growth, ImageFiles, Live, LiveState, LiveStatus, Meshes, Photographed, SequenceError,
+        FrameList, Groups, Growth, HasPosedImages, ImageFiles, Live, LiveState, LiveStatus, Meshes, SequenceError,
         StreamRecording,
     };
     use crate::wire::View;
@@ -224,7 +224,7 @@ mod tests {
                 growth: Some(self),
                 live: Some(self),
                 depth_images: Some(self),
-                photographs: Some(self),
+                posed_images: Some(self),
                 image_files: Some(self),
             }
         }
@@ -313,8 +313,8 @@ mod tests {
         }
     }
 
-    impl Photographed for Able {
-        fn photographs(&self, _index: usize) -> Option<Arc<ViewSet>> {
+    impl HasPosedImages for Able {
+        fn posed_images(&self, _index: usize) -> Option<Arc<ViewSet>> {
             Some(Arc::default())
         }
     }
@@ -350,7 +350,7 @@ mod tests {
         assert!(reel.may_grow() && reel.is_live());
         assert_eq!((reel.look_again().unwrap(), reel.changed_since(5)), (7, vec![5]));
         assert_eq!(reel.live().map(|live| live.status().received_frames), Some(3));
-        assert!(reel.sensor(0).is_some() && reel.photographs(0).is_some() && reel.raw_images(0).is_none());
+        assert!(reel.sensor(0).is_some() && reel.posed_images(0).is_some() && reel.raw_images(0).is_none());
         assert_eq!(reel.images(), [PathBuf::from("color.png")]);
         assert_eq!(
             (reel.notes(), reel.damage()),

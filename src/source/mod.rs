@@ -17,10 +17,10 @@ mod files;
 mod http;
 mod list;
 mod live;
+mod multiview_video;
 mod opener;
 mod options;
 mod photo_sets;
-mod photo_video;
 mod photos;
 mod questions;
 mod reel;
@@ -41,8 +41,8 @@ pub use list::FrameList;
 pub use live::{
     ConnectionChange, ConnectionWatch, Live, LiveState, LiveStatus, LiveStream, RecordedStream, StreamRecording,
 };
+pub use multiview_video::MultiviewVideo;
 pub use options::{NO_POSES, OpenOptions, SessionReach};
-pub use photo_video::PhotoVideo;
 pub use photos::PhotoScene;
 pub use reel::Reel;
 pub use rgbd::{MergedFrames, RgbdError, RgbdOptions, RgbdRecording};
@@ -52,7 +52,7 @@ pub(crate) use shapes::{OUTLIERS, Sampled};
 pub use spin::Spin;
 pub use traits::{
     About, Capabilities, DecodeFailure, DecodedFrame, DecodedLevel, Decoder, DepthImages, FrameSample, Groups, Growth,
-    ImageFiles, Meshes, Photographed, Samples, Source,
+    HasPosedImages, ImageFiles, Meshes, Samples, Source,
 };
 
 use crate::progress::Progress;
@@ -86,7 +86,7 @@ const OPENERS: &[Opener] = &[
 
 /// Opens the source named by `inputs`: generated frames (`demo:`), standard input (`-`), a sensor ([`LiveScanner`]), a
 /// stream ([`LiveStream`]) or a recording of one ([`RecordedStream`]), a sequence file ([`Reel`]), calibrated images of
-/// one time step ([`PhotoScene`]) or of many ([`PhotoVideo`]), a recording of depth images ([`RgbdRecording`]),
+/// one time step ([`PhotoScene`]) or of many ([`MultiviewVideo`]), a recording of depth images ([`RgbdRecording`]),
 /// otherwise files, folders and patterns. `progress` counts the files that were checked, and may be cancelled.
 pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> Result<Arc<dyn Source>, SequenceError> {
     let asked = Asked {

@@ -5,8 +5,8 @@
 //! are possible. This is tried last, and only for a folder that has no cloud files; files that merely accompany images
 //! do not count as such.
 
+use super::multiview_video::MultiviewVideo;
 use super::opener::Asked;
-use super::photo_video::PhotoVideo;
 use super::photos::PhotoScene;
 use super::{Files, OpenOptions, SequenceError, Source, rgbd};
 use crate::io::Format;
@@ -33,16 +33,16 @@ const MAX_NAMES: usize = 6;
 fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<Arc<dyn Source>>, SequenceError> {
     let [input] = inputs else { return Ok(None) };
     let Some(found) = photos::find(input).map_err(wrong)? else {
-        let sets = PhotoVideo::of_sets(inputs, options);
+        let sets = MultiviewVideo::of_sets(inputs, options);
         return Ok(sets.map(|sets| Arc::new(sets) as Arc<dyn Source>));
     };
     let calibration = found.calibration().map_err(wrong)?;
     let model = found.path;
     Ok(Some(
-        match PhotoVideo::of(calibration, inputs, options).map_err(wrong)? {
+        match MultiviewVideo::of(calibration, inputs, options).map_err(wrong)? {
             Ok(video) => Arc::new(video),
             Err(calibration) => Arc::new(PhotoScene::of(
-                calibration.photographs().map_err(wrong)?,
+                calibration.posed_images().map_err(wrong)?,
                 &model,
                 input,
                 options,
@@ -53,7 +53,7 @@ fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<Arc<dyn Sour
 
 /// [`open`] where the inputs are no recording whose depth images count more.
 pub(super) fn open_unless_depth(asked: Asked<'_>) -> Result<Option<Arc<dyn Source>>, SequenceError> {
-    if rgbd::comes_before_photographs(asked.inputs, asked.options) {
+    if rgbd::comes_before_photos(asked.inputs, asked.options) {
         return Ok(None);
     }
     open(asked.inputs, asked.options)
@@ -97,8 +97,8 @@ fn open_below(input: &Path, options: &OpenOptions) -> Result<Option<Arc<dyn Sour
         },
         [one] => {
             let inputs = [one.clone()];
-            if let Some(photographs) = open(&inputs, options)? {
-                return Ok(Some(photographs));
+            if let Some(posed_images) = open(&inputs, options)? {
+                return Ok(Some(posed_images));
             }
             rgbd::open(&inputs, options)
         }
@@ -133,7 +133,7 @@ fn folders_of_no_frames(input: &Path) -> Option<Vec<PathBuf>> {
         }
         if path.is_dir() {
             folders.push(path);
-        } else if Format::of_extension(&path).is_some() && !photos::is_beside_photographs(&path) {
+        } else if Format::of_extension(&path).is_some() && !photos::is_beside_photos(&path) {
             return None;
         }
     }
@@ -171,7 +171,7 @@ mod tests {
     fn opened(files: &[&str]) -> Result<Option<usize>, String> {
         let folder = folder_with(files);
         let opened = open_below(folder.path(), &OpenOptions::default()).map_err(|error| error.to_string())?;
-        Ok(opened.map(|source| source.photographs(0).map_or(0, |set| set.photos.len())))
+        Ok(opened.map(|source| source.posed_images(0).map_or(0, |set| set.photos.len())))
     }
 
     #[test]

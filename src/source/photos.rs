@@ -2,9 +2,9 @@
 //! them by stereo.
 //!
 //! The frame is an ordinary cloud, so everything that works with clouds works with it. Callers that need the images as
-//! well use [`Photographed::photographs`].
+//! well use [`HasPosedImages::posed_images`].
 
-use super::{About, Capabilities, DecodeFailure, Decoder, FrameEntry, OpenOptions, Photographed, Source};
+use super::{About, Capabilities, DecodeFailure, Decoder, FrameEntry, HasPosedImages, OpenOptions, Source};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{Positions, RawCloud};
 use crate::io::{self, Part};
@@ -91,14 +91,14 @@ impl Source for PhotoScene {
 
     fn capabilities(&self) -> Capabilities<'_> {
         Capabilities {
-            photographs: Some(self),
+            posed_images: Some(self),
             ..Capabilities::default()
         }
     }
 }
 
-impl Photographed for PhotoScene {
-    fn photographs(&self, _index: usize) -> Option<Arc<ViewSet>> {
+impl HasPosedImages for PhotoScene {
+    fn posed_images(&self, _index: usize) -> Option<Arc<ViewSet>> {
         (!self.set.photos.is_empty()).then(|| Arc::clone(&self.set))
     }
 }

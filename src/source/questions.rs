@@ -101,9 +101,9 @@ impl dyn Source + '_ {
         self.capabilities().depth_images?.filtered(filters)
     }
 
-    /// See [`super::Photographed::photographs`].
-    pub fn photographs(&self, index: usize) -> Option<Arc<ViewSet>> {
-        self.capabilities().photographs?.photographs(index)
+    /// See [`super::HasPosedImages::posed_images`].
+    pub fn posed_images(&self, index: usize) -> Option<Arc<ViewSet>> {
+        self.capabilities().posed_images?.posed_images(index)
     }
 
     /// Returns the image files that are read in addition to those of the entries: colours of depth images, posed
@@ -112,7 +112,7 @@ impl dyn Source + '_ {
         if let Some(images) = self.capabilities().image_files {
             return images.image_files();
         }
-        let set = (!self.is_live() && !self.frames().is_empty()).then(|| self.photographs(self.frames().start));
+        let set = (!self.is_live() && !self.frames().is_empty()).then(|| self.posed_images(self.frames().start));
         let photos = set.flatten();
         let files = photos
             .iter()

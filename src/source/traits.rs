@@ -144,8 +144,8 @@ pub struct Capabilities<'a> {
     /// Frames that are depth images.
     pub depth_images: Option<&'a dyn DepthImages>,
     /// Calibrated images of its frames.
-    pub photographs: Option<&'a dyn Photographed>,
-    /// Files of images next to those of the entries; without it those of [`Capabilities::photographs`] are all.
+    pub posed_images: Option<&'a dyn HasPosedImages>,
+    /// Files of images next to those of the entries; without it those of [`Capabilities::posed_images`] are all.
     pub image_files: Option<&'a dyn ImageFiles>,
 }
 
@@ -158,7 +158,7 @@ impl fmt::Debug for Capabilities<'_> {
             growth,
             live,
             depth_images,
-            photographs,
+            posed_images,
             image_files,
         } = self;
         formatter
@@ -169,7 +169,7 @@ impl fmt::Debug for Capabilities<'_> {
             .field("growth", &growth.is_some())
             .field("live", &live.is_some())
             .field("depth_images", &depth_images.is_some())
-            .field("photographs", &photographs.is_some())
+            .field("photographs", &posed_images.is_some())
             .field("image_files", &image_files.is_some())
             .finish()
     }
@@ -241,9 +241,9 @@ pub trait DepthImages: Send + Sync {
 }
 
 /// Frames that calibrated images show.
-pub trait Photographed: Send + Sync {
+pub trait HasPosedImages: Send + Sync {
     /// Returns the posed images of frame `index`, in its coordinates; `None` if there are none.
-    fn photographs(&self, index: usize) -> Option<Arc<ViewSet>>;
+    fn posed_images(&self, index: usize) -> Option<Arc<ViewSet>>;
 }
 
 /// Images in files next to those of the entries.

@@ -121,7 +121,7 @@ pub(crate) fn surfels(surfels: &[Surfel], camera: &Camera, style: Style, viewpor
         },
         style: style.painted(),
         ground: None,
-        photographs: None,
+        posed_images: None,
         params: PacketParams::default(),
         bounds: Aabb::from_points(&positions),
     }
@@ -146,7 +146,7 @@ pub(crate) fn voxels(
             cube_edge,
         }),
         ground: None,
-        photographs: None,
+        posed_images: None,
         params: PacketParams::default(),
         bounds: Aabb::from_points(&centers),
     }

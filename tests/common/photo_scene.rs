@@ -3,7 +3,7 @@
 use crate::common::plain;
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use pointreel::cloud::{Attributes, Frame, Positions, RawCloud};
-use pointreel::photos::{PhotoImage, Photograph, Photographs, Texture};
+use pointreel::photos::{PhotoImage, PosedImage, PosedImages, Texture};
 use pointreel::rgbd::{Camera, Distortion};
 use pointreel::scene::{Scene, Splatting, Style};
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
@@ -92,7 +92,7 @@ pub(crate) fn pinhole(edge_px: u32) -> Camera {
 }
 
 /// What such a camera sees: red, green, blue and 255 where the scene is, else zeros.
-pub(crate) fn photographed(pinhole: &Camera, camera_from_world: &DAffine3) -> Vec<[u8; 4]> {
+pub(crate) fn textured(pinhole: &Camera, camera_from_world: &DAffine3) -> Vec<[u8; 4]> {
     let [width, height] = pinhole.size_px();
     let world_from_camera = camera_from_world.inverse();
     (0..width * height)
@@ -119,14 +119,14 @@ pub(crate) fn poses() -> Vec<DAffine3> {
 }
 
 /// Photographs of `edge_px`² from [`poses`]. What is not the scene is black, and not masked.
-pub(crate) fn photographs(edge_px: u32) -> Photographs {
+pub(crate) fn posed_images(edge_px: u32) -> PosedImages {
     let pinhole = pinhole(edge_px);
-    let photograph = |(number, camera_from_world): (usize, DAffine3)| {
-        let mut texels = photographed(&pinhole, &camera_from_world);
+    let posed_image = |(number, camera_from_world): (usize, DAffine3)| {
+        let mut texels = textured(&pinhole, &camera_from_world);
         for texel in &mut texels {
             texel[3] = 255;
         }
-        Photograph {
+        PosedImage {
             name: format!("{number:02}.png"),
             number,
             pinhole: pinhole.clone(),
@@ -137,8 +137,8 @@ pub(crate) fn photographs(edge_px: u32) -> Photographs {
             depth: None,
         }
     };
-    let all = poses().into_iter().enumerate().map(photograph).collect();
-    Photographs::new(all, Some(30.0_f64.to_radians()))
+    let all = poses().into_iter().enumerate().map(posed_image).collect();
+    PosedImages::new(all, Some(30.0_f64.to_radians()))
 }
 
 /// About `count` points of the surface, with their colours and normals.
@@ -209,6 +209,6 @@ pub(crate) fn frame(count: usize, style: &Style) -> PreparedFrame {
 pub(crate) fn style() -> Style {
     plain().with(|style| {
         style.surfels.splatting = Splatting::TwoPass;
-        style.of_sequence.has_photographs = true;
+        style.of_sequence.has_photos = true;
     })
 }

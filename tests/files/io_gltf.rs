@@ -110,7 +110,7 @@ impl Model {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.gltf");
         std::fs::write(&path, self.file()).unwrap();
-        io::read_part(&path, &Part::Moment(Duration::from_secs_f64(seconds)), options)
+        io::read_part(&path, &Part::TimeStep(Duration::from_secs_f64(seconds)), options)
             .unwrap_or_else(|error| panic!("{error}"))
     }
 }
@@ -374,7 +374,7 @@ fn animations_move_nodes_between_their_keys() {
     assert_eq!(entries.len(), 3 * 24 + 1);
     assert_eq!(entries[1].name, "t=0.042 s");
     assert_eq!(entries[72].time, Some(Duration::from_secs(3)));
-    assert_eq!(entries[72].part, Part::Moment(Duration::from_secs(3)));
+    assert_eq!(entries[72].part, Part::TimeStep(Duration::from_secs(3)));
     assert_eq!(
         io::read(&path).unwrap(),
         io::read_part(&path, &entries[0].part, &options).unwrap()
@@ -437,10 +437,10 @@ fn a_damaged_animation_fails_once() {
     assert!(error.contains("expected 3 for each"), "{error}");
     // Whoever has listed it before it was damaged is told the same of each frame, and does not wait for it.
     let shared = SharedFile::default();
-    let moment = |seconds| Part::Moment(Duration::from_secs(seconds));
+    let time_step = |seconds| Part::TimeStep(Duration::from_secs(seconds));
     let read = |seconds| {
         let progress = Progress::default();
-        let read = shared.read_part(&path, &moment(seconds), &options, &progress);
+        let read = shared.read_part(&path, &time_step(seconds), &options, &progress);
         read.unwrap_err()
     };
     let first = read(0);

@@ -25,10 +25,10 @@ fn told(packet: &ScenePacket) -> String {
         content,
         bounds,
         ground,
-        photographs,
+        posed_images,
         params,
     } = packet;
-    format!("{viewport_px:?} {view:?} {style:?} {content:?} {bounds:?} {ground:?} {photographs:?} {params:?}")
+    format!("{viewport_px:?} {view:?} {style:?} {content:?} {bounds:?} {ground:?} {posed_images:?} {params:?}")
 }
 
 /// Waits until the window draws `expected`.

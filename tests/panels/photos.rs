@@ -37,7 +37,7 @@ fn write_set(folder: &Path) {
 }
 
 /// The same cameras, a folder each, with photographs of three moments: red is the moment.
-fn write_film(folder: &Path) {
+fn write_multiview_video(folder: &Path) {
     write_set(folder);
     fs::remove_dir_all(folder.join("images")).unwrap();
     let images = folder.join("sparse/0/images.txt");
@@ -47,11 +47,11 @@ fn write_film(folder: &Path) {
         .replace("right.png", "right/0.png");
     fs::write(images, text).unwrap();
     fs::create_dir(folder.join("points")).unwrap();
-    for moment in 0..3_u8 {
+    for time_step in 0..3_u8 {
         for camera in ["left", "right"] {
-            let name = folder.join(camera).join(format!("{moment}.png"));
+            let name = folder.join(camera).join(format!("{time_step}.png"));
             fs::create_dir_all(name.parent().unwrap()).unwrap();
-            RgbImage::from_pixel(64, 48, Rgb([60 * moment, 9, 9]))
+            RgbImage::from_pixel(64, 48, Rgb([60 * time_step, 9, 9]))
                 .save(name)
                 .unwrap();
         }
@@ -60,22 +60,22 @@ fn write_film(folder: &Path) {
             let [x, y] = [at % 20, at / 20].map(|step| 0.1 * f64::from(step) - 0.95);
             writeln!(points, "{x} {y} 0").unwrap();
         }
-        fs::write(folder.join(format!("points/{moment}.xyz")), points).unwrap();
+        fs::write(folder.join(format!("points/{time_step}.xyz")), points).unwrap();
     }
 }
 
 /// The frame that is drawn next, and the first texel of its first photograph.
 fn drawn_frame(harness: &mut Harness<'_, State>) -> Option<(usize, [u8; 4])> {
     harness.state_mut().forget_picture();
-    let photographs = harness.state_mut().next_packet()?.photographs?.photographs;
-    let texel = photographs.all().first()?.texture.levels()[0].pixels()[0];
+    let posed_images = harness.state_mut().next_packet()?.posed_images?.posed_images;
+    let texel = posed_images.all().first()?.texture.levels()[0].pixels()[0];
     Some((harness.state().player.as_ref()?.shown()?.index, texel))
 }
 
 #[test]
 fn playing_waits_for_the_photographs_of_each_frame() {
     let folder = tempfile::tempdir().unwrap();
-    write_film(folder.path());
+    write_multiview_video(folder.path());
     let mut harness = window();
     harness.state_mut().open_paths(vec![folder.path().to_owned()]);
     until_drawn(&mut harness, 2);
@@ -102,16 +102,16 @@ fn playing_waits_for_the_photographs_of_each_frame() {
 fn drawn(harness: &mut Harness<'_, State>) -> usize {
     harness.state_mut().forget_picture();
     let packet = harness.state_mut().next_packet();
-    let photographs = packet.and_then(|packet| packet.photographs);
-    photographs.map_or(0, |shown| shown.photographs.all().len())
+    let posed_images = packet.and_then(|packet| packet.posed_images);
+    posed_images.map_or(0, |shown| shown.posed_images.all().len())
 }
 
-fn until_drawn(harness: &mut Harness<'_, State>, photographs: usize) {
+fn until_drawn(harness: &mut Harness<'_, State>, posed_images: usize) {
     let begin = Instant::now();
-    while drawn(harness) != photographs {
+    while drawn(harness) != posed_images {
         assert!(
             begin.elapsed() < Duration::from_secs(30),
-            "{photographs} photographs are never drawn"
+            "{posed_images} photographs are never drawn"
         );
         let now = harness.state().now();
         harness.state_mut().update(now);
@@ -140,7 +140,7 @@ fn points_are_points_until_photographs_are_on_a_surface() {
                 continue;
             };
             let drawn = packet.style.primitive;
-            if packet.photographs.is_some() {
+            if packet.posed_images.is_some() {
                 assert_eq!(drawn, Primitive::Surfel);
                 break;
             }

@@ -29,7 +29,7 @@ mod orthographic;
 mod painters;
 #[path = "../common/photo_scene.rs"]
 mod photo_scene;
-mod photographs;
+mod photos;
 mod physical;
 mod picking;
 mod points;

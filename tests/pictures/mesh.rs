@@ -103,7 +103,7 @@ fn packet(mesh: MeshRecords, camera: &Camera, style: Style) -> ScenePacket {
         }
         .painted(),
         ground: None,
-        photographs: None,
+        posed_images: None,
         params: PacketParams::default(),
         bounds: Aabb::from_points(&positions),
     }

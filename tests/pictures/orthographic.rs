@@ -43,7 +43,7 @@ fn packet_of(points: Vec<PointRecord>, camera: &Camera, origin: DVec3) -> SceneP
         style: style(Primitive::Point).painted(),
         content: Content::Points(Arc::new(points)),
         ground: None,
-        photographs: None,
+        posed_images: None,
         params: PacketParams::default(),
         bounds: Aabb::from_points(&positions),
     }

@@ -191,7 +191,7 @@ fn failures_name_the_file_and_exit_with_1() {
     let other = pictures.with("other.png", solid([20, 21], 1));
     let whole = fs::read(&good).unwrap();
     let cut = pictures.with_bytes("cut.png", &whole[..whole.len() / 2]);
-    let bent = pictures.with_bytes("bent.png", b"\x89PNG\r\n\x1a\nand then nothing of the kind");
+    let curved = pictures.with_bytes("bent.png", b"\x89PNG\r\n\x1a\nand then nothing of the kind");
     let words = pictures.with_bytes("words.png", b"a letter");
     let empty = pictures.with_bytes("empty.png", b"");
     let huge = pictures.with_bytes("huge.png", &header_alone(60_000, 60_000));
@@ -208,7 +208,7 @@ fn failures_name_the_file_and_exit_with_1() {
         (&[&good, &words], &["words.png is no PNG picture"]),
         (&[&good, &empty], &["empty.png is no PNG picture"]),
         (&[&good, &cut], &["cut.png is a broken PNG picture"]),
-        (&[&good, &bent], &["bent.png is a broken PNG picture"]),
+        (&[&good, &curved], &["bent.png is a broken PNG picture"]),
         (
             &[&huge, &good],
             &["huge.png claims 60000x60000 pixels", "at most 33554432"],

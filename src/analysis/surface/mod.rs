@@ -1,10 +1,10 @@
 //! The surface around each point, from the neighbours that `search` finds: normals, their orientation, radii, ellipses.
 //! Knows no colours.
 
-pub(super) mod bent_disks;
 #[cfg(test)]
 pub(super) mod block_tests;
 pub(super) mod blocks;
+pub(super) mod curved_splats;
 pub(super) mod directions;
 pub(super) mod ellipses;
 pub(super) mod file_surface;

@@ -17,7 +17,7 @@ const MIN_HEIGHT: f32 = 40.0;
 /// The legend of what is drawn, if it is to be shown.
 pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
     // The window of changes has one of its own, in the same place; colours of photographs mean nothing.
-    let is_elsewhere = state.features.temporal.change.is_on || state.drawn_style().draws_photographs();
+    let is_elsewhere = state.features.temporal.change.is_on || state.drawn_style().draws_photos();
     if !state.panels.has(PanelId::LEGEND) || is_elsewhere {
         return;
     }

@@ -162,8 +162,8 @@ fn look(ui: &mut Ui, state: &mut State, drawn: &Style) -> Option<SettingsRequest
     let mut has_legend = state.panels.has(PanelId::LEGEND);
     colors_ui(ui, &mut style.colors, shown, &mut has_legend);
     state.panels.set(PanelId::LEGEND, has_legend);
-    if drawn.of_sequence.has_photographs {
-        section_ui(ui, style, drawn, "Images", Section::Photographs);
+    if drawn.of_sequence.has_photos {
+        section_ui(ui, style, drawn, "Images", Section::Photos);
     }
     for (title, section) in [("Light", Section::Shading), ("Background", Section::Background)] {
         section_ui(ui, style, drawn, title, section);

@@ -215,7 +215,7 @@ impl State {
     pub(in crate::app) fn stand_at_photo(&mut self, number: usize) {
         let looked = self.opening.looked.look.as_deref().zip(self.player.as_ref());
         if let Some((look, player)) = looked
-            && let Some(set) = player.photographs()
+            && let Some(set) = player.posed_images()
             && let Some(photo) = set.photos.get(number)
         {
             self.camera = look.camera_of_photo(photo, player.sequence().origin());

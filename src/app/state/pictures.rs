@@ -3,7 +3,7 @@
 use super::State;
 use crate::app::drawing::Drawing;
 use crate::app::meter::Redraw;
-use crate::composition::{Composed, PictureView, photographs_apply};
+use crate::composition::{Composed, PictureView, photos_apply};
 use crate::render::RenderStats;
 use crate::scene::{Primitive, ScenePacket, Style};
 use crate::sequence::PreparedFrame;
@@ -38,7 +38,7 @@ impl State {
 
     fn waits_for_surface(&self, style: &Style) -> bool {
         let is_single = self.player.as_ref().is_some_and(|player| player.sequence().len() == 1);
-        is_single && style.draws_photographs()
+        is_single && style.draws_photos()
     }
 
     /// The packet to draw, if it differs from the last one.
@@ -52,16 +52,16 @@ impl State {
         }
         let origin = player.sequence().origin();
         let mut style = self.drawn_style();
-        let shows_photographs = photographs_apply(&self.features.temporal.options(), &style);
-        let waits_for_surface = shows_photographs && self.waits_for_surface(&style);
-        let set = player.photographs();
-        let set = set.filter(|_| shows_photographs);
-        let photographed = self.features.photos.drawn(&composed.frame, set.as_ref(), &style);
-        if self.style.primitive.is_open() && waits_for_surface && photographed.is_none() {
+        let shows_photos = photos_apply(&self.features.temporal.options(), &style);
+        let waits_for_surface = shows_photos && self.waits_for_surface(&style);
+        let set = player.posed_images();
+        let set = set.filter(|_| shows_photos);
+        let textured = self.features.photos.drawn(&composed.frame, set.as_ref(), &style);
+        if self.style.primitive.is_open() && waits_for_surface && textured.is_none() {
             // A few thousand points are no surface before it is found.
             style.primitive = Primitive::Point;
         }
-        let composed = match photographed {
+        let composed = match textured {
             Some(with) if Arc::ptr_eq(with.bare(), &composed.frame) => with.composed(&composed.pose),
             // It stands for one that is being made.
             Some(with) => with.composed(with.bare()),
@@ -120,11 +120,11 @@ impl State {
         style.of_sequence.clip = self.style.clip;
         let comparison = self.features.comparison.as_mut()?;
         let player = self.player.as_ref()?;
-        let set = player.photographs();
+        let set = player.posed_images();
         let shown = player.shown()?;
         // Disks of the other side may be as large as they like: its renderer draws depths of its own.
-        let photographed = self.features.photos.drawn(shown, set.as_ref(), &style_of_a);
-        let frame = photographed.map_or(shown, |with| with.frame());
+        let textured = self.features.photos.drawn(shown, set.as_ref(), &style_of_a);
+        let frame = textured.map_or(shown, |with| with.frame());
         if self.viewport.size_px.contains(&0) {
             return None;
         }

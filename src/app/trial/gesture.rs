@@ -57,8 +57,8 @@ impl Gesture {
     }
 
     /// Returns the mouse events up to `now`, and true if the button has been released. The timestamps of moves are
-    /// appended to `moments`.
-    pub(super) fn advance(&mut self, now: Duration, moments: &mut Vec<Duration>) -> (Vec<Event>, bool) {
+    /// appended to `event_times`.
+    pub(super) fn advance(&mut self, now: Duration, event_times: &mut Vec<Duration>) -> (Vec<Event>, bool) {
         let mut events = Vec::new();
         while self.next_deadline() <= now {
             let due = self.next_deadline();
@@ -71,7 +71,7 @@ impl Gesture {
                 events.push(button(place, false));
                 return (events, true);
             } else {
-                moments.push(due);
+                event_times.push(due);
             }
             self.moves += 1;
         }
@@ -111,19 +111,19 @@ mod tests {
         let rect = Rect::from_min_size(pos2(10.0, 20.0), vec2(300.0, 200.0));
         let ms = Duration::from_millis;
         let mut gesture = Gesture::around(rect, ms(1000), ms(80));
-        let mut moments = Vec::new();
+        let mut event_times = Vec::new();
         let mut all = Vec::new();
         // The second look comes late: what was due meanwhile is there with its own moments.
         for now in [1000, 1050, 1079] {
-            let (events, is_over) = gesture.advance(ms(now), &mut moments);
+            let (events, is_over) = gesture.advance(ms(now), &mut event_times);
             assert!(!is_over);
             all.extend(events);
         }
-        let (events, is_over) = gesture.advance(ms(1090), &mut moments);
+        let (events, is_over) = gesture.advance(ms(1090), &mut event_times);
         all.extend(events);
         assert!(is_over);
         let expected: Vec<_> = (1..10).map(|index| ms(1000 + 8 * index)).collect();
-        assert_eq!(moments, expected);
+        assert_eq!(event_times, expected);
         let presses: Vec<_> = all
             .iter()
             .filter_map(|event| match event {

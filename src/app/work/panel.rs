@@ -23,8 +23,8 @@ pub(in crate::app) fn work_ui(ui: &mut Ui, work: &Work, now: Duration, width: f3
 /// Waits for other machines.
 fn waits_ui(ui: &mut Ui) {
     // Work is shown once it has taken longer.
-    const MOMENT: Duration = Duration::from_millis(200);
-    for wait in waits(MOMENT).iter().take(2) {
+    const MIN_SHOWN: Duration = Duration::from_millis(200);
+    for wait in waits(MIN_SHOWN).iter().take(2) {
         ui.weak(printable::text(&format!("Waiting for {}", wait.what)));
     }
 }

@@ -72,7 +72,7 @@ pub(in crate::cli) struct BenchArgs {
 
     #[arg(long, value_name = "N,…|every:K", help = format!(
         "Input images held out by {} for comparison, counted from 0 [default: every:8]",
-        names(OptionGroup::Photographs)
+        names(OptionGroup::Photos)
     ))]
     leave_out: Option<LeaveOut>,
 
@@ -176,7 +176,7 @@ fn refuse_foreign_options(arguments: &BenchArgs) -> anyhow::Result<()> {
             "--first-frame",
             arguments.first_frame.is_some(),
         ),
-        (OptionGroup::Photographs, "--leave-out", arguments.leave_out.is_some()),
+        (OptionGroup::Photos, "--leave-out", arguments.leave_out.is_some()),
         (
             OptionGroup::Window,
             "--present and --renderer",
@@ -197,7 +197,7 @@ pub(in crate::cli) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
     refuse_foreign_options(arguments)?;
     let open = OpenOptions {
         fps: arguments.fps,
-        ..if arguments.suite.takes(OptionGroup::Photographs) {
+        ..if arguments.suite.takes(OptionGroup::Photos) {
             arguments.read.picture_options()
         } else {
             arguments.read.open_options()
@@ -206,8 +206,8 @@ pub(in crate::cli) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
     let leave_out = arguments.leave_out.clone().unwrap_or_default();
     let inputs = arguments.inputs.iter().map(|input| {
         let opened = open_input(input, &open)?;
-        if arguments.suite.takes(OptionGroup::Photographs) {
-            return with_photographs(opened, input, &open, &leave_out);
+        if arguments.suite.takes(OptionGroup::Photos) {
+            return with_photos(opened, input, &open, &leave_out);
         }
         Ok(opened)
     });
@@ -277,13 +277,13 @@ fn open_input(input: &Path, open: &OpenOptions) -> anyhow::Result<Input> {
 
 /// Merges depth images with poses into one cloud, whose input images are their colours; points of held-out images are
 /// not in it.
-fn with_photographs(opened: Input, path: &Path, open: &OpenOptions, leave_out: &LeaveOut) -> anyhow::Result<Input> {
+fn with_photos(opened: Input, path: &Path, open: &OpenOptions, leave_out: &LeaveOut) -> anyhow::Result<Input> {
     let source = opened.sequence.source();
     let count = opened.sequence.len();
     let is_posed = source
         .sensor(0)
         .is_some_and(|sensor| sensor.world_from_camera.is_some());
-    if source.photographs(0).is_some() || !is_posed {
+    if source.posed_images(0).is_some() || !is_posed {
         return Ok(opened);
     }
     let mut open = open.clone();

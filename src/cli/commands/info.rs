@@ -186,7 +186,7 @@ pub(in crate::cli) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
         cameras: CameraInfo::of(&sequence),
         photographs: sequence
             .source()
-            .photographs(0)
+            .posed_images(0)
             .map_or_else(Vec::new, |set| PhotoInfo::of(&set)),
     };
     if arguments.json {
@@ -255,7 +255,7 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
         },
     };
     let entry = sequence.entry(index);
-    let set = sequence.source().photographs(index);
+    let set = sequence.source().posed_images(index);
     FrameInfo {
         index,
         file: entry.path.display().to_string(),

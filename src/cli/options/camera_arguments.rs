@@ -93,7 +93,7 @@ impl CameraArgs {
         let origin = sequence.origin();
         let upright = || self.up.map_or_else(|| look.clone(), |up| look.clone().with_up(up));
         if let Some(number) = self.photo_camera {
-            let set = sequence.source().photographs(index);
+            let set = sequence.source().posed_images(index);
             let set = set.with_context(|| {
                 let advice = match sequence.source().sensor(index) {
                     Some(_) => {

@@ -6,7 +6,7 @@ use std::thread;
 use std::time::Duration;
 
 /// Shorter waits are no news.
-const MOMENT: Duration = Duration::from_secs(2);
+const MIN_SHOWN: Duration = Duration::from_secs(2);
 
 /// Between looks.
 const LOOK: Duration = Duration::from_millis(500);
@@ -17,7 +17,7 @@ pub(in crate::cli) fn say_them() {
         let mut next = 0;
         loop {
             thread::sleep(LOOK);
-            let waits = waits(MOMENT);
+            let waits = waits(MIN_SHOWN);
             // Who began to wait later has another number, and is said later.
             for wait in waits.iter().filter(|wait| wait.number >= next) {
                 say(&format!("waiting for {}", wait.what));

@@ -1,6 +1,6 @@
 //! Calibration listed by a reconstruction, before any input image is looked for.
 //!
-//! One file may list input images that exist ([`Calibration::photographs`]), or cameras of a multi-view video, of which
+//! One file may list input images that exist ([`Calibration::posed_images`]), or cameras of a multi-view video, of which
 //! each time step has images of its own ([`Rig`]). The names in it, and the folders around it, determine which.
 
 use super::rig::Rig;
@@ -60,7 +60,7 @@ impl Calibration {
     ///
     /// # Errors
     /// [`PhotosError::NoPhotos`] if none of them can.
-    pub fn photographs(self) -> Result<ViewSet, PhotosError> {
+    pub fn posed_images(self) -> Result<ViewSet, PhotosError> {
         self.drafts.into_view_set()
     }
 

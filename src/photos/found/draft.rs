@@ -233,7 +233,7 @@ fn note_of_missing(names: &[&str], files: &Files) -> Option<String> {
     (!names.is_empty()).then(|| {
         format!(
             "{} left out, as no such file was found in {}: {}",
-            photographs(names.len()),
+            posed_images(names.len()),
             folders.join(", "),
             some_of(names)
         )
@@ -251,12 +251,12 @@ pub(in crate::photos) fn notes_of_wrong(wrong: &[(&str, String)]) -> Vec<String>
         }
     }
     let note = |(reason, names): (&str, Vec<&str>)| {
-        format!("{} left out: {}: {reason}", photographs(names.len()), some_of(&names))
+        format!("{} left out: {}: {reason}", posed_images(names.len()), some_of(&names))
     };
     reasons.into_iter().map(note).collect()
 }
 
-fn photographs(count: usize) -> String {
+fn posed_images(count: usize) -> String {
     if count == 1 {
         "1 photograph was".into()
     } else {

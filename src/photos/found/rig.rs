@@ -112,7 +112,7 @@ impl Rig {
     ///
     /// # Errors
     /// [`PhotosError::NoPhotos`] if none of them can be shown. Problems with some of them alone are noted.
-    pub fn moment(&self, files: &[Option<PathBuf>], has_tracks: bool) -> Result<ViewSet, PhotosError> {
+    pub fn time_step(&self, files: &[Option<PathBuf>], has_tracks: bool) -> Result<ViewSet, PhotosError> {
         let found: Vec<Option<Result<Photo, String>>> = self
             .cameras
             .par_iter()
@@ -252,7 +252,7 @@ mod tests {
         assert_eq!(rig.listed().collect::<Vec<_>>(), [0, 2]);
         assert!(rig.notes()[0].contains("of a model"), "{:?}", rig.notes());
         let second = Some(saved(folder.path(), "second.png", [8, 6]));
-        let set = rig.moment(&[None, second.clone()], true).unwrap();
+        let set = rig.time_step(&[None, second.clone()], true).unwrap();
         let has_file: Vec<bool> = set.photos.iter().map(Photo::has_file).collect();
         assert_eq!(has_file, [false, true]);
         assert_eq!(set.notes, ["a/1 has no image of this moment"]);
@@ -262,7 +262,7 @@ mod tests {
         assert_eq!(track.len(), 2);
         assert_eq!(track[1].photo, 1);
         assert_eq!(track[1].pixel, Vec2::new(3.5 + 0.5, 2.5 + 1.0));
-        let without_tracks = rig.moment(&[None, second], false).unwrap();
+        let without_tracks = rig.time_step(&[None, second], false).unwrap();
         assert!(without_tracks.points.len() == 1 && without_tracks.points.observations().is_empty());
     }
 
@@ -270,14 +270,14 @@ mod tests {
     fn moments_of_nothing_and_rigs_of_nothing_say_why() {
         let folder = tempfile::tempdir().unwrap();
         let rig = Rig::of(drafts()).unwrap();
-        let error = rig.moment(&[None, None], false).unwrap_err().to_string();
+        let error = rig.time_step(&[None, None], false).unwrap_err().to_string();
         assert!(error.contains("no camera has an image of this moment"), "{error}");
         let broken = folder.path().join("broken.png");
         std::fs::write(&broken, b"no picture").unwrap();
-        let error = rig.moment(&[Some(broken.clone())], false).unwrap_err().to_string();
+        let error = rig.time_step(&[Some(broken.clone())], false).unwrap_err().to_string();
         assert!(error.contains("broken.png"), "{error}");
         let whole = Some(saved(folder.path(), "whole.png", [16, 12]));
-        let set = rig.moment(&[Some(broken), whole], false).unwrap();
+        let set = rig.time_step(&[Some(broken), whole], false).unwrap();
         assert!(set.notes[0].starts_with("a/1 is left out"), "{:?}", set.notes);
         let nothing = Rig::of(Drafts::new(Path::new("list"), Vec::new()))
             .unwrap_err()
@@ -296,7 +296,7 @@ mod tests {
         saved(folder.path(), "masks/cam1/7.png", [8, 6]);
         let mut drafts = drafts();
         drafts.folders = vec![folder.path().to_owned()];
-        let set = Rig::of(drafts).unwrap().moment(&[image, None], false).unwrap();
+        let set = Rig::of(drafts).unwrap().time_step(&[image, None], false).unwrap();
         assert_eq!(set.photos[0].mask, mask);
     }
 }

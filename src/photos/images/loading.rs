@@ -3,7 +3,7 @@
 use super::budget::halvings_within;
 use super::gains::gains;
 use super::photo_image::PhotoImage;
-use super::photographs::{Photograph, Photographs};
+use super::photos::{PosedImage, PosedImages};
 use super::prepared::PreparedPhoto;
 use super::shared_points::shared_points;
 use super::texture::Texture;
@@ -21,9 +21,9 @@ const MAX_SIDE_PX: u32 = 8192;
 
 /// Input images whose pixels were loaded, and the problems with others.
 #[derive(Debug)]
-pub struct LoadedPhotographs {
+pub struct LoadedPhotos {
     /// Those that could be loaded.
-    pub photographs: Arc<Photographs>,
+    pub posed_images: Arc<PosedImages>,
     /// Notes on the images that could not be loaded, one sentence each.
     pub notes: Vec<String>,
 }
@@ -38,7 +38,7 @@ struct Read {
     note: Option<String>,
 }
 
-impl LoadedPhotographs {
+impl LoadedPhotos {
     /// Loads the images of `set`, halved alike until all textures together take at most `budget_bytes`. Reports in
     /// `progress` the number of images read; the result is of no use once `progress` was cancelled.
     pub fn of(set: &ViewSet, budget_bytes: u64, progress: &Progress) -> Self {
@@ -74,7 +74,7 @@ impl LoadedPhotographs {
         };
         let pixels = prepared.into_iter().zip(are_masked);
         let all = set.photos.iter().zip(pixels).zip(depths.into_iter().zip(gains));
-        let photographs = all
+        let posed_images = all
             .enumerate()
             .filter_map(|(number, ((photo, (prepared, is_masked)), (depth, gain)))| {
                 let PreparedPhoto {
@@ -82,7 +82,7 @@ impl LoadedPhotographs {
                     camera_from_world,
                     image,
                 } = prepared?;
-                Some(Photograph {
+                Some(PosedImage {
                     name: photo.name.clone(),
                     number,
                     pinhole: camera,
@@ -93,12 +93,12 @@ impl LoadedPhotographs {
                     depth,
                 })
             });
-        let mut photographs = Photographs::new(photographs.collect(), set.median_neighbour_angle());
+        let mut posed_images = PosedImages::new(posed_images.collect(), set.median_neighbour_angle());
         if !set.has_points() {
-            photographs = photographs.by_stereo();
+            posed_images = posed_images.by_stereo();
         }
         Self {
-            photographs: Arc::new(photographs),
+            posed_images: Arc::new(posed_images),
             notes,
         }
     }

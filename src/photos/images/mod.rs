@@ -5,7 +5,7 @@ pub(super) mod gains;
 pub(super) mod loading;
 pub(super) mod mips;
 pub(super) mod photo_image;
-pub(super) mod photographs;
+pub(super) mod photos;
 pub(super) mod prepared;
 pub(super) mod shared_points;
 pub(super) mod texture;

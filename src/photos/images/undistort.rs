@@ -150,10 +150,10 @@ mod tests {
     #[test]
     fn straight_photographs_show_each_direction_where_a_pinhole_does() {
         for lens in lenses() {
-            let bent = camera(lens);
+            let curved = camera(lens);
             for extent in [Extent::Same, Extent::Covering] {
-                let straight = pinhole_of(&bent, extent);
-                let image = undistort(&painted(&bent), &bent, &straight);
+                let straight = pinhole_of(&curved, extent);
+                let image = undistort(&painted(&curved), &curved, &straight);
                 let expected = painted(&straight);
                 assert_eq!(image.size_px(), expected.size_px());
                 let (mut seen, mut worst) = (0, 0);
@@ -161,7 +161,7 @@ mod tests {
                     let column = at as u32 % image.size_px()[0];
                     let row = at as u32 / image.size_px()[0];
                     let ray = straight.ray(DVec2::new(f64::from(column), f64::from(row))).unwrap();
-                    let from = bent.pixel(ray).unwrap_or(DVec2::NAN);
+                    let from = curved.pixel(ray).unwrap_or(DVec2::NAN);
                     // Beyond the middles of the border pixels there is nothing to take the colour between.
                     if from.cmpge(DVec2::ZERO).all() && from.cmple(DVec2::new(199.0, 149.0)).all() {
                         seen += 1;
@@ -177,19 +177,19 @@ mod tests {
     #[test]
     fn the_covering_pinhole_loses_nothing() {
         for lens in lenses() {
-            let bent = camera(lens);
-            let straight = pinhole_of(&bent, Extent::Covering);
+            let curved = camera(lens);
+            let straight = pinhole_of(&curved, Extent::Covering);
             let (mut shown, mut all) = (0, 0);
             for row in 0..150 {
                 for column in 0..200 {
-                    let ray = bent.ray(DVec2::new(f64::from(column), f64::from(row))).unwrap();
+                    let ray = curved.ray(DVec2::new(f64::from(column), f64::from(row))).unwrap();
                     all += 1;
                     shown += u32::from(straight.pixel(ray).is_some_and(|pixel| straight.contains(pixel)));
                 }
             }
             assert_eq!(shown, all, "{lens:?} in {:?}", straight.size_px());
             // And is not larger than that: a border of it is reached on each side.
-            let image = undistort(&painted(&bent), &bent, &straight);
+            let image = undistort(&painted(&curved), &curved, &straight);
             let [width, height] = image.size_px().map(|side| side as usize);
             let alpha = |column: usize, row: usize| image.pixels()[row * width + column][3] > 0;
             // Up to the half pixel that the first and the last row cover.

@@ -63,7 +63,7 @@ impl FoundSet {
     /// If the files break the rules of their format, or if none of the images can be shown. Problems with some of them
     /// alone are notes of the set.
     pub fn read(&self) -> Result<ViewSet, PhotosError> {
-        self.calibration()?.photographs()
+        self.calibration()?.posed_images()
     }
 
     /// Reads its calibration, before any input image is looked for.

@@ -117,7 +117,7 @@ const TABLE: &[Unread] = &[
 ];
 
 /// Returns true if a file is a sidecar of an image set, whatever its extension suggests.
-pub fn is_beside_photographs(path: &Path) -> bool {
+pub fn is_beside_photos(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     BESIDE.contains(&name.as_str()) || REMARKS.iter().any(|remark| name.starts_with(remark))
 }
@@ -242,10 +242,10 @@ mod tests {
     #[test]
     fn lists_beside_photographs_are_no_clouds() {
         for name in ["a/TrainSplit.txt", "calib.txt", "README_dataset.txt", "LICENSE.txt"] {
-            assert!(is_beside_photographs(Path::new(name)), "{name}");
+            assert!(is_beside_photos(Path::new(name)), "{name}");
         }
         for name in ["scan.txt", "calib.ply", "frame_0001.txt"] {
-            assert!(!is_beside_photographs(Path::new(name)), "{name}");
+            assert!(!is_beside_photos(Path::new(name)), "{name}");
         }
     }
 }

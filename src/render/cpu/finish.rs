@@ -3,7 +3,7 @@
 use super::deferred::{Surface, shade};
 use super::eight::Vectors;
 use super::illumination::Illumination;
-use super::photographs::Projected;
+use super::photos::Projected;
 use super::pixels::{OPAQUE_ALPHA, opaque};
 use super::raster::load;
 use super::rows::TileRow;
@@ -70,11 +70,11 @@ pub(super) struct Finish<'a> {
 impl Finish<'_> {
     /// Returns true if gaps in the surface are closed once everything is drawn.
     fn closes_gaps(&self) -> bool {
-        let photographs = self
+        let posed_images = self
             .illumination
             .as_ref()
-            .and_then(|illumination| illumination.photographs);
-        matches!(self.held, Held::Surfaces { .. }) && photographs.is_some_and(Projected::closes_gaps)
+            .and_then(|illumination| illumination.posed_images);
+        matches!(self.held, Held::Surfaces { .. }) && posed_images.is_some_and(Projected::closes_gaps)
     }
 }
 
@@ -145,7 +145,7 @@ impl Tile {
                 }
                 TileRow::Depths(depths) => self.write_depths(row, held, &mut depths[columns]),
                 // Written already.
-                TileRow::Photographed(_) => {}
+                TileRow::Textured(_) => {}
             }
         }
     }

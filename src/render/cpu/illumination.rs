@@ -2,7 +2,7 @@
 //! shading models.
 
 use super::eight::Vectors;
-use super::photographs::Projected;
+use super::photos::Projected;
 use crate::render::effects::ambient_occlusion::cpu::Occlusion;
 use crate::render::effects::shadow::cpu::ShadowMap;
 use crate::scene::{Lamp, Lights, PhysicalLight};
@@ -17,7 +17,7 @@ pub(super) struct Illumination<'a> {
     /// Physically based light, if surfaces have a material, and there is an environment.
     pub(super) physical: Option<&'a PhysicalLight>,
     /// Projected images that surfaces are coloured from, if their colours are not those of points.
-    pub(super) photographs: Option<&'a Projected<'a>>,
+    pub(super) posed_images: Option<&'a Projected<'a>>,
 }
 
 impl Illumination<'_> {

@@ -23,7 +23,7 @@ mod linear;
 mod packed_ellipses;
 mod packed_normals;
 mod painter;
-mod photographs;
+mod photos;
 mod physical;
 pub(in crate::render) mod pixels;
 mod primitives;
@@ -55,7 +55,7 @@ use blocks::Blocks;
 use depths::{draw_distances, draw_reversed_depths};
 use illumination::Illumination;
 use image::RgbaImage;
-use photographs::{PhotoAnswer, Projected, fill_holes};
+use photos::{PhotoAnswer, Projected, fill_holes};
 use primitives::{Drawable, of_surfaces};
 use rows::{TileRow, bands_of};
 use screen::Screen;
@@ -79,9 +79,9 @@ pub struct CpuRenderer {
     /// The depths that the key light sees, and what they were drawn from.
     shadow_map: Option<(ScenePacket, Vec<f32>)>,
     /// Depth maps seen from the posed images.
-    photograph_depths: KnownDepths,
+    photo_depths: KnownDepths,
     /// Samples of the posed images at the pixels of the rendered image, if holes are filled from around.
-    photographed: Vec<PhotoAnswer>,
+    textured: Vec<PhotoAnswer>,
     stats: RenderStats,
 }
 
@@ -155,15 +155,15 @@ impl CpuRenderer {
         });
         let physical = PhysicalLight::of(packet);
         let photo_views = PhotoViews::of(packet);
-        let photographs = photo_views.as_ref().zip(packet.photographs.as_ref());
-        let depths = self.photograph_depths.of(packet);
-        let projected = photographs.map(|(views, shown)| {
-            let projected = Projected::new(views, shown.photographs.all(), &depths.maps);
+        let posed_images = photo_views.as_ref().zip(packet.posed_images.as_ref());
+        let depths = self.photo_depths.of(packet);
+        let projected = posed_images.map(|(views, shown)| {
+            let projected = Projected::new(views, shown.posed_images.all(), &depths.maps);
             if projected.fills_holes() {
-                self.photographed.resize(pixels, PhotoAnswer::default());
-                look(&projected, packet, blocks, &mut self.photographed);
-                fill_holes(&mut self.photographed, packet.viewport_px);
-                return projected.with_told(&self.photographed);
+                self.textured.resize(pixels, PhotoAnswer::default());
+                look(&projected, packet, blocks, &mut self.textured);
+                fill_holes(&mut self.textured, packet.viewport_px);
+                return projected.with_told(&self.textured);
             }
             projected
         });
@@ -172,7 +172,7 @@ impl CpuRenderer {
             occlusion,
             shadow,
             physical: physical.as_ref(),
-            photographs: projected.as_ref(),
+            posed_images: projected.as_ref(),
         });
         self.stats.drawn_instances = Drawable::of(packet).draw(packet, blocks, illumination, bands);
         self.stats.records = match &packet.content {
@@ -254,15 +254,15 @@ impl Renderer for CpuRenderer {
 }
 
 /// Samples the posed images at all pixels of a packet.
-fn look(photographs: &Projected<'_>, packet: &ScenePacket, blocks: &Blocks, told: &mut [PhotoAnswer]) {
+fn look(posed_images: &Projected<'_>, packet: &ScenePacket, blocks: &Blocks, told: &mut [PhotoAnswer]) {
     let illumination = Lights::of(packet).map(|lights| Illumination {
         lights,
         occlusion: None,
         shadow: None,
         physical: None,
-        photographs: Some(photographs),
+        posed_images: Some(posed_images),
     });
-    let bands = bands_of(packet, told, 1).map(TileRow::Photographed);
+    let bands = bands_of(packet, told, 1).map(TileRow::Textured);
     Drawable::of(packet).draw(packet, blocks, illumination, bands.collect());
 }
 

@@ -2,7 +2,7 @@
 
 use super::finish::{Finish, Held};
 use super::illumination::Illumination;
-use super::photographs::{PhotoAnswer, Projected};
+use super::photos::{PhotoAnswer, Projected};
 use super::rows::TileRow;
 use super::tile::{HEIGHT, Tile, Tiles, WIDTH};
 use super::view::{PixelRect, PixelView};
@@ -73,11 +73,11 @@ impl<'a> Painter<'a> {
         let picture = PixelRect::of_picture(self.finish.view.size_px);
         let clip = tile.rect().intersection(picture);
         content.draw(simd, tile, clip, self.tiles.columns * row + column, scratch);
-        if let Some(photographs) = self.finish.illumination.and_then(|light| light.photographs) {
-            if let TileRow::Photographed(rows) = rows {
-                return look_at_tile(simd, photographs, tile, &self.finish.view, clip, rows);
+        if let Some(posed_images) = self.finish.illumination.and_then(|light| light.posed_images) {
+            if let TileRow::Textured(rows) = rows {
+                return look_at_tile(simd, posed_images, tile, &self.finish.view, clip, rows);
             }
-            color_tile(simd, photographs, tile, &self.finish.view, clip);
+            color_tile(simd, posed_images, tile, &self.finish.view, clip);
         }
         finish_tile(simd, tile, &self.finish, rows);
     }
@@ -85,10 +85,10 @@ impl<'a> Painter<'a> {
 
 /// Colours the surface in a tile from images. Compiled once, and not for each primitive.
 #[inline(never)]
-fn color_tile<S: Simd>(simd: S, photographs: &Projected<'_>, tile: &mut Tile, view: &PixelView, clip: PixelRect) {
+fn color_tile<S: Simd>(simd: S, posed_images: &Projected<'_>, tile: &mut Tile, view: &PixelView, clip: PixelRect) {
     simd.vectorize(
         #[inline(always)]
-        || photographs.color(simd, tile, view, clip),
+        || posed_images.color(simd, tile, view, clip),
     );
 }
 
@@ -96,7 +96,7 @@ fn color_tile<S: Simd>(simd: S, photographs: &Projected<'_>, tile: &mut Tile, vi
 #[inline(never)]
 fn look_at_tile<S: Simd>(
     simd: S,
-    photographs: &Projected<'_>,
+    posed_images: &Projected<'_>,
     tile: &Tile,
     view: &PixelView,
     clip: PixelRect,
@@ -104,7 +104,7 @@ fn look_at_tile<S: Simd>(
 ) {
     simd.vectorize(
         #[inline(always)]
-        || photographs.look(simd, tile, view, clip, rows),
+        || posed_images.look(simd, tile, view, clip, rows),
     );
 }
 

@@ -379,11 +379,11 @@ impl Shading {
                 let per_length = load(simd, per_ray_length, at) * (1.0 / facet.normal_length);
                 // Behind the eye, where splats reach beyond their disks.
                 let facing = (fragments.w * per_length).abs();
-                head_light_of(simd, facing)
+                headlight_of(simd, facing)
             }
             Light::OfPixelsOn(along_rays) => {
                 let facing = fragments.sum(simd, *along_rays).abs() * load(simd, per_ray_length, at);
-                head_light_of(simd, facing)
+                headlight_of(simd, facing)
             }
         };
         let [red, green, blue] = self.color;
@@ -392,9 +392,9 @@ impl Shading {
     }
 }
 
-/// As [`super::shading::head_light`].
+/// As [`super::shading::headlight`].
 #[inline(always)]
-pub(super) fn head_light_of<S: Simd>(simd: S, facing: f32x8<S>) -> [f32x8<S>; 2] {
+pub(super) fn headlight_of<S: Simd>(simd: S, facing: f32x8<S>) -> [f32x8<S>; 2] {
     use super::shading::{AMBIENT, SPECULAR};
     let splat = |value| f32x8::splat(simd, value);
     let facing2 = facing * facing;

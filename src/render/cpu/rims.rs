@@ -3,7 +3,7 @@
 //!
 //! How it works: all rows are searched before any is written, since what is met around a pixel is what was drawn, not
 //! what was changed; then changed pixels are written. Most pixels are opaque or open, and are passed over.
-//! `photographs/gaps.rs` samples the input images first.
+//! `posed_images/gaps.rs` samples the input images first.
 
 use crate::render::effects::background::cpu::Gradient;
 use crate::scene::{GAP_ONE_SURFACE, PIXEL_LINES};

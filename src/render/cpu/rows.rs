@@ -1,6 +1,6 @@
 //! Rows of tiles of what is made of a picture: each is the work of one task.
 
-use super::photographs::PhotoAnswer;
+use super::photos::PhotoAnswer;
 use super::tile::HEIGHT;
 use crate::scene::ScenePacket;
 
@@ -14,7 +14,7 @@ pub(super) enum TileRow<'a> {
     /// Reversed depths alone.
     Depths(&'a mut [f32]),
     /// View-dependent texturing results of the surface, alone.
-    Photographed(&'a mut [PhotoAnswer]),
+    Textured(&'a mut [PhotoAnswer]),
 }
 
 /// Splits values into bands, one per row of tiles, with the same number of values for each pixel of an image.

@@ -9,7 +9,7 @@
 //! pixel by `a` there is `a · c + (1 - a) · background`; with the shade `s` it is to be `s · a · c + (1 - a) ·
 //! background`, which is `s · picture + (1 - s) · (1 - a) · background`.
 
-use super::photographs::Projected;
+use super::photos::Projected;
 use super::pixels::make_opaque;
 use super::rims::cover_rims;
 use super::view::PixelView;
@@ -49,18 +49,18 @@ impl Screen {
         })
     }
 
-    /// Finishes a picture with its reversed depths. Gaps are closed by `photographs`.
-    pub(super) fn draw(&self, image: &mut [u8], depths: &[f32], photographs: Option<&Projected<'_>>) {
-        let photographs = photographs.filter(|photographs| photographs.closes_gaps());
-        if photographs.is_none() && self.rim_px == 0 {
+    /// Finishes a picture with its reversed depths. Gaps are closed by `posed_images`.
+    pub(super) fn draw(&self, image: &mut [u8], depths: &[f32], posed_images: Option<&Projected<'_>>) {
+        let posed_images = posed_images.filter(|posed_images| posed_images.closes_gaps());
+        if posed_images.is_none() && self.rim_px == 0 {
             self.draw_rows([&self.drawn, &self.picture], image, depths, make_opaque);
             return;
         }
         if !self.drawn.is_empty() {
             self.draw_rows([&self.drawn, &[]], image, depths, |_| {});
         }
-        match photographs {
-            Some(photographs) => photographs.close_gaps(&self.view, self.rim_px, &self.gradient, image, depths),
+        match posed_images {
+            Some(posed_images) => posed_images.close_gaps(&self.view, self.rim_px, &self.gradient, image, depths),
             None => cover_rims(self.view.size_px, self.rim_px, &self.gradient, image, depths),
         }
         self.draw_rows([&[], &self.picture], image, depths, make_opaque);

@@ -1,10 +1,10 @@
 //! Headlight of `shaders/common/light.wgsl`.
 
-use crate::render::constants::HEAD_LIGHT_SHININESS;
+use crate::render::constants::HEADLIGHT_SHININESS;
 use crate::scene::Lighting;
 use glam::Vec3;
 
-pub(super) use crate::render::constants::{BACK_SIDE, HEAD_LIGHT_AMBIENT as AMBIENT, HEAD_LIGHT_SPECULAR as SPECULAR};
+pub(super) use crate::render::constants::{BACK_SIDE, HEADLIGHT_AMBIENT as AMBIENT, HEADLIGHT_SPECULAR as SPECULAR};
 
 /// The colour of a patch and its light.
 #[derive(Debug, Clone, Copy)]
@@ -50,10 +50,10 @@ impl Light {
     pub(super) fn new(lighting: Lighting, normal: Vec3, center: Vec3, u: Vec3, v: Vec3) -> Self {
         match lighting {
             Lighting::Unlit | Lighting::Lambert | Lighting::BlinnPhong | Lighting::Physical => Self::Same([1.0, 0.0]),
-            Lighting::PerSurfel => Self::Same(head_light(normal, center)),
+            Lighting::PerSurfel => Self::Same(headlight(normal, center)),
             Lighting::PerVertex => {
                 let corners = [-u - v, u - v, v - u, u + v];
-                let lights = corners.map(|corner| head_light(normal, center + corner));
+                let lights = corners.map(|corner| headlight(normal, center + corner));
                 Self::OfCorners([0, 1].map(|part| lights.map(|light| light[part])))
             }
             Lighting::PerFragment => Self::OfPixels,
@@ -62,16 +62,16 @@ impl Light {
 }
 
 // The exponent of the multiplications below, and of those of `raster.rs`.
-const _: () = assert!(HEAD_LIGHT_SHININESS == 3 * 8);
+const _: () = assert!(HEADLIGHT_SHININESS == 3 * 8);
 
 /// It shines from the eye, along a vector of any length.
-pub(super) fn head_light(normal: Vec3, from_eye: Vec3) -> [f32; 2] {
-    head_light_of_cosine(normal.dot(from_eye.normalize_or_zero()).abs())
+pub(super) fn headlight(normal: Vec3, from_eye: Vec3) -> [f32; 2] {
+    headlight_of_cosine(normal.dot(from_eye.normalize_or_zero()).abs())
 }
 
 /// Computes the headlight from the cosine between the normal and the direction to the eye.
 #[inline(always)]
-pub(super) fn head_light_of_cosine(facing: f32) -> [f32; 2] {
+pub(super) fn headlight_of_cosine(facing: f32) -> [f32; 2] {
     let facing8 = facing.powi(8);
     [
         AMBIENT + (1.0 - AMBIENT) * facing,

@@ -11,7 +11,7 @@
 use super::eight::Vectors;
 use super::ewa::OnScreen;
 use super::facet::Canvas;
-use super::raster::{gaussian, head_light_of};
+use super::raster::{gaussian, headlight_of};
 use super::tile::{self, HEIGHT, LANES, Tile, WIDTH};
 use super::view::PixelView;
 use crate::scene::SplatFilter;
@@ -122,7 +122,7 @@ impl SmallSplats {
         let per_right = normals.x * per_facing * (1.0 / view.px_per_slope[0]);
         let per_down = normals.y * per_facing * (1.0 / view.px_per_slope[1]);
         let [factor, white] = if eight.is_lit {
-            head_light_of(simd, facing.abs() / distance)
+            headlight_of(simd, facing.abs() / distance)
         } else {
             [splat(1.0), splat(0.0)]
         };

@@ -23,7 +23,7 @@ pub(super) fn packet_of(size_px: [u32; 2]) -> ScenePacket {
         style: Style::default().painted(),
         content: Content::Nothing,
         ground: None,
-        photographs: None,
+        posed_images: None,
         params: PacketParams::default(),
         bounds: Aabb {
             min: Vec3::splat(-1.0),

@@ -7,8 +7,8 @@
 use super::deferred::rays;
 use super::eight::{Vectors, lane_numbers};
 use super::linear::{to_display, to_linear};
-use super::raster::{head_light_of, load, store};
-use super::shading::head_light;
+use super::raster::{headlight_of, load, store};
+use super::shading::headlight;
 use super::tile::{LANES, Tile, WIDTH};
 use super::view::{Affine, PixelView};
 use crate::cloud::Textures;
@@ -120,9 +120,9 @@ impl TriangleLight {
             }
             Lighting::PerSurfel => {
                 let [a, b, c] = corners;
-                Self::OfCorners([head_light(face, a + b + c); 3])
+                Self::OfCorners([headlight(face, a + b + c); 3])
             }
-            Lighting::PerVertex => Self::OfCorners([0, 1, 2].map(|index| head_light(normals[index], corners[index]))),
+            Lighting::PerVertex => Self::OfCorners([0, 1, 2].map(|index| headlight(normals[index], corners[index]))),
             Lighting::PerFragment => Self::OfPixels(normals),
         }
     }
@@ -265,7 +265,7 @@ impl TriangleShading<'_> {
                 let per_length =
                     load(simd, per_ray_length, places.at) / normal.dot(normal).max(f32::MIN_POSITIVE).sqrt();
                 let facing = normal.dot(rays(simd, view, places.pixel)).abs() * per_length;
-                head_light_of(simd, facing)
+                headlight_of(simd, facing)
             }
         };
         let [a, b, c] = self.colors;

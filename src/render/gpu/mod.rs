@@ -20,7 +20,7 @@ pub(in crate::render) mod layout;
 pub(in crate::render) mod part;
 pub(in crate::render) mod passes;
 mod photo_answers;
-mod photographs;
+mod photos;
 mod picture;
 mod plan;
 mod presence;

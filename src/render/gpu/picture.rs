@@ -70,7 +70,7 @@ impl<'a> Recorder<'a> {
             self.geometry(index, key, instancing, draw);
         }
         if plan.fills_photo_holes() {
-            self.answers_of_photographs(plan);
+            self.answers_of_photos(plan);
         }
         for pass in &plan.finish {
             self.screen(pass, plan, 0);
@@ -78,7 +78,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// Records the view-dependent texturing of all pixels, with what the input images do not show filled from around.
-    fn answers_of_photographs(&mut self, plan: &Plan<'_>) {
+    fn answers_of_photos(&mut self, plan: &Plan<'_>) {
         let coarsest = self.targets.coarsest_photo_level();
         self.screen(&PHOTO_ANSWERS, plan, 0);
         for level in 1..=coarsest {

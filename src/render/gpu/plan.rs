@@ -6,10 +6,9 @@
 //! are: on what is drawn, of sums before they are resolved; on the picture; and from it to the one that is shown.
 
 use super::gpu_data::ViewUniform;
-use super::passes::screen::{PHOTO_ANSWERS, PULL, PUSH, RESOLVE_PHOTOGRAPHS};
+use super::passes::screen::{PHOTO_ANSWERS, PULL, PUSH, RESOLVE_PHOTOS};
 use super::passes::shade::{
-    SHADE, SHADE_PHOTO_ANSWERS, SHADE_PHOTO_ANSWERS_PHYSICAL, SHADE_PHOTOGRAPHS, SHADE_PHOTOGRAPHS_PHYSICAL,
-    SHADE_PHYSICAL,
+    SHADE, SHADE_PHOTO_ANSWERS, SHADE_PHOTO_ANSWERS_PHYSICAL, SHADE_PHOTOS, SHADE_PHOTOS_PHYSICAL, SHADE_PHYSICAL,
 };
 use super::passes::{GeometryKey, ScreenPass};
 use super::primitives::{self, Drawable};
@@ -31,7 +30,7 @@ pub(super) struct Plan<'a> {
     /// Lighting of surfaces with a material.
     pub(super) physical: Option<PhysicalLight>,
     /// Views for view-dependent texturing of surfaces.
-    pub(super) photographs: Option<PhotoViews>,
+    pub(super) posed_images: Option<PhotoViews>,
     strategy: Strategy,
     /// Floating-point precision of the sums.
     pub(super) precision: Precision,
@@ -48,22 +47,22 @@ impl<'a> Plan<'a> {
     pub(super) fn new(packet: &'a ScenePacket, blends_single_floats: bool) -> Self {
         let drawable = primitives::drawable(packet);
         let physical = PhysicalLight::of(packet);
-        let photographs = PhotoViews::of(packet);
-        let fills_holes = photographs.as_ref().map(PhotoViews::fills_holes);
+        let posed_images = PhotoViews::of(packet);
+        let fills_holes = posed_images.as_ref().map(PhotoViews::fills_holes);
         let shade = match (fills_holes, &physical) {
             (None, None) => &SHADE,
             (None, Some(_)) => &SHADE_PHYSICAL,
-            (Some(false), None) => &SHADE_PHOTOGRAPHS,
-            (Some(false), Some(_)) => &SHADE_PHOTOGRAPHS_PHYSICAL,
+            (Some(false), None) => &SHADE_PHOTOS,
+            (Some(false), Some(_)) => &SHADE_PHOTOS_PHYSICAL,
             (Some(true), None) => &SHADE_PHOTO_ANSWERS,
             (Some(true), Some(_)) => &SHADE_PHOTO_ANSWERS_PHYSICAL,
         };
         let shade = drawable.draws_into(Target::Surfaces).then_some(shade);
         let draws_sums = shade.is_some() || drawable.draws_into(Target::Sums);
-        let closes_gaps = shade.is_some() && photographs.as_ref().is_some_and(|views| views.gap_px > 0);
+        let closes_gaps = shade.is_some() && posed_images.as_ref().is_some_and(|views| views.gap_px > 0);
         let resolve = drawable
             .resolve
-            .map(|resolve| if closes_gaps { &RESOLVE_PHOTOGRAPHS } else { resolve });
+            .map(|resolve| if closes_gaps { &RESOLVE_PHOTOS } else { resolve });
         // Of sums before they are resolved.
         let [of_sums, of_picture] = [(Target::Sums, true), (Target::Picture, false)].map(|(target, of_sums)| {
             let passes = effects::passes(packet, Stage::Drawn, target);
@@ -83,7 +82,7 @@ impl<'a> Plan<'a> {
             finish,
             shadow: Shadow::of(packet),
             physical,
-            photographs,
+            posed_images,
             strategy: packet.style.drawing.strategy,
             precision: if packet.style.filters_splats() && blends_single_floats {
                 Precision::Single
@@ -158,7 +157,7 @@ impl<'a> Plan<'a> {
 
     /// Returns true if holes that the input images do not show are filled from around.
     pub(super) fn fills_photo_holes(&self) -> bool {
-        self.defers_shading() && self.photographs.as_ref().is_some_and(PhotoViews::fills_holes)
+        self.defers_shading() && self.posed_images.as_ref().is_some_and(PhotoViews::fills_holes)
     }
 
     /// Returns true if shading is deferred, so that the blended surface is lit.

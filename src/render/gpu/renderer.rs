@@ -6,7 +6,7 @@ use super::gather::{Gatherer, Selected};
 use super::gpu_data::ViewUniform;
 use super::instancing::{self, Chunk, Draw, Indexed, Instancing, RECORD_BYTES, RecordInstancing, Stream};
 use super::passes::Pipelines;
-use super::photographs::PhotoTextures;
+use super::photos::PhotoTextures;
 use super::picture::Recorder;
 use super::plan::{Plan, VIEWS};
 use super::primitives;
@@ -302,12 +302,12 @@ impl GpuRenderer {
             return Err(RenderError::TooLarge { width, height, max });
         }
         // The old ones go first: both at once may not fit.
-        let photographs = self.targets.take().and_then(|targets| targets.photographs);
+        let posed_images = self.targets.take().and_then(|targets| targets.posed_images);
         self.drawn = None;
         let mut targets = self
             .context
             .catching_out_of_memory("the picture", || Targets::new(&self.context, sizes_px, precision))?;
-        targets.photographs = photographs;
+        targets.posed_images = posed_images;
         self.targets = Some(targets);
         self.color_generation += 1;
         Ok(())
@@ -344,10 +344,11 @@ impl GpuRenderer {
 
     /// Uploads the input images for view-dependent texturing, and their projections in the rendered image. They stay
     /// when the image is resized.
-    fn ensure_photographs(&mut self, plan: &Plan<'_>, packet: &ScenePacket) -> Result<(), RenderError> {
-        if let (Some(views), Some(shown), Some(targets)) = (&plan.photographs, &packet.photographs, &mut self.targets) {
-            let known = targets.photographs.take();
-            targets.photographs = Some(self.context.catching_out_of_memory("the photographs", || {
+    fn ensure_photos(&mut self, plan: &Plan<'_>, packet: &ScenePacket) -> Result<(), RenderError> {
+        if let (Some(views), Some(shown), Some(targets)) = (&plan.posed_images, &packet.posed_images, &mut self.targets)
+        {
+            let known = targets.posed_images.take();
+            targets.posed_images = Some(self.context.catching_out_of_memory("the photographs", || {
                 PhotoTextures::of(&self.context, known, shown, views, packet)
             })?);
         }
@@ -483,7 +484,7 @@ impl Renderer for GpuRenderer {
         }
         self.ensure_picture_copy(&plan)?;
         self.ensure_surfaces(&plan)?;
-        self.ensure_photographs(&plan, &drawn)?;
+        self.ensure_photos(&plan, &drawn)?;
         self.ensure_streams(&plan)?;
         self.ensure_quad_indices(&plan)?;
         self.pipelines.notice_changes();

@@ -17,7 +17,7 @@ pub(super) const LIBRARY: &[ShaderFile] = &[
     shader_file!("common/linear.wgsl"),
     shader_file!("common/oct_encode.wgsl"),
     shader_file!("common/photo_table.wgsl"),
-    shader_file!("common/photographs.wgsl"),
+    shader_file!("common/photos.wgsl"),
     shader_file!("common/quads.wgsl"),
     shader_file!("common/records.wgsl"),
     shader_file!("common/rims.wgsl"),

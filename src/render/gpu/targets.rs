@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::photo_answers::{self, PhotoAnswers};
-use super::photographs::PhotoTextures;
+use super::photos::PhotoTextures;
 use super::textures::{self, texture, view};
 use crate::scene::{PhysicalTables, ScenePacket, Shadow};
 use std::sync::Arc;
@@ -54,9 +54,9 @@ pub(in crate::render) enum Source {
     /// Sums of colours, of normals and of nearnesses; depths; the shadow map; and the environment.
     Surfaces,
     /// Inputs as for surfaces, and the input images.
-    Photographed,
+    Textured,
     /// Inputs as for surfaces and the input images, with sums of lit colours instead of the environment.
-    PhotographedSums,
+    TexturedSums,
     /// Inputs as for surfaces, the table of input images, and the view-dependent texturing result of each pixel.
     PhotoAnswers,
     /// The next finer level of the pyramid over what they say than the one that is drawn into.
@@ -115,7 +115,7 @@ const SURFACE_TEXTURES: [NamedTexture; 6] = [
 ];
 
 const PHOTO_TABLE: NamedTexture = ("photo_table", TextureKind::Color);
-const PHOTOGRAPHS: [NamedTexture; 3] = [
+const PHOTOS: [NamedTexture; 3] = [
     PHOTO_TABLE,
     ("photo_texels", TextureKind::Layers),
     ("photo_depths", TextureKind::Layers),
@@ -129,9 +129,9 @@ impl Source {
             Self::Sums => vec![("accumulated", TextureKind::Color), ("depths", TextureKind::Depth)],
             Self::Depths => vec![("depths", TextureKind::Depth)],
             Self::Surfaces => SURFACE_TEXTURES.to_vec(),
-            Self::Photographed => [&SURFACE_TEXTURES[..], &PHOTOGRAPHS].concat(),
-            Self::PhotographedSums => {
-                let mut textures = Self::Photographed.textures();
+            Self::Textured => [&SURFACE_TEXTURES[..], &PHOTOS].concat(),
+            Self::TexturedSums => {
+                let mut textures = Self::Textured.textures();
                 textures[ENVIRONMENT] = ("lit_colors", TextureKind::Color);
                 textures
             }
@@ -198,7 +198,7 @@ pub(super) struct Targets {
     environment: wgpu::TextureView,
     environment_of: Option<Arc<PhysicalTables>>,
     /// Textures of the input images, once view-dependent texturing was used.
-    pub(super) photographs: Option<PhotoTextures>,
+    pub(super) posed_images: Option<PhotoTextures>,
     /// Results of view-dependent texturing for each pixel, once holes that the input images do not show were filled.
     answers: Option<PhotoAnswers>,
 }
@@ -242,7 +242,7 @@ impl Targets {
                 none,
             )),
             environment_of: None,
-            photographs: None,
+            posed_images: None,
             answers: None,
         }
     }
@@ -373,17 +373,17 @@ impl Targets {
             Source::Sums => vec![&self.accumulation_view, &self.depth_view],
             Source::Depths => vec![&self.depth_view],
             Source::Surfaces => self.surface_sources().collect(),
-            Source::Photographed => {
-                let photographs = self.photographs.iter().flat_map(PhotoTextures::views);
-                self.surface_sources().chain(photographs).collect()
+            Source::Textured => {
+                let posed_images = self.posed_images.iter().flat_map(PhotoTextures::views);
+                self.surface_sources().chain(posed_images).collect()
             }
-            Source::PhotographedSums => {
-                let mut sources = self.sources(Source::Photographed, level);
+            Source::TexturedSums => {
+                let mut sources = self.sources(Source::Textured, level);
                 sources[ENVIRONMENT] = &self.accumulation_view;
                 sources
             }
             Source::PhotoAnswers => {
-                let table = self.photographs.iter().map(PhotoTextures::table);
+                let table = self.posed_images.iter().map(PhotoTextures::table);
                 let answers = self.answers.iter().flat_map(PhotoAnswers::finest);
                 self.surface_sources().chain(table).chain(answers).collect()
             }

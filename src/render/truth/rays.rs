@@ -1,6 +1,6 @@
 //! Ray casting for the ground truth: rays of a view, and their intersections.
 
-use crate::render::constants::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR};
+use crate::render::constants::{HEADLIGHT_AMBIENT, HEADLIGHT_SHININESS, HEADLIGHT_SPECULAR};
 use crate::scene::{Background, Camera, Lighting};
 use glam::{DMat3, DVec2, DVec3};
 use std::ops::Range;
@@ -82,9 +82,9 @@ impl TruthView {
         if self.lighting == Lighting::Unlit {
             return color;
         }
-        let [ambient, specular] = [HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR].map(f64::from);
+        let [ambient, specular] = [HEADLIGHT_AMBIENT, HEADLIGHT_SPECULAR].map(f64::from);
         let facing = normal.dot(ray.normalize()).abs();
-        let lit = color * (ambient + (1.0 - ambient) * facing) + specular * facing.powi(HEAD_LIGHT_SHININESS as i32);
+        let lit = color * (ambient + (1.0 - ambient) * facing) + specular * facing.powi(HEADLIGHT_SHININESS as i32);
         lit.min(DVec3::ONE)
     }
 

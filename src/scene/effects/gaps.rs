@@ -11,13 +11,13 @@
 //! What lies in the gap is taken to be flat: along the shortest of the four lines through the pixel, the reversed depth
 //! of a plane goes from one end to the other in even steps. Where the ends are of two things, one behind the other, it
 //! is that of the farther: between them one looks past the nearer one. The input images are sampled at that position,
-//! as they are at others (`scene/photographs/mod.rs`). What they see through, and what none of them sees, stays open: a
+//! as they are at others (`scene/posed_images/mod.rs`). What they see through, and what none of them sees, stays open: a
 //! handle is a handle still. But along outlines, where input images and points are a pixel apart, specks remain. Each
 //! pixel of one has the mean colour of what is closed around it along the four lines, if the ends of none are farther
 //! apart than a tenth of the width of gaps.
 //!
-//! Done after lighting, over the whole image: `render/cpu/photographs/gaps.rs`,
-//! `shaders/passes/resolve_photographs.wgsl`.
+//! Done after lighting, over the whole image: `render/cpu/posed_images/gaps.rs`,
+//! `shaders/passes/resolve_photos.wgsl`.
 
 use crate::scene::{PhotoRelight, ScenePacket};
 
@@ -28,8 +28,8 @@ pub fn gap_px(packet: &ScenePacket) -> u32 {
     // Light has fallen when gaps are closed: what is lit anew would be lit around them alone.
     let is_lit_anew = style.photos.relight != PhotoRelight::Off;
     let has_surface = style.is_shaded_with_distances() && packet.lighting().is_deferred();
-    let shown = packet.photographs.as_ref();
-    let are_there = shown.is_some_and(|shown| !shown.photographs.all().is_empty());
+    let shown = packet.posed_images.as_ref();
+    let are_there = shown.is_some_and(|shown| !shown.posed_images.all().is_empty());
     if !are_there || !has_surface || is_lit_anew {
         return 0;
     }

@@ -182,24 +182,24 @@ impl FirstLook {
             })
             .collect();
         let frames: Vec<&Frame> = std::iter::once(first).chain(&others).collect();
-        Self::of(&frames, sequence.origin()).with_photographs_of(sequence)
+        Self::of(&frames, sequence.origin()).with_photos_of(sequence)
     }
 
     /// Guesses from the first frame of `sequence` alone.
     pub fn of_first(first: &Frame, sequence: &Sequence) -> Self {
-        Self::of(&[first], sequence.origin()).with_photographs_of(sequence)
+        Self::of(&[first], sequence.origin()).with_photos_of(sequence)
     }
 
-    fn with_photographs_of(self, sequence: &Sequence) -> Self {
-        match sequence.source().photographs(0) {
-            Some(set) => self.with_photographs(&set),
+    fn with_photos_of(self, sequence: &Sequence) -> Self {
+        match sequence.source().posed_images(0) {
+            Some(set) => self.with_photos(&set),
             None => self,
         }
     }
 
     /// Returns this guess adapted to posed images: they are held upright, are projected onto a surface, and the first
     /// of them is the first view.
-    fn with_photographs(mut self, set: &ViewSet) -> Self {
+    fn with_photos(mut self, set: &ViewSet) -> Self {
         let upwards = set.photos.iter().map(|photo| -photo.camera_from_world.matrix3.row(1));
         if let Some(upwards) = upwards.sum::<DVec3>().try_normalize() {
             self.up_why = "the photographs are upright";
@@ -236,7 +236,7 @@ impl FirstLook {
     }
 
     /// Returns true if there are posed images of the scene.
-    pub fn has_photographs(&self) -> bool {
+    pub fn has_photos(&self) -> bool {
         self.photo.is_some()
     }
 

@@ -232,14 +232,11 @@ fn colours_of_cameras_are_not_lit_again() {
         photos: vec![photo],
         ..ViewSet::default()
     };
-    let photographed = look(false, &grey).with_photographs(&set);
+    let textured = look(false, &grey).with_photos(&set);
     for (relight, expected) in [
         (PhotoRelight::Off, Lighting::Unlit),
         (PhotoRelight::Photos, Lighting::PerFragment),
     ] {
-        assert_eq!(
-            lighting(&photographed, &|style| style.photos.relight = relight),
-            expected
-        );
+        assert_eq!(lighting(&textured, &|style| style.photos.relight = relight), expected);
     }
 }

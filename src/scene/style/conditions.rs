@@ -12,12 +12,12 @@ impl<C: Copy> Conditions for Style<C> {
         self.leaves_depths() && self.light.eye_dome == EyeDome::On
     }
 
-    fn has_photographs(&self) -> bool {
-        self.of_sequence.has_photographs
+    fn has_photos(&self) -> bool {
+        self.of_sequence.has_photos
     }
 
     fn draws_view_dependent_textures(&self) -> bool {
-        self.draws_photographs() && self.photos.mode == PhotoMode::Vdts
+        self.draws_photos() && self.photos.mode == PhotoMode::Vdts
     }
 
     fn has_points_of_lengths(&self) -> bool {
@@ -51,8 +51,8 @@ impl<C: Copy> Conditions for Style<C> {
             && self.surfels.splatting != Splatting::Regular
     }
 
-    fn draws_photographs(&self) -> bool {
-        self.draws_photographs()
+    fn draws_photos(&self) -> bool {
+        self.draws_photos()
     }
 
     fn draws_points(&self) -> bool {

@@ -141,15 +141,15 @@ impl<C: Copy> Style<C> {
     }
 
     /// Returns true if surfaces take their colours from posed images.
-    pub fn draws_photographs(&self) -> bool {
-        self.of_sequence.has_photographs && self.photos.blended() > 0
+    pub fn draws_photos(&self) -> bool {
+        self.of_sequence.has_photos && self.photos.blended() > 0
     }
 
     /// Returns this style with lighting on the finished surface: white from all sides, where lighting is off or falls
     /// on splats. Posed images are projected onto that surface, and have the light in them that they were taken in.
     /// Where they are to be relit, light that falls on splats becomes matt light.
     #[must_use]
-    pub fn of_photographs(mut self) -> Self {
+    pub fn of_photos(mut self) -> Self {
         if !self.light.lighting.is_deferred() {
             if self.photos.relight == PhotoRelight::Off || self.light.lighting == Lighting::Unlit {
                 self.light.rig = LightRig::None;
@@ -171,7 +171,7 @@ impl<C: Copy> Style<C> {
     pub fn draws_whole_surfels(&self) -> bool {
         matches!(self.primitive, Primitive::Surfel | Primitive::Sprite)
             && self.levels_kind().is_none()
-            && !self.draws_photographs()
+            && !self.draws_photos()
     }
 
     /// Returns true if surfels are drawn of what the image shows, with screen-space normals and radii.
@@ -373,6 +373,6 @@ impl<C: Copy> Style<C> {
             && self.drawing.renderer == RendererChoice::Cpu
             && self.surfels.splatting.has_visibility_pass()
             && !self.light.lighting.is_deferred()
-            && !self.draws_photographs()
+            && !self.draws_photos()
     }
 }

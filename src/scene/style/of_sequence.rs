@@ -12,7 +12,7 @@ pub struct OfSequence {
     /// Bounding box that the ground is below, relative to the origin; all points of a frame if `None`.
     pub ground_box: Option<Aabb>,
     /// True if there are posed images of what the frames show.
-    pub has_photographs: bool,
+    pub has_photos: bool,
     /// Clip region: the part of the cloud that is drawn; all if `None`.
     pub clip: Option<Clip>,
 }

@@ -57,7 +57,7 @@ impl Settings {
             style.light.eye_dome = self.light.eye_dome.or(usual_eye_dome(style, look));
             style.of_sequence.color_hints = look.color_hints();
             style.of_sequence.ground_box = Some(look.trimmed);
-            style.of_sequence.has_photographs = look.has_photographs();
+            style.of_sequence.has_photos = look.has_photos();
         })
     }
 
@@ -73,7 +73,7 @@ impl Settings {
     /// edges without light, and whoever requests light on points or relighting of posed images wants it.
     fn shows_light_of(&self, look: &FirstLook, primitive: Primitive) -> bool {
         let is_surface = !matches!(primitive, Primitive::Voxel | Primitive::Point);
-        let is_lit_anew = look.has_photographs() && self.photos.relight != PhotoRelight::Off;
+        let is_lit_anew = look.has_photos() && self.photos.relight != PhotoRelight::Off;
         let shows_colors = matches!(self.colors.source, ColorSource::Auto | ColorSource::File);
         is_surface && look.colors_have_light && shows_colors && !is_lit_anew
     }

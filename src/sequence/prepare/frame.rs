@@ -2,11 +2,11 @@
 
 use super::counters::Timings;
 use super::mesh::PreparedMesh;
-use super::photographed::{bent_surface, is_stray, without_stray_points};
+use super::textured::{curved_surface, is_stray, without_stray_points};
 use crate::analysis::Orientation;
 use crate::cloud::{Frame, MeshRecords, PointRecord, ShapeRecord};
 use crate::levels::{CloudRecords, LevelsSet};
-use crate::photos::{PhotoSurface, Photographs};
+use crate::photos::{PhotoSurface, PosedImages};
 use crate::sequence::{ColorHints, ColorSource, Coloring, Needs, Paint};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -31,10 +31,10 @@ pub struct PreparedFrame {
     pub orientation: Option<Orientation>,
     /// Its triangles, if they were asked for; without any of a frame that has none.
     pub mesh: Option<PreparedMesh>,
-    /// Posed images of what it shows, if they were loaded: see [`PreparedFrame::with_photographs`].
-    pub photographs: Option<Arc<Photographs>>,
+    /// Posed images of what it shows, if they were loaded: see [`PreparedFrame::with_photos`].
+    pub posed_images: Option<Arc<PosedImages>>,
     /// Surface that posed images are projected onto, if that is finer than one disk per point.
-    pub bent: Option<PhotoSurface>,
+    pub curved: Option<PhotoSurface>,
     /// The levels of detail that were asked for, in the colours of `points`.
     pub levels: LevelsSet,
     /// Timings of the last completion; decoding included if it happened then.
@@ -120,7 +120,7 @@ impl PreparedFrame {
             // Its vertices are not these points, so that nobody knows their colours.
             mesh: None,
             // Its disks have the colours of before.
-            bent: None,
+            curved: None,
             levels,
             paint,
             ..self.clone()
@@ -131,33 +131,33 @@ impl PreparedFrame {
     /// reconstructed from them, if there is one. Otherwise outliers hide nothing of them, and disks are
     /// [curved](Self::bent).
     #[must_use]
-    pub fn with_photographs(&self, photographs: Arc<Photographs>) -> Self {
-        let mut photographed = Self {
-            photographs: Some(photographs),
-            bent: None,
+    pub fn with_photos(&self, posed_images: Arc<PosedImages>) -> Self {
+        let mut textured = Self {
+            posed_images: Some(posed_images),
+            curved: None,
             ..self.clone()
         };
         let Some(shapes) = self.shapes.as_ref().filter(|_| !self.has_ellipses) else {
-            return photographed;
+            return textured;
         };
-        if let Some(surface) = photographed.photographs.as_ref().and_then(|set| set.surface()) {
-            photographed.bent = Some(surface.clone());
-            return photographed;
+        if let Some(surface) = textured.posed_images.as_ref().and_then(|set| set.surface()) {
+            textured.curved = Some(surface.clone());
+            return textured;
         }
         let is_stray = is_stray(&self.frame);
         let shrunk = without_stray_points(&self.frame, shapes, &is_stray).map(Arc::new);
         let of_points = shrunk.as_ref().unwrap_or(shapes);
-        photographed.bent = bent_surface(&self.frame, &self.points, of_points, &is_stray);
+        textured.curved = curved_surface(&self.frame, &self.points, of_points, &is_stray);
         if let Some(shapes) = shrunk {
-            photographed.levels = self.levels.made_of(&CloudRecords {
+            textured.levels = self.levels.made_of(&CloudRecords {
                 positions: self.frame.positions(),
                 colors: self.frame.colors().filter(|_| self.paint == Paint::File),
                 points: &self.points,
                 shapes: Some(&shapes),
             });
-            photographed.shapes = Some(shapes);
+            textured.shapes = Some(shapes);
         }
-        photographed
+        textured
     }
 
     /// Returns this frame marked as painted like another one: its points are among these.
@@ -174,7 +174,7 @@ impl PreparedFrame {
             + size_of_val(self.points.as_slice())
             + shapes.map_or(0, |shapes| size_of_val(shapes.as_slice()))
             + self.mesh.as_ref().map_or(0, PreparedMesh::byte_size)
-            + self.bent.as_ref().map_or(0, PhotoSurface::byte_size)
+            + self.curved.as_ref().map_or(0, PhotoSurface::byte_size)
             + self.levels.byte_size()
     }
 }

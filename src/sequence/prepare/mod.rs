@@ -23,7 +23,7 @@ mod build;
 mod counters;
 mod frame;
 mod mesh;
-mod photographed;
+mod textured;
 
 pub use counters::{PrepareCounters, Timings};
 pub use frame::PreparedFrame;

@@ -9,7 +9,7 @@ use crate::photos::{DepthCamera, DepthFile, Photo, ViewSet};
 use crate::progress::Progress;
 use crate::rgbd::{Camera, Filters, Sensor, put_on_planes};
 use crate::source::{
-    About, Capabilities, DecodeFailure, DecodedFrame, Decoder, DepthImages, FrameEntry, ImageFiles, Photographed,
+    About, Capabilities, DecodeFailure, DecodedFrame, Decoder, DepthImages, FrameEntry, HasPosedImages, ImageFiles,
     Source,
 };
 use crate::wire::RawImages;
@@ -26,7 +26,7 @@ pub struct MergedFrames {
     entry: Arc<FrameEntry>,
     notes: Vec<String>,
     /// Colour images, as posed images of the cloud.
-    photographs: Option<Arc<ViewSet>>,
+    posed_images: Option<Arc<ViewSet>>,
 }
 
 impl MergedFrames {
@@ -69,14 +69,14 @@ impl MergedFrames {
             ..FrameEntry::clone(entry)
         };
         let photos: Vec<Photo> = (first..=last).filter_map(|index| photo(&recording, index)).collect();
-        let photographs = (!photos.is_empty()).then(|| {
+        let posed_images = (!photos.is_empty()).then(|| {
             Arc::new(ViewSet {
                 photos,
                 ..ViewSet::default()
             })
         });
         Ok(Self {
-            photographs,
+            posed_images,
             recording: Arc::new(recording),
             range: first..=last,
             entry: Arc::new(entry),
@@ -119,7 +119,7 @@ impl Source for MergedFrames {
             growth: None,
             live: None,
             depth_images: Some(self),
-            photographs: Some(self),
+            posed_images: Some(self),
             image_files: Some(self),
         }
     }
@@ -145,14 +145,14 @@ impl DepthImages for MergedFrames {
             range: self.range.clone(),
             entry: Arc::clone(&self.entry),
             notes: Vec::new(),
-            photographs: self.photographs.clone(),
+            posed_images: self.posed_images.clone(),
         }))
     }
 }
 
-impl Photographed for MergedFrames {
-    fn photographs(&self, _index: usize) -> Option<Arc<ViewSet>> {
-        self.photographs.clone()
+impl HasPosedImages for MergedFrames {
+    fn posed_images(&self, _index: usize) -> Option<Arc<ViewSet>> {
+        self.posed_images.clone()
     }
 }
 

@@ -59,7 +59,7 @@ pub(super) fn is_likely(folder: &Path) -> bool {
 
 /// Returns true if `inputs` are one folder whose depth images take precedence over the posed images of its
 /// `transforms.json`.
-pub(super) fn comes_before_photographs(inputs: &[PathBuf], options: &OpenOptions) -> bool {
+pub(super) fn comes_before_photos(inputs: &[PathBuf], options: &OpenOptions) -> bool {
     match inputs {
         [folder] if folder.is_dir() && !options.dense => {
             folder::Folder::read(folder).is_ok_and(|folder| layouts::has_depths_beside_transforms(&folder))

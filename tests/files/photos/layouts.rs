@@ -278,7 +278,7 @@ fn opened(path: &Path) -> Result<usize, String> {
     let inputs: Vec<PathBuf> = vec![path.to_owned()];
     let source = source::open(&inputs, &OpenOptions::default(), &Progress::default());
     let source = source.map_err(|error| error.to_string())?;
-    Ok(source.photographs(0).map_or(0, |set| set.photos.len()))
+    Ok(source.posed_images(0).map_or(0, |set| set.photos.len()))
 }
 
 /// A list beside photographs has the extension of a cloud, and is none.

@@ -1,8 +1,8 @@
 //! Sets of calibrated photographs: one scene in every format, the half pixel of each, and what is broken.
 
 mod broken;
-mod film;
 mod layouts;
+mod multiview_video;
 mod scene;
 mod spoilt;
 

@@ -77,7 +77,7 @@ fn points_are_shown_where_photographs_are_missing() {
     fs::remove_dir_all(folder.path().join("images")).unwrap();
     let sequence = opened(folder.path());
     assert_eq!(count(&sequence), 40);
-    assert!(sequence.source().photographs(0).is_none());
+    assert!(sequence.source().posed_images(0).is_none());
     let notes = sequence.source().notes().join("\n");
     assert!(notes.contains("its points are shown without them"), "{notes}");
 }
@@ -104,7 +104,7 @@ fn the_dense_cloud_of_a_scene_is_shown_and_the_sparse_points_of_its_model() {
         write_cloud(&folder.path().join(dense), 1000);
         let sequence = opened(folder.path());
         assert_eq!(count(&sequence), 1000, "{dense}");
-        assert_eq!(sequence.source().photographs(0).unwrap().photos.len(), 6);
+        assert_eq!(sequence.source().posed_images(0).unwrap().photos.len(), 6);
         let said: Vec<String> = sequence
             .source()
             .assumptions()
@@ -143,7 +143,7 @@ fn the_set_with_one_infinite_pose_is_opened_without_it() {
         return;
     };
     let sequence = opened(&folder);
-    let set = sequence.source().photographs(0).unwrap();
+    let set = sequence.source().posed_images(0).unwrap();
     assert_eq!(set.photos.len(), 5);
     assert!(set.notes.join("\n").contains("not finite"), "{:?}", set.notes);
     assert!(count(&sequence) > 100);

@@ -3,7 +3,7 @@
 use super::recording::{FRAMES, HEIGHT, Has, LAYOUTS, Recording, WIDTH};
 use super::{open_with, points};
 use glam::DVec3;
-use pointreel::photos::LoadedPhotographs;
+use pointreel::photos::LoadedPhotos;
 use pointreel::progress::Progress;
 use pointreel::source::RgbdOptions;
 use std::fs;
@@ -145,7 +145,7 @@ fn photographs_of_7_scenes_are_taken_beside_their_depths() {
         ..RgbdOptions::default()
     };
     let sequence = open_with(&folder, options).unwrap();
-    let set = sequence.source().photographs(0).unwrap();
+    let set = sequence.source().posed_images(0).unwrap();
     assert_eq!(set.photos.len(), FRAMES);
     for (photo, pose) in set.photos.iter().zip(&recording.poses) {
         let depth = photo.depth.as_ref().unwrap();
@@ -156,10 +156,10 @@ fn photographs_of_7_scenes_are_taken_beside_their_depths() {
         let world_from_depth = photo.camera_from_world.inverse() * taken_by.photo_from_depth;
         assert!(world_from_depth.abs_diff_eq(*pose, 1e-9), "{world_from_depth}");
     }
-    let loaded = LoadedPhotographs::of(&set, 1 << 30, &Progress::default());
+    let loaded = LoadedPhotos::of(&set, 1 << 30, &Progress::default());
     assert_eq!(loaded.notes, [""; 0]);
-    for photograph in loaded.photographs.all() {
-        let depth = photograph.depth.as_ref().unwrap();
+    for posed_image in loaded.posed_images.all() {
+        let depth = posed_image.depth.as_ref().unwrap();
         assert!(
             depth.valid_count() * 2 > depth.metres().len(),
             "{} depths",

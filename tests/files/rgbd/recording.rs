@@ -314,7 +314,7 @@ fn open3d_json(recording: &Recording, folder: &Path) -> RgbdOptions {
 }
 
 /// The XML of PCL's grabbers.
-fn pcl_camera(folder: &Path, moment: &str) {
+fn pcl_camera(folder: &Path, time_step: &str) {
     let [fx, fy, cx, cy] = CAMERA;
     let pinhole = format!(
         "<focal_length_x>{fx}</focal_length_x><focal_length_y>{fy}</focal_length_y>\
@@ -324,30 +324,30 @@ fn pcl_camera(folder: &Path, moment: &str) {
         "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<rgb>{pinhole}</rgb>\n\
          <depth>{pinhole}<z_multiplication_factor>0.001</z_multiplication_factor></depth>\n"
     );
-    fs::write(folder.join(format!("{moment}.xml")), xml).unwrap();
+    fs::write(folder.join(format!("{time_step}.xml")), xml).unwrap();
 }
 
 /// 2011-05-10 12:38:22 and the microseconds.
-fn pcl_moment(recording: &Recording, frame: usize) -> String {
+fn pcl_time_step(recording: &Recording, frame: usize) -> String {
     format!("frame_20110510T123822.{:06}", recording.times_us[frame] % 1_000_000)
 }
 
 fn pcl_tiff(recording: &Recording, folder: &Path) -> RgbdOptions {
     for frame in 0..FRAMES {
-        let moment = pcl_moment(recording, frame);
+        let time_step = pcl_time_step(recording, frame);
         let mut depth = Cursor::new(Vec::new());
         let mut encoder = TiffEncoder::new(&mut depth).unwrap();
         encoder
             .write_image::<colortype::Gray16>(WIDTH, HEIGHT, &recording.depths[frame])
             .unwrap();
-        fs::write(folder.join(format!("{moment}_depth.tiff")), depth.into_inner()).unwrap();
+        fs::write(folder.join(format!("{time_step}_depth.tiff")), depth.into_inner()).unwrap();
         let mut color = Cursor::new(Vec::new());
         let mut encoder = TiffEncoder::new(&mut color).unwrap();
         encoder
             .write_image::<colortype::RGB8>(WIDTH, HEIGHT, &recording.colors[frame].concat())
             .unwrap();
-        fs::write(folder.join(format!("{moment}_rgb.tiff")), color.into_inner()).unwrap();
-        pcl_camera(folder, &moment);
+        fs::write(folder.join(format!("{time_step}_rgb.tiff")), color.into_inner()).unwrap();
+        pcl_camera(folder, &time_step);
     }
     RgbdOptions::default()
 }
@@ -372,15 +372,19 @@ pub(crate) fn pclzf(kind: &str, unpacked: &[u8]) -> Vec<u8> {
 
 fn pcl_lzf(recording: &Recording, folder: &Path) -> RgbdOptions {
     for frame in 0..FRAMES {
-        let moment = pcl_moment(recording, frame);
+        let time_step = pcl_time_step(recording, frame);
         let depth: Vec<u8> = recording.depths[frame].iter().flat_map(|mm| mm.to_le_bytes()).collect();
-        fs::write(folder.join(format!("{moment}_depth.pclzf")), pclzf("depth16", &depth)).unwrap();
+        fs::write(
+            folder.join(format!("{time_step}_depth.pclzf")),
+            pclzf("depth16", &depth),
+        )
+        .unwrap();
         let colors = &recording.colors[frame];
         let planes: Vec<u8> = (0..3)
             .flat_map(|channel| colors.iter().map(move |color| color[channel]))
             .collect();
-        fs::write(folder.join(format!("{moment}_rgb.pclzf")), pclzf("rgb24", &planes)).unwrap();
-        pcl_camera(folder, &moment);
+        fs::write(folder.join(format!("{time_step}_rgb.pclzf")), pclzf("rgb24", &planes)).unwrap();
+        pcl_camera(folder, &time_step);
     }
     RgbdOptions::default()
 }

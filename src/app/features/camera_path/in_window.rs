@@ -104,11 +104,11 @@ impl State {
         if !self.features.path.is_playing() {
             return;
         }
-        let moment = self.features.path.step(&self.camera, self.shared.now);
-        if let Some(moment) = moment {
-            self.show_of_path(moment.camera, moment.frame);
+        let preview_time = self.features.path.step(&self.camera, self.shared.now);
+        if let Some(preview_time) = preview_time {
+            self.show_of_path(preview_time.camera, preview_time.frame);
         }
-        if moment.is_none_or(|moment| moment.is_end) {
+        if preview_time.is_none_or(|preview_time| preview_time.is_end) {
             self.stop_preview();
         }
     }

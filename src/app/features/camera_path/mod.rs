@@ -17,7 +17,7 @@ pub use file::PathFile;
 pub(in crate::app) use file::{read_path, save_path};
 
 use crate::scene::{Camera, Keyframe, PathError};
-use preview::{Moment, Preview};
+use preview::{Preview, PreviewTime};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -139,10 +139,10 @@ impl PathEditor {
     }
 
     /// Returns the position of the playing path at `now`; `None` if the camera has been moved by something else.
-    pub(in crate::app) fn step(&mut self, camera: &Camera, now: Duration) -> Option<Moment> {
-        let moment = self.preview.as_mut()?.step(camera, now)?;
-        self.time_s = moment.time_s;
-        Some(moment)
+    pub(in crate::app) fn step(&mut self, camera: &Camera, now: Duration) -> Option<PreviewTime> {
+        let preview_time = self.preview.as_mut()?.step(camera, now)?;
+        self.time_s = preview_time.time_s;
+        Some(preview_time)
     }
 
     /// Replaces the path by another.

@@ -18,7 +18,7 @@ pub(in crate::app) struct Preview {
 
 /// Playback position of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::app) struct Moment {
+pub(in crate::app) struct PreviewTime {
     /// Seconds from the beginning of the video.
     pub(in crate::app) time_s: f64,
     pub(in crate::app) camera: Camera,
@@ -42,7 +42,7 @@ impl Preview {
     }
 
     /// Returns the playback position at `now`; `None` if `camera` is not where it was put: something else controls it.
-    pub(in crate::app) fn step(&mut self, camera: &Camera, now: Duration) -> Option<Moment> {
+    pub(in crate::app) fn step(&mut self, camera: &Camera, now: Duration) -> Option<PreviewTime> {
         if *camera != self.last {
             return None;
         }
@@ -51,7 +51,7 @@ impl Preview {
         let seconds = (self.from_s + elapsed_s).min(duration_s);
         let (camera, frame) = self.path.at(seconds);
         self.last = camera;
-        Some(Moment {
+        Some(PreviewTime {
             time_s: first_s(&self.path) + seconds,
             camera,
             frame,
@@ -92,15 +92,15 @@ mod tests {
     #[test]
     fn it_plays_at_its_speed_to_the_end() {
         let mut preview = Preview::new(path(), 6.0, camera(), at(400), false);
-        let moment = preview.step(&camera(), at(900)).unwrap();
-        let expected = Moment {
+        let preview_time = preview.step(&camera(), at(900)).unwrap();
+        let expected = PreviewTime {
             time_s: 6.5,
             camera: path().at(1.5).0,
             frame: 23,
             is_end: false,
         };
-        assert_eq!(moment, expected);
-        let end = preview.step(&moment.camera, at(9000)).unwrap();
+        assert_eq!(preview_time, expected);
+        let end = preview.step(&preview_time.camera, at(9000)).unwrap();
         assert_eq!((end.time_s, end.frame, end.is_end), (7.0, 30, true));
     }
 

@@ -52,9 +52,10 @@ impl Comparison {
         view: &PictureView<'_>,
         style: &Style,
     ) -> Option<ScenePacket> {
-        let photographs = |frame: &PreparedFrame| frame.photographs.as_ref().map(Arc::as_ptr);
-        let is_known =
-            |known: &PreparedFrame| Arc::ptr_eq(&known.frame, &frame.frame) && photographs(known) == photographs(frame);
+        let posed_images = |frame: &PreparedFrame| frame.posed_images.as_ref().map(Arc::as_ptr);
+        let is_known = |known: &PreparedFrame| {
+            Arc::ptr_eq(&known.frame, &frame.frame) && posed_images(known) == posed_images(frame)
+        };
         let known = self.frame.take().filter(is_known);
         let needs = Scene::needs(style);
         let frame = complete(known.as_ref().unwrap_or(frame), &needs, &PrepareCounters::default());

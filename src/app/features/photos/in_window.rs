@@ -2,7 +2,7 @@
 
 use super::frusta::frusta_ui;
 use super::panel::{PANEL, PhotosRequest, photos_ui};
-use super::{PhotographedFrame, Photos, PhotosLoaded};
+use super::{Photos, PhotosLoaded, TexturedFrame};
 use crate::app::features::feature::{Feature, FeatureOf};
 use crate::app::panel_row::PanelRow;
 use crate::app::state::State;
@@ -29,7 +29,7 @@ impl Feature<State> for FeatureOf<Photos> {
             Ok(()) => return Ok(()),
             Err(outcome) => outcome,
         };
-        outcome.give(|made: PhotographedFrame| state.features.photos.take_frame(made))
+        outcome.give(|made: TexturedFrame| state.features.photos.take_frame(made))
     }
 
     fn forget_sequence(&self, state: &mut State) {
@@ -56,7 +56,7 @@ impl Feature<State> for FeatureOf<Photos> {
 
 /// Paints the camera frusta of the input images over the rendered view of the open sequence.
 fn photo_frusta(ui: &Ui, state: &mut State) {
-    let set = state.player.as_ref().and_then(Player::photographs);
+    let set = state.player.as_ref().and_then(Player::posed_images);
     let Some(set) = set.filter(|_| state.features.photos.shows_frusta) else {
         return;
     };
@@ -69,7 +69,7 @@ fn photo_frusta(ui: &Ui, state: &mut State) {
 }
 
 fn photos(ui: &mut Ui, state: &mut State) {
-    let set = state.player.as_ref().and_then(Player::photographs);
+    let set = state.player.as_ref().and_then(Player::posed_images);
     let corner = state.viewport.rect.left_top();
     let mut is_open = state.panels.has(PANEL);
     let request = photos_ui(ui, &mut is_open, &mut state.features.photos, set.as_deref(), corner);

@@ -3,21 +3,21 @@
 //! How it works. The source states which images there are of a frame; decoding their pixels takes long, so the first
 //! frame is shown in the colours of its points until they are available. As long as frames have the same set, it is
 //! loaded once. In multi-view video each frame has a set of its own: those of the next frames are loaded ahead, and
-//! projected on these frames (`photographed.rs`); playing waits for them as for frames, and sets are kept as long as
+//! projected on these frames (`textured.rs`); playing waits for them as for frames, and sets are kept as long as
 //! all of them fit into the budget.
 
 pub(in crate::app) mod frusta;
 mod in_window;
 pub(in crate::app) mod panel;
-mod photographed;
+mod textured;
 
-pub(in crate::app) use photographed::PhotographedFrame;
+pub(in crate::app) use textured::TexturedFrame;
 
 use crate::app::work::outcome::Message;
 use crate::app::work::pool::PoolBehindDrawing;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
-use crate::composition::{PHOTOGRAPH_BYTES, on_surface};
-use crate::photos::{LoadedPhotographs, Photographs, ReprojectionError, ViewSet};
+use crate::composition::{PHOTO_BYTES, on_surface};
+use crate::photos::{LoadedPhotos, PosedImages, ReprojectionError, ViewSet};
 use crate::playback::Player;
 use crate::progress::Progress;
 use crate::scene::{Scene, Style};
@@ -25,9 +25,9 @@ use crate::sequence::{PreparedFrame, Slot};
 use crate::source::Source;
 use crate::timeline::Direction;
 use glam::{DVec3, Vec3};
-use photographed::{Parts, PhotographedFrames};
 use std::collections::BTreeSet;
 use std::sync::Arc;
+use textured::{Parts, TexturedFrames};
 
 impl Message for PhotosLoaded {}
 
@@ -38,10 +38,10 @@ pub(in crate::app) struct PhotosLoaded(Option<LoadedSet>);
 #[derive(Debug)]
 struct LoadedSet {
     set: Arc<ViewSet>,
-    loaded: LoadedPhotographs,
+    loaded: LoadedPhotos,
     errors: Vec<Option<ReprojectionError>>,
     /// Those that are used.
-    used: Arc<Photographs>,
+    used: Arc<PosedImages>,
 }
 
 /// Number of frames whose images are loaded before they are shown.
@@ -65,7 +65,7 @@ pub struct Photos {
     /// Those that are not used, by their numbers.
     off: BTreeSet<usize>,
     /// Frames with them.
-    frames: PhotographedFrames,
+    frames: TexturedFrames,
     pool: PoolBehindDrawing,
 }
 
@@ -94,8 +94,8 @@ impl Photos {
 
     /// Returns the colour gain of an image, once it is loaded.
     pub(in crate::app) fn gain(&self, number: usize) -> Option<Vec3> {
-        let photographs = &self.shown_set()?.loaded.photographs;
-        Some(photographs.numbered(number)?.gain)
+        let posed_images = &self.shown_set()?.loaded.posed_images;
+        Some(posed_images.numbered(number)?.gain)
     }
 
     /// Enables or disables an input image.
@@ -113,10 +113,10 @@ impl Photos {
     /// Returns true if frame `index` is available with its input images, if it has some that are to be drawn. Before
     /// the first ones are loaded, nothing is waited for.
     pub(in crate::app) fn are_there(&self, source: &dyn Source, index: usize, style: &Style) -> bool {
-        if !style.draws_photographs() || self.loaded.is_empty() || !source.frames().contains(&index) {
+        if !style.draws_photos() || self.loaded.is_empty() || !source.frames().contains(&index) {
             return true;
         }
-        let Some(set) = source.photographs(index) else {
+        let Some(set) = source.posed_images(index) else {
             return true;
         };
         let used = self.loaded(&set).map(|loaded| &loaded.used);
@@ -132,7 +132,7 @@ impl Photos {
         let used = self.loaded(set).map(|loaded| &loaded.used);
         used.filter(|used| !used.all().is_empty()).map(|used| Parts {
             frame: Arc::clone(frame),
-            photographs: Arc::clone(used),
+            posed_images: Arc::clone(used),
             surfels: style.surfels,
         })
     }
@@ -141,10 +141,10 @@ impl Photos {
     /// to project them on these frames; ends what nobody waits for.
     pub(in crate::app) fn follow<T>(&mut self, player: &Player, style: &Style, tasks: &Tasks<T>)
     where
-        T: TaskOutcome + From<PhotosLoaded> + From<PhotographedFrame>,
+        T: TaskOutcome + From<PhotosLoaded> + From<TexturedFrame>,
     {
-        self.shown = player.photographs();
-        let frames = if style.draws_photographs() {
+        self.shown = player.posed_images();
+        let frames = if style.draws_photos() {
             frames_wanted(player)
         } else {
             Vec::new()
@@ -161,8 +161,8 @@ impl Photos {
             progress.cancel();
         }
         let budget_bytes = match wanted.len() {
-            0 | 1 => PHOTOGRAPH_BYTES,
-            _ => PHOTOGRAPH_BYTES / SHARES,
+            0 | 1 => PHOTO_BYTES,
+            _ => PHOTO_BYTES / SHARES,
         };
         // What is wanted first is the last to go.
         for set in wanted.iter().rev() {
@@ -182,11 +182,11 @@ impl Photos {
         self.running = Some((Arc::clone(&set), progress.clone()));
         let sequence = Arc::clone(player.sequence());
         tasks.start_in(pool, move || {
-            let mut loaded = LoadedPhotographs::of(&set, budget_bytes, &progress);
+            let mut loaded = LoadedPhotos::of(&set, budget_bytes, &progress);
             // The origin may have to be read from the frame first: not on the thread that draws.
-            loaded.photographs = on_surface(loaded.photographs, &set, &sequence, &progress);
+            loaded.posed_images = on_surface(loaded.posed_images, &set, &sequence, &progress);
             let errors = set.reprojection_errors();
-            let used = Arc::clone(&loaded.photographs);
+            let used = Arc::clone(&loaded.posed_images);
             let loaded = LoadedSet {
                 set,
                 loaded,
@@ -198,7 +198,7 @@ impl Photos {
     }
 
     /// Starts to project images on the frame drawn without them, else on the first of `frames` that lacks them.
-    fn put_on<T: TaskOutcome + From<PhotographedFrame>>(
+    fn put_on<T: TaskOutcome + From<TexturedFrame>>(
         &mut self,
         player: &Player,
         frames: &[usize],
@@ -211,7 +211,7 @@ impl Photos {
             let (Slot::Ready(frame) | Slot::Coarse(frame)) = player.loader().get(index, &needs) else {
                 return None;
             };
-            self.parts(&frame, &source.photographs(index)?, style)
+            self.parts(&frame, &source.posed_images(index)?, style)
         });
         let Some(parts) = self.frames.next(following) else {
             return;
@@ -224,7 +224,7 @@ impl Photos {
     }
 
     /// Takes a frame that input images were projected on.
-    pub(in crate::app) fn take_frame(&mut self, made: PhotographedFrame) {
+    pub(in crate::app) fn take_frame(&mut self, made: TexturedFrame) {
         self.frames.take_in(made);
     }
 
@@ -241,7 +241,7 @@ impl Photos {
             return Vec::new();
         }
         let notes = loaded.loaded.notes.clone();
-        self.make_room(loaded.loaded.photographs.byte_size());
+        self.make_room(loaded.loaded.posed_images.byte_size());
         self.loaded.push(loaded);
         self.use_what_is_on();
         notes
@@ -253,7 +253,7 @@ impl Photos {
         frame: &Arc<PreparedFrame>,
         set: Option<&Arc<ViewSet>>,
         style: &Style,
-    ) -> Option<&PhotographedFrame> {
+    ) -> Option<&TexturedFrame> {
         let parts = self.parts(frame, set?, style)?;
         self.frames.drawn(parts)
     }
@@ -278,10 +278,10 @@ impl Photos {
 
     /// Forgets sets that nobody asked for in a long time, until one of `bytes` fits into the budget.
     fn make_room(&mut self, bytes: usize) {
-        let size = |loaded: &LoadedSet| loaded.loaded.photographs.byte_size() as u64;
+        let size = |loaded: &LoadedSet| loaded.loaded.posed_images.byte_size() as u64;
         let mut total = bytes as u64 + self.loaded.iter().map(size).sum::<u64>();
         let mut gone = 0;
-        while total > PHOTOGRAPH_BYTES && gone < self.loaded.len() {
+        while total > PHOTO_BYTES && gone < self.loaded.len() {
             total -= size(&self.loaded[gone]);
             gone += 1;
         }
@@ -302,7 +302,7 @@ impl Photos {
     fn use_what_is_on(&mut self) {
         let off = self.left_out();
         for loaded in &mut self.loaded {
-            let all = &loaded.loaded.photographs;
+            let all = &loaded.loaded.posed_images;
             loaded.used = if off.is_empty() {
                 Arc::clone(all)
             } else {
@@ -335,7 +335,7 @@ fn frames_wanted(player: &Player) -> Vec<usize> {
 fn sets_of(player: &Player, frames: &[usize]) -> Vec<Arc<ViewSet>> {
     let source = player.sequence().source();
     let mut sets: Vec<Arc<ViewSet>> = Vec::new();
-    for set in frames.iter().filter_map(|&index| source.photographs(index)) {
+    for set in frames.iter().filter_map(|&index| source.posed_images(index)) {
         if !sets.iter().any(|known| Arc::ptr_eq(known, &set)) {
             sets.push(set);
         }

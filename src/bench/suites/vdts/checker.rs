@@ -6,14 +6,14 @@
 //! all that a pixel covers.
 
 use super::columns::{FILTERED, row};
-use super::filmed::{Filmed, StyledFrame};
+use super::multiview::{MultiView, StyledFrame};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
 use crate::bench::runner::Runner;
 use crate::cloud::{Attributes, Frame, Positions, RawCloud};
 use crate::measure::psnr_db;
-use crate::photos::{PhotoImage, Photograph, Photographs, Texture};
+use crate::photos::{PhotoImage, PosedImage, PosedImages, Texture};
 use crate::rgbd::{self, Distortion};
 use crate::scene::{Camera, FirstLook, PhotoClipping, PhotoMode, Scene, Settings, UpAxis};
 use crate::sequence::{PrepareCounters, prepare};
@@ -120,7 +120,7 @@ pub(super) fn measure(run: &mut Run<'_>, runner: &mut Runner, settings: &Setting
         .resolved(&look)
         .with(|style| style.photos.clipping = PhotoClipping::Off);
     let frame = prepare(0, frame, 0.0, &Scene::needs(&style), &PrepareCounters::default());
-    let filmed = Filmed {
+    let multiview = MultiView {
         name: "checker",
         frame: &frame,
         origin: DVec3::ZERO,
@@ -131,7 +131,7 @@ pub(super) fn measure(run: &mut Run<'_>, runner: &mut Runner, settings: &Setting
         return Ok(Vec::new());
     };
     let with = |texture: Texture| {
-        let photograph = Photograph {
+        let posed_image = PosedImage {
             name: "from above".to_owned(),
             number: 0,
             pinhole: pinhole.clone(),
@@ -141,7 +141,7 @@ pub(super) fn measure(run: &mut Run<'_>, runner: &mut Runner, settings: &Setting
             gain: Vec3::ONE,
             depth: None,
         };
-        frame.with_photographs(Arc::new(Photographs::new(vec![photograph], None)))
+        frame.with_photos(Arc::new(PosedImages::new(vec![posed_image], None)))
     };
     let bare = Texture::without_levels(image.clone());
     let kinds = [
@@ -166,8 +166,8 @@ pub(super) fn measure(run: &mut Run<'_>, runner: &mut Runner, settings: &Setting
         let truth: Vec<Option<f64>> = truth.collect();
         for (mode, filter, frame) in &kinds {
             run.begin_step(format!("checker {view}: {mode}, {filter}"))?;
-            let style = filmed.style.with(|style| style.photos.mode = *mode);
-            let packet = filmed.packet(StyledFrame { frame, style: &style }, &camera, [0; 3], [PICTURE_PX; 2]);
+            let style = multiview.style.with(|style| style.photos.mode = *mode);
+            let packet = multiview.packet(StyledFrame { frame, style: &style }, &camera, [0; 3], [PICTURE_PX; 2]);
             let picture = runner.image(&packet)?;
             let compared = picture.pixels().zip(&truth);
             let squares = compared.filter_map(|(pixel, truth)| Some((f64::from(pixel[1]) - 255.0 * (*truth)?).powi(2)));
@@ -176,14 +176,14 @@ pub(super) fn measure(run: &mut Run<'_>, runner: &mut Runner, settings: &Setting
             rows.push(row(
                 FILTERED,
                 &[
-                    ("sequence", Cell::Text(filmed.name.to_owned())),
+                    ("sequence", Cell::Text(multiview.name.to_owned())),
                     ("view", Cell::Text(view.to_owned())),
                     ("mode", Cell::Text(mode.name().to_owned())),
                     ("filter", Cell::Text((*filter).to_owned())),
                     ("points", Cell::Number(frame.frame.len() as f64)),
                     (
                         "photographs",
-                        Cell::Number(frame.photographs.as_ref().map_or(0, |of| of.all().len()) as f64),
+                        Cell::Number(frame.posed_images.as_ref().map_or(0, |of| of.all().len()) as f64),
                     ),
                     ("psnr_db", Cell::Number(psnr_db(squared))),
                 ],

@@ -4,12 +4,12 @@
 //! whose size is the spacing of the points reach beyond the outline, where depths show that there is no surface.
 
 use super::columns::CLIPPED;
-use super::filmed::{Errors, Filmed, StyledFrame, TrueView};
+use super::multiview::{Errors, MultiView, StyledFrame, TrueView};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
 use crate::bench::runner::Runner;
-use crate::photos::Photographs;
+use crate::photos::PosedImages;
 use crate::scene::PhotoClipping;
 use std::sync::Arc;
 
@@ -24,24 +24,24 @@ pub(super) fn steps(points: usize) -> usize {
 pub(super) fn measure(
     run: &mut Run<'_>,
     runner: &mut Runner,
-    filmed: &Filmed<'_>,
-    used: &Arc<Photographs>,
+    multiview: &MultiView<'_>,
+    used: &Arc<PosedImages>,
     views: &[TrueView],
 ) -> Result<Vec<Row>, BenchError> {
     let mut rows = Vec::new();
-    let all = filmed.frame.frame.len();
+    let all = multiview.frame.frame.len();
     for points in POINTS.into_iter().filter(|&few| few < all) {
-        let frame = filmed.few(points)?.with_photographs(Arc::clone(used));
+        let frame = multiview.few(points)?.with_photos(Arc::clone(used));
         for &clipping in PhotoClipping::ALL {
-            run.begin_step(format!("{}: {points} points, clipping {clipping}", filmed.name))?;
-            let style = filmed.style.with(|style| style.photos.clipping = clipping);
+            run.begin_step(format!("{}: {points} points, clipping {clipping}", multiview.name))?;
+            let style = multiview.style.with(|style| style.photos.clipping = clipping);
             let drawn = StyledFrame {
                 frame: &frame,
                 style: &style,
             };
-            let errors = Errors::of(run, runner, filmed, drawn, views)?;
+            let errors = Errors::of(run, runner, multiview, drawn, views)?;
             let cells = vec![
-                ("sequence", Cell::Text(filmed.name.to_owned())),
+                ("sequence", Cell::Text(multiview.name.to_owned())),
                 ("mode", Cell::Text(style.photos.mode.name().to_owned())),
                 ("clipping", Cell::Text(clipping.name().to_owned())),
                 ("points", Cell::Number(frame.frame.len() as f64)),

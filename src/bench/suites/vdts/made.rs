@@ -4,12 +4,12 @@
 //! a dense cloud.
 
 use super::backgrounds::is_covered;
-use super::filmed::{Filmed, StyledFrame};
+use super::multiview::{MultiView, StyledFrame};
 use crate::bench::BenchError;
 use crate::bench::run::{COVERAGE_BACKGROUNDS, Run};
 use crate::bench::runner::Runner;
 use crate::bench::scenario;
-use crate::photos::{PhotoImage, Photograph, Photographs, Texture};
+use crate::photos::{PhotoImage, PosedImage, PosedImages, Texture};
 use crate::render::Renderer as _;
 use crate::render::cpu::CpuRenderer;
 use crate::rgbd::{self, DepthImage, Distortion};
@@ -29,27 +29,27 @@ const FOCAL: f64 = 2.5;
 pub(super) fn make(
     run: &mut Run<'_>,
     runner: &mut Runner,
-    filmed: &Filmed<'_>,
-) -> Result<Option<Photographs>, BenchError> {
-    let look = filmed.look;
+    multiview: &MultiView<'_>,
+) -> Result<Option<PosedImages>, BenchError> {
+    let look = multiview.look;
     let edge = f64::from(EDGE_PX);
     let focal = DVec2::splat(0.5 * FOCAL * edge);
     let Ok(pinhole) = rgbd::Camera::new([EDGE_PX; 2], focal, DVec2::splat(0.5 * edge - 0.5), Distortion::None) else {
         return Ok(None);
     };
-    let middle = filmed.origin + look.trimmed.center().as_dvec3();
+    let middle = multiview.origin + look.trimmed.center().as_dvec3();
     let distance = 1.1 * FOCAL.hypot(1.0) * f64::from(look.trimmed.radius()).max(f64::MIN_POSITIVE.sqrt());
     let mut depths = CpuRenderer::new();
-    let mut photographs = Vec::new();
+    let mut posed_images = Vec::new();
     for (number, (azimuth_deg, elevation_deg)) in scenario::directions(COUNT).enumerate() {
         run.check_cancelled()?;
         let camera_from_world = pose(look, middle, distance, [azimuth_deg, elevation_deg]);
         let camera = Camera::of_pinhole(&pinhole, camera_from_world.inverse(), distance, look.up);
         let drawn = StyledFrame {
-            frame: filmed.frame,
-            style: &filmed.style,
+            frame: multiview.frame,
+            style: &multiview.style,
         };
-        let packets = COVERAGE_BACKGROUNDS.map(|background| filmed.packet(drawn, &camera, background, [EDGE_PX; 2]));
+        let packets = COVERAGE_BACKGROUNDS.map(|background| multiview.packet(drawn, &camera, background, [EDGE_PX; 2]));
         let pictures = [runner.image(&packets[0])?, runner.image(&packets[1])?];
         depths.prepare(&packets[0])?;
         let depth = depths.draw_depths()?;
@@ -71,7 +71,7 @@ pub(super) fn make(
         let Some(image) = PhotoImage::new([EDGE_PX; 2], texels.collect()) else {
             return Ok(None);
         };
-        photographs.push(Photograph {
+        posed_images.push(PosedImage {
             name: format!("made {number:02}"),
             number,
             pinhole: pinhole.clone(),
@@ -84,20 +84,20 @@ pub(super) fn make(
     }
     // Directions are spread evenly over the sphere.
     let angle = (4.0 * std::f64::consts::PI / COUNT as f64).sqrt();
-    Ok(Some(Photographs::new(photographs, Some(angle))))
+    Ok(Some(PosedImages::new(posed_images, Some(angle))))
 }
 
 /// Returns the images without their depths: depths of the surface they are projected onto are then drawn.
-pub(super) fn without_depths(photographs: &Photographs) -> Photographs {
-    let photographs_without = photographs.all().iter().map(|photograph| Photograph {
-        name: photograph.name.clone(),
-        pinhole: photograph.pinhole.clone(),
-        texture: photograph.texture.clone(),
+pub(super) fn without_depths(posed_images: &PosedImages) -> PosedImages {
+    let photos_without = posed_images.all().iter().map(|posed_image| PosedImage {
+        name: posed_image.name.clone(),
+        pinhole: posed_image.pinhole.clone(),
+        texture: posed_image.texture.clone(),
         depth: None,
-        ..**photograph
+        ..**posed_image
     });
-    let angle = f64::from(photographs.neighbour_angle());
-    Photographs::new(photographs_without.collect(), Some(angle))
+    let angle = f64::from(posed_images.neighbour_angle());
+    PosedImages::new(photos_without.collect(), Some(angle))
 }
 
 /// Returns the pose of a camera that looks at `middle`.

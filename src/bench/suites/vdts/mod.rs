@@ -13,8 +13,8 @@ mod backgrounds;
 mod checker;
 mod clipped;
 mod columns;
-mod filmed;
 mod made;
+mod multiview;
 mod sizes;
 mod tree;
 
@@ -25,17 +25,17 @@ use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, OptionGroup, Suite};
 use crate::bench::truth_cache::TruthCache;
 use crate::bench::{BenchError, Quantiles};
-use crate::composition::{PHOTOGRAPH_BYTES, PictureView, packet};
+use crate::composition::{PHOTO_BYTES, PictureView, packet};
 use crate::measure::{SizeMismatch, flip, mean_squared_error, psnr_db};
-use crate::photos::{LoadedPhotographs, Photograph, Photographs};
+use crate::photos::{LoadedPhotos, PosedImage, PosedImages};
 use crate::render::AnyRenderer;
 use crate::scene::{Background, EyeDome, FirstLook, Lighting, PhotoMode, Primitive, Scene, ScenePacket, Settings};
 use crate::sequence::PreparedFrame;
 use crate::stereo::photo_surface;
 use backgrounds::is_covered;
 use columns::{COLUMNS, LEFT_OUT};
-use filmed::{Filmed, TrueView};
 use image::{Rgba, RgbaImage};
+use multiview::{MultiView, TrueView};
 use std::sync::Arc;
 
 /// Points that are left of a cloud that is photographed, and of the tree: as many as the paper has of the Buddha and of
@@ -65,7 +65,7 @@ pub const VDTS: &Suite = &Suite {
         viewpoints: 1,
         frames: 1,
     },
-    takes: &[OptionGroup::Photographs],
+    takes: &[OptionGroup::Photos],
     is_of_paper: false,
     has_paper_layout: false,
     columns: COLUMNS,
@@ -78,7 +78,7 @@ const MODES: [PhotoMode; 3] = [PhotoMode::Vdts, PhotoMode::Colored, PhotoMode::S
 
 /// Rendered image with the held-out image that it is compared with.
 struct Compared<'a> {
-    photograph: &'a Photograph,
+    posed_image: &'a PosedImage,
     mode: PhotoMode,
     covered: f64,
     psnr_db: f64,
@@ -116,9 +116,7 @@ fn measure_sequence(
 ) -> Result<bool, BenchError> {
     let index = subject.chosen.first().copied().unwrap_or(0);
     let settings = settings();
-    let style = settings
-        .decided()
-        .with(|style| style.of_sequence.has_photographs = true);
+    let style = settings.decided().with(|style| style.of_sequence.has_photos = true);
     let Ok(frame) = run.load(subject, index, 1, &Scene::needs(&style))? else {
         return Ok(false);
     };
@@ -126,19 +124,19 @@ fn measure_sequence(
     let look = FirstLook::of_sequence(&frame.frame, subject.sequence);
     let style = settings.resolved(&look).with(|style| {
         style.primitive = Primitive::Surfel;
-        style.of_sequence.has_photographs = true;
+        style.of_sequence.has_photos = true;
     });
-    if let Some(set) = subject.sequence.source().photographs(index) {
+    if let Some(set) = subject.sequence.source().posed_images(index) {
         run.check_cancelled()?;
-        let loaded = LoadedPhotographs::of(&set, PHOTOGRAPH_BYTES, run.progress());
+        let loaded = LoadedPhotos::of(&set, PHOTO_BYTES, run.progress());
         for note in &loaded.notes {
             run.note(format!("{}: {note}", subject.name));
         }
-        let all = &loaded.photographs;
+        let all = &loaded.posed_images;
         let used = all.without(&left_out(run, all));
         // What is left out is not to tell where the surface is.
         let used = used.with_surface(photo_surface(&set, &used, origin, run.progress()));
-        let shown = Filmed {
+        let shown = MultiView {
             name: subject.name,
             frame: &frame,
             origin,
@@ -149,29 +147,32 @@ fn measure_sequence(
         run.finish(subject, &[frame.frame.len() as f64], &[], rows);
         return Ok(false);
     }
-    let filmed = Filmed {
+    let multiview = MultiView {
         name: subject.name,
         frame: &frame,
         origin,
         look: &look,
         style,
     };
-    let Some(with_depths) = made::make(run, runner, &filmed)? else {
+    let Some(with_depths) = made::make(run, runner, &multiview)? else {
         return Ok(false);
     };
-    let few = filmed.few(few_points)?;
-    let photographs = made::without_depths(&with_depths);
-    let used = Arc::new(photographs.without(&left_out(run, &photographs)));
-    let shown = Filmed { frame: &few, ..filmed };
-    let mut rows = leave_out(run, runner, &shown, &photographs, &used)?;
-    rows.extend(tables_of_paper(run, runner, &filmed, &few, &with_depths)?);
+    let few = multiview.few(few_points)?;
+    let posed_images = made::without_depths(&with_depths);
+    let used = Arc::new(posed_images.without(&left_out(run, &posed_images)));
+    let shown = MultiView {
+        frame: &few,
+        ..multiview
+    };
+    let mut rows = leave_out(run, runner, &shown, &posed_images, &used)?;
+    rows.extend(tables_of_paper(run, runner, &multiview, &few, &with_depths)?);
     run.finish(subject, &[few.frame.len() as f64], &[], rows);
     Ok(true)
 }
 
 /// Returns the held-out images, by their numbers.
-fn left_out(run: &Run<'_>, photographs: &Photographs) -> Vec<usize> {
-    let numbers = photographs.all().iter().map(|photograph| photograph.number + 1);
+fn left_out(run: &Run<'_>, posed_images: &PosedImages) -> Vec<usize> {
+    let numbers = posed_images.all().iter().map(|posed_image| posed_image.number + 1);
     run.options.leave_out.of(numbers.max().unwrap_or(0))
 }
 
@@ -179,18 +180,18 @@ fn left_out(run: &Run<'_>, photographs: &Photographs) -> Vec<usize> {
 fn leave_out(
     run: &mut Run<'_>,
     runner: &mut Runner,
-    shown: &Filmed<'_>,
-    photographs: &Photographs,
-    used: &Arc<Photographs>,
+    shown: &MultiView<'_>,
+    posed_images: &PosedImages,
+    used: &Arc<PosedImages>,
 ) -> Result<Vec<Row>, BenchError> {
-    let left_out = left_out(run, photographs);
+    let left_out = left_out(run, posed_images);
     let mut rows = Vec::new();
     run.add_steps(left_out.len());
-    let all = photographs.all().iter();
-    for photograph in all.filter(|photograph| left_out.contains(&photograph.number)) {
-        run.begin_step(format!("{}: {}", shown.name, photograph.name))?;
+    let all = posed_images.all().iter();
+    for posed_image in all.filter(|posed_image| left_out.contains(&posed_image.number)) {
+        run.begin_step(format!("{}: {}", shown.name, posed_image.name))?;
         for mode in MODES {
-            let compared = compare(run, runner, shown, photograph, used, mode)?;
+            let compared = compare(run, runner, shown, posed_image, used, mode)?;
             rows.push(compared.row(shown.name, shown.frame.frame.len(), used.all().len()));
         }
     }
@@ -201,23 +202,23 @@ fn leave_out(
 fn tables_of_paper(
     run: &mut Run<'_>,
     runner: &mut Runner,
-    filmed: &Filmed<'_>,
+    multiview: &MultiView<'_>,
     few: &PreparedFrame,
-    with_depths: &Photographs,
+    with_depths: &PosedImages,
 ) -> Result<Vec<Row>, BenchError> {
     let left_out = left_out(run, with_depths);
     let cache = TruthCache::new(run.options.truth_folder.clone());
-    run.add_steps(left_out.len() + sizes::STEPS + clipped::steps(filmed.frame.frame.len()));
+    run.add_steps(left_out.len() + sizes::STEPS + clipped::steps(multiview.frame.frame.len()));
     let mut views = Vec::new();
-    for photograph in with_depths.all() {
-        if left_out.contains(&photograph.number) {
-            run.begin_step(format!("{}: the truth of {}", filmed.name, photograph.name))?;
-            let world_from_camera = photograph.camera_from_world.inverse();
-            let camera = filmed
+    for posed_image in with_depths.all() {
+        if left_out.contains(&posed_image.number) {
+            run.begin_step(format!("{}: the truth of {}", multiview.name, posed_image.name))?;
+            let world_from_camera = posed_image.camera_from_world.inverse();
+            let camera = multiview
                 .look
-                .camera_of_pinhole(&photograph.pinhole, world_from_camera, filmed.origin);
-            let size_px = photograph.texture.size_px();
-            views.push(TrueView::new(&cache, filmed, camera, size_px));
+                .camera_of_pinhole(&posed_image.pinhole, world_from_camera, multiview.origin);
+            let size_px = posed_image.texture.size_px();
+            views.push(TrueView::new(&cache, multiview, camera, size_px));
         }
     }
     if views.is_empty() {
@@ -225,8 +226,8 @@ fn tables_of_paper(
     }
     let with_depths = Arc::new(with_depths.without(&left_out));
     let used = Arc::new(made::without_depths(&with_depths));
-    let mut rows = sizes::measure(run, runner, filmed, few, &used, &views)?;
-    rows.extend(clipped::measure(run, runner, filmed, &with_depths, &views)?);
+    let mut rows = sizes::measure(run, runner, multiview, few, &used, &views)?;
+    rows.extend(clipped::measure(run, runner, multiview, &with_depths, &views)?);
     Ok(rows)
 }
 
@@ -242,20 +243,20 @@ fn settings() -> Settings {
 fn compare<'a>(
     run: &Run<'_>,
     runner: &mut Runner,
-    shown: &Filmed<'_>,
-    photograph: &'a Photograph,
-    used: &Arc<Photographs>,
+    shown: &MultiView<'_>,
+    posed_image: &'a PosedImage,
+    used: &Arc<PosedImages>,
     mode: PhotoMode,
 ) -> Result<Compared<'a>, BenchError> {
-    let world_from_camera = photograph.camera_from_world.inverse();
+    let world_from_camera = posed_image.camera_from_world.inverse();
     let view = PictureView {
         camera: &shown
             .look
-            .camera_of_pinhole(&photograph.pinhole, world_from_camera, shown.origin),
+            .camera_of_pinhole(&posed_image.pinhole, world_from_camera, shown.origin),
         origin: shown.origin,
-        size_px: photograph.texture.size_px(),
+        size_px: posed_image.texture.size_px(),
     };
-    let frame = shown.frame.with_photographs(Arc::clone(used));
+    let frame = shown.frame.with_photos(Arc::clone(used));
     let mut scene = Scene::default();
     let mut packet_on = |background: [u8; 3]| -> ScenePacket {
         let style = shown.style.with(|style| {
@@ -274,7 +275,7 @@ fn compare<'a>(
         }
     }
     let [on_dark, on_bright] = [runner.image(&packets[0])?, runner.image(&packets[1])?];
-    let truth = truth_of(photograph);
+    let truth = truth_of(posed_image);
     // Pixels of the photograph that show nothing (beyond its lens, or masked out) are no truth.
     let pixels = on_dark.pixels().zip(on_bright.pixels()).zip(truth.pixels());
     let compared: Vec<bool> = pixels
@@ -293,7 +294,7 @@ fn compare<'a>(
     let squared_error = mean_squared_error(&truth, &picture).map_err(wrong_size)?;
     let errors = flip(&truth, &picture).map_err(wrong_size)?;
     Ok(Compared {
-        photograph,
+        posed_image,
         mode,
         covered: share,
         psnr_db: psnr_db(squared_error / share.max(f64::MIN_POSITIVE)),
@@ -303,10 +304,10 @@ fn compare<'a>(
 }
 
 /// Returns the ground truth of an image: its content, adjusted to the brightness of the others.
-fn truth_of(photograph: &Photograph) -> RgbaImage {
-    let picture = &photograph.texture.levels()[0];
+fn truth_of(posed_image: &PosedImage) -> RgbaImage {
+    let picture = &posed_image.texture.levels()[0];
     let [width, height] = picture.size_px();
-    let gain = photograph.gain.to_array();
+    let gain = posed_image.gain.to_array();
     RgbaImage::from_fn(width, height, |x, y| {
         let [red, green, blue, alpha] = picture.pixels()[(width * y + x) as usize];
         let [red, green, blue] = [0, 1, 2].map(|at| {
@@ -318,18 +319,18 @@ fn truth_of(photograph: &Photograph) -> RgbaImage {
 }
 
 impl Compared<'_> {
-    fn row(&self, sequence: &str, points: usize, photographs: usize) -> Row {
-        let [width, height] = self.photograph.texture.size_px();
+    fn row(&self, sequence: &str, points: usize, posed_images: usize) -> Row {
+        let [width, height] = self.posed_image.texture.size_px();
         let times = Quantiles::of(&self.times_ms);
         columns::row(
             LEFT_OUT,
             &[
                 ("sequence", Cell::Text(sequence.to_owned())),
-                ("photo", Cell::Text(self.photograph.name.clone())),
-                ("number", Cell::Number(self.photograph.number as f64)),
+                ("photo", Cell::Text(self.posed_image.name.clone())),
+                ("number", Cell::Number(self.posed_image.number as f64)),
                 ("mode", Cell::Text(self.mode.to_string())),
                 ("points", Cell::Number(points as f64)),
-                ("photographs", Cell::Number(photographs as f64)),
+                ("photographs", Cell::Number(posed_images as f64)),
                 ("width", Cell::Number(f64::from(width))),
                 ("height", Cell::Number(f64::from(height))),
                 ("covered", Cell::Number(self.covered)),

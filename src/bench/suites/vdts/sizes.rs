@@ -6,13 +6,13 @@
 //! and those of the compared views are held out.
 
 use super::columns::SIZES;
-use super::filmed::{Errors, Filmed, StyledFrame, TrueView, times_ms};
+use super::multiview::{Errors, MultiView, StyledFrame, TrueView, times_ms};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
 use crate::bench::runner::Runner;
 use crate::cloud::{Attributes, Frame, Positions, RawCloud};
-use crate::photos::{PhotoImage, Photographs};
+use crate::photos::{PhotoImage, PosedImages};
 use crate::reel::{NewFrame, ReelOptions, write_to_memory};
 use crate::scene::PhotoMode;
 use crate::sequence::PreparedFrame;
@@ -34,42 +34,42 @@ pub(super) const STEPS: usize = 4;
 pub(super) fn measure(
     run: &mut Run<'_>,
     runner: &mut Runner,
-    filmed: &Filmed<'_>,
+    multiview: &MultiView<'_>,
     few: &PreparedFrame,
-    used: &Arc<Photographs>,
+    used: &Arc<PosedImages>,
     views: &[TrueView],
 ) -> Result<Vec<Row>, BenchError> {
     let point_bytes = bytes_of_points(&few.frame)?;
-    let pictures = used.all().iter().map(|photograph| &photograph.texture.levels()[0]);
+    let pictures = used.all().iter().map(|posed_image| &posed_image.texture.levels()[0]);
     let photo_bytes: Option<usize> = pictures.map(bytes_of_picture).sum();
-    let photographed = few.with_photographs(Arc::clone(used));
+    let textured = few.with_photos(Arc::clone(used));
     let mut rows = Vec::new();
     for mode in [PhotoMode::Vdts, PhotoMode::Single, PhotoMode::Colored] {
-        run.begin_step(format!("{}: {mode} by size", filmed.name))?;
+        run.begin_step(format!("{}: {mode} by size", multiview.name))?;
         let has_photos = mode != PhotoMode::Colored;
-        let (photographs, photo_bytes) = if has_photos {
+        let (posed_images, photo_bytes) = if has_photos {
             (used.all().len(), photo_bytes)
         } else {
             (0, Some(0))
         };
-        let style = filmed.style.with(|style| style.photos.mode = mode);
+        let style = multiview.style.with(|style| style.photos.mode = mode);
         let bytes = photo_bytes.map(|photos| (point_bytes + photos) as f64);
-        let cells = cells(filmed.name, mode.name(), few, photographs, bytes);
-        let photographed = StyledFrame {
-            frame: &photographed,
+        let cells = cells(multiview.name, mode.name(), few, posed_images, bytes);
+        let textured = StyledFrame {
+            frame: &textured,
             style: &style,
         };
-        rows.push(ViewSamples::of(run, runner, filmed, photographed, views)?.row(cells));
+        rows.push(ViewSamples::of(run, runner, multiview, textured, views)?.row(cells));
     }
-    run.begin_step(format!("{}: splats by size", filmed.name))?;
-    let splats = filmed.few(MAX_SPLATS)?;
+    run.begin_step(format!("{}: splats by size", multiview.name))?;
+    let splats = multiview.few(MAX_SPLATS)?;
     let bytes = Some(bytes_of_points(&splats.frame)? as f64);
-    let cells = cells(filmed.name, "splats", &splats, 0, bytes);
+    let cells = cells(multiview.name, "splats", &splats, 0, bytes);
     let splats = StyledFrame {
         frame: &splats,
-        style: &filmed.style,
+        style: &multiview.style,
     };
-    rows.push(ViewSamples::of(run, runner, filmed, splats, views)?.row(cells));
+    rows.push(ViewSamples::of(run, runner, multiview, splats, views)?.row(cells));
     Ok(rows)
 }
 
@@ -82,13 +82,13 @@ impl ViewSamples {
     fn of(
         run: &Run<'_>,
         runner: &mut Runner,
-        filmed: &Filmed<'_>,
+        multiview: &MultiView<'_>,
         drawn: StyledFrame<'_>,
         views: &[TrueView],
     ) -> Result<Self, BenchError> {
         Ok(Self {
-            errors: Errors::of(run, runner, filmed, drawn, views)?,
-            times_ms: times_ms(run, runner, filmed, drawn, views)?,
+            errors: Errors::of(run, runner, multiview, drawn, views)?,
+            times_ms: times_ms(run, runner, multiview, drawn, views)?,
         })
     }
 
@@ -101,14 +101,14 @@ fn cells(
     name: &str,
     mode: &str,
     frame: &PreparedFrame,
-    photographs: usize,
+    posed_images: usize,
     bytes: Option<f64>,
 ) -> Vec<(&'static str, Cell)> {
     vec![
         ("sequence", Cell::Text(name.to_owned())),
         ("mode", Cell::Text(mode.to_owned())),
         ("points", Cell::Number(frame.frame.len() as f64)),
-        ("photographs", Cell::Number(photographs as f64)),
+        ("photographs", Cell::Number(posed_images as f64)),
         ("bytes", Cell::maybe(bytes)),
     ]
 }

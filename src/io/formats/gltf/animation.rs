@@ -164,9 +164,9 @@ fn sample<const N: usize>(
             ),
         ));
     }
-    let key = |moment: usize, part: usize| keys[moment * per_time + part];
-    let value = |moment: usize| key(moment, per_time / 2);
-    let after = times.partition_point(|&[moment]| f64::from(moment) <= time);
+    let key = |time_step: usize, part: usize| keys[time_step * per_time + part];
+    let value = |time_step: usize| key(time_step, per_time / 2);
+    let after = times.partition_point(|&[time_step]| f64::from(time_step) <= time);
     if times.is_empty() {
         return Ok(None);
     }

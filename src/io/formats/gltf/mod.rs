@@ -37,7 +37,7 @@ pub(in crate::io) const FORMAT: Format = Format::new(&Traits {
     magic: &[Magic::start(b"glTF")],
     convention: Some(AxisConvention::YUp),
     unit: Some(LengthUnit::Metre),
-    holds: Holding::Moments,
+    holds: Holding::TimeSteps,
     is_for_meshes: true,
     ..Traits::PLAIN
 });
@@ -77,7 +77,7 @@ fn list_bytes(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Vec<En
         Entry {
             name: format!("t={:.3} s", time.as_secs_f64()),
             time: Some(time),
-            part: Part::Moment(time),
+            part: Part::TimeStep(time),
         }
     };
     Ok((0..frames).map(entry).collect())
@@ -87,7 +87,7 @@ fn list_bytes(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Vec<En
 /// it.
 pub(in crate::io) fn decode(path: &Path, bytes: &[u8], part: &Part, options: &ReadOptions) -> Result<RawCloud, Fault> {
     let time_s = match part {
-        Part::Moment(time) => time.as_secs_f64(),
+        Part::TimeStep(time) => time.as_secs_f64(),
         _ => 0.0,
     };
     Scene::open(path, bytes, options)?.into_frame(time_s)

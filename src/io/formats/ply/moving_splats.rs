@@ -72,11 +72,11 @@ impl<'a> MovingSplats<'a> {
     pub(super) fn put_into(self, cloud: &mut RawCloud, rotations: &mut [Quat], shares: &mut [f32]) {
         let count = cloud.positions.len();
         let centers = self.center.to_f32(count);
-        let moment = median(&centers);
+        let instant = median(&centers);
         let widths = self.width.map(|width| width.to_f32(count));
         let motion: Vec<Vec<f32>> = self.motion.iter().map(|column| column.to_f32(count)).collect();
         let turn = self.turn.map(|turn| turn.each_ref().map(|column| column.to_f32(count)));
-        let since = |index: usize| moment - centers[index];
+        let since = |index: usize| instant - centers[index];
         for (index, share) in shares.iter_mut().enumerate() {
             let width = widths.as_ref().map_or(f32::INFINITY, |widths| widths[index].exp());
             *share = (-(since(index) / width).powi(2)).exp();
@@ -114,7 +114,7 @@ impl<'a> MovingSplats<'a> {
         }
         cloud.warnings.push(format!(
             "header: these are moving splats (Spacetime Gaussians): their time is not read, they are shown as they \
-             are at t = {moment}"
+             are at t = {instant}"
         ));
     }
 }

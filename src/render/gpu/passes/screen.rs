@@ -1,7 +1,7 @@
 //! Passes over the whole target.
 
-use super::shade::{SHADE, SHADE_PHOTO_ANSWERS, SHADE_PHOTO_ANSWERS_PHYSICAL, SHADE_PHOTOGRAPHS};
-use super::shade::{SHADE_PHOTOGRAPHS_PHYSICAL, SHADE_PHYSICAL};
+use super::shade::{SHADE, SHADE_PHOTO_ANSWERS, SHADE_PHOTO_ANSWERS_PHYSICAL, SHADE_PHOTOS};
+use super::shade::{SHADE_PHOTOS_PHYSICAL, SHADE_PHYSICAL};
 use super::state::{COMPLETED, ColorUse, OVER, ScreenPass};
 use crate::render::constants::{FARTHEST_GREY, NEAREST_GREY, opaque_weight};
 use crate::render::gpu::constants::declared;
@@ -15,15 +15,15 @@ use crate::scene::rim_px;
 pub(in crate::render::gpu) const SCREEN_PASSES: [&ScreenPass; 12] = [
     &SHADE,
     &SHADE_PHYSICAL,
-    &SHADE_PHOTOGRAPHS,
-    &SHADE_PHOTOGRAPHS_PHYSICAL,
+    &SHADE_PHOTOS,
+    &SHADE_PHOTOS_PHYSICAL,
     &PHOTO_ANSWERS,
     &PULL,
     &PUSH,
     &SHADE_PHOTO_ANSWERS,
     &SHADE_PHOTO_ANSWERS_PHYSICAL,
     &RESOLVE,
-    &RESOLVE_PHOTOGRAPHS,
+    &RESOLVE_PHOTOS,
     &DEPTH_VIEW,
 ];
 
@@ -32,7 +32,7 @@ pub(in crate::render::gpu) const PHOTO_ANSWERS: ScreenPass = ScreenPass {
     name: "photo answers",
     files: &[shader_file!("passes/photo_answers.wgsl")],
     parts: &[],
-    source: Some(Source::Photographed),
+    source: Some(Source::Textured),
     color: ColorUse::replacing(Target::PhotoAnswers),
     depth: None,
 };
@@ -74,10 +74,10 @@ pub(in crate::render::gpu) const RESOLVE: ScreenPass = ScreenPass {
 };
 
 /// Resolve pass for surfaces with view-dependent texturing, whose gaps are closed.
-pub(in crate::render::gpu) const RESOLVE_PHOTOGRAPHS: ScreenPass = ScreenPass {
+pub(in crate::render::gpu) const RESOLVE_PHOTOS: ScreenPass = ScreenPass {
     name: "resolve photographs",
-    files: &[shader_file!("passes/resolve_photographs.wgsl")],
-    source: Some(Source::PhotographedSums),
+    files: &[shader_file!("passes/resolve_photos.wgsl")],
+    source: Some(Source::TexturedSums),
     ..RESOLVE
 };
 

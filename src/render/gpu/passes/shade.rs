@@ -14,8 +14,8 @@ use glam::Vec3;
 const BLINN_PHONG: ShaderFile = shader_file!("common/blinn_phong.wgsl");
 const PHYSICAL: ShaderFile = shader_file!("common/physical.wgsl");
 const OWN_COLORS: ShaderFile = shader_file!("common/own_colors.wgsl");
-const PHOTOGRAPHED: ShaderFile = shader_file!("common/photographed.wgsl");
-const PHOTOGRAPHS: ShaderFile = shader_file!("common/photographs.wgsl");
+const TEXTURED: ShaderFile = shader_file!("common/textured.wgsl");
+const PHOTOS: ShaderFile = shader_file!("common/photos.wgsl");
 const PHOTO_ANSWERS: ShaderFile = shader_file!("common/photo_answers.wgsl");
 const SHADE_FILE: ShaderFile = shader_file!("passes/shade.wgsl");
 
@@ -39,25 +39,25 @@ pub(in crate::render::gpu) const SHADE_PHYSICAL: ScreenPass = ScreenPass {
 };
 
 /// Deferred shading of surfaces with view-dependent texturing (paper 004 §3).
-pub(in crate::render::gpu) const SHADE_PHOTOGRAPHS: ScreenPass = ScreenPass {
+pub(in crate::render::gpu) const SHADE_PHOTOS: ScreenPass = ScreenPass {
     name: "shade photographs",
-    files: &[BLINN_PHONG, PHOTOGRAPHS, PHOTOGRAPHED, SHADE_FILE],
-    source: Some(Source::Photographed),
+    files: &[BLINN_PHONG, PHOTOS, TEXTURED, SHADE_FILE],
+    source: Some(Source::Textured),
     ..SHADE
 };
 
 /// Deferred shading of surfaces with view-dependent texturing and a material, in an environment.
-pub(in crate::render::gpu) const SHADE_PHOTOGRAPHS_PHYSICAL: ScreenPass = ScreenPass {
+pub(in crate::render::gpu) const SHADE_PHOTOS_PHYSICAL: ScreenPass = ScreenPass {
     name: "shade photographs physically",
-    files: &[PHYSICAL, PHOTOGRAPHS, PHOTOGRAPHED, SHADE_FILE],
+    files: &[PHYSICAL, PHOTOS, TEXTURED, SHADE_FILE],
     parts: SHADE_PHYSICAL.parts,
-    ..SHADE_PHOTOGRAPHS
+    ..SHADE_PHOTOS
 };
 
 /// Deferred shading of the view-dependent texturing results.
 pub(in crate::render::gpu) const SHADE_PHOTO_ANSWERS: ScreenPass = ScreenPass {
     name: "shade photo answers",
-    files: &[BLINN_PHONG, PHOTO_ANSWERS, PHOTOGRAPHED, SHADE_FILE],
+    files: &[BLINN_PHONG, PHOTO_ANSWERS, TEXTURED, SHADE_FILE],
     source: Some(Source::PhotoAnswers),
     ..SHADE
 };
@@ -65,7 +65,7 @@ pub(in crate::render::gpu) const SHADE_PHOTO_ANSWERS: ScreenPass = ScreenPass {
 /// Deferred shading of the view-dependent texturing results with a material, in an environment.
 pub(in crate::render::gpu) const SHADE_PHOTO_ANSWERS_PHYSICAL: ScreenPass = ScreenPass {
     name: "shade photo answers physically",
-    files: &[PHYSICAL, PHOTO_ANSWERS, PHOTOGRAPHED, SHADE_FILE],
+    files: &[PHYSICAL, PHOTO_ANSWERS, TEXTURED, SHADE_FILE],
     parts: SHADE_PHYSICAL.parts,
     ..SHADE_PHOTO_ANSWERS
 };

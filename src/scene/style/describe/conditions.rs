@@ -9,8 +9,8 @@ pub trait Conditions {
     fn blends_surfels(&self) -> bool;
     /// Returns true if the GPU draws surfels on their planes, and what is outside their disks is not seen.
     fn draws_disks_on_gpu(&self) -> bool;
-    /// See `Style::draws_photographs`.
-    fn draws_photographs(&self) -> bool;
+    /// See `Style::draws_photos`.
+    fn draws_photos(&self) -> bool;
     /// See `Style::draws_points`.
     fn draws_points(&self) -> bool;
     /// See `Style::draws_surfels`.
@@ -54,7 +54,7 @@ pub trait Conditions {
     /// Eye-dome lighting is on, and there are depths for it.
     fn has_eye_dome(&self) -> bool;
     /// Returns true if the sequence has posed images.
-    fn has_photographs(&self) -> bool;
+    fn has_photos(&self) -> bool;
     /// Returns true if posed images are blended by the view direction (view-dependent texturing).
     fn draws_view_dependent_textures(&self) -> bool;
     /// Points are drawn whose size is a length in the scene.

@@ -171,7 +171,7 @@ pub enum Section {
     /// Light.
     Shading,
     /// View-dependent texturing.
-    Photographs,
+    Photos,
     /// Background and ground grid.
     Background,
     /// A place of its own.

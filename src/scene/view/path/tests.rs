@@ -216,21 +216,21 @@ proptest! {
     /// accelerate.
     #[test]
     fn the_camera_has_one_speed_at_a_keyframe(path in any_path()) {
-        const MOMENT_S: f64 = 1e-6;
+        const AT_TIME_S: f64 = 1e-6;
         for keys in path.keyframes().windows(3) {
             let here_s = keys[1].time_s - path.keyframes()[0].time_s;
             let [before, here, after] =
-                [-MOMENT_S, 0.0, MOMENT_S].map(|moment| moving(&path.at(here_s + moment).0));
+                [-AT_TIME_S, 0.0, AT_TIME_S].map(|at_time| moving(&path.at(here_s + at_time).0));
             let [from, inner, to] = [0, 1, 2].map(|index| moving(&keys[index].camera));
             let spans = [1, 2].map(|index| keys[index].time_s - keys[index - 1].time_s);
             for axis in [3, 4, 5] {
-                let speeds = [here[axis] - before[axis], after[axis] - here[axis]].map(|way| way / MOMENT_S);
+                let speeds = [here[axis] - before[axis], after[axis] - here[axis]].map(|way| way / AT_TIME_S);
                 // A cubic whose slopes are at most three times its secant.
                 let acceleration = 24.0
                     * ((inner[axis] - from[axis]).abs() / spans[0].powi(2))
                         .max((to[axis] - inner[axis]).abs() / spans[1].powi(2));
                 let rounding = 1e-6 * (1.0 + speeds[0].abs());
-                prop_assert!((speeds[0] - speeds[1]).abs() <= acceleration * MOMENT_S + rounding, "{speeds:?}");
+                prop_assert!((speeds[0] - speeds[1]).abs() <= acceleration * AT_TIME_S + rounding, "{speeds:?}");
             }
         }
     }

@@ -20,11 +20,11 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     if depths.is_empty() {
         return Ok(None);
     }
-    let moment = |name: &str| Some(name.rsplit_once('.')?.0.to_owned());
-    let pairs = by_key(&depths, &folder.images(), moment);
+    let time_step = |name: &str| Some(name.rsplit_once('.')?.0.to_owned());
+    let pairs = by_key(&depths, &folder.images(), time_step);
     let cameras: Vec<Option<String>> = depths
         .iter()
-        .map(|path| moment(name_of(path)).map(|moment| format!("{moment}.txt")))
+        .map(|path| time_step(name_of(path)).map(|time_step| format!("{time_step}.txt")))
         .collect();
     let mut found = FoundRecording::of_pairs(
         depths,

@@ -17,7 +17,7 @@ const DEPTH: &[&str] = &["_depth"];
 const COLOR: &[&str] = &["_rgb", "_color", "_yuv422"];
 
 /// The part of `name` before one of `ends` and the extension.
-fn moment<'a>(name: &'a str, ends: &[&str]) -> Option<&'a str> {
+fn time_step<'a>(name: &'a str, ends: &[&str]) -> Option<&'a str> {
     let (stem, _) = name
         .rsplit_once('.')
         .filter(|_| has_extension(name, &["tiff", "tif", "pclzf"]))?;
@@ -25,27 +25,27 @@ fn moment<'a>(name: &'a str, ends: &[&str]) -> Option<&'a str> {
 }
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
-    let depths = folder.files(|name| moment(name, DEPTH).is_some());
+    let depths = folder.files(|name| time_step(name, DEPTH).is_some());
     if depths.is_empty() {
         return Ok(None);
     }
-    let colors = folder.files(|name| moment(name, COLOR).is_some());
+    let colors = folder.files(|name| time_step(name, COLOR).is_some());
     let both = [DEPTH, COLOR].concat();
-    let pairs = by_key(&depths, &colors, |name| moment(name, &both).map(str::to_owned));
-    let moments: Vec<String> = depths
+    let pairs = by_key(&depths, &colors, |name| time_step(name, &both).map(str::to_owned));
+    let time_steps: Vec<String> = depths
         .iter()
-        .filter_map(|path| moment(name_of(path), DEPTH).map(str::to_owned))
+        .filter_map(|path| time_step(name_of(path), DEPTH).map(str::to_owned))
         .collect();
     let usual = Calibration::usual(CAMERA, "PCL's grabbers");
     let mut found = FoundRecording::of_pairs(depths, pairs, usual, DepthCode::per_metre(1000.0));
     found.units = Units::Usual("PCL's grabbers");
     // A time is told by the whole name: `_depth` would be its end.
-    let names: Vec<String> = moments.iter().map(|moment| format!("{moment}.pcd")).collect();
+    let names: Vec<String> = time_steps.iter().map(|time_step| format!("{time_step}.pcd")).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let mut cameras = Cameras::of(folder);
-    for ((frame, moment), time) in found.frames.iter_mut().zip(&moments).zip(times_of_names(&names)) {
+    for ((frame, time_step), time) in found.frames.iter_mut().zip(&time_steps).zip(times_of_names(&names)) {
         frame.time = time;
-        if let Some(camera) = cameras.of_moment(moment)? {
+        if let Some(camera) = cameras.of_time_step(time_step)? {
             frame.calibration = camera;
         }
     }
@@ -69,8 +69,8 @@ impl Cameras {
         }
     }
 
-    fn of_moment(&mut self, moment: &str) -> Result<Option<Arc<Calibration>>, RgbdError> {
-        let file = format!("{moment}.xml");
+    fn of_time_step(&mut self, time_step: &str) -> Result<Option<Arc<Calibration>>, RgbdError> {
+        let file = format!("{time_step}.xml");
         let path = self
             .folders
             .iter()

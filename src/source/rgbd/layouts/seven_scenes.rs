@@ -58,15 +58,15 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     if depths.is_empty() {
         return Ok(None);
     }
-    let moment = |name: &str| Some(name.split_once('.')?.0.to_owned());
+    let time_step = |name: &str| Some(name.split_once('.')?.0.to_owned());
     let pairs = by_key(
         &depths,
         &folder.files(|name| named(".color")(name) && is_image(name)),
-        moment,
+        time_step,
     );
     let poses: Vec<Option<String>> = depths
         .iter()
-        .map(|path| moment(name_of(path)).map(|moment| format!("{moment}.pose.txt")))
+        .map(|path| time_step(name_of(path)).map(|time_step| format!("{time_step}.pose.txt")))
         .collect();
     let code = DepthCode::per_metre(1000.0);
     let mut notes = Vec::new();

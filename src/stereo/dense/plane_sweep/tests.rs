@@ -49,7 +49,7 @@ fn trace(camera: &Camera, pose: DAffine3, pixel: DVec2) -> Option<(f64, [u8; 3])
     Some((along, [level, level, level / 2]))
 }
 
-fn photograph(camera: &Camera, pose: DAffine3) -> ColorImage {
+fn posed_image(camera: &Camera, pose: DAffine3) -> ColorImage {
     let [width, height] = SIZE;
     let pixels = (0..width * height).map(|at| DVec2::new(f64::from(at % width), f64::from(at / width)));
     let color = |pixel| trace(camera, pose, pixel).map_or([60; 3], |(_, color)| color);
@@ -59,18 +59,18 @@ fn photograph(camera: &Camera, pose: DAffine3) -> ColorImage {
 struct Scene {
     camera: Camera,
     poses: Vec<DAffine3>,
-    photographs: Vec<ColorImage>,
+    posed_images: Vec<ColorImage>,
 }
 
 impl Scene {
     fn new(count: usize) -> Self {
         let camera = camera();
         let poses = poses(count);
-        let photographs = poses.iter().map(|&pose| photograph(&camera, pose)).collect();
+        let posed_images = poses.iter().map(|&pose| posed_image(&camera, pose)).collect();
         Self {
             camera,
             poses,
-            photographs,
+            posed_images,
         }
     }
 
@@ -80,7 +80,7 @@ impl Scene {
             camera: &self.camera,
             camera_from_world,
         };
-        self.photographs.iter().zip(&self.poses).map(view).collect()
+        self.posed_images.iter().zip(&self.poses).map(view).collect()
     }
 }
 
@@ -197,10 +197,10 @@ fn turned_and_nearer_views_tell_the_same_depths() {
         let turn = DAffine3::from_rotation_z(degrees.to_radians());
         *pose = turn * DAffine3::from_translation(DVec3::new(0.0, 0.0, -nearer)) * *pose;
     }
-    scene.photographs = scene
+    scene.posed_images = scene
         .poses
         .iter()
-        .map(|&pose| photograph(&scene.camera, pose))
+        .map(|&pose| posed_image(&scene.camera, pose))
         .collect();
     let views = scene.views();
     let depths = depths_of(&views, 1, &PlaneSweep::between(2.5, 5.0));

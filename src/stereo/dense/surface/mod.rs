@@ -18,7 +18,7 @@ mod others;
 mod tests;
 
 use super::all_views::{AROUND_MIDDLE, depth_range, telling};
-use crate::photos::{Observation, PhotoSurface, Photograph, Photographs, ViewSet, resized};
+use crate::photos::{Observation, PhotoSurface, PosedImage, PosedImages, ViewSet, resized};
 use crate::progress::Progress;
 use crate::rgbd::{Camera, ColorImage, DepthImage};
 use crate::stereo::Consistency;
@@ -66,22 +66,22 @@ struct Small {
     is_scene: Vec<bool>,
 }
 
-/// The surface that `photographs` of `set` show, relative to `origin`; `None` where they have depths or a cloud
+/// The surface that `posed_images` of `set` show, relative to `origin`; `None` where they have depths or a cloud
 /// already, and where they do not tell any depth. Says in `progress` how much is done; what it returns after that was
 /// cancelled is of no use.
 pub fn photo_surface(
     set: &ViewSet,
-    photographs: &Photographs,
+    posed_images: &PosedImages,
     origin: DVec3,
     progress: &Progress,
 ) -> Option<PhotoSurface> {
-    let has_depths = photographs.all().iter().any(|photograph| photograph.depth.is_some());
+    let has_depths = posed_images.all().iter().any(|posed_image| posed_image.depth.is_some());
     let has_cloud = set.points.len() > MAX_POINTS || set.points.is_empty() && set.points_file.is_some();
-    if has_depths || has_cloud || photographs.all().len() < Consistency::default().min_views {
+    if has_depths || has_cloud || posed_images.all().len() < Consistency::default().min_views {
         return None;
     }
-    let all = photographs.all().iter();
-    let small: Vec<Small> = all.filter_map(|photograph| Small::of(photograph)).collect();
+    let all = posed_images.all().iter();
+    let small: Vec<Small> = all.filter_map(|posed_image| Small::of(posed_image)).collect();
     let views: Vec<View<'_>> = small.iter().map(Small::view).collect();
     let middles = set.middles();
     let looked_at: Vec<usize> = (0..small.len())
@@ -196,8 +196,8 @@ fn is_sound(set: &ViewSet, position: DVec3, track: &[Observation]) -> bool {
 }
 
 impl Small {
-    fn of(photograph: &Photograph) -> Option<Self> {
-        let levels = photograph.texture.levels();
+    fn of(posed_image: &PosedImage) -> Option<Self> {
+        let levels = posed_image.texture.levels();
         let is_small = |size: [u32; 2]| size[0].max(size[1]) <= MAX_SIDE_PX;
         let level = levels
             .iter()
@@ -206,9 +206,9 @@ impl Small {
         let pixels = level.pixels();
         let colors = pixels.iter().map(|&[red, green, blue, _]| [red, green, blue]).collect();
         Some(Self {
-            number: photograph.number,
-            camera: resized(&photograph.pinhole, level.size_px()).ok()?,
-            camera_from_world: photograph.camera_from_world,
+            number: posed_image.number,
+            camera: resized(&posed_image.pinhole, level.size_px()).ok()?,
+            camera_from_world: posed_image.camera_from_world,
             image: ColorImage::new(level.size_px(), colors)?,
             is_scene: pixels.iter().map(|pixel| pixel[3] == u8::MAX).collect(),
         })

@@ -27,13 +27,13 @@ fn eye(number: usize) -> DVec3 {
     DVec3::new(0.3 * (number as f64 - 2.5), 0.1 * (number % 2) as f64, 0.0)
 }
 
-fn photograph(number: usize) -> Photograph {
+fn posed_image(number: usize) -> PosedImage {
     let pixels = (0..SIZE[0] * SIZE[1]).map(|at| {
         let pixel = DVec2::new(f64::from(at % SIZE[0]), f64::from(at / SIZE[0]));
         let level = color((eye(number) + WALL * camera().ray(pixel).unwrap()).truncate());
         [level, level, level / 2, u8::MAX]
     });
-    Photograph {
+    PosedImage {
         name: String::new(),
         number,
         pinhole: camera(),
@@ -80,14 +80,14 @@ fn set() -> ViewSet {
     }
 }
 
-fn photographs() -> Photographs {
-    Photographs::new((0..6).map(photograph).collect(), Some(0.1))
+fn posed_images() -> PosedImages {
+    PosedImages::new((0..6).map(posed_image).collect(), Some(0.1))
 }
 
 #[test]
 fn a_wall_that_shows_nothing_in_its_middle_is_whole_and_flat() {
     let origin = DVec3::new(0.0, 0.0, 3.0);
-    let surface = photo_surface(&set(), &photographs(), origin, &Progress::default()).unwrap();
+    let surface = photo_surface(&set(), &posed_images(), origin, &Progress::default()).unwrap();
     assert_eq!(surface.points.len(), surface.shapes.len());
     let places: Vec<Vec3> = surface.points.iter().map(|point| point.position.into()).collect();
     let off = places.iter().filter(|place| (place.z - 1.0).abs() > 0.08).count();
@@ -105,20 +105,20 @@ fn a_wall_that_shows_nothing_in_its_middle_is_whole_and_flat() {
 
 #[test]
 fn photographs_with_depths_and_few_of_them_have_no_surface_of_their_own() {
-    let surface = |photographs: &Photographs, set: &ViewSet| {
-        photo_surface(set, photographs, DVec3::ZERO, &Progress::default()).is_some()
+    let surface = |posed_images: &PosedImages, set: &ViewSet| {
+        photo_surface(set, posed_images, DVec3::ZERO, &Progress::default()).is_some()
     };
-    assert!(!surface(&photographs().without(&[1, 2, 3, 4]), &set()));
-    let mut with_depth = photograph(0);
+    assert!(!surface(&posed_images().without(&[1, 2, 3, 4]), &set()));
+    let mut with_depth = posed_image(0);
     with_depth.depth = DepthImage::new([1, 1], vec![WALL as f32]);
-    let all = std::iter::once(with_depth).chain((1..6).map(photograph)).collect();
-    assert!(!surface(&Photographs::new(all, Some(0.1)), &set()));
+    let all = std::iter::once(with_depth).chain((1..6).map(posed_image)).collect();
+    assert!(!surface(&PosedImages::new(all, Some(0.1)), &set()));
     let has_cloud = ViewSet {
         points: SparsePoints::default(),
         points_file: Some("cloud.ply".into()),
         ..set()
     };
-    assert!(!surface(&photographs(), &has_cloud));
+    assert!(!surface(&posed_images(), &has_cloud));
 }
 
 #[test]
@@ -139,5 +139,5 @@ fn points_are_sound_that_three_photographs_see_where_they_say() {
 fn nobody_who_cancels_waits() {
     let progress = Progress::default();
     progress.cancel();
-    assert!(photo_surface(&set(), &photographs(), DVec3::ZERO, &progress).is_none());
+    assert!(photo_surface(&set(), &posed_images(), DVec3::ZERO, &progress).is_none());
 }

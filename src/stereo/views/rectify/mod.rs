@@ -119,8 +119,8 @@ impl Rectified {
     ///
     /// # Errors
     /// [`StereoError::OtherCamera`] if the input image is not of the size of its camera.
-    pub fn image(&self, index: usize, photograph: &ColorImage) -> Result<ColorImage, StereoError> {
-        let (image, camera) = (photograph.size_px(), self.sources[index].size_px());
+    pub fn image(&self, index: usize, posed_image: &ColorImage) -> Result<ColorImage, StereoError> {
+        let (image, camera) = (posed_image.size_px(), self.sources[index].size_px());
         if image != camera {
             return Err(StereoError::OtherCamera {
                 view: index,
@@ -132,7 +132,7 @@ impl Rectified {
         let homography = &self.inverses[index];
         let color = |row: u32, column: u32| {
             let pixel = DVec2::new(f64::from(column), f64::from(row));
-            through(homography, pixel).map_or([0; 3], |at| photograph.bilinear([at.x as f32, at.y as f32]))
+            through(homography, pixel).map_or([0; 3], |at| posed_image.bilinear([at.x as f32, at.y as f32]))
         };
         let rows = (0..size[1]).into_par_iter();
         let pixels = rows.flat_map_iter(|row| (0..size[0]).map(move |column| color(row, column)));

@@ -99,7 +99,7 @@ fn wall(point: DVec3) -> [u8; 3] {
 }
 
 /// What a camera sees of the plane n · x = 3.
-fn photograph(camera: &Camera, pose: DAffine3, normal: DVec3) -> ColorImage {
+fn posed_image(camera: &Camera, pose: DAffine3, normal: DVec3) -> ColorImage {
     let [width, height] = camera.size_px();
     let from = center_of(pose);
     let pixels = (0..height).flat_map(|v| (0..width).map(move |u| DVec2::new(f64::from(u), f64::from(v))));
@@ -120,9 +120,9 @@ fn depths_of_a_wall_are_found_by_pairs_beside_and_above_each_other() {
         (DVec3::new(-0.2, -0.1, 0.02), 0.3),
     ] {
         let poses = [pose(DVec3::ZERO, DVec3::Z * 3.0, 0.0), pose(step, DVec3::Z * 3.0, turn)];
-        let photographs = [0, 1].map(|index| photograph(&cameras[index], poses[index], normal));
+        let posed_images = [0, 1].map(|index| posed_image(&cameras[index], poses[index], normal));
         let views = [0, 1].map(|index| View {
-            image: &photographs[index],
+            image: &posed_images[index],
             camera: &cameras[index],
             camera_from_world: poses[index],
         });
@@ -154,13 +154,13 @@ fn views_that_cannot_be_rectified_are_told_apart() {
         k: [0.1, 0.0, 0.0],
         p: [0.0; 2],
     };
-    let bent = Camera::new([64, 48], DVec2::splat(60.0), DVec2::new(32.0, 24.0), lens).unwrap();
+    let curved = Camera::new([64, 48], DVec2::splat(60.0), DVec2::new(32.0, 24.0), lens).unwrap();
     let here = pose(DVec3::ZERO, DVec3::Z, 0.0);
     let beside = pose(DVec3::X, DVec3::new(1.0, 0.0, 5.0), 0.0);
     let of = |cameras, poses| Rectified::new(cameras, poses).unwrap_err();
     let pinholes = [&pinhole, &pinhole];
     assert_eq!(
-        of([&pinhole, &bent], [here, beside]),
+        of([&pinhole, &curved], [here, beside]),
         StereoError::NoPinhole { view: 1 }
     );
     let scaled = DAffine3::from_scale(DVec3::splat(2.0)) * here;

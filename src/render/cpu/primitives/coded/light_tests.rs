@@ -5,7 +5,7 @@ use super::transform::homogeneous;
 use super::*;
 use crate::analysis::test_shapes::Random;
 use crate::cloud::{coarser_normal, quantise_normal};
-use crate::render::constants::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR};
+use crate::render::constants::{HEADLIGHT_AMBIENT, HEADLIGHT_SHININESS, HEADLIGHT_SPECULAR};
 use crate::render::cpu::rows::bands_of;
 use crate::render::cpu::view::PixelView;
 use crate::scene::{BackFaces, Camera, Footprint, Lighting, NormalBits, OffsetBits, PicturePlane, Projection, UpAxis};
@@ -51,8 +51,8 @@ fn surfels(bits: u32) -> Vec<([f32; 3], Vec3)> {
 /// `from_eye`.
 fn lit(normal: Vec3, from_eye: DVec3) -> [f64; 3] {
     let facing = normal.as_dvec3().dot(from_eye.normalize()).abs();
-    let factor = f64::from(HEAD_LIGHT_AMBIENT) + f64::from(1.0 - HEAD_LIGHT_AMBIENT) * facing;
-    let white = 255.0 * f64::from(HEAD_LIGHT_SPECULAR) * facing.powi(HEAD_LIGHT_SHININESS as i32);
+    let factor = f64::from(HEADLIGHT_AMBIENT) + f64::from(1.0 - HEADLIGHT_AMBIENT) * facing;
+    let white = 255.0 * f64::from(HEADLIGHT_SPECULAR) * facing.powi(HEADLIGHT_SHININESS as i32);
     [0, 1, 2].map(|channel| (f64::from(COLOR[channel]) * factor + white).min(255.0))
 }
 

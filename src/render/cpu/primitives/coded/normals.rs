@@ -10,7 +10,7 @@
 use super::footprints;
 use super::transform::homogeneous;
 use crate::cloud::{coarser_normal, quantised_normals};
-use crate::render::cpu::shading::head_light;
+use crate::render::cpu::shading::headlight;
 use crate::render::cpu::view::PixelView;
 use crate::scene::{Lighting, ScenePacket};
 use glam::{Vec3, Vec4};
@@ -67,7 +67,7 @@ pub(super) fn seen(packet: &ScenePacket, view: &PixelView, bits: u32) -> Vec<See
 fn light(lighting: Lighting, normal: Vec3, to_middle: Vec3) -> [f32; 2] {
     match lighting {
         Lighting::Unlit => [1.0, 0.0],
-        _ => head_light(normal, to_middle),
+        _ => headlight(normal, to_middle),
     }
 }
 

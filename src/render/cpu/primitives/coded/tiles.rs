@@ -13,7 +13,7 @@ use crate::render::constants::DEPTH_SLACK_RADII;
 use crate::render::cpu::facet::{Canvas, Facet, Outline};
 use crate::render::cpu::painter::InTiles;
 use crate::render::cpu::raster;
-use crate::render::cpu::shading::{Light, Shading, head_light_of_cosine, seen_from_behind, unit_color};
+use crate::render::cpu::shading::{Light, Shading, headlight_of_cosine, seen_from_behind, unit_color};
 use crate::render::cpu::tile::{HEIGHT, NOWHERE, Tile, WIDTH};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{Kernel, Lighting};
@@ -265,7 +265,7 @@ impl CodedTiles<'_> {
         let right = (node.x_px - self.view.middle_px[0]) / self.view.px_per_slope[0];
         let down = (node.y_px - self.view.middle_px[1]) / self.view.px_per_slope[1];
         let ray = (1.0 + right * right + down * down).sqrt();
-        head_light_of_cosine(node.facing.abs() * node.per_distance / ray)
+        headlight_of_cosine(node.facing.abs() * node.per_distance / ray)
     }
 
     /// The colour of a node without light, 0 to 1.

@@ -10,11 +10,11 @@ mod relight;
 
 use crate::common::{draw, draw_on_cpu};
 use crate::photo_scene::{
-    DISTANCE, SCENE_RADIUS, cloud, frame, hit, photographed, photographs, pinhole, pose, poses, style,
+    DISTANCE, SCENE_RADIUS, cloud, frame, hit, pinhole, pose, posed_images, poses, style, textured,
 };
 use glam::{DAffine3, DVec3, Vec3};
 use image::RgbaImage;
-use pointreel::photos::{PhotoImage, Photograph, Photographs, Texture};
+use pointreel::photos::{PhotoImage, PosedImage, PosedImages, Texture};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{Camera, PhotoClipping, PhotoHoles, PhotoMode, Primitive, Scene, ScenePacket, Style, UpAxis};
@@ -24,7 +24,7 @@ use std::sync::{Arc, LazyLock};
 const EDGE_PX: u32 = 512;
 const POINTS: usize = 3_500;
 
-static PHOTOGRAPHS: LazyLock<Arc<Photographs>> = LazyLock::new(|| Arc::new(photographs(EDGE_PX)));
+static PHOTOS: LazyLock<Arc<PosedImages>> = LazyLock::new(|| Arc::new(posed_images(EDGE_PX)));
 static FRAME: LazyLock<PreparedFrame> = LazyLock::new(|| frame(POINTS, &style()));
 
 fn camera_at(camera_from_world: &DAffine3) -> Camera {
@@ -63,15 +63,15 @@ fn keep(picture: &RgbaImage, name: &str) {
 
 #[test]
 fn views_between_photographs_show_what_is_there() {
-    let with_photographs = FRAME.with_photographs(Arc::clone(&PHOTOGRAPHS));
+    let with_photos = FRAME.with_photos(Arc::clone(&PHOTOS));
     for (at, view) in held_out().iter().enumerate() {
-        let truth = photographed(&pinhole(EDGE_PX), view);
+        let truth = textured(&pinhole(EDGE_PX), view);
         let picture = RgbaImage::from_raw(EDGE_PX, EDGE_PX, truth.as_flattened().to_vec());
         keep(&picture.unwrap(), &format!("truth_{at}.png"));
         let camera = camera_at(view);
         let by = |mode: PhotoMode| {
             let style = style().with(|style| style.photos.mode = mode);
-            let picture = draw_on_cpu(&packet(&with_photographs, &camera, &style));
+            let picture = draw_on_cpu(&packet(&with_photos, &camera, &style));
             keep(&picture, &format!("{mode}_{at}.png"));
             foreground_psnr_db(&picture, &truth)
         };
@@ -87,12 +87,12 @@ fn views_between_photographs_show_what_is_there() {
 
 #[test]
 fn the_view_of_a_photograph_is_that_photograph() {
-    let with_photographs = FRAME.with_photographs(Arc::clone(&PHOTOGRAPHS));
+    let with_photos = FRAME.with_photos(Arc::clone(&PHOTOS));
     let style = style().with(|style| style.photos.angle = 0.1);
     for number in [3, 14, 30] {
         let view = poses()[number];
-        let truth = photographed(&pinhole(EDGE_PX), &view);
-        let picture = draw_on_cpu(&packet(&with_photographs, &camera_at(&view), &style));
+        let truth = textured(&pinhole(EDGE_PX), &view);
+        let picture = draw_on_cpu(&packet(&with_photos, &camera_at(&view), &style));
         keep(&picture, &format!("own_{number}.png"));
         let psnr = foreground_psnr_db(&picture, &truth);
         assert!(psnr >= 35.0, "photograph {number}: {psnr} dB");
@@ -102,12 +102,12 @@ fn the_view_of_a_photograph_is_that_photograph() {
 /// By a tenth of a degree a step, past three photographs.
 #[test]
 fn pictures_are_steady_while_the_camera_turns() {
-    let with_photographs = FRAME.with_photographs(Arc::clone(&PHOTOGRAPHS));
+    let with_photos = FRAME.with_photos(Arc::clone(&PHOTOS));
     let mut renderer = CpuRenderer::new();
     let mut before: Option<RgbaImage> = None;
     for step in 0..60 {
         let camera = camera_at(&pose(13.0 + 0.1 * f64::from(step), 14.0));
-        renderer.prepare(&packet(&with_photographs, &camera, &style())).unwrap();
+        renderer.prepare(&packet(&with_photos, &camera, &style())).unwrap();
         renderer.render().unwrap();
         let picture = renderer.read_image().unwrap();
         if let Some(before) = before {
@@ -165,7 +165,7 @@ fn what_is_in_front_does_not_colour_what_is_behind() {
             [0, 0, 255, 255]
         }
     };
-    let photograph = |number: usize, azimuth_deg: f64| {
+    let posed_image = |number: usize, azimuth_deg: f64| {
         let (pinhole, camera_from_world) = (pinhole(256), pose(azimuth_deg, 0.0));
         let world_from_camera = camera_from_world.inverse();
         let texels = (0..256 * 256).map(|at| {
@@ -174,7 +174,7 @@ fn what_is_in_front_does_not_colour_what_is_behind() {
                 .unwrap();
             shown(world_from_camera.translation, world_from_camera.matrix3 * ray)
         });
-        Photograph {
+        PosedImage {
             name: String::new(),
             number,
             texture: Texture::new(PhotoImage::new([256; 2], texels.collect()).unwrap()),
@@ -185,8 +185,8 @@ fn what_is_in_front_does_not_colour_what_is_behind() {
             depth: None,
         }
     };
-    let all = vec![photograph(0, -20.0), photograph(1, 20.0)];
-    let frame = frame.with_photographs(Arc::new(Photographs::new(all, Some(0.7))));
+    let all = vec![posed_image(0, -20.0), posed_image(1, 20.0)];
+    let frame = frame.with_photos(Arc::new(PosedImages::new(all, Some(0.7))));
     // From the side, where much of what each photograph does not see of the wall behind is seen.
     for azimuth_deg in [-30.0, 0.0, 30.0] {
         let view = pose(azimuth_deg, 0.0);
@@ -213,22 +213,22 @@ fn what_is_in_front_does_not_colour_what_is_behind() {
 }
 
 /// Photographs of the front alone.
-fn of_front() -> Photographs {
-    PHOTOGRAPHS.without(&(0..36).filter(|number| number % 12 != 0).collect::<Vec<_>>())
+fn of_front() -> PosedImages {
+    PHOTOS.without(&(0..36).filter(|number| number % 12 != 0).collect::<Vec<_>>())
 }
 
 #[test]
 fn what_no_photograph_sees_has_the_colours_of_its_points_or_is_left_out() {
     let front = of_front();
     assert_eq!(front.all().len(), 3);
-    let frame = FRAME.with_photographs(Arc::new(front));
+    let frame = FRAME.with_photos(Arc::new(front));
     let back = camera_at(&pose(180.0, 5.0));
     // The colours of the points, on the disks that photographs are put on.
-    let bent = frame.bent.clone().expect("its points are few");
-    let mut on_bent = frame.clone();
-    (on_bent.points, on_bent.shapes) = (bent.points, Some(bent.shapes));
+    let curved = frame.curved.clone().expect("its points are few");
+    let mut on_curved = frame.clone();
+    (on_curved.points, on_curved.shapes) = (curved.points, Some(curved.shapes));
     let colored = draw_on_cpu(&packet(
-        &on_bent,
+        &on_curved,
         &back,
         &style().with(|style| style.photos.mode = PhotoMode::Colored),
     ));
@@ -246,7 +246,7 @@ fn what_no_photograph_sees_has_the_colours_of_its_points_or_is_left_out() {
 
 #[test]
 fn both_renderers_put_the_same_photographs_on_the_surface() {
-    let with_photographs = FRAME.with_photographs(Arc::clone(&PHOTOGRAPHS));
+    let with_photos = FRAME.with_photos(Arc::clone(&PHOTOS));
     for (primitive, clipping) in [
         (Primitive::Surfel, PhotoClipping::Vote),
         (Primitive::Sprite, PhotoClipping::Paper),
@@ -256,7 +256,7 @@ fn both_renderers_put_the_same_photographs_on_the_surface() {
             style.photos.clipping = clipping;
         });
         let packet = Scene::default().packet(
-            &with_photographs,
+            &with_photos,
             DVec3::ZERO,
             &camera_at(&held_out()[1]),
             &style,
@@ -274,32 +274,33 @@ fn both_renderers_put_the_same_photographs_on_the_surface() {
 /// Depths that are measured cut away what the photographs see through.
 #[test]
 fn measured_depths_clip_what_they_contradict() {
-    let with_depths = |photograph: &Arc<Photograph>| {
-        let center = photograph.center();
-        let world_from_camera = photograph.camera_from_world.inverse();
+    let with_depths = |posed_image: &Arc<PosedImage>| {
+        let center = posed_image.center();
+        let world_from_camera = posed_image.camera_from_world.inverse();
         let distances = (0..EDGE_PX * EDGE_PX).map(|at| {
             let pixel = glam::DVec2::new(f64::from(at % EDGE_PX), f64::from(at / EDGE_PX));
-            let ray = world_from_camera.matrix3 * photograph.pinhole.ray(pixel).unwrap();
+            let ray = world_from_camera.matrix3 * posed_image.pinhole.ray(pixel).unwrap();
             let far = 2.0 * (DISTANCE + SCENE_RADIUS);
-            hit(center, ray.normalize())
-                .map_or(far, |(place, _)| photograph.camera_from_world.transform_point3(place).z) as f32
+            hit(center, ray.normalize()).map_or(far, |(place, _)| {
+                posed_image.camera_from_world.transform_point3(place).z
+            }) as f32
         });
-        Photograph {
-            name: photograph.name.clone(),
-            pinhole: photograph.pinhole.clone(),
-            texture: photograph.texture.clone(),
+        PosedImage {
+            name: posed_image.name.clone(),
+            pinhole: posed_image.pinhole.clone(),
+            texture: posed_image.texture.clone(),
             depth: pointreel::rgbd::DepthImage::new([EDGE_PX; 2], distances.collect()),
-            number: photograph.number,
-            camera_from_world: photograph.camera_from_world,
+            number: posed_image.number,
+            camera_from_world: posed_image.camera_from_world,
             is_masked: false,
             gain: Vec3::ONE,
         }
     };
-    let measured: Vec<Photograph> = PHOTOGRAPHS.all().iter().map(with_depths).collect();
-    let neighbour_angle = f64::from(PHOTOGRAPHS.neighbour_angle());
-    let sparse = FRAME.with_photographs(Arc::new(Photographs::new(measured, Some(neighbour_angle))));
+    let measured: Vec<PosedImage> = PHOTOS.all().iter().map(with_depths).collect();
+    let neighbour_angle = f64::from(PHOTOS.neighbour_angle());
+    let sparse = FRAME.with_photos(Arc::new(PosedImages::new(measured, Some(neighbour_angle))));
     let view = held_out()[0];
-    let truth = photographed(&pinhole(EDGE_PX), &view);
+    let truth = textured(&pinhole(EDGE_PX), &view);
     let extra = |clipping: PhotoClipping| {
         let style = style().with(|style| style.photos.clipping = clipping);
         let picture = draw_on_cpu(&packet(&sparse, &camera_at(&view), &style));
@@ -317,11 +318,11 @@ fn measured_depths_clip_what_they_contradict() {
 }
 
 #[test]
-fn no_photographs_change_nothing() {
+fn no_photos_change_nothing() {
     let camera = camera_at(&held_out()[0]);
-    let bare = style().with(|style| style.of_sequence.has_photographs = false);
+    let bare = style().with(|style| style.of_sequence.has_photos = false);
     let bare = draw_on_cpu(&packet(&FRAME, &camera, &bare));
-    let none = FRAME.with_photographs(Arc::new(Photographs::new(Vec::new(), None)));
+    let none = FRAME.with_photos(Arc::new(PosedImages::new(Vec::new(), None)));
     let with_none = draw_on_cpu(&packet(&none, &camera, &style()));
     let far = bare
         .as_raw()

@@ -1,15 +1,14 @@
-//! Input images as textures, for the passes of view-dependent texturing (`shaders/common/photographs.wgsl`).
+//! Input images as textures, for the passes of view-dependent texturing (`shaders/common/posed_images.wgsl`).
 //!
 //! All of them are layers of one texture, each in the upper left corner, with mip levels of their own: shaders read
 //! texels and filter them themselves, as the CPU does. Depths are drawn by the CPU, once for each frame. A small table
 //! holds the projections of the input images in the rendered image.
 
 use super::context::Context;
-use crate::photos::{Photograph, Photographs};
+use crate::photos::{PosedImage, PosedImages};
 use crate::render::known_depths::KnownDepths;
 use crate::scene::{
-    DepthMap, PhotoClipping, PhotoDepths, PhotoHoles, PhotoRelight, PhotoView, PhotoViews, PhotographsInFrame,
-    ScenePacket,
+    DepthMap, PhotoClipping, PhotoDepths, PhotoHoles, PhotoRelight, PhotoView, PhotoViews, PhotosInFrame, ScenePacket,
 };
 use std::sync::Arc;
 
@@ -32,7 +31,7 @@ const COLUMNS: usize = 8;
 #[derive(Debug)]
 pub(super) struct PhotoTextures {
     texels: wgpu::TextureView,
-    texels_of: Arc<Photographs>,
+    texels_of: Arc<PosedImages>,
     depths: wgpu::TextureView,
     depths_of: Arc<PhotoDepths>,
     known_depths: KnownDepths,
@@ -44,12 +43,12 @@ impl PhotoTextures {
     pub(super) fn of(
         context: &Context,
         known: Option<Self>,
-        shown: &PhotographsInFrame,
+        shown: &PhotosInFrame,
         views: &PhotoViews,
         packet: &ScenePacket,
     ) -> Self {
-        let photographs = &shown.photographs;
-        let same = |known: &&Self| Arc::ptr_eq(&known.texels_of, photographs);
+        let posed_images = &shown.posed_images;
+        let same = |known: &&Self| Arc::ptr_eq(&known.texels_of, posed_images);
         let same_texels = known.as_ref().filter(same).map(|known| known.texels.clone());
         let (mut known_depths, before) = known.map_or_else(Default::default, |known| {
             (known.known_depths, Some((known.depths, known.depths_of)))
@@ -58,8 +57,8 @@ impl PhotoTextures {
         let same_depths = before.filter(|(_, of)| Arc::ptr_eq(of, &depths_of));
         let same_depths = same_depths.map(|(depths, _)| depths);
         Self {
-            texels: same_texels.unwrap_or_else(|| texels(context, photographs)),
-            texels_of: Arc::clone(photographs),
+            texels: same_texels.unwrap_or_else(|| texels(context, posed_images)),
+            texels_of: Arc::clone(posed_images),
             depths: same_depths.unwrap_or_else(|| depths(context, &depths_of.maps)),
             table: table(context, views, shown, &depths_of.maps),
             depths_of,
@@ -80,8 +79,10 @@ impl PhotoTextures {
 }
 
 /// Returns the number of texture layers, limited by the adapter: input images beyond the limit are ignored.
-fn layers(context: &Context, photographs: usize) -> usize {
-    photographs.min(context.limits.max_texture_array_layers as usize).max(1)
+fn layers(context: &Context, posed_images: usize) -> usize {
+    posed_images
+        .min(context.limits.max_texture_array_layers as usize)
+        .max(1)
 }
 
 /// The largest width and height of some.
@@ -89,10 +90,10 @@ fn largest(sizes: impl Iterator<Item = [u32; 2]>) -> [u32; 2] {
     sizes.fold([1; 2], |largest, size| [0, 1].map(|axis| largest[axis].max(size[axis])))
 }
 
-fn texels(context: &Context, photographs: &Photographs) -> wgpu::TextureView {
-    let all = photographs.all();
+fn texels(context: &Context, posed_images: &PosedImages) -> wgpu::TextureView {
+    let all = posed_images.all();
     let count = layers(context, all.len());
-    let size = largest(all.iter().map(|photograph| photograph.texture.size_px()));
+    let size = largest(all.iter().map(|posed_image| posed_image.texture.size_px()));
     let levels = 32 - size[0].max(size[1]).leading_zeros();
     let texture = layered(
         context,
@@ -104,8 +105,8 @@ fn texels(context: &Context, photographs: &Photographs) -> wgpu::TextureView {
         },
         wgpu::TextureFormat::Rgba8Unorm,
     );
-    for (layer, photograph) in (0..).zip(&all[..count.min(all.len())]) {
-        for (level, of_level) in (0..).zip(photograph.texture.levels()) {
+    for (layer, posed_image) in (0..).zip(&all[..count.min(all.len())]) {
+        for (level, of_level) in (0..).zip(posed_image.texture.levels()) {
             write(
                 context,
                 &texture,
@@ -145,7 +146,7 @@ fn depths(context: &Context, maps: &[DepthMap]) -> wgpu::TextureView {
     view(&texture, wgpu::TextureViewDimension::D2Array)
 }
 
-fn table(context: &Context, views: &PhotoViews, shown: &PhotographsInFrame, maps: &[DepthMap]) -> wgpu::TextureView {
+fn table(context: &Context, views: &PhotoViews, shown: &PhotosInFrame, maps: &[DepthMap]) -> wgpu::TextureView {
     let count = layers(context, views.views.len()).min(views.views.len());
     let mut flags = match views.clipping {
         PhotoClipping::Vote => PHOTO_CLIPS_BY_VOTE,
@@ -165,8 +166,8 @@ fn table(context: &Context, views: &PhotoViews, shown: &PhotographsInFrame, maps
     let mut rows = vec![[0.0; 4]; COLUMNS];
     rows[0] = [count as f32, views.blended as f32, views.per_sigma2, flags as f32];
     rows[1][0] = views.gap_px as f32;
-    for ((view, photograph), map) in views.views.iter().zip(shown.photographs.all()).zip(maps).take(count) {
-        rows.extend(row(view, photograph, map));
+    for ((view, posed_image), map) in views.views.iter().zip(shown.posed_images.all()).zip(maps).take(count) {
+        rows.extend(row(view, posed_image, map));
     }
     let size = [COLUMNS as u32, (rows.len() / COLUMNS) as u32];
     let texture = layered(
@@ -183,8 +184,8 @@ fn table(context: &Context, views: &PhotoViews, shown: &PhotographsInFrame, maps
     view(&texture, wgpu::TextureViewDimension::D2)
 }
 
-fn row(view: &PhotoView, photograph: &Photograph, map: &DepthMap) -> [[f32; 4]; COLUMNS] {
-    let levels = photograph.texture.levels().len();
+fn row(view: &PhotoView, posed_image: &PosedImage, map: &DepthMap) -> [[f32; 4]; COLUMNS] {
+    let levels = posed_image.texture.levels().len();
     let [x, y, z] = view.camera_from_view.map(|row| row.to_array());
     let one_if = |condition: bool| if condition { 1.0 } else { 0.0 };
     let [width, height] = map.size.map(|edge| edge as f32);
@@ -194,7 +195,7 @@ fn row(view: &PhotoView, photograph: &Photograph, map: &DepthMap) -> [[f32; 4]; 
         z,
         view.center.extend(0.0).to_array(),
         [view.focal[0], view.focal[1], view.principal[0], view.principal[1]],
-        [view.size[0], view.size[1], levels as f32, one_if(photograph.is_masked)],
+        [view.size[0], view.size[1], levels as f32, one_if(posed_image.is_masked)],
         view.gain.extend(0.0).to_array(),
         [width, height, map.tolerance, one_if(map.is_measured)],
     ]

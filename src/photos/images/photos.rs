@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 /// Images of one scene for view-dependent texturing of its surface (paper 004 §3). Immutable; shared by packets.
 #[derive(Debug)]
-pub struct Photographs {
-    all: Vec<Arc<Photograph>>,
+pub struct PosedImages {
+    all: Vec<Arc<PosedImage>>,
     neighbour_angle: f32,
     surface: Option<PhotoSurface>,
     is_by_stereo: bool,
@@ -36,7 +36,7 @@ impl PhotoSurface {
 
 /// A posed image: its texture and its camera.
 #[derive(Debug)]
-pub struct Photograph {
+pub struct PosedImage {
     /// Its name in its set.
     pub name: String,
     /// Its number in its set, from 0.
@@ -55,14 +55,14 @@ pub struct Photograph {
     pub depth: Option<DepthImage>,
 }
 
-impl Photograph {
+impl PosedImage {
     /// Returns the camera centre.
     pub fn center(&self) -> DVec3 {
         center_of(self.camera_from_world)
     }
 }
 
-impl Photographs {
+impl PosedImages {
     /// Default angle between neighbours for a single image, and for images that were all taken from one position,
     /// radians.
     const USUAL_ANGLE: f64 = 0.3;
@@ -76,9 +76,9 @@ impl Photographs {
 
     /// Creates a set of these posed images, whose numbers grow, with the median angle between each and its nearest
     /// neighbour, radians ([`ViewSet::median_neighbour_angle`](crate::photos::ViewSet::median_neighbour_angle)).
-    pub fn new(photographs: Vec<Photograph>, neighbour_angle: Option<f64>) -> Self {
+    pub fn new(posed_images: Vec<PosedImage>, neighbour_angle: Option<f64>) -> Self {
         Self {
-            all: photographs.into_iter().map(Arc::new).collect(),
+            all: posed_images.into_iter().map(Arc::new).collect(),
             neighbour_angle: neighbour_angle.unwrap_or(Self::USUAL_ANGLE) as f32,
             surface: None,
             is_by_stereo: false,
@@ -111,13 +111,13 @@ impl Photographs {
     }
 
     /// The one of this number in its set.
-    pub fn numbered(&self, number: usize) -> Option<&Photograph> {
-        let found = self.all.binary_search_by_key(&number, |photograph| photograph.number);
+    pub fn numbered(&self, number: usize) -> Option<&PosedImage> {
+        let found = self.all.binary_search_by_key(&number, |posed_image| posed_image.number);
         found.ok().map(|at| &*self.all[at])
     }
 
     /// All of them, by their numbers.
-    pub fn all(&self) -> &[Arc<Photograph>] {
+    pub fn all(&self) -> &[Arc<PosedImage>] {
         &self.all
     }
 
@@ -127,7 +127,7 @@ impl Photographs {
         let kept = self
             .all
             .iter()
-            .filter(|photograph| !left_out.contains(&photograph.number));
+            .filter(|posed_image| !left_out.contains(&posed_image.number));
         Self {
             all: kept.cloned().collect(),
             surface: self.surface.clone(),
@@ -151,7 +151,7 @@ impl Photographs {
 
     /// Bytes of their texels and of their surface.
     pub fn byte_size(&self) -> usize {
-        let textures = self.all.iter().map(|photograph| &photograph.texture);
+        let textures = self.all.iter().map(|posed_image| &posed_image.texture);
         let surface = self.surface.as_ref().map_or(0, PhotoSurface::byte_size);
         textures.map(Texture::byte_size).sum::<usize>() + surface
     }
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn a_photograph_knows_where_it_was_taken() {
         let place = DVec3::new(4.0, -2.0, 0.5);
-        let photograph = Photograph {
+        let posed_image = PosedImage {
             name: String::new(),
             number: 0,
             pinhole: Camera::new([4, 4], DVec2::splat(4.0), DVec2::splat(1.5), Distortion::None).unwrap(),
@@ -177,8 +177,8 @@ mod tests {
             gain: Vec3::ONE,
             depth: None,
         };
-        assert!((photograph.center() - place).length() < 1e-12);
-        let all = Photographs::new(vec![photograph], None);
+        assert!((posed_image.center() - place).length() < 1e-12);
+        let all = PosedImages::new(vec![posed_image], None);
         assert_eq!(all.byte_size(), 4 * (16 + 4 + 1));
         assert!(all.neighbour_angle() > 0.0);
         assert!(all.without(&[0]).all().is_empty() && all.without(&[1]).all().len() == 1);

@@ -35,7 +35,7 @@ pub(super) enum Layout {
     /// The folder of each camera; none of a camera without one.
     Cameras(Vec<Option<PathBuf>>),
     /// Folders of time steps, in which images have the names of their cameras (in lower case, without an extension).
-    Moments { family: Family, stems: Vec<String> },
+    TimeSteps { family: Family, stems: Vec<String> },
     /// Folders of time steps, each with a calibration.
     Sets(Family),
 }
@@ -49,7 +49,7 @@ pub(super) struct Family {
 
 /// Time step and the location of its images.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct FoundMoment {
+pub(super) struct FoundTimeStep {
     /// Names it: an image of it, or its folder.
     pub(super) timed: Timed,
     pub(super) images: Images,
@@ -76,9 +76,9 @@ impl Layout {
             .flat_map(|folder| BASES.iter().map(move |base| folder.join(base)))
             .filter(|base| base.is_dir())
             .collect();
-        let found = cameras_in(&bases, &names).or_else(|| moments_in(&bases, &names))?;
+        let found = cameras_in(&bases, &names).or_else(|| time_steps_in(&bases, &names))?;
         // One moment is a set of photographs.
-        (found.moments().len() > 1).then_some(found)
+        (found.time_steps().len() > 1).then_some(found)
     }
 
     /// The layout of a folder without a calibration, in whose folders there are some.
@@ -99,10 +99,10 @@ impl Layout {
     }
 
     /// Returns the time steps that currently exist, in order.
-    pub(super) fn moments(&self) -> Vec<FoundMoment> {
+    pub(super) fn time_steps(&self) -> Vec<FoundTimeStep> {
         match self {
-            Self::Cameras(folders) => moments_of_cameras(folders),
-            Self::Moments { family, stems } => {
+            Self::Cameras(folders) => time_steps_of_cameras(folders),
+            Self::TimeSteps { family, stems } => {
                 let found = family.folders().into_iter().map(|timed| {
                     let by_stem: HashMap<String, PathBuf> = pictures_within(&timed.entry.path)
                         .into_iter()
@@ -110,12 +110,12 @@ impl Layout {
                         .map(|path| (stem_of(&path), path))
                         .collect();
                     let images = stems.iter().map(|stem| by_stem.get(stem).cloned()).collect();
-                    FoundMoment {
+                    FoundTimeStep {
                         timed,
                         images: Images::OfCameras(images),
                     }
                 });
-                let has_image = |found: &FoundMoment| match &found.images {
+                let has_image = |found: &FoundTimeStep| match &found.images {
                     Images::OfCameras(images) => images.iter().any(Option::is_some),
                     _ => true,
                 };
@@ -124,7 +124,7 @@ impl Layout {
             Self::Sets(family) => {
                 let sets = family.folders().into_iter();
                 let sets = sets.filter(|timed| matches!(photos::find(&timed.entry.path), Ok(Some(_))));
-                sets.map(|timed| FoundMoment {
+                sets.map(|timed| FoundTimeStep {
                     images: Images::InFolder(timed.entry.path.clone()),
                     timed,
                 })
@@ -147,7 +147,7 @@ impl Layout {
                     Some(own)
                 }
             }
-            Self::Moments { stems, .. } => stems.get(index).cloned(),
+            Self::TimeSteps { stems, .. } => stems.get(index).cloned(),
             Self::Sets(_) => None,
         }
     }
@@ -194,7 +194,7 @@ fn folder_named(bases: &[PathBuf], name: &str) -> Option<PathBuf> {
 }
 
 /// A family of folders that hold files of the names.
-fn moments_in(bases: &[PathBuf], names: &[String]) -> Option<Layout> {
+fn time_steps_in(bases: &[PathBuf], names: &[String]) -> Option<Layout> {
     let stems: Vec<String> = names.iter().map(|name| stem_of(Path::new(name))).collect();
     let distinct: HashSet<&String> = stems.iter().collect();
     if distinct.len() < stems.len() || stems.len() < 2 {
@@ -213,7 +213,7 @@ fn moments_in(bases: &[PathBuf], names: &[String]) -> Option<Layout> {
                 names.iter().any(of_name)
             });
             (held > 1 && 2 * held >= stems.len() && !is_named_elsewhere && !are_copies(&folders)).then(|| {
-                Layout::Moments {
+                Layout::TimeSteps {
                     family: Family {
                         parent: base.clone(),
                         pattern,
@@ -236,14 +236,14 @@ fn are_copies(folders: &[PathBuf]) -> bool {
         .all(|folder| halvings(folder).is_some_and(u32::is_power_of_two))
 }
 
-fn moments_of_cameras(folders: &[Option<PathBuf>]) -> Vec<FoundMoment> {
+fn time_steps_of_cameras(folders: &[Option<PathBuf>]) -> Vec<FoundTimeStep> {
     let images = |folder: &Option<PathBuf>| folder.as_deref().map_or_else(Vec::new, pictures_in);
     let cameras = timed(folders.iter().map(images).collect());
-    let found = together(&cameras).into_iter().filter_map(|moment| {
-        let of_each = || cameras.iter().zip(&moment.of_each);
+    let found = together(&cameras).into_iter().filter_map(|time_step| {
+        let of_each = || cameras.iter().zip(&time_step.of_each);
         let first = of_each().find_map(|(images, at)| images.get((*at)?))?;
         let image = |(images, at): (&Vec<Timed>, &Option<usize>)| Some(images.get((*at)?)?.entry.path.clone());
-        Some(FoundMoment {
+        Some(FoundTimeStep {
             timed: first.clone(),
             images: Images::OfCameras(of_each().map(image).collect()),
         })

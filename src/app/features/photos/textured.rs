@@ -8,9 +8,9 @@
 use crate::app::work::outcome::Message;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::composition::{Composed, DepthsAhead, Frames, Inputs, Lane, Request};
-use crate::photos::{LoadedPhotographs, Photographs};
+use crate::photos::{LoadedPhotos, PosedImages};
 use crate::progress::Progress;
-use crate::render::depths_of_photographs;
+use crate::render::depths_of_photos;
 use crate::scene::{PhotoMode, Style, SurfelStyle};
 use crate::sequence::PreparedFrame;
 use glam::DVec3;
@@ -28,7 +28,7 @@ const KEPT_BYTES: usize = 256 << 20;
 #[derive(Debug, Clone)]
 pub(super) struct Parts {
     pub(super) frame: Arc<PreparedFrame>,
-    pub(super) photographs: Arc<Photographs>,
+    pub(super) posed_images: Arc<PosedImages>,
     /// Depths are of disks as large as this says.
     pub(super) surfels: SurfelStyle,
 }
@@ -36,7 +36,7 @@ pub(super) struct Parts {
 impl PartialEq for Parts {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.frame, &other.frame)
-            && Arc::ptr_eq(&self.photographs, &other.photographs)
+            && Arc::ptr_eq(&self.posed_images, &other.posed_images)
             && self.surfels == other.surfels
     }
 }
@@ -44,14 +44,14 @@ impl PartialEq for Parts {
 /// Input images that are projected on one frame.
 #[derive(Debug)]
 struct Loaded<'a> {
-    photographs: &'a Arc<Photographs>,
+    posed_images: &'a Arc<PosedImages>,
     ahead: DepthsAhead,
 }
 
 impl Frames for Loaded<'_> {
-    fn photographs(&self, _index: usize, _left_out: &[usize]) -> Option<LoadedPhotographs> {
-        Some(LoadedPhotographs {
-            photographs: Arc::clone(self.photographs),
+    fn posed_images(&self, _index: usize, _left_out: &[usize]) -> Option<LoadedPhotos> {
+        Some(LoadedPhotos {
+            posed_images: Arc::clone(self.posed_images),
             notes: Vec::new(),
         })
     }
@@ -61,33 +61,33 @@ impl Frames for Loaded<'_> {
     }
 }
 
-impl Message for PhotographedFrame {}
+impl Message for TexturedFrame {}
 
 /// Frame with input images projected on it.
 #[derive(Debug, Clone)]
-pub(in crate::app) struct PhotographedFrame {
+pub(in crate::app) struct TexturedFrame {
     of: Parts,
     /// As if the frame were the pose.
     composed: Composed,
 }
 
-impl PhotographedFrame {
+impl TexturedFrame {
     fn new(of: Parts, style: Style, origin: DVec3) -> Self {
         // The other side of a comparison may draw them where this one does not.
         let style = style.with(|style| {
-            style.of_sequence.has_photographs = true;
+            style.of_sequence.has_photos = true;
             style.photos.mode = PhotoMode::Vdts;
         });
         let loaded = Loaded {
-            photographs: &of.photographs,
+            posed_images: &of.posed_images,
             ahead: DepthsAhead {
                 style,
                 origin,
-                draw: depths_of_photographs,
+                draw: depths_of_photos,
             },
         };
-        let inputs = Inputs::of_photographs(&of.frame, &style, &loaded);
-        let request = Request::gather(Lane::Photographs, &of.frame, &inputs);
+        let inputs = Inputs::of_photos(&of.frame, &style, &loaded);
+        let request = Request::gather(Lane::Photos, &of.frame, &inputs);
         let composed = request.and_then(|request| request.run(&Progress::default()));
         let composed = composed.map_or_else(|| Composed::of(Arc::clone(&of.frame)), |(composed, _)| composed);
         Self { of, composed }
@@ -119,20 +119,20 @@ impl PhotographedFrame {
 
 /// Those that are there, and the one that is made.
 #[derive(Debug, Default)]
-pub(super) struct PhotographedFrames {
+pub(super) struct TexturedFrames {
     /// The one that was asked for last comes last.
-    made: Vec<PhotographedFrame>,
+    made: Vec<TexturedFrame>,
     running: Option<Parts>,
     /// Parts drawn without input images, or with others.
     drawn_without: Option<Parts>,
 }
 
-impl PhotographedFrames {
+impl TexturedFrames {
     /// Returns the frame that is drawn. Until that is available, the same with other images, or its substitute: a
     /// coarse copy becomes the whole frame when playing stops.
-    pub(super) fn drawn(&mut self, parts: Parts) -> Option<&PhotographedFrame> {
-        let is_same_frame = |made: &PhotographedFrame| Arc::ptr_eq(&made.of.frame, &parts.frame);
-        let is_same_pose = |made: &PhotographedFrame| made.of.frame.index == parts.frame.index;
+    pub(super) fn drawn(&mut self, parts: Parts) -> Option<&TexturedFrame> {
+        let is_same_frame = |made: &TexturedFrame| Arc::ptr_eq(&made.of.frame, &parts.frame);
+        let is_same_pose = |made: &TexturedFrame| made.of.frame.index == parts.frame.index;
         let exact = self.made.iter().position(|made| made.of == parts);
         let at = exact
             .or_else(|| self.made.iter().rposition(is_same_frame))
@@ -146,10 +146,10 @@ impl PhotographedFrames {
     }
 
     /// Returns true if the frame at `index` is available with these images.
-    pub(super) fn has(&self, index: usize, photographs: &Arc<Photographs>, surfels: &SurfelStyle) -> bool {
+    pub(super) fn has(&self, index: usize, posed_images: &Arc<PosedImages>, surfels: &SurfelStyle) -> bool {
         self.made.iter().any(|made| {
             let of = &made.of;
-            of.frame.index == index && Arc::ptr_eq(&of.photographs, photographs) && of.surfels == *surfels
+            of.frame.index == index && Arc::ptr_eq(&of.posed_images, posed_images) && of.surfels == *surfels
         })
     }
 
@@ -164,7 +164,7 @@ impl PhotographedFrames {
     }
 
     /// Starts to make a frame of `parts`.
-    pub(super) fn start<T: TaskOutcome + From<PhotographedFrame>>(
+    pub(super) fn start<T: TaskOutcome + From<TexturedFrame>>(
         &mut self,
         parts: Parts,
         style: Style,
@@ -174,16 +174,16 @@ impl PhotographedFrames {
     ) {
         self.drawn_without = None;
         self.running = Some(parts.clone());
-        tasks.start_in(pool, move || PhotographedFrame::new(parts, style, origin));
+        tasks.start_in(pool, move || TexturedFrame::new(parts, style, origin));
     }
 
     /// Takes one that was made, unless all were forgotten meanwhile.
-    pub(super) fn take_in(&mut self, made: PhotographedFrame) {
+    pub(super) fn take_in(&mut self, made: TexturedFrame) {
         if self.running.take_if(|running| *running == made.of).is_none() {
             return;
         }
         self.made.push(made);
-        let mut bytes: usize = self.made.iter().map(PhotographedFrame::byte_size).sum();
+        let mut bytes: usize = self.made.iter().map(TexturedFrame::byte_size).sum();
         while self.made.len() > KEPT && bytes > KEPT_BYTES {
             bytes -= self.made.remove(0).byte_size();
         }
@@ -208,28 +208,28 @@ mod tests {
         ))
     }
 
-    fn parts(frame: &Arc<PreparedFrame>, photographs: &Arc<Photographs>) -> Parts {
+    fn parts(frame: &Arc<PreparedFrame>, posed_images: &Arc<PosedImages>) -> Parts {
         Parts {
             frame: Arc::clone(frame),
-            photographs: Arc::clone(photographs),
+            posed_images: Arc::clone(posed_images),
             surfels: SurfelStyle::default(),
         }
     }
 
-    fn made(of: &Parts) -> PhotographedFrame {
-        PhotographedFrame::new(of.clone(), Style::default(), DVec3::ZERO)
+    fn made(of: &Parts) -> TexturedFrame {
+        TexturedFrame::new(of.clone(), Style::default(), DVec3::ZERO)
     }
 
     #[test]
     fn what_stood_for_a_frame_is_drawn_until_that_is_there() {
-        let photographs = Arc::new(Photographs::new(Vec::new(), None));
+        let posed_images = Arc::new(PosedImages::new(Vec::new(), None));
         let (coarse, whole, other) = (frame(3), frame(3), frame(4));
-        let of_coarse = parts(&coarse, &photographs);
-        let mut frames = PhotographedFrames {
-            made: vec![made(&of_coarse), made(&parts(&other, &photographs))],
-            ..PhotographedFrames::default()
+        let of_coarse = parts(&coarse, &posed_images);
+        let mut frames = TexturedFrames {
+            made: vec![made(&of_coarse), made(&parts(&other, &posed_images))],
+            ..TexturedFrames::default()
         };
-        let is_drawn = |frames: &mut PhotographedFrames, parts: &Parts, expected: &Arc<PreparedFrame>| {
+        let is_drawn = |frames: &mut TexturedFrames, parts: &Parts, expected: &Arc<PreparedFrame>| {
             let drawn = frames
                 .drawn(parts.clone())
                 .map(|drawn| Arc::ptr_eq(drawn.bare(), expected));
@@ -237,10 +237,10 @@ mod tests {
         };
         is_drawn(&mut frames, &of_coarse, &coarse);
         assert!(frames.drawn_without.is_none());
-        let of_whole = parts(&whole, &photographs);
+        let of_whole = parts(&whole, &posed_images);
         is_drawn(&mut frames, &of_whole, &coarse);
         assert!(frames.drawn_without.as_ref() == Some(&of_whole), "it is made first");
-        let following = || std::iter::once(parts(&frame(7), &photographs));
+        let following = || std::iter::once(parts(&frame(7), &posed_images));
         frames.running = frames.next(following());
         assert!(frames.running.as_ref() == Some(&of_whole) && frames.next(following()).is_none());
         frames.take_in(made(&of_whole));
@@ -249,23 +249,23 @@ mod tests {
         assert_eq!(next.frame.index, 7);
         is_drawn(&mut frames, &of_whole, &whole);
         // With other photographs, the frame itself stands for it, and not its coarse copy.
-        let others = Arc::new(Photographs::new(Vec::new(), None));
+        let others = Arc::new(PosedImages::new(Vec::new(), None));
         is_drawn(&mut frames, &parts(&whole, &others), &whole);
-        assert!(frames.drawn(parts(&frame(5), &photographs)).is_none());
+        assert!(frames.drawn(parts(&frame(5), &posed_images)).is_none());
     }
 
     #[test]
     fn small_frames_are_kept_and_what_nobody_waits_for_is_dropped() {
-        let photographs = Arc::new(Photographs::new(Vec::new(), None));
-        let mut frames = PhotographedFrames::default();
+        let posed_images = Arc::new(PosedImages::new(Vec::new(), None));
+        let mut frames = TexturedFrames::default();
         for index in 0..2 * KEPT {
-            let of = parts(&frame(index), &photographs);
+            let of = parts(&frame(index), &posed_images);
             frames.running = Some(of.clone());
             frames.take_in(made(&of));
         }
         assert_eq!(frames.made.len(), 2 * KEPT);
-        assert!(frames.has(0, &photographs, &SurfelStyle::default()));
-        frames.take_in(made(&parts(&frame(99), &photographs)));
-        assert!(!frames.has(99, &photographs, &SurfelStyle::default()));
+        assert!(frames.has(0, &posed_images, &SurfelStyle::default()));
+        frames.take_in(made(&parts(&frame(99), &posed_images)));
+        assert!(!frames.has(99, &posed_images, &SurfelStyle::default()));
     }
 }

@@ -10,7 +10,7 @@
 //! A disk of few points reaches beyond an outline, and takes the images from what is behind it. So [splats are
 //! curved](bent_disks): smaller ones on the curved surface are drawn, and images are occluded by these.
 
-use crate::analysis::{Disk, Surface, bent_disks, estimate_surface, splat_radii, stray_points};
+use crate::analysis::{Disk, Surface, curved_splats, estimate_surface, splat_radii, stray_points};
 use crate::cloud::{Frame, PointRecord, ShapeRecord, oct_decode, oct_encode};
 use crate::photos::PhotoSurface;
 use glam::Vec3;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 const MAX_POINTS: usize = 1 << 18;
 
 /// Disks of more points are too small to be seen as such; what they become would be up to 19 times as many.
-const MAX_BENT: usize = 1 << 15;
+const MAX_CURVED: usize = 1 << 15;
 
 /// Scale of an outlier's disk, as a factor on its radius.
 const SHRUNK: f32 = 1e-3;
@@ -59,13 +59,13 @@ pub(super) fn without_stray_points(
 
 /// The disks of a frame, bent with the surface; `None` where all are flat, the file says how large they are, or they
 /// are many. Precondition: a record of each kind for each point.
-pub(super) fn bent_surface(
+pub(super) fn curved_surface(
     frame: &Frame,
     points: &[PointRecord],
     shapes: &[ShapeRecord],
     is_stray: &[bool],
 ) -> Option<PhotoSurface> {
-    if points.len() > MAX_BENT || frame.radii().is_some() {
+    if points.len() > MAX_CURVED || frame.radii().is_some() {
         return None;
     }
     let disks = points.iter().zip(shapes).map(|(point, shape)| Disk {
@@ -73,7 +73,7 @@ pub(super) fn bent_surface(
         normal: oct_decode(shape.normal),
         radius: shape.radius,
     });
-    let bent = bent_disks(&disks.collect::<Vec<_>>(), |at| !is_stray[at])?;
+    let curved = curved_splats(&disks.collect::<Vec<_>>(), |at| !is_stray[at])?;
     let point = |&(at, disk): &(usize, Disk)| PointRecord {
         position: disk.position.to_array(),
         ..points[at]
@@ -84,8 +84,8 @@ pub(super) fn bent_surface(
         ..shapes[at]
     };
     Some(PhotoSurface {
-        points: Arc::new(bent.iter().map(point).collect()),
-        shapes: Arc::new(bent.iter().map(shape).collect()),
+        points: Arc::new(curved.iter().map(point).collect()),
+        shapes: Arc::new(curved.iter().map(shape).collect()),
     })
 }
 
@@ -105,7 +105,7 @@ fn surface_of(frame: &Frame, shapes: &[ShapeRecord], kept: &[usize]) -> Vec<([i1
 mod tests {
     use super::*;
     use crate::cloud::{Attributes, Positions, RawCloud};
-    use crate::photos::Photographs;
+    use crate::photos::PosedImages;
     use crate::sequence::{Needs, PrepareCounters, PreparedFrame, prepare};
     use glam::DVec3;
     use std::sync::Arc;
@@ -123,8 +123,8 @@ mod tests {
         prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
     }
 
-    fn photographed(frame: &PreparedFrame) -> PreparedFrame {
-        frame.with_photographs(Arc::new(Photographs::new(Vec::new(), None)))
+    fn textured(frame: &PreparedFrame) -> PreparedFrame {
+        frame.with_photos(Arc::new(PosedImages::new(Vec::new(), None)))
     }
 
     /// A wall of 400 points that are 1 apart.
@@ -141,8 +141,8 @@ mod tests {
         let mut places = wall();
         places.push([8.5, 8.5, 1.6]);
         let frame = prepared(places, Attributes::default());
-        let photographed = photographed(&frame);
-        let shapes = photographed.shapes.as_ref().unwrap();
+        let textured = textured(&frame);
+        let shapes = textured.shapes.as_ref().unwrap();
         for (at, shape) in shapes.iter().enumerate() {
             if is_in_the_air(&frame, at) {
                 assert!(shape.radius < 0.01 && shape.radius > 0.0, "{}", shape.radius);
@@ -151,7 +151,7 @@ mod tests {
                 assert!(shape.radius < 2.0, "{}", shape.radius);
             }
         }
-        assert!(Arc::ptr_eq(&frame.points, &photographed.points));
+        assert!(Arc::ptr_eq(&frame.points, &textured.points));
     }
 
     /// A tube of 20 points around, 0.3 apart, and its normals.
@@ -172,15 +172,15 @@ mod tests {
             ..Attributes::default()
         };
         let frame = prepared(places.clone(), with_normals.clone());
-        assert!(frame.bent.is_none());
-        let with = photographed(&frame);
-        let bent = with.bent.as_ref().unwrap();
-        assert!(bent.points.len() > 6 * with.points.len() && bent.points.len() == bent.shapes.len());
+        assert!(frame.curved.is_none());
+        let with = textured(&frame);
+        let curved = with.curved.as_ref().unwrap();
+        assert!(curved.points.len() > 6 * with.points.len() && curved.points.len() == curved.shapes.len());
         assert!(with.byte_size() > frame.byte_size());
         assert!(Arc::ptr_eq(&frame.points, &with.points));
-        let radius = |at: usize| bent.shapes[at].radius;
-        assert!((0..bent.shapes.len()).all(|at| radius(at) < frame.shapes.as_ref().unwrap()[0].radius));
-        for point in bent.points.iter() {
+        let radius = |at: usize| curved.shapes[at].radius;
+        assert!((0..curved.shapes.len()).all(|at| radius(at) < frame.shapes.as_ref().unwrap()[0].radius));
+        for point in curved.points.iter() {
             let [x, y, _] = point.position;
             assert!((x.hypot(y) - 1.0).abs() < 0.02, "{point:?}");
         }
@@ -189,7 +189,7 @@ mod tests {
             radii: Some(vec![0.3; 600]),
             ..with_normals
         };
-        assert!(photographed(&prepared(places, with_radii)).bent.is_none());
+        assert!(textured(&prepared(places, with_radii)).curved.is_none());
     }
 
     #[test]
@@ -199,9 +199,9 @@ mod tests {
             points: Arc::new(frame.points[..3].to_vec()),
             shapes: Arc::new(frame.shapes.as_ref().unwrap()[..3].to_vec()),
         };
-        let photographs = Photographs::new(Vec::new(), None).with_surface(Some(surface.clone()));
-        let with = frame.with_photographs(Arc::new(photographs));
-        assert!(Arc::ptr_eq(&with.bent.as_ref().unwrap().points, &surface.points));
+        let posed_images = PosedImages::new(Vec::new(), None).with_surface(Some(surface.clone()));
+        let with = frame.with_photos(Arc::new(posed_images));
+        assert!(Arc::ptr_eq(&with.curved.as_ref().unwrap().points, &surface.points));
         assert!(Arc::ptr_eq(&with.points, &frame.points));
         assert!(Arc::ptr_eq(
             with.shapes.as_ref().unwrap(),
@@ -212,10 +212,10 @@ mod tests {
     #[test]
     fn a_surface_without_stray_points_stays_the_same_allocation() {
         let frame = prepared(wall(), Attributes::default());
-        let photographed = photographed(&frame);
+        let textured = textured(&frame);
         assert!(Arc::ptr_eq(
             frame.shapes.as_ref().unwrap(),
-            photographed.shapes.as_ref().unwrap()
+            textured.shapes.as_ref().unwrap()
         ));
     }
 
@@ -228,7 +228,7 @@ mod tests {
             normals: Some(vec![normal.to_array(); places.len()]),
             ..Attributes::default()
         };
-        let frame = photographed(&prepared(places.clone(), with_normals.clone()));
+        let frame = textured(&prepared(places.clone(), with_normals.clone()));
         let shapes = frame.shapes.as_ref().unwrap();
         assert!(
             shapes
@@ -241,7 +241,7 @@ mod tests {
             radii: Some(vec![0.7; places.len()]),
             ..with_normals
         };
-        let frame = photographed(&prepared(places, with_radii));
+        let frame = textured(&prepared(places, with_radii));
         assert!(frame.shapes.as_ref().unwrap().iter().all(|shape| shape.radius == 0.7));
     }
 }

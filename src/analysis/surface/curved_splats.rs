@@ -82,7 +82,7 @@ pub struct Disk {
 
 /// The disks that stand for each of `disks`, and the index of that one. `is_used` are those that are of the surface;
 /// others stay, and say nothing of it. `None` where all stay as they are. Precondition: all numbers are finite.
-pub fn bent_disks(disks: &[Disk], is_used: impl Fn(usize) -> bool + Sync) -> Option<Vec<(usize, Disk)>> {
+pub fn curved_splats(disks: &[Disk], is_used: impl Fn(usize) -> bool + Sync) -> Option<Vec<(usize, Disk)>> {
     let used: Vec<usize> = (0..disks.len()).filter(|&at| is_used(at)).collect();
     let positions: Vec<Vec3> = used.iter().map(|&at| disks[at].position).collect();
     let neighbours = nearest_neighbours(&positions, NEIGHBOURS);
@@ -99,14 +99,14 @@ pub fn bent_disks(disks: &[Disk], is_used: impl Fn(usize) -> bool + Sync) -> Opt
     for (&at, quadric) in used.iter().zip(quadrics) {
         of_disk[at] = quadric;
     }
-    let mut bent = Vec::with_capacity(2 * disks.len());
+    let mut curved = Vec::with_capacity(2 * disks.len());
     for (at, (disk, quadric)) in disks.iter().zip(of_disk).enumerate() {
         match quadric {
-            Some(quadric) => quadric.add_disks(disk, |disk| bent.push((at, disk))),
-            None => bent.push((at, *disk)),
+            Some(quadric) => quadric.add_disks(disk, |disk| curved.push((at, disk))),
+            None => curved.push((at, *disk)),
         }
     }
-    Some(bent)
+    Some(curved)
 }
 
 /// Quadric of the surface around a point: heights above its tangent plane.
@@ -159,8 +159,8 @@ impl Quadric {
         let max = largest(found.as_vec3());
         let turn = max * disk.radius;
         let off = ((squares - found.dot(right)).max(0.0) / (count - 3.0)).sqrt();
-        let is_bent = turn > TURNS[0] && off <= f64::from(OF_ONE_MIND * max);
-        if !is_bent {
+        let is_curved = turn > TURNS[0] && off <= f64::from(OF_ONE_MIND * max);
+        if !is_curved {
             return None;
         }
         let scale = (TURNS[2] / turn).min(1.0);
@@ -255,7 +255,7 @@ mod tests {
     #[test]
     fn disks_of_a_tube_lie_on_it_and_reach_a_quarter_as_far_beyond() {
         let flat = tube();
-        let bent = bent_disks(&flat, |_| true).unwrap();
+        let curved = curved_splats(&flat, |_| true).unwrap();
         let beyond = |disk: &Disk| {
             let reach = rim(disk).map(|place| place.truncate().length() - 0.3);
             reach.into_iter().fold(0.0, f32::max)
@@ -264,9 +264,9 @@ mod tests {
         let max =
             |disks: &mut dyn Iterator<Item = Disk>| disks.filter(inside).map(|disk| beyond(&disk)).fold(0.0, f32::max);
         let before = max(&mut flat.iter().copied());
-        let after = max(&mut bent.iter().map(|&(_, disk)| disk));
+        let after = max(&mut curved.iter().map(|&(_, disk)| disk));
         assert!(before > 0.015 && after < 0.25 * before, "{before} {after}");
-        for (_, disk) in bent.iter().filter(|(_, disk)| inside(disk)) {
+        for (_, disk) in curved.iter().filter(|(_, disk)| inside(disk)) {
             let upright = disk.position.with_z(0.0).normalize();
             assert!((disk.position.truncate().length() - 0.3).abs() < 2e-3, "{disk:?}");
             assert!(
@@ -280,10 +280,10 @@ mod tests {
     #[test]
     fn bent_disks_leave_no_hole() {
         let flat = ball(0.8, 800);
-        let bent = bent_disks(&flat, |_| true).unwrap();
-        assert_eq!(bent.len(), 7 * flat.len(), "each is bent a little");
+        let curved = curved_splats(&flat, |_| true).unwrap();
+        assert_eq!(curved.len(), 7 * flat.len(), "each is bent a little");
         for at in ball(0.8, 5000) {
-            let is_covered = bent.iter().any(|(_, disk)| {
+            let is_covered = curved.iter().any(|(_, disk)| {
                 let way = at.position - disk.position;
                 (way - way.dot(disk.normal) * disk.normal).length() <= disk.radius && way.length() < 0.2
             });
@@ -293,21 +293,21 @@ mod tests {
 
     #[test]
     fn planes_and_what_is_of_no_mind_stay_as_they_are() {
-        assert_eq!(bent_disks(&plane(), |_| true), None);
-        assert_eq!(bent_disks(&[], |_| true), None);
-        assert_eq!(bent_disks(&tube()[..1], |_| true), None);
-        assert_eq!(bent_disks(&tube(), |_| false), None);
+        assert_eq!(curved_splats(&plane(), |_| true), None);
+        assert_eq!(curved_splats(&[], |_| true), None);
+        assert_eq!(curved_splats(&tube()[..1], |_| true), None);
+        assert_eq!(curved_splats(&tube(), |_| false), None);
         // Disks in a line do not say what is across it.
         let line: Vec<Disk> = (0..30).map(|at| disk(SPACING * at as f32 * Vec3::X, Vec3::Z)).collect();
-        assert_eq!(bent_disks(&line, |_| true), None);
+        assert_eq!(curved_splats(&line, |_| true), None);
         // Normals that are turned at random.
         let mut noisy = plane();
         for (at, disk) in noisy.iter_mut().enumerate() {
             let (sin, cos) = (2.4 * (at * at) as f32).sin_cos();
             disk.normal = Vec3::new(0.3 * cos, 0.3 * sin, 1.0).normalize();
         }
-        let bent = bent_disks(&noisy, |_| true).map_or(0, |bent| bent.len() - noisy.len());
-        assert!(bent < 6 * noisy.len() / 4, "{bent}");
+        let curved = curved_splats(&noisy, |_| true).map_or(0, |curved| curved.len() - noisy.len());
+        assert!(curved < 6 * noisy.len() / 4, "{curved}");
     }
 
     #[test]
@@ -315,8 +315,8 @@ mod tests {
         let mut disks = tube();
         disks.push(disk(Vec3::new(0.5, 0.0, 2.0), Vec3::X));
         let last = disks.len() - 1;
-        let with = bent_disks(&disks, |at| at != last).unwrap();
-        let without = bent_disks(&disks[..last], |_| true).unwrap();
+        let with = curved_splats(&disks, |at| at != last).unwrap();
+        let without = curved_splats(&disks[..last], |_| true).unwrap();
         assert_eq!(with.last(), Some(&(last, disks[last])));
         assert_eq!(with[..with.len() - 1], without[..]);
     }
@@ -333,7 +333,7 @@ mod tests {
                 normal: Vec3::from(normal).normalize_or(Vec3::Z),
                 radius,
             }).collect();
-            for (of, disk) in bent_disks(&disks, |_| true).unwrap_or_default() {
+            for (of, disk) in curved_splats(&disks, |_| true).unwrap_or_default() {
                 prop_assert!(disk.position.is_finite() && disk.normal.is_normalized());
                 prop_assert!(disk.radius <= disks[of].radius);
                 prop_assert!(disk.position.distance(disks[of].position) <= disks[of].radius);

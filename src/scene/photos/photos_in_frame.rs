@@ -1,15 +1,15 @@
 //! Posed images of what a packet shows.
 
-use crate::photos::Photographs;
+use crate::photos::PosedImages;
 use crate::scene::{Content, PhotoDepths, Surfels};
 use glam::DVec3;
 use std::sync::Arc;
 
 /// Posed images for the frames of a packet.
 #[derive(Debug, Clone)]
-pub struct PhotographsInFrame {
+pub struct PhotosInFrame {
     /// Posed images.
-    pub photographs: Arc<Photographs>,
+    pub posed_images: Arc<PosedImages>,
     /// Origin that positions of the frame are relative to.
     pub origin: DVec3,
     /// Complete surface, whatever of it is drawn: what the posed images see of it does not change with the view.
@@ -20,10 +20,10 @@ pub struct PhotographsInFrame {
 }
 
 /// Equal if they are the same allocations.
-impl PartialEq for PhotographsInFrame {
+impl PartialEq for PhotosInFrame {
     fn eq(&self, other: &Self) -> bool {
         let content = |surface: &Option<Surfels>| surface.clone().map_or(Content::Nothing, Content::Surfels);
-        Arc::ptr_eq(&self.photographs, &other.photographs)
+        Arc::ptr_eq(&self.posed_images, &other.posed_images)
             && self.origin == other.origin
             && self.depths.as_ref().map(Arc::as_ptr) == other.depths.as_ref().map(Arc::as_ptr)
             && content(&self.surface) == content(&other.surface)

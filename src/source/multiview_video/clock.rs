@@ -96,19 +96,19 @@ pub(super) fn together(cameras: &[Vec<Timed>]) -> Vec<Together> {
             .total_cmp(&right.0)
             .then((left.1, left.2).cmp(&(right.1, right.2)))
     });
-    let mut moments: Vec<Together> = Vec::new();
+    let mut time_steps: Vec<Together> = Vec::new();
     for (clock, camera, at) in all {
-        let last = moments.last_mut();
+        let last = time_steps.last_mut();
         let last = last.filter(|last| last.of_each[camera].is_none() && clock - last.clock < max_apart);
         if let Some(last) = last {
             last.of_each[camera] = Some(at);
         } else {
             let mut of_each = vec![None; cameras.len()];
             of_each[camera] = Some(at);
-            moments.push(Together { clock, of_each });
+            time_steps.push(Together { clock, of_each });
         }
     }
-    moments
+    time_steps
 }
 
 /// Returns the entry of `others` that belongs to the same time step as `clock`.
@@ -152,14 +152,14 @@ mod tests {
     /// Names of what is together, a line a moment.
     fn lines(names: &[&[&str]]) -> Vec<String> {
         let cameras = cameras(names);
-        let moments = together(&cameras).into_iter();
+        let time_steps = together(&cameras).into_iter();
         let name = |(camera, at): (usize, Option<usize>)| match at {
             Some(at) => cameras[camera][at].entry.name.clone(),
             None => "-".to_owned(),
         };
-        moments
-            .map(|moment| {
-                let names: Vec<String> = moment.of_each.into_iter().enumerate().map(name).collect();
+        time_steps
+            .map(|time_step| {
+                let names: Vec<String> = time_step.of_each.into_iter().enumerate().map(name).collect();
                 names.join(" ")
             })
             .collect()

@@ -10,9 +10,9 @@
 //! Weights are taken relative to that of the first view that is not blended any more ([`PhotoViews::blended`]), so that
 //! none of them appears or vanishes at once while the eye moves (Buehler et al. 2001).
 //!
-//! Surfaces can be relit with depth-map normals of what the images see (§4.1): `render/cpu/photographs/normals.rs`.
+//! Surfaces can be relit with depth-map normals of what the images see (§4.1): `render/cpu/posed_images/normals.rs`.
 
-use crate::photos::Photograph;
+use crate::photos::PosedImage;
 use crate::scene::style::Primitive;
 use crate::scene::{Content, PhotoClipping, PhotoGains, PhotoHoles, PhotoRelight, ScenePacket, ViewTransform, gap_px};
 use glam::{DMat3, DVec3, Vec3, Vec4};
@@ -65,14 +65,14 @@ impl PhotoViews {
 
     /// Returns the views of a packet; `None` where surfaces have other colours.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
-        let shown = packet.photographs.as_ref()?;
+        let shown = packet.posed_images.as_ref()?;
         let style = &packet.style.photos;
-        let angle = shown.photographs.neighbour_angle() * style.angle;
-        let views = shown.photographs.all().iter();
+        let angle = shown.posed_images.neighbour_angle() * style.angle;
+        let views = shown.posed_images.all().iter();
         Some(Self {
             views: views
-                .map(|photograph| {
-                    let mut view = PhotoView::of(photograph, shown.origin, &packet.view);
+                .map(|posed_image| {
+                    let mut view = PhotoView::of(posed_image, shown.origin, &packet.view);
                     if style.gains == PhotoGains::Off {
                         view.gain = Vec3::ONE;
                     }
@@ -90,13 +90,13 @@ impl PhotoViews {
 }
 
 impl PhotoView {
-    fn of(photograph: &Photograph, origin: DVec3, view: &ViewTransform) -> Self {
+    fn of(posed_image: &PosedImage, origin: DVec3, view: &ViewTransform) -> Self {
         let view_from_frame = view.view_from_frame_rotation.as_dmat3();
         let eye = view.eye_high.as_dvec3() + view.eye_low.as_dvec3();
-        let camera_from_view = photograph.camera_from_world.matrix3 * view_from_frame.transpose();
-        let center = photograph.center() - origin;
-        let offset = photograph.camera_from_world.matrix3 * (eye - center);
-        let pinhole = &photograph.pinhole;
+        let camera_from_view = posed_image.camera_from_world.matrix3 * view_from_frame.transpose();
+        let center = posed_image.center() - origin;
+        let offset = posed_image.camera_from_world.matrix3 * (eye - center);
+        let pinhole = &posed_image.pinhole;
         let [focal, principal] = [pinhole.focal_px(), pinhole.principal_px() + 0.5];
         Self {
             camera_from_view: [0, 1, 2].map(|axis| camera_from_view.row(axis).extend(offset[axis]).as_vec4()),
@@ -104,20 +104,20 @@ impl PhotoView {
             focal: focal.as_vec2().to_array(),
             principal: principal.as_vec2().to_array(),
             size: pinhole.size_px().map(|edge| edge as f32),
-            gain: photograph.gain,
+            gain: posed_image.gain,
         }
     }
 }
 
 /// Returns the packet of the surface as a posed image sees it, for its depths alone.
-pub fn seen_by_photograph(packet: &ScenePacket, photograph: &Photograph) -> Option<ScenePacket> {
-    let shown = packet.photographs.as_ref()?;
+pub fn seen_by_photo(packet: &ScenePacket, posed_image: &PosedImage) -> Option<ScenePacket> {
+    let shown = packet.posed_images.as_ref()?;
     let surface = shown.surface.clone()?;
-    let size_px = photograph.pinhole.size_px();
+    let size_px = posed_image.pinhole.size_px();
     let longest = size_px[0].max(size_px[1]);
-    let scale = f64::from(longest.min(shown.photographs.depth_edge_px())) / f64::from(longest);
+    let scale = f64::from(longest.min(shown.posed_images.depth_edge_px())) / f64::from(longest);
     let viewport_px = size_px.map(|edge| ((f64::from(edge) * scale).round() as u32).max(1));
-    let view = view_of(photograph, shown.origin, packet, viewport_px);
+    let view = view_of(posed_image, shown.origin, packet, viewport_px);
     let mut seen = packet.for_depths(view, viewport_px);
     seen.content = Content::Surfels(surface);
     seen.style.primitive = Primitive::Surfel;
@@ -125,19 +125,19 @@ pub fn seen_by_photograph(packet: &ScenePacket, photograph: &Photograph) -> Opti
 }
 
 /// Returns the view transform of a posed image, in a rendered image of `viewport_px` of all of it.
-fn view_of(photograph: &Photograph, origin: DVec3, packet: &ScenePacket, viewport_px: [u32; 2]) -> ViewTransform {
+fn view_of(posed_image: &PosedImage, origin: DVec3, packet: &ScenePacket, viewport_px: [u32; 2]) -> ViewTransform {
     /// Near plane, as a fraction of the distance to the centre of the cloud or of its radius.
     const NEAR: f64 = 1e-3;
     // From x right, y down, z forward to x right, y up, z backward.
     let flip = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));
-    let eye = photograph.center() - origin;
+    let eye = posed_image.center() - origin;
     let eye_high = eye.as_vec3();
-    let pinhole = &photograph.pinhole;
+    let pinhole = &posed_image.pinhole;
     let (focal, principal) = (pinhole.focal_px(), pinhole.principal_px() + 0.5);
     let [width, height] = pinhole.size_px().map(f64::from);
     let far = (packet.bounds.center().as_dvec3() - eye).length();
     ViewTransform {
-        view_from_frame_rotation: (flip * photograph.camera_from_world.matrix3).as_mat3(),
+        view_from_frame_rotation: (flip * posed_image.camera_from_world.matrix3).as_mat3(),
         eye_high,
         eye_low: (eye - eye_high.as_dvec3()).as_vec3(),
         focal: [(2.0 * focal.x / width) as f32, (2.0 * focal.y / height) as f32],
@@ -161,10 +161,10 @@ mod tests {
     use crate::scene::UpAxis;
     use glam::{DAffine3, DQuat, DVec2};
 
-    fn photograph() -> Photograph {
+    fn posed_image() -> PosedImage {
         let rotation = DQuat::from_euler(glam::EulerRot::YXZ, 0.4, 2.8, -0.3);
         let (focal, principal) = (DVec2::new(310.0, 305.0), DVec2::new(140.0, 132.5));
-        Photograph {
+        PosedImage {
             name: String::new(),
             number: 0,
             pinhole: Camera::new([320, 240], focal, principal, Distortion::None).unwrap(),
@@ -179,9 +179,9 @@ mod tests {
     /// Of places of the world, relative to an origin, seen by some camera.
     #[test]
     fn places_of_a_picture_are_where_the_photograph_has_them() {
-        let photograph = photograph();
+        let posed_image = posed_image();
         let origin = DVec3::new(100.0, -50.0, 20.0);
-        let mut moved = photograph;
+        let mut moved = posed_image;
         moved.camera_from_world *= DAffine3::from_translation(-origin);
         let mut camera = crate::scene::Camera::framing(&crate::math::Aabb::EMPTY, origin, UpAxis::Y);
         camera.distance = 3.0;

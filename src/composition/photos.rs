@@ -7,7 +7,7 @@ use super::inputs::Inputs;
 use super::options::ComposeOptions;
 use super::step::{Lane, Stage, Step, same_stage};
 use crate::cloud::CloudError;
-use crate::photos::{Photographs, ViewSet};
+use crate::photos::{PosedImages, ViewSet};
 use crate::progress::Progress;
 use crate::scene::Style;
 use crate::sequence::Sequence;
@@ -15,68 +15,68 @@ use crate::stereo::photo_surface;
 use std::sync::Arc;
 
 /// Maximum number of bytes for the texels of all images together, including their mip levels.
-pub const PHOTOGRAPH_BYTES: u64 = 1 << 30;
+pub const PHOTO_BYTES: u64 = 1 << 30;
 
 /// The row of the list.
 pub(super) const STAGE: Stage = Stage {
     name: "photographs",
-    lane: Lane::Photographs,
+    lane: Lane::Photos,
     step,
 };
 
 /// Returns true if view-dependent texturing applies to the frames, which it does not over the colours of a change map.
-pub fn photographs_apply(options: &ComposeOptions, style: &Style) -> bool {
-    options.change.is_none() && style.draws_photographs()
+pub fn photos_apply(options: &ComposeOptions, style: &Style) -> bool {
+    options.change.is_none() && style.draws_photos()
 }
 
-/// Returns `photographs` with the surface reconstructed from them if they are of one static scene; in multi-view video,
+/// Returns `posed_images` with the surface reconstructed from them if they are of one static scene; in multi-view video,
 /// each frame has a point cloud of its own.
 #[must_use]
 pub fn on_surface(
-    photographs: Arc<Photographs>,
+    posed_images: Arc<PosedImages>,
     set: &ViewSet,
     sequence: &Sequence,
     progress: &Progress,
-) -> Arc<Photographs> {
+) -> Arc<PosedImages> {
     if sequence.len() > 1 {
-        return photographs;
+        return posed_images;
     }
-    let surface = photo_surface(set, &photographs, sequence.origin(), progress);
-    Arc::new(photographs.with_surface(surface))
+    let surface = photo_surface(set, &posed_images, sequence.origin(), progress);
+    Arc::new(posed_images.with_surface(surface))
 }
 
 /// View-dependent texturing of a frame from its input images.
 #[derive(Debug)]
-struct PhotographsStep {
-    photographs: Arc<Photographs>,
+struct PhotosStep {
+    posed_images: Arc<PosedImages>,
     ahead: Option<DepthsAhead>,
 }
 
 fn step(inputs: &Inputs<'_>, problems: &mut Vec<Problem>) -> Option<Arc<dyn Step>> {
-    if !photographs_apply(inputs.options, inputs.style) {
+    if !photos_apply(inputs.options, inputs.style) {
         return None;
     }
     let left_out = &inputs.options.left_out_photos;
-    let loaded = inputs.frames.photographs(inputs.pose.index, left_out)?;
+    let loaded = inputs.frames.posed_images(inputs.pose.index, left_out)?;
     problems.extend(loaded.notes.into_iter().map(Problem::Note));
-    let photographs = Some(loaded.photographs).filter(|photographs| !photographs.all().is_empty())?;
-    Some(Arc::new(PhotographsStep {
-        photographs,
+    let posed_images = Some(loaded.posed_images).filter(|posed_images| !posed_images.all().is_empty())?;
+    Some(Arc::new(PhotosStep {
+        posed_images,
         ahead: inputs.frames.depths_ahead(),
     }))
 }
 
-impl Step for PhotographsStep {
+impl Step for PhotosStep {
     fn is_same(&self, other: &dyn Step) -> bool {
         let surfels = |step: &Self| step.ahead.map(|ahead| ahead.style.surfels);
         same_stage(other).is_some_and(|other: &Self| {
-            Arc::ptr_eq(&self.photographs, &other.photographs) && surfels(self) == surfels(other)
+            Arc::ptr_eq(&self.posed_images, &other.posed_images) && surfels(self) == surfels(other)
         })
     }
 
     fn run(&self, composed: &mut Composed, _progress: &Progress) -> Result<(), CloudError> {
-        let photographs = Arc::clone(&self.photographs);
-        composed.frame = Arc::new(composed.frame.with_photographs(photographs));
+        let posed_images = Arc::clone(&self.posed_images);
+        composed.frame = Arc::new(composed.frame.with_photos(posed_images));
         composed.depths = self.ahead.map(|ahead| Arc::new(ahead.drawn(composed)));
         Ok(())
     }

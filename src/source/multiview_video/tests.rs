@@ -13,7 +13,7 @@ const RADIUS: f64 = 1.0;
 
 /// Cameras around the ball, `turn` further for each.
 #[derive(Clone, Copy)]
-struct Filmed {
+struct MultiView {
     cameras: usize,
     step_rad: f64,
     /// Turns all cameras.
@@ -22,7 +22,7 @@ struct Filmed {
     shift: f64,
 }
 
-const FILMED: Filmed = Filmed {
+const MULTIVIEW: MultiView = MultiView {
     cameras: 4,
     step_rad: 0.2,
     turned_rad: 0.0,
@@ -30,8 +30,8 @@ const FILMED: Filmed = Filmed {
 };
 
 /// Where the ball is.
-fn ball(moment: usize) -> DVec3 {
-    DVec3::new(0.35 * moment as f64 - 0.3, 0.1, 0.2 * moment as f64)
+fn ball(time_step: usize) -> DVec3 {
+    DVec3::new(0.35 * time_step as f64 - 0.3, 0.1, 0.2 * time_step as f64)
 }
 
 fn color(on_ball: DVec3) -> [u8; 3] {
@@ -47,7 +47,7 @@ fn color(on_ball: DVec3) -> [u8; 3] {
     color.to_array().map(|channel| (255.0 * channel.clamp(0.0, 1.0)) as u8)
 }
 
-impl Filmed {
+impl MultiView {
     /// The axes of a camera (right, down, forward) as columns, and its place.
     fn camera(self, camera: usize) -> (DMat3, DVec3) {
         let turn = self.turned_rad + self.step_rad * camera as f64;
@@ -61,9 +61,9 @@ impl Filmed {
         )
     }
 
-    fn photographed(self, camera: usize, moment: usize) -> RgbImage {
+    fn textured(self, camera: usize, time_step: usize) -> RgbImage {
         let (axes, center) = self.camera(camera);
-        let ball = ball(moment);
+        let ball = ball(time_step);
         RgbImage::from_fn(SIZE_PX[0], SIZE_PX[1], |x, y| {
             let pixel = DVec2::new(f64::from(x), f64::from(y)) - principal();
             let ray = (axes * (pixel / FOCAL_PX).extend(1.0)).normalize();
@@ -78,9 +78,9 @@ impl Filmed {
         })
     }
 
-    fn save(self, camera: usize, moment: usize, path: &Path) {
+    fn save(self, camera: usize, time_step: usize, path: &Path) {
         fs::create_dir_all(path.parent().unwrap()).unwrap();
-        self.photographed(camera, moment).save(path).unwrap();
+        self.textured(camera, time_step).save(path).unwrap();
     }
 
     /// A par file of Middlebury.
@@ -166,72 +166,72 @@ fn principal() -> DVec2 {
     DVec2::new(60.5, 46.0)
 }
 
-fn open(folder: &Path) -> Option<PhotoVideo> {
+fn open(folder: &Path) -> Option<MultiviewVideo> {
     open_with(folder, &OpenOptions::default())
 }
 
 /// As [`crate::source::open`] does it.
-fn open_with(folder: &Path, options: &OpenOptions) -> Option<PhotoVideo> {
+fn open_with(folder: &Path, options: &OpenOptions) -> Option<MultiviewVideo> {
     let inputs = [folder.to_owned()];
     match photos::find(folder).unwrap() {
         Some(found) => {
             let calibration = found.calibration().unwrap();
-            PhotoVideo::of(calibration, &inputs, options).unwrap().ok()
+            MultiviewVideo::of(calibration, &inputs, options).unwrap().ok()
         }
-        None => PhotoVideo::of_sets(&inputs, options),
+        None => MultiviewVideo::of_sets(&inputs, options),
     }
 }
 
-fn decoded(video: &PhotoVideo, index: usize) -> RawCloud {
+fn decoded(video: &MultiviewVideo, index: usize) -> RawCloud {
     let entry = video.entry(index);
     let frame = video.decoder().decode(index, &entry, usize::MAX, &Progress::default());
     frame.unwrap().cloud
 }
 
 /// The share of points that are on the ball of a moment: half a pixel between neighbours is a depth of 0.08.
-fn share_on_ball(cloud: &RawCloud, moment: usize) -> f64 {
+fn share_on_ball(cloud: &RawCloud, time_step: usize) -> f64 {
     let is_on = |at: &usize| {
         let place = cloud.positions.get(*at);
-        (place.distance(ball(moment)) - RADIUS).abs() < 0.08
+        (place.distance(ball(time_step)) - RADIUS).abs() < 0.08
     };
     let count = cloud.positions.len();
     (0..count).filter(is_on).count() as f64 / count as f64
 }
 
 /// Holds poses, photographs and points of all moments against the scene.
-fn assert_films(video: &PhotoVideo, filmed: impl Fn(usize) -> Filmed, moments: usize) {
-    assert_eq!(video.frames(), 0..moments);
-    for moment in 0..moments {
-        let filmed = filmed(moment);
-        let set = video.photographs(moment).unwrap();
-        assert!(Arc::ptr_eq(&set, &video.photographs(moment).unwrap()));
-        assert_eq!(set.photos.len(), filmed.cameras);
+fn assert_multiview_videos(video: &MultiviewVideo, multiview: impl Fn(usize) -> MultiView, time_steps: usize) {
+    assert_eq!(video.frames(), 0..time_steps);
+    for time_step in 0..time_steps {
+        let multiview = multiview(time_step);
+        let set = video.posed_images(time_step).unwrap();
+        assert!(Arc::ptr_eq(&set, &video.posed_images(time_step).unwrap()));
+        assert_eq!(set.photos.len(), multiview.cameras);
         for (camera, photo) in set.photos.iter().enumerate() {
-            let (axes, center) = filmed.camera(camera);
+            let (axes, center) = multiview.camera(camera);
             assert!(photo.center().distance(center) < 1e-6);
-            let place = ball(moment) + DVec3::new(0.2, -0.3, 0.1);
+            let place = ball(time_step) + DVec3::new(0.2, -0.3, 0.1);
             let seen = axes.transpose() * (place - center);
             let expected = DVec2::new(seen.x, seen.y) / seen.z * FOCAL_PX + principal();
             assert!(photo.project(place).unwrap().distance(expected) < 1e-3);
             let image = image::open(&photo.path).unwrap().into_rgb8();
             assert_eq!(
                 image,
-                filmed.photographed(camera, moment),
-                "camera {camera} of moment {moment}"
+                multiview.textured(camera, time_step),
+                "camera {camera} of moment {time_step}"
             );
         }
-        if moment == 1 {
+        if time_step == 1 {
             continue;
         }
-        let cloud = decoded(video, moment);
+        let cloud = decoded(video, time_step);
         assert!(cloud.warnings.is_empty(), "{:?}", cloud.warnings);
         assert!(cloud.positions.len() > 1000, "{} points", cloud.positions.len());
         let (own, other) = (
-            share_on_ball(&cloud, moment),
-            share_on_ball(&cloud, usize::from(moment == 0)),
+            share_on_ball(&cloud, time_step),
+            share_on_ball(&cloud, usize::from(time_step == 0)),
         );
         // Two views alone have no third one that tells mistakes.
-        let min = if filmed.cameras > 2 { 0.9 } else { 0.8 };
+        let min = if multiview.cameras > 2 { 0.9 } else { 0.8 };
         assert!(own > min && other < 0.5, "{own} on its ball, {other} on another");
     }
 }
@@ -240,22 +240,22 @@ fn assert_films(video: &PhotoVideo, filmed: impl Fn(usize) -> Filmed, moments: u
 fn a_folder_for_each_camera_is_a_film() {
     let folder = tempfile::tempdir().unwrap();
     // COLMAP has calibrated the first moment.
-    FILMED.write_colmap(&folder.path().join("sparse/0"), |camera| {
+    MULTIVIEW.write_colmap(&folder.path().join("sparse/0"), |camera| {
         format!("cam{camera}/0008.png")
     });
     for camera in 0..4 {
-        for moment in 0..3 {
-            let name = format!("images/cam{camera}/{:04}.png", moment + 8);
-            FILMED.save(camera, moment, &folder.path().join(name));
+        for time_step in 0..3 {
+            let name = format!("images/cam{camera}/{:04}.png", time_step + 8);
+            MULTIVIEW.save(camera, time_step, &folder.path().join(name));
         }
     }
     let video = open(folder.path()).unwrap();
-    assert_films(&video, |_| FILMED, 3);
+    assert_multiview_videos(&video, |_| MULTIVIEW, 3);
     assert_eq!(video.entry(1).number, Some(9));
-    let set = video.photographs(1).unwrap();
+    let set = video.posed_images(1).unwrap();
     assert_eq!(set.photos[3].name, "cam3");
     // Cameras are judged by the points that calibrated them.
-    let error = video.photographs(0).unwrap().reprojection_error(3).unwrap();
+    let error = video.posed_images(0).unwrap().reprojection_error(3).unwrap();
     assert!(error.count == 1 && error.rms_px < 1e-3, "{error:?}");
     assert!(set.reprojection_error(3).is_none());
 }
@@ -263,93 +263,100 @@ fn a_folder_for_each_camera_is_a_film() {
 #[test]
 fn a_folder_for_each_moment_is_a_film() {
     let folder = tempfile::tempdir().unwrap();
-    FILMED.write_par(&folder.path().join("rig_par.txt"), |camera| {
+    MULTIVIEW.write_par(&folder.path().join("rig_par.txt"), |camera| {
         format!("view_{camera}.png")
     });
-    for (camera, moment) in (0..4).flat_map(|camera| (0..3).map(move |moment| (camera, moment))) {
-        let name = format!("frame_{moment}/view_{camera}.png");
-        FILMED.save(camera, moment, &folder.path().join(name));
+    for (camera, time_step) in (0..4).flat_map(|camera| (0..3).map(move |time_step| (camera, time_step))) {
+        let name = format!("frame_{time_step}/view_{camera}.png");
+        MULTIVIEW.save(camera, time_step, &folder.path().join(name));
     }
     let video = open(folder.path()).unwrap();
-    assert_films(&video, |_| FILMED, 3);
+    assert_multiview_videos(&video, |_| MULTIVIEW, 3);
     assert_eq!(video.entry(2).name, "frame_2");
-    assert_eq!(video.photographs(0).unwrap().photos[1].name, "view_1");
+    assert_eq!(video.posed_images(0).unwrap().photos[1].name, "view_1");
 }
 
 #[test]
 fn each_moment_may_have_a_calibration_of_its_own() {
     let folder = tempfile::tempdir().unwrap();
-    let filmed = |moment: usize| Filmed {
-        turned_rad: 0.3 * moment as f64,
-        ..FILMED
+    let multiview = |time_step: usize| MultiView {
+        turned_rad: 0.3 * time_step as f64,
+        ..MULTIVIEW
     };
-    for moment in 0..3 {
-        let set = folder.path().join(format!("frame_{moment:03}"));
+    for time_step in 0..3 {
+        let set = folder.path().join(format!("frame_{time_step:03}"));
         let mut photos = Vec::new();
         for camera in 0..4 {
-            filmed(moment).save(camera, moment, &set.join(format!("images/{camera}.png")));
+            multiview(time_step).save(camera, time_step, &set.join(format!("images/{camera}.png")));
             photos.push((format!("images/{camera}.png"), camera, None));
         }
-        filmed(moment).write_transforms(&set.join("transforms.json"), &photos);
+        multiview(time_step).write_transforms(&set.join("transforms.json"), &photos);
     }
-    assert_films(&open(folder.path()).unwrap(), filmed, 3);
+    assert_multiview_videos(&open(folder.path()).unwrap(), multiview, 3);
 }
 
 #[test]
 fn a_calibration_may_say_when_each_photograph_was_taken() {
     let folder = tempfile::tempdir().unwrap();
     let mut photos = Vec::new();
-    for (moment, camera) in (0..3).flat_map(|moment| (0..4).map(move |camera| (moment, camera))) {
-        let name = format!("images/{moment}_{camera}.png");
-        FILMED.save(camera, moment, &folder.path().join(&name));
-        photos.push((name, camera, Some(moment as f64 / 2.0)));
+    for (time_step, camera) in (0..3).flat_map(|time_step| (0..4).map(move |camera| (time_step, camera))) {
+        let name = format!("images/{time_step}_{camera}.png");
+        MULTIVIEW.save(camera, time_step, &folder.path().join(&name));
+        photos.push((name, camera, Some(time_step as f64 / 2.0)));
     }
     // Their order is no matter.
     photos.reverse();
     photos.sort_by_key(|(_, camera, _)| *camera);
-    FILMED.write_transforms(&folder.path().join("transforms.json"), &photos);
+    MULTIVIEW.write_transforms(&folder.path().join("transforms.json"), &photos);
     let video = open(folder.path()).unwrap();
-    assert_films(&video, |_| FILMED, 3);
+    assert_multiview_videos(&video, |_| MULTIVIEW, 3);
     assert!(!video.may_grow());
 }
 
 #[test]
 fn two_cameras_side_by_side_are_a_film_too() {
     let folder = tempfile::tempdir().unwrap();
-    let pair = Filmed { cameras: 2, ..FILMED };
+    let pair = MultiView {
+        cameras: 2,
+        ..MULTIVIEW
+    };
     pair.write_par(&folder.path().join("rig_par.txt"), |camera| {
         ["left", "right"][camera].to_owned()
     });
-    for (camera, moment) in (0..2).flat_map(|camera| (0..2).map(move |moment| (camera, moment))) {
-        let name = format!("{}/{moment}.png", ["left", "right"][camera]);
-        pair.save(camera, moment, &folder.path().join(name));
+    for (camera, time_step) in (0..2).flat_map(|camera| (0..2).map(move |time_step| (camera, time_step))) {
+        let name = format!("{}/{time_step}.png", ["left", "right"][camera]);
+        pair.save(camera, time_step, &folder.path().join(name));
     }
-    assert_films(&open(folder.path()).unwrap(), |_| pair, 2);
+    assert_multiview_videos(&open(folder.path()).unwrap(), |_| pair, 2);
 }
 
 /// Nobody knows at what they look, nor how far away that is.
 #[test]
 fn cameras_that_look_parallel_are_a_film_too() {
     let folder = tempfile::tempdir().unwrap();
-    let row = Filmed {
+    let row = MultiView {
         cameras: 4,
         step_rad: 0.0,
         shift: 0.5,
-        ..FILMED
+        ..MULTIVIEW
     };
     row.write_par(&folder.path().join("rig_par.txt"), |camera| format!("cam{camera}.png"));
-    for (camera, moment) in (0..4).flat_map(|camera| [0, 1].map(|moment| (camera, moment))) {
-        row.save(camera, moment, &folder.path().join(format!("cam{camera}/{moment}.png")));
+    for (camera, time_step) in (0..4).flat_map(|camera| [0, 1].map(|time_step| (camera, time_step))) {
+        row.save(
+            camera,
+            time_step,
+            &folder.path().join(format!("cam{camera}/{time_step}.png")),
+        );
     }
-    assert_films(&open(folder.path()).unwrap(), |_| row, 2);
+    assert_multiview_videos(&open(folder.path()).unwrap(), |_| row, 2);
 }
 
 /// Three moments by a folder for each camera.
-fn filmed_by_cameras(folder: &Path) {
-    FILMED.write_par(&folder.join("rig_par.txt"), |camera| format!("cam{camera}.png"));
+fn multiview_by_cameras(folder: &Path) {
+    MULTIVIEW.write_par(&folder.join("rig_par.txt"), |camera| format!("cam{camera}.png"));
     for camera in 0..4 {
-        for moment in 0..3 {
-            FILMED.save(camera, moment, &folder.join(format!("cam{camera}/{moment}.png")));
+        for time_step in 0..3 {
+            MULTIVIEW.save(camera, time_step, &folder.join(format!("cam{camera}/{time_step}.png")));
         }
     }
 }
@@ -357,12 +364,12 @@ fn filmed_by_cameras(folder: &Path) {
 #[test]
 fn a_missing_image_costs_that_one_and_a_warning_says_so() {
     let folder = tempfile::tempdir().unwrap();
-    filmed_by_cameras(folder.path());
+    multiview_by_cameras(folder.path());
     fs::remove_file(folder.path().join("cam0/2.png")).unwrap();
     fs::write(folder.path().join("cam3/2.png"), b"broken").unwrap();
     let video = open(folder.path()).unwrap();
     assert_eq!(video.frames(), 0..3);
-    let set = video.photographs(2).unwrap();
+    let set = video.posed_images(2).unwrap();
     let has_file: Vec<bool> = set.photos.iter().map(photos::Photo::has_file).collect();
     assert_eq!(has_file, [false, true, true, false]);
     let cloud = decoded(&video, 2);
@@ -376,12 +383,12 @@ fn a_missing_image_costs_that_one_and_a_warning_says_so() {
     );
     assert!(decoded(&video, 1).warnings.is_empty());
     // Loading passes over what is not there.
-    let loaded = photos::LoadedPhotographs::of(&set, 1 << 30, &Progress::default());
+    let loaded = photos::LoadedPhotos::of(&set, 1 << 30, &Progress::default());
     let numbers: Vec<usize> = loaded
-        .photographs
+        .posed_images
         .all()
         .iter()
-        .map(|photograph| photograph.number)
+        .map(|posed_image| posed_image.number)
         .collect();
     assert_eq!(numbers, [1, 2]);
     assert!(loaded.notes.is_empty(), "{:?}", loaded.notes);
@@ -390,7 +397,7 @@ fn a_missing_image_costs_that_one_and_a_warning_says_so() {
 #[test]
 fn a_camera_without_a_folder_is_named() {
     let folder = tempfile::tempdir().unwrap();
-    filmed_by_cameras(folder.path());
+    multiview_by_cameras(folder.path());
     fs::remove_dir_all(folder.path().join("cam2")).unwrap();
     let video = open(folder.path()).unwrap();
     assert_eq!(video.about().notes, ["no folder with images was found for cam2"]);
@@ -400,18 +407,18 @@ fn a_camera_without_a_folder_is_named() {
 #[test]
 fn points_of_a_moment_are_those_of_its_file() {
     let folder = tempfile::tempdir().unwrap();
-    filmed_by_cameras(folder.path());
+    multiview_by_cameras(folder.path());
     fs::create_dir(folder.path().join("points")).unwrap();
-    for moment in [0, 2] {
-        let text = format!("{moment} 0 0\n{moment} 1 0\n");
-        fs::write(folder.path().join(format!("points/{moment}.xyz")), text).unwrap();
+    for time_step in [0, 2] {
+        let text = format!("{time_step} 0 0\n{time_step} 1 0\n");
+        fs::write(folder.path().join(format!("points/{time_step}.xyz")), text).unwrap();
     }
     let video = open(folder.path()).unwrap();
-    for moment in [0, 2] {
-        let cloud = decoded(&video, moment);
+    for time_step in [0, 2] {
+        let cloud = decoded(&video, time_step);
         assert_eq!(cloud.positions.len(), 2);
-        assert_eq!(cloud.positions.get(1).to_array(), [moment as f64, 1.0, 0.0]);
-        assert!(video.entry(moment).path.ends_with(format!("points/{moment}.xyz")));
+        assert_eq!(cloud.positions.get(1).to_array(), [time_step as f64, 1.0, 0.0]);
+        assert!(video.entry(time_step).path.ends_with(format!("points/{time_step}.xyz")));
     }
     assert!(decoded(&video, 1).positions.len() > 1000);
     let dense = OpenOptions {
@@ -426,20 +433,20 @@ fn points_of_a_moment_are_those_of_its_file() {
 fn photographs_of_one_moment_are_no_film() {
     // A camera that goes around: several images of a folder are named.
     let folder = tempfile::tempdir().unwrap();
-    FILMED.write_par(&folder.path().join("rig_par.txt"), |camera| {
+    MULTIVIEW.write_par(&folder.path().join("rig_par.txt"), |camera| {
         format!("{}/{}.png", ["left", "right"][camera % 2], camera / 2)
     });
     for camera in 0..4 {
         let name = format!("{}/{}.png", ["left", "right"][camera % 2], camera / 2);
-        FILMED.save(camera, 0, &folder.path().join(name));
+        MULTIVIEW.save(camera, 0, &folder.path().join(name));
     }
     assert!(open(folder.path()).is_none());
     // Copies of the photographs, smaller.
     let folder = tempfile::tempdir().unwrap();
-    FILMED.write_par(&folder.path().join("rig_par.txt"), |camera| format!("{camera}.png"));
+    MULTIVIEW.write_par(&folder.path().join("rig_par.txt"), |camera| format!("{camera}.png"));
     for camera in 0..4 {
         for copy in ["images_2", "images_4", "scaled_2", "scaled_4", "images"] {
-            FILMED.save(camera, 0, &folder.path().join(format!("{copy}/{camera}.png")));
+            MULTIVIEW.save(camera, 0, &folder.path().join(format!("{copy}/{camera}.png")));
         }
     }
     assert!(open(folder.path()).is_none());
@@ -457,20 +464,20 @@ fn photographs_of_one_moment_are_no_film() {
     let photos: Vec<(String, usize, Option<f64>)> = (0..5)
         .map(|camera| (format!("{camera}.png"), camera, Some(camera as f64)))
         .collect();
-    FILMED.write_transforms(&folder.path().join("transforms.json"), &photos);
+    MULTIVIEW.write_transforms(&folder.path().join("transforms.json"), &photos);
     assert!(open(folder.path()).is_none());
 }
 
 #[test]
 fn moments_that_come_are_taken_once_they_are_whole() {
     let folder = tempfile::tempdir().unwrap();
-    filmed_by_cameras(folder.path());
+    multiview_by_cameras(folder.path());
     let video = open(folder.path()).unwrap();
     assert!(video.may_grow());
     let mut decoder = video.decoder();
-    let save = |camera: usize, moment: usize, age: Duration| {
-        let path = folder.path().join(format!("cam{camera}/{moment}.png"));
-        FILMED.save(camera, moment, &path);
+    let save = |camera: usize, time_step: usize, age: Duration| {
+        let path = folder.path().join(format!("cam{camera}/{time_step}.png"));
+        MULTIVIEW.save(camera, time_step, &path);
         let file = fs::File::options().write(true).open(path).unwrap();
         file.set_modified(std::time::SystemTime::now() - age).unwrap();
     };

@@ -3,40 +3,40 @@
 use super::scene::Scene;
 use image::{Rgb, RgbImage};
 use pointreel::check::check;
-use pointreel::photos::LoadedPhotographs;
+use pointreel::photos::LoadedPhotos;
 use pointreel::progress::Progress;
 use pointreel::sequence::Sequence;
 use std::fs;
 use std::path::Path;
 
-const MOMENTS: usize = 3;
+const TIME_STEPS: usize = 3;
 
 /// Photographs of one colour each: red is the moment, green the camera.
-fn write_image(scene: &Scene, path: &Path, moment: usize, camera: usize) {
+fn write_image(scene: &Scene, path: &Path, time_step: usize, camera: usize) {
     fs::create_dir_all(path.parent().unwrap()).unwrap();
     let [width, height] = scene.size_px;
-    let color = Rgb([50 * moment as u8, 30 * camera as u8, 7]);
+    let color = Rgb([50 * time_step as u8, 30 * camera as u8, 7]);
     RgbImage::from_pixel(width, height, color).save(path).unwrap();
 }
 
 /// A folder for each camera beside the model of COLMAP, with points of each moment.
-fn write_film(scene: &Scene, folder: &Path) {
+fn write_multiview_video(scene: &Scene, folder: &Path) {
     scene.write_colmap_text(folder);
     fs::remove_dir_all(folder.join("images")).unwrap();
     let images = folder.join("sparse/0/images.txt");
     let mut text = fs::read_to_string(&images).unwrap();
     for camera in 0..scene.poses.len() {
         text = text.replace(&Scene::name(camera), &format!("cam{camera}/0001.png"));
-        for moment in 0..MOMENTS {
-            let name = format!("images/cam{camera}/{:04}.png", moment + 1);
-            write_image(scene, &folder.join(name), moment, camera);
+        for time_step in 0..TIME_STEPS {
+            let name = format!("images/cam{camera}/{:04}.png", time_step + 1);
+            write_image(scene, &folder.join(name), time_step, camera);
         }
     }
     fs::write(images, text).unwrap();
     fs::create_dir(folder.join("points")).unwrap();
-    for moment in 0..MOMENTS {
-        let points = format!("{moment} 0 0\n0 1 0\n0 0 1\n");
-        fs::write(folder.join(format!("points/{:04}.xyz", moment + 1)), points).unwrap();
+    for time_step in 0..TIME_STEPS {
+        let points = format!("{time_step} 0 0\n0 1 0\n0 0 1\n");
+        fs::write(folder.join(format!("points/{:04}.xyz", time_step + 1)), points).unwrap();
     }
 }
 
@@ -44,28 +44,28 @@ fn write_film(scene: &Scene, folder: &Path) {
 fn frames_of_a_film_have_photographs_and_points_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
     let scene = Scene::simple();
-    write_film(&scene, folder.path());
+    write_multiview_video(&scene, folder.path());
     let sequence = Sequence::discover(&[folder.path().to_owned()]).unwrap();
-    assert_eq!(sequence.len(), MOMENTS);
-    for moment in 0..MOMENTS {
-        assert_eq!(sequence.entry(moment).number, Some(moment as u64 + 1));
-        let cloud = sequence.decode(moment).unwrap();
-        assert_eq!(cloud.positions.get(0).x, moment as f64);
-        let set = sequence.source().photographs(moment).unwrap();
+    assert_eq!(sequence.len(), TIME_STEPS);
+    for time_step in 0..TIME_STEPS {
+        assert_eq!(sequence.entry(time_step).number, Some(time_step as u64 + 1));
+        let cloud = sequence.decode(time_step).unwrap();
+        assert_eq!(cloud.positions.get(0).x, time_step as f64);
+        let set = sequence.source().posed_images(time_step).unwrap();
         for (camera, photo) in set.photos.iter().enumerate() {
             assert!(photo.center().distance(scene.center(camera)) < 1e-9);
             let place = scene.points[camera];
             let (found, expected) = (photo.project(place).unwrap(), scene.pixel(camera, place));
             assert!(found.distance(expected) < 0.01, "{found}, expected {expected}");
         }
-        let loaded = LoadedPhotographs::of(&set, 1 << 20, &Progress::default());
-        for (camera, photograph) in loaded.photographs.all().iter().enumerate() {
-            let texel = photograph.texture.levels()[0].pixels()[0];
-            assert_eq!(texel[..2], [50 * moment as u8, 30 * camera as u8], "camera {camera}");
+        let loaded = LoadedPhotos::of(&set, 1 << 20, &Progress::default());
+        for (camera, posed_image) in loaded.posed_images.all().iter().enumerate() {
+            let texel = posed_image.texture.levels()[0].pixels()[0];
+            assert_eq!(texel[..2], [50 * time_step as u8, 30 * camera as u8], "camera {camera}");
         }
     }
     // Half a pixel of the format: cameras fit the points that calibrated them.
-    let errors = sequence.source().photographs(0).unwrap().reprojection_errors();
+    let errors = sequence.source().posed_images(0).unwrap().reprojection_errors();
     assert!(
         errors
             .iter()
@@ -76,18 +76,18 @@ fn frames_of_a_film_have_photographs_and_points_of_their_own() {
 #[test]
 fn an_image_that_is_missing_is_a_finding_and_no_failure() {
     let folder = tempfile::tempdir().unwrap();
-    write_film(&Scene::simple(), folder.path());
+    write_multiview_video(&Scene::simple(), folder.path());
     fs::remove_file(folder.path().join("images/cam2/0002.png")).unwrap();
     let sequence = Sequence::discover(&[folder.path().to_owned()]).unwrap();
     let report = check(&sequence, &|_| {});
-    assert_eq!(report.frame_count, MOMENTS);
+    assert_eq!(report.frame_count, TIME_STEPS);
     let messages: Vec<&str> = report.findings.iter().map(|finding| finding.message.as_str()).collect();
     let missing = report
         .findings
         .iter()
         .find(|finding| finding.message.contains("cam2 has no image of this moment"));
     assert_eq!(missing.expect("a finding").frames, [1], "{messages:?}");
-    let set = sequence.source().photographs(1).unwrap();
+    let set = sequence.source().posed_images(1).unwrap();
     assert_eq!(set.photos.len(), 6);
     assert!(!set.photos[2].has_file());
 }

@@ -13,7 +13,7 @@ mod layout;
 
 use super::photos::cloud_of_set;
 use super::{
-    About, Capabilities, DecodeFailure, DecodedFrame, Decoder, FrameEntry, Growth, OpenOptions, Photographed,
+    About, Capabilities, DecodeFailure, DecodedFrame, Decoder, FrameEntry, Growth, HasPosedImages, OpenOptions,
     SequenceError, Source,
 };
 use crate::cloud::RawCloud;
@@ -23,7 +23,7 @@ use crate::photos::{Calibration, PhotosError, Rig, ViewSet};
 use crate::progress::Progress;
 use crate::stereo::{Dense, DenseError, Pairwise};
 use clock::{Timed, beside, timed};
-use layout::{FoundMoment, Images, Layout, entries_of};
+use layout::{FoundTimeStep, Images, Layout, entries_of};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -39,9 +39,9 @@ const MAX_SIDE_PX: u32 = 320;
 
 /// Multi-view video of a dynamic scene.
 #[derive(Debug)]
-pub struct PhotoVideo {
+pub struct MultiviewVideo {
     known: Arc<Known>,
-    moments: Arc<RwLock<Vec<Arc<Moment>>>>,
+    time_steps: Arc<RwLock<Vec<Arc<TimeStep>>>>,
     /// Nobody looks twice at once.
     looks: Mutex<()>,
     inputs: Vec<PathBuf>,
@@ -53,16 +53,16 @@ pub struct PhotoVideo {
 #[derive(Debug)]
 enum Known {
     /// Camera rig shared by all time steps, whose images are in folders.
-    Rig(Box<Filming>),
+    Rig(Box<Capture>),
     /// Calibration for each time step.
     Sets(Layout),
     /// Single calibration with the capture time of each image.
-    Times(Box<Calibration>, Vec<FoundMoment>),
+    Times(Box<Calibration>, Vec<FoundTimeStep>),
 }
 
 /// Cameras, and where their images are.
 #[derive(Debug)]
-struct Filming {
+struct Capture {
     rig: Rig,
     layout: Layout,
     /// Folders around which points of time steps are looked for.
@@ -70,14 +70,14 @@ struct Filming {
 }
 
 #[derive(Debug)]
-struct Moment {
+struct TimeStep {
     entry: Arc<FrameEntry>,
     images: Images,
     points: Option<PathBuf>,
     set: OnceLock<Result<Arc<ViewSet>, Arc<PhotosError>>>,
 }
 
-impl PhotoVideo {
+impl MultiviewVideo {
     /// Opens the multi-view video that `calibration` names, or returns the calibration again if it is not one.
     ///
     /// # Errors
@@ -87,7 +87,7 @@ impl PhotoVideo {
         inputs: &[PathBuf],
         options: &OpenOptions,
     ) -> Result<Result<Self, Calibration>, PhotosError> {
-        if let Some(found) = moments_by_time(&calibration) {
+        if let Some(found) = time_steps_by_time(&calibration) {
             let known = Known::Times(Box::new(calibration), found);
             return Ok(Ok(Self::new(known, Vec::new(), inputs, options)));
         }
@@ -113,8 +113,8 @@ impl PhotoVideo {
                 file.display()
             ));
         }
-        let filming = Filming { rig, layout, folders };
-        Ok(Ok(Self::new(Known::Rig(Box::new(filming)), notes, inputs, options)))
+        let capture = Capture { rig, layout, folders };
+        Ok(Ok(Self::new(Known::Rig(Box::new(capture)), notes, inputs, options)))
     }
 
     /// Opens the folder that is the one input, if its folders are image sets of one time step each.
@@ -125,10 +125,10 @@ impl PhotoVideo {
     }
 
     fn new(known: Known, notes: Vec<String>, inputs: &[PathBuf], options: &OpenOptions) -> Self {
-        let moments = known.moments().into_iter().map(Arc::new).collect();
+        let time_steps = known.time_steps().into_iter().map(Arc::new).collect();
         Self {
             known: Arc::new(known),
-            moments: Arc::new(RwLock::new(moments)),
+            time_steps: Arc::new(RwLock::new(time_steps)),
             looks: Mutex::new(()),
             inputs: inputs.to_vec(),
             options: options.clone(),
@@ -136,24 +136,24 @@ impl PhotoVideo {
         }
     }
 
-    fn moment(&self, index: usize) -> Arc<Moment> {
-        Arc::clone(&read(&self.moments)[index])
+    fn time_step(&self, index: usize) -> Arc<TimeStep> {
+        Arc::clone(&read(&self.time_steps)[index])
     }
 }
 
-impl Source for PhotoVideo {
+impl Source for MultiviewVideo {
     fn frames(&self) -> Range<usize> {
-        0..read(&self.moments).len()
+        0..read(&self.time_steps).len()
     }
 
     fn entry(&self, index: usize) -> Arc<FrameEntry> {
-        Arc::clone(&read(&self.moments)[index].entry)
+        Arc::clone(&read(&self.time_steps)[index].entry)
     }
 
     fn decoder(&self) -> Box<dyn Decoder> {
-        Box::new(MomentDecoder {
+        Box::new(TimeStepDecoder {
             known: Arc::clone(&self.known),
-            moments: Arc::clone(&self.moments),
+            time_steps: Arc::clone(&self.time_steps),
             options: self.options.clone(),
         })
     }
@@ -169,13 +169,13 @@ impl Source for PhotoVideo {
     fn capabilities(&self) -> Capabilities<'_> {
         Capabilities {
             growth: Some(self),
-            photographs: Some(self),
+            posed_images: Some(self),
             ..Capabilities::default()
         }
     }
 }
 
-impl Growth for PhotoVideo {
+impl Growth for MultiviewVideo {
     fn may_grow(&self) -> bool {
         !matches!(*self.known, Known::Times(..))
     }
@@ -187,55 +187,55 @@ impl Growth for PhotoVideo {
     /// Rescans the folders. Entries that appear between or before existing ones are ignored: frames keep their indices.
     fn look_again(&self) -> Result<usize, SequenceError> {
         let _guard = lock(&self.looks);
-        let found = self.known.moments();
-        let last = read(&self.moments).last().map(Arc::clone);
+        let found = self.known.time_steps();
+        let last = read(&self.time_steps).last().map(Arc::clone);
         let behind = match &last {
             // A moment may be named after another of its images by now.
             Some(last) => found
                 .iter()
-                .rposition(|moment| moment.is_same_or_before(last))
+                .rposition(|time_step| time_step.is_same_or_before(last))
                 .map_or(0, |at| at + 1),
             None => 0,
         };
-        let images_of_each = found.iter().map(Moment::image_count).max().unwrap_or(0);
+        let images_of_each = found.iter().map(TimeStep::image_count).max().unwrap_or(0);
         let came = found.into_iter().skip(behind);
-        let came: Vec<Arc<Moment>> = came
-            .take_while(|moment| moment.is_whole(images_of_each))
+        let came: Vec<Arc<TimeStep>> = came
+            .take_while(|time_step| time_step.is_whole(images_of_each))
             .map(Arc::new)
             .collect();
         let count = came.len();
-        write(&self.moments).extend(came);
+        write(&self.time_steps).extend(came);
         Ok(count)
     }
 }
 
-impl Photographed for PhotoVideo {
-    fn photographs(&self, index: usize) -> Option<Arc<ViewSet>> {
-        self.moment(index).set(index, &self.known).ok()
+impl HasPosedImages for MultiviewVideo {
+    fn posed_images(&self, index: usize) -> Option<Arc<ViewSet>> {
+        self.time_step(index).set(index, &self.known).ok()
     }
 }
 
 impl Known {
     /// Returns the time steps that currently exist.
-    fn moments(&self) -> Vec<Moment> {
+    fn time_steps(&self) -> Vec<TimeStep> {
         match self {
-            Self::Rig(filming) => {
-                let clouds = clouds_in(&filming.folders);
-                let found = filming.layout.moments().into_iter();
-                found.map(|found| Moment::with_points(found, &clouds)).collect()
+            Self::Rig(capture) => {
+                let clouds = clouds_in(&capture.folders);
+                let found = capture.layout.time_steps().into_iter();
+                found.map(|found| TimeStep::with_points(found, &clouds)).collect()
             }
             Self::Sets(layout) => layout
-                .moments()
+                .time_steps()
                 .into_iter()
-                .map(|found| Moment::new(found, None))
+                .map(|found| TimeStep::new(found, None))
                 .collect(),
-            Self::Times(_, found) => found.iter().map(|found| Moment::new(found.clone(), None)).collect(),
+            Self::Times(_, found) => found.iter().map(|found| TimeStep::new(found.clone(), None)).collect(),
         }
     }
 }
 
-impl Moment {
-    fn new(FoundMoment { timed, images }: FoundMoment, points: Option<PathBuf>) -> Self {
+impl TimeStep {
+    fn new(FoundTimeStep { timed, images }: FoundTimeStep, points: Option<PathBuf>) -> Self {
         let mut entry = timed.entry;
         if let Some(points) = &points {
             entry.path.clone_from(points);
@@ -249,7 +249,7 @@ impl Moment {
     }
 
     /// With the points in a file among its images, else with those of its number.
-    fn with_points(found: FoundMoment, clouds: &[Timed]) -> Self {
+    fn with_points(found: FoundTimeStep, clouds: &[Timed]) -> Self {
         let folder = Some(&found.timed.entry.path).filter(|path| path.is_dir());
         let inside = folder.and_then(|folder| entries_of(folder).into_iter().find(|path| is_cloud(path)));
         let points = inside.or_else(|| Some(beside(clouds, found.timed.clock())?.entry.path.clone()));
@@ -260,12 +260,12 @@ impl Moment {
     fn set(&self, index: usize, known: &Known) -> Result<Arc<ViewSet>, Arc<PhotosError>> {
         let look = || -> Result<ViewSet, PhotosError> {
             match (&self.images, known) {
-                (Images::OfCameras(images), Known::Rig(filming)) => {
-                    let listed = filming.rig.listed();
+                (Images::OfCameras(images), Known::Rig(capture)) => {
+                    let listed = capture.rig.listed();
                     let files: Vec<Option<PathBuf>> = listed.map(|at| images.get(at).cloned().flatten()).collect();
-                    filming.rig.moment(&files, index == 0)
+                    capture.rig.time_step(&files, index == 0)
                 }
-                (Images::Listed(photos), Known::Times(calibration, _)) => calibration.some(photos).photographs(),
+                (Images::Listed(photos), Known::Times(calibration, _)) => calibration.some(photos).posed_images(),
                 (Images::InFolder(folder), _) => match crate::photos::find(folder)? {
                     Some(found) => found.read(),
                     None => Err(no_set(folder)),
@@ -335,13 +335,13 @@ impl Moment {
 }
 
 /// Decoder that computes the points of time steps.
-struct MomentDecoder {
+struct TimeStepDecoder {
     known: Arc<Known>,
-    moments: Arc<RwLock<Vec<Arc<Moment>>>>,
+    time_steps: Arc<RwLock<Vec<Arc<TimeStep>>>>,
     options: OpenOptions,
 }
 
-impl Decoder for MomentDecoder {
+impl Decoder for TimeStepDecoder {
     fn decode(
         &mut self,
         index: usize,
@@ -349,22 +349,22 @@ impl Decoder for MomentDecoder {
         _max_points: usize,
         progress: &Progress,
     ) -> Result<DecodedFrame, DecodeFailure> {
-        let moment = read(&self.moments).get(index).map(Arc::clone);
-        let moment = moment.ok_or_else(|| format!("there is no frame {index}"))?;
-        let set = moment.set(index, &self.known)?;
-        let mut cloud = self.cloud(&moment, &set, progress)?;
+        let time_step = read(&self.time_steps).get(index).map(Arc::clone);
+        let time_step = time_step.ok_or_else(|| format!("there is no frame {index}"))?;
+        let set = time_step.set(index, &self.known)?;
+        let mut cloud = self.cloud(&time_step, &set, progress)?;
         cloud.warnings.extend(set.notes.iter().cloned());
         Ok(cloud.into())
     }
 }
 
-impl MomentDecoder {
-    fn cloud(&self, moment: &Moment, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DecodeFailure> {
-        if let Images::InFolder(_) = moment.images {
+impl TimeStepDecoder {
+    fn cloud(&self, time_step: &TimeStep, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DecodeFailure> {
+        if let Images::InFolder(_) = time_step.images {
             let by_stereo = |set: &ViewSet| self.by_stereo(set, progress);
             return cloud_of_set(set, &self.options, by_stereo, progress);
         }
-        if let Some(points) = moment.points.as_ref().filter(|_| !self.options.dense) {
+        if let Some(points) = time_step.points.as_ref().filter(|_| !self.options.dense) {
             return Ok(io::read_part_observed(
                 points,
                 &Part::Whole,
@@ -404,7 +404,7 @@ impl MomentDecoder {
 
 /// Groups the images by time, if a calibration has the capture times of all of them and most times have several images:
 /// one camera that goes around has one.
-fn moments_by_time(calibration: &Calibration) -> Option<Vec<FoundMoment>> {
+fn time_steps_by_time(calibration: &Calibration) -> Option<Vec<FoundTimeStep>> {
     let times = calibration.times()?;
     let names: Vec<&str> = calibration.names().collect();
     let mut by_time: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
@@ -418,7 +418,7 @@ fn moments_by_time(calibration: &Calibration) -> Option<Vec<FoundMoment>> {
     }
     let found = by_time.into_values().enumerate().map(|(at, photos)| {
         let name = photos.first().map_or("", |&first| names[first]);
-        FoundMoment {
+        FoundTimeStep {
             timed: Timed::at(PathBuf::from(name), at as u64),
             images: Images::Listed(photos),
         }

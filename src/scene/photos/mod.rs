@@ -2,4 +2,4 @@
 
 pub(super) mod photo_depths;
 pub(super) mod photo_views;
-pub(super) mod photographs_in_frame;
+pub(super) mod photos_in_frame;

@@ -44,7 +44,7 @@ fn ball(tilt: f32) -> PreparedFrame {
 }
 
 /// Photographs of the ball in one colour, with the depths that it has.
-fn photographed_ball(color: [u8; 3]) -> Arc<Photographs> {
+fn textured_ball(color: [u8; 3]) -> Arc<PosedImages> {
     let [red, green, blue] = color;
     let pinhole = pinhole(256);
     let depth = |camera_from_world: &DAffine3| {
@@ -65,7 +65,7 @@ fn photographed_ball(color: [u8; 3]) -> Arc<Photographs> {
         };
         DepthImage::new([256; 2], (0..256 * 256).map(along).collect())
     };
-    let photograph = |(number, camera_from_world): (usize, DAffine3)| Photograph {
+    let posed_image = |(number, camera_from_world): (usize, DAffine3)| PosedImage {
         name: String::new(),
         number,
         pinhole: pinhole.clone(),
@@ -75,8 +75,8 @@ fn photographed_ball(color: [u8; 3]) -> Arc<Photographs> {
         is_masked: false,
         gain: Vec3::ONE,
     };
-    let all = poses().into_iter().enumerate().map(photograph).collect();
-    Arc::new(Photographs::new(all, Some(0.5)))
+    let all = poses().into_iter().enumerate().map(posed_image).collect();
+    Arc::new(PosedImages::new(all, Some(0.5)))
 }
 
 fn lit(relight: PhotoRelight) -> Style {
@@ -103,7 +103,7 @@ fn difference(a: &RgbaImage, b: &RgbaImage) -> (f64, f64) {
 
 #[test]
 fn a_ball_lit_anew_is_as_light_as_its_geometry_even_where_its_points_are_wrong() {
-    let rough = ball(0.2).with_photographs(photographed_ball([10, 20, 30]));
+    let rough = ball(0.2).with_photos(textured_ball([10, 20, 30]));
     for view in held_out() {
         let camera = camera_at(&view);
         let geometry = draw_on_cpu(&packet(&ball(0.0), &camera, &lit(PhotoRelight::Off)));
@@ -124,7 +124,7 @@ fn a_ball_lit_anew_is_as_light_as_its_geometry_even_where_its_points_are_wrong()
 #[test]
 fn photographs_that_are_lit_anew_have_their_colours_times_the_light() {
     let camera = camera_at(&held_out()[2]);
-    let frame = ball(0.0).with_photographs(photographed_ball([200, 100, 50]));
+    let frame = ball(0.0).with_photos(textured_ball([200, 100, 50]));
     let anew = draw_on_cpu(&packet(&frame, &camera, &lit(PhotoRelight::Photos)));
     let middle = anew.get_pixel(EDGE_PX / 2, EDGE_PX / 2);
     // The head light on what faces the eye.
@@ -139,7 +139,7 @@ fn photographs_that_are_lit_anew_have_their_colours_times_the_light() {
 #[test]
 fn without_a_choice_of_light_what_is_lit_anew_has_the_head_light() {
     let camera = camera_at(&held_out()[1]);
-    let frame = ball(0.0).with_photographs(photographed_ball([180, 180, 180]));
+    let frame = ball(0.0).with_photos(textured_ball([180, 180, 180]));
     let drawn = |lighting: Lighting, relight: PhotoRelight| {
         let style = style().with(|style| {
             style.light.lighting = lighting;
@@ -156,8 +156,8 @@ fn without_a_choice_of_light_what_is_lit_anew_has_the_head_light() {
 
 #[test]
 fn both_renderers_light_photographs_anew() {
-    let of_ball = ball(0.1).with_photographs(photographed_ball([200, 100, 50]));
-    let of_scene = FRAME.with_photographs(Arc::clone(&PHOTOGRAPHS));
+    let of_ball = ball(0.1).with_photos(textured_ball([200, 100, 50]));
+    let of_scene = FRAME.with_photos(Arc::clone(&PHOTOS));
     // Depths of the scene are drawn of its disks, with steps between them.
     for (name, frame, relight) in [
         ("ball", &of_ball, PhotoRelight::Photos),

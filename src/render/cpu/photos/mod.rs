@@ -1,5 +1,5 @@
 //! View-dependent texturing: surfaces get their colours from images (paper 004 §3.2–3.4); for the definition see
-//! `scene/photographs/mod.rs`.
+//! `scene/posed_images/mod.rs`.
 //!
 //! How it works: when all splats of a tile are summed up, each pixel of the surface is projected into all images, eight
 //! of them at a time. The images that see it are then visited, the nearest to the eye's direction first, skipping those
@@ -21,7 +21,7 @@ pub(super) use push_pull::fill_holes;
 
 use super::tile::{Tile, WIDTH};
 use super::view::{PixelRect, PixelView};
-use crate::photos::Photograph;
+use crate::photos::PosedImage;
 use crate::render::constants::{
     PHOTO_MIN_COSINE, PHOTO_OPACITY, PHOTO_PER_STEP_ANGLE2, PHOTO_RIM, PHOTO_SAME_ANGLE2, PHOTO_TRUST_NEAR_STEPS,
 };
@@ -38,7 +38,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub(super) struct Projected<'a> {
     views: &'a PhotoViews,
-    photographs: &'a [Arc<Photograph>],
+    posed_images: &'a [Arc<PosedImage>],
     depths: &'a [DepthMap],
     candidates: Candidates,
     /// Image samples computed earlier for all pixels of the rendered frame.
@@ -83,10 +83,10 @@ pub(super) enum PhotoAnswer {
 
 impl<'a> Projected<'a> {
     /// Creates the projection. Precondition: there is a depth map for each image, in their order.
-    pub(super) fn new(views: &'a PhotoViews, photographs: &'a [Arc<Photograph>], depths: &'a [DepthMap]) -> Self {
+    pub(super) fn new(views: &'a PhotoViews, posed_images: &'a [Arc<PosedImage>], depths: &'a [DepthMap]) -> Self {
         Self {
             views,
-            photographs,
+            posed_images,
             depths,
             candidates: Candidates::of(&views.views),
             told: None,
@@ -263,9 +263,9 @@ impl<'a> Projected<'a> {
         let mut normals = Vec3::ZERO;
         for (shown, seen) in shown.iter_mut().zip(blended) {
             let view = &self.views.views[seen.view];
-            let photograph = &self.photographs[seen.view];
+            let posed_image = &self.posed_images[seen.view];
             let footprint = self.footprint(seen.view, place, scores);
-            let [red, green, blue, alpha] = sample(&photograph.texture, &footprint);
+            let [red, green, blue, alpha] = sample(&posed_image.texture, &footprint);
             let weight = (weight(seen) - beyond) * seen.trust * rim(scores.place(seen.view), view.size);
             let color = view.gain * Vec3::new(red, green, blue) / alpha.max(f32::MIN_POSITIVE);
             *shown = Shown {
@@ -277,7 +277,7 @@ impl<'a> Projected<'a> {
             if self.views.relight != PhotoRelight::Off {
                 normals += weight * alpha * normal(&self.depths[seen.view], view, footprint.place);
             }
-            if photograph.is_masked {
+            if posed_image.is_masked {
                 object += weight * alpha;
                 background += weight * (1.0 - alpha);
             }

@@ -19,7 +19,7 @@ use image::RgbaImage;
 use std::sync::Arc;
 
 /// A cloud without images, and its render style.
-pub(super) struct Filmed<'a> {
+pub(super) struct MultiView<'a> {
     pub(super) name: &'a str,
     /// All of its points.
     pub(super) frame: &'a PreparedFrame,
@@ -35,7 +35,7 @@ pub(super) struct StyledFrame<'a> {
     pub(super) style: &'a Style,
 }
 
-impl Filmed<'_> {
+impl MultiView<'_> {
     /// At most so many of its points, taken evenly.
     pub(super) fn few(&self, max_points: usize) -> Result<PreparedFrame, CloudError> {
         let (few, _) = self.frame.frame.sample(max_points)?;
@@ -87,10 +87,10 @@ pub(super) struct Errors {
 
 impl TrueView {
     /// Renders the ground truth from all points, as unlit disks: see [`Truth`].
-    pub(super) fn new(cache: &TruthCache, filmed: &Filmed<'_>, camera: Camera, size_px: [u32; 2]) -> Self {
+    pub(super) fn new(cache: &TruthCache, multiview: &MultiView<'_>, camera: Camera, size_px: [u32; 2]) -> Self {
         let background = Background::solid(COVERAGE_BACKGROUNDS[0]);
-        let view = TruthView::new(&camera, filmed.origin, size_px, Lighting::Unlit, background);
-        let frame = filmed.frame;
+        let view = TruthView::new(&camera, multiview.origin, size_px, Lighting::Unlit, background);
+        let frame = multiview.frame;
         let disks = Disks {
             points: &frame.points,
             shapes: frame.shapes.as_deref().map_or(&[][..], Vec::as_slice),
@@ -115,15 +115,15 @@ impl Errors {
     pub(super) fn of(
         run: &Run<'_>,
         runner: &mut Runner,
-        filmed: &Filmed<'_>,
+        multiview: &MultiView<'_>,
         drawn: StyledFrame<'_>,
         views: &[TrueView],
     ) -> Result<Self, BenchError> {
         let mut errors = Self::default();
         for view in views {
             run.check_cancelled()?;
-            let [dark, bright] =
-                COVERAGE_BACKGROUNDS.map(|background| filmed.packet(drawn, &view.camera, background, view.size_px()));
+            let [dark, bright] = COVERAGE_BACKGROUNDS
+                .map(|background| multiview.packet(drawn, &view.camera, background, view.size_px()));
             let (dark, bright) = (runner.image(&dark)?, runner.image(&bright)?);
             errors.add(view, &dark, &bright)?;
         }
@@ -176,14 +176,14 @@ impl Errors {
 pub(super) fn times_ms(
     run: &Run<'_>,
     runner: &mut Runner,
-    filmed: &Filmed<'_>,
+    multiview: &MultiView<'_>,
     drawn: StyledFrame<'_>,
     views: &[TrueView],
 ) -> Result<Vec<f64>, BenchError> {
     let size_px = run.options.viewport_px;
     let packets: Vec<ScenePacket> = views
         .iter()
-        .map(|view| filmed.packet(drawn, &view.camera, COVERAGE_BACKGROUNDS[0], size_px))
+        .map(|view| multiview.packet(drawn, &view.camera, COVERAGE_BACKGROUNDS[0], size_px))
         .collect();
     let mut times_ms = Vec::new();
     for round in 0..run.options.warmup + run.options.repeat {

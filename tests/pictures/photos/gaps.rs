@@ -47,8 +47,8 @@ fn wall_without(is_missing: impl Fn([f64; 2]) -> bool) -> PreparedFrame {
 }
 
 /// Two photographs in which the wall is red; measured depths see through a hole that is twice as wide as this.
-fn red_wall(seen_through: Option<f64>) -> Photographs {
-    let photograph = |number: usize, azimuth_deg: f64| {
+fn red_wall(seen_through: Option<f64>) -> PosedImages {
+    let posed_image = |number: usize, azimuth_deg: f64| {
         let (pinhole, camera_from_world) = (pinhole(512), pose(azimuth_deg, 0.0));
         let world_from_camera = camera_from_world.inverse();
         let distances = (0..512 * 512).map(|at| {
@@ -58,7 +58,7 @@ fn red_wall(seen_through: Option<f64>) -> Photographs {
             let is_hole = seen_through.is_some_and(|half| place.truncate().abs().max_element() < half);
             camera_from_world.transform_point3(place).z as f32 * if is_hole { 3.0 } else { 1.0 }
         });
-        Photograph {
+        PosedImage {
             name: String::new(),
             number,
             texture: Texture::new(PhotoImage::new([512; 2], vec![[200, 0, 0, 255]; 512 * 512]).unwrap()),
@@ -69,7 +69,7 @@ fn red_wall(seen_through: Option<f64>) -> Photographs {
             gain: Vec3::ONE,
         }
     };
-    Photographs::new(vec![photograph(0, -10.0), photograph(1, 10.0)], Some(0.35))
+    PosedImages::new(vec![posed_image(0, -10.0), posed_image(1, 10.0)], Some(0.35))
 }
 
 fn gaps(percent: f32) -> Style {
@@ -92,8 +92,8 @@ fn red_and_empty(picture: &RgbaImage) -> (usize, usize) {
 fn gaps_are_closed_where_photographs_show_something() {
     let frame = holed_wall();
     let camera = camera_at(&pose(4.0, 3.0));
-    let drawn = |photographs: Photographs, percent: f32| {
-        let frame = frame.with_photographs(Arc::new(photographs));
+    let drawn = |posed_images: PosedImages, percent: f32| {
+        let frame = frame.with_photos(Arc::new(posed_images));
         let packet = packet(&frame, &camera, &gaps(percent));
         let [cpu, gpu] = [draw_on_cpu(&packet), draw(&packet)];
         keep(&cpu, &format!("gaps_{percent}_cpu.png"));
@@ -122,7 +122,7 @@ fn gaps_are_closed_where_photographs_show_something() {
 fn slits_are_closed_along_their_whole_length() {
     for axis in [0, 1] {
         let frame = wall_without(|along| along[axis].abs() < 0.06);
-        let frame = frame.with_photographs(Arc::new(red_wall(None)));
+        let frame = frame.with_photos(Arc::new(red_wall(None)));
         let drawn = |percent: f32| {
             let packet = packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(percent));
             [draw_on_cpu(&packet), draw(&packet)].map(|picture| red_and_empty(&picture))
@@ -140,7 +140,7 @@ fn slits_are_closed_along_their_whole_length() {
 #[test]
 fn specks_have_the_colour_around_them_and_larger_holes_stay() {
     let drawn = |half: f64, percent: f32| {
-        let frame = wall_without(|_| false).with_photographs(Arc::new(red_wall(Some(half))));
+        let frame = wall_without(|_| false).with_photos(Arc::new(red_wall(Some(half))));
         let packet = packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(percent));
         [draw_on_cpu(&packet), draw(&packet)].map(|picture| red_and_empty(&picture))
     };
@@ -159,7 +159,7 @@ fn specks_have_the_colour_around_them_and_larger_holes_stay() {
 /// Light from depths falls before.
 #[test]
 fn gaps_are_closed_under_eye_dome_light() {
-    let frame = holed_wall().with_photographs(Arc::new(red_wall(None)));
+    let frame = holed_wall().with_photos(Arc::new(red_wall(None)));
     let lit = gaps(10.0).with(|style| style.light.eye_dome = EyeDome::On);
     let packet = packet(&frame, &camera_at(&pose(4.0, 3.0)), &lit);
     for picture in [draw_on_cpu(&packet), draw(&packet)] {
@@ -170,7 +170,7 @@ fn gaps_are_closed_under_eye_dome_light() {
 /// The outline of the wall is where it was.
 #[test]
 fn outlines_stay_where_they_are() {
-    let frame = holed_wall().with_photographs(Arc::new(red_wall(None)));
+    let frame = holed_wall().with_photos(Arc::new(red_wall(None)));
     let packet_of = |percent| packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(percent));
     let [open, closed] = [0.0, 10.0].map(|percent| draw_on_cpu(&packet_of(percent)));
     let middle = EDGE_PX / 2 - 40..EDGE_PX / 2 + 40;
@@ -187,7 +187,7 @@ fn outlines_stay_where_they_are() {
 /// A large picture is drawn in parts.
 #[test]
 fn parts_of_a_picture_have_what_they_need_around_them() {
-    let frame = holed_wall().with_photographs(Arc::new(red_wall(None)));
+    let frame = holed_wall().with_photos(Arc::new(red_wall(None)));
     let packet = packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(4.0));
     // That of gaps, and of specks beside them.
     assert_eq!(pointreel::scene::halo_px(&packet), 20 + 2);

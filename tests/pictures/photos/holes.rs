@@ -14,23 +14,23 @@ fn red_on_blue() -> PreparedFrame {
     let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
     let needs = Scene::needs(&style());
     let frame = prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default());
-    let of_front = PHOTOGRAPHS
+    let of_front = PHOTOS
         .all()
         .iter()
-        .filter(|photograph| photograph.number.is_multiple_of(12));
-    let red = of_front.map(|photograph| Photograph {
-        name: photograph.name.clone(),
-        pinhole: photograph.pinhole.clone(),
+        .filter(|posed_image| posed_image.number.is_multiple_of(12));
+    let red = of_front.map(|posed_image| PosedImage {
+        name: posed_image.name.clone(),
+        pinhole: posed_image.pinhole.clone(),
         texture: Texture::new(PhotoImage::new([4; 2], vec![[255, 0, 0, 255]; 16]).unwrap()),
         depth: None,
-        ..**photograph
+        ..**posed_image
     });
     // Their pinholes have the size of their textures.
-    let scaled = red.map(|photograph| Photograph {
+    let scaled = red.map(|posed_image| PosedImage {
         pinhole: pinhole(4),
-        ..photograph
+        ..posed_image
     });
-    frame.with_photographs(Arc::new(Photographs::new(scaled.collect(), Some(0.5))))
+    frame.with_photos(Arc::new(PosedImages::new(scaled.collect(), Some(0.5))))
 }
 
 fn holes(holes: PhotoHoles) -> Style {
@@ -84,7 +84,7 @@ fn share_apart(one: &RgbaImage, other: &RgbaImage) -> f64 {
 /// other sizes and other holes before.
 #[test]
 fn both_renderers_fill_the_same_holes() {
-    let frame = FRAME.with_photographs(Arc::new(of_front()));
+    let frame = FRAME.with_photos(Arc::new(of_front()));
     let camera = camera_at(&pose(100.0, 5.0));
     let mut card = renderer();
     for (size_px, relight, lighting) in [
