@@ -49,9 +49,9 @@ fn select(criterion: &mut Criterion) {
         let stats = tree.select(&view, &mut out);
         group.throughput(Throughput::Elements(stats.visited_nodes as u64));
         group.bench_function("whole, 4px, a frame that is seen once", |bencher| {
-            let anew = || Octree::build(&positions, &colors, StopCriterion::Loss(0.02));
+            let fresh = || Octree::build(&positions, &colors, StopCriterion::Loss(0.02));
             let mut select = |tree: Octree| tree.select(&view, &mut out);
-            bencher.iter_batched(anew, &mut select, BatchSize::PerIteration);
+            bencher.iter_batched(fresh, &mut select, BatchSize::PerIteration);
         });
         group.finish();
     }
@@ -96,7 +96,7 @@ fn cut(criterion: &mut Criterion) {
     group.bench_function("surfels of a level, worked out", |bencher| {
         let level = tree.depth() - 2;
         bencher.iter_batched(
-            || surfels.anew(),
+            || surfels.fresh(),
             |surfels| surfels.level(level).len(),
             BatchSize::PerIteration,
         );

@@ -168,7 +168,7 @@ pub struct Headless {
 #[derive(Debug)]
 struct Surfaced {
     of: Arc<LoadedPhotos>,
-    left_out: Vec<usize>,
+    skipped: Vec<usize>,
     used: Arc<PosedImages>,
 }
 
@@ -285,25 +285,25 @@ impl Headless {
 
     /// Returns the input images that are not excluded, on the surface reconstructed from them if they are of one static
     /// scene.
-    fn photos_without(&self, index: usize, left_out: &[usize]) -> Option<Arc<PosedImages>> {
+    fn photos_without(&self, index: usize, skipped: &[usize]) -> Option<Arc<PosedImages>> {
         let loaded = self.loaded_photos(index)?;
         let set = self.sequence.source().posed_images(index)?;
         let mut known = lock(&self.surfaced);
         if let Some(surfaced) = &*known
             && Arc::ptr_eq(&surfaced.of, &loaded)
-            && surfaced.left_out == left_out
+            && surfaced.skipped == skipped
         {
             return Some(Arc::clone(&surfaced.used));
         }
-        let used = if left_out.is_empty() {
+        let used = if skipped.is_empty() {
             Arc::clone(&loaded.posed_images)
         } else {
-            Arc::new(loaded.posed_images.without(left_out))
+            Arc::new(loaded.posed_images.without(skipped))
         };
         let used = on_surface(used, &set, &self.sequence, &Progress::default());
         *known = Some(Surfaced {
             of: loaded,
-            left_out: left_out.to_vec(),
+            skipped: skipped.to_vec(),
             used: Arc::clone(&used),
         });
         Some(used)
@@ -435,9 +435,9 @@ impl Frames for Headless {
         self.loader.wait(index, needs).map(Some)
     }
 
-    fn posed_images(&self, index: usize, left_out: &[usize]) -> Option<LoadedPhotos> {
+    fn posed_images(&self, index: usize, skipped: &[usize]) -> Option<LoadedPhotos> {
         let notes = self.loaded_photos(index)?.notes.clone();
-        let posed_images = self.photos_without(index, left_out)?;
+        let posed_images = self.photos_without(index, skipped)?;
         Some(LoadedPhotos { posed_images, notes })
     }
 }

@@ -7,7 +7,7 @@
 //! | [`memory`] | the global allocator, its retention of freed memory, human-readable memory sizes |
 //! | `temporary` | temporary files, kept on disk only until a command ends |
 //! | `signals` | termination signals |
-//! | `kept` | files that are kept between runs |
+//! | `retained` | files that are kept between runs |
 //! | [`deadlines`] | timeouts for other machines |
 //! | [`waiting`] | pending waits for other machines |
 //! | `locks` | locks that continue after a panic elsewhere |
@@ -72,7 +72,6 @@ pub mod export;
 pub mod fuzzing;
 pub mod headless;
 pub mod io;
-mod kept;
 pub mod levels;
 mod locks;
 pub mod math;
@@ -80,6 +79,7 @@ pub mod measure;
 pub mod memory;
 mod messages;
 mod natural;
+mod persist;
 pub mod photos;
 pub mod playback;
 mod printable;

@@ -212,20 +212,20 @@ mod tests {
     #[test]
     fn what_is_dropped_is_removed_and_what_is_named_or_kept_stays() {
         let folder = tempfile::tempdir().unwrap();
-        let [dropped, hidden, named, kept] =
+        let [dropped, hidden, named, retained] =
             ["dropped", ".hidden", "named", "kept"].map(|name| folder.path().join(name));
-        let temporaries = [&dropped, &hidden, &kept].map(|path| {
+        let temporaries = [&dropped, &hidden, &retained].map(|path| {
             let temporary = Temporary::file(path);
             fs::write(path, "bytes").unwrap();
             temporary
         });
-        let [at_dropped, at_hidden, at_kept] = temporaries;
+        let [at_dropped, at_hidden, at_retained] = temporaries;
         at_hidden.rename(&named).unwrap();
         // Somebody else's file by now.
         fs::write(&hidden, "of others").unwrap();
-        at_kept.keep();
+        at_retained.keep();
         drop((at_dropped, at_hidden));
-        let is_there = [&dropped, &hidden, &named, &kept].map(|path| path.exists());
+        let is_there = [&dropped, &hidden, &named, &retained].map(|path| path.exists());
         assert_eq!(is_there, [false, true, true, true]);
     }
 

@@ -158,18 +158,18 @@ fn what_a_person_chose_is_how_the_next_window_begins() {
     state.style.levels.stop = StopCriterion::Loss(0.2);
     state.panels.set(PanelId::SETTINGS, false);
     state.panels.set(PanelId::HELP, true);
-    let kept = state.preferences();
-    assert_eq!(kept.loop_mode, LoopMode::PingPong);
-    assert_eq!(kept.speed, 1.5);
+    let retained = state.preferences();
+    assert_eq!(retained.loop_mode, LoopMode::PingPong);
+    assert_eq!(retained.speed, 1.5);
 
     let next = window_on(
         sequence(&[]),
         StateOptions {
-            preferences: kept,
+            preferences: retained,
             ..options()
         },
     );
-    assert_eq!(next.state().preferences(), kept);
+    assert_eq!(next.state().preferences(), retained);
     assert!(!next.state().panels.has(PanelId::HELP), "the list of keys is not kept");
     assert!(next.query_by_label("Background").is_none());
 

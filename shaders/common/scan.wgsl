@@ -2,20 +2,20 @@
 
 #import generated/constants
 
-var<workgroup> kept: array<u32, GROUP_RECORDS>;
+var<workgroup> retained: array<u32, GROUP_RECORDS>;
 
 // Runs in uniform control flow: number of kept records in the workgroup up to and with this one.
 fn inclusive_scan(local: u32, keep: u32) -> u32 {
-    kept[local] = keep;
+    retained[local] = keep;
     for (var reach = 1u; reach < GROUP_RECORDS; reach *= 2u) {
         workgroupBarrier();
-        var sum = kept[local];
+        var sum = retained[local];
         if (local >= reach) {
-            sum += kept[local - reach];
+            sum += retained[local - reach];
         }
         workgroupBarrier();
-        kept[local] = sum;
+        retained[local] = sum;
     }
     workgroupBarrier();
-    return kept[local];
+    return retained[local];
 }

@@ -26,8 +26,8 @@ fn keep_flying(min: f32, pixel: vec2u, local: vec2u, local_index: u32, group: ve
     let edge = tile_edge(1u);
     let corner = local.y * edge + local.x;
     let depth = tile[corner + edge + 1u];
-    let is_kept = depth != 0.0 && near_neighbours(corner, edge) >= min;
-    after[index_of(pixel)] = select(0.0, depth, is_kept);
+    let is_retained = depth != 0.0 && near_neighbours(corner, edge) >= min;
+    after[index_of(pixel)] = select(0.0, depth, is_retained);
 }
 
 @compute @workgroup_size(DEPTH_TILE_PX, DEPTH_TILE_PX)

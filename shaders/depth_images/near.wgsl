@@ -14,6 +14,6 @@ fn near(@builtin(global_invocation_id) id: vec3u) {
     } else {
         depth = bitcast<f32>(samples[index]);
     }
-    let is_kept = depth >= imaging.near_m && depth <= imaging.far_m;
-    after[index] = select(0.0, depth, is_kept);
+    let is_retained = depth >= imaging.near_m && depth <= imaging.far_m;
+    after[index] = select(0.0, depth, is_retained);
 }

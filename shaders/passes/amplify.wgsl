@@ -42,7 +42,7 @@ fn scan(@builtin(local_invocation_index) local: u32) {
         if (group < groups) {
             group_offsets[group] = total + through - sum;
         }
-        total += kept[GROUP_RECORDS - 1u];
+        total += retained[GROUP_RECORDS - 1u];
         workgroupBarrier();
     }
     if (local == 0u) {

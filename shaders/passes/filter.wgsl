@@ -40,20 +40,20 @@ fn is_drawn(name: u32, is_leaf: bool) -> bool {
     if (is_leaf) {
         parent = parents[name - filtering.inners];
     } else {
-        if (verdict(bounds[name]) != VERDICT_SMALL) {
+        if (node_class(bounds[name]) != NODE_CLASS_SMALL) {
             return false;
         }
         parent = bounds[name].parent;
     }
-    return parent == 0u || verdict(bounds[parent]) == VERDICT_DIVIDED;
+    return parent == 0u || node_class(bounds[parent]) == NODE_CLASS_DIVIDED;
 }
 
-fn verdict(node: NodeBounds) -> u32 {
-    let rough = rough_verdict(node);
-    if (rough != VERDICT_OPEN) {
+fn node_class(node: NodeBounds) -> u32 {
+    let rough = rough_node_class(node);
+    if (rough != NODE_CLASS_OPEN) {
         return rough;
     }
-    return exact_verdict(node);
+    return exact_node_class(node);
 }
 
 fn has_cone(node: NodeBounds) -> bool {
@@ -62,13 +62,13 @@ fn has_cone(node: NodeBounds) -> bool {
 
 // What single floats tell for certain. Errors are a few units in the last place (6e-8) of what is added up; roots of
 // numbers near 0 make 6e-8 to 2.5e-4.
-fn rough_verdict(node: NodeBounds) -> u32 {
+fn rough_node_class(node: NodeBounds) -> u32 {
     let center = bitcast<vec3f>(node.center);
     let radius = bitcast<f32>(node.sphere_radius);
     let to_eye = filtering.eye - center;
     let extent = max(max(abs(to_eye.x), max(abs(to_eye.y), abs(to_eye.z))), radius);
     if (!(extent > 1e-15 && extent < 1e15)) {
-        return VERDICT_OPEN;
+        return NODE_CLASS_OPEN;
     }
     var is_open = false;
     for (var side = 0u; side < 5u; side++) {
@@ -77,7 +77,7 @@ fn rough_verdict(node: NodeBounds) -> u32 {
         let inside = terms.x + terms.y + terms.z + plane.w + radius;
         let error = 1e-5 * (abs(terms.x) + abs(terms.y) + abs(terms.z) + abs(plane.w) + radius);
         if (inside < -error) {
-            return VERDICT_DROPPED;
+            return NODE_CLASS_DROPPED;
         }
         is_open = is_open || inside <= error;
     }
@@ -98,24 +98,24 @@ fn rough_verdict(node: NodeBounds) -> u32 {
             seen_share = gamma * allowed + sqrt(max(1.0 - gamma * gamma, 0.0)) * sine_of_allowed;
         }
         if (distance < radius * 1.0001) {
-            return VERDICT_OPEN;
+            return NODE_CLASS_OPEN;
         }
     }
     if (filtering.culls_back_faces == 1u && seen_share < share_error) {
         if (seen_share < -share_error) {
-            return VERDICT_DROPPED;
+            return NODE_CLASS_DROPPED;
         }
         is_open = true;
     }
     if (is_open) {
-        return VERDICT_OPEN;
+        return NODE_CLASS_OPEN;
     }
     if (node.level >= filtering.deepest_level) {
-        return VERDICT_SMALL;
+        return NODE_CLASS_SMALL;
     }
     let from_sphere = distance - radius;
     if (!(from_sphere > 1e-3 * distance)) {
-        return VERDICT_OPEN;
+        return NODE_CLASS_OPEN;
     }
     let ratio = bitcast<f32>(node.radius) / from_sphere;
     let whole_px2 = filtering.rough_area_px2 * ratio * ratio;
@@ -126,12 +126,12 @@ fn rough_verdict(node: NodeBounds) -> u32 {
         error += share_error * whole_px2;
     }
     if (!(whole_px2 < 1e30) || abs(size_px2 - filtering.rough_small_px2) <= error) {
-        return VERDICT_OPEN;
+        return NODE_CLASS_OPEN;
     }
-    return select(VERDICT_DIVIDED, VERDICT_SMALL, size_px2 < filtering.rough_small_px2);
+    return select(NODE_CLASS_DIVIDED, NODE_CLASS_SMALL, size_px2 < filtering.rough_small_px2);
 }
 
-fn exact_verdict(node: NodeBounds) -> u32 {
+fn exact_node_class(node: NodeBounds) -> u32 {
     let one = vec2u(0u, 0x3ff00000u);
     let zero = vec2u(0u);
     let center = doubles(node.center);
@@ -160,21 +160,21 @@ fn exact_verdict(node: NodeBounds) -> u32 {
         }
     }
     if (filtering.culls_back_faces == 1u && is_at_most(seen_share, zero)) {
-        return VERDICT_DROPPED;
+        return NODE_CLASS_DROPPED;
     }
     for (var side = 0u; side < 5u; side++) {
         let plane = bitcast<vec4u>(filtering.planes[side]);
         let inside = sum(sum_of_products(doubles(plane.xyz), center), f64_of_f32(plane.w));
         if (is_negative(sum(inside, radius))) {
-            return VERDICT_DROPPED;
+            return NODE_CLASS_DROPPED;
         }
     }
     if (node.level >= filtering.deepest_level) {
-        return VERDICT_SMALL;
+        return NODE_CLASS_SMALL;
     }
     let from_sphere = difference(distance, radius);
     if (is_at_most(from_sphere, zero) || is_at_most(filtering.small_px2, zero)) {
-        return VERDICT_DIVIDED;
+        return NODE_CLASS_DIVIDED;
     }
     if (filtering.is_oriented != 1u) {
         seen_share = one;
@@ -184,7 +184,7 @@ fn exact_verdict(node: NodeBounds) -> u32 {
     }
     let ratio = quotient(f64_of_f32(node.radius), from_sphere);
     let size_px2 = product(product(seen_share, filtering.area_px2), product(ratio, ratio));
-    return select(VERDICT_DIVIDED, VERDICT_SMALL, is_at_most(size_px2, filtering.small_px2));
+    return select(NODE_CLASS_DIVIDED, NODE_CLASS_SMALL, is_at_most(size_px2, filtering.small_px2));
 }
 
 fn doubles(bits: vec3u) -> array<vec2u, 3> {

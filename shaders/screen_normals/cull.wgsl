@@ -106,7 +106,7 @@ fn scan(@builtin(local_invocation_index) local: u32) {
         if (group < groups) {
             places[first_sum() + group] = total + through - sum;
         }
-        total += kept[GROUP_RECORDS - 1u];
+        total += retained[GROUP_RECORDS - 1u];
         workgroupBarrier();
     }
     if (local == 0u) {

@@ -22,8 +22,8 @@ pub use search::nearest_point::NearestPoint;
 pub use search::neighbours::{Neighbours, nearest_neighbours};
 pub use surface::curved_splats::{Disk, curved_splats};
 pub use surface::file_surface::FileSurface;
+pub use surface::outlier::outliers;
 pub use surface::radii::LONE_RADIUS;
-pub use surface::stray::stray_points;
 
 use crate::cloud::Ellipse;
 use crate::progress::Progress;

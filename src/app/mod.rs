@@ -45,9 +45,9 @@ mod settings_row;
 mod side;
 mod state;
 mod theme;
-mod trial;
 mod widgets;
 mod window;
+mod window_bench;
 mod work;
 
 pub use appearance::Appearance;
@@ -83,8 +83,8 @@ pub use recent::Recent;
 pub use script::{Script, ScriptError};
 pub use side::Side;
 pub use state::{
-    Counters, FailedOpening, FoundSequence, GivenStyle, GraphicsInfo, Kept, OpeningFacts, SavedSession,
-    SessionQuestion, Shared, State, StateOptions, Viewport, VisibleChange, WindowRequest,
+    Counters, FailedOpening, FoundSequence, GivenStyle, GraphicsInfo, OpeningFacts, SavedSession, SessionQuestion,
+    Shared, State, StateOptions, Stored, Viewport, VisibleChange, WindowRequest,
 };
 pub use theme::apply_theme;
 pub use window::{AppError, Options, bench_window, run};

@@ -2,7 +2,7 @@
 
 use super::recent::{MAX_INPUTS, absolute, entry_name};
 use crate::document::Reading;
-use crate::kept::{self, Fields};
+use crate::persist::{self, Fields};
 use crate::progress::Progress;
 use crate::rgbd::Filters;
 use crate::sequence::{OpenOptions, Sequence};
@@ -41,7 +41,7 @@ const LIST: &str = "choices";
 impl ReadingChoices {
     /// The choices of this user, and what could not be read of them: a text for a notice.
     pub fn load() -> (Self, Option<String>) {
-        match kept::place_of("reading.json") {
+        match persist::place_of("reading.json") {
             Some(file) => Self::load_from(&file),
             None => (Self::default(), None),
         }
@@ -49,7 +49,7 @@ impl ReadingChoices {
 
     /// The choices in `file`, which need not exist yet.
     pub fn load_from(file: &Path) -> (Self, Option<String>) {
-        let read = kept::read_leniently(file, WHAT, entries_of);
+        let read = persist::read_leniently(file, WHAT, entries_of);
         let choices = Self {
             entries: read.value,
             file: read.file,
@@ -89,9 +89,9 @@ impl ReadingChoices {
         let stored_entry = stored_entry.map_err(|reason| reason.to_string())?;
         let entries = &mut self.entries;
         // Other windows may have chosen for other inputs meanwhile.
-        let written = kept::update(file, WHAT, |stored, unread| {
-            kept::note_later_version(stored, VERSION, unread);
-            let mut listed = kept::readable_entries(stored, LIST, unread, |entry| Entry::deserialize(entry).is_ok());
+        let written = persist::update(file, WHAT, |stored, unread| {
+            persist::note_later_version(stored, VERSION, unread);
+            let mut listed = persist::readable_entries(stored, LIST, unread, |entry| Entry::deserialize(entry).is_ok());
             listed.retain(|entry| !Entry::deserialize(entry).is_ok_and(|entry| entry.inputs == inputs));
             listed.splice(0..0, stored_entry);
             listed.truncate(MAX_ENTRIES);
@@ -107,9 +107,9 @@ impl ReadingChoices {
 }
 
 fn entries_of(stored: &Fields, unread: &mut Vec<String>) -> Vec<Entry> {
-    kept::note_later_version(stored, VERSION, unread);
+    persist::note_later_version(stored, VERSION, unread);
     let mut entries = Vec::new();
-    for entry in kept::entries(stored, LIST, unread) {
+    for entry in persist::entries(stored, LIST, unread) {
         match Entry::deserialize(entry) {
             Ok(entry) => entries.push(entry),
             Err(reason) => unread.push(reason.to_string()),

@@ -1,7 +1,7 @@
 //! Recently opened inputs, kept between runs in a small JSON file. Several windows share it: each puts what it opens
 //! first in the list as it is then.
 
-use crate::kept::{self, Fields};
+use crate::persist::{self, Fields};
 use serde::Deserialize as _;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ const WHAT: &str = "the list of recent files";
 impl Recent {
     /// The list of this person, and what could not be read of it: a text for a notice.
     pub fn load() -> (Self, Option<String>) {
-        match kept::place_of("recent.json") {
+        match persist::place_of("recent.json") {
             Some(file) => Self::load_from(&file),
             None => (Self::default(), None),
         }
@@ -36,7 +36,7 @@ impl Recent {
 
     /// The list in `file`, which need not be there yet.
     pub fn load_from(file: &Path) -> (Self, Option<String>) {
-        let read = kept::read_leniently(file, WHAT, entries_of);
+        let read = persist::read_leniently(file, WHAT, entries_of);
         let recent = Self {
             entries: read.value,
             file: read.file,
@@ -93,7 +93,7 @@ impl Recent {
         };
         let mut in_file = Vec::new();
         let (entries, read) = (&mut self.entries, &mut in_file);
-        let written = kept::update(&file, WHAT, |stored, unread| {
+        let written = persist::update(&file, WHAT, |stored, unread| {
             *entries = entries_of(stored, unread);
             read.clone_from(entries);
             change(entries);
@@ -128,7 +128,7 @@ fn hash(inputs: &[PathBuf]) -> u64 {
 
 fn entries_of(stored: &Fields, unread: &mut Vec<String>) -> Vec<Vec<PathBuf>> {
     let mut entries = Vec::new();
-    for entry in kept::entries(stored, LIST, unread) {
+    for entry in persist::entries(stored, LIST, unread) {
         match Vec::<PathBuf>::deserialize(entry) {
             Ok(entry) => entries.push(entry),
             Err(reason) => unread.push(reason.to_string()),

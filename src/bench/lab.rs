@@ -5,7 +5,7 @@
 
 use super::Environment;
 use crate::binary::hex;
-use crate::kept;
+use crate::persist;
 use crate::scene::Settings;
 use crate::sequence::Sequence;
 use image::RgbaImage;
@@ -109,7 +109,7 @@ impl Quality {
     /// Reads what was kept under `key`; `None` if there is nothing that can be used.
     pub fn read(key: &QualityKey) -> Option<Self> {
         let file = key.place()?;
-        let bytes = kept::read(&file).ok().flatten()?;
+        let bytes = persist::read(&file).ok().flatten()?;
         let quality: Self = serde_json::from_slice(&bytes).ok()?;
         let is_sound = |choice: &QualityChoice| choice.draw_ms >= 0.0 && choice.flip >= 0.0;
         let is_sorted = quality.choices.is_sorted_by(|a, b| a.draw_ms <= b.draw_ms);
@@ -122,7 +122,7 @@ impl Quality {
         let Some(file) = key.place() else {
             return Ok(());
         };
-        kept::replace(&file, &serde_json::to_vec_pretty(self)?)
+        persist::replace(&file, &serde_json::to_vec_pretty(self)?)
     }
 }
 
@@ -148,7 +148,7 @@ impl QualityKey {
     }
 
     fn place(&self) -> Option<PathBuf> {
-        kept::cached_place_of(&format!("quality/{}.json", self.0))
+        persist::cached_place_of(&format!("quality/{}.json", self.0))
     }
 }
 

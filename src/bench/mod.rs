@@ -10,8 +10,8 @@
 mod cover;
 mod environment;
 mod error;
+mod excluded;
 mod lab;
-mod leave_out;
 mod modes;
 mod options;
 pub mod rate;
@@ -28,8 +28,8 @@ mod truth_cache;
 
 pub use environment::Environment;
 pub use error::BenchError;
+pub use excluded::{Excluded, ParseExcludedError};
 pub use lab::{LabPoint, Quality, QualityChoice, QualityKey, mark_front};
-pub use leave_out::{LeaveOut, ParseLeaveOutError};
 pub use modes::{Modes, ParseModeError};
 pub use options::{BenchOptions, Input, Measured, Step};
 pub use rate::{RatePoint, Sweep};

@@ -1,11 +1,11 @@
 //! Benchmark options: the subject and the method of measurement.
 
+use super::excluded::Excluded;
 use super::lab::LabPoint;
-use super::leave_out::LeaveOut;
 use super::modes::Modes;
 use super::rate::RatePoint;
 use super::suite::{Defaults, OptionGroup, Suite};
-use crate::kept;
+use crate::persist;
 use crate::sequence::{Sequence, Shape};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -34,7 +34,7 @@ pub struct BenchOptions {
     /// Point counts of the clouds that are generated in addition to the inputs, by the suite that generates some.
     pub cloud_points: Vec<usize>,
     /// Images held out by the suite that compares with them.
-    pub leave_out: LeaveOut,
+    pub leave_out: Excluded,
     /// Folder in which ground-truth images are kept for the next run; `None` keeps none.
     #[serde(skip)]
     pub truth_folder: Option<PathBuf>,
@@ -63,14 +63,14 @@ impl BenchOptions {
             } else {
                 Vec::new()
             },
-            leave_out: LeaveOut::default(),
+            leave_out: Excluded::default(),
             truth_folder: None,
         }
     }
 
     /// The folder of this person for [`BenchOptions::truth_folder`]; `None` where the system has no such place.
     pub fn truth_folder_of_person() -> Option<PathBuf> {
-        kept::cached_place_of("truth")
+        persist::cached_place_of("truth")
     }
 }
 

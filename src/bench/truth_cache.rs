@@ -6,8 +6,8 @@
 //! again. The oldest files go when there are too many bytes of them.
 
 use crate::binary::hex;
-use crate::kept;
 use crate::measure::DepthImage;
+use crate::persist;
 use crate::render::truth::{Truth, TruthKey};
 use image::{ImageFormat, RgbaImage};
 use sha2::{Digest, Sha256};
@@ -100,7 +100,7 @@ fn write(files: &[PathBuf; 3], truth: &Truth) -> Result<(), Box<dyn std::error::
     for (file, image) in files.iter().zip(images) {
         let mut png = Cursor::new(Vec::new());
         image.write_to(&mut png, ImageFormat::Png)?;
-        kept::replace(file, png.get_ref())?;
+        persist::replace(file, png.get_ref())?;
     }
     Ok(())
 }

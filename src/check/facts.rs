@@ -32,7 +32,7 @@ pub struct FrameFacts {
     /// Size of the image whose pixels the points are.
     pub image_px: Option<[u32; 2]>,
     /// Parts of the file that are not read, as nothing uses them.
-    pub not_kept: Vec<String>,
+    pub dropped: Vec<String>,
     /// Warnings about parts of the file that could not be read although its points could.
     pub warnings: Vec<String>,
 }
@@ -60,7 +60,7 @@ impl FrameFacts {
             is_single_precision: matches!(raw.positions, Positions::F32(_)),
             probable_up: None,
             image_px: raw.grid.map(|grid| [grid.width(), grid.height()]),
-            not_kept: noted(&raw),
+            dropped: noted(&raw),
             warnings: raw.warnings.clone(),
             missing,
         };
@@ -74,7 +74,7 @@ impl FrameFacts {
 
 /// Returns the unread parts of interest to those who look at the file.
 fn noted(raw: &RawCloud) -> Vec<String> {
-    let noted = raw.not_kept.iter().filter(|entry| entry.is_noted);
+    let noted = raw.dropped.iter().filter(|entry| entry.is_noted);
     noted.map(|entry| entry.what.clone()).collect()
 }
 

@@ -345,7 +345,7 @@ fn damaged_inputs(sequence: &Sequence) -> Vec<Finding> {
 fn unread_properties(facts: &Facts) -> Vec<Finding> {
     let mut frames_of: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     for (index, facts) in facts.iter().enumerate() {
-        for what in facts.iter().flat_map(|facts| &facts.not_kept) {
+        for what in facts.iter().flat_map(|facts| &facts.dropped) {
             frames_of.entry(what).or_default().push(index);
         }
     }

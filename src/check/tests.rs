@@ -1,5 +1,5 @@
 use super::*;
-use crate::cloud::{NotKept, Positions, RawCloud};
+use crate::cloud::{Dropped, Positions, RawCloud};
 use crate::sequence::FrameEntry;
 use std::time::Duration;
 
@@ -161,9 +161,9 @@ fn a_frame_that_fails_is_a_finding_with_its_reason() {
 #[test]
 fn what_is_not_read_is_a_note() {
     let mut cloud = grid(0.0);
-    cloud.not_kept = vec![
-        NotKept::noted("lists of points are not read: `near`"),
-        NotKept::quiet("digits"),
+    cloud.dropped = vec![
+        Dropped::noted("lists of points are not read: `near`"),
+        Dropped::quiet("digits"),
     ];
     let of_all = found(vec![("a_1", cloud.clone()), ("a_2", cloud)]);
     assert_eq!(of_all, [(FindingKind::UnreadProperties, vec![0, 1])]);

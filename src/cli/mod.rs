@@ -25,7 +25,7 @@ use terminal::warnings::When;
 #[command(name = "pointreel", version, args_conflicts_with_subcommands = true)]
 struct Arguments {
     #[command(subcommand)]
-    verb: Option<Verb>,
+    subcommand: Option<Subcommands>,
 
     /// Print every warning and finding, not only the first of each kind
     #[arg(long, global = true)]
@@ -37,7 +37,7 @@ struct Arguments {
 }
 
 #[derive(Debug, Subcommand)]
-enum Verb {
+enum Subcommands {
     /// Play a sequence in a window (the default command); without INPUT, show the start screen
     View(Box<commands::view::ViewArgs>),
     /// Render frames to images, or to a video, without a window
@@ -69,7 +69,7 @@ pub fn main() -> ExitCode {
     signals::watch();
     crate::memory::keep_freed_pages();
     crate::memory::before_the_end(temporary::remove_all_without_memory);
-    options::device_select::leave_out_without_session();
+    options::device_select::skip_without_session();
     start_log();
     run(std::env::args_os())
 }
@@ -97,7 +97,7 @@ pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
     let parsed = command.try_get_matches_from(words);
     match parsed.and_then(|matches| Arguments::from_arg_matches(&matches)) {
-        Ok(arguments) => run_verb(arguments),
+        Ok(arguments) => run_subcommand(arguments),
         Err(usage) if usage.use_stderr() => {
             // Nobody is left to be told where this fails.
             let _ = usage.print();
@@ -115,29 +115,29 @@ fn command() -> Command {
     help::laid_out(Arguments::command())
 }
 
-fn run_verb(arguments: Arguments) -> ExitCode {
-    let has_window = matches!(arguments.verb, None | Some(Verb::View(_)));
-    let runs_on = has_window || matches!(arguments.verb, Some(Verb::Serve(_)));
+fn run_subcommand(arguments: Arguments) -> ExitCode {
+    let has_window = matches!(arguments.subcommand, None | Some(Subcommands::View(_)));
+    let runs_on = has_window || matches!(arguments.subcommand, Some(Subcommands::Serve(_)));
     terminal::warnings::say_them(match (arguments.verbose, runs_on) {
         (true, _) => When::AllAtOnce,
         (false, true) => When::FirstAtOnce,
         (false, false) => When::AtTheEnd,
     });
     terminal::waits::say_them();
-    if has_window || matches!(arguments.verb, Some(Verb::Bench(_))) {
+    if has_window || matches!(arguments.subcommand, Some(Subcommands::Bench(_))) {
         crate::priority::work_with_this_thread();
     }
-    let result = match arguments.verb {
+    let result = match arguments.subcommand {
         None => commands::view::run(&arguments.view).map(done),
-        Some(Verb::View(view)) => commands::view::run(&view).map(done),
-        Some(Verb::Render(render)) => commands::render::run(&render).map(done),
-        Some(Verb::Bench(bench)) => commands::bench::run(&bench).map(done),
-        Some(Verb::Info(info)) => commands::info::run(&info).map(done),
-        Some(Verb::Check(check)) => commands::check::run(&check, arguments.verbose),
-        Some(Verb::Convert(convert)) => commands::convert::run(&convert).map(done),
-        Some(Verb::Serve(serve)) => commands::serve::run(&serve).map(done),
-        Some(Verb::Compare(compare)) => commands::compare::run(&compare).map(done),
-        Some(Verb::CompareFrames(compare)) => commands::compare_frames::run(&compare).map(done),
+        Some(Subcommands::View(view)) => commands::view::run(&view).map(done),
+        Some(Subcommands::Render(render)) => commands::render::run(&render).map(done),
+        Some(Subcommands::Bench(bench)) => commands::bench::run(&bench).map(done),
+        Some(Subcommands::Info(info)) => commands::info::run(&info).map(done),
+        Some(Subcommands::Check(check)) => commands::check::run(&check, arguments.verbose),
+        Some(Subcommands::Convert(convert)) => commands::convert::run(&convert).map(done),
+        Some(Subcommands::Serve(serve)) => commands::serve::run(&serve).map(done),
+        Some(Subcommands::Compare(compare)) => commands::compare::run(&compare).map(done),
+        Some(Subcommands::CompareFrames(compare)) => commands::compare_frames::run(&compare).map(done),
     };
     terminal::warnings::finish();
     // A server that was ended has done what it should; a window, or what has failed for a signal, ends by it.

@@ -121,7 +121,7 @@ impl SessionInfo {
             labels: session.labels.iter().map(|label| label.text.clone()).collect(),
             trails: TrailsInfo {
                 of_picked: session.trails.of_picked,
-                kept: session.trails.kept.len(),
+                kept: session.trails.stored.len(),
                 spread: session.trails.spread.map_or(0, |spread| spread.points),
             },
             keyframes: session.path.keyframes().len(),

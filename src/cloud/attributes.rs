@@ -215,9 +215,9 @@ mod tests {
         fn every_array_keeps_the_entries_that_are_asked_for(indices in prop::collection::vec(0u32..50, 0..60)) {
             let of_all = all(50);
             let gathered = of_all.gathered(&indices);
-            let mut kept = of_all.clone();
-            kept.keep(&indices);
-            prop_assert_eq!(&kept, &gathered);
+            let mut retained = of_all.clone();
+            retained.keep(&indices);
+            prop_assert_eq!(&retained, &gathered);
             prop_assert_eq!(gathered.other_length(indices.len()), None);
             prop_assert!(gathered.names().eq(of_all.names()));
             for (place, &index) in indices.iter().enumerate() {

@@ -58,7 +58,7 @@ pub struct Frame {
     dropped_points: usize,
     has_faces: bool,
     /// Points of the file that this one was not made from, as it is a sample.
-    left_out: usize,
+    skipped: usize,
     /// Points of the next finer level, if this is a level of the frame that is not its finest.
     points_of_finer: Option<usize>,
     warnings: Vec<String>,
@@ -99,9 +99,9 @@ impl Frame {
             sensor: raw.sensor.map(|sensor| (sensor - origin).as_vec3()),
             convention: raw.convention,
             unit: raw.unit,
-            has_faces: raw.faces_left_out + raw.faces.len() > 0,
+            has_faces: raw.skipped_faces + raw.faces.len() > 0,
             file_index,
-            left_out: 0,
+            skipped: 0,
             points_of_finer: None,
             warnings: raw.warnings,
             sample: SharedSample::default(),
@@ -157,7 +157,7 @@ impl Frame {
         for index in &mut self.file_index {
             *index = places[*index as usize];
         }
-        self.left_out = point_count - places.len();
+        self.skipped = point_count - places.len();
         self
     }
 
@@ -194,7 +194,7 @@ impl Frame {
         let mut part = Self::from_raw(raw, DVec3::ZERO)?;
         let slots = gather(taken, &part.file_index);
         part.file_index = gather(&self.file_index, &slots);
-        part.left_out = self.points_in_file() - slots.len();
+        part.skipped = self.points_in_file() - slots.len();
         part.has_faces = self.has_faces;
         part.share_sample(Arc::clone(self.value_sample()));
         Ok((part, slots))
@@ -323,12 +323,12 @@ impl Frame {
 
     /// Points of the file, whether they are here or not.
     pub fn points_in_file(&self) -> usize {
-        self.len() + self.dropped_points + self.left_out
+        self.len() + self.dropped_points + self.skipped
     }
 
     /// Returns true if the frame is a sample: points of the file were skipped to save time.
     pub fn is_sample(&self) -> bool {
-        self.left_out > 0
+        self.skipped > 0
     }
 
     /// Points of the next finer level of the same frame, if this is one that is stored by levels, and not its finest.

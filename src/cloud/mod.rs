@@ -4,6 +4,7 @@ mod attributes;
 mod cell_scalars;
 mod cells;
 pub(crate) mod codes;
+mod dropped;
 mod ellipse;
 mod frame;
 mod image_grid;
@@ -11,7 +12,6 @@ mod made_from;
 mod mesh;
 mod mesh_records;
 mod no_data;
-mod not_kept;
 mod quantised_normal;
 mod raw;
 mod record;
@@ -25,6 +25,7 @@ mod value_sample;
 pub use attributes::Attributes;
 pub(crate) use attributes::max_radius;
 pub use cells::{Cells, TooManyCells};
+pub use dropped::Dropped;
 pub(crate) use ellipse::ELLIPSE_STEPS;
 pub use ellipse::{Ellipse, decode_ellipse, encode_ellipse};
 pub use frame::{CloudError, Frame};
@@ -34,7 +35,6 @@ pub use mesh::Mesh;
 pub use mesh_records::MeshRecords;
 pub(crate) use no_data::make_holes;
 pub use no_data::{FoundIn, MissingPoints, MissingValue, NoData};
-pub use not_kept::NotKept;
 pub use quantised_normal::{
     FINEST_NORMAL_BITS, coarser_normal, largest_normal_error, quantise_direction, quantise_normal,
     quantised_directions, quantised_normals,

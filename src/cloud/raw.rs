@@ -1,7 +1,7 @@
 //! Raw decoder output: arrays in file order and file coordinates, not yet checked.
 
 use super::attributes::gather;
-use super::{Attributes, ImageGrid, LengthUnit, MadeFrom, NotKept, Texturing};
+use super::{Attributes, Dropped, ImageGrid, LengthUnit, MadeFrom, Texturing};
 use crate::assumption::Assumption;
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
@@ -164,7 +164,7 @@ pub struct RawCloud {
     /// Triangles of a mesh: indices of three points each, all below the number of points. Empty where there is no mesh.
     pub faces: Vec<[u32; 3]>,
     /// Triangles that the file has and `faces` has not: points were sampled on them, or vertices skipped.
-    pub faces_left_out: usize,
+    pub skipped_faces: usize,
     /// Pictures on the faces, where their colours are not those of the points already.
     pub texturing: Option<Texturing>,
     /// Sensor position in file coordinates, if the file states it: normals are oriented towards it.
@@ -179,7 +179,7 @@ pub struct RawCloud {
     /// The unit of coordinates, if format or file say it.
     pub unit: Option<LengthUnit>,
     /// Contents of the file that are not in the cloud, or with fewer digits, without being damaged.
-    pub not_kept: Vec<NotKept>,
+    pub dropped: Vec<Dropped>,
     /// Warnings about parts of the file that could not be read although its points could: a sentence each, with file
     /// and location.
     pub warnings: Vec<String>,
@@ -196,14 +196,14 @@ impl RawCloud {
             has_narrow_colors: false,
             color_depth: None,
             faces: Vec::new(),
-            faces_left_out: 0,
+            skipped_faces: 0,
             texturing: None,
             sensor: None,
             integer_limits: None,
             convention: None,
             assumptions: Vec::new(),
             unit: None,
-            not_kept: Vec::new(),
+            dropped: Vec::new(),
             warnings: Vec::new(),
         }
     }
@@ -216,7 +216,7 @@ impl RawCloud {
             Positions::F64(positions) => Positions::F64(gather(positions, indices)),
         };
         self.attributes.keep(indices);
-        self.faces_left_out += self.faces.len();
+        self.skipped_faces += self.faces.len();
         self.faces.clear();
         self.texturing = None;
         self.grid = None;

@@ -18,10 +18,10 @@ pub(crate) fn even_places(count: usize, max: usize) -> Vec<usize> {
         .collect()
 }
 
-/// Factor on the radii of a sample of `kept` out of `count` points, so that it covers the surface that all of them
+/// Factor on the radii of a sample of `retained` out of `count` points, so that it covers the surface that all of them
 /// cover.
-pub(crate) fn radius_factor(count: usize, kept: usize) -> f32 {
-    (count as f64 / kept.max(1) as f64).max(1.0).sqrt() as f32
+pub(crate) fn radius_factor(count: usize, retained: usize) -> f32 {
+    (count as f64 / retained.max(1) as f64).max(1.0).sqrt() as f32
 }
 
 /// A well-mixed number from 0 to less than 1 (splitmix64).

@@ -15,7 +15,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 pub(crate) const MAX_SAMPLE: usize = 1 << 15;
 
 /// Kinds of values that are kept sorted.
-const MAX_KEPT: usize = 32;
+const MAX_RETAINED: usize = 32;
 
 /// A number of each point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -144,8 +144,8 @@ impl ValueSample {
 
     /// The finite values of the points, ascending.
     pub fn sorted(&self, kind: ValueKind) -> Arc<[f32]> {
-        let mut kept = lock(&self.sorted);
-        if let Some((_, values)) = kept.iter().find(|(known, _)| *known == kind) {
+        let mut retained = lock(&self.sorted);
+        if let Some((_, values)) = retained.iter().find(|(known, _)| *known == kind) {
             return Arc::clone(values);
         }
         let positions = self.positions.iter();
@@ -161,10 +161,10 @@ impl ValueSample {
         values.retain(|value| value.is_finite());
         values.sort_unstable_by(f32::total_cmp);
         let values: Arc<[f32]> = values.into();
-        if kept.len() == MAX_KEPT {
-            kept.remove(0);
+        if retained.len() == MAX_RETAINED {
+            retained.remove(0);
         }
-        kept.push((kind, Arc::clone(&values)));
+        retained.push((kind, Arc::clone(&values)));
         values
     }
 }

@@ -37,7 +37,7 @@ pub trait Frames: fmt::Debug {
 
     /// Returns the images of frame `index` except for these numbers, on their surface if they are of one scene, and
     /// notes on those that could not be loaded.
-    fn posed_images(&self, _index: usize, _left_out: &[usize]) -> Option<LoadedPhotos> {
+    fn posed_images(&self, _index: usize, _skipped: &[usize]) -> Option<LoadedPhotos> {
         None
     }
 

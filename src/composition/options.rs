@@ -14,7 +14,7 @@ pub struct ComposeOptions {
     /// The ways of points, and how each is drawn.
     pub trails: Option<(Arc<Trails>, Vec<TrailLook>)>,
     /// Indices of the input images that are excluded from view-dependent texturing.
-    pub left_out_photos: Vec<usize>,
+    pub skipped_photos: Vec<usize>,
 }
 
 impl ComposeOptions {
@@ -23,7 +23,7 @@ impl ComposeOptions {
         change: None,
         onion: None,
         trails: None,
-        left_out_photos: Vec::new(),
+        skipped_photos: Vec::new(),
     };
 }
 

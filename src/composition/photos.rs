@@ -56,8 +56,8 @@ fn step(inputs: &Inputs<'_>, problems: &mut Vec<Problem>) -> Option<Arc<dyn Step
     if !photos_apply(inputs.options, inputs.style) {
         return None;
     }
-    let left_out = &inputs.options.left_out_photos;
-    let loaded = inputs.frames.posed_images(inputs.pose.index, left_out)?;
+    let skipped = &inputs.options.skipped_photos;
+    let loaded = inputs.frames.posed_images(inputs.pose.index, skipped)?;
     problems.extend(loaded.notes.into_iter().map(Problem::Note));
     let posed_images = Some(loaded.posed_images).filter(|posed_images| !posed_images.all().is_empty())?;
     Some(Arc::new(PhotosStep {

@@ -71,11 +71,11 @@ pub fn points_in_view(
     let seen: Vec<(Vec<u32>, f64)> = seen.collect();
     let in_detail: f64 = seen.iter().map(|(_, max)| max).sum();
     let share = (MAX_POINTS / in_detail).min(1.0);
-    let kept = seen.iter().flat_map(|(slots, max)| {
+    let retained = seen.iter().flat_map(|(slots, max)| {
         let places = even_places(slots.len(), (share * max).ceil() as usize);
         places.into_iter().map(move |place| slots[place])
     });
-    kept.collect()
+    retained.collect()
 }
 
 /// The pixels of a picture, or larger squares where it has too many.

@@ -38,7 +38,7 @@ fn plate(middle: Vec3, [x, y]: [Vec3; 2], points_along: u16) -> Vec<Vec3> {
         .collect()
 }
 
-fn kept(positions: &[Vec3], camera: &Camera, clip: Option<&Clip>) -> Vec<Vec3> {
+fn retained(positions: &[Vec3], camera: &Camera, clip: Option<&Clip>) -> Vec<Vec3> {
     let view = camera.transform(DVec3::ZERO, VIEWPORT_PX);
     let slots = points_in_view(positions, &view, VIEWPORT_PX, clip);
     assert!(slots.is_sorted_by(|a, b| a < b), "each once");
@@ -52,7 +52,7 @@ fn what_a_plate_hides_is_left_out_until_the_plate_is_clipped() {
     // Seen from the front plate's middle, the back one is smaller.
     let positions = in_morton_order(&[front, back].concat());
     let camera = camera(3.0);
-    let all = kept(&positions, &camera, None);
+    let all = retained(&positions, &camera, None);
     // Of runs that go over from one plate to the other points of both are kept.
     let hidden = all.iter().filter(|position| position.z < 0.0).count();
     assert!(50 * hidden < all.len(), "{hidden} of {}", all.len());
@@ -61,7 +61,7 @@ fn what_a_plate_hides_is_left_out_until_the_plate_is_clipped() {
         normal: DVec3::NEG_Z,
         offset: 0.0,
     });
-    let behind = kept(&positions, &camera, Some(&clip));
+    let behind = retained(&positions, &camera, Some(&clip));
     assert!(!behind.is_empty() && behind.iter().all(|position| position.z < 0.0));
 }
 
@@ -71,25 +71,25 @@ fn a_dense_plate_keeps_one_to_three_points_a_pixel_and_a_sparse_one_all() {
     // Its edge in pixels: 2 · 120 / 2 / tan 30° / 3.
     let edge_px = 2.0 * 60.0 / f64::to_radians(30.0).tan() / 3.0;
     let dense = in_morton_order(&plate(Vec3::ZERO, edges, 600));
-    let count = kept(&dense, &camera(3.0), None).len() as f64;
+    let count = retained(&dense, &camera(3.0), None).len() as f64;
     assert!(
         (1.0..3.0).contains(&(count / (edge_px * edge_px))),
         "{count} of {}",
         edge_px * edge_px
     );
     let sparse = in_morton_order(&plate(Vec3::ZERO, edges, 30));
-    assert_eq!(kept(&sparse, &camera(3.0), None).len(), sparse.len());
+    assert_eq!(retained(&sparse, &camera(3.0), None).len(), sparse.len());
 }
 
 #[test]
 fn what_is_kept_of_a_floor_at_a_grazing_angle_defines_its_plane() {
     let floor = plate(Vec3::new(0.0, -0.2, 0.0), [2.0 * Vec3::X, 2.0 * Vec3::Z], 900);
     let floor = in_morton_order(&floor);
-    let kept = kept(&floor, &camera(3.0), None);
-    assert!((2_000..200_000).contains(&kept.len()), "{}", kept.len());
-    let surface = estimate_surface_fast(&kept, None);
+    let retained = retained(&floor, &camera(3.0), None);
+    assert!((2_000..200_000).contains(&retained.len()), "{}", retained.len());
+    let surface = estimate_surface_fast(&retained, None);
     let upright = surface.normals.iter().filter(|normal| normal.y.abs() > 0.999);
-    let share = upright.count() as f64 / kept.len() as f64;
+    let share = upright.count() as f64 / retained.len() as f64;
     assert!(share > 0.999, "{share}");
 }
 
@@ -99,17 +99,20 @@ fn the_number_of_kept_points_has_a_bound() {
     let wall = in_morton_order(&wall);
     let viewport_px = [4000, 3000];
     let view = camera(3.0).transform(DVec3::ZERO, viewport_px);
-    let kept = points_in_view(&wall, &view, viewport_px, None).len() as f64;
+    let retained = points_in_view(&wall, &view, viewport_px, None).len() as f64;
     // Each piece keeps a whole number of points.
     let pieces = (wall.len() / POINTS_PER_PIECE) as f64;
-    assert!((0.9 * MAX_POINTS..MAX_POINTS + pieces).contains(&kept), "{kept}");
+    assert!(
+        (0.9 * MAX_POINTS..MAX_POINTS + pieces).contains(&retained),
+        "{retained}"
+    );
 }
 
 #[test]
 fn nothing_is_kept_of_nothing_and_of_what_is_behind_the_eye() {
-    assert!(kept(&[], &camera(3.0), None).is_empty());
+    assert!(retained(&[], &camera(3.0), None).is_empty());
     let behind = in_morton_order(&plate(Vec3::new(0.0, 0.0, 5.0), [Vec3::X, Vec3::Y], 50));
-    assert!(kept(&behind, &camera(3.0), None).is_empty());
+    assert!(retained(&behind, &camera(3.0), None).is_empty());
 }
 
 proptest! {
@@ -151,7 +154,7 @@ proptest! {
         let seen: HashSet<usize> = nearest.values().map(|(_, slot)| slot / POINTS_PER_PIECE).collect();
         let slots = points_in_view(&positions, &view, VIEWPORT_PX, None);
         prop_assert!(slots.iter().all(|slot| in_picture.contains(slot)));
-        let kept: HashSet<usize> = slots.iter().map(|&slot| slot as usize / POINTS_PER_PIECE).collect();
-        prop_assert_eq!(kept, seen);
+        let retained: HashSet<usize> = slots.iter().map(|&slot| slot as usize / POINTS_PER_PIECE).collect();
+        prop_assert_eq!(retained, seen);
     }
 }

@@ -50,7 +50,7 @@ impl Edit {
             join_in_cells(cloud, edge)?;
         }
         if let Some(count) = self.sample_count {
-            thin_out(cloud, count.get());
+            subsample(cloud, count.get());
         }
         if cloud.faces.len() < face_count {
             let text = format!("its {face_count} faces are not written: --voxel and --sample leave points alone");
@@ -150,7 +150,7 @@ fn join_in_cells(cloud: &mut RawCloud, edge: f64) -> Result<(), EditError> {
 }
 
 /// Leaves `count` points, evenly spread: every so many-th along the Morton order.
-fn thin_out(cloud: &mut RawCloud, count: usize) {
+fn subsample(cloud: &mut RawCloud, count: usize) {
     let (finite_count, Some((min, max))) = cloud.positions.finite_bounds() else {
         return;
     };
@@ -169,11 +169,11 @@ fn thin_out(cloud: &mut RawCloud, count: usize) {
         Some(cube) => order_of_codes(&cube.codes(&near)),
         None => (0..near.len() as u32).collect(),
     };
-    let mut kept: Vec<u32> = (0..count)
+    let mut retained: Vec<u32> = (0..count)
         .map(|place| finite[order[(2 * place + 1) * finite_count / (2 * count)] as usize])
         .collect();
-    kept.sort_unstable();
-    cloud.keep(&kept);
+    retained.sort_unstable();
+    cloud.keep(&retained);
 }
 
 /// Adds the normals that the window would estimate, and radii where there are none; points that are none get zeros.

@@ -83,7 +83,7 @@ pub struct SampleEstimate {
     /// Points that it has.
     pub points: usize,
     /// Points that are left.
-    pub kept_points: usize,
+    pub retained_points: usize,
     /// Bytes of such a frame in a long file.
     pub bytes: f64,
     /// Bytes per kind of stream, in the order of [`StreamKind::ALL`]; `None` for files without streams.
@@ -197,14 +197,14 @@ impl SampleFrame {
         let mut estimate = SampleEstimate {
             index: self.index,
             points: cloud.positions.len(),
-            kept_points: 0,
+            retained_points: 0,
             bytes: 0.0,
             bytes_by_stream: None,
             other_way: None,
             error: None,
             losses: target.losses(cloud),
         };
-        let kept = match target {
+        let retained = match target {
             Target::Reel(options) => {
                 let (file, place, bytes) = self.as_reel(options)?;
                 estimate.bytes = bytes.iter().sum::<f64>() + shared_bytes(&file, options, self.frame_count)?;
@@ -236,11 +236,11 @@ impl SampleFrame {
         if progress.is_cancelled() {
             return Ok(None);
         }
-        estimate.kept_points = kept.positions.len();
+        estimate.retained_points = retained.positions.len();
         estimate.error = self
             .reference
             .as_ref()
-            .and_then(|reference| reference.compare(&kept).ok());
+            .and_then(|reference| reference.compare(&retained).ok());
         Ok((!progress.is_cancelled()).then_some(estimate))
     }
 
@@ -334,7 +334,7 @@ pub struct Estimate {
     /// Mean points of a frame.
     pub points: f64,
     /// Mean points of a frame that are left.
-    pub kept_points: f64,
+    pub retained_points: f64,
     /// Mean bytes of a frame.
     pub frame_bytes: f64,
     /// Bytes per kind of stream.
@@ -373,7 +373,7 @@ impl Estimate {
         Some(Self {
             frames: samples.len(),
             points: mean(&|sample| sample.points as f64),
-            kept_points: mean(&|sample| sample.kept_points as f64),
+            retained_points: mean(&|sample| sample.retained_points as f64),
             frame_bytes: mean(&|sample| sample.bytes),
             bytes_by_stream: first.bytes_by_stream.map(|_| std::array::from_fn(of_kind)),
             other_way: samples
@@ -407,7 +407,7 @@ impl Estimate {
     }
 
     fn bits(&self, bytes: f64) -> f64 {
-        8.0 * bytes / self.kept_points.max(1.0)
+        8.0 * bytes / self.retained_points.max(1.0)
     }
 }
 

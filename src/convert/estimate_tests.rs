@@ -88,7 +88,7 @@ fn lossless_has_no_error_and_a_length_keeps_its_bound() {
             ..ReelOptions::default()
         }),
     );
-    assert_eq!(of_length.kept_points, 1600);
+    assert_eq!(of_length.retained_points, 1600);
     let errors = Estimate::of(&[of_length]).unwrap().errors.unwrap();
     assert!(
         errors.largest > 0.0 && errors.largest <= 0.01 * 3f64.sqrt() * 1.001,
@@ -122,7 +122,7 @@ fn files_are_judged_by_what_a_reader_finds_in_them() {
     let mut file = Cursor::new(Vec::new());
     io::write(&mut file, WriteFormat::default(), &sequence.decode(0).unwrap()).unwrap();
     assert_eq!(ply.bytes, file.into_inner().len() as f64);
-    assert_eq!((ply.kept_points, ply.bytes_by_stream), (1600, None));
+    assert_eq!((ply.retained_points, ply.bytes_by_stream), (1600, None));
     assert_eq!(ply.error.unwrap().geometry.point_to_point.hausdorff(), 0.0);
     // LAS keeps whole multiples of a length.
     let las = judged(0, &Target::Files("las".parse().unwrap()));

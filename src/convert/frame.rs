@@ -3,7 +3,7 @@
 use super::conversion::{Conversion, Converted};
 use super::error::ConvertError;
 use crate::io::Losses;
-use crate::kept::Partial;
+use crate::persist::Partial;
 use crate::sequence::Sequence;
 use std::path::Path;
 

@@ -197,7 +197,7 @@ mod tests {
         let stamped = ["scan_1_0000000000.040000000.ply", "scan_2_0000000000.120000000.ply"];
         assert_eq!(of(["scan_1.pcd", "scan_2.pcd"], [40, 120]), stamped);
         let own = ["1305031102.175.pcd", "1305031102.275.pcd"];
-        let kept = ["1305031102.175.ply", "1305031102.275.ply"];
-        assert_eq!(of(own, [1_305_031_102_175, 1_305_031_102_275]), kept);
+        let retained = ["1305031102.175.ply", "1305031102.275.ply"];
+        assert_eq!(of(own, [1_305_031_102_175, 1_305_031_102_275]), retained);
     }
 }

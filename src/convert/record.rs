@@ -107,7 +107,7 @@ impl Record {
         }
         let path = folder.join(FILE_NAME);
         let text = serde_json::to_vec_pretty(self).unwrap_or_default();
-        crate::kept::write_whole(&path, &text).map_err(|reason| ConvertError::Write { path, reason })
+        crate::persist::write_whole(&path, &text).map_err(|reason| ConvertError::Write { path, reason })
     }
 
     fn difference(&self, known: &Self) -> String {

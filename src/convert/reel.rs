@@ -68,7 +68,7 @@ impl Unfinished {
 
     fn keep(&self, ledger: &Ledger) -> Result<(), ConvertError> {
         let text = serde_json::to_vec_pretty(ledger).unwrap_or_default();
-        crate::kept::write_whole(&self.ledger, &text).map_err(write_error(&self.ledger))
+        crate::persist::write_whole(&self.ledger, &text).map_err(write_error(&self.ledger))
     }
 
     /// Removes it: nothing goes on with it. To be called while it is locked.
@@ -273,7 +273,7 @@ struct ConvertedGroup {
 pub(super) fn losses(cloud: &RawCloud, options: &ReelOptions) -> Losses {
     let keeps_points = options.keeps_points();
     let mut losses = Losses::default();
-    losses.add_not_kept(cloud);
+    losses.add_dropped(cloud);
     if !cloud.faces.is_empty() {
         losses.add(Loss::Faces, cloud.faces.len() as f64);
     }

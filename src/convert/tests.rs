@@ -204,11 +204,11 @@ fn who_starts_again_does_only_what_is_left() {
     };
     let refused = convert(&sequence(), &other, &Progress::default());
     assert!(matches!(refused, Err(ConvertError::OtherConversion { .. })));
-    let anew = Conversion {
+    let fresh = Conversion {
         overwrites: true,
         ..other
     };
-    assert_eq!(run(&anew).written, 9);
+    assert_eq!(run(&fresh).written, 9);
 }
 
 #[test]
@@ -222,11 +222,11 @@ fn files_of_somebody_else_are_not_taken_for_frames() {
     );
     assert_eq!(names(folder.path()), ["5.ply"]);
     // Nor is a frame whose line in the ledger was cut off when the power went.
-    let anew = Conversion {
+    let fresh = Conversion {
         overwrites: true,
         ..conversion(folder.path())
     };
-    assert_eq!(run(&anew).written, 9);
+    assert_eq!(run(&fresh).written, 9);
     let ledger = folder.path().join(".pointreel-convert.1-of-1.jsonl");
     let text = fs::read(&ledger).unwrap();
     let last = text.iter().rposition(|&byte| byte == b'{').unwrap();
@@ -237,7 +237,7 @@ fn files_of_somebody_else_are_not_taken_for_frames() {
         "{refused:?}"
     );
     // What is appended behind half a line is a line.
-    assert_eq!(run(&anew).written, 9);
+    assert_eq!(run(&fresh).written, 9);
     assert_eq!(run(&conversion(folder.path())).left, 9);
 }
 

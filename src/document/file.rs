@@ -9,7 +9,7 @@ use super::text_hash::TextHash;
 use super::written::{
     self, VERSION, Version, Written, clip_fields, compare_fields, label_fields, measured_fields, trail_fields,
 };
-use crate::kept::{self, Fields};
+use crate::persist::{self, Fields};
 use crate::regular_file;
 use crate::scene::{Settings, UpAxis};
 use crate::timeline::PlayRange;
@@ -188,7 +188,7 @@ fn check_counts(file: &Path, written: &Written) -> Result<(), SessionError> {
     let counts = [
         ("labels", written.labels.len()),
         ("measurements", written.measurements.len()),
-        ("trails", written.trails.0.kept.len()),
+        ("trails", written.trails.0.stored.len()),
     ];
     match counts.into_iter().find(|(_, count)| *count > MAX_MARKS) {
         Some((what, count)) => Err(SessionError::TooMany {
@@ -210,7 +210,7 @@ fn check_frames(file: &Path, written: &Written) -> Result<(), SessionError> {
     let labels = labels.flat_map(|label| of_range(label.frames).into_iter().chain([Some(label.frame)]));
     let measured = written.measurements.iter();
     let measured = measured.flat_map(|written::WrittenMeasured(measured, _)| &measured.points);
-    let measured = measured.chain(&written.trails.0.kept).map(|point| Some(point.frame));
+    let measured = measured.chain(&written.trails.0.stored).map(|point| Some(point.frame));
     let mut frames = named.chain(markers).chain(labels).chain(measured).flatten();
     match frames.find(|&frame| frame > LAST_FRAME) {
         Some(frame) => Err(SessionError::Frame {
@@ -252,7 +252,7 @@ impl Notes {
 /// The settings, each by itself, and those that are not known.
 fn settings_of(written: &Fields, notes: &mut Notes) -> (Settings, Fields) {
     let mut unread = Vec::new();
-    let settings = kept::fields::<Settings>(written, &mut unread).nearest();
+    let settings = persist::fields::<Settings>(written, &mut unread).nearest();
     notes
         .0
         .extend(unread.iter().map(|reason| format!("the setting {reason}")));
@@ -338,7 +338,7 @@ impl Document {
     /// As [`Document::to_text`], and the system's.
     pub fn write(&self, file: &Path) -> Result<TextHash, SessionError> {
         let text = self.to_text(file)?;
-        kept::write_whole(file, text.as_bytes()).map_err(|reason| SessionError::Write {
+        persist::write_whole(file, text.as_bytes()).map_err(|reason| SessionError::Write {
             file: file.to_owned(),
             reason,
         })?;

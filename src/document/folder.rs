@@ -3,13 +3,13 @@
 //! **How it works.** A sequence is known by path, name and size of its first frame: frames that are added later leave
 //! it the same. Its file holds the text of a session with absolute paths, and is written as a whole. Two windows may
 //! have the same sequence open: each writes the parts that were changed in it, into the file as it is then
-//! (`kept/update.rs`); of a part that both have changed, the later stays. A file that cannot be read is copied before
+//! (`stored/update.rs`); of a part that both have changed, the later stays. A file that cannot be read is copied before
 //! it is replaced. The number and the size of the files are bounded: the oldest are removed.
 
 use super::model::Document;
 use super::text_hash::hex_hash;
 use super::{EXTENSION, ReadSession, text, timeline_file};
-use crate::kept::{self, Fields};
+use crate::persist::{self, Fields};
 use crate::sequence::Sequence;
 use serde_json::Value;
 use std::fs::{self, File};
@@ -42,7 +42,7 @@ pub struct DocumentFolder {
 
 /// Stored document of a sequence.
 #[derive(Debug, Default)]
-pub struct KeptDocument {
+pub struct StoredDocument {
     /// The document; `None` if nothing was kept, or it cannot be read.
     pub document: Option<Document>,
     /// Description of what could not be read: a text for a notice.
@@ -54,7 +54,10 @@ pub struct KeptDocument {
 impl DocumentFolder {
     /// The folder of this user; `None` where the system has no folder for settings.
     pub fn of_user() -> Option<Self> {
-        Some(Self::at(kept::place_of("documents")?, kept::place_of("timelines")?))
+        Some(Self::at(
+            persist::place_of("documents")?,
+            persist::place_of("timelines")?,
+        ))
     }
 
     /// Documents in `folder`, and files of marks from before in `timelines`.
@@ -78,21 +81,21 @@ impl DocumentFolder {
     }
 
     /// Reads the document stored in `file`, where `new` is a new document.
-    pub fn read(&self, file: &Path, new: &Document) -> KeptDocument {
+    pub fn read(&self, file: &Path, new: &Document) -> StoredDocument {
         let unread = |reason: String| {
-            let (copied, is_writable) = match kept::copy_beside(file) {
+            let (copied, is_writable) = match persist::copy_beside(file) {
                 Ok(copy) => (format!("the file as it is was copied to {}", copy.display()), true),
                 Err(_) => ("changes are not kept".to_owned(), false),
             };
             let problem = format!("Not all that was kept of this sequence can be read ({reason}): {copied}");
             (Some(problem), is_writable)
         };
-        let bytes = match kept::read(file) {
+        let bytes = match persist::read(file) {
             Ok(Some(bytes)) => bytes,
             Ok(None) => return self.read_timeline(file, new),
             Err(reason) => {
                 let (problem, is_writable) = unread(reason);
-                return KeptDocument {
+                return StoredDocument {
                     document: None,
                     problem,
                     is_writable,
@@ -110,17 +113,17 @@ impl DocumentFolder {
         if document.is_some() {
             note_used(file);
         }
-        KeptDocument {
+        StoredDocument {
             document,
             problem,
             is_writable,
         }
     }
 
-    fn read_timeline(&self, file: &Path, new: &Document) -> KeptDocument {
+    fn read_timeline(&self, file: &Path, new: &Document) -> StoredDocument {
         let mut document = new.clone();
         let problem = timeline_file::read_into(&mut document, &self.timeline_of(file));
-        KeptDocument {
+        StoredDocument {
             document: (document != *new).then_some(document),
             problem,
             is_writable: true,
@@ -138,7 +141,7 @@ impl DocumentFolder {
         let before = before.fields(None).map_err(|reason| failed(reason.to_string()))?;
         let [now, before] = [&ordered, &before].map(|fields| object_of(fields));
         let is_new = !file.exists();
-        let written = kept::update_as(
+        let written = persist::update_as(
             file,
             WHAT,
             |fields| text_of(fields, &ordered),
@@ -220,7 +223,7 @@ fn merge_into(stored: &mut Fields, unread: &mut Vec<String>, before: &Fields, no
     for (name, value) in now.iter().filter(|(name, value)| before.get(*name) != Some(*value)) {
         match (name.as_str(), stored.get_mut(name), before.get(name), value) {
             (SETTINGS, Some(Value::Object(stored)), Some(Value::Object(before)), Value::Object(now)) => {
-                kept::merge(stored, before, now);
+                persist::merge(stored, before, now);
             }
             _ => {
                 stored.insert(name.clone(), value.clone());
@@ -237,8 +240,8 @@ fn note_used(file: &Path) {
     }
 }
 
-/// Removes the oldest files of `folder` beyond so many files and bytes; `kept` stays.
-fn remove_oldest(folder: &Path, kept: &Path, max_files: usize, max_bytes: u64) {
+/// Removes the oldest files of `folder` beyond so many files and bytes; `stored` stays.
+fn remove_oldest(folder: &Path, stored: &Path, max_files: usize, max_bytes: u64) {
     let Ok(entries) = folder.read_dir() else { return };
     let files = entries.flatten().filter_map(|entry| {
         let metadata = entry.metadata().ok().filter(fs::Metadata::is_file)?;
@@ -248,7 +251,7 @@ fn remove_oldest(folder: &Path, kept: &Path, max_files: usize, max_bytes: u64) {
     let mut files: Vec<(SystemTime, PathBuf, u64)> = files.collect();
     files.sort();
     let (mut count, mut bytes) = (files.len(), files.iter().map(|(_, _, bytes)| bytes).sum::<u64>());
-    for (_, file, of_file) in files.iter().filter(|(_, file, _)| file != kept) {
+    for (_, file, of_file) in files.iter().filter(|(_, file, _)| file != stored) {
         if count <= max_files && bytes <= max_bytes {
             return;
         }

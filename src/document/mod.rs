@@ -41,7 +41,7 @@ mod written;
 pub use draft::Draft;
 pub use error::SessionError;
 pub use file::{EXTENSION, ReadSession, Unsaved, is_session, session_of};
-pub use folder::{DocumentFolder, KeptDocument};
+pub use folder::{DocumentFolder, StoredDocument};
 pub use history::History;
 pub use model::{
     Compared, ComparedBy, ComparedLayout, Document, Marker, Measured, MeasuredPoint, ShownTrails, SpreadTrails, Unknown,

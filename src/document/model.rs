@@ -1,8 +1,8 @@
 //! Data model of a document.
 
 use super::{Draft, Reading};
-use crate::kept::Fields;
-use crate::scene::{Camera, Clip, FollowedPoint, Gauge, Label, Settings, UpAxis};
+use crate::persist::Fields;
+use crate::scene::{Camera, Clip, FollowedPoint, Label, MeasurementKind, Settings, UpAxis};
 use crate::timeline::PlayRange;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -65,7 +65,7 @@ pub struct ShownTrails {
     /// Visibility of the trails of the picked points.
     pub of_picked: bool,
     /// Points whose trails stay when others are picked.
-    pub kept: Vec<MeasuredPoint>,
+    pub stored: Vec<MeasuredPoint>,
     /// Trails of points that are spread over the frame.
     pub spread: Option<SpreadTrails>,
 }
@@ -141,7 +141,7 @@ pub struct Marker {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     /// Kind of measurement.
-    pub gauge: Gauge,
+    pub measurement_kind: MeasurementKind,
     /// Its points, as many as the gauge takes.
     pub points: Vec<MeasuredPoint>,
 }

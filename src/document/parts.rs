@@ -157,7 +157,7 @@ impl Document {
     }
 
     /// Returns true if `other` would be stored as the same document: the same work, and the same view.
-    pub fn is_kept_same(&self, other: &Self) -> bool {
+    pub fn is_stored_same(&self, other: &Self) -> bool {
         self.view == other.view && self.is_same_work(other)
     }
 
@@ -209,7 +209,7 @@ fn are_same_measured(one: &[Measured], other: &[Measured]) -> bool {
 }
 
 fn are_same_trails(one: &ShownTrails, other: &ShownTrails) -> bool {
-    (one.of_picked, one.spread) == (other.of_picked, other.spread) && are_same_points(&one.kept, &other.kept)
+    (one.of_picked, one.spread) == (other.of_picked, other.spread) && are_same_points(&one.stored, &other.stored)
 }
 
 fn are_same_points(one: &[MeasuredPoint], other: &[MeasuredPoint]) -> bool {
@@ -220,14 +220,14 @@ impl Measured {
     /// Returns true if both measurements are of the same kind and of the same points, wherever these are in the shown
     /// frame.
     pub fn is_of_same(&self, other: &Self) -> bool {
-        self.gauge == other.gauge && are_same_points(&self.points, &other.points)
+        self.measurement_kind == other.measurement_kind && are_same_points(&self.points, &other.points)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{FollowedPoint, Gauge};
+    use crate::scene::{FollowedPoint, MeasurementKind};
     use glam::DVec3;
 
     fn point(index_in_file: u32, frame: usize) -> MeasuredPoint {
@@ -240,10 +240,13 @@ mod tests {
     }
 
     fn measured(indices: [u32; 2], frame: usize) -> Document {
-        let gauge = Gauge::Distance;
+        let measurement_kind = MeasurementKind::Distance;
         let points = indices.map(|index| point(index, frame)).to_vec();
         Document {
-            measurements: vec![Measured { gauge, points }],
+            measurements: vec![Measured {
+                measurement_kind,
+                points,
+            }],
             ..Document::default()
         }
     }
@@ -259,7 +262,7 @@ mod tests {
         assert!(!before.is_same_work(&measured([2, 4], 0)));
         let trail = |frame| Document {
             trails: ShownTrails {
-                kept: vec![point(5, frame)],
+                stored: vec![point(5, frame)],
                 ..ShownTrails::default()
             },
             ..Document::default()

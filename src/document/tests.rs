@@ -4,8 +4,8 @@ use super::*;
 use crate::cloud::NoData;
 use crate::rgbd::Filters;
 use crate::scene::{
-    Camera, CameraPath, Choice, Clip, ClipShape, FollowedPoint, Gauge, Keyframe, Label, MAX_LABEL_CHARS, Primitive,
-    Settings, UpAxis,
+    Camera, CameraPath, Choice, Clip, ClipShape, FollowedPoint, Keyframe, Label, MAX_LABEL_CHARS, MeasurementKind,
+    Primitive, Settings, UpAxis,
 };
 use crate::timeline::PlayRange;
 use glam::DVec3;
@@ -74,10 +74,13 @@ fn label() -> impl Strategy<Value = Label> {
 fn measured() -> impl Strategy<Value = Measured> {
     let point =
         (0usize..1000, followed(), place()).prop_map(|(frame, point, place)| MeasuredPoint { frame, point, place });
-    (0usize..3, prop::array::uniform3(point)).prop_map(|(gauge, points)| {
-        let gauge = Gauge::ALL[gauge].0;
-        let points = points[..gauge.point_count()].to_vec();
-        Measured { gauge, points }
+    (0usize..3, prop::array::uniform3(point)).prop_map(|(measurement_kind, points)| {
+        let measurement_kind = MeasurementKind::ALL[measurement_kind].0;
+        let points = points[..measurement_kind.point_count()].to_vec();
+        Measured {
+            measurement_kind,
+            points,
+        }
     })
 }
 
@@ -90,9 +93,9 @@ fn trails() -> impl Strategy<Value = ShownTrails> {
         prop::collection::vec(point, 0..3),
         prop::option::of(spread),
     );
-    parts.prop_map(|(of_picked, kept, spread)| ShownTrails {
+    parts.prop_map(|(of_picked, stored, spread)| ShownTrails {
         of_picked,
-        kept,
+        stored,
         spread,
     })
 }
@@ -341,7 +344,7 @@ fn a_session_is_text_that_a_person_can_write() {
     assert_eq!((door.place, door.point), (Some(DVec3::new(1.0, 2.5, -3.0)), None));
     let distance = &session.measurements[0];
     let places: Vec<DVec3> = distance.points.iter().map(|point| point.place).collect();
-    assert_eq!(distance.gauge.value(&places, DVec3::Y), Some(5.0));
+    assert_eq!(distance.measurement_kind.value(&places, DVec3::Y), Some(5.0));
     assert_eq!(session.markers[0].name, "turn");
 }
 
@@ -568,9 +571,9 @@ fn looking_around_is_no_work() {
     let mut looked = document.clone();
     looked.frame = 7;
     looked.measurements[0].points[0].place = DVec3::ONE;
-    assert!(looked.is_same_work(&document) && looked.is_kept_same(&document));
+    assert!(looked.is_same_work(&document) && looked.is_stored_same(&document));
     looked.view = None;
-    assert!(looked.is_same_work(&document) && !looked.is_kept_same(&document));
+    assert!(looked.is_same_work(&document) && !looked.is_stored_same(&document));
     looked.notes.push('a');
     assert!(!looked.is_same_work(&document));
 }

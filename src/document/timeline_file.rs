@@ -5,7 +5,7 @@
 
 use super::Document;
 use super::model::Marker;
-use crate::kept::{self, Fields};
+use crate::persist::{self, Fields};
 use crate::timeline::PlayRange;
 use serde_json::Value;
 use std::path::Path;
@@ -20,9 +20,9 @@ const WHAT: &str = "the markers";
 /// Puts into `document` what was kept in `file`, which need not be there. Returns what could not be read: a text for a
 /// notice.
 pub(super) fn read_into(document: &mut Document, file: &Path) -> Option<String> {
-    let read = kept::read_leniently(file, WHAT, |stored, unread| {
-        kept::note_later_version(stored, VERSION, unread);
-        let markers = kept::entries(stored, "markers", unread);
+    let read = persist::read_leniently(file, WHAT, |stored, unread| {
+        persist::note_later_version(stored, VERSION, unread);
+        let markers = persist::entries(stored, "markers", unread);
         let mut markers: Vec<Marker> = markers.iter().filter_map(|stored| marker(stored, unread)).collect();
         markers.sort_by_key(|marker| marker.frame);
         let (up, primitive) = (word(stored, "up", unread), word(stored, "primitive", unread));
@@ -47,7 +47,7 @@ fn word<T: FromStr>(stored: &Fields, field: &str, unread: &mut Vec<String>) -> O
 
 fn range(stored: &Fields, unread: &mut Vec<String>) -> PlayRange {
     let range = match stored.get("range") {
-        Some(Value::Object(range)) => kept::fields(range, unread),
+        Some(Value::Object(range)) => persist::fields(range, unread),
         Some(_) => {
             unread.push("range: it is no object".to_owned());
             PlayRange::default()

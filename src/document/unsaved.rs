@@ -10,7 +10,7 @@
 use super::model::Document;
 use super::text_hash::{TextHash, hex_hash};
 use super::{DocumentFolder, EXTENSION, ReadSession, Unsaved, text};
-use crate::kept;
+use crate::persist;
 use serde_json::Value;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -69,7 +69,7 @@ impl DocumentFolder {
         let fields = document.fields(None).map_err(|reason| failed(reason.to_string()))?;
         let fields = fields.iter().map(|(name, value)| (*name, value));
         let text = text::of_fields(fields.chain([(BASE, &base)]));
-        kept::replace(&place.file, text.as_bytes()).map_err(|reason| failed(reason.to_string()))
+        persist::replace(&place.file, text.as_bytes()).map_err(|reason| failed(reason.to_string()))
     }
 
     /// Removes the unsaved changes of a session, which is saved, or as it was saved.

@@ -7,8 +7,8 @@ use super::SessionError;
 use super::model::{Compared, ComparedBy, ComparedLayout, Marker, Measured, MeasuredPoint, ShownTrails, SpreadTrails};
 use super::paths::{as_text, joined};
 use super::reading::Reading;
-use crate::kept::Fields;
-use crate::scene::{Camera, CameraPath, Clip, ClipShape, FollowedPoint, Gauge, Label, UpAxis};
+use crate::persist::Fields;
+use crate::scene::{Camera, CameraPath, Clip, ClipShape, FollowedPoint, Label, MeasurementKind, UpAxis};
 use crate::timeline::PlayRange;
 use glam::DVec3;
 use serde::de::value::MapAccessDeserializer;
@@ -320,7 +320,7 @@ pub(super) struct WrittenMeasured(pub(super) Measured, pub(super) Vec<String>);
 
 #[derive(Debug, Serialize, Deserialize)]
 struct MeasuredFields {
-    gauge: Gauge,
+    gauge: MeasurementKind,
     points: Vec<PointFields>,
     #[serde(flatten)]
     unknown: Fields,
@@ -343,7 +343,13 @@ impl<'de> Deserialize<'de> for WrittenMeasured {
                 };
                 points.push(point);
             }
-            Ok(Self(Measured { gauge, points }, unknown))
+            Ok(Self(
+                Measured {
+                    measurement_kind: gauge,
+                    points,
+                },
+                unknown,
+            ))
         })
     }
 }
@@ -352,7 +358,7 @@ impl<'de> Deserialize<'de> for WrittenMeasured {
 pub(super) fn measured_fields(measured: &Measured) -> impl Serialize + use<> {
     let points = measured.points.iter();
     MeasuredFields {
-        gauge: measured.gauge,
+        gauge: measured.measurement_kind,
         points: points
             .map(|point| PointFields::new(point.frame, Some(point.point), Some(point.place)))
             .collect(),
@@ -441,7 +447,7 @@ impl<'de> Deserialize<'de> for WrittenTrails {
             });
             Ok(Self(ShownTrails {
                 of_picked: fields.picked,
-                kept: kept.collect::<Result<_, String>>()?,
+                stored: kept.collect::<Result<_, String>>()?,
                 spread: fields.spread,
             }))
         })
@@ -450,7 +456,7 @@ impl<'de> Deserialize<'de> for WrittenTrails {
 
 /// Trails as they are written; `None` if there are none.
 pub(super) fn trail_fields(trails: &ShownTrails) -> Option<impl Serialize + use<>> {
-    let kept = trails.kept.iter();
+    let kept = trails.stored.iter();
     (*trails != ShownTrails::default()).then(|| TrailFields {
         picked: trails.of_picked,
         kept: kept

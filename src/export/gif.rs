@@ -6,7 +6,7 @@
 use super::changes::changed_part;
 use super::error::ExportError;
 use super::sink::{FrameSink, VideoStream};
-use crate::kept::Partial;
+use crate::persist::Partial;
 use color_quant::NeuQuant;
 use gif::{Encoder, Frame, Repeat};
 use image::RgbaImage;

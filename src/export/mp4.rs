@@ -2,7 +2,7 @@
 
 use super::error::ExportError;
 use super::sink::{FrameSink, VideoStream};
-use crate::kept::Partial;
+use crate::persist::Partial;
 use crate::temporary::Helper;
 use image::RgbaImage;
 use std::io::{ErrorKind, Read as _, Write as _};

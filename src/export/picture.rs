@@ -17,7 +17,7 @@ use super::overlay::{OverlayCanvas, PaintedLabels, draw_legend};
 use super::picture_format::{PictureFormat, encode_picture};
 use super::scale_bar::PaintedBar;
 use crate::headless::{Headless, HeadlessError};
-use crate::kept::Partial;
+use crate::persist::Partial;
 use crate::progress::Progress;
 use crate::render::{AnyRenderer, RenderError, scaled_to};
 use crate::scene::{Background, Camera, Legend, ScenePacket, Style, halo_px};

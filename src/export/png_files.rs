@@ -2,7 +2,7 @@
 
 use super::error::ExportError;
 use super::sink::{FrameSink, VideoStream};
-use crate::kept::Partial;
+use crate::persist::Partial;
 use crate::temporary::Temporary;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _, RgbaImage};

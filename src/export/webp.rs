@@ -7,7 +7,7 @@
 use super::changes::{ChangedRect, changed_part};
 use super::error::ExportError;
 use super::sink::{FrameSink, VideoStream};
-use crate::kept::Partial;
+use crate::persist::Partial;
 use image::codecs::webp::WebPEncoder;
 use image::{ExtendedColorType, RgbaImage};
 use std::fs::File;

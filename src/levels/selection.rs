@@ -6,7 +6,7 @@
 //!
 //! When it wins: for a view that moves about a frame. For a frame that is seen once, all records are more than those of
 //! a cut. So structures return indices once they have written the same number of records as they have nodes
-//! ([`KeptNodes`]).
+//! ([`CachedNodes`]).
 
 use super::spheres::filter::SequenceFilter;
 use crate::cloud::{PointRecord, ShapeRecord};
@@ -116,12 +116,12 @@ impl Selection {
 
 /// The records of all nodes of a structure, once they are worth it.
 #[derive(Debug, Default)]
-pub(super) struct KeptNodes {
+pub(super) struct CachedNodes {
     written: AtomicUsize,
     records: OnceLock<NodeRecords>,
 }
 
-impl KeptNodes {
+impl CachedNodes {
     /// The records of all nodes, if they are kept.
     pub(super) fn known(&self) -> Option<&NodeRecords> {
         self.records.get()
@@ -194,10 +194,10 @@ mod tests {
 
     #[test]
     fn records_are_kept_once_as_many_were_written() {
-        let kept = KeptNodes::default();
-        assert!(kept.records(6, 10, || panic!("not yet")).is_none());
-        assert!(kept.records(6, 10, || panic!("not yet")).is_none());
-        assert!(kept.records(1, 10, || nodes(10)).is_some());
-        assert!(kept.records(1, 10, || panic!("they are known")).is_some());
+        let cached = CachedNodes::default();
+        assert!(cached.records(6, 10, || panic!("not yet")).is_none());
+        assert!(cached.records(6, 10, || panic!("not yet")).is_none());
+        assert!(cached.records(1, 10, || nodes(10)).is_some());
+        assert!(cached.records(1, 10, || panic!("they are known")).is_some());
     }
 }

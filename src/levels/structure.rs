@@ -41,19 +41,19 @@ pub trait Levels: Debug + Send + Sync {
     /// drawing: it reads a byte for each point that is drawn. A cut before is only remembered for hysteresis where it
     /// still fits: a threshold that emits at least three quarters of what is allowed stays.
     fn cut_at_most(&self, max_nodes: usize, view: &SelectView, hints: CutHints<'_>) -> Cut {
-        let kept = hints.before.map(Cut::lod_px);
-        if let Some(lod_px) = kept.filter(|&lod_px| lod_px >= view.lod_px) {
+        let cached = hints.before.map(Cut::lod_px);
+        if let Some(lod_px) = cached.filter(|&lod_px| lod_px >= view.lod_px) {
             let cut = self.cut(&SelectView { lod_px, ..*view }, hints);
             let is_used_up = cut.node_count() >= max_nodes - max_nodes / 4;
             if cut.node_count() <= max_nodes && (is_used_up || lod_px == view.lod_px) {
                 return cut;
             }
         }
-        let anew = CutHints { before: None, ..hints };
+        let fresh = CutHints { before: None, ..hints };
         let mut visited_nodes = 0;
         let mut cut_at = |step: u32| {
             let lod_px = threshold_px(view.lod_px, step);
-            let cut = self.cut(&SelectView { lod_px, ..*view }, anew);
+            let cut = self.cut(&SelectView { lod_px, ..*view }, fresh);
             visited_nodes += cut.stats().visited_nodes;
             cut
         };

@@ -238,7 +238,7 @@ impl<T: Copy + Default> Sorter<T> {
 #[derive(Debug, Clone, Copy)]
 struct ItemLayout {
     /// Upper bits of a code that do not differ, which an item does not have.
-    left_out: u32,
+    skipped: u32,
     /// The bits of the index, which the lowest bits of a code give place to.
     index: u64,
     /// True if the bits displaced by the index are none in which codes differ.
@@ -248,22 +248,22 @@ struct ItemLayout {
 impl ItemLayout {
     /// For so many 63-bit codes that differ in some of these bits.
     fn new(differing: u64, count: usize) -> Self {
-        let left_out = differing.leading_zeros().min(u64::BITS - 1);
+        let skipped = differing.leading_zeros().min(u64::BITS - 1);
         let index_bits = count.next_power_of_two().ilog2();
         Self {
-            left_out,
+            skipped,
             index: (1 << index_bits) - 1,
-            has_all: index_bits <= left_out,
+            has_all: index_bits <= skipped,
         }
     }
 
     fn differing_bits(self) -> u32 {
-        u64::BITS - self.left_out
+        u64::BITS - self.skipped
     }
 
     #[inline(always)]
     fn item(self, code: u64, index: u64) -> u64 {
-        code << self.left_out & !self.index | index
+        code << self.skipped & !self.index | index
     }
 
     #[inline(always)]
@@ -274,8 +274,8 @@ impl ItemLayout {
     /// The code of an item that has all of it but what is the same in `alike`.
     #[inline(always)]
     fn code(self, item: u64, alike: u64) -> u64 {
-        let differing = u64::MAX >> self.left_out;
-        (item & !self.index) >> self.left_out | alike & !differing
+        let differing = u64::MAX >> self.skipped;
+        (item & !self.index) >> self.skipped | alike & !differing
     }
 
     /// Returns true if two items have the same bits of their codes.

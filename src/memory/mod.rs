@@ -13,7 +13,7 @@ use std::ffi::c_long;
 
 /// Retention time of freed memory, in milliseconds, before the allocator gives it back to the system, which it does
 /// when it next has something to do. One second, the default, gives back what the next frames need.
-const KEPT_MS: c_long = 10_000;
+const RETAINED_MS: c_long = 10_000;
 
 /// `mi_option_purge_delay` of `mimalloc.h`, which the crate does not name.
 const PURGE_DELAY: libmimalloc_sys::mi_option_t = 15;
@@ -24,7 +24,7 @@ pub fn keep_freed_pages() {
     // SAFETY: the function stores a number in an array of options that is as long as the library that comes with the
     // crate says, and may be called at any time.
     unsafe {
-        libmimalloc_sys::mi_option_set(PURGE_DELAY, KEPT_MS);
+        libmimalloc_sys::mi_option_set(PURGE_DELAY, RETAINED_MS);
     }
 }
 
@@ -86,7 +86,7 @@ mod tests {
         if let Ok(expected) = std::env::var(EXPECTED_MS) {
             assert_eq!(option_ms().to_string(), expected);
             keep_freed_pages();
-            assert_eq!(option_ms(), KEPT_MS);
+            assert_eq!(option_ms(), RETAINED_MS);
             return;
         }
         for (set, expected) in [(None, DEFAULT_MS), (Some("4321"), "4321")] {

@@ -51,6 +51,6 @@ fn frames(first: usize, last: usize) -> String {
 }
 
 fn are(first: usize, count: usize) -> String {
-    let verb = if count == 1 { "is" } else { "are" };
-    format!("{} {verb}", frames(first, first + count - 1))
+    let subcommand = if count == 1 { "is" } else { "are" };
+    format!("{} {subcommand}", frames(first, first + count - 1))
 }

@@ -110,13 +110,13 @@ impl Clip {
     }
 
     /// The indices of the records that are drawn, ascending.
-    pub(in crate::scene) fn kept<T: HasPosition>(&self, records: &[T]) -> Vec<u32> {
-        self.kept_places(records.len(), |index| records[index].place())
+    pub(in crate::scene) fn retained<T: HasPosition>(&self, records: &[T]) -> Vec<u32> {
+        self.retained_places(records.len(), |index| records[index].place())
     }
 
     /// Returns the ascending indices of the records that are drawn, of `count` records whose centres are at these
     /// positions.
-    pub(in crate::scene) fn kept_places(&self, count: usize, place: impl Fn(usize) -> Vec3 + Sync) -> Vec<u32> {
+    pub(in crate::scene) fn retained_places(&self, count: usize, place: impl Fn(usize) -> Vec3 + Sync) -> Vec<u32> {
         let indices = (0..count as u32).into_par_iter().with_min_len(RECORDS_PER_TASK);
         indices
             .filter(|&index| self.keeps(place(index as usize).as_dvec3()))

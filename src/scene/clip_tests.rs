@@ -113,19 +113,19 @@ proptest! {
             let (all, clipped) = (packet(None), packet(Some(clip)));
             prop_assert!(clipped.content.coded().is_none());
             if let (Some(all), Some(clipped)) = (all.content.voxels(), clipped.content.voxels()) {
-                let kept: Vec<_> = all.records.iter().copied().filter(|cell| is_drawn(cell.center)).collect();
-                prop_assert_eq!(&kept, &*clipped.records);
+                let retained: Vec<_> = all.records.iter().copied().filter(|cell| is_drawn(cell.center)).collect();
+                prop_assert_eq!(&retained, &*clipped.records);
                 continue;
             }
             // What would be drawn from a code is drawn from all points.
             let points = all.content.points().unwrap_or(&frame.points);
-            let kept: Vec<usize> = (0..points.len()).filter(|&slot| is_drawn(points[slot].position)).collect();
-            let points: Vec<_> = kept.iter().map(|&slot| points[slot]).collect();
+            let retained: Vec<usize> = (0..points.len()).filter(|&slot| is_drawn(points[slot].position)).collect();
+            let points: Vec<_> = retained.iter().map(|&slot| points[slot]).collect();
             prop_assert_eq!(&points, &**clipped.content.points().unwrap());
             prop_assert_eq!(clipped.content.shapes().is_some(), way.draws_surfels());
             if let Some(clipped) = clipped.content.shapes() {
                 let shapes = all.content.shapes().or(frame.shapes.as_ref()).unwrap();
-                let shapes: Vec<_> = kept.iter().map(|&slot| shapes[slot]).collect();
+                let shapes: Vec<_> = retained.iter().map(|&slot| shapes[slot]).collect();
                 prop_assert_eq!(&shapes, &**clipped);
             }
         }

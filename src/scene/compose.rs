@@ -128,7 +128,7 @@ struct Wanted<'a> {
 struct Clipped {
     clip: Clip,
     whole: Content,
-    kept: Content,
+    retained: Content,
 }
 
 /// The disks of the points of a frame, if it has shapes.
@@ -330,12 +330,12 @@ impl Scene {
         let known = known.filter(|known| known.clip == clip && known.whole == whole);
         let clipped = known.unwrap_or_else(|| Clipped {
             clip,
-            kept: whole.clipped(&clip),
+            retained: whole.clipped(&clip),
             whole,
         });
-        let kept = clipped.kept.clone();
+        let retained = clipped.retained.clone();
         self.clipped = Some(clipped);
-        kept
+        retained
     }
 
     /// The byte code of a frame, if it is to be drawn. What is not a threshold chooses a level: as the code is stored

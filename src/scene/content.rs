@@ -166,20 +166,20 @@ impl Content {
         match self {
             Self::Nothing | Self::Coded(_) => self.clone(),
             Self::Points(points) => {
-                let kept = clip.kept(points);
-                if kept.len() == points.len() {
+                let retained = clip.retained(points);
+                if retained.len() == points.len() {
                     return self.clone();
                 }
-                Self::Points(Arc::new(at(points, &kept)))
+                Self::Points(Arc::new(at(points, &retained)))
             }
             Self::Surfels(Surfels { points, shapes }) => {
-                let kept = clip.kept(points);
-                if kept.len() == points.len() {
+                let retained = clip.retained(points);
+                if retained.len() == points.len() {
                     return self.clone();
                 }
                 Self::Surfels(Surfels {
-                    points: Arc::new(at(points, &kept)),
-                    shapes: Arc::new(at(shapes, &kept)),
+                    points: Arc::new(at(points, &retained)),
+                    shapes: Arc::new(at(shapes, &retained)),
                 })
             }
             Self::Selected(_) | Self::Visible(_) => {
@@ -187,23 +187,23 @@ impl Content {
                 gathered.map_or_else(|| self.clone(), |surfels| surfels.clipped(clip))
             }
             Self::Voxels(voxels) => {
-                let kept = clip.kept(&voxels.records);
-                if kept.len() == voxels.records.len() {
+                let retained = clip.retained(&voxels.records);
+                if retained.len() == voxels.records.len() {
                     return self.clone();
                 }
                 let normals = voxels.normals.as_ref();
                 Self::Voxels(Voxels {
-                    records: Arc::new(at(&voxels.records, &kept)),
-                    normals: normals.map(|normals| Arc::new(at(normals, &kept))),
+                    records: Arc::new(at(&voxels.records, &retained)),
+                    normals: normals.map(|normals| Arc::new(at(normals, &retained))),
                     cube_edge: voxels.cube_edge,
                 })
             }
             Self::Mesh(mesh) => {
-                let kept = clip.kept_places(mesh.triangles.len(), |triangle| mesh.middle(triangle));
-                if kept.len() == mesh.triangles.len() {
+                let retained = clip.retained_places(mesh.triangles.len(), |triangle| mesh.middle(triangle));
+                if retained.len() == mesh.triangles.len() {
                     return self.clone();
                 }
-                Self::Mesh(Arc::new(mesh.with_triangles(at(&mesh.triangles, &kept))))
+                Self::Mesh(Arc::new(mesh.with_triangles(at(&mesh.triangles, &retained))))
             }
         }
     }

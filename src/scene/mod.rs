@@ -16,9 +16,9 @@ mod view;
 mod visible;
 
 pub use annotations::followed::FollowedPoint;
-pub use annotations::gauge::Gauge;
 pub use annotations::labels::{Label, LabelOnPicture, MAX_LABEL_CHARS, labels_on_picture};
 pub use annotations::legend::{Legend, LegendBody, field_title};
+pub use annotations::measurement_kind::MeasurementKind;
 pub use annotations::scale_bar::ScaleBar;
 pub use clip::{Clip, ClipShape};
 pub use compose::{Scene, SceneStats};

@@ -116,7 +116,7 @@ impl Sequence {
 
     /// Returns a sequence of the same frames, of which nothing is decoded yet and the origin is not decided.
     #[must_use]
-    pub(crate) fn anew(&self) -> Self {
+    pub(crate) fn fresh(&self) -> Self {
         Self::of_shared(Arc::clone(&self.source), self.fps, self.no_data)
     }
 
@@ -334,8 +334,8 @@ impl Sequence {
 
     /// [`Sequence::decode`], or what was decoded to decide the origin and nobody has asked for since.
     pub(crate) fn take_decoded(&self, index: usize) -> Result<RawCloud, FrameError> {
-        match self.origin.take_kept(index) {
-            Some(kept) => kept.map(|(raw, _)| raw),
+        match self.origin.take_cached(index) {
+            Some(cached) => cached.map(|(raw, _)| raw),
             None => self.decode(index),
         }
     }
@@ -358,8 +358,8 @@ impl Sequence {
     pub(crate) fn load(&self, index: usize, detail: Detail, progress: &Progress) -> Result<LoadedFrame, FrameError> {
         let origin = self.origin.origin(self, progress);
         let origin = origin.ok_or_else(|| self.cancelled(index))?;
-        let (decoded, decoder_ms) = if let Some(kept) = self.origin.take_kept(index) {
-            let (raw, decoder_ms) = kept?;
+        let (decoded, decoder_ms) = if let Some(cached) = self.origin.take_cached(index) {
+            let (raw, decoder_ms) = cached?;
             (raw.into(), decoder_ms)
         } else {
             let start = Instant::now();
@@ -456,13 +456,13 @@ impl Sequence {
     }
 
     /// Bytes of the decoded frame kept since the origin was decided.
-    pub(crate) fn kept_bytes(&self) -> usize {
-        self.origin.kept_bytes()
+    pub(crate) fn cached_bytes(&self) -> usize {
+        self.origin.cached_bytes()
     }
 
-    /// Gives the memory of [`Sequence::kept_bytes`] back; the frame is decoded again when it is wanted.
-    pub(crate) fn drop_kept(&self) {
-        self.origin.drop_kept();
+    /// Gives the memory of [`Sequence::cached_bytes`] back; the frame is decoded again when it is wanted.
+    pub(crate) fn drop_cached(&self) {
+        self.origin.drop_cached();
     }
 }
 

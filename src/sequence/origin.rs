@@ -32,7 +32,7 @@ const FAR_IN_EXTENTS: f64 = 4.0;
 const FAR_BESIDE_IN_EXTENTS: f64 = 64.0;
 
 /// A decoded frame with its time in milliseconds, or why there is none.
-type Kept = Result<(RawCloud, f32), FrameError>;
+type Cached = Result<(RawCloud, f32), FrameError>;
 
 /// Provenance of an origin: how it was decided.
 enum Decided {
@@ -70,7 +70,7 @@ pub(super) struct OriginFinder {
     given_up: AtomicUsize,
     /// Whose origin is taken if it can be.
     beside: OnceLock<Arc<dyn OriginFrames>>,
-    kept: Mutex<BTreeMap<usize, Kept>>,
+    cached: Mutex<BTreeMap<usize, Cached>>,
     /// Points of the frame that decided it.
     sample: Mutex<SharedSample>,
 }
@@ -143,7 +143,7 @@ impl OriginFinder {
             if progress.is_cancelled() {
                 return None;
             }
-            if lock(&self.kept).get(&index).is_some_and(Result::is_err) {
+            if lock(&self.cached).get(&index).is_some_and(Result::is_err) {
                 continue;
             }
             let decoded = frames.decode_timed(index, progress);
@@ -166,14 +166,14 @@ impl OriginFinder {
                         let sample = Arc::new(sample);
                         lock(&self.sample).of.get_or_insert((index, sample));
                     }
-                    lock(&self.kept).insert(index, decoded);
+                    lock(&self.cached).insert(index, decoded);
                     return Some(Decided::ByFrame(origin));
                 }
                 // A frame without a finite point decides nothing; keeping many of them could fill the memory.
                 Ok((None, _)) => {}
                 Err(FrameError::Cancelled { .. }) => return None,
                 Err(_) => {
-                    lock(&self.kept).insert(index, decoded);
+                    lock(&self.cached).insert(index, decoded);
                 }
             }
         }
@@ -182,7 +182,7 @@ impl OriginFinder {
 
     /// Forgets why frame `index` could not be read, or what was read of it.
     pub(super) fn forget(&self, index: usize) {
-        lock(&self.kept).remove(&index);
+        lock(&self.cached).remove(&index);
         let mut sample = lock(&self.sample);
         sample.is_outdated |= sample.of.as_ref().is_some_and(|(decided, _)| *decided == index);
     }
@@ -205,10 +205,10 @@ impl OriginFinder {
 
     /// Returns the result kept for frame `index` since the origin was decided; a decoded frame is handed out once,
     /// errors stay.
-    pub(super) fn take_kept(&self, index: usize) -> Option<Kept> {
-        let mut kept = lock(&self.kept);
-        match kept.get(&index)? {
-            Ok(_) => kept.remove(&index),
+    pub(super) fn take_cached(&self, index: usize) -> Option<Cached> {
+        let mut cached = lock(&self.cached);
+        match cached.get(&index)? {
+            Ok(_) => cached.remove(&index),
             Err(error) => Some(Err(error.clone())),
         }
     }
@@ -218,16 +218,16 @@ impl OriginFinder {
         lock(&self.sample).of.as_ref().map(|(_, sample)| Arc::clone(sample))
     }
 
-    pub(super) fn kept_bytes(&self) -> usize {
-        lock(&self.kept)
+    pub(super) fn cached_bytes(&self) -> usize {
+        lock(&self.cached)
             .values()
-            .filter_map(|kept| kept.as_ref().ok())
+            .filter_map(|cached| cached.as_ref().ok())
             .map(|(raw, _)| raw.byte_size())
             .sum()
     }
 
-    pub(super) fn drop_kept(&self) {
-        lock(&self.kept).retain(|_, kept| kept.is_err());
+    pub(super) fn drop_cached(&self) {
+        lock(&self.cached).retain(|_, cached| cached.is_err());
     }
 }
 

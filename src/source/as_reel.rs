@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn frames_are_those_that_a_file_would_give() {
-        let kept = |precision| {
+        let retained = |precision| {
             let options = ReelOptions {
                 precision,
                 ..ReelOptions::default()
@@ -176,8 +176,12 @@ mod tests {
             let decoded = source.decoder().decode(0, &entry, usize::MAX, &Progress::default());
             decoded.unwrap().cloud
         };
-        assert_eq!(kept(Precision::Bits(2)).positions.len(), 2, "two points share a cell");
-        let lossless = kept(Precision::Lossless).positions;
+        assert_eq!(
+            retained(Precision::Bits(2)).positions.len(),
+            2,
+            "two points share a cell"
+        );
+        let lossless = retained(Precision::Lossless).positions;
         assert_eq!(lossless.len(), 3);
         assert!(matches!(lossless, Positions::F32(_)));
     }
@@ -269,8 +273,8 @@ mod tests {
                 bytes_per_s: 0.0,
                 frames_per_s: 0.0,
                 delay_s: None,
-                kept_s: 0.0,
-                kept_bytes: 0,
+                buffered_s: 0.0,
+                buffered_bytes: 0,
                 reconnects: 0,
                 recording: None,
             }

@@ -140,10 +140,10 @@ impl Shape {
             }
             Self::Torus => {
                 let [ring, turn] = [random.unit() * TAU, random.unit() * TAU];
-                let is_kept = random.unit() * (1.0 + Self::TUBE) < 1.0 + Self::TUBE * turn.cos();
+                let is_retained = random.unit() * (1.0 + Self::TUBE) < 1.0 + Self::TUBE * turn.cos();
                 let outwards = Vec3::new(ring.cos(), ring.sin(), 0.0);
                 let normal = outwards * turn.cos() + Vec3::Z * turn.sin();
-                is_kept.then_some((outwards + normal * Self::TUBE, normal))
+                is_retained.then_some((outwards + normal * Self::TUBE, normal))
             }
             Self::Cube => {
                 let face = ((random.unit() * 6.0) as usize).min(5);
@@ -157,8 +157,8 @@ impl Shape {
                 let [x, y] = [(); 2].map(|()| 2.0 * random.unit() - 1.0);
                 let across = Vec3::new(-2.0 * x, 2.0 * y, 1.0);
                 // Its length is the area of the surface over that of its shadow, at most that of the corners, 3.
-                let is_kept = random.unit() * 3.0 < across.length();
-                is_kept.then(|| (Vec3::new(x, y, x * x - y * y), across.normalize()))
+                let is_retained = random.unit() * 3.0 < across.length();
+                is_retained.then(|| (Vec3::new(x, y, x * x - y * y), across.normalize()))
             }
         }
     }

@@ -21,7 +21,7 @@ impl<'a> Fields<'a> {
         let (taken, rest) = self
             .bytes
             .split_at_checked(count)
-            .ok_or(WireError::BreaksOff { within: self.what })?;
+            .ok_or(WireError::IsTruncated { within: self.what })?;
         self.bytes = rest;
         Ok(taken)
     }
@@ -30,7 +30,7 @@ impl<'a> Fields<'a> {
         let (taken, rest) = self
             .bytes
             .split_first_chunk::<N>()
-            .ok_or(WireError::BreaksOff { within: self.what })?;
+            .ok_or(WireError::IsTruncated { within: self.what })?;
         self.bytes = rest;
         Ok(*taken)
     }

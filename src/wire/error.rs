@@ -50,7 +50,7 @@ pub enum WireError {
     },
     /// Unexpected end of the stream: it is truncated.
     #[error("the stream ends within {within}")]
-    BreaksOff {
+    IsTruncated {
         /// Part of the stream that was being read.
         within: &'static str,
     },

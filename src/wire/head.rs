@@ -75,7 +75,7 @@ impl StreamHead {
             });
         }
         if count < magic.len() {
-            return Err(WireError::BreaksOff { within: WITHIN });
+            return Err(WireError::IsTruncated { within: WITHIN });
         }
         let mut fixed = [0; FIXED_BYTES - MAGIC.len()];
         read_exact(reader, &mut fixed, WITHIN)?;
@@ -114,7 +114,7 @@ impl StreamHead {
 /// All of `bytes`.
 pub(super) fn read_exact(reader: &mut impl Read, bytes: &mut [u8], within: &'static str) -> Result<(), WireError> {
     reader.read_exact(bytes).map_err(|error| match error.kind() {
-        ErrorKind::UnexpectedEof => WireError::BreaksOff { within },
+        ErrorKind::UnexpectedEof => WireError::IsTruncated { within },
         _ => WireError::Io(error),
     })
 }

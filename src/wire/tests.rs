@@ -287,7 +287,7 @@ fn what_is_no_stream_is_told_from_one_that_breaks_off() {
     .encode();
     for end in 1..stream.len() {
         assert!(
-            matches!(head(&stream[..end]), WireError::BreaksOff { .. }),
+            matches!(head(&stream[..end]), WireError::IsTruncated { .. }),
             "{end} bytes"
         );
     }
@@ -311,7 +311,7 @@ fn a_length_that_is_merely_claimed_takes_no_memory() {
     assert!(matches!(error, WireError::TooLong { .. }), "{error}");
     bytes[4..8].copy_from_slice(&(1u32 << 30).to_le_bytes());
     let error = read_message(&mut bytes.as_slice(), u64::MAX).unwrap_err();
-    assert!(matches!(error, WireError::BreaksOff { .. }), "{error}");
+    assert!(matches!(error, WireError::IsTruncated { .. }), "{error}");
     let mut changed = frame_message(Kind::Points, &[0; 80]).encode();
     changed[60] ^= 1;
     let error = read_message(&mut changed.as_slice(), MAX).unwrap_err();

@@ -228,7 +228,7 @@ fn without_code(text: &str) -> String {
     text.split('`').step_by(2).collect::<Vec<_>>().join(" code ")
 }
 
-/// `is_kept`, `KeptLevels` and `KEPT_BYTES` all have the part `kept`.
+/// `is_retained`, `RetainedLevels` and `RETAINED_BYTES` all have the part `retained`.
 fn parts_of_name(name: &str) -> Vec<String> {
     let mut parts: Vec<String> = Vec::new();
     let mut was_lower = false;

@@ -101,15 +101,18 @@ fn filters_of_depth_images_are_measured_one_by_one() {
             "{key}: {values:?}"
         );
     }
-    let kept = there("valid_after");
+    let retained = there("valid_after");
     let measured = there("valid");
     // Median and bilateral filter neither drop nor fill.
-    assert_eq!((kept[1], kept[2]), (measured[1], measured[2]));
+    assert_eq!((retained[1], retained[2]), (measured[1], measured[2]));
     assert!(
-        kept.iter().zip(&measured).all(|(kept, measured)| kept <= measured),
-        "{kept:?} of {measured:?}"
+        retained
+            .iter()
+            .zip(&measured)
+            .all(|(retained, measured)| retained <= measured),
+        "{retained:?} of {measured:?}"
     );
-    assert_eq!(kept.len(), filters);
+    assert_eq!(retained.len(), filters);
     let (points, visible) = (there("points"), there("visible"));
     assert!(points.len() == clouds && visible.len() == clouds);
     assert!(

@@ -153,10 +153,10 @@ fn a_property_that_is_there_twice_is_named() {
         assert_eq!(names(&cloud), ["quality", "quality_2"]);
         assert!(cloud.warnings[0].contains("`quality`"), "{:?}", cloud.warnings);
     }
-    for (twice, kept) in [("x", 1.0), ("y", 2.0), ("z", 3.0)] {
+    for (twice, retained) in [("x", 1.0), ("y", 2.0), ("z", 3.0)] {
         let own = format!("float {twice}");
         let cloud = read("a.ply", &ply(&["float x", "float y", "float z", &own], &["1 2 3 9"]));
-        assert_eq!(cloud.positions.get(0).to_array(), [1.0, 2.0, 3.0], "{kept}");
+        assert_eq!(cloud.positions.get(0).to_array(), [1.0, 2.0, 3.0], "{retained}");
         assert_eq!(field(&cloud, &format!("{twice}_2")).values, [9.0]);
         assert!(
             cloud.warnings[0].contains(&format!("`{twice}`")),

@@ -173,7 +173,7 @@ fn losses_of_many_frames_are_a_line_per_kind() {
 }
 
 /// What is lost of `file` although `format` could hold it, as one text.
-fn not_kept(name: &str, file: &str, format: &str) -> String {
+fn dropped(name: &str, file: &str, format: &str) -> String {
     let cloud = io::read_bytes(&PathBuf::from(name), file.as_bytes()).unwrap_or_else(|error| panic!("{error}"));
     let format: WriteFormat = format.parse().unwrap_or_else(|error| panic!("{error}"));
     format.losses(&cloud).lines(&format.to_string(), 1).join("\n")
@@ -196,13 +196,13 @@ fn what_was_not_read_is_said_when_it_is_lost() {
         ("float", "0 0.2 1", false),
         ("uchar", "0 1 255", false),
     ] {
-        let said = not_kept("a.ply", &ply(&colors(kind), &format!("1 2 3 {values}")), "ply");
+        let said = dropped("a.ply", &ply(&colors(kind), &format!("1 2 3 {values}")), "ply");
         assert_eq!(said.contains(rounded), is_lost, "{kind} {values}: {said}");
     }
-    let said = not_kept("a.ply", &ply("property list uchar int near\n", "1 2 3 2 0 0"), "pcd");
+    let said = dropped("a.ply", &ply("property list uchar int near\n", "1 2 3 2 0 0"), "pcd");
     assert!(said.contains("lists of points are not read: `near`"), "{said}");
     let faces = "element face 1\nproperty list uchar int vertex_indices\nproperty uchar red\n";
-    let said = not_kept("a.ply", &ply(faces, "1 2 3\n3 0 0 0 9"), "ply");
+    let said = dropped("a.ply", &ply(faces, "1 2 3\n3 0 0 0 9"), "ply");
     assert!(said.contains("properties of faces are not read: `red`"), "{said}");
     let pcd = |viewpoint: &str, id: &str| {
         format!(
@@ -210,9 +210,9 @@ fn what_was_not_read_is_said_when_it_is_lost() {
              DATA ascii\n1 2 3 {id}\n"
         )
     };
-    let said = not_kept("a.pcd", &pcd("0 0 0 0.7 0 0.7 0", "7"), "ply");
+    let said = dropped("a.pcd", &pcd("0 0 0 0.7 0 0.7 0", "7"), "ply");
     assert!(said.contains("the rotation of VIEWPOINT (0.7 0 0.7 0)"), "{said}");
-    let said = not_kept("a.pcd", &pcd("0 0 0 1 0 0 0", "9007199254740995"), "ply");
+    let said = dropped("a.pcd", &pcd("0 0 0 1 0 0 0", "9007199254740995"), "ply");
     assert!(said.contains("`id` are beyond 2^53"), "{said}");
-    assert_eq!(not_kept("a.pcd", &pcd("0 0 0 1 0 0 0", "9007199254740"), "ply"), "");
+    assert_eq!(dropped("a.pcd", &pcd("0 0 0 1 0 0 0", "9007199254740"), "ply"), "");
 }

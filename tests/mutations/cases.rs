@@ -53,7 +53,7 @@ fn files_below(folder: &Path) -> Vec<(String, Vec<u8>)> {
 }
 
 /// What is kept in `folder`: a folder for each set, in it a file for each case, or a folder where it has several.
-pub(crate) fn kept_in(folder: &Path) -> Vec<Case> {
+pub(crate) fn retained_in(folder: &Path) -> Vec<Case> {
     let mut cases: Vec<Case> = Vec::new();
     for (path, bytes) in files_below(folder) {
         let mut parts = path.splitn(3, '/');

@@ -1,7 +1,7 @@
 //! The process that tries cases, and may die of one. It says what it does in a file, a line each, which its parent
 //! reads (`runner.rs`).
 
-use crate::cases::{Case, fresh, kept_in};
+use crate::cases::{Case, fresh, retained_in};
 use crate::drive::Way;
 use crate::machine;
 use std::backtrace::Backtrace;
@@ -66,13 +66,13 @@ impl Order {
         self.scratch.join("report")
     }
 
-    /// Case `number`, if there is one: of a corpus, or fresh from `kept` seeds. With it the seed of a fresh one.
-    pub(crate) fn case(&self, kept: &[Case], number: u64) -> Option<(Option<Case>, Case)> {
+    /// Case `number`, if there is one: of a corpus, or fresh from `retained` seeds. With it the seed of a fresh one.
+    pub(crate) fn case(&self, retained: &[Case], number: u64) -> Option<(Option<Case>, Case)> {
         if self.sets.is_empty() {
-            return Some((None, kept.get(number as usize)?.clone()));
+            return Some((None, retained.get(number as usize)?.clone()));
         }
         let set = &self.sets[(number % self.sets.len() as u64) as usize];
-        let (seed, case) = fresh(kept, set, self.run, number)?;
+        let (seed, case) = fresh(retained, set, self.run, number)?;
         Some((Some(seed), case))
     }
 }
@@ -114,9 +114,9 @@ pub(crate) fn work(order: Order) {
     let of_hook = report.clone();
     std::panic::set_hook(Box::new(move |panic| of_hook.panicked(panic)));
     let worker = std::thread::Builder::new().stack_size(STACK_BYTES).spawn(move || {
-        let kept = kept_in(&order.folder);
+        let retained = retained_in(&order.folder);
         for number in order.numbers.clone() {
-            if let Some((_, case)) = order.case(&kept, number) {
+            if let Some((_, case)) = order.case(&retained, number) {
                 try_case(&case, number, &order.scratch, &report);
             }
         }

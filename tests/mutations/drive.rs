@@ -79,13 +79,13 @@ impl Way {
         let output = scratch.join(outputs[(number % outputs.len() as u64) as usize]);
         let renderer = ["--size", "24x24", "--renderer", "cpu"];
         match self {
-            Self::Info => verb("info", input, &[]),
-            Self::Check => verb("check", input, &[]),
+            Self::Info => subcommand("info", input, &[]),
+            Self::Check => subcommand("check", input, &[]),
             Self::Render => {
                 let output = [Path::new("-o"), &picture].into_iter().chain(renderer.map(Path::new));
-                verb("render", input, &output.collect::<Vec<_>>());
+                subcommand("render", input, &output.collect::<Vec<_>>());
             }
-            Self::Convert => verb("convert", input, &[&output, Path::new("--overwrite")]),
+            Self::Convert => subcommand("convert", input, &[&output, Path::new("--overwrite")]),
             Self::Window => window(input),
             Self::Settings => settings(input),
             Self::Connect => connect(input),
@@ -94,7 +94,7 @@ impl Way {
     }
 }
 
-fn verb(name: &str, input: &Path, rest: &[&Path]) {
+fn subcommand(name: &str, input: &Path, rest: &[&Path]) {
     let memory = MAX_MEMORY_BYTES.to_string();
     let line = ["pointreel", name, "--max-memory", &memory].map(OsString::from);
     let paths = [input].into_iter().chain(rest.iter().copied()).map(OsString::from);
@@ -211,6 +211,6 @@ fn settings(file: &Path) {
         state.update(now);
     }
     play(&mut state, now);
-    let kept = serde_json::to_vec(&state.preferences()).unwrap();
-    assert!(serde_json::from_slice::<serde_json::Value>(&kept).is_ok());
+    let retained = serde_json::to_vec(&state.preferences()).unwrap();
+    assert!(serde_json::from_slice::<serde_json::Value>(&retained).is_ok());
 }

@@ -19,7 +19,7 @@ mod rounds;
 mod runner;
 mod seeds;
 
-use cases::kept_in;
+use cases::retained_in;
 use child::{ORDER, Order};
 use repair::{Repair, repair_all};
 use std::path::Path;
@@ -59,7 +59,7 @@ fn assert_nothing_is_found(order: &Order, min_executions: u64) {
 #[test]
 fn what_was_found_before_is_refused_or_shown() {
     let scratch = tempfile::tempdir().unwrap();
-    let count = kept_in(&corpus()).len() as u64;
+    let count = retained_in(&corpus()).len() as u64;
     assert!(count > 0, "the corpus is not there");
     let order = Order {
         folder: corpus(),
@@ -106,9 +106,9 @@ fn new_mutations_of_every_set_are_refused_or_shown() {
     let seeds = scratch.path().join("seeds");
     seeds::gather(&seeds, &[]);
     let sets: Vec<String> = kinds::sets().into_iter().map(str::to_owned).collect();
-    let kept = kept_in(&seeds);
+    let retained = retained_in(&seeds);
     for set in &sets {
-        assert!(kept.iter().any(|seed| seed.set == *set), "no seed of {set}");
+        assert!(retained.iter().any(|seed| seed.set == *set), "no seed of {set}");
     }
     let count = FRESH_OF_SET * sets.len() as u64;
     let order = Order {
@@ -127,7 +127,7 @@ fn repairs_leave_what_is_right_and_mend_what_is_not() {
     let scratch = tempfile::tempdir().unwrap();
     seeds::gather(scratch.path(), &[]);
     let mut tried = std::collections::BTreeSet::new();
-    for seed in kept_in(scratch.path()) {
+    for seed in retained_in(scratch.path()) {
         let (name, bytes) = &seed.files[0];
         let kind = kinds::kind_of(&seed.set, name);
         let mut repaired = bytes.clone();

@@ -4,7 +4,7 @@
 //! between; default: all), `MUTATIONS_SEEDS` (folders, parted as in `PATH`), `MUTATIONS_RUN` (a number that other cases
 //! come of; default: the time), `MUTATIONS_FOUND` (the folder that findings are kept in; default: `fuzz/found`).
 
-use crate::cases::{Case, kept_in};
+use crate::cases::{Case, retained_in};
 use crate::child::Order;
 use crate::kinds;
 use crate::runner::{Finding, Outcome, carry_out};
@@ -77,7 +77,7 @@ pub(crate) fn run() {
             numbers: 0..CASES,
             scratch: scratch.path().to_owned(),
         },
-        kept: kept_in(&seeds),
+        retained: retained_in(&seeds),
         known: BTreeSet::new(),
         found,
         sums: BTreeMap::new(),
@@ -94,7 +94,7 @@ pub(crate) fn run() {
 
 struct Rounds {
     order: Order,
-    kept: Vec<Case>,
+    retained: Vec<Case>,
     /// Keys of findings that are kept.
     known: BTreeSet<String>,
     found: PathBuf,
@@ -129,7 +129,7 @@ impl Rounds {
 
     /// Makes a finding small, and writes it and what is known of it.
     fn keep(&self, finding: &Finding) {
-        let Some((Some(seed), case)) = self.order.case(&self.kept, finding.number) else {
+        let Some((Some(seed), case)) = self.order.case(&self.retained, finding.number) else {
             return;
         };
         let small = self.smaller(&seed, case, finding);

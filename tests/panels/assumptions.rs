@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Options of a window whose files are in `folder`.
-fn kept_in(folder: &Path) -> StateOptions {
+fn retained_in(folder: &Path) -> StateOptions {
     let mut options = options();
     options.preferences.settings.primitive = Choice::Auto;
     let (reading_choices, problem) = ReadingChoices::load_from(&folder.join("reading.json"));
@@ -29,9 +29,9 @@ fn kept_in(folder: &Path) -> StateOptions {
     }
 }
 
-/// A window whose files are in `kept`, with `inputs` open.
-fn window_of(kept: &Path, inputs: &[PathBuf]) -> Harness<'static, State> {
-    let mut harness = window_on(sequence(&[]), kept_in(kept));
+/// A window whose files are in `retained`, with `inputs` open.
+fn window_of(retained: &Path, inputs: &[PathBuf]) -> Harness<'static, State> {
+    let mut harness = window_on(sequence(&[]), retained_in(retained));
     harness.state_mut().run(Command::CLOSE_SEQUENCE);
     harness.state_mut().open_paths(inputs.to_vec());
     until(&mut harness, "it is not opened", is_looked_at);
@@ -126,7 +126,7 @@ fn the_chip_has_the_number_of_assumptions_and_opens_their_list() {
         .with_context_setup(pointreel::app::apply_theme)
         .build_ui_state(
             |ui, state: &mut State| pointreel::app::panels::window_ui(ui, state),
-            State::new(kept_in(folder.path())),
+            State::new(retained_in(folder.path())),
         );
     harness.run();
     assert_eq!(chip(&harness), None, "nothing is open");
@@ -216,7 +216,7 @@ fn a_choice_that_no_frame_can_be_read_with_changes_nothing() {
     until(&mut harness, "it is said", |state| !state.notices.list().is_empty());
     assert!(harness.state().notices.list()[0].text.contains("odd.bin"));
     assert_eq!(source_of(harness.state()), before);
-    assert_eq!(harness.state().kept.reading_choices.of(&inputs), None);
+    assert_eq!(harness.state().stored.reading_choices.of(&inputs), None);
 
     // A file that was written again does not fit the choice that was made for it before: it is opened all the same.
     click_and_reopen(&mut harness, "columns: 4 values per point");
@@ -240,7 +240,7 @@ fn a_number_is_typed_and_said_to_be_wrong() {
             file
         })
         .collect();
-    let mut options = kept_in(folder.path());
+    let mut options = retained_in(folder.path());
     options.open.fps = Some(12.0);
     let mut harness = window_on(sequence(&[]), options);
     harness.state_mut().open_paths(frames);

@@ -281,8 +281,8 @@ fn a_measured_way_is_that_of_its_sequence_alone() {
     // What is changed by hand is the person's.
     harness.state_mut().style.light.eye_dome_strength = 0.25;
     assert_ne!(measured.drawing.resolution, before.drawing.resolution);
-    let kept = harness.state().preferences().settings;
-    assert_eq!(kept.drawing, before.drawing, "the next window begins as before");
+    let retained = harness.state().preferences().settings;
+    assert_eq!(retained.drawing, before.drawing, "the next window begins as before");
     harness.state_mut().open(super::sequence(&[]));
     let style = harness.state().style;
     assert_eq!(style.drawing, before.drawing);

@@ -55,7 +55,7 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
 
 #[test]
 fn closing_keeps_a_and_b_is_a_choice() {
-    for (button, kept) in [("Close", Primitive::Surfel), ("Use B", Primitive::Point)] {
+    for (button, retained) in [("Close", Primitive::Surfel), ("Use B", Primitive::Point)] {
         for edited in ["A (left)", "B (right)"] {
             let mut harness = window();
             harness.state_mut().run(Command::TOGGLE_COMPARISON);
@@ -64,7 +64,7 @@ fn closing_keeps_a_and_b_is_a_choice() {
             click(&mut harness, edited);
             assert_eq!(harness.state().preferences().settings.primitive, Primitive::Surfel);
             click(&mut harness, button);
-            assert_eq!(harness.state().style.primitive, kept, "{button} with {edited}");
+            assert_eq!(harness.state().style.primitive, retained, "{button} with {edited}");
         }
     }
     // The key closes as well.

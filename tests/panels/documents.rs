@@ -6,14 +6,14 @@ use egui_kittest::Harness;
 use glam::DVec3;
 use pointreel::app::{Command, GivenStyle, State, StateOptions};
 use pointreel::document::{DocumentFolder, MeasuredPoint, ReadSession, ShownTrails, SpreadTrails};
-use pointreel::scene::{Clip, ClipShape, FollowedPoint, Gauge, Label, Primitive, UpAxis};
+use pointreel::scene::{Clip, ClipShape, FollowedPoint, Label, MeasurementKind, Primitive, UpAxis};
 use pointreel::timeline::PlayRange;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Options of a window that keeps documents in `folder`.
-fn kept_in(folder: &Path) -> StateOptions {
+fn retained_in(folder: &Path) -> StateOptions {
     StateOptions {
         documents: Some(DocumentFolder::at(folder.join("documents"), folder.join("timelines"))),
         ..options()
@@ -109,12 +109,12 @@ fn work_on(harness: &mut Harness<'_, State>) {
         place: DVec3::splat(2.0),
     };
     document.measurements = vec![pointreel::document::Measured {
-        gauge: Gauge::Distance,
+        measurement_kind: MeasurementKind::Distance,
         points: vec![point(0), point(7)],
     }];
     document.trails = ShownTrails {
         of_picked: true,
-        kept: vec![point(3)],
+        stored: vec![point(3)],
         spread: Some(SpreadTrails { points: 4, frames: 2 }),
     };
     document.notes.push_str("from the north");
@@ -137,7 +137,7 @@ fn told(state: &State) -> String {
 fn each_sequence_has_its_own_document() {
     let folder = tempfile::tempdir().unwrap();
     let [a, b] = ["a", "b"].map(|name| scans(folder.path(), name));
-    let mut harness = window_of(kept_in(folder.path()), &a);
+    let mut harness = window_of(retained_in(folder.path()), &a);
     let new = harness.state().current_document();
     assert!(!harness.state().is_unsaved(), "nothing was made");
     work_on(&mut harness);
@@ -159,7 +159,7 @@ fn each_sequence_has_its_own_document() {
         told(harness.state())
     );
     let again = harness.state().current_document();
-    assert!(again.is_kept_same(&made), "{again:#?} is not {made:#?}");
+    assert!(again.is_stored_same(&made), "{again:#?} is not {made:#?}");
     assert_eq!(again.frame, made.frame);
     assert!(!harness.state().style.backdrop.grid, "that was B's");
     assert_eq!(harness.state().camera.azimuth_deg, 33.0);
@@ -170,10 +170,10 @@ fn each_sequence_has_its_own_document() {
 
     // The next window has it all as well; what was only opened leaves nothing behind.
     let c = scans(folder.path(), "c");
-    let mut next = window_of(kept_in(folder.path()), &c);
+    let mut next = window_of(retained_in(folder.path()), &c);
     close(&mut next);
     open(&mut next, &a);
-    assert!(next.state().current_document().is_kept_same(&made));
+    assert!(next.state().current_document().is_stored_same(&made));
     let files = fs::read_dir(folder.path().join("documents")).unwrap().count();
     assert_eq!(files, 2);
 }
@@ -182,7 +182,7 @@ fn each_sequence_has_its_own_document() {
 fn what_is_kept_is_a_session() {
     let folder = tempfile::tempdir().unwrap();
     let a = scans(folder.path(), "a");
-    let mut harness = window_of(kept_in(folder.path()), &a);
+    let mut harness = window_of(retained_in(folder.path()), &a);
     work_on(&mut harness);
     close(&mut harness);
     let mut files = fs::read_dir(folder.path().join("documents")).unwrap();
@@ -203,12 +203,12 @@ fn what_is_kept_is_a_session() {
 fn two_windows_on_one_sequence_lose_nothing_of_each_other() {
     let folder = tempfile::tempdir().unwrap();
     let a = scans(folder.path(), "a");
-    let [mut one, mut other] = [0, 1].map(|_| window_of(kept_in(folder.path()), &a));
+    let [mut one, mut other] = [0, 1].map(|_| window_of(retained_in(folder.path()), &a));
     one.state_mut().features.labels.list = Arc::new(vec![label("one")]);
     other.state_mut().style.backdrop.grid = true;
     close(&mut one);
     close(&mut other);
-    let third = window_of(kept_in(folder.path()), &a);
+    let third = window_of(retained_in(folder.path()), &a);
     assert_eq!(third.state().features.labels.list.len(), 1);
     assert!(third.state().style.backdrop.grid);
 }
@@ -217,7 +217,7 @@ fn two_windows_on_one_sequence_lose_nothing_of_each_other() {
 fn unsaved_is_what_is_in_no_session() {
     let folder = tempfile::tempdir().unwrap();
     let a = scans(folder.path(), "a");
-    let mut harness = window_of(kept_in(folder.path()), &a);
+    let mut harness = window_of(retained_in(folder.path()), &a);
     harness.state_mut().camera.azimuth_deg += 10.0;
     harness.state_mut().step_frames(1);
     harness.run();
@@ -241,14 +241,14 @@ fn unsaved_is_what_is_in_no_session() {
 fn a_document_is_begun_again() {
     let folder = tempfile::tempdir().unwrap();
     let a = scans(folder.path(), "a");
-    let mut harness = window_of(kept_in(folder.path()), &a);
+    let mut harness = window_of(retained_in(folder.path()), &a);
     let new = harness.state().current_document();
     let first_view = harness.state().camera;
     work_on(&mut harness);
     harness.state_mut().run(Command::BEGIN_AGAIN);
     harness.run();
     let begun = harness.state().current_document();
-    assert!(begun.is_kept_same(&new), "{begun:#?} is not {new:#?}");
+    assert!(begun.is_stored_same(&new), "{begun:#?} is not {new:#?}");
     assert_eq!(harness.state().camera, first_view);
     // What can be undone comes back, with its own name.
     harness.state_mut().run(Command::UNDO);
@@ -256,8 +256,8 @@ fn a_document_is_begun_again() {
     assert_eq!(harness.state().document.notes, "from the north");
     harness.state_mut().run(Command::REDO);
     close(&mut harness);
-    let again = window_of(kept_in(folder.path()), &a);
-    assert!(again.state().current_document().is_kept_same(&new));
+    let again = window_of(retained_in(folder.path()), &a);
+    assert!(again.state().current_document().is_stored_same(&new));
     assert_eq!(told(again.state()), "");
 }
 
@@ -265,17 +265,17 @@ fn a_document_is_begun_again() {
 fn a_fresh_window_begins_from_defaults_and_takes_nothing_away() {
     let folder = tempfile::tempdir().unwrap();
     let [a, b] = ["a", "b"].map(|name| scans(folder.path(), name));
-    let mut harness = window_of(kept_in(folder.path()), &a);
+    let mut harness = window_of(retained_in(folder.path()), &a);
     work_on(&mut harness);
     close(&mut harness);
     let fresh = || StateOptions {
         is_fresh: true,
-        ..kept_in(folder.path())
+        ..retained_in(folder.path())
     };
     let mut harness = window_of(fresh(), &a);
     assert!(harness.state().features.labels.list.is_empty());
     close(&mut harness);
-    let mut harness = window_of(kept_in(folder.path()), &a);
+    let mut harness = window_of(retained_in(folder.path()), &a);
     assert_eq!(harness.state().features.labels.list.len(), 1, "it is kept still");
     close(&mut harness);
     // What is made in it goes before what was.
@@ -291,12 +291,12 @@ fn a_fresh_window_begins_from_defaults_and_takes_nothing_away() {
 fn what_the_command_line_says_goes_before_what_is_kept_and_is_not_kept() {
     let folder = tempfile::tempdir().unwrap();
     let a = scans(folder.path(), "a");
-    let mut harness = window_of(kept_in(folder.path()), &a);
+    let mut harness = window_of(retained_in(folder.path()), &a);
     work_on(&mut harness);
     close(&mut harness);
     let given = StateOptions {
         given: GivenStyle::new(|style| style.with(|style| style.points.size_px = 9.0)),
-        ..kept_in(folder.path())
+        ..retained_in(folder.path())
     };
     let mut harness = window_of(given, &a);
     let points = harness.state().style.points.size_px;
@@ -306,7 +306,7 @@ fn what_the_command_line_says_goes_before_what_is_kept_and_is_not_kept() {
     );
     harness.state_mut().style.backdrop.grid = true;
     close(&mut harness);
-    let harness = window_of(kept_in(folder.path()), &a);
+    let harness = window_of(retained_in(folder.path()), &a);
     let style = harness.state().style;
     assert_eq!((style.points.size_px, style.backdrop.grid), (5.0, true));
 }
@@ -315,7 +315,7 @@ fn what_the_command_line_says_goes_before_what_is_kept_and_is_not_kept() {
 fn marks_and_choices_from_before_documents_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let a = scans(folder.path(), "a");
-    let mut harness = window_of(kept_in(folder.path()), &a);
+    let mut harness = window_of(retained_in(folder.path()), &a);
     harness.state_mut().run(Command::TOGGLE_MARKER);
     close(&mut harness);
     let documents = folder.path().join("documents");
@@ -327,7 +327,7 @@ fn marks_and_choices_from_before_documents_are_read() {
         "up": "-x", "primitive": "voxel"}"#;
     let old = timelines.join(file.with_extension("json").file_name().unwrap());
     fs::write(old, text).unwrap();
-    let harness = window_of(kept_in(folder.path()), &a);
+    let harness = window_of(retained_in(folder.path()), &a);
     let state = harness.state();
     assert_eq!(state.features.timeline.markers.list()[0].name, "turn");
     assert_eq!(
@@ -342,7 +342,7 @@ fn marks_and_choices_from_before_documents_are_read() {
 fn a_look_is_made_that_of_new_files() {
     let folder = tempfile::tempdir().unwrap();
     let [a, b] = ["a", "b"].map(|name| scans(folder.path(), name));
-    let mut harness = window_of(kept_in(folder.path()), &a);
+    let mut harness = window_of(retained_in(folder.path()), &a);
     harness.state_mut().style.backdrop.grid = true;
     harness.run();
     assert!(

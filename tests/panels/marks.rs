@@ -34,14 +34,14 @@ fn playing_stays_between_in_and_out_point() {
 #[test]
 fn markers_are_set_named_jumped_to_and_kept() {
     let folder = tempfile::tempdir().unwrap();
-    let kept = || StateOptions {
+    let retained = || StateOptions {
         documents: Some(DocumentFolder::at(
             folder.path().join("documents"),
             folder.path().join("timelines"),
         )),
         ..options()
     };
-    let mut harness = window_on(sequence(&[]), kept());
+    let mut harness = window_on(sequence(&[]), retained());
     for step in [4, 6] {
         harness.state_mut().step_frames(step);
         press(&mut harness, Modifiers::COMMAND, Key::M);
@@ -66,7 +66,7 @@ fn markers_are_set_named_jumped_to_and_kept() {
     press(&mut harness, Modifiers::NONE, Key::Enter);
     click(&mut harness, "Marker turn");
 
-    let next = window_on(sequence(&[]), kept());
+    let next = window_on(sequence(&[]), retained());
     let markers = next.state().features.timeline.markers.list();
     let known: Vec<_> = markers
         .iter()

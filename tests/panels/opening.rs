@@ -24,7 +24,7 @@ fn a_single_broken_file_leaves_the_welcome_view_with_its_error() {
     assert_eq!(failed.name, "broken.ply");
     assert!(failed.reason.contains("broken.ply"), "{failed:?}");
     assert!(harness.query_by_label(&failed.reason).is_some());
-    assert!(harness.state().kept.recent.entries().is_empty(), "it was never shown");
+    assert!(harness.state().stored.recent.entries().is_empty(), "it was never shown");
     assert!(harness.state().notices.list().is_empty(), "said once");
     for button in ["Open files", "Open folder"] {
         assert!(harness.query_by_label_contains(button).is_some(), "{button}");
@@ -60,7 +60,7 @@ fn a_single_frame_has_its_name_and_nothing_to_play_with() {
     }
     harness.state_mut().open_paths(vec![file]);
     until(&mut harness, "it is shown", |state| {
-        !state.kept.recent.entries().is_empty()
+        !state.stored.recent.entries().is_empty()
     });
     let is_below = |name: &str| {
         let mut nodes = harness.query_all_by_label(name);
@@ -80,9 +80,9 @@ fn what_was_shown_is_listed_as_opened_lately() {
     let mut harness = window();
     harness.state_mut().open_paths(vec![whole.clone()]);
     until(&mut harness, "it is shown", |state| {
-        !state.kept.recent.entries().is_empty()
+        !state.stored.recent.entries().is_empty()
     });
-    assert_eq!(harness.state().kept.recent.entries(), [vec![whole]]);
+    assert_eq!(harness.state().stored.recent.entries(), [vec![whole]]);
     // Beside it, one that is not there, and one that is broken.
     let broken = folder.path().join("broken.ply");
     std::fs::write(&broken, "ply\n").unwrap();
@@ -93,7 +93,7 @@ fn what_was_shown_is_listed_as_opened_lately() {
         harness.state_mut().update(now);
         std::thread::sleep(Duration::from_millis(5));
     }
-    assert_eq!(harness.state().kept.recent.entries().len(), 1);
+    assert_eq!(harness.state().stored.recent.entries().len(), 1);
 }
 
 #[test]
@@ -176,7 +176,7 @@ fn examples_are_opened_by_a_click_and_can_be_in_a_session() {
         });
         let state = harness.state();
         assert_eq!(state.sequence_name(), Some(example.input()));
-        assert!(state.kept.recent.entries().is_empty(), "it is in the menu");
+        assert!(state.stored.recent.entries().is_empty(), "it is in the menu");
         assert_eq!(state.session().unwrap().inputs, [PathBuf::from(example.input())]);
     }
 }

@@ -7,7 +7,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use glam::DVec3;
 use pointreel::app::{Command, State, Tool};
-use pointreel::scene::{Gauge, Primitive, Settings};
+use pointreel::scene::{MeasurementKind, Primitive, Settings};
 use std::time::Duration;
 
 /// A window on the cube that grows, its corners drawn as squares of 9 pixels, seen from the front and above.
@@ -146,8 +146,16 @@ fn distances_angles_and_heights_are_measured() {
     click(&mut harness, "Height");
     take(&mut harness, &[5, 7]);
     let measurements = &harness.state().features.inspection.measurements;
-    let gauges: Vec<Gauge> = measurements.iter().map(|measured| measured.gauge).collect();
-    assert_eq!(gauges, [Gauge::Distance, Gauge::Angle, Gauge::Height]);
+    let measurement_kinds: Vec<MeasurementKind> =
+        measurements.iter().map(|measured| measured.measurement_kind).collect();
+    assert_eq!(
+        measurement_kinds,
+        [
+            MeasurementKind::Distance,
+            MeasurementKind::Angle,
+            MeasurementKind::Height
+        ]
+    );
     assert_eq!(measurements[2].value(DVec3::Y), Some(1.0));
     assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
 
@@ -161,7 +169,7 @@ fn distances_angles_and_heights_are_measured() {
     click(&mut harness, "Delete measurement 2");
     let measurements = &harness.state().features.inspection.measurements;
     assert_eq!(measurements.len(), 2);
-    assert_eq!(measurements[1].gauge, Gauge::Height);
+    assert_eq!(measurements[1].measurement_kind, MeasurementKind::Height);
     // They grow with the cube.
     press(&mut harness, Modifiers::SHIFT, Key::ArrowRight);
     harness.state_mut().update(Duration::ZERO);

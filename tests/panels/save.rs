@@ -175,7 +175,7 @@ fn a_change_of_the_choices_cancels_the_estimate_and_shows_the_one_before() {
     );
     wait_for_estimate(&mut harness, 5);
     let (coarse, _) = harness.state().features.save.estimates.estimate().unwrap();
-    assert!(coarse.kept_points < 500.0, "{coarse:?}");
+    assert!(coarse.retained_points < 500.0, "{coarse:?}");
     // Frames that were decoded for the choices before are not decoded again.
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(!harness.state().panels.has(PanelId::SAVE));
@@ -337,7 +337,7 @@ fn merging_is_a_choice_that_says_its_price_before() {
     wait_for_estimate(&mut harness, 5);
     assert_eq!(harness.state().features.save.precision, PrecisionKind::PointSpacing);
     let (every, _) = harness.state().features.save.estimates.estimate().unwrap();
-    assert_eq!(every.kept_points, every.points);
+    assert_eq!(every.retained_points, every.points);
     let merged = every.other_way.unwrap();
     let price = format!(
         "Merges {:.0} of {:.0} points per frame",
@@ -354,7 +354,7 @@ fn merging_is_a_choice_that_says_its_price_before() {
     wait_for_estimate(&mut harness, 5);
     assert_eq!(harness.state().features.save.precision, PrecisionKind::SamplingDensity);
     let (estimate, _) = harness.state().features.save.estimates.estimate().unwrap();
-    assert_eq!(estimate.kept_points, merged.points);
+    assert_eq!(estimate.retained_points, merged.points);
     assert!(harness.query_by_label_contains(&price).is_some(), "{price}");
 }
 

@@ -95,7 +95,7 @@ fn a_session_is_taken_up_again_as_it_was_left() {
     left.state_mut().run(Command::ESCAPE);
     save(&mut left, &file);
     assert!(left.state_mut().may_close(), "it is in the session");
-    assert_eq!(left.state().kept.recent.entries()[0], std::slice::from_ref(&file));
+    assert_eq!(left.state().stored.recent.entries()[0], std::slice::from_ref(&file));
 
     let mut taken = window();
     let usual = taken.state().style;
@@ -286,7 +286,7 @@ fn a_session_asks_before_it_leaves_its_folder() {
 }
 
 /// Options of a window that keeps documents, and unsaved changes, in `folder`.
-fn kept_in(folder: &Path) -> StateOptions {
+fn retained_in(folder: &Path) -> StateOptions {
     StateOptions {
         documents: Some(DocumentFolder::at(folder.join("documents"), folder.join("timelines"))),
         ..options()
@@ -313,7 +313,7 @@ fn unsaved_changes_of_a_session_are_restored_until_they_are_saved_or_reverted() 
     scans(&folder.path().join("scans"));
     let file = folder.path().join("walk.pointreel");
     fs::write(&file, r#"{"pointreel_session": 1, "files": ["scans"]}"#).unwrap();
-    let mut harness = window_of(kept_in(folder.path()), &file);
+    let mut harness = window_of(retained_in(folder.path()), &file);
     let saved = harness.state().current_document();
     harness.state_mut().camera.azimuth_deg += 10.0;
     harness.run();
@@ -330,7 +330,7 @@ fn unsaved_changes_of_a_session_are_restored_until_they_are_saved_or_reverted() 
     let text = fs::read_to_string(&file).unwrap();
     assert!(!text.contains("later"), "only the user writes the session");
 
-    let mut harness = window_of(kept_in(folder.path()), &file);
+    let mut harness = window_of(retained_in(folder.path()), &file);
     assert!(harness.state().is_unsaved() && harness.state().style.backdrop.grid);
     assert_eq!(harness.state().document.notes, "later");
     let notice = "Unsaved changes of walk.pointreel were restored: Notes, Grid on.";
@@ -347,7 +347,7 @@ fn unsaved_changes_of_a_session_are_restored_until_they_are_saved_or_reverted() 
     harness.state_mut().open(sequence(&[]));
     drop(harness);
 
-    let mut harness = window_of(kept_in(folder.path()), &file);
+    let mut harness = window_of(retained_in(folder.path()), &file);
     assert!(!harness.state().is_unsaved() && harness.state().document.notes.is_empty());
     assert_eq!(told(harness.state()), "", "nothing is left to restore");
     // Once they are saved there are none either.
@@ -359,7 +359,7 @@ fn unsaved_changes_of_a_session_are_restored_until_they_are_saved_or_reverted() 
     harness.state_mut().save_session_to(file.clone());
     until(&mut harness, "it is not saved", |state| !state.is_unsaved());
     drop(harness);
-    let harness = window_of(kept_in(folder.path()), &file);
+    let harness = window_of(retained_in(folder.path()), &file);
     assert!(harness.state().current_document().is_same_work(&before) && !harness.state().is_unsaved());
     assert_eq!(told(harness.state()), "");
 }
@@ -370,14 +370,14 @@ fn a_session_that_others_have_written_goes_before_unsaved_changes_and_both_stay(
     scans(&folder.path().join("scans"));
     let file = folder.path().join("walk.pointreel");
     fs::write(&file, r#"{"pointreel_session": 1, "files": ["scans"]}"#).unwrap();
-    let mut harness = window_of(kept_in(folder.path()), &file);
+    let mut harness = window_of(retained_in(folder.path()), &file);
     harness.state_mut().document.notes.push_str("here");
     harness.run();
     harness.state_mut().open(sequence(&[]));
     drop(harness);
     let other = r#"{"pointreel_session": 1, "files": ["scans"], "notes": "there"}"#;
     fs::write(&file, other).unwrap();
-    let harness = window_of(kept_in(folder.path()), &file);
+    let harness = window_of(retained_in(folder.path()), &file);
     assert_eq!(harness.state().document.notes, "there");
     let told = told(harness.state());
     let aside = told

@@ -38,8 +38,8 @@ fn a_window_without_room_draws_nothing() {
     for size in [vec2(0.0, 0.0), vec2(1.0, 1.0), vec2(300.0, 0.0)] {
         harness.set_size(size);
         harness.run_ok();
-        let has_room = !harness.state().viewport.size_px.contains(&0);
-        assert_eq!(harness.state_mut().next_packet().is_some(), has_room, "{size}");
+        let has_space = !harness.state().viewport.size_px.contains(&0);
+        assert_eq!(harness.state_mut().next_packet().is_some(), has_space, "{size}");
     }
     assert!(harness.state().shared.counters.pictures <= pictures + 1);
     harness.set_size(vec2(1280.0, 800.0));

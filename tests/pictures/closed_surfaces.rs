@@ -88,12 +88,12 @@ impl Shape {
         let mut places = Vec::with_capacity(count);
         while places.len() < count {
             let (u, v) = (random.unit(), random.unit());
-            let is_kept = match self {
+            let is_retained = match self {
                 Self::Sphere => true,
                 // The outer side has more area.
                 Self::Torus => random.unit() * (1.0 + TUBE) < 1.0 + TUBE * (v * TAU).cos(),
             };
-            if is_kept {
+            if is_retained {
                 places.push(self.place(u, v));
             }
         }

@@ -600,7 +600,7 @@ proptest! {
         let within_px = 0.97 * outline_px - 1.0;
         // From afar the sphere has fewer than a thousand pixels: then one of them may be an opening.
         let modes = [(Splatting::TwoPassEnlarged, None), (Splatting::Visibility, Some(1000))];
-        for (splatting, pixels_an_opening) in modes {
+        for (splatting, pixels_per_hole) in modes {
             let draw = |background: [u8; 3]| {
                 let style = Style::default().with(|style| {
 style.surfels.splatting = splatting;
@@ -615,7 +615,7 @@ style.backdrop.background = Background::solid(background);
             });
             let is_open: Vec<bool> = within.map(|(x, y, pixel)| pixel != on_white.get_pixel(x, y)).collect();
             let open = is_open.iter().filter(|&&open| open).count();
-            let max_open = pixels_an_opening.map_or(0, |pixels: usize| is_open.len().div_ceil(pixels));
+            let max_open = pixels_per_hole.map_or(0, |pixels: usize| is_open.len().div_ceil(pixels));
             prop_assert!(open <= max_open, "{open} of {} pixels, {splatting}", is_open.len());
         }
     }

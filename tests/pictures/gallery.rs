@@ -54,8 +54,8 @@ fn first_picture(sequence: Sequence) -> Shown {
     let is_trimmed = |p: &Vec3| p.cmpge(trimmed.min).all() && p.cmple(trimmed.max).all();
     let place = |p: &Vec3| in_picture(&camera, sequence.origin() + p.as_dvec3());
     let inside = positions.iter().filter(|p| place(p).is_some()).count();
-    let kept: Vec<&Vec3> = positions.iter().filter(|p| is_trimmed(p)).collect();
-    let places: Vec<[f64; 2]> = kept.iter().filter_map(|p| place(p)).collect();
+    let retained: Vec<&Vec3> = positions.iter().filter(|p| is_trimmed(p)).collect();
+    let places: Vec<[f64; 2]> = retained.iter().filter_map(|p| place(p)).collect();
     let extent = |axis: usize| {
         let values = || places.iter().map(|place| place[axis]);
         values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
@@ -66,7 +66,7 @@ fn first_picture(sequence: Sequence) -> Shown {
     });
     Shown {
         inside: inside as f64 / positions.len() as f64,
-        trimmed_inside: places.len() as f64 / kept.len() as f64,
+        trimmed_inside: places.len() as f64 / retained.len() as f64,
         filled: extent(0).max(extent(1)) / f64::from(SIZE_PX[0].min(SIZE_PX[1])),
         drawn: met.count() as f64 / places.len() as f64,
         look,
@@ -263,10 +263,10 @@ fn closed_shapes_are_culled_and_open_ones_are_not() {
     }
     // Half of a sphere, open to the top.
     let frame = Sequence::of(Shape::Sphere.frame(60_000)).frame(0).unwrap();
-    let kept: Vec<usize> = (0..frame.len())
+    let retained: Vec<usize> = (0..frame.len())
         .filter(|&slot| frame.positions()[slot].y < 0.0)
         .collect();
-    let take = |values: &[Vec3]| kept.iter().map(|&slot| values[slot].to_array()).collect();
+    let take = |values: &[Vec3]| retained.iter().map(|&slot| values[slot].to_array()).collect();
     let mut raw = RawCloud::from_positions(Positions::F32(take(frame.positions())));
     raw.attributes.normals = Some(take(frame.normals().unwrap()));
     let shown = check("shell", of_cloud(raw));

@@ -66,9 +66,9 @@ fn the_option_that_an_assumption_names_is_an_option() {
 fn check_and_info_say_where_options_are() {
     let folder = tempfile::tempdir().unwrap();
     let cloud = cloud(folder.path());
-    let output = |verb: &str| {
+    let output = |subcommand: &str| {
         Command::new(env!("CARGO_BIN_EXE_pointreel"))
-            .args([verb, cloud.to_str().unwrap()])
+            .args([subcommand, cloud.to_str().unwrap()])
             .output()
             .unwrap()
     };

@@ -41,21 +41,21 @@ fn small_sequence() -> tempfile::TempDir {
 #[test]
 fn help_has_headings_and_short_lines() {
     let usual = ["Options:", "Reading:", "Rendering:", "Level of detail:", "View:"];
-    let of_verbs = [
+    let of_subcommands = [
         ("view", usual.to_vec()),
         ("render", [&usual[..], &["Video:", "Other frames:"]].concat()),
     ];
-    for (verb, headings) in of_verbs {
-        let output = pointreel(&[verb, "--help"]);
-        assert!(output.status.success(), "{verb}");
+    for (subcommand, headings) in of_subcommands {
+        let output = pointreel(&[subcommand, "--help"]);
+        assert!(output.status.success(), "{subcommand}");
         let help = String::from_utf8(output.stdout).unwrap();
         let lines: Vec<&str> = help.lines().collect();
         for heading in headings {
             let count = lines.iter().filter(|&&line| line == heading).count();
-            assert_eq!(count, 1, "{verb}: {heading}");
+            assert_eq!(count, 1, "{subcommand}: {heading}");
         }
         for line in lines {
-            assert!(line.chars().count() <= 115, "{verb}: {line}");
+            assert!(line.chars().count() <= 115, "{subcommand}: {line}");
         }
     }
 }
@@ -303,16 +303,16 @@ fn a_hundred_warnings_of_one_kind_are_one_line() {
         fs::write(file, format!("{HEADER}0 0 0 255 0 0\n0 {frame}")).unwrap();
     }
     let out = tempfile::tempdir().unwrap();
-    for verb in [&["info"][..], &["convert"], &["check"]] {
-        let mut arguments = verb.to_vec();
+    for subcommand in [&["info"][..], &["convert"], &["check"]] {
+        let mut arguments = subcommand.to_vec();
         arguments.push(text(folder.path()));
-        if verb == ["convert"] {
+        if subcommand == ["convert"] {
             arguments.push(text(out.path()));
         }
         // What check finds is its answer.
         let said = |arguments: &[&str]| {
             let output = pointreel(arguments);
-            if verb == ["check"] {
+            if subcommand == ["check"] {
                 String::from_utf8_lossy(&output.stdout).into_owned()
             } else {
                 stderr(&output)
@@ -320,14 +320,14 @@ fn a_hundred_warnings_of_one_kind_are_one_line() {
         };
         let one = said(&arguments);
         let lines: Vec<&str> = one.lines().filter(|line| line.contains(".ply, ")).collect();
-        assert_eq!(lines.len(), 1, "{verb:?}: {one}");
+        assert_eq!(lines.len(), 1, "{subcommand:?}: {one}");
         assert!(lines[0].contains("f100.ply, vertex 1: the file ends"), "{one}");
         assert!(lines[0].contains("(and 99 more "), "{one}");
         assert!(lines[0].ends_with("; --verbose lists them)"), "{one}");
         arguments.push("--verbose");
         let all = said(&arguments);
         let lines = all.lines().filter(|line| line.contains(".ply, vertex 1: the"));
-        assert_eq!(lines.count(), 100, "{verb:?}: {all}");
+        assert_eq!(lines.count(), 100, "{subcommand:?}: {all}");
     }
 }
 

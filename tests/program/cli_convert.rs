@@ -289,8 +289,8 @@ fn merging_says_its_price_before_it_is_done() {
     let done = pointreel(&["convert", "torus:5000", text(&every)]);
     assert!(done.status.success());
     assert!(!String::from_utf8_lossy(&done.stderr).contains("merges"));
-    let (kept, written) = points(&every);
-    assert_eq!(kept, written);
+    let (retained, written) = points(&every);
+    assert_eq!(retained, written);
     let done = pointreel(&["convert", "torus:5000", text(&merged), "--merge"]);
     let said = String::from_utf8_lossy(&done.stderr).into_owned();
     let (left, written) = points(&merged);

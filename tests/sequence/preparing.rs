@@ -42,9 +42,9 @@ fn a_part_has_the_points_of_these_slots_and_radii_that_close_their_surface() {
     let counters = PrepareCounters::default();
     let whole = prepare(0, frame_of(complete_sheet(10, 3)), 0.0, &SURFELS, &counters);
     // Every second row: they are two apart.
-    let is_kept = |index: u32| (index / 10).is_multiple_of(2);
+    let is_retained = |index: u32| (index / 10).is_multiple_of(2);
     let of_file = whole.frame.file_index().iter();
-    let slots = (0..).zip(of_file).filter(|&(_, &index)| is_kept(index));
+    let slots = (0..).zip(of_file).filter(|&(_, &index)| is_retained(index));
     let slots: Vec<u32> = slots.map(|(slot, _)| slot).collect();
     let part = prepare_part(&whole, &slots, &SURFELS, &counters).unwrap();
     assert_eq!((part.points.len(), part.frame.points_in_file()), (50, 100));
@@ -55,7 +55,7 @@ fn a_part_has_the_points_of_these_slots_and_radii_that_close_their_surface() {
     };
     let shapes = part.shapes.as_ref().unwrap();
     for (slot, &index) in part.frame.file_index().iter().enumerate() {
-        assert!(is_kept(index));
+        assert!(is_retained(index));
         assert_eq!(part.points[slot], whole.points[slot_of(index)]);
         assert_eq!(oct_decode(shapes[slot].normal), Vec3::Y);
         // The file says 0.5, which would leave gaps between the rows.

@@ -91,12 +91,12 @@ fn the_man_the_demo_was_made_from() {
     let model = Sequence::open(&[model], &options).unwrap();
     let demo = Sequence::demo();
     for index in [0, 13, 23] {
-        let [sampled, kept] = [model.frame(2 * index), demo.frame(index)].map(Result::unwrap);
+        let [sampled, retained] = [model.frame(2 * index), demo.frame(index)].map(Result::unwrap);
         let colors = |frame: &Frame| by_file(frame, frame.colors().unwrap());
-        assert_eq!(colors(&sampled), colors(&kept));
-        let [sampled, kept] = [&sampled, &kept].map(|frame| by_file(frame, frame.positions()));
-        for (sampled, kept) in sampled.iter().zip(kept) {
-            assert!(sampled.distance(kept) < 1e-6, "{sampled} {kept}");
+        assert_eq!(colors(&sampled), colors(&retained));
+        let [sampled, retained] = [&sampled, &retained].map(|frame| by_file(frame, frame.positions()));
+        for (sampled, retained) in sampled.iter().zip(retained) {
+            assert!(sampled.distance(retained) < 1e-6, "{sampled} {retained}");
         }
     }
 }

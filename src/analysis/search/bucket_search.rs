@@ -282,11 +282,11 @@ impl<'a> BucketSearch<'a> {
             return limit;
         }
         let mut limit = 0;
-        let mut kept = vec![false; self.row_count];
+        let mut retained = vec![false; self.row_count];
         for lane in 0..self.count {
             self.put_in_order(lane);
             for candidate in &self.candidates {
-                kept[candidate.row] = true;
+                retained[candidate.row] = true;
             }
             if self.nearest.largest()[lane] == self.bound {
                 let kth = self.candidates.get(self.k - 1);
@@ -294,7 +294,7 @@ impl<'a> BucketSearch<'a> {
             }
         }
         self.row_count = 0;
-        for (row, _) in kept.iter().enumerate().filter(|&(_, &kept)| kept) {
+        for (row, _) in retained.iter().enumerate().filter(|&(_, &retained)| retained) {
             self.rows[self.row_count] = self.rows[row];
             self.slots[self.row_count] = self.slots[row];
             self.row_count += 1;

@@ -22,10 +22,10 @@ fn blocks_give_the_same_bits_as_all_points_at_once() {
     let cube: Vec<Vec3> = (0..1037).map(|_| random.cube()).collect();
     let torus = test_shapes::torus(70_001, 0.4, &mut random).positions;
     // Strays far apart, whose cells reach farther than either limit lets a disk.
-    let mut strays = test_shapes::sphere(40_000, &mut random).positions;
-    strays.extend((0..20).map(|i| Vec3::new(1e3 * i as f32, 1e4, (i * i) as f32)));
+    let mut outliers = test_shapes::sphere(40_000, &mut random).positions;
+    outliers.extend((0..20).map(|i| Vec3::new(1e3 * i as f32, 1e4, (i * i) as f32)));
     let few = [&[][..], &cube[..1], &cube[..3], &cube];
-    for cloud in few.into_iter().chain([&row[..], &equal, &torus, &strays]) {
+    for cloud in few.into_iter().chain([&row[..], &equal, &torus, &outliers]) {
         let whole = estimate_surface(cloud, None);
         let in_blocks = estimate_surface(cloud, Some(Vec3::splat(7.0)));
         assert_eq!(whole.orientation, Orientation::Neighbours);

@@ -16,7 +16,7 @@
 //! radii, because it takes longer than they do and circles are drawn by default.
 
 use super::directions::DIRECTIONS;
-use super::openings::TWICE_COSINE;
+use super::holes::TWICE_COSINE;
 use crate::analysis::search::neighbours::Neighbours;
 use crate::analysis::search::point_tree::{PointTree, SlotPoint};
 use crate::cloud::Ellipse;
@@ -98,7 +98,7 @@ impl Circle {
         let known = 1.0 / reach_squared.sqrt();
         let is_closed = (0..DIRECTIONS).all(|direction| {
             let at = |steps: usize| inverse[(direction + steps) % DIRECTIONS];
-            // As in `openings`, without looking up whether another line closes it.
+            // As in `holes`, without looking up whether another line closes it.
             let first = (at(0) - TWICE_COSINE * at(1) + at(2)).max(0.0);
             let second = (at(1) - TWICE_COSINE * at(2) + at(3)).max(0.0);
             let meeting = first * (at(1) - known) + second * (at(2) - known - first);

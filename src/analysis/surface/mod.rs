@@ -9,12 +9,12 @@ pub(super) mod directions;
 pub(super) mod ellipses;
 pub(super) mod file_surface;
 pub(super) mod four_matrices;
+pub(super) mod holes;
 pub(super) mod normals;
-pub(super) mod openings;
 pub(super) mod orientation;
+pub(super) mod outlier;
 #[cfg(test)]
 pub(super) mod plane_tests;
 pub(super) mod radii;
 pub(super) mod robust_planes;
 pub(super) mod steps;
-pub(super) mod stray;

@@ -11,7 +11,7 @@
 //! Where the cell is open (the edge of a surface, a line of points) it has no farthest place; there, only corners
 //! between two neighbours count, and the lines midway to neighbours. An opening may be narrower than the directions are
 //! apart: the cell of a point in a row is a strip between two parallel lines. So between two directions the lines that
-//! end the cell on both sides are continued to where they meet ([`super::openings`]).
+//! end the cell on both sides are continued to where they meet ([`super::holes`]).
 //!
 //! Outliers would get disks that hide the scene: a radius is at most a few times the harmonic mean of its neighbours'
 //! radii, which are small for an outlier near a dense surface but grow along in regions that are sparse throughout; and
@@ -21,7 +21,7 @@
 //! too large for all others.
 
 use super::directions::{DIRECTIONS, QUARTER, quarter_circle};
-use super::openings;
+use super::holes;
 use crate::analysis::search::lanes::axes;
 use crate::analysis::search::neighbours::Neighbours;
 use crate::analysis::search::point_tree::{LANES, LaneRow, PointTree, SlotPoint};
@@ -217,7 +217,7 @@ impl VoronoiCells<'_> {
         let known = f32x8::splat(simd, 1.0) / reach_squared.sqrt();
         let (mut smallest, may_open) = smallest_extreme(simd, &inverse, known);
         if may_open.any_true() {
-            openings::set_open(&self.directions, lines, known.into(), &mut inverse);
+            holes::set_open(&self.directions, lines, known.into(), &mut inverse);
             (smallest, _) = smallest_extreme(simd, &inverse, known);
         }
         (f32x8::splat(simd, 1.0) / smallest.max(known)).into()
@@ -230,7 +230,7 @@ fn smallest_extreme<S: Simd>(simd: S, inverse: &[LaneRow; DIRECTIONS], known: f3
     let zero = f32x8::splat(simd, 0.0);
     let nowhere = f32x8::splat(simd, f32::INFINITY);
     let open = known * OPEN_ALONG;
-    let open_between = known * openings::OPEN_BETWEEN;
+    let open_between = known * holes::OPEN_BETWEEN;
     let mut smallest = nowhere;
     let mut min_meeting = nowhere;
     let mut before = f32x8::from_slice(simd, &inverse[DIRECTIONS - 1]);
@@ -242,8 +242,8 @@ fn smallest_extreme<S: Simd>(simd: S, inverse: &[LaneRow; DIRECTIONS], known: f3
         let counts = simd.select_f32x8(turns.simd_ge(zero), here, nowhere);
         let counts = simd.select_f32x8(here.simd_ge(open), counts, nowhere);
         smallest = smallest.min(counts);
-        // See `openings`; rounding makes surpluses negative.
-        let surplus = (before - here * openings::TWICE_COSINE + after).max(zero);
+        // See `holes`; rounding makes surpluses negative.
+        let surplus = (before - here * holes::TWICE_COSINE + after).max(zero);
         let meeting = surplus_before * (before - open_between) + surplus * (here - open_between - surplus_before);
         let is_between = before.min(here).simd_ge(open);
         let meeting = simd.select_f32x8(is_between, meeting, nowhere);

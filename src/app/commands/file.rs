@@ -49,7 +49,7 @@ pub(super) const ROWS: &[Row] = &[
     .what("Open an example: animated model")
     .also(&["sample data", "mesh"]),
     Row::new(Command::SAVE_PRESET, "Save settings…", |state| {
-        state.kept.preset_name = Some(String::new());
+        state.stored.preset_name = Some(String::new());
     })
     .what("Save settings as a preset…")
     .also(&["store look", "new preset"])

@@ -158,7 +158,7 @@ pub(super) const ROWS: &[Row] = &[
     }),
     Row::taking(Command::new("set"), "Change a setting", "NAME VALUE", set),
     Row::taking(Command::PRESET, "Take a preset", "NAME", preset).offers(|state, _| {
-        let presets = state.kept.presets.list().iter();
+        let presets = state.stored.presets.list().iter();
         let offer = |name: &String| Offer::new(format!("Preset: {name}"), name.clone()).also(PRESET_WORDS);
         presets.map(|preset| offer(&preset.name)).collect()
     }),
@@ -178,7 +178,7 @@ pub(super) const ROWS: &[Row] = &[
         presets.map(|(name, hint, _)| offer(name, hint)).collect()
     }),
     Row::taking(Command::DELETE_PRESET, "Delete a preset", "NAME", |state, name| {
-        state.kept.presets.delete(name)
+        state.stored.presets.delete(name)
     }),
     Row::taking(
         Command::new("picture"),
@@ -234,7 +234,7 @@ fn speed_of(speed: f64) -> Offer {
 
 /// Offers of what was opened recently: single files and folders.
 fn recent(state: &State, text: &str, also: &'static [&'static str]) -> Vec<Offer> {
-    let single = state.kept.recent.entries().iter().filter(|inputs| inputs.len() == 1);
+    let single = state.stored.recent.entries().iter().filter(|inputs| inputs.len() == 1);
     let offer = |inputs: &Vec<PathBuf>| {
         let value = inputs.first()?.to_str()?.to_owned();
         Some(Offer::new(format!("{text}: {}", entry_name(inputs)), value).also(also))
@@ -265,7 +265,7 @@ fn set(state: &mut State, text: &str) -> Result<(), String> {
 /// Draws as a preset of this name says.
 fn preset(state: &mut State, name: &str) -> Result<(), String> {
     let is_name = |other: &str| other.eq_ignore_ascii_case(name);
-    if let Some(preset) = state.kept.presets.list().iter().find(|preset| is_name(&preset.name)) {
+    if let Some(preset) = state.stored.presets.list().iter().find(|preset| is_name(&preset.name)) {
         state.style = preset.settings;
         return Ok(());
     }

@@ -66,8 +66,8 @@ pub(super) fn replace(
         flatten(shape, &mut leaves);
     }
     let old = std::mem::take(entries);
-    let kept = matches(&old, &leaves);
-    let new = leaves.iter().zip(&kept).filter(|(_, kept)| kept.is_none());
+    let retained = matches(&old, &leaves);
+    let new = leaves.iter().zip(&retained).filter(|(_, retained)| retained.is_none());
     let mut meshes = tessellated(new.map(|(shape, _)| shape.clone()).collect(), ctx, screen);
     let mut old = old.into_iter().enumerate();
     let mut changed = |entry: &TessellatedShape| {
@@ -76,8 +76,8 @@ pub(super) fn replace(
         }
     };
     entries.reserve(leaves.len());
-    for (shape, kept) in leaves.into_iter().zip(kept) {
-        let Some(kept) = kept else {
+    for (shape, retained) in leaves.into_iter().zip(retained) {
+        let Some(retained) = retained else {
             let parts = meshes.next().unwrap_or_default().into_iter();
             let parts = parts.map(|mesh| TessellatedMesh {
                 texture_version: textures.version(mesh.texture),
@@ -91,7 +91,7 @@ pub(super) fn replace(
         };
         // What stood before the next that is kept is not shown any more.
         for (index, entry) in old.by_ref() {
-            if index == kept {
+            if index == retained {
                 entries.push(entry);
                 break;
             }
@@ -136,18 +136,18 @@ fn matches(old: &[TessellatedShape], new: &[ClippedShape]) -> Vec<Option<usize>>
     let (old_rest, new_rest) = (&old[before..], &new[before..]);
     let after = old_rest.iter().rev().zip(new_rest.iter().rev());
     let after = after.take_while(is_same).count();
-    let mut kept: Vec<Option<usize>> = (0..before).map(Some).collect();
-    kept.reserve(new_rest.len());
+    let mut retained: Vec<Option<usize>> = (0..before).map(Some).collect();
+    retained.reserve(new_rest.len());
     let old_end = old.len() - after;
     let mut next = before;
     for shape in &new_rest[..new_rest.len() - after] {
         let end = old_end.min(next + LOOK_AHEAD);
         let found = (next..end).find(|&index| are_same(&old[index].shape, shape));
         next = found.map_or(next, |index| index + 1);
-        kept.push(found);
+        retained.push(found);
     }
-    kept.extend((old_end..old.len()).map(Some));
-    kept
+    retained.extend((old_end..old.len()).map(Some));
+    retained
 }
 
 /// Returns true if both are painted alike.

@@ -3,7 +3,7 @@
 use crate::app::widgets::tool_window::tool_window;
 use crate::app::work::files::picture_folder;
 use crate::app::{PanelId, State};
-use crate::kept;
+use crate::persist;
 use crate::source::Example;
 use egui::{Align2, Grid, Label, RichText, Ui};
 use std::fmt::Write as _;
@@ -69,7 +69,7 @@ fn rows(state: &State) -> Vec<(&'static str, String)> {
         "the GPU"
     };
     let processors = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let settings = kept::place_of("settings.json").map_or_else(
+    let settings = persist::place_of("settings.json").map_or_else(
         || "nowhere: the system names no folder".to_owned(),
         |file| file.display().to_string(),
     );

@@ -35,11 +35,11 @@ pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
         LegendBody::Ramp { ticks, .. } => ticks.iter().map(|(_, tick)| text(tick, TEXT_SIZE)).collect(),
         LegendBody::Classes(classes) => classes.iter().map(|(_, name)| text(name, TEXT_SIZE)).collect(),
     };
-    let room = (rect.height() - AROUND).max(MIN_HEIGHT);
+    let space = (rect.height() - AROUND).max(MIN_HEIGHT);
     let (height, step) = match &legend.body {
-        LegendBody::Ramp { .. } => (RAMP.y.min(room), 0.0),
+        LegendBody::Ramp { .. } => (RAMP.y.min(space), 0.0),
         LegendBody::Classes(classes) => {
-            let step = ROW_HEIGHT.min(room / classes.len().max(1) as f32);
+            let step = ROW_HEIGHT.min(space / classes.len().max(1) as f32);
             (step * classes.len() as f32, step)
         }
     };

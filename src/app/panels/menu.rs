@@ -160,14 +160,14 @@ fn topic_menu(ui: &mut Ui, state: &mut State, side: Side) {
 }
 
 fn recent_menu(ui: &mut Ui, state: &mut State) {
-    if state.kept.recent.entries().is_empty() {
+    if state.stored.recent.entries().is_empty() {
         ui.weak("Nothing yet");
         return;
     }
     let chosen = recent_items(ui, state);
     ui.separator();
     if ui.button("Clear list").clicked() {
-        if let Err(problem) = state.kept.recent.clear() {
+        if let Err(problem) = state.stored.recent.clear() {
             state.notices.warn(problem);
         }
         ui.close();
@@ -180,7 +180,7 @@ fn recent_menu(ui: &mut Ui, state: &mut State) {
 /// Lists recently opened items; returns the chosen ones.
 fn recent_items(ui: &mut Ui, state: &State) -> Option<Vec<PathBuf>> {
     let mut chosen = None;
-    for inputs in state.kept.recent.entries() {
+    for inputs in state.stored.recent.entries() {
         if ui.button(entry_name(inputs)).clicked() {
             chosen = Some(inputs.clone());
             ui.close();

@@ -22,7 +22,7 @@ mod welcome;
 
 use super::{PanelId, State};
 use crate::app::panel_row::{Dock, PanelRow};
-use crate::app::widgets::tool_window::{note_room, room, tool_window};
+use crate::app::widgets::tool_window::{note_free_rect, space, tool_window};
 use egui::{CentralPanel, Context, Frame, Margin, Panel, ScrollArea, ThemePreference, Ui};
 use menu::menu_ui;
 pub(in crate::app) use settings::own_rows;
@@ -41,7 +41,7 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     for row in panels() {
         bar_ui(ui, state, row);
     }
-    let is_settled = note_room(ui.ctx(), ui.available_rect_before_wrap());
+    let is_settled = note_free_rect(ui.ctx(), ui.available_rect_before_wrap());
     for row in panels() {
         side_ui(ui, state, row);
     }
@@ -93,12 +93,12 @@ fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow<State>) {
 
 /// The panel of a row in a window of its own, which can be closed to see the picture.
 fn floating_ui(ui: &mut Ui, state: &mut State, row: &PanelRow<State>, id: PanelId) {
-    let room = room(ui.ctx());
+    let space = space(ui.ctx());
     let mut is_open = true;
     tool_window(ui.ctx(), id.name(), row.menu.unwrap_or(id.name()))
         .open(&mut is_open)
         .scroll(false)
-        .default_rect(room.shrink(8.0))
+        .default_rect(space.shrink(8.0))
         .show(ui, |ui| {
             let height = ui.available_height();
             ScrollArea::both()

@@ -18,7 +18,7 @@ pub(super) fn presets_menu(ui: &mut Ui, state: &mut State) {
         }
     }
     ui.separator();
-    let presets = state.kept.presets.list().to_vec();
+    let presets = state.stored.presets.list().to_vec();
     for preset in &presets {
         let is_present = state.style == preset.settings;
         let button = ui.add(Button::selectable(is_present, preset.name.as_str()));
@@ -43,7 +43,7 @@ pub(super) fn presets_menu(ui: &mut Ui, state: &mut State) {
 
 /// Asks for the name of a new preset: Enter keeps it, Esc or a click elsewhere leaves it.
 pub(super) fn preset_name_ui(ui: &mut Ui, state: &mut State) {
-    let Some(name) = &mut state.kept.preset_name else {
+    let Some(name) = &mut state.stored.preset_name else {
         return;
     };
     let mut has_lost_focus = false;
@@ -67,8 +67,8 @@ pub(super) fn preset_name_ui(ui: &mut Ui, state: &mut State) {
         return;
     }
     let is_wanted = ui.input(|input| input.key_pressed(Key::Enter));
-    if let Some(name) = state.kept.preset_name.take().filter(|_| is_wanted)
-        && let Err(problem) = state.kept.presets.save(&name, state.style)
+    if let Some(name) = state.stored.preset_name.take().filter(|_| is_wanted)
+        && let Err(problem) = state.stored.presets.save(&name, state.style)
     {
         state.notices.warn(problem);
     }

@@ -80,9 +80,9 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
     let mut request = None;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         // A slider that is as wide as usual would widen the panel, which stays as wide as it ever was.
-        let room = ui.available_width() - BESIDE_SLIDERS;
+        let space = ui.available_width() - BESIDE_SLIDERS;
         let spacing = ui.spacing_mut();
-        spacing.slider_width = room.clamp(MIN_SLIDER_WIDTH, spacing.slider_width);
+        spacing.slider_width = space.clamp(MIN_SLIDER_WIDTH, spacing.slider_width);
         request = look(ui, state, &drawn);
         part(ui, "Camera");
         rows(ui, "camera", |ui| {

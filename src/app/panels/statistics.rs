@@ -72,8 +72,8 @@ fn live_stream(ui: &mut Ui, live: &dyn Live, shown: Option<usize>) {
             lost,
             "Frames that the server dropped for newer ones, or did not make in time",
         );
-        let kept = format!("{:.1} s, {}", status.kept_s, bytes(status.kept_bytes as u64));
-        row(ui, "Kept", kept, "Length of the rewind buffer; set by --live-seconds");
+        let stored = format!("{:.1} s, {}", status.buffered_s, bytes(status.buffered_bytes as u64));
+        row(ui, "Kept", stored, "Length of the rewind buffer; set by --live-seconds");
         if let Some(recording) = &status.recording {
             let recorded = format!("{} frames, {}", grouped(recording.frames), bytes(recording.bytes));
             row(ui, "Recording", recorded, &recording.path.display().to_string());

@@ -117,15 +117,15 @@ fn choices_ui(ui: &mut Ui, choices: &[OpeningChoice]) -> Option<PathBuf> {
 
 /// Shows recently opened inputs, each with an image where there is one.
 fn recent_ui(ui: &mut Ui, state: &mut State) {
-    if state.kept.recent.entries().is_empty() {
+    if state.stored.recent.entries().is_empty() {
         return;
     }
     ui.add_space(12.0);
     ui.label(RichText::new("Recent").strong());
     let mut chosen = None;
     ui.horizontal_wrapped(|ui| {
-        for inputs in state.kept.recent.entries() {
-            let file = state.kept.recent.picture_of(inputs);
+        for inputs in state.stored.recent.entries() {
+            let file = state.stored.recent.picture_of(inputs);
             let picture = file.and_then(|file| texture(ui, ("recent", &file), || image::open(&file)));
             let name = entry_name(inputs);
             let short = inputs.first().and_then(|path| path.file_name());

@@ -3,14 +3,14 @@
 //! **How it works.** [`Preferences`] are the part of the window's state that outlives it. The file holds them by the
 //! words of the command line, and outlives versions of this program: what it does not have, or has in a form that
 //! cannot be read, is as by default; of a number that is not offered the nearest is taken; what is not known is kept as
-//! it is. Where something could not be read, a copy is made before the file is rewritten (`kept/lenient.rs`). It is
+//! it is. Where something could not be read, a copy is made before the file is rewritten (`stored/lenient.rs`). It is
 //! written a short time after something was changed, so that a program that is killed has lost nothing, and never by a
 //! run in which nothing was changed. Several windows share the file: each writes what was changed in it alone
-//! (`kept/update.rs`).
+//! (`stored/update.rs`).
 
 use super::open_panels::RememberedPanels;
 use super::present_choice::PresentChoice;
-use crate::kept::{self, Fields};
+use crate::persist::{self, Fields};
 use crate::scene::Settings;
 use crate::timeline::{LoopMode, MAX_SPEED, MIN_SPEED};
 use egui::ThemePreference;
@@ -122,8 +122,8 @@ impl Preferences {
 
     /// Reads the fields of a file.
     fn of(stored: &Fields, unread: &mut Vec<String>) -> Self {
-        kept::note_later_version(stored, VERSION, unread);
-        kept::fields::<Self>(stored, unread).offered()
+        persist::note_later_version(stored, VERSION, unread);
+        persist::fields::<Self>(stored, unread).offered()
     }
 }
 
@@ -141,12 +141,12 @@ pub struct PreferencesFile {
 impl PreferencesFile {
     /// This person's file, and what is in it.
     pub fn load() -> (Self, Preferences) {
-        kept::place_of("settings.json").map_or_else(Default::default, |file| Self::load_from(&file))
+        persist::place_of("settings.json").map_or_else(Default::default, |file| Self::load_from(&file))
     }
 
     /// Loads the preferences in `file`, which need not exist yet.
     pub fn load_from(file: &Path) -> (Self, Preferences) {
-        let read = kept::read_leniently(file, WHAT, Preferences::of);
+        let read = persist::read_leniently(file, WHAT, Preferences::of);
         let preferences = read.value;
         let this = Self {
             file: read.file,
@@ -193,10 +193,10 @@ impl PreferencesFile {
         let now = preferences.to_fields();
         // Also after a failure: it would be the same each second.
         let before = self.settled.replace(preferences).map(Preferences::to_fields);
-        let written = kept::update(file, WHAT, |stored, unread| {
-            kept::note_later_version(stored, VERSION, unread);
-            kept::retain_readable::<Preferences>(stored, unread);
-            kept::merge(stored, &before.unwrap_or_default(), &now);
+        let written = persist::update(file, WHAT, |stored, unread| {
+            persist::note_later_version(stored, VERSION, unread);
+            persist::retain_readable::<Preferences>(stored, unread);
+            persist::merge(stored, &before.unwrap_or_default(), &now);
             stored.insert("version".to_owned(), VERSION.into());
         });
         if let Err(reason) = written {

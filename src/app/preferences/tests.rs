@@ -174,10 +174,10 @@ fn at(seconds: u64) -> Duration {
 
 /// Begins with `first`, is told of `then` and written.
 fn write(file: &Path, first: Preferences, then: Preferences) {
-    let (mut kept, _) = PreferencesFile::load_from(file);
-    kept.note(first, at(0));
-    kept.note(then, at(1));
-    kept.write();
+    let (mut stored, _) = PreferencesFile::load_from(file);
+    stored.note(first, at(0));
+    stored.note(then, at(1));
+    stored.write();
 }
 
 #[test]
@@ -364,9 +364,9 @@ fn what_cannot_be_read_is_copied_before_it_is_written_over() {
     let copies = ["settings.json.unreadable", "settings.json.unreadable-2"];
     for (damaged, copy) in ["[]", half].into_iter().zip(copies) {
         fs::write(&file, damaged).unwrap();
-        let (kept, preferences) = PreferencesFile::load_from(&file);
+        let (stored, preferences) = PreferencesFile::load_from(&file);
         assert_eq!(preferences, Preferences::default(), "{damaged}");
-        assert!(kept.problem().unwrap().contains(copy));
+        assert!(stored.problem().unwrap().contains(copy));
         write(&file, preferences, unusual());
         assert_eq!(PreferencesFile::load_from(&file).1, unusual());
         assert_eq!(fs::read_to_string(folder.path().join(copy)).unwrap(), damaged);
@@ -379,8 +379,8 @@ fn what_a_later_program_added_is_still_there_when_it_comes_back() {
     let file = folder.path().join("settings.json");
     let later = OF_VERSION_6.replacen('{', "{\"of later\": {\"a\": [1, 2.5]},", 1);
     fs::write(&file, later).unwrap();
-    let (kept, preferences) = PreferencesFile::load_from(&file);
-    assert_eq!(kept.problem(), None);
+    let (stored, preferences) = PreferencesFile::load_from(&file);
+    assert_eq!(stored.problem(), None);
     write(&file, preferences, unusual());
     assert_eq!(PreferencesFile::load_from(&file).1, unusual());
     let written: Fields = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
@@ -393,8 +393,8 @@ fn two_windows_undo_nothing_of_each_other() {
     let file = folder.path().join("settings.json");
     fs::write(&file, r#"{"version": 6, "speed": 2.0, "of later": 1}"#).unwrap();
     let mut windows = [(); 2].map(|()| PreferencesFile::load_from(&file));
-    for (kept, begun) in &mut windows {
-        kept.note(*begun, at(0));
+    for (stored, begun) in &mut windows {
+        stored.note(*begun, at(0));
     }
     let [(mut first, mut in_first), (mut second, mut in_second)] = windows;
     in_first.settings.levels.stop = StopCriterion::Loss(0.25);
@@ -422,12 +422,12 @@ fn two_windows_undo_nothing_of_each_other() {
 fn a_file_that_was_broken_meanwhile_is_copied_before_it_is_written_over() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("settings.json");
-    let (mut kept, begun) = PreferencesFile::load_from(&file);
-    kept.note(begun, at(0));
+    let (mut stored, begun) = PreferencesFile::load_from(&file);
+    stored.note(begun, at(0));
     let later = r#"{"version": 99, "speed": "of later"}"#;
     fs::write(&file, later).unwrap();
-    kept.note(unusual(), at(1));
-    kept.write();
+    stored.note(unusual(), at(1));
+    stored.write();
     assert_eq!(PreferencesFile::load_from(&file).1, unusual());
     let copy = folder.path().join("settings.json.unreadable");
     assert_eq!(fs::read_to_string(copy).unwrap(), later);
@@ -437,41 +437,41 @@ fn a_file_that_was_broken_meanwhile_is_copied_before_it_is_written_over() {
 fn a_change_is_written_once_it_has_settled() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("settings.json");
-    let (mut kept, begun) = PreferencesFile::load_from(&file);
-    kept.note(begun, at(0));
-    assert_eq!(kept.next_deadline(), None);
-    kept.write();
+    let (mut stored, begun) = PreferencesFile::load_from(&file);
+    stored.note(begun, at(0));
+    assert_eq!(stored.next_deadline(), None);
+    stored.write();
     assert!(!file.exists(), "nothing was changed");
 
     let mut dragged = begun;
     for (seconds, delta) in [(10, 0.1), (11, 0.2), (12, 0.3)] {
         dragged.settings.levels.stop = StopCriterion::Loss(delta);
-        kept.note(dragged, at(seconds));
-        assert_eq!(kept.next_deadline(), Some(at(seconds) + WRITE_DELAY));
+        stored.note(dragged, at(seconds));
+        assert_eq!(stored.next_deadline(), Some(at(seconds) + WRITE_DELAY));
     }
-    kept.note(dragged, at(13));
-    assert_eq!(kept.next_deadline(), Some(at(12) + WRITE_DELAY), "unchanged since");
-    kept.write_if_due(at(12));
+    stored.note(dragged, at(13));
+    assert_eq!(stored.next_deadline(), Some(at(12) + WRITE_DELAY), "unchanged since");
+    stored.write_if_due(at(12));
     assert!(!file.exists(), "too early");
-    kept.write_if_due(at(13));
+    stored.write_if_due(at(13));
     assert_eq!(PreferencesFile::load_from(&file).1, dragged);
-    assert_eq!(kept.next_deadline(), None);
+    assert_eq!(stored.next_deadline(), None);
 
     // There and back again is no change.
-    kept.note(unusual(), at(20));
-    kept.note(dragged, at(20));
-    assert_eq!(kept.next_deadline(), None);
+    stored.note(unusual(), at(20));
+    stored.note(dragged, at(20));
+    assert_eq!(stored.next_deadline(), None);
 }
 
 #[test]
 fn what_cannot_be_written_is_tried_once() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("file"), "").unwrap();
-    let (mut kept, begun) = PreferencesFile::load_from(&folder.path().join("file/settings.json"));
-    kept.note(begun, at(0));
-    kept.note(unusual(), at(1));
-    kept.write_if_due(at(9));
-    assert_eq!(kept.next_deadline(), None);
+    let (mut stored, begun) = PreferencesFile::load_from(&folder.path().join("file/settings.json"));
+    stored.note(begun, at(0));
+    stored.note(unusual(), at(1));
+    stored.write_if_due(at(9));
+    assert_eq!(stored.next_deadline(), None);
     // Without a file nothing is ever due.
     let mut nowhere = PreferencesFile::default();
     nowhere.note(begun, at(0));

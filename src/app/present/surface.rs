@@ -253,18 +253,18 @@ mod tests {
     #[test]
     fn every_answer_has_its_consequence() {
         use Answer::{Image, Lost, NotNow, Outdated};
-        let (fit, anew) = ("reconfigure [640, 480]", "recreate [640, 480]");
+        let (fit, fresh) = ("reconfigure [640, 480]", "recreate [640, 480]");
         let cases = [
             (vec![Image("a")], Some("a"), vec!["next"]),
             (vec![NotNow], None, vec!["next"]),
             (vec![Outdated, Image("a")], Some("a"), vec!["next", fit, "next"]),
-            (vec![Lost, Image("a")], Some("a"), vec!["next", anew, "next"]),
+            (vec![Lost, Image("a")], Some("a"), vec!["next", fresh, "next"]),
             (vec![Outdated, NotNow], None, vec!["next", fit, "next"]),
             // Made anew while the window changes its size.
-            (vec![Lost, Outdated], None, vec!["next", anew, "next", fit]),
+            (vec![Lost, Outdated], None, vec!["next", fresh, "next", fit]),
             // Repairs that do not help come to an end.
             (vec![Outdated, Outdated], None, vec!["next", fit, "next", fit]),
-            (vec![Lost, Lost], None, vec!["next", anew, "next", anew]),
+            (vec![Lost, Lost], None, vec!["next", fresh, "next", fresh]),
         ];
         for (answers, image, done) in cases {
             let mut target = Scripted::new(&answers);

@@ -2,12 +2,12 @@
 //!
 //! **How it works.** Each preset is read by itself, and each of its values: one that is not there or not known is as by
 //! default, of a number that is not offered the nearest is taken. So presets outlive versions of this program; a file
-//! of which something could not be read is copied before it is written (`kept/lenient.rs`). Several windows share it:
-//! one that saves or deletes a preset changes that one alone, in the file as it is then (`kept/update.rs`).
+//! of which something could not be read is copied before it is written (`stored/lenient.rs`). Several windows share it:
+//! one that saves or deletes a preset changes that one alone, in the file as it is then (`stored/update.rs`).
 
-use crate::kept::{self, Fields};
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
+use crate::persist::{self, Fields};
 use crate::scene::{Primitive, Settings, VoxelLight};
 use serde::Serialize;
 use serde_json::Value;
@@ -90,12 +90,12 @@ pub(super) fn built_in() -> [(&'static str, &'static str, Settings); 4] {
 impl Presets {
     /// Loads the current user's presets.
     pub fn load() -> Self {
-        kept::place_of("presets.json").map_or_else(Self::default, |file| Self::load_from(&file))
+        persist::place_of("presets.json").map_or_else(Self::default, |file| Self::load_from(&file))
     }
 
     /// Those in `file`, which need not be there yet.
     pub fn load_from(file: &Path) -> Self {
-        let read = kept::read_leniently(file, WHAT, presets_of);
+        let read = persist::read_leniently(file, WHAT, presets_of);
         Self {
             list: read.value,
             file: read.file,
@@ -146,9 +146,9 @@ impl Presets {
             list.sort_by(|a, b| a.name.cmp(&b.name));
             return Ok(());
         };
-        let written = kept::update(file, WHAT, |stored, unread| {
-            kept::note_later_version(stored, VERSION, unread);
-            let mut entries = kept::readable_entries(stored, LIST, unread, is_readable);
+        let written = persist::update(file, WHAT, |stored, unread| {
+            persist::note_later_version(stored, VERSION, unread);
+            let mut entries = persist::readable_entries(stored, LIST, unread, is_readable);
             entries.retain(|entry| name_of(entry) != name);
             entries.extend(value);
             entries.sort_by_key(name_of);
@@ -181,9 +181,9 @@ fn is_readable(entry: &Value) -> bool {
 
 /// The presets in the object of a file, by name.
 fn presets_of(stored: &Fields, unread: &mut Vec<String>) -> Vec<Preset> {
-    kept::note_later_version(stored, VERSION, unread);
+    persist::note_later_version(stored, VERSION, unread);
     let mut presets: Vec<Preset> = Vec::new();
-    for entry in kept::entries(stored, LIST, unread) {
+    for entry in persist::entries(stored, LIST, unread) {
         let name = name_of(entry);
         let Value::Object(settings) = &entry["settings"] else {
             unread.push(format!("the preset `{name}` has no settings"));
@@ -194,7 +194,7 @@ fn presets_of(stored: &Fields, unread: &mut Vec<String>) -> Vec<Preset> {
             continue;
         }
         let mut unread_here = Vec::new();
-        let settings = kept::fields::<Settings>(settings, &mut unread_here).nearest();
+        let settings = persist::fields::<Settings>(settings, &mut unread_here).nearest();
         unread.extend(unread_here.iter().map(|reason| format!("`{name}`: {reason}")));
         match presets.binary_search_by(|preset| preset.name.cmp(&name)) {
             Ok(_) => unread.push(format!("`{name}` is there twice")),

@@ -24,7 +24,7 @@ impl State {
     pub(in crate::app) fn escape(&mut self) {
         // The key has taken the keyboard from their fields already, so they do not see it. One thing at a time.
         let has_closed = Features::rows::<Self>().iter().any(|feature| feature.escape(self))
-            || self.kept.preset_name.take().is_some()
+            || self.stored.preset_name.take().is_some()
             || self.panels.close_topmost()
             || self.features.inspection.escape();
         if !has_closed && self.appearance.full_screen {

@@ -26,7 +26,7 @@ pub(super) struct Found {
     pub(super) document: Document,
     keeper: Keeper,
     /// Kept parts of the document, for a notice.
-    kept: Vec<String>,
+    stored: Vec<String>,
     problem: Option<String>,
 }
 
@@ -44,7 +44,7 @@ impl State {
         if std::mem::take(&mut self.shared.options.is_fresh) {
             read.document = None;
         }
-        let kept = read
+        let stored = read
             .document
             .as_ref()
             .map(|document| document.summary(&undrawn(new.clone())));
@@ -75,7 +75,7 @@ impl State {
                 given: (chosen != before).then_some(MeasuredWay { before, chosen }),
                 ..Keeper::default()
             },
-            kept: kept.unwrap_or_default(),
+            stored: stored.unwrap_or_default(),
             problem: read.problem,
         }
     }
@@ -88,20 +88,20 @@ impl State {
         if let Some(problem) = found.problem {
             self.notices.warn(problem);
         }
-        if !found.kept.is_empty() {
-            let kept = found.kept.join(", ");
+        if !found.stored.is_empty() {
+            let stored = found.stored.join(", ");
             self.notices.info(format!(
-                "As you left it: {kept}. Edit, Begin again from defaults opens it as new"
+                "As you left it: {stored}. Edit, Begin again from defaults opens it as new"
             ));
         }
     }
 
     /// The document as it is kept: without what the command line has changed, and without who draws.
-    pub(super) fn kept_document(&self) -> Document {
-        self.as_kept(self.current_document())
+    pub(super) fn stored_document(&self) -> Document {
+        self.as_stored(self.current_document())
     }
 
-    fn as_kept(&self, mut document: Document) -> Document {
+    fn as_stored(&self, mut document: Document) -> Document {
         if let Some(way) = self.opening.keeper.given {
             document.settings = way.undone(document.settings);
             if document.clip == way.chosen.clip {
@@ -118,7 +118,7 @@ impl State {
 
     /// Takes notice that the document is as it begins.
     pub(super) fn note_begun(&mut self) {
-        let now = self.kept_document();
+        let now = self.stored_document();
         self.opening.keeper.begun = now.clone();
         self.note_saved(now);
     }
@@ -146,10 +146,10 @@ impl State {
                 seen.view = now.view;
             }
             _ => {
-                let kept = self.as_kept(now.clone());
+                let stored = self.as_stored(now.clone());
                 let keeper = &mut self.opening.keeper;
-                keeper.is_unsaved = !kept.is_same_work(&keeper.saved);
-                keeper.is_other_work = !kept.is_same_work(&keeper.begun);
+                keeper.is_unsaved = !stored.is_same_work(&keeper.saved);
+                keeper.is_other_work = !stored.is_same_work(&keeper.begun);
                 keeper.seen = Some(self.document.clone());
             }
         }
@@ -164,13 +164,13 @@ impl State {
     }
 
     /// Returns true if the user's work is saved automatically.
-    pub(in crate::app) fn is_kept(&self) -> bool {
+    pub(in crate::app) fn is_persisted(&self) -> bool {
         self.opening.keeper.file.is_some() || self.opening.keeper.unsaved.is_some()
     }
 
     /// When [`State::keep_if_due`] has something to do.
     pub(in crate::app) fn keeping_deadline(&self) -> Option<Duration> {
-        let changed = self.opening.keeper.changed.filter(|_| self.is_kept())?;
+        let changed = self.opening.keeper.changed.filter(|_| self.is_persisted())?;
         Some(changed + WRITE_DELAY)
     }
 
@@ -183,15 +183,15 @@ impl State {
 
     /// Keeps the document, if it was changed and may be kept.
     pub(in crate::app) fn keep_document(&mut self) {
-        if !self.is_kept() || self.player.is_none() {
+        if !self.is_persisted() || self.player.is_none() {
             return;
         }
-        let now = self.kept_document();
-        if now.is_kept_same(&self.opening.keeper.begun) {
+        let now = self.stored_document();
+        if now.is_stored_same(&self.opening.keeper.begun) {
             return;
         }
-        for kept in [self.keep_of_sequence(&now), self.keep_of_session(&now)] {
-            if let Err(problem) = kept {
+        for stored in [self.keep_of_sequence(&now), self.keep_of_session(&now)] {
+            if let Err(problem) = stored {
                 self.notices.warn(problem);
             }
         }
@@ -259,15 +259,15 @@ impl State {
     /// New documents begin with the look of the open one.
     pub(in crate::app) fn use_as_defaults(&mut self) {
         let style = self.style_of_a();
-        let kept = self.opening.keeper.given.map_or(style, |way| way.undone(style));
-        self.shared.options.preferences.settings = Settings { clip: None, ..kept };
+        let stored = self.opening.keeper.given.map_or(style, |way| way.undone(style));
+        self.shared.options.preferences.settings = Settings { clip: None, ..stored };
         self.opening.keeper.new = undrawn(self.new_document());
         self.notices
             .info("New files begin with this look; those that were opened before keep theirs");
     }
 
     /// Reopens the sequence of the document with `open`, which continues with the document and its undo history.
-    pub(in crate::app) fn with_document_kept(&mut self, open: impl FnOnce(&mut Self)) {
+    pub(in crate::app) fn with_document_stored(&mut self, open: impl FnOnce(&mut Self)) {
         let keeper = std::mem::take(&mut self.opening.keeper);
         let history = std::mem::take(&mut self.history);
         open(self);

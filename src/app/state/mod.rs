@@ -11,7 +11,6 @@ mod first_look;
 mod intake;
 mod keeper;
 mod keeping;
-mod kept;
 mod live;
 mod main_picture;
 mod measured_way;
@@ -27,11 +26,11 @@ mod proven;
 mod reading;
 mod session;
 mod shared;
+mod stored;
 
 pub(in crate::app) use dialogs::Dialog;
 pub use failed_opening::FailedOpening;
 pub(in crate::app) use files::folder_of;
-pub use kept::Kept;
 pub(in crate::app) use measured_way::MeasuredWay;
 pub use opened::{SavedSession, SessionQuestion};
 pub use opening_facts::OpeningFacts;
@@ -41,6 +40,7 @@ pub(in crate::app) use outcome::NotFound;
 pub use parts::{Counters, GraphicsInfo, Viewport, VisibleChange, WindowRequest};
 pub(in crate::app) use reading::PictureStage;
 pub use shared::Shared;
+pub use stored::Stored;
 
 use main_picture::MainPicture;
 
@@ -94,7 +94,7 @@ pub struct State {
     /// The picture of the open sequence.
     pub(in crate::app) main: MainPicture,
     /// Lists that are kept between runs.
-    pub kept: Kept,
+    pub stored: Stored,
     /// Clock, tasks, dialogs and requests.
     pub shared: Shared,
 }
@@ -120,7 +120,7 @@ impl State {
             viewport: Viewport::default(),
             graphics: GraphicsInfo::default(),
             main: MainPicture::default(),
-            kept: Kept {
+            stored: Stored {
                 recent: options.recent.clone(),
                 reading_choices: options.reading_choices.clone(),
                 presets: options.presets.clone(),

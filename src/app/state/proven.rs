@@ -32,13 +32,13 @@ impl State {
         for (is_shown, side) in [(is_a_shown, Side::A), (is_b_shown, Side::B)] {
             if is_shown && !self.opening.unproven[side as usize].is_empty() {
                 let inputs = std::mem::take(&mut self.opening.unproven[side as usize]);
-                if let Err(problem) = self.kept.recent.add(&inputs) {
+                if let Err(problem) = self.stored.recent.add(&inputs) {
                     self.notices.warn(problem);
                 }
                 if side == Side::A {
                     self.features
                         .thumbnails
-                        .keep_next_at(self.kept.recent.picture_of(&inputs));
+                        .keep_next_at(self.stored.recent.picture_of(&inputs));
                 }
             }
         }

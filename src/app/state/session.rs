@@ -106,12 +106,12 @@ impl State {
             Ok(session) => session,
             Err(reason) => return self.notices.error(reason),
         };
-        if let left_out @ 1.. = self.features.inspection.undocumented() {
-            let text = format!("Not in the session: {left_out} measured on the compared sequence");
+        if let skipped @ 1.. = self.features.inspection.undocumented() {
+            let text = format!("Not in the session: {skipped} measured on the compared sequence");
             self.notices.warn(text);
         }
         let path = Arc::clone(&self.features.path.draft);
-        let document = Box::new(self.kept_document());
+        let document = Box::new(self.stored_document());
         let copies = self.opening.opened.is_damaged && self.opening.opened.file.as_ref() == Some(&file);
         self.shared.tasks.try_start("save session", move || {
             if copies {
@@ -137,8 +137,8 @@ impl State {
         } = saved;
         self.notices.info(format!("Saved {}", file.display()));
         // What is in the session is not lost.
-        self.features.path.note_kept(path);
-        if let Err(problem) = self.kept.recent.add(std::slice::from_ref(&file)) {
+        self.features.path.note_stored(path);
+        if let Err(problem) = self.stored.recent.add(std::slice::from_ref(&file)) {
             self.notices.warn(problem);
         }
         // What was changed while it was written is kept as changes of what is in the file now.
@@ -170,7 +170,7 @@ impl State {
 
     /// Returns true if unsaved changes of the open session would be lost when the window closes.
     pub(in crate::app) fn session_would_be_lost(&self) -> bool {
-        self.session_file().is_some() && self.is_unsaved() && !self.is_kept()
+        self.session_file().is_some() && self.is_unsaved() && !self.is_persisted()
     }
 
     /// Shows `sequence`, which is of a session, as that says.
@@ -251,7 +251,7 @@ pub(super) fn session_dialog(name: String) -> Dialog<State> {
 
 /// Copies the session file next to itself before saving, so that content that could not be read is not lost.
 fn copy_beside(file: &Path) -> Result<(), String> {
-    match crate::kept::copy_beside(file) {
+    match crate::persist::copy_beside(file) {
         Ok(_) => Ok(()),
         Err(reason) if reason.kind() == std::io::ErrorKind::NotFound => Ok(()),
         Err(reason) => Err(format!(

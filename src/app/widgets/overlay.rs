@@ -56,7 +56,7 @@ impl<'a> PictureOverlay<'a> {
     }
 
     /// Returns true if the image extends at least `height` points above a window position.
-    pub(in crate::app) fn has_room_above(&self, place: Pos2, height: f32) -> bool {
+    pub(in crate::app) fn has_space_above(&self, place: Pos2, height: f32) -> bool {
         place.y - height > self.rect.top()
     }
 

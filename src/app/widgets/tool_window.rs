@@ -19,13 +19,13 @@ const MARGIN: f32 = 2.0;
 /// Says where windows may be: what menu and timeline leave. False in the first pass after the program's window got
 /// another size: how high these are then is not known yet, windows would be squeezed into what is left of the size
 /// before, and are not to be shown. The pass is made again.
-pub(in crate::app) fn note_room(ctx: &Context, room: Rect) -> bool {
+pub(in crate::app) fn note_free_rect(ctx: &Context, space: Rect) -> bool {
     let all = ctx.content_rect();
-    let room = if room.height() < MIN_HEIGHT { all } else { room };
+    let space = if space.height() < MIN_HEIGHT { all } else { space };
     let size = all.size();
     let before: Option<Vec2> = ctx.data(|data| data.get_temp(size_id()));
     ctx.data_mut(|data| {
-        data.insert_temp(room_id(), room);
+        data.insert_temp(free_rect_id(), space);
         data.insert_temp(size_id(), size);
     });
     let is_settled = before.is_none_or(|before| before == size);
@@ -40,20 +40,20 @@ fn size_id() -> Id {
     Id::unique("size that the room of tools is of")
 }
 
-fn room_id() -> Id {
+fn free_rect_id() -> Id {
     Id::unique("room of tools")
 }
 
-/// Returns the rectangle that [`note_room`] recorded in this pass.
-pub(in crate::app) fn room(ctx: &Context) -> Rect {
-    ctx.data(|data| data.get_temp(room_id()))
+/// Returns the rectangle that [`note_free_rect`] recorded in this pass.
+pub(in crate::app) fn space(ctx: &Context) -> Rect {
+    ctx.data(|data| data.get_temp(free_rect_id()))
         .unwrap_or_else(|| ctx.content_rect())
 }
 
 /// Returns true if there is so little space that tools are compressed and scroll.
 pub(in crate::app) fn is_small(ctx: &Context) -> bool {
-    let room = room(ctx);
-    room.width() < SMALL[0] || room.height() < SMALL[1]
+    let space = space(ctx);
+    space.width() < SMALL[0] || space.height() < SMALL[1]
 }
 
 /// The id of the window of a tool, in as much room as there is.
@@ -63,8 +63,8 @@ pub(in crate::app) fn tool_id(ctx: &Context, name: &'static str) -> Id {
 
 /// A window of a tool. What has scroll areas of its own says `.scroll(false)`.
 pub(in crate::app) fn tool_window<'a>(ctx: &Context, name: &'static str, title: &'a str) -> Window<'a> {
-    let room = room(ctx).shrink(MARGIN);
-    let window = Window::new(title).id(tool_id(ctx, name)).constrain_to(room);
+    let space = space(ctx).shrink(MARGIN);
+    let window = Window::new(title).id(tool_id(ctx, name)).constrain_to(space);
     if !is_small(ctx) {
         return window;
     }
@@ -73,5 +73,5 @@ pub(in crate::app) fn tool_window<'a>(ctx: &Context, name: &'static str, title: 
     let border = style.spacing.window_margin.sum() + Vec2::splat(2.0 * style.visuals.window_stroke.width);
     window
         .scroll(true)
-        .max_size((room.size() - border - vec2(0.0, title_height + border.y)).max(Vec2::ZERO))
+        .max_size((space.size() - border - vec2(0.0, title_height + border.y)).max(Vec2::ZERO))
 }

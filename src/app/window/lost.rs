@@ -44,11 +44,11 @@ impl App {
         self.state
             .notices
             .post(Severity::Warning, format!("{error}. {what_now}; nothing is lost."));
-        self.open_anew(event_loop, screen)
+        self.reopen(event_loop, screen)
     }
 
     /// Reopens the same window with another presenter.
-    pub(super) fn open_anew(&mut self, event_loop: &ActiveEventLoop, screen: OpenWindow) -> Option<OpenWindow> {
+    pub(super) fn reopen(&mut self, event_loop: &ActiveEventLoop, screen: OpenWindow) -> Option<OpenWindow> {
         let OpenWindow {
             window,
             presenter,

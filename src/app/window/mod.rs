@@ -15,7 +15,7 @@ use super::present_choice::PresentChoice;
 use super::script::{Script, ScriptError};
 use super::state::{PictureStage, State, StateOptions, VisibleChange};
 use super::theme::apply_theme;
-use super::trial::Trial;
+use super::window_bench::WindowBench;
 use crate::app::side::Side;
 use crate::bench::{BenchOptions, Input, WindowAction};
 use crate::document::ReadSession;
@@ -137,11 +137,11 @@ pub fn bench_window(
         size_px: Some(bench.viewport_px),
         ..Options::default()
     };
-    run_with(options, Some(Trial::new(inputs, bench, renderer)))
+    run_with(options, Some(WindowBench::new(inputs, bench, renderer)))
 }
 
 /// The window; what it found, if it is to do something by itself.
-fn run_with(options: Options, trial: Option<Trial>) -> Result<Vec<WindowAction>, AppError> {
+fn run_with(options: Options, window_bench: Option<WindowBench>) -> Result<Vec<WindowAction>, AppError> {
     let no_window = |reason: &dyn std::fmt::Display| AppError::NoWindow {
         reason: reason.to_string(),
     };
@@ -155,11 +155,11 @@ fn run_with(options: Options, trial: Option<Trial>) -> Result<Vec<WindowAction>,
         let _ = proxy.send_event(Message::End);
     };
     let _ends_well = signals::on_first(end, Some(PATIENCE));
-    app.trial = trial;
+    app.window_bench = window_bench;
     event_loop.run_app(&mut app).map_err(|error| no_window(&error))?;
     app.end?;
-    match app.trial {
-        Some(mut trial) => trial.result().ok_or(AppError::Closed),
+    match app.window_bench {
+        Some(mut window_bench) => window_bench.result().ok_or(AppError::Closed),
         None => Ok(Vec::new()),
     }
 }
@@ -214,7 +214,7 @@ struct App {
     noted_size: Option<PhysicalSize<u32>>,
     rebuilt_at: Vec<Duration>,
     /// Automated trial that drives the window for measurement.
-    trial: Option<Trial>,
+    window_bench: Option<WindowBench>,
     end: Result<(), AppError>,
 }
 
@@ -233,7 +233,7 @@ impl App {
         // Who has opened something before is offered that; who begins sees something that moves.
         // A folder without frames that is followed is waited for by the window.
         let is_waited_for = options.sequence.is_none() && !options.inputs.is_empty();
-        let offers_demo = state.kept.recent.entries().is_empty() && !is_waited_for;
+        let offers_demo = state.stored.recent.entries().is_empty() && !is_waited_for;
         let demo = || offers_demo.then(|| Arc::new(Sequence::demo()));
         if let Some(sequence) = options.sequence.take().or_else(demo) {
             if let Some(session) = options.session.take() {
@@ -276,7 +276,7 @@ impl App {
             refresh_interval: DEFAULT_REFRESH_INTERVAL,
             noted_size: None,
             rebuilt_at: Vec::new(),
-            trial: None,
+            window_bench: None,
             end: Ok(()),
         }
     }
@@ -379,18 +379,18 @@ impl App {
     }
 
     /// Has a trial do what is due; when there is more to do.
-    fn advance_trial(&mut self, event_loop: &ActiveEventLoop, now: Duration) -> Option<Duration> {
-        let (trial, screen) = self.trial.as_mut().zip(self.screen.as_mut())?;
+    fn advance_window_bench(&mut self, event_loop: &ActiveEventLoop, now: Duration) -> Option<Duration> {
+        let (window_bench, screen) = self.window_bench.as_mut().zip(self.screen.as_mut())?;
         // Beyond the first redraw, which says where things are.
         if !self.has_been_shown {
             return None;
         }
-        let events = trial.advance(now, &mut self.state);
+        let events = window_bench.advance(now, &mut self.state);
         if !events.is_empty() {
             screen.input.egui_input_mut().events.extend(events);
             self.change = VisibleChange::Panels;
         }
-        let deadline = trial.next_deadline();
+        let deadline = window_bench.next_deadline();
         if deadline.is_none() {
             event_loop.exit();
         }
@@ -527,7 +527,7 @@ impl ApplicationHandler<Message> for App {
         }
         self.options.preferences_file.write_if_due(now);
         self.state.keep_if_due(now);
-        let trial_at = self.advance_trial(event_loop, now);
+        let window_bench_at = self.advance_window_bench(event_loop, now);
         let script_at = self.advance_script(event_loop, now);
         let draw_at = [self.state.next_deadline(), self.repaint_at, self.news_at];
         let waits_for_screen = self
@@ -545,7 +545,7 @@ impl ApplicationHandler<Message> for App {
             unseen_at: [
                 self.options.preferences_file.next_deadline(),
                 self.state.keeping_deadline(),
-                trial_at,
+                window_bench_at,
                 script_at,
             ]
             .into_iter()
@@ -580,8 +580,8 @@ fn within_screen(event_loop: &ActiveEventLoop, size: LogicalSize<f64>) -> Logica
     let rooms = screens.map(|screen| screen.size().to_logical::<f64>(screen.scale_factor()));
     let largest = rooms.max_by(|a, b| (a.width * a.height).total_cmp(&(b.width * b.height)));
     // Some systems know a screen of no size until a window is on it.
-    match largest.filter(|room| room.width > 0.0 && room.height > 0.0) {
-        Some(room) => LogicalSize::new(size.width.min(room.width), size.height.min(room.height)),
+    match largest.filter(|space| space.width > 0.0 && space.height > 0.0) {
+        Some(space) => LogicalSize::new(size.width.min(space.width), size.height.min(space.height)),
         None => size,
     }
 }

@@ -12,7 +12,7 @@ use crate::app::panels::window_ui;
 use crate::app::present::Panels;
 use crate::app::side::Side;
 use crate::app::state::{PictureStage, VisibleChange, WindowRequest};
-use crate::app::trial::Processor;
+use crate::app::window_bench::Processor;
 use crate::app::work::files::save_image;
 use crate::render::RenderError;
 use egui::FullOutput;
@@ -40,7 +40,7 @@ impl App {
             return;
         };
         if screen.choice != self.state.appearance.present {
-            self.screen = self.open_anew(event_loop, screen);
+            self.screen = self.reopen(event_loop, screen);
             return;
         }
         let result = self.redraw_on(event_loop, &mut screen);
@@ -138,9 +138,9 @@ impl App {
         let idle = redraw.waiting.min(self.refresh_interval);
         let frame_ms = redraw.whole.saturating_sub(idle).as_secs_f64() * 1e3;
         self.state.note_redraw(redraw, frame_ms, screen.presenter.stats());
-        if let Some(trial) = &mut self.trial {
+        if let Some(window_bench) = &mut self.window_bench {
             let is_presented = is_shown && redraw.painted_px > 0;
-            let is_due = trial.note(&redraw, is_presented, self.begin.elapsed(), &self.state);
+            let is_due = window_bench.note(&redraw, is_presented, self.begin.elapsed(), &self.state);
             if is_due {
                 self.change = VisibleChange::Panels;
             }

@@ -2,7 +2,7 @@
 
 use super::tasks::TaskFailed;
 use crate::export::{PictureFormat, encode_picture};
-use crate::kept::{write_to, write_whole_with};
+use crate::persist::{write_to, write_whole_with};
 use crate::temporary::Temporary;
 use std::fs;
 use std::io::{BufWriter, Write as _};

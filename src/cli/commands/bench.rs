@@ -1,7 +1,7 @@
 //! `pointreel bench`: the suites of the benchmark menu, without a window.
 
 use super::bench_window::{PresentChoice, measure_window};
-use crate::bench::{self, BenchOptions, Input, LeaveOut, Modes, OptionGroup, Report, Step, Suite, suites};
+use crate::bench::{self, BenchOptions, Excluded, Input, Modes, OptionGroup, Report, Step, Suite, suites};
 use crate::cli::options::arguments::{FrameRange, ReadArgs, byte_count, frame_rate, open_sequence_and_tell, size_px};
 use crate::cli::options::sources::{check_sources, write_text};
 use crate::cli::terminal::output::{answer, say};
@@ -74,7 +74,7 @@ pub(in crate::cli) struct BenchArgs {
         "Input images held out by {} for comparison, counted from 0 [default: every:8]",
         names(OptionGroup::Photos)
     ))]
-    leave_out: Option<LeaveOut>,
+    leave_out: Option<Excluded>,
 
     #[arg(long, value_name = "FPS", value_parser = frame_rate, help = format!(
         "Frames per second of {}; instead of those of the sequence",
@@ -277,7 +277,7 @@ fn open_input(input: &Path, open: &OpenOptions) -> anyhow::Result<Input> {
 
 /// Merges depth images with poses into one cloud, whose input images are their colours; points of held-out images are
 /// not in it.
-fn with_photos(opened: Input, path: &Path, open: &OpenOptions, leave_out: &LeaveOut) -> anyhow::Result<Input> {
+fn with_photos(opened: Input, path: &Path, open: &OpenOptions, leave_out: &Excluded) -> anyhow::Result<Input> {
     let source = opened.sequence.source();
     let count = opened.sequence.len();
     let is_posed = source
@@ -288,7 +288,7 @@ fn with_photos(opened: Input, path: &Path, open: &OpenOptions, leave_out: &Leave
     }
     let mut open = open.clone();
     open.rgbd.merge = Some((0, count - 1));
-    open.rgbd.left_out = leave_out.of(count);
+    open.rgbd.skipped = leave_out.of(count);
     open_input(path, &open)
 }
 

@@ -2,8 +2,8 @@
 
 use crate::cli::terminal::output::{answer, say};
 use crate::export::{PictureFormat, encode_picture};
-use crate::kept::write_whole;
 use crate::measure::{PixelDifference, SSIM_WINDOW_PX, SsimError, flip, mean_squared_error, psnr_db, ssim};
+use crate::persist::write_whole;
 use crate::regular_file;
 use anyhow::{Context as _, anyhow, bail};
 use clap::Args;

@@ -120,8 +120,8 @@ pub(in crate::cli) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     drop(ends_well);
     bar.clear();
     // Files of one frame have no rate.
-    let rate_is_kept = matches!(conversion.output, Output::Reel(..));
-    let untouched: &[Subject] = if rate_is_kept { &[] } else { &[Subject::FrameTimes] };
+    let rate_is_retained = matches!(conversion.output, Output::Reel(..));
+    let untouched: &[Subject] = if rate_is_retained { &[] } else { &[Subject::FrameTimes] };
     assumptions::print_guesses(&sequence, None, untouched);
     tell(&converted?, &conversion, sequence.len())
 }

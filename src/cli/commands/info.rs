@@ -242,7 +242,7 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
                 grid: raw.grid,
                 faces: raw.faces.len(),
                 not_read: raw
-                    .not_kept
+                    .dropped
                     .into_iter()
                     .filter(|entry| entry.is_noted)
                     .map(|entry| entry.what)

@@ -190,8 +190,8 @@ pub(in crate::cli) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     let compare = open_compared(args, &open)?.map(Arc::new);
     let presets = Presets::load();
     let (preferences_file, preferences) = load_preferences(args, session.is_some());
-    let kept_problems = [presets.problem(), preferences_file.problem()];
-    let warnings = kept_problems.into_iter().flatten().map(str::to_owned);
+    let retained_problems = [presets.problem(), preferences_file.problem()];
+    let warnings = retained_problems.into_iter().flatten().map(str::to_owned);
     let warnings = warnings.chain(recent_problem).chain(choices_problem).chain(problem);
     let warnings = warnings.collect();
     let options = Options {
@@ -336,29 +336,29 @@ fn open_compared(args: &ViewArgs, open: &OpenOptions) -> anyhow::Result<Option<S
 /// settings override both.
 fn load_preferences(args: &ViewArgs, has_settings: bool) -> (PreferencesFile, Preferences) {
     // A picture that a script asks for does not depend on who looked at what before.
-    let (file, kept) = if args.screenshot.is_some() {
+    let (file, retained) = if args.screenshot.is_some() {
         (PreferencesFile::default(), Preferences::default())
     } else {
         PreferencesFile::load()
     };
-    if kept.settings != Settings::default() {
+    if retained.settings != Settings::default() {
         log::info!("new documents begin with the settings in settings.json, which are not all as by default");
     }
-    let mut settings = kept.settings;
+    let mut settings = retained.settings;
     if !has_settings {
         // Who draws is of no document.
         settings.drawing = args.picture.style_over(settings).drawing;
     }
     let preferences = Preferences {
         settings,
-        present: args.present.unwrap_or(kept.present),
-        speed: args.speed.unwrap_or(kept.speed),
+        present: args.present.unwrap_or(retained.present),
+        speed: args.speed.unwrap_or(retained.speed),
         loop_mode: match args.loops {
             Some(false) => LoopMode::Off,
-            Some(true) if kept.loop_mode == LoopMode::Off => LoopMode::Loop,
-            _ => kept.loop_mode,
+            Some(true) if retained.loop_mode == LoopMode::Off => LoopMode::Loop,
+            _ => retained.loop_mode,
         },
-        ..kept
+        ..retained
     };
     (file, preferences)
 }

@@ -86,7 +86,7 @@ impl PosesArgs {
                 let looks = looks(&trails);
                 (Arc::new(trails), looks)
             }),
-            left_out_photos: self.leave_out.clone(),
+            skipped_photos: self.leave_out.clone(),
         })
     }
 

@@ -92,7 +92,7 @@ impl RgbdArgs {
             invert_poses: self.invert_poses,
             merge: self.merge_frames.map(|range| (range.first, range.last)),
             merge_edge_m: self.merge_cells,
-            left_out: Vec::new(),
+            skipped: Vec::new(),
         }
     }
 }

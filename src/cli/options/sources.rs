@@ -2,7 +2,7 @@
 
 use crate::convert::SourceFiles;
 use crate::sequence::Sequence;
-use crate::{kept, regular_file};
+use crate::{persist, regular_file};
 use anyhow::{Context as _, bail};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -47,7 +47,7 @@ pub(in crate::cli) fn check_outputs(
 /// Refuses to replace a file at `output` that is not of `kind`; an empty one is of any.
 pub(in crate::cli) fn check_replaced(output: &Path, kind: OutputKind) -> anyhow::Result<()> {
     // Pipes and devices keep nothing.
-    if !output.exists() || kept::is_pipe_or_device(output) {
+    if !output.exists() || persist::is_pipe_or_device(output) {
         return Ok(());
     }
     let mut begin = Vec::new();
@@ -72,7 +72,7 @@ pub(in crate::cli) fn check_replaced(output: &Path, kind: OutputKind) -> anyhow:
 
 /// Writes a text to a file as a whole, or to the pipe or device that somebody has named.
 pub(in crate::cli) fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
-    kept::write_to(path, text.as_bytes()).with_context(|| format!("{} cannot be written", path.display()))
+    persist::write_to(path, text.as_bytes()).with_context(|| format!("{} cannot be written", path.display()))
 }
 
 /// Returns true if a file that begins with these bytes is of a kind that this program writes as an image or a video.

@@ -41,9 +41,9 @@ pub(in crate::cli) fn first_look(sequence: &Sequence) -> Option<FirstLook> {
 
 /// Returns a line with the options named by `assumptions` that the subcommand with the arguments `A` does not have.
 pub(in crate::cli) fn options_elsewhere<A: Args>(assumptions: &[Assumption]) -> Option<String> {
-    let verb = A::augment_args(Command::new("verb"));
+    let subcommand = A::augment_args(Command::new("verb"));
     let has = |option: &str| {
-        let mut names = verb.get_arguments().filter_map(Arg::get_long);
+        let mut names = subcommand.get_arguments().filter_map(Arg::get_long);
         names.any(|name| option.strip_prefix("--") == Some(name))
     };
     let mut options: Vec<&str> = assumptions.iter().filter_map(|assumption| assumption.option).collect();

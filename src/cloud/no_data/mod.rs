@@ -106,7 +106,7 @@ impl MissingPoints {
     pub fn of(cloud: &RawCloud, rule: NoData) -> Self {
         let known = Known {
             limits: cloud.integer_limits,
-            has_faces: !cloud.faces.is_empty() || cloud.faces_left_out > 0,
+            has_faces: !cloud.faces.is_empty() || cloud.skipped_faces > 0,
         };
         Self::find(&cloud.positions, rule, known)
     }

@@ -31,12 +31,12 @@ pub(in crate::export) fn draw_legend(canvas: &mut OverlayCanvas<'_>, legend: &Le
     };
     let widest = rows.iter().map(|row| row.width_px).fold(0.0, f32::max);
     let head = title.height_px + 0.6 * GAP * unit;
-    let room = (height - 2.0 * (MARGIN + PADDING) * unit - head).max(1.0);
+    let space = (height - 2.0 * (MARGIN + PADDING) * unit - head).max(1.0);
     let body = match &legend.body {
         LegendBody::Ramp { .. } => RAMP_HEIGHT * unit,
         LegendBody::Classes(classes) => ROW * unit * classes.len() as f32,
     };
-    let body = body.min(room);
+    let body = body.min(space);
     let inner = title.width_px.max((RAMP_WIDTH + GAP) * unit + widest);
     let right = width - MARGIN * unit;
     let left = right - inner - 2.0 * PADDING * unit;

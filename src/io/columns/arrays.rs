@@ -4,7 +4,7 @@
 //! ([`super::growing`]). Columns that lie side by side, as nearly all files have them, are read with one copy a row.
 
 use super::column::{Column, Scalar, Values};
-use crate::cloud::{ColorDepth, NotKept, RawCloud};
+use crate::cloud::{ColorDepth, Dropped, RawCloud};
 use std::ops::Range;
 use std::slice::ChunksExact;
 
@@ -90,7 +90,7 @@ pub(in crate::io) fn set_colors(
     let scales = Scales::of(channels, alpha, count);
     let mut colors = Vec::with_capacity(count);
     if append_colors(&mut colors, channels, alpha, &scales, count) {
-        cloud.not_kept.push(rounded_colors());
+        cloud.dropped.push(rounded_colors());
     }
     cloud.attributes.colors = Some(colors);
     cloud.has_narrow_colors = scales.is_narrow;
@@ -146,8 +146,8 @@ fn largest(columns: &[&Column<'_>], count: usize) -> f64 {
 }
 
 /// Returns the note about colours of which 8 bits are kept.
-pub(super) fn rounded_colors() -> NotKept {
-    NotKept::quiet("colours have more than 8 bits a channel in the file: they are kept with 8")
+pub(super) fn rounded_colors() -> Dropped {
+    Dropped::quiet("colours have more than 8 bits a channel in the file: they are kept with 8")
 }
 
 /// Appends colour channels as 8 bits red, green, blue and alpha, which is full where there is no column for it. True

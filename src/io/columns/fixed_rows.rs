@@ -14,7 +14,7 @@
 use super::attributes::Roles;
 use super::column::{Column, Scalar, Values};
 use super::growing::Growing;
-use crate::cloud::{AxisConvention, ImageGrid, NotKept, RawCloud};
+use crate::cloud::{AxisConvention, Dropped, ImageGrid, RawCloud};
 use crate::io::files::watched::cancelled;
 use crate::locks::lock;
 use crate::progress::Progress;
@@ -65,7 +65,7 @@ pub(in crate::io) struct FixedRows {
     /// See [`RawCloud::grid`].
     pub(in crate::io) grid: Option<ImageGrid>,
     /// Data of the file that is not part of the cloud.
-    pub(in crate::io) not_kept: Vec<NotKept>,
+    pub(in crate::io) dropped: Vec<Dropped>,
 }
 
 /// A warning of `rest` bytes that no header speaks of; none of a line ending.
@@ -180,7 +180,7 @@ impl FixedRows {
             grid: self.grid,
             ..growing.finish()
         };
-        cloud.not_kept.extend_from_slice(&self.not_kept);
+        cloud.dropped.extend_from_slice(&self.dropped);
         cloud
     }
 
@@ -287,7 +287,7 @@ mod tests {
             sensor: None,
             convention: None,
             grid: None,
-            not_kept: Vec::new(),
+            dropped: Vec::new(),
         }
     }
 
@@ -352,8 +352,8 @@ mod tests {
         let whole = rows.read(file.path(), &Progress::default()).unwrap().unwrap();
         for places in [vec![], vec![0, 1, 7, 500, COUNT - 1], (0..COUNT).collect()] {
             let mut expected = whole.clone();
-            let kept: Vec<u32> = places.iter().map(|&place| place as u32).collect();
-            expected.keep(&kept);
+            let retained: Vec<u32> = places.iter().map(|&place| place as u32).collect();
+            expected.keep(&retained);
             let found = rows.read_at(file.path(), &places, Duration::MAX).unwrap();
             let found = found.unwrap();
             assert_eq!(found.attributes.scalars.len(), 3);

@@ -4,7 +4,7 @@ use super::arrays::{Scales, append_colors, append_f32, append_f64, rounded_color
 use super::attributes::{self, Colors, Roles};
 use super::column::{Column, Scalar};
 use super::unique_names::UniqueNames;
-use crate::cloud::{Attributes, NotKept, Positions, RawCloud, ScalarField};
+use crate::cloud::{Attributes, Dropped, Positions, RawCloud, ScalarField};
 use crate::io::error::Fault;
 use crate::io::options::ReadOptions;
 use crate::locks::lock;
@@ -168,7 +168,7 @@ impl Growing {
         }
         cloud.attributes = others.attributes;
         cloud.warnings = self.warnings;
-        cloud.not_kept.extend(others.rounds_colors.then(rounded_colors));
+        cloud.dropped.extend(others.rounds_colors.then(rounded_colors));
         let field = |field: Mutex<GrowingField>| {
             let GrowingField { name, values, is_long } = field.into_inner().unwrap_or_else(PoisonError::into_inner);
             let rounded = is_long.then(|| values.rounded(&name)).flatten();
@@ -178,10 +178,10 @@ impl Growing {
             };
             (field, rounded)
         };
-        let (scalars, rounded): (Vec<ScalarField>, Vec<Option<NotKept>>) =
+        let (scalars, rounded): (Vec<ScalarField>, Vec<Option<Dropped>>) =
             self.scalars.into_par_iter().map(field).unzip();
         cloud.attributes.scalars = scalars;
-        cloud.not_kept.extend(rounded.into_iter().flatten());
+        cloud.dropped.extend(rounded.into_iter().flatten());
         // Writers that know no transparency leave zeros.
         if let (Some(Colors::Packed(_)), Some(colors)) = (self.roles.colors, &mut cloud.attributes.colors)
             && colors.iter().all(|color| color[3] == 0)
@@ -218,12 +218,12 @@ impl Others {
 
 impl ScalarValues {
     /// Returns the note about integers that double precision may not hold.
-    fn rounded(&self, name: &str) -> Option<NotKept> {
+    fn rounded(&self, name: &str) -> Option<Dropped> {
         const LARGEST: f64 = (1u64 << f64::MANTISSA_DIGITS) as f64;
         let Self::Wide(values) = self else { return None };
         let count = values.iter().filter(|value| value.abs() > LARGEST).count();
         (count > 0).then(|| {
-            NotKept::quiet(format!(
+            Dropped::quiet(format!(
                 "{count} integers of 64 bits in `{name}` are beyond 2^53: they are rounded to double precision"
             ))
         })

@@ -156,7 +156,7 @@ impl Places {
             ellipses: None,
             scalars: scalars.map(|field| field.with_values(blended(&field.values))).collect(),
         };
-        cloud.faces_left_out = mesh.faces.len();
+        cloud.skipped_faces = mesh.faces.len();
         cloud.sensor = mesh.sensor;
         cloud.warnings.clone_from(&mesh.warnings);
         cloud

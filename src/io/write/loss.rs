@@ -26,7 +26,7 @@ pub enum Loss {
     /// Values of a scalar that are rounded or clamped, and to what.
     Values(String, String),
     /// Source data that was not read, in words.
-    NotKept(String),
+    Dropped(String),
     /// Coordinates that are rounded; the amount is the largest error.
     Precision,
 }
@@ -63,7 +63,7 @@ impl Loss {
             Self::Sensor => format!("{format} cannot hold the position of the sensor: not written"),
             Self::Name(from, to) => format!("{format} cannot hold the field name `{from}`: it is written as `{to}`"),
             Self::Values(name, to) => format!("{format} holds {name} as {to}: values are rounded"),
-            Self::NotKept(what) => what.clone(),
+            Self::Dropped(what) => what.clone(),
             Self::Precision => format!("{format} rounds coordinates here, by up to {amount:.3e}"),
         }
     }
@@ -87,9 +87,9 @@ impl Losses {
     }
 
     /// Adds what was not read of the file of `cloud`.
-    pub fn add_not_kept(&mut self, cloud: &RawCloud) {
-        for entry in &cloud.not_kept {
-            self.add(Loss::NotKept(entry.what.clone()), 0.0);
+    pub fn add_dropped(&mut self, cloud: &RawCloud) {
+        for entry in &cloud.dropped {
+            self.add(Loss::Dropped(entry.what.clone()), 0.0);
         }
     }
 

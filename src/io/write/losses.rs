@@ -35,7 +35,7 @@ pub(super) fn losses(encoder: &Encoder, cloud: &RawCloud) -> Losses {
         let holes = cloud.positions.len() - cloud.positions.finite_bounds().0;
         note(Held::Holes, holes > 0, Loss::Holes, holes as f64);
     }
-    losses.add_not_kept(cloud);
+    losses.add_dropped(cloud);
     for (loss, amount) in (encoder.lost)(cloud) {
         losses.add(loss, amount);
     }

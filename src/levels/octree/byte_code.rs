@@ -203,8 +203,8 @@ mod tests {
             .collect();
         let tree = Octree::build(&points, &vec![[0; 4]; 500], StopCriterion::Loss(0.0));
         let masks = tree.masks();
-        for kept in 0..masks.len() {
-            assert!(Octree::cells_from_masks(&masks[..kept], tree.depth()).is_err());
+        for cached in 0..masks.len() {
+            assert!(Octree::cells_from_masks(&masks[..cached], tree.depth()).is_err());
         }
         for at in 0..masks.len() {
             let mut longer = masks.clone();

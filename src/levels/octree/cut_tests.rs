@@ -94,7 +94,7 @@ fn cuts_are_those_of_one_cell_after_the_other() {
     // Leaves on several levels.
     let uneven = uneven_surfels();
     let mut random = Random(8);
-    let (mut kept, mut hidden) = (0, 0);
+    let (mut cached, mut hidden) = (0, 0);
     for round in 0..200 {
         let surfels = [&even, &crowded, &uneven][round % 3];
         let tree = surfels.octree();
@@ -122,10 +122,10 @@ fn cuts_are_those_of_one_cell_after_the_other() {
             assert_eq!(cells, cells_one_by_one(tree, &view, before, back_faces), "{round}");
             found.push(cells);
         }
-        kept += usize::from(found[1] != found[0]);
+        cached += usize::from(found[1] != found[0]);
         hidden += usize::from(found[2] != found[0]);
     }
-    assert!(kept > 30 && hidden > 100, "hints mattered: {kept} {hidden}");
+    assert!(cached > 30 && hidden > 100, "hints mattered: {cached} {hidden}");
 }
 
 /// Surfels of as many places on a torus, several points in each.
@@ -247,9 +247,9 @@ fn a_budget_keeps_its_threshold_while_it_fits() {
         ..CutHints::default()
     };
     // Farther away fewer cells are needed, but not many fewer.
-    let kept = tree.cut_at_most(3_000, &at(3.1), hints);
-    assert_eq!(kept.lod_px(), lod_px);
-    assert!((2_250..=3_000).contains(&kept.node_count()));
+    let cached = tree.cut_at_most(3_000, &at(3.1), hints);
+    assert_eq!(cached.lod_px(), lod_px);
+    assert!((2_250..=3_000).contains(&cached.node_count()));
     let finer = tree.cut_at_most(3_000, &at(12.0), hints);
     assert!(finer.lod_px() < lod_px && finer.node_count() <= 3_000);
     let coarser = tree.cut_at_most(300, &at(3.0), hints);

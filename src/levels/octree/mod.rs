@@ -10,6 +10,7 @@
 
 mod build;
 mod byte_code;
+mod cached_levels;
 mod cells;
 mod closing;
 pub mod coded;
@@ -21,7 +22,6 @@ mod gap;
 #[cfg(test)]
 mod gap_tests;
 mod gaps;
-mod kept_levels;
 mod levels;
 mod node_surfel;
 #[cfg(test)]

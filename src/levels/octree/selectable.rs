@@ -1,12 +1,12 @@
 //! Concatenated surfels of the kept levels, for renderers that keep them on the GPU.
 //!
-//! How it works: once all levels of a cut are kept (`kept_levels.rs`), their surfels and, where leaves are drawn, the
+//! How it works: once all levels of a cut are kept (`cached_levels.rs`), their surfels and, where leaves are drawn, the
 //! points are one array, and a node is an index into it. A level that is kept later makes a new array with it, so what
 //! is uploaded for all levels is at most as many arrays as there are levels that were drawn.
 //!
 //! When it wins: where a camera moves about a frame.
 
-use super::kept_levels::{KeptLevels, LEVEL_COUNT};
+use super::cached_levels::{CachedLevels, LEVEL_COUNT};
 use super::node_surfel::NodeSurfel;
 use super::sorted_points::SortedPoints;
 use crate::cloud::{PointRecord, ShapeRecord};
@@ -57,7 +57,7 @@ impl Selectable {
     pub(super) fn with_parts(
         &self,
         parts: Parts,
-        kept: &KeptLevels<NodeSurfel>,
+        cached: &CachedLevels<NodeSurfel>,
         points: &[PointRecord],
         shapes: &[ShapeRecord],
     ) -> Option<SideBySide> {
@@ -66,7 +66,7 @@ impl Selectable {
             return Some(known.clone());
         }
         let parts = known.as_ref().map_or(parts, |known| known.parts.with(parts));
-        let made = SideBySide::of(parts, kept, points, shapes)?;
+        let made = SideBySide::of(parts, cached, points, shapes)?;
         *known = Some(made.clone());
         Some(made)
     }
@@ -75,7 +75,7 @@ impl Selectable {
 impl SideBySide {
     fn of(
         parts: Parts,
-        kept: &KeptLevels<NodeSurfel>,
+        cached: &CachedLevels<NodeSurfel>,
         leaf_points: &[PointRecord],
         leaf_shapes: &[ShapeRecord],
     ) -> Option<Self> {
@@ -86,7 +86,7 @@ impl SideBySide {
         }
         let mut level_starts = [0; LEVEL_COUNT];
         for level in (0..LEVEL_COUNT).filter(|&level| parts.has_level(level)) {
-            let surfels = &kept.known(level)?.records;
+            let surfels = &cached.known(level)?.records;
             level_starts[level] = u32::try_from(points.len()).ok()?;
             points.extend(surfels.iter().map(|surfel| surfel.point));
             shapes.extend(surfels.iter().map(|surfel| surfel.shape));
@@ -105,11 +105,11 @@ impl SideBySide {
     pub(super) fn extend_places(
         &self,
         range: &NodeRange,
-        kept: &KeptLevels<NodeSurfel>,
+        cached: &CachedLevels<NodeSurfel>,
         sorted: &SortedPoints,
         places: &mut Vec<u32>,
     ) {
-        if let Some(level) = kept.known(range.level as usize) {
+        if let Some(level) = cached.known(range.level as usize) {
             let start = self.level_starts[range.level as usize];
             let nodes = level.places(range, sorted);
             places.extend(nodes.map(|node| start + node as u32));

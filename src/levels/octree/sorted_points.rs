@@ -1,7 +1,7 @@
 //! Points in Morton order, shared by all trees of one cloud, and the statistics of every level from one scan over them.
 
+use super::cached_levels::CachedLevels;
 use super::color_sums::{self, ColorSum};
-use super::kept_levels::KeptLevels;
 use super::stop::OccupiedCells;
 use crate::cloud::VoxelRecord;
 use crate::math::{
@@ -26,7 +26,7 @@ pub(super) struct SortedPoints {
     /// Colours summed over the points before each, and over all of them.
     pub(super) colors_before: Vec<ColorSum>,
     /// Voxels of coarse levels that are drawn again and again.
-    pub(super) voxels: KeptLevels<VoxelRecord>,
+    pub(super) voxels: CachedLevels<VoxelRecord>,
     /// True if the points were given in this order.
     pub(super) are_as_given: bool,
 }
@@ -72,7 +72,7 @@ impl SortedPoints {
             partings,
             occupied,
             colors_before,
-            voxels: KeptLevels::default(),
+            voxels: CachedLevels::default(),
             are_as_given: true,
         }
     }
@@ -85,7 +85,7 @@ impl SortedPoints {
     /// Most bytes held in memory, with all voxels that may be kept.
     pub(super) fn byte_size(&self) -> usize {
         size_of::<Self>()
-            + KeptLevels::<VoxelRecord>::max_bytes(self.coarse_levels(), self.len())
+            + CachedLevels::<VoxelRecord>::max_bytes(self.coarse_levels(), self.len())
             + size_of_val(self.cells.as_slice())
             + size_of_val(self.partings.as_slice())
             + size_of_val(self.colors_before.as_slice())

@@ -156,7 +156,7 @@ fn level_of_spacing(cells: &OccupiedCells) -> u32 {
 }
 
 /// Returns true if leaves may be on `level` where they would be if this was all of the cloud.
-fn is_kept(level: u32, cells: &OccupiedCells) -> bool {
+fn is_cached(level: u32, cells: &OccupiedCells) -> bool {
     let level = level as usize;
     are_closed(cells, level, SPARSE) && (level + 1 == LEVEL_COUNT || !are_closed(cells, level + 1, DENSE))
 }
@@ -194,7 +194,7 @@ impl Search<'_> {
     fn visit(&self, node: &NodeRange, inherited: u32, found: &mut LeavesBySpacing) {
         let cells = self.census.cells_in(node);
         let is_asked = node.points.len() >= ASKED_POINTS;
-        let level = if !is_asked || is_kept(inherited, &cells) {
+        let level = if !is_asked || is_cached(inherited, &cells) {
             inherited
         } else {
             level_of_spacing(&cells).max(self.coarsest)

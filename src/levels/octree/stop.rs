@@ -94,8 +94,8 @@ impl LeafRun {
 /// The first level that need not be subdivided for a loss of `delta`.
 pub(super) fn level_of_loss(delta: f32, occupied: &OccupiedCells, point_count: usize) -> u32 {
     let delta = if delta.is_nan() { 0.0 } else { delta.clamp(0.0, 1.0) };
-    let kept = 1.0 - f64::from(delta);
-    let enough = kept * point_count as f64;
+    let cached = 1.0 - f64::from(delta);
+    let enough = cached * point_count as f64;
     let distinct = occupied[LEVELS as usize];
     (0..LEVELS)
         .find(|&level| {

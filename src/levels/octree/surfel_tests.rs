@@ -140,8 +140,8 @@ fn only_what_faces_away_is_left_out() {
         }
         drawn += found.len();
     }
-    let left_out = 12 * all_points.len() - drawn;
-    assert!(left_out * 10 > facing_away * 6, "{left_out} of {facing_away}");
+    let skipped = 12 * all_points.len() - drawn;
+    assert!(skipped * 10 > facing_away * 6, "{skipped} of {facing_away}");
 }
 
 #[test]
@@ -173,7 +173,7 @@ fn a_coarse_cut_is_drawn_as_surfels_of_its_levels() {
             expected.extend(nodes.iter().map(|node| (node.point, node.shape)));
         }
         // From the points under the cut at first, from kept levels later; those that were asked for above are kept.
-        for surfels in [surfels.anew(), surfels] {
+        for surfels in [surfels.fresh(), surfels] {
             for _ in 0..4 {
                 surfels.write_surfels(&cut, &mut points, &mut shapes);
                 let found = points.iter().copied().zip(shapes.iter().copied());

@@ -7,12 +7,12 @@
 //!
 //! How it works: the points of a node are a contiguous range. The surfels of a cut are worked out from the points under
 //! it, in one pass over their records, and forgotten; those of levels that are drawn again and again are kept
-//! (`kept_levels.rs`). Leaves, where all are on one level, are drawn as the very points they hold, so that nothing is
+//! (`cached_levels.rs`). Leaves, where all are on one level, are drawn as the very points they hold, so that nothing is
 //! lost where nothing is small.
 //!
 //! When it wins: where splats are small on the screen and many.
 
-use super::kept_levels::{Kept, KeptLevels};
+use super::cached_levels::{Cached, CachedLevels};
 use super::node_surfel::NodeSurfel;
 use super::selectable::{Parts, Selectable};
 use super::stop::Leaves;
@@ -35,10 +35,10 @@ pub struct LodSurfels {
     /// The one level whose nodes are tested for facing away: the finest at which that is less than drawing them. Those
     /// above it would each take a pass over all points, to spare some visits.
     cone_level: Option<u32>,
-    levels: KeptLevels<NodeSurfel>,
+    levels: CachedLevels<NodeSurfel>,
     selectable: Selectable,
     /// Normals of voxels.
-    pub(super) normals: KeptLevels<ShapeRecord>,
+    pub(super) normals: CachedLevels<ShapeRecord>,
 }
 
 /// Cells above this level are not tested for facing away: they are as large as the object.
@@ -66,15 +66,15 @@ impl LodSurfels {
             points,
             are_ellipses: shapes.par_iter().any(|shape| shape.ellipse != 0),
             shapes,
-            levels: KeptLevels::default(),
+            levels: CachedLevels::default(),
             selectable: Selectable::default(),
-            normals: KeptLevels::default(),
+            normals: CachedLevels::default(),
         }
     }
 
     /// Returns a copy without any cached results.
     #[must_use]
-    pub fn anew(&self) -> Self {
+    pub fn fresh(&self) -> Self {
         let (points, shapes) = (Arc::clone(&self.points), Arc::clone(&self.shapes));
         Self::new(Arc::clone(&self.octree), points, shapes)
     }
@@ -107,7 +107,7 @@ impl LodSurfels {
         let above_leaves = &sorted.occupied[..self.octree.depth() as usize];
         let count = self.points.len();
         let (surfels, normals) = (above_leaves, sorted.coarse_levels());
-        KeptLevels::<NodeSurfel>::max_bytes(surfels, count) + KeptLevels::<ShapeRecord>::max_bytes(normals, count)
+        CachedLevels::<NodeSurfel>::max_bytes(surfels, count) + CachedLevels::<ShapeRecord>::max_bytes(normals, count)
     }
 
     /// Most bytes of the levels side by side, with the points, for whoever selects among them.
@@ -125,19 +125,19 @@ impl LodSurfels {
         let sorted = &self.octree.points;
         let is_leaf = |range: &NodeRange| self.octree.is_leaf_range(range);
         let above_leaves = cut.ranges.iter().filter(|range| !is_leaf(range));
-        let kept = self.levels.kept(above_leaves.clone(), sorted, self);
-        let is_passing = |range: &NodeRange| kept[range.level as usize].is_none();
+        let cached = self.levels.cached(above_leaves.clone(), sorted, self);
+        let is_passing = |range: &NodeRange| cached[range.level as usize].is_none();
         let passing: Vec<NodeRange> = above_leaves.filter(|range| is_passing(range)).cloned().collect();
         let mut worked_out = Vec::new();
-        sorted.write_nodes(&passing, self, &Kept::default(), &mut worked_out);
+        sorted.write_nodes(&passing, self, &Cached::default(), &mut worked_out);
         let mut worked_out = worked_out.as_slice();
         for range in &cut.ranges {
             let surfels = if is_leaf(range) {
                 points.extend_from_slice(&self.points[range.points.clone()]);
                 shapes.extend_from_slice(&self.shapes[range.points.clone()]);
                 continue;
-            } else if let Some(kept) = kept[range.level as usize] {
-                kept.of_nodes(range, sorted)
+            } else if let Some(cached) = cached[range.level as usize] {
+                cached.of_nodes(range, sorted)
             } else {
                 let count = sorted.count_nodes(std::slice::from_ref(range));
                 worked_out.split_off(..count).unwrap_or_default()
@@ -185,8 +185,8 @@ impl LodSurfels {
             return None;
         }
         let sorted = &self.octree.points;
-        let kept = self.levels.level(level, sorted, self);
-        Some(&kept.records[kept.rank(first, sorted)..])
+        let cached = self.levels.level(level, sorted, self);
+        Some(&cached.records[cached.rank(first, sorted)..])
     }
 
     /// Works out what [`LodSurfels::all_face_away`] asks for, before many threads do.

@@ -280,8 +280,8 @@ fn another_stop_criterion_is_the_same_as_building_anew() {
     for from in stops {
         let tree = Octree::build(&torus.positions, &colors, from);
         for to in stops {
-            let anew = Octree::build(&torus.positions, &colors, to);
-            assert!(tree.with_stop(to) == anew, "{from:?} to {to:?}");
+            let fresh = Octree::build(&torus.positions, &colors, to);
+            assert!(tree.with_stop(to) == fresh, "{from:?} to {to:?}");
         }
     }
     let none = Octree::build(&[], &[], Loss(0.1));

@@ -3,11 +3,11 @@
 //! How it works: the mean of the normals of a node's points, which are a range; each is turned to the side of those
 //! before it, so that the normals of a file without a sensor, whose signs mean nothing, do not cancel each other. As
 //! the light is two-sided, the sign of the mean means nothing either. Levels that are drawn again and again are kept,
-//! as voxels are (`kept_levels.rs`).
+//! as voxels are (`cached_levels.rs`).
 
+use super::cached_levels::Cached;
 use super::gap::Gap;
 use super::gaps::add_gaps;
-use super::kept_levels::Kept;
 use super::surfels::LodSurfels;
 use super::write::{NodeWriter, Nodes};
 use crate::cloud::{ShapeRecord, oct_decode, oct_encode};
@@ -21,9 +21,9 @@ impl LodSurfels {
         let sorted = &self.octree.points;
         let writer = NormalWriter { shapes: &self.shapes };
         let coarse = sorted.coarse_levels().len() as u32;
-        let may_be_kept = cut.ranges.iter().filter(|range| range.level < coarse);
-        let kept: Kept<'_, ShapeRecord> = self.normals.kept(may_be_kept, sorted, &writer);
-        sorted.write_nodes(&cut.ranges, &writer, &kept, out);
+        let may_be_cached = cut.ranges.iter().filter(|range| range.level < coarse);
+        let cached: Cached<'_, ShapeRecord> = self.normals.cached(may_be_cached, sorted, &writer);
+        sorted.write_nodes(&cut.ranges, &writer, &cached, out);
     }
 }
 

@@ -5,7 +5,7 @@
 //!
 //! When it wins: of all nodes, one view shows a third (leaves only) or less, so a frame that is played and gone never
 //! pays for the others, and they need no memory. Of levels that are coarse enough for it, what is drawn again is kept
-//! (`kept_levels.rs`): reading the points of cells that have several each takes longer than copying.
+//! (`cached_levels.rs`): reading the points of cells that have several each takes longer than copying.
 
 use super::color_sums::{ColorSum, MAX_SUMMED, field_of};
 use super::gap::Gap;
@@ -78,16 +78,16 @@ impl Octree {
     fn write_ranges(&self, ranges: &[NodeRange], out: &mut Vec<VoxelRecord>) {
         let writer = self.voxel_writer();
         let coarse = self.points.coarse_levels().len() as u32;
-        let may_be_kept = ranges.iter().filter(|range| range.level < coarse);
-        let kept = self.points.voxels.kept(may_be_kept, &self.points, &writer);
-        self.points.write_nodes(ranges, &writer, &kept, out);
+        let may_be_cached = ranges.iter().filter(|range| range.level < coarse);
+        let cached = self.points.voxels.cached(may_be_cached, &self.points, &writer);
+        self.points.write_nodes(ranges, &writer, &cached, out);
     }
 }
 
 impl SortedPoints {
     /// The numbers of nodes of the levels whose voxels are worth keeping, from the root's on.
     pub(super) fn coarse_levels(&self) -> &[usize] {
-        let is_coarse = |&count: &usize| count * POINTS_PER_KEPT_VOXEL <= self.len();
+        let is_coarse = |&count: &usize| count * POINTS_PER_CACHED_VOXEL <= self.len();
         let count = self.occupied.iter().take_while(|&count| is_coarse(count)).count();
         &self.occupied[..count]
     }
@@ -95,7 +95,7 @@ impl SortedPoints {
 
 /// Minimum average points per node for keeping voxels: with fewer points, a voxel is computed from hardly more bytes
 /// than it has.
-const POINTS_PER_KEPT_VOXEL: usize = 3;
+const POINTS_PER_CACHED_VOXEL: usize = 3;
 
 struct VoxelWriter<'a> {
     points: &'a SortedPoints,

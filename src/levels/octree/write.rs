@@ -5,7 +5,7 @@
 //! shared out among threads by their points; each part knows from a count of its nodes where its records go. Of levels
 //! that are kept, records are copied.
 
-use super::kept_levels::Kept;
+use super::cached_levels::Cached;
 use super::partings::write_beginnings;
 use super::sorted_points::SortedPoints;
 use crate::levels::cut::NodeRange;
@@ -42,13 +42,13 @@ impl SortedPoints {
         &self,
         ranges: &[NodeRange],
         writer: &W,
-        kept: &Kept<'_, W::Record>,
+        cached: &Cached<'_, W::Record>,
         out: &mut Vec<W::Record>,
     ) {
         let pieces = self.pieces(ranges);
         if let [piece] = pieces.as_slice() {
             out.resize(self.count_nodes(piece), W::Record::zeroed());
-            self.write_piece(piece, writer, kept, out);
+            self.write_piece(piece, writer, cached, out);
             return;
         }
         let count = |piece: &Vec<NodeRange>| self.count_nodes(piece);
@@ -59,7 +59,7 @@ impl SortedPoints {
         pieces
             .par_iter()
             .zip(places)
-            .for_each(|(piece, out)| self.write_piece(piece, writer, kept, out));
+            .for_each(|(piece, out)| self.write_piece(piece, writer, cached, out));
     }
 
     /// Writes to as many places as there are nodes.
@@ -67,31 +67,31 @@ impl SortedPoints {
         &self,
         piece: &[NodeRange],
         writer: &W,
-        kept: &Kept<'_, W::Record>,
+        cached: &Cached<'_, W::Record>,
         out: &mut [W::Record],
     ) {
-        dispatch!(Level::new(), _simd => Batch::new().write_ranges(self, piece, writer, kept, out));
+        dispatch!(Level::new(), _simd => Batch::new().write_ranges(self, piece, writer, cached, out));
     }
 
     /// Splits the nodes into pieces of about [`PIECE_POINTS`] points.
     fn pieces(&self, ranges: &[NodeRange]) -> Vec<Vec<NodeRange>> {
         let mut pieces = Vec::new();
         let mut piece = Vec::new();
-        let mut room = PIECE_POINTS;
+        let mut space = PIECE_POINTS;
         for NodeRange { level, points } in ranges {
             let mut next = points.start;
             while next < points.end {
-                let full = next.saturating_add(room).min(points.end);
+                let full = next.saturating_add(space).min(points.end);
                 let end = self.next_beginning(*level, full, points.end);
                 piece.push(NodeRange {
                     level: *level,
                     points: next..end,
                 });
-                room = room.saturating_sub(end - next);
+                space = space.saturating_sub(end - next);
                 next = end;
-                if room == 0 {
+                if space == 0 {
                     pieces.push(std::mem::take(&mut piece));
-                    room = PIECE_POINTS;
+                    space = PIECE_POINTS;
                 }
             }
         }
@@ -137,14 +137,14 @@ impl Batch {
         points: &SortedPoints,
         ranges: &[NodeRange],
         writer: &W,
-        kept: &Kept<'_, W::Record>,
+        cached: &Cached<'_, W::Record>,
         mut out: &mut [W::Record],
     ) {
         for nodes in ranges {
             let NodeRange { level, points: range } = nodes;
-            if let Some(kept) = kept[*level as usize] {
+            if let Some(cached) = cached[*level as usize] {
                 out = self.write(self.count, writer, out);
-                let records = kept.of_nodes(nodes, points);
+                let records = cached.of_nodes(nodes, points);
                 let (now, left) = out.split_at_mut(records.len());
                 now.copy_from_slice(records);
                 out = left;
@@ -264,7 +264,7 @@ mod tests {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
                 let mut found = Vec::new();
                 pool.unwrap()
-                    .install(|| points.write_nodes(ranges, &Names, &Kept::default(), &mut found));
+                    .install(|| points.write_nodes(ranges, &Names, &Cached::default(), &mut found));
                 assert!(found == expected, "{} nodes", expected.len());
             }
             assert!(ranges.len() != 1 || expected.len() > PIECE_POINTS);

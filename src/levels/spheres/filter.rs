@@ -6,7 +6,7 @@
 
 use super::bounds::Bounds;
 use super::cone::Cone;
-use super::rule::{Rule, RuleNumbers, Verdict};
+use super::rule::{NodeClass, Rule, RuleNumbers};
 use crate::math::Sphere;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -130,15 +130,15 @@ impl SequenceFilter {
         let name = self.name(candidate) as usize;
         let bounds = &self.tested.bounds;
         let parent = match bounds.get(name) {
-            Some(node) if self.verdict(node) == Verdict::Small => node.parent,
+            Some(node) if self.node_class(node) == NodeClass::Small => node.parent,
             Some(_) => return false,
             None => self.tested.parents[name - bounds.len()],
         };
         // The root is divided, or there would be no candidates.
-        parent == 0 || self.verdict(&bounds[parent as usize]) == Verdict::Divided
+        parent == 0 || self.node_class(&bounds[parent as usize]) == NodeClass::Divided
     }
 
-    fn verdict(&self, node: &NodeBounds) -> Verdict {
-        self.rule.verdict(&node.bounds(), node.level, || false)
+    fn node_class(&self, node: &NodeBounds) -> NodeClass {
+        self.rule.node_class(&node.bounds(), node.level, || false)
     }
 }

@@ -32,7 +32,7 @@ mod tests;
 mod tree;
 
 use super::cut::{Cut, CutHints, SelectView};
-use super::selection::{KeptNodes, NodeRecords, Selection};
+use super::selection::{CachedNodes, NodeRecords, Selection};
 use super::structure::{Levels, LevelsSize, RecordBuffers, Records};
 use crate::cloud::{PointRecord, ShapeRecord};
 use filter::Tested;
@@ -62,7 +62,7 @@ pub struct SphereLevels {
     points: Arc<Vec<PointRecord>>,
     shapes: Arc<Vec<ShapeRecord>>,
     structure: Structure,
-    kept: KeptNodes,
+    cached: CachedNodes,
     /// Test data of a sequence, once its nodes are kept.
     tested: OnceLock<Tested>,
 }
@@ -97,7 +97,7 @@ impl SphereLevels {
             points,
             shapes,
             structure,
-            kept: KeptNodes::default(),
+            cached: CachedNodes::default(),
             tested: OnceLock::new(),
         }
     }
@@ -105,8 +105,8 @@ impl SphereLevels {
     /// Most bytes that it can come to, with the records of all nodes for whoever selects among them.
     pub fn max_bytes(&self) -> usize {
         let size = self.size();
-        let kept = size_of::<PointRecord>() + size_of::<ShapeRecord>() + size_of::<u32>();
-        size.bytes + size.nodes * kept
+        let cached = size_of::<PointRecord>() + size_of::<ShapeRecord>() + size_of::<u32>();
+        size.bytes + size.nodes * cached
     }
 
     /// The records of all nodes, by their names.
@@ -154,7 +154,7 @@ impl Levels for SphereLevels {
 
     fn select(&self, cut: &Cut, buffers: &mut RecordBuffers) -> Option<Records> {
         let work_out = || self.node_records();
-        let nodes = self.kept.records(cut.node_count, self.size().nodes, work_out)?;
+        let nodes = self.cached.records(cut.node_count, self.size().nodes, work_out)?;
         let mut places = std::mem::take(&mut buffers.places);
         places.clear();
         let names = cut.listed.drawn.iter();
@@ -172,7 +172,7 @@ impl Levels for SphereLevels {
         let Structure::Sequential(sequences) = &self.structure else {
             return None;
         };
-        let nodes = self.kept.known()?;
+        let nodes = self.cached.known()?;
         let sequence = sequences.only_sequence()?;
         let tested = self.tested.get_or_init(|| sequence.tested());
         Some(Records::Selected {

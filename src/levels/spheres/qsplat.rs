@@ -10,7 +10,7 @@
 use super::before::WasDivided;
 use super::bounds::Bounds;
 use super::node_code::{NODE_WORDS, NodeCode};
-use super::rule::{Rule, Verdict};
+use super::rule::{NodeClass, Rule};
 use super::sphere_code;
 use super::splat::Splat;
 use super::split::{Child, Inner};
@@ -281,10 +281,10 @@ impl Descent<'_> {
     fn visit(&self, visit: &Visit, found: &mut FoundNodes) {
         found.decoded += 1;
         let was_divided = || self.before.at(visit.name);
-        match self.rule.verdict(&visit.bounds, visit.level, was_divided) {
-            Verdict::Dropped => {}
-            Verdict::Small => found.draw(visit.name, visit.sphere),
-            Verdict::Divided => {
+        match self.rule.node_class(&visit.bounds, visit.level, was_divided) {
+            NodeClass::Dropped => {}
+            NodeClass::Small => found.draw(visit.name, visit.sphere),
+            NodeClass::Divided => {
                 found.listed.divided.push(visit.name as u32);
                 if visit.level < PARALLEL_LEVELS {
                     let mut children = Vec::with_capacity(super::split::MAX_CHILDREN);

@@ -19,7 +19,7 @@ use glam::{DVec3, DVec4, Vec4};
 
 /// Verdict on a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Verdict {
+pub(super) enum NodeClass {
     /// Nothing of it can be seen.
     Dropped,
     /// It is drawn, if its parent is divided.
@@ -97,16 +97,16 @@ impl Rule {
     }
 
     /// Returns the verdict on a node that is not a leaf. `was_divided` returns whether the previous view divided it.
-    pub(super) fn verdict(&self, bounds: &Bounds, level: u32, was_divided: impl FnOnce() -> bool) -> Verdict {
+    pub(super) fn node_class(&self, bounds: &Bounds, level: u32, was_divided: impl FnOnce() -> bool) -> NodeClass {
         let seen_share = self.seen_share(bounds);
         if self.is_dropped(bounds, seen_share) {
-            return Verdict::Dropped;
+            return NodeClass::Dropped;
         }
         let size_px2 = self.size_px2(bounds, seen_share);
         if self.is_small(size_px2, was_divided) || self.ends_at(level) {
-            Verdict::Small
+            NodeClass::Small
         } else {
-            Verdict::Divided
+            NodeClass::Divided
         }
     }
 

@@ -18,7 +18,7 @@ use super::before::WasDivided;
 use super::bounds::Bounds;
 use super::filter::{NodeBounds, SequenceFilter, Tested};
 use super::order::{NO_PARENT, Order};
-use super::rule::{Rule, Verdict};
+use super::rule::{NodeClass, Rule};
 use super::splat::{self, Splat};
 use super::split::{Child, Division};
 use super::tree::SphereTree;
@@ -117,10 +117,10 @@ impl SequentialTree {
         let mut stack = Vec::from_iter((!self.uppers.is_empty()).then_some(0));
         while let Some(upper) = stack.pop() {
             tested += 1;
-            match selection.verdict(upper as usize) {
-                Verdict::Dropped => {}
-                Verdict::Small => listed.drawn.push(upper),
-                Verdict::Divided => {
+            match selection.node_class(upper as usize) {
+                NodeClass::Dropped => {}
+                NodeClass::Small => listed.drawn.push(upper),
+                NodeClass::Divided => {
                     divided.push(upper);
                     stack.extend(self.uppers[upper as usize].children.clone().rev());
                 }
@@ -204,7 +204,7 @@ impl OnlySequence<'_> {
             rule: Rule::new(view, &CutHints { before, ..hints }),
             before: WasDivided::new(before),
         };
-        if selection.verdict(0) != Verdict::Divided {
+        if selection.node_class(0) != NodeClass::Divided {
             return None;
         }
         let small_radius = selection.rule.small_radius_below(&self.0.inners[0].bounds);
@@ -348,10 +348,10 @@ struct Selection<'a> {
 }
 
 impl Selection<'_> {
-    fn verdict(&self, name: usize) -> Verdict {
+    fn node_class(&self, name: usize) -> NodeClass {
         let inner = &self.tree.inners[name];
         let was_divided = || self.before.at(name);
-        self.rule.verdict(&inner.bounds, inner.level.into(), was_divided)
+        self.rule.node_class(&inner.bounds, inner.level.into(), was_divided)
     }
 
     /// Those nodes of the sequence below a node that is divided that may be drawn: its first.
@@ -367,22 +367,22 @@ impl Selection<'_> {
     fn sequence(&self, upper: usize) -> (ListedNodes, usize) {
         let candidates = self.candidates(upper);
         let tested = candidates.clone().into_par_iter();
-        let verdicts: Vec<Verdict> = tested
+        let verdicts: Vec<NodeClass> = tested
             .with_min_len(NODES_PER_TASK)
-            .map(|name| self.verdict(name))
+            .map(|name| self.node_class(name))
             .collect();
-        let is_divided = |parent: u32| parent == NO_PARENT || verdicts[parent as usize] == Verdict::Divided;
+        let is_divided = |parent: u32| parent == NO_PARENT || verdicts[parent as usize] == NodeClass::Divided;
         let mut listed = ListedNodes::default();
         let mut leaves = vec![self.tree.inners[upper].leaves()];
-        for (&verdict, name) in verdicts.iter().zip(candidates.clone()) {
+        for (&node_class, name) in verdicts.iter().zip(candidates.clone()) {
             let inner = &self.tree.inners[name];
-            match verdict {
-                Verdict::Small if is_divided(inner.parent) => listed.drawn.push(name as u32),
-                Verdict::Divided => {
+            match node_class {
+                NodeClass::Small if is_divided(inner.parent) => listed.drawn.push(name as u32),
+                NodeClass::Divided => {
                     listed.divided.push(name as u32);
                     leaves.push(inner.leaves());
                 }
-                Verdict::Small | Verdict::Dropped => {}
+                NodeClass::Small | NodeClass::Dropped => {}
             }
         }
         // In the order of memory, which is that in which cards list them.

@@ -1,7 +1,7 @@
 //! Trees against their points, and cuts against the definition evaluated on every node.
 
 use super::node_code::NORMAL_ERROR_DEG;
-use super::rule::{Rule, Verdict};
+use super::rule::{NodeClass, Rule};
 use super::split::Child;
 use super::*;
 use crate::analysis::test_shapes::{self, Random};
@@ -178,7 +178,7 @@ fn size_and_drop(tree: &SphereTree, node: u32, view: &SelectView, culls: bool) -
 
 /// (leaf ∨ small) ∧ ¬small(parent) of all that can be seen; leaves are seen with their parents.
 fn drawn_by_definition(tree: &SphereTree, view: &SelectView, culls: bool) -> HashSet<Child> {
-    let verdict = |node: u32| {
+    let node_class = |node: u32| {
         let (size, is_dropped) = size_and_drop(tree, node, view, culls);
         let ends = tree.division.inners[node as usize].level as u32 >= view.deepest_level;
         (
@@ -188,8 +188,8 @@ fn drawn_by_definition(tree: &SphereTree, view: &SelectView, culls: bool) -> Has
     };
     let mut drawn = HashSet::new();
     for (inner, index) in tree.division.inners.iter().zip(0_u32..) {
-        let (is_small, is_dropped) = verdict(index);
-        let (parent_is_small, parent_is_dropped) = verdict(inner.parent);
+        let (is_small, is_dropped) = node_class(index);
+        let (parent_is_small, parent_is_dropped) = node_class(inner.parent);
         let is_below_divided = index == 0 || !parent_is_small && !parent_is_dropped;
         if is_small && !is_dropped && is_below_divided {
             drawn.insert(Child::Inner(index));
@@ -338,12 +338,12 @@ proptest! {
         let metric = if is_by_area { LodMetric::Area } else { LodMetric::Edge };
         let view = view_to(Vec3::from_array(eye), Vec3::new(0.1, 0.2, 0.3), lod_px, metric);
         let rule = Rule::new(&view, &hints(culls));
-        let verdict = |node: u32| rule.verdict(&tree.nodes[node as usize].bounds, 0, || false);
+        let node_class = |node: u32| rule.node_class(&tree.nodes[node as usize].bounds, 0, || false);
         for (inner, index) in tree.division.inners.iter().zip(0_u32..).skip(1) {
-            match verdict(inner.parent) {
-                Verdict::Small => prop_assert!(verdict(index) != Verdict::Divided),
-                Verdict::Dropped => prop_assert_eq!(verdict(index), Verdict::Dropped),
-                Verdict::Divided => {}
+            match node_class(inner.parent) {
+                NodeClass::Small => prop_assert!(node_class(index) != NodeClass::Divided),
+                NodeClass::Dropped => prop_assert_eq!(node_class(index), NodeClass::Dropped),
+                NodeClass::Divided => {}
             }
         }
         let expected = drawn_by_definition(&tree, &view, culls);
@@ -384,9 +384,9 @@ fn near_the_threshold_the_view_before_decides() {
             };
             levels.cut(&SelectView { lod_px, ..view }, hints)
         };
-        let anew = |lod_px: f32| levels.cut(&SelectView { lod_px, ..view }, CutHints::default());
+        let fresh = |lod_px: f32| levels.cut(&SelectView { lod_px, ..view }, CutHints::default());
         let kind = levels.kind();
-        assert!(names(&anew(6.3)) != names(&first), "{kind:?}");
+        assert!(names(&fresh(6.3)) != names(&first), "{kind:?}");
         if kind != SphereKind::Printed {
             assert!(names(&with_before(6.3)) == names(&first), "{kind:?}");
             assert!(names(&with_before(5.7)) == names(&first), "{kind:?}");
@@ -394,7 +394,7 @@ fn near_the_threshold_the_view_before_decides() {
         // The nodes that were divided are so still, where the threshold is not a tenth beyond.
         let divided = |cut: &Cut| cut.listed.divided.iter().copied().collect::<HashSet<u32>>();
         assert!(divided(&with_before(6.3)).is_superset(&divided(&first)), "{kind:?}");
-        assert!(!divided(&anew(6.3)).is_superset(&divided(&first)), "{kind:?}");
+        assert!(!divided(&fresh(6.3)).is_superset(&divided(&first)), "{kind:?}");
         assert!(!divided(&with_before(8.0)).is_superset(&divided(&first)), "{kind:?}");
     }
 }

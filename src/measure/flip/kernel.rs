@@ -35,10 +35,10 @@ impl Kernel {
                 .any(|end| raw(radius)[end].abs() > NEGLIGIBLE * largest)
         };
         let radius = (1..=radius_px).rev().find(|&radius| matters(radius)).unwrap_or(0);
-        let kept = raw(radius);
-        let sum_of = |sign: f64| kept.iter().map(|weight| (weight * sign).max(0.0)).sum::<f64>();
+        let retained = raw(radius);
+        let sum_of = |sign: f64| retained.iter().map(|weight| (weight * sign).max(0.0)).sum::<f64>();
         let [positive, negative] = [sum_of(1.0), sum_of(-1.0)];
-        let weights = kept.into_iter().map(|weight| {
+        let weights = retained.into_iter().map(|weight| {
             let sum = if weight > 0.0 { positive } else { negative };
             if weight == 0.0 { 0.0 } else { (weight / sum) as f32 }
         });

@@ -144,7 +144,7 @@ impl Drafts {
             notes: self.notes,
             ..ViewSet::default()
         };
-        let mut kept = vec![None; photos.len()];
+        let mut retained = vec![None; photos.len()];
         let (mut missing, mut wrong) = (Vec::new(), Vec::new());
         // Programs list photographs as they were matched, or as a hash table has them: people count them by their
         // names.
@@ -153,7 +153,7 @@ impl Drafts {
         for (listed, (draft, photo)) in by_name {
             match photo {
                 Ok(photo) => {
-                    kept[listed] = Some(set.photos.len() as u32);
+                    retained[listed] = Some(set.photos.len() as u32);
                     set.photos.push(photo);
                 }
                 Err(Reason::Missing) => missing.push(draft.name.as_str()),
@@ -191,7 +191,7 @@ impl Drafts {
             });
         }
         set.points = self.points.with_observations(|seen| {
-            let photo = (*kept.get(seen.photo as usize)?)?;
+            let photo = (*retained.get(seen.photo as usize)?)?;
             let lens = self.photos[seen.photo as usize].lens.as_ref().ok()?;
             let image_px = set.photos[photo as usize].camera.size_px();
             let pixel = lens.pixel(seen.pixel.as_dvec2(), image_px).as_vec2();

@@ -46,9 +46,9 @@ struct RigCamera {
 
 impl Rig {
     pub(in crate::photos) fn of(drafts: Drafts) -> Result<Self, PhotosError> {
-        let (mut cameras, mut wrong, mut kept) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut cameras, mut wrong, mut retained) = (Vec::new(), Vec::new(), Vec::new());
         for (index, draft) in drafts.photos.iter().enumerate() {
-            kept.push(draft.placed().is_ok().then_some(cameras.len() as u32));
+            retained.push(draft.placed().is_ok().then_some(cameras.len() as u32));
             match draft.placed() {
                 Ok((lens, camera_from_world)) => cameras.push(RigCamera {
                     name: name_of_camera(draft),
@@ -70,7 +70,7 @@ impl Rig {
             });
         }
         let points = drafts.points.with_observations(|seen| {
-            let photo = (*kept.get(seen.photo as usize)?)?;
+            let photo = (*retained.get(seen.photo as usize)?)?;
             Some(Observation { photo, ..seen })
         });
         Ok(Self {

@@ -123,13 +123,13 @@ impl PosedImages {
 
     /// Returns a copy excluding some images, by their numbers in the set. The angle between views is kept as it is.
     #[must_use]
-    pub fn without(&self, left_out: &[usize]) -> Self {
-        let kept = self
+    pub fn without(&self, skipped: &[usize]) -> Self {
+        let retained = self
             .all
             .iter()
-            .filter(|posed_image| !left_out.contains(&posed_image.number));
+            .filter(|posed_image| !skipped.contains(&posed_image.number));
         Self {
-            all: kept.cloned().collect(),
+            all: retained.cloned().collect(),
             surface: self.surface.clone(),
             ..*self
         }

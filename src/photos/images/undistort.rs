@@ -69,8 +69,8 @@ fn covering(camera: &Camera) -> ([u32; 2], DVec2) {
     let high_px = (high + 0.5 - 1e-6).ceil();
     let side = |axis: usize, side: u32| {
         let (side, from, to) = (i64::from(side), low_px[axis] as i64, high_px[axis] as i64);
-        let room = (MAX_GROWTH - 1) * side / 2;
-        let (from, to) = (from.clamp(-room, side - 1), to.clamp(1, side + room));
+        let space = (MAX_GROWTH - 1) * side / 2;
+        let (from, to) = (from.clamp(-space, side - 1), to.clamp(1, side + space));
         (from, (to - from).clamp(1, MAX_GROWTH * side) as u32)
     };
     let ((left, columns), (top, rows)) = (side(0, width), side(1, height));

@@ -55,11 +55,11 @@ impl<'a> Bytes<'a> {
     pub(in crate::photos) fn count(&mut self, what: &str, min_bytes: usize) -> Result<u64, PhotosError> {
         let start = self.at;
         let count = self.u64()?;
-        let room = (self.all.len() - self.at) / min_bytes;
-        if count > room as u64 {
+        let space = (self.all.len() - self.at) / min_bytes;
+        if count > space as u64 {
             self.at = start;
             return Err(self.error(format!(
-                "{count} {what} are claimed, and the file has room for {room} at most: it was cut, or is none of these"
+                "{count} {what} are claimed, and the file has room for {space} at most: it was cut, or is none of these"
             )));
         }
         Ok(count)

@@ -165,12 +165,12 @@ mod tests {
         points.push(DVec3::X, [1; 3], [seen(0), seen(2), seen(9)]);
         points.push(DVec3::Y, [2; 3], [seen(1)]);
         let positions = points.positions().to_vec();
-        let kept = points.with_observations(|seen| {
+        let retained = points.with_observations(|seen| {
             let photo = (*[Some(1), None, Some(0)].get(seen.photo as usize)?)?;
             Some(Observation { photo, ..seen })
         });
-        let photos = |point| kept.track(point).iter().map(|seen| seen.photo).collect::<Vec<_>>();
+        let photos = |point| retained.track(point).iter().map(|seen| seen.photo).collect::<Vec<_>>();
         assert_eq!((photos(0), photos(1)), (vec![1, 0], vec![]));
-        assert_eq!(kept.positions(), positions);
+        assert_eq!(retained.positions(), positions);
     }
 }

@@ -15,8 +15,8 @@ pub(super) struct RawWriter {
 impl RawWriter {
     /// The lowest `bits` bits of a number, at most 32.
     pub(super) fn write(&mut self, bits: u32, value: u32) {
-        let kept = u64::from(value) & ((1 << bits) - 1);
-        self.last |= kept << self.bits;
+        let retained = u64::from(value) & ((1 << bits) - 1);
+        self.last |= retained << self.bits;
         self.bits += bits;
         while self.bits >= 8 {
             self.bytes.push(self.last as u8);

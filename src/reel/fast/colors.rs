@@ -115,14 +115,14 @@ impl Kind for Colors {
         words: &[u64; 8],
         below: &mut [[u8; 4]; 8],
     ) {
-        let kept = i16::from(is_told).wrapping_neg();
+        let retained = i16::from(is_told).wrapping_neg();
         for ((below, &word), child) in below.iter_mut().zip(words).zip(0..8) {
             for lane in 0..4 {
                 let mut expected = i16::from(parent[lane]);
                 if let Some(slopes) = slopes {
-                    expected = (expected + (slopes[child][lane] & kept)).clamp(0, 255);
+                    expected = (expected + (slopes[child][lane] & retained)).clamp(0, 255);
                 }
-                let off = (word >> (16 * lane)) as i16 & kept;
+                let off = (word >> (16 * lane)) as i16 & retained;
                 below[lane] = expected.saturating_add(off).clamp(0, 255) as u8;
             }
         }

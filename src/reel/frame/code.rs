@@ -42,14 +42,14 @@ pub(in crate::reel) fn decode_pose(wanted: &Wanted<'_>, sections: &[CodedSection
         counts,
         ranges: &ranges,
     };
-    let is_kept = |level: usize| !wanted.schema.is_flat || wanted.keeps_levels || sizes.section_of(level) == 0;
-    let mut pose = blank(wanted, counts, has_points, is_kept);
+    let is_retained = |level: usize| !wanted.schema.is_flat || wanted.keeps_levels || sizes.section_of(level) == 0;
+    let mut pose = blank(wanted, counts, has_points, is_retained);
     streams::decode(wanted, &mut pose, sizes, sections)?;
     Ok(pose)
 }
 
 /// A pose with room for what will be decoded.
-fn blank(wanted: &Wanted<'_>, counts: &[usize], has_points: bool, is_kept: impl Fn(usize) -> bool) -> Pose {
+fn blank(wanted: &Wanted<'_>, counts: &[usize], has_points: bool, is_retained: impl Fn(usize) -> bool) -> Pose {
     let schema = wanted.schema;
     let deepest = wanted.counts.len().saturating_sub(1);
     let values = |count: usize, offsets: usize| LevelValues {
@@ -62,7 +62,7 @@ fn blank(wanted: &Wanted<'_>, counts: &[usize], has_points: bool, is_kept: impl 
         masks: vec![0; if level + 1 < counts.len() { count } else { 0 }],
         cells: Vec::new(),
         values: values(
-            if is_kept(level) { count } else { 0 },
+            if is_retained(level) { count } else { 0 },
             if level == deepest { count } else { 0 },
         ),
     });

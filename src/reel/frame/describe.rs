@@ -1,7 +1,7 @@
 //! Schema of a cloud: the attributes it has, and how options have them written.
 
 use super::floats::Lattice;
-use super::schema::{Kept, ScalarSchema, Schema, Values};
+use super::schema::{Retained, ScalarSchema, Schema, Values};
 use crate::cloud::{Positions, RawCloud};
 use crate::reel::options::{Coding, Precision, ReelOptions};
 use glam::Vec3;
@@ -10,12 +10,12 @@ use glam::Vec3;
 pub(super) fn schema(
     cloud: &RawCloud,
     group: &[&RawCloud],
-    kept: Kept,
+    retained: Retained,
     lattice: Option<Lattice>,
     options: &ReelOptions,
 ) -> Schema {
     let attributes = &cloud.attributes;
-    let is_merged = kept == Kept::Merged;
+    let is_merged = retained == Retained::Merged;
     let has_normals = attributes.normals.is_some();
     let is_exact = options.normal_bits == 0 && !is_merged;
     let normal_bits = match options.normal_bits {
@@ -36,7 +36,7 @@ pub(super) fn schema(
         coding: options.coding,
         is_flat: options.coding == Coding::Fast,
         is_double: matches!(cloud.positions, Positions::F64(_)),
-        kept,
+        retained,
         has_cell_bits: options.precision == Precision::PointSpacing,
         lattice,
         has_order: options.keep_order,

@@ -3,7 +3,7 @@
 use super::columns::{code_counts, code_even, code_floats, code_missing_bits};
 use super::grid::Grid;
 use super::levels::PosePoints;
-use super::schema::{Kept, Schema, StreamKind, Values};
+use super::schema::{Retained, Schema, StreamKind, Values};
 use crate::math::morton;
 use crate::reel::coder::{BitCoder, BitModel};
 use crate::reel::error::Fault;
@@ -24,23 +24,23 @@ pub(super) fn code_positions<C: BitCoder>(
             points.below.len()
         )));
     }
-    if let Kept::Bits(bits) = schema.kept {
+    if let Retained::Bits(bits) = schema.retained {
         code_missing_bits(coder, &mut points.missing_bits, &points.counts, bits);
     }
     let missing = points.missing_bits.iter().copied().chain(std::iter::repeat(0));
     let mut below = points.below.iter_mut();
     for ((&cell, missing), &count) in cells.iter().zip(missing).zip(&points.counts) {
         let cell = morton::decode(cell);
-        let spans = [0, 1, 2].map(|axis| match schema.kept {
-            Kept::Exact => schema.floats().ranks(grid, axis, u64::from(cell[axis])).1,
+        let spans = [0, 1, 2].map(|axis| match schema.retained {
+            Retained::Exact => schema.floats().ranks(grid, axis, u64::from(cell[axis])).1,
             _ => 0,
         });
         for point in below.by_ref().take(count as usize) {
             for (axis, value) in point.iter_mut().enumerate() {
-                *value = match schema.kept {
-                    Kept::Merged => 0,
-                    Kept::Bits(bits) => coder.even_bits(u32::from(bits - missing), *value >> missing) << missing,
-                    Kept::Exact => code_even(coder, spans[axis], *value),
+                *value = match schema.retained {
+                    Retained::Merged => 0,
+                    Retained::Bits(bits) => coder.even_bits(u32::from(bits - missing), *value >> missing) << missing,
+                    Retained::Exact => code_even(coder, spans[axis], *value),
                 };
             }
         }

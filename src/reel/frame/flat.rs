@@ -28,7 +28,7 @@ struct Forms<V, K> {
     /// Value of the parent of the root.
     root: V,
     blank: V,
-    kept: fn(u8, V) -> K,
+    retained: fn(u8, V) -> K,
     drawn: fn(u8, K) -> V,
     /// Bits of a normal; others have none.
     bits: u8,
@@ -135,21 +135,21 @@ fn code_all<D: Direction, V: Copy, K: Copy>(
     mut part: Part<'_, D>,
     places: &[Place<'_>],
     forms: &Forms<V, K>,
-    kept: Vec<&mut [K]>,
+    retained: Vec<&mut [K]>,
     code: impl Fn(&mut D::Coder, Upwards<'_>, &[V], &mut [V]),
 ) -> Result<Coded<V>, Fault> {
     let mut parents = vec![forms.root];
-    for (place, kept) in places.iter().zip(kept) {
+    for (place, retained) in places.iter().zip(retained) {
         let mut values = vec![forms.blank; place.count + SLACK];
         if !D::Coder::DECODES {
-            for (value, &kept) in values.iter_mut().zip(kept.iter()) {
-                *value = (forms.drawn)(forms.bits, kept);
+            for (value, &retained) in values.iter_mut().zip(retained.iter()) {
+                *value = (forms.drawn)(forms.bits, retained);
             }
         }
         code(part.at(place.section)?, place.upwards, &parents, &mut values);
         values.truncate(place.count);
-        for (kept, &value) in kept.iter_mut().zip(&values) {
-            *kept = (forms.kept)(forms.bits, value);
+        for (retained, &value) in retained.iter_mut().zip(&values) {
+            *retained = (forms.retained)(forms.bits, value);
         }
         if !values.is_empty() {
             parents = values;
@@ -165,16 +165,16 @@ fn code_all_colors<D: Direction>(
     part: Part<'_, D>,
     places: &[Place<'_>],
     step: u8,
-    kept: Vec<&mut [[u16; 3]]>,
+    retained: Vec<&mut [[u16; 3]]>,
 ) -> Result<Coded<[u8; 4]>, Fault> {
     let forms = Forms {
         root: [128, 128, 128, 255],
         blank: [0; 4],
-        kept: |_, [red, green, blue, _]: [u8; 4]| [green, red, blue].map(u16::from),
+        retained: |_, [red, green, blue, _]: [u8; 4]| [green, red, blue].map(u16::from),
         drawn: |_, [green, red, blue]: [u16; 3]| [red, green, blue, 255].map(|channel| channel as u8),
         bits: 0,
     };
-    code_all(part, places, &forms, kept, |coder, upwards, parents, colors| {
+    code_all(part, places, &forms, retained, |coder, upwards, parents, colors| {
         dispatch!(SimdLevel::new(), _simd => code_colors(coder, upwards, parents, colors, step));
     })
 }
@@ -183,19 +183,19 @@ fn code_all_normals<D: Direction>(
     part: Part<'_, D>,
     places: &[Place<'_>],
     bits: u8,
-    kept: Vec<&mut [[i16; 2]]>,
+    retained: Vec<&mut [[i16; 2]]>,
 ) -> Result<Coded<u32>, Fault> {
     let forms = Forms {
         root: 0,
         blank: 0,
-        kept: |bits, normal| match cell_of(bits, normal) {
+        retained: |bits, normal| match cell_of(bits, normal) {
             Some(cell) => NormalGrid::of(bits).place_of_cell(cell),
             None => MISSING,
         },
         drawn: normal_at,
         bits,
     };
-    code_all(part, places, &forms, kept, |coder, upwards, parents, normals| {
+    code_all(part, places, &forms, retained, |coder, upwards, parents, normals| {
         dispatch!(SimdLevel::new(), _simd => code_normals(coder, bits, upwards, parents, normals));
     })
 }
@@ -226,16 +226,16 @@ fn code_all_singles<D: Direction>(
     part: Part<'_, D>,
     places: &[Place<'_>],
     max: u16,
-    kept: Vec<&mut [[u16; 1]]>,
+    retained: Vec<&mut [[u16; 1]]>,
 ) -> Result<Coded<[u16; 1]>, Fault> {
     let forms = Forms {
         root: [max / 2],
         blank: [0],
-        kept: |_, value| value,
+        retained: |_, value| value,
         drawn: |_, value| value,
         bits: 0,
     };
-    code_all(part, places, &forms, kept, |coder, upwards, parents, values| {
+    code_all(part, places, &forms, retained, |coder, upwards, parents, values| {
         dispatch!(SimdLevel::new(), _simd => code_singles(coder, upwards, parents, values, max));
     })
 }

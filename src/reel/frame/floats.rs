@@ -193,7 +193,7 @@ fn number_of(rank: u64) -> f64 {
 const TRIED: usize = 256;
 
 /// One point in so many may be off the lattice.
-const POINTS_A_STRAY: usize = 500;
+const POINTS_PER_OUTLIER: usize = 500;
 
 /// The coarsest lattice that the points of clouds are on; `None` if there is none that saves anything.
 pub(super) fn lattice_of(clouds: &[&RawCloud]) -> Option<Lattice> {
@@ -243,12 +243,12 @@ fn is_on(lattice: Lattice, cloud: &RawCloud, stride: usize) -> bool {
     };
     let count = cloud.positions.len();
     let tried = count / stride;
-    let mut left = (tried / 16).min(4) + tried / POINTS_A_STRAY;
+    let mut left = (tried / 16).min(4) + tried / POINTS_PER_OUTLIER;
     (0..count).step_by(stride).all(|index| {
         let is_on = (0..3).all(|axis| floats.rank(&cloud.positions, index, axis).is_some());
-        let is_stray = !is_on && left > 0;
-        left -= usize::from(is_stray);
-        is_on || is_stray
+        let is_outlier = !is_on && left > 0;
+        left -= usize::from(is_outlier);
+        is_on || is_outlier
     })
 }
 

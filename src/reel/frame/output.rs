@@ -3,7 +3,7 @@
 use super::drawn::DrawnNodes;
 use super::grid::Grid;
 use super::levels::{LevelValues, Pose};
-use super::schema::{Kept, Schema, StreamKind, Values};
+use super::schema::{Retained, Schema, StreamKind, Values};
 use super::summaries::radius_edges;
 use crate::cloud::{Ellipse, Positions, RawCloud, ScalarField};
 use crate::math::morton;
@@ -40,7 +40,7 @@ pub(in crate::reel) fn cloud_of(schema: &Schema, grid: &Grid, mut pose: Pose, of
 /// Edge of the cells that the disks of a level have to close, where points have none of their own. The cells of a whole
 /// frame are as fine as its densest part: disks of their size would leave gaps in others.
 fn closing_edge(schema: &Schema, grid: &Grid, level: u32) -> Option<f64> {
-    let needs_closing = level < grid.depth || schema.kept != Kept::Merged;
+    let needs_closing = level < grid.depth || schema.retained != Retained::Merged;
     needs_closing.then_some(grid.edge(level))
 }
 
@@ -170,12 +170,12 @@ fn cloud_of_points(schema: &Schema, grid: &Grid, pose: &Pose, offsets: &[f64]) -
     let placed = points.cell_of_each(&deepest.cells).zip(&points.below);
     let bits = placed.map(|((cell, missing), below)| {
         let cell = morton::decode(cell).map(u64::from);
-        [0, 1, 2].map(|axis| match schema.kept {
-            Kept::Exact => {
+        [0, 1, 2].map(|axis| match schema.retained {
+            Retained::Exact => {
                 let (first, _) = schema.floats().ranks(grid, axis, cell[axis]);
                 schema.floats().bits(axis, first.saturating_add(below[axis]))
             }
-            Kept::Bits(bits) => {
+            Retained::Bits(bits) => {
                 let edge = grid.cell / (1u64 << bits) as f64;
                 let half = 0.5 * (1u64 << missing) as f64;
                 let middle = grid.min[axis] + ((cell[axis] << bits | below[axis]) as f64 + half) * edge;
@@ -185,7 +185,7 @@ fn cloud_of_points(schema: &Schema, grid: &Grid, pose: &Pose, offsets: &[f64]) -
                     u64::from((middle as f32).to_bits())
                 }
             }
-            Kept::Merged => 0,
+            Retained::Merged => 0,
         })
     });
     let bits = bits.chain(points.outside.iter().copied());

@@ -2,7 +2,7 @@
 
 use super::floats::Floats;
 use super::grid::Grid;
-use super::schema::{Kept, Schema, Values};
+use super::schema::{Retained, Schema, Values};
 use crate::cloud::{Attributes, Positions};
 use glam::Vec3;
 
@@ -25,10 +25,10 @@ pub(super) fn below(schema: &Schema, grid: &Grid, positions: &Positions, order: 
     let of_point = |&point: &u32| {
         let index = point as usize;
         let position = positions.get(index);
-        [0, 1, 2].map(|axis| match schema.kept {
-            Kept::Merged => 0,
-            Kept::Exact => schema.floats().rank_in_cell(grid, positions, index, axis).unwrap_or(0),
-            Kept::Bits(bits) => {
+        [0, 1, 2].map(|axis| match schema.retained {
+            Retained::Merged => 0,
+            Retained::Exact => schema.floats().rank_in_cell(grid, positions, index, axis).unwrap_or(0),
+            Retained::Bits(bits) => {
                 let finest = Grid {
                     cell: grid.cell / (1u64 << bits) as f64,
                     ..*grid

@@ -5,7 +5,7 @@ use super::floats::{Floats, Lattice, lattice_of};
 use super::grid::Grid;
 use super::levels::{Level, LevelValues, Pose, PosePoints};
 use super::points;
-use super::schema::{Kept, Schema};
+use super::schema::{Retained, Schema};
 use super::spacing::largest_cells;
 use super::summaries::{PointValues, offsets};
 use crate::cloud::{Positions, RawCloud};
@@ -57,7 +57,7 @@ struct FrameCells {
 /// Quantisation of points to cells.
 struct Finest {
     grid: Grid,
-    kept: Kept,
+    retained: Retained,
     /// Lattice of the coordinates, if they are kept to the last bit.
     lattice: Option<Lattice>,
 }
@@ -71,7 +71,7 @@ impl GroupPlan {
             _ => Vec::new(),
         };
         finest.grid.cell *= scale_for(&largest_cells);
-        if finest.kept == Kept::Exact {
+        if finest.retained == Retained::Exact {
             finest.lattice = lattice_of(clouds);
         }
         let cells: Vec<FrameCells> = clouds.par_iter().map(|cloud| cells_of(cloud, &finest)).collect();
@@ -93,14 +93,14 @@ impl GroupPlan {
             finest: finest.grid.depth,
             largest_cells,
         };
-        let kept = match (options.precision, finest.kept) {
-            (Precision::PointSpacing, _) => Kept::Bits(plan.max_bits()),
-            (_, Kept::Bits(bits)) => Kept::Bits(bits + below as u8),
-            (_, kept) => kept,
+        let retained = match (options.precision, finest.retained) {
+            (Precision::PointSpacing, _) => Retained::Bits(plan.max_bits()),
+            (_, Retained::Bits(bits)) => Retained::Bits(bits + below as u8),
+            (_, retained) => retained,
         };
         plan.schemas = clouds
             .iter()
-            .map(|cloud| schema(cloud, clouds, kept, finest.lattice, options))
+            .map(|cloud| schema(cloud, clouds, retained, finest.lattice, options))
             .collect();
         plan
     }
@@ -124,8 +124,8 @@ impl GroupPlan {
 
     /// The bits that the points of each node lack of those that the schema has; none where all have the same.
     fn missing_bits(&self, frame: usize) -> Vec<u8> {
-        match self.schemas[frame].kept {
-            Kept::Bits(bits) if self.schemas[frame].has_cell_bits => {
+        match self.schemas[frame].retained {
+            Retained::Bits(bits) if self.schemas[frame].has_cell_bits => {
                 let of_nodes = self.bits_below(frame).into_iter();
                 of_nodes.map(|of_node| bits - of_node.min(bits)).collect()
             }
@@ -228,7 +228,7 @@ fn finest_grid(clouds: &[&RawCloud], options: &ReelOptions) -> Finest {
     }
     let extent = (max - min).max_element();
     let largest = min.abs().max(max.abs()).max_element();
-    let merged = Kept::Merged;
+    let merged = Retained::Merged;
     match options.precision {
         Precision::Bits(bits) => {
             let cells = f64::from(1u32 << bits);
@@ -244,7 +244,7 @@ fn finest_grid(clouds: &[&RawCloud], options: &ReelOptions) -> Finest {
             };
             Finest {
                 grid,
-                kept: merged,
+                retained: merged,
                 lattice: None,
             }
         }
@@ -263,32 +263,32 @@ fn finest_grid(clouds: &[&RawCloud], options: &ReelOptions) -> Finest {
                     cell: cell * (1u64 << below) as f64,
                     depth,
                 };
-                let kept = Kept::Bits(below as u8);
+                let retained = Retained::Bits(below as u8);
                 return Finest {
                     grid,
-                    kept,
+                    retained,
                     lattice: None,
                 };
             }
             Finest {
                 grid: power_of_two_grid(min, max, extent, largest),
-                kept: Kept::Exact,
+                retained: Retained::Exact,
                 lattice: None,
             }
         }
         Precision::PointSpacing => Finest {
             grid: power_of_two_grid(min, max, extent, largest),
-            kept: Kept::Bits(0),
+            retained: Retained::Bits(0),
             lattice: None,
         },
         Precision::SamplingDensity => Finest {
             grid: power_of_two_grid(min, max, extent, largest),
-            kept: merged,
+            retained: merged,
             lattice: None,
         },
         Precision::Lossless => Finest {
             grid: power_of_two_grid(min, max, extent, largest),
-            kept: Kept::Exact,
+            retained: Retained::Exact,
             lattice: None,
         },
     }
@@ -323,7 +323,7 @@ fn cells_of(cloud: &RawCloud, finest: &Finest) -> FrameCells {
     for index in 0..cloud.positions.len() {
         let position = cloud.positions.get(index);
         if is_placed(position)
-            && (finest.kept != Kept::Exact || points::has_rank(floats, &finest.grid, &cloud.positions, index))
+            && (finest.retained != Retained::Exact || points::has_rank(floats, &finest.grid, &cloud.positions, index))
         {
             placed.push(index as u32);
             let cell = [0, 1, 2].map(|axis| finest.grid.index(axis, position[axis]) as u32);
@@ -403,7 +403,7 @@ pub(in crate::reel) fn prepare(plan: &GroupPlan, frame: usize, cloud: &RawCloud)
             summaries = summaries.above(schema, &levels[level - 1].masks);
         }
     }
-    let points = (schema.kept != Kept::Merged).then(|| {
+    let points = (schema.retained != Retained::Merged).then(|| {
         let all: Vec<u32> = cells.order.iter().chain(&cells.outside).copied().collect();
         let mut values = LevelValues::default();
         let each: Vec<Range<usize>> = (0..all.len()).map(|place| place..place + 1).collect();

@@ -69,7 +69,7 @@ impl StreamKind {
 
 /// Position data that is kept of points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::reel) enum Kept {
+pub(in crate::reel) enum Retained {
     /// One point a cell.
     Merged,
     /// Every point, with so many bits below its cell along each axis.
@@ -145,7 +145,7 @@ pub(in crate::reel) struct Schema {
     pub(in crate::reel) is_flat: bool,
     /// True if coordinates are double-precision.
     pub(in crate::reel) is_double: bool,
-    pub(in crate::reel) kept: Kept,
+    pub(in crate::reel) retained: Retained,
     /// True if each cell states how many of the bits below it its points have.
     pub(in crate::reel) has_cell_bits: bool,
     /// Lattice of the coordinates, if they are kept to the last bit.
@@ -189,10 +189,10 @@ impl Schema {
             .map(|(bit, &is_set)| u64::from(is_set) << bit)
             .sum();
         writer.number(bits);
-        writer.byte(match self.kept {
-            Kept::Merged => 0,
-            Kept::Exact => 255,
-            Kept::Bits(bits) => 1 + bits,
+        writer.byte(match self.retained {
+            Retained::Merged => 0,
+            Retained::Exact => 255,
+            Retained::Bits(bits) => 1 + bits,
         });
         writer.byte(self.color_step);
         writer.byte(self.normal_bits);
@@ -217,10 +217,10 @@ impl Schema {
             )));
         }
         let flag = |bit: u32| bits >> bit & 1 != 0;
-        let kept = match reader.byte()? {
-            0 => Kept::Merged,
-            255 => Kept::Exact,
-            bits @ 1..=51 => Kept::Bits(bits - 1),
+        let retained = match reader.byte()? {
+            0 => Retained::Merged,
+            255 => Retained::Exact,
+            bits @ 1..=51 => Retained::Bits(bits - 1),
             found => return Err(Fault::new(format!("positions of an unknown kind ({found})"))),
         };
         let [color_step, normal_bits, offset_bits] = [reader.byte()?, reader.byte()?, reader.byte()?];
@@ -250,7 +250,7 @@ impl Schema {
             coding: if flag(9) { Coding::Fast } else { Coding::Compact },
             is_flat: flag(11),
             is_double: flag(0),
-            kept,
+            retained,
             has_cell_bits: flag(12),
             lattice,
             has_order: flag(1),

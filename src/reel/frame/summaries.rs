@@ -4,7 +4,7 @@
 use super::StreamKind;
 use super::grid::Grid;
 use super::levels::LevelValues;
-use super::schema::{Kept, Schema};
+use super::schema::{Retained, Schema};
 use crate::cloud::{RawCloud, coarser_normal, quantise_normal};
 use crate::math::morton;
 use crate::reel::attributes::{MISSING, NormalGrid, offset_of};
@@ -172,7 +172,7 @@ impl<'a> PointValues<'a> {
                         .iter()
                         .map(|&point| self.single(single, point as usize)),
                 );
-                if is_radius && (range.len() > 1 || self.schema.kept == Kept::Merged) {
+                if is_radius && (range.len() > 1 || self.schema.retained == Retained::Merged) {
                     return [self.covering_radius(&order[range.clone()])];
                 }
                 single_mean(&mut codes, is_label)

@@ -45,7 +45,7 @@ fn positions(cloud: &RawCloud) -> Vec<DVec3> {
 }
 
 /// Where the points of `frames` are in a file, in the order in which they were written.
-fn kept(frames: &[RawCloud], coding: Coding) -> (Vec<Vec<DVec3>>, Vec<u8>) {
+fn retained(frames: &[RawCloud], coding: Coding) -> (Vec<Vec<DVec3>>, Vec<u8>) {
     let options = ReelOptions {
         keep_order: true,
         coding,
@@ -57,12 +57,12 @@ fn kept(frames: &[RawCloud], coding: Coding) -> (Vec<Vec<DVec3>>, Vec<u8>) {
 }
 
 fn check(clouds: &[RawCloud], coding: Coding) -> Result<(), TestCaseError> {
-    let (kept, _) = kept(clouds, coding);
-    for (cloud, kept) in clouds.iter().zip(kept) {
+    let (retained, _) = retained(clouds, coding);
+    for (cloud, retained) in clouds.iter().zip(retained) {
         let was = positions(cloud);
-        prop_assert_eq!(was.len(), kept.len());
+        prop_assert_eq!(was.len(), retained.len());
         let spacings = NEIGHBOURHOODS.map(|around| spacings(&was, around));
-        for (point, (&was, &is)) in was.iter().zip(&kept).enumerate() {
+        for (point, (&was, &is)) in was.iter().zip(&retained).enumerate() {
             let spacing = spacings.iter().map(|of| of[point]).fold(0.0, f64::max);
             let error = was.distance(is);
             prop_assert!(

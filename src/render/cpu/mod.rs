@@ -215,8 +215,8 @@ impl Renderer for CpuRenderer {
             return Err(RenderError::TooLarge { width, height, max });
         }
         let packet = &self.gathered.packet(packet);
-        let is_kept = self.blocks.as_ref().is_some_and(|(of, _)| *of == packet.content);
-        if !is_kept {
+        let is_cached = self.blocks.as_ref().is_some_and(|(of, _)| *of == packet.content);
+        if !is_cached {
             let blocks = Drawable::of(packet).blocks();
             self.blocks = Some((packet.content.clone(), blocks));
         }

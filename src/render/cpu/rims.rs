@@ -128,7 +128,7 @@ impl Drawn<'_> {
     }
 
     fn opaque_end(&self, pixel: [i32; 2], [right, down]: [i32; 2], max: i32) -> Option<End> {
-        let max = max.min(self.room(pixel, 0, right)).min(self.room(pixel, 1, down));
+        let max = max.min(self.space(pixel, 0, right)).min(self.space(pixel, 1, down));
         let per_step = self.size[0] as isize * down as isize + right as isize;
         let mut at = self.at(pixel);
         for steps in 1..=max {
@@ -143,7 +143,7 @@ impl Drawn<'_> {
     }
 
     /// Steps of one pixel along an axis from another one on until the picture ends.
-    fn room(&self, pixel: [i32; 2], axis: usize, step: i32) -> i32 {
+    fn space(&self, pixel: [i32; 2], axis: usize, step: i32) -> i32 {
         match step {
             0 => i32::MAX,
             1 => self.size[axis] - 1 - pixel[axis],

@@ -66,10 +66,10 @@ pub(super) const NO_RAY: f32 = 1e9;
 const RADIUS_OF_NOTHING: f32 = -1.0;
 
 /// Verdict of the selection test on a node of a sequence; open is one that single-precision floats leave undecided.
-const VERDICT_DROPPED: u32 = 0;
-const VERDICT_SMALL: u32 = 1;
-const VERDICT_DIVIDED: u32 = 2;
-const VERDICT_OPEN: u32 = 3;
+const NODE_CLASS_DROPPED: u32 = 0;
+const NODE_CLASS_SMALL: u32 = 1;
+const NODE_CLASS_DIVIDED: u32 = 2;
+const NODE_CLASS_OPEN: u32 = 3;
 
 /// Records that the strategy `compute` hands to a workgroup.
 pub(super) const GROUP_RECORDS: u32 = 256;
@@ -171,10 +171,10 @@ pub(super) fn shared() -> String {
         SQUARE_REACH_RADII,
         STREAM_GROUP,
         UPRIGHT_NORMAL_Y,
-        VERDICT_DIVIDED,
-        VERDICT_DROPPED,
-        VERDICT_OPEN,
-        VERDICT_SMALL,
+        NODE_CLASS_DIVIDED,
+        NODE_CLASS_DROPPED,
+        NODE_CLASS_OPEN,
+        NODE_CLASS_SMALL,
         VERTICES_PER_QUAD,
         VERTICES_PER_TRIANGLE,
         VIEW_GROUP,

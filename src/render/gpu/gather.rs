@@ -17,11 +17,11 @@
 use super::context::Context;
 use super::gather_program::{FILTER, GATHER, Program, bind_group, dispatch};
 use super::gpu_data::{Filtering, Gathering};
-use super::instancing::{Chunk, RECORD_BYTES, RecordInstancing, Room, Stream};
+use super::instancing::{Chunk, RECORD_BYTES, RecordBuffer, RecordInstancing, Stream};
 use super::primitives::Amplification;
+use super::record_buffers::{MAX_OVERSIZE, stream_in};
 use super::recording::Recording;
 use super::residency::{Residency, StreamKey};
-use super::rooms::{MAX_ROOM, stream_in};
 use crate::levels::Selection;
 use std::sync::Arc;
 
@@ -44,7 +44,7 @@ struct Gathered {
     nodes: Vec<StreamKey>,
     streams: Vec<Stream>,
     /// Allocated buffers of each chunk of each stream.
-    rooms: Vec<Vec<Room>>,
+    record_buffers: Vec<Vec<RecordBuffer>>,
     is_outdated: bool,
 }
 
@@ -106,22 +106,25 @@ impl Gatherer {
         }
         let uploaded_bytes = self.upload_places(context, selection);
         let mut streams = Vec::new();
-        let mut rooms = self.gathered.take().map_or_else(Vec::new, |gathered| gathered.rooms);
-        rooms.resize_with(RECORD_STREAMS.min(nodes.len()), Vec::new);
-        for rooms in &mut rooms {
+        let mut record_buffers = self
+            .gathered
+            .take()
+            .map_or_else(Vec::new, |gathered| gathered.record_buffers);
+        record_buffers.resize_with(RECORD_STREAMS.min(nodes.len()), Vec::new);
+        for record_buffers in &mut record_buffers {
             streams.push(stream_in(
                 context,
                 instancing,
                 selection.len(),
                 selected.chunked_for,
-                rooms,
+                record_buffers,
             ));
         }
         self.gathered = Some(Gathered {
             selection: Arc::clone(selection),
             nodes: nodes.to_vec(),
             streams,
-            rooms,
+            record_buffers,
             is_outdated: true,
         });
         uploaded_bytes
@@ -131,7 +134,8 @@ impl Gatherer {
         let Selection::At(places) = selection else { return 0 };
         let bytes: &[u8] = bytemuck::cast_slice(places);
         let needed = bytes.len() as u64;
-        let fits = |buffer: &wgpu::Buffer| buffer.size() >= needed && buffer.size() <= (needed + 1) * MAX_ROOM as u64;
+        let fits =
+            |buffer: &wgpu::Buffer| buffer.size() >= needed && buffer.size() <= (needed + 1) * MAX_OVERSIZE as u64;
         if !self.places.as_ref().is_some_and(fits) {
             self.places = Some(context.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("places of nodes"),
@@ -171,13 +175,13 @@ impl Gatherer {
         };
         let label = program.shader.label;
         let programs = program.made(context);
-        let (nodes, of_test) = gathered.nodes.split_at(gathered.rooms.len());
+        let (nodes, of_test) = gathered.nodes.split_at(gathered.record_buffers.len());
         let buffer = |key: &StreamKey| residency.get(*key).and_then(Stream::to_gather_from);
         let mut pass = recording.begin_compute(label);
-        for (stream, (key, rooms)) in nodes.iter().zip(&gathered.rooms).enumerate() {
+        for (stream, (key, record_buffers)) in nodes.iter().zip(&gathered.record_buffers).enumerate() {
             let Some(nodes) = buffer(key) else { continue };
             let mut first = 0;
-            for (chunk, room) in gathered.streams[stream].chunks.iter().zip(rooms) {
+            for (chunk, record_buffer) in gathered.streams[stream].chunks.iter().zip(record_buffers) {
                 let records = first..first + chunk.record_count;
                 first = records.end;
                 // The first stream has no radii.
@@ -190,12 +194,12 @@ impl Gatherer {
                             continue;
                         };
                         let filtering = Filtering::of(filter, records, has_radii);
-                        let buffers = [parents, nodes, &room.buffer, bounds];
+                        let buffers = [parents, nodes, &record_buffer.buffer, bounds];
                         bind_group(programs, context, bytemuck::bytes_of(&filtering), &buffers)
                     }
                     selection => {
                         let gathering = Gathering::of(selection, records, has_radii);
-                        let buffers = [self.places.as_ref().unwrap_or(nodes), nodes, &room.buffer];
+                        let buffers = [self.places.as_ref().unwrap_or(nodes), nodes, &record_buffer.buffer];
                         bind_group(programs, context, bytemuck::bytes_of(&gathering), &buffers)
                     }
                 };
@@ -203,8 +207,8 @@ impl Gatherer {
             }
         }
         drop(pass);
-        for room in gathered.rooms.iter().flatten() {
-            room.copy_to_texture(recording);
+        for record_buffer in gathered.record_buffers.iter().flatten() {
+            record_buffer.copy_to_texture(recording);
         }
         1
     }

@@ -186,15 +186,15 @@ impl Residency {
 
     /// Drops what is gone, then what was not drawn for longest, but never `keep`.
     pub(super) fn trim(&mut self, keep: &[StreamKey]) {
-        let is_kept = |key: &StreamKey| keep.contains(key);
+        let is_cached = |key: &StreamKey| keep.contains(key);
         self.streams
-            .retain(|key, resident| is_kept(key) || resident.owner.strong_count() > 0);
+            .retain(|key, resident| is_cached(key) || resident.owner.strong_count() > 0);
         self.resident_bytes = self.streams.values().map(|resident| resident.stream.byte_size).sum();
         while self.resident_bytes > self.budget_bytes {
             let oldest = self
                 .streams
                 .iter()
-                .filter(|(key, _)| !is_kept(key))
+                .filter(|(key, _)| !is_cached(key))
                 .min_by_key(|(_, resident)| resident.last_drawn)
                 .map(|(&key, _)| key);
             let Some(resident) = oldest.and_then(|key| self.streams.remove(&key)) else {
@@ -262,9 +262,9 @@ mod tests {
         );
 
         residency.ensure(&RecordSource::of(&clouds[3]), stream_of);
-        let kept = [StreamKey::of(&clouds[1])];
+        let cached = [StreamKey::of(&clouds[1])];
         clouds = vec![Arc::clone(&clouds[1])];
-        residency.trim(&kept);
+        residency.trim(&cached);
         assert_eq!(residency.resident_bytes(), 40, "clouds that are gone leave at once");
         assert!(residency.get(StreamKey::of(&clouds[0])).is_some());
     }

@@ -5,7 +5,7 @@ pub(crate) const MEDIAN_REACH: usize = 2;
 
 /// Number of values kept by forgetful selection: of 25 values, this many have a smallest and a largest that are not the
 /// median of all: half of them, and two more.
-pub(crate) const MEDIAN_KEPT: usize = 14;
+pub(crate) const MEDIAN_RETAINED: usize = 14;
 
 /// Half width of the bilateral filter's window: pixels to each side of its centre.
 pub(crate) const BILATERAL_REACH: usize = 4;

@@ -41,11 +41,11 @@ impl FlyingPixels {
     /// `depth` without flying pixels.
     #[must_use]
     pub fn apply(&self, depth: &DepthImage) -> DepthImage {
-        let mut kept = self.keep(depth, self.min_neighbours);
+        let mut retained = self.keep(depth, self.min_neighbours);
         for _ in 0..self.erosion_px {
-            kept = self.keep(&kept, AROUND.len() as u8);
+            retained = self.keep(&retained, AROUND.len() as u8);
         }
-        kept
+        retained
     }
 
     /// The pixels of `depth` that have at least so many neighbours at their depth.
@@ -53,12 +53,12 @@ impl FlyingPixels {
         let padded = Padded::of(depth, 1, NOWHERE_M);
         let min = f32::from(min);
         dispatch!(Level::new(), simd => {
-            by_blocks(simd, depth, #[inline(always)] |at| self.kept_at(simd, &padded, min, at))
+            by_blocks(simd, depth, #[inline(always)] |at| self.retained_at(simd, &padded, min, at))
         })
     }
 
     #[inline(always)]
-    fn kept_at<S: Simd>(&self, simd: S, padded: &Padded, min: f32, at: [usize; 2]) -> f32x8<S> {
+    fn retained_at<S: Simd>(&self, simd: S, padded: &Padded, min: f32, at: [usize; 2]) -> f32x8<S> {
         let splat = |value: f32| f32x8::splat(simd, value);
         let (none, one) = (splat(0.0), splat(1.0));
         let rows = [0, 1, 2].map(|down| padded.around::<SPAN>(at, down));
@@ -69,8 +69,8 @@ impl FlyingPixels {
             let is_near = (load(simd, rows[down], right) - middle).abs().simd_le(max);
             neighbours += simd.select_f32x8(is_near, one, none);
         }
-        let kept = simd.select_f32x8(neighbours.simd_ge(splat(min)), middle, none);
-        simd.select_f32x8(middle.simd_lt(splat(0.5 * NOWHERE_M)), kept, none)
+        let retained = simd.select_f32x8(neighbours.simd_ge(splat(min)), middle, none);
+        simd.select_f32x8(middle.simd_lt(splat(0.5 * NOWHERE_M)), retained, none)
     }
 }
 
@@ -125,9 +125,9 @@ mod tests {
         };
         let image = DepthImage::new([32, 20], (0..32 * 20).map(depth).collect()).unwrap();
         let row = |filter: FlyingPixels| filter.apply(&image).metres()[32 * 10..32 * 11].to_vec();
-        let kept = |filter| row(filter).iter().map(|&z| z > 0.0).collect::<Vec<bool>>();
+        let retained = |filter| row(filter).iter().map(|&z| z > 0.0).collect::<Vec<bool>>();
         let columns = |dropped: std::ops::Range<usize>| (0..32).map(|x| !dropped.contains(&x)).collect::<Vec<bool>>();
-        assert_eq!(kept(FlyingPixels::USUAL), columns(16..17));
+        assert_eq!(retained(FlyingPixels::USUAL), columns(16..17));
         let eroded = FlyingPixels {
             erosion_px: 1,
             ..FlyingPixels::USUAL
@@ -135,6 +135,6 @@ mod tests {
         let mut expected = columns(15..18);
         // The border of the image is an edge too.
         (expected[0], expected[31]) = (false, false);
-        assert_eq!(kept(eroded), expected);
+        assert_eq!(retained(eroded), expected);
     }
 }

@@ -5,7 +5,7 @@
 //! branches, so eight pixels are sorted at once. What was not measured counts in turn as less and as more than
 //! everything, less first: then the median of 25 is the lower median of those that were measured.
 
-use super::constants::{MEDIAN_KEPT as KEPT, MEDIAN_REACH as REACH};
+use super::constants::{MEDIAN_REACH as REACH, MEDIAN_RETAINED as RETAINED};
 use super::padded::{LANES, Padded, by_blocks, load};
 use crate::rgbd::DepthImage;
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8};
@@ -32,36 +32,36 @@ fn median_at<S: Simd>(simd: S, padded: &Padded, at: [usize; 2]) -> f32x8<S> {
         next: 0,
         pad: f32x8::splat(simd, f32::NEG_INFINITY),
     };
-    let mut kept = [none; KEPT];
-    for value in &mut kept {
+    let mut retained = [none; RETAINED];
+    for value in &mut retained {
         *value = window.next(simd);
     }
     // Written out, so that each length is a network of its own.
-    forget::<S, 14>(&mut kept);
-    kept[0] = window.next(simd);
-    forget::<S, 13>(&mut kept);
-    kept[0] = window.next(simd);
-    forget::<S, 12>(&mut kept);
-    kept[0] = window.next(simd);
-    forget::<S, 11>(&mut kept);
-    kept[0] = window.next(simd);
-    forget::<S, 10>(&mut kept);
-    kept[0] = window.next(simd);
-    forget::<S, 9>(&mut kept);
-    kept[0] = window.next(simd);
-    forget::<S, 8>(&mut kept);
-    kept[0] = window.next(simd);
-    forget::<S, 7>(&mut kept);
-    kept[0] = window.next(simd);
-    forget::<S, 6>(&mut kept);
-    kept[0] = window.next(simd);
-    forget::<S, 5>(&mut kept);
-    kept[0] = window.next(simd);
-    forget::<S, 4>(&mut kept);
-    kept[0] = window.next(simd);
-    forget::<S, 3>(&mut kept);
+    forget::<S, 14>(&mut retained);
+    retained[0] = window.next(simd);
+    forget::<S, 13>(&mut retained);
+    retained[0] = window.next(simd);
+    forget::<S, 12>(&mut retained);
+    retained[0] = window.next(simd);
+    forget::<S, 11>(&mut retained);
+    retained[0] = window.next(simd);
+    forget::<S, 10>(&mut retained);
+    retained[0] = window.next(simd);
+    forget::<S, 9>(&mut retained);
+    retained[0] = window.next(simd);
+    forget::<S, 8>(&mut retained);
+    retained[0] = window.next(simd);
+    forget::<S, 7>(&mut retained);
+    retained[0] = window.next(simd);
+    forget::<S, 6>(&mut retained);
+    retained[0] = window.next(simd);
+    forget::<S, 5>(&mut retained);
+    retained[0] = window.next(simd);
+    forget::<S, 4>(&mut retained);
+    retained[0] = window.next(simd);
+    forget::<S, 3>(&mut retained);
     let center = load(simd, padded.around::<SPAN>(at, REACH), REACH);
-    simd.select_f32x8(center.simd_eq(none), none, kept[1])
+    simd.select_f32x8(center.simd_eq(none), none, retained[1])
 }
 
 /// The values of a window, one after the other.
@@ -89,7 +89,7 @@ impl<S: Simd> Window<'_, S> {
 
 /// Moves the smallest of the first N values to their begin and the largest to their end.
 #[inline(always)]
-fn forget<S: Simd, const N: usize>(values: &mut [f32x8<S>; KEPT]) {
+fn forget<S: Simd, const N: usize>(values: &mut [f32x8<S>; RETAINED]) {
     for low in 0..N / 2 {
         exchange(values, low, N - 1 - low);
     }
@@ -104,7 +104,7 @@ fn forget<S: Simd, const N: usize>(values: &mut [f32x8<S>; KEPT]) {
 
 /// The smaller of two values to the first place.
 #[inline(always)]
-fn exchange<S: Simd>(values: &mut [f32x8<S>; KEPT], low: usize, high: usize) {
+fn exchange<S: Simd>(values: &mut [f32x8<S>; RETAINED], low: usize, high: usize) {
     let (a, b) = (values[low], values[high]);
     values[low] = a.min(b);
     values[high] = a.max(b);

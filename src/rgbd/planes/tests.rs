@@ -134,15 +134,15 @@ fn noise_is_taken_from_planes_and_nothing_else() {
         }
     };
     let mut points = seen(in_steps(exact));
-    let stray = 20 * SIZE_PX[0] as usize + 30;
-    points[stray] *= 0.8;
+    let outlier = 20 * SIZE_PX[0] as usize + 30;
+    points[outlier] *= 0.8;
     let mut moved = points.clone();
     put_on_planes(SIZE_PX, &mut moved);
-    assert_eq!(moved[stray], points[stray]);
+    assert_eq!(moved[outlier], points[outlier]);
     let off = |points: &[Vec3]| {
         let apart = (0..)
             .zip(points)
-            .filter(|&(at, point)| at != stray && point.is_finite());
+            .filter(|&(at, point)| at != outlier && point.is_finite());
         let apart = apart.map(|(_, point)| {
             (point.z.recip() - exact([point.x / point.z, point.y / point.z]).unwrap().recip()).powi(2)
         });

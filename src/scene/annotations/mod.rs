@@ -1,8 +1,8 @@
 //! Drawn over the picture by whoever shows it: labels, legend, scale bar, lengths between places.
 
 pub(super) mod followed;
-pub(super) mod gauge;
 pub(super) mod labels;
 pub(super) mod legend;
+pub(super) mod measurement_kind;
 pub(super) mod on_screen;
 pub(super) mod scale_bar;

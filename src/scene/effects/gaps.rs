@@ -26,11 +26,11 @@ use crate::scene::{PhotoRelight, ScenePacket};
 pub fn gap_px(packet: &ScenePacket) -> u32 {
     let style = &packet.style;
     // Light has fallen when gaps are closed: what is lit anew would be lit around them alone.
-    let is_lit_anew = style.photos.relight != PhotoRelight::Off;
+    let is_relit = style.photos.relight != PhotoRelight::Off;
     let has_surface = style.is_shaded_with_distances() && packet.lighting().is_deferred();
     let shown = packet.posed_images.as_ref();
     let are_there = shown.is_some_and(|shown| !shown.posed_images.all().is_empty());
-    if !are_there || !has_surface || is_lit_anew {
+    if !are_there || !has_surface || is_relit {
         return 0;
     }
     (0.01 * style.photos.gaps * packet.whole_height_px()).round() as u32

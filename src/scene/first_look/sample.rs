@@ -74,16 +74,16 @@ impl CloudSample {
         if median > 0.0 { sparse / median } else { 1.0 }
     }
 
-    /// The points at `kept`.
-    pub(super) fn at(&self, kept: &[usize]) -> Self {
+    /// The points at `retained`.
+    pub(super) fn at(&self, retained: &[usize]) -> Self {
         let pick = |values: &[Vec3]| match values {
             [] => Vec::new(),
-            values => kept.iter().map(|&index| values[index]).collect(),
+            values => retained.iter().map(|&index| values[index]).collect(),
         };
         Self {
             positions: pick(&self.positions),
             normals: pick(&self.normals),
-            spacing: kept.iter().map(|&index| self.spacing[index]).collect(),
+            spacing: retained.iter().map(|&index| self.spacing[index]).collect(),
             planar_share: self.planar_share,
         }
     }

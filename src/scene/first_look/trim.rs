@@ -11,8 +11,8 @@ use crate::math::Aabb;
 /// Largest fraction of the points that is excluded as outliers.
 const MAX_OUTLIERS: f64 = 0.05;
 /// At most this share if they sample nothing, which they do from so many times the median spacing on.
-const MAX_STRAYS: f64 = 0.25;
-const STRAY_SPACINGS: f32 = 300.0;
+const MAX_UNSAMPLED: f64 = 0.25;
+const UNSAMPLED_SPACINGS: f32 = 300.0;
 /// A point is isolated from this many times the median spacing on.
 const ISOLATED_SPACINGS: f32 = 8.0;
 
@@ -23,11 +23,11 @@ pub(super) fn inliers(sample: &CloudSample) -> Vec<usize> {
     let mut isolated: Vec<usize> = (0..sample.spacing.len()).filter(is_isolated).collect();
     isolated.sort_by(|&a, &b| sample.spacing[b].total_cmp(&sample.spacing[a]));
     let max = |share: f64| (share * sample.spacing.len() as f64) as usize;
-    let stray_from = STRAY_SPACINGS * sample.median_spacing();
-    let strays = isolated.partition_point(|&index| sample.spacing[index] > stray_from);
+    let outlier_from = UNSAMPLED_SPACINGS * sample.median_spacing();
+    let outliers = isolated.partition_point(|&index| sample.spacing[index] > outlier_from);
     // More strays than that are the cloud.
-    let strays = if strays <= max(MAX_STRAYS) { strays } else { 0 };
-    isolated.truncate(strays.max(max(MAX_OUTLIERS)));
+    let outliers = if outliers <= max(MAX_OUTLIERS) { outliers } else { 0 };
+    isolated.truncate(outliers.max(max(MAX_UNSAMPLED)));
     isolated.sort_unstable();
     let is_inlier = |index: &usize| isolated.binary_search(index).is_err();
     (0..sample.spacing.len()).filter(is_inlier).collect()

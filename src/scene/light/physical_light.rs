@@ -68,19 +68,19 @@ impl PhysicalTables {
     /// Returns the tables of a roughness, recomputed if they are not among the last ones.
     fn of(environment: Environment, roughness: f32) -> Arc<Self> {
         /// Number of images whose tables are cached: both halves of a comparison.
-        const MAX_KEPT: usize = 4;
-        static KEPT: Mutex<Vec<(Environment, u32, Arc<PhysicalTables>)>> = Mutex::new(Vec::new());
+        const MAX_CACHED: usize = 4;
+        static CACHED: Mutex<Vec<(Environment, u32, Arc<PhysicalTables>)>> = Mutex::new(Vec::new());
         // Entries are replaced whole.
-        let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut cached = CACHED.lock().unwrap_or_else(PoisonError::into_inner);
         let bits = roughness.to_bits();
-        let known = kept.iter().position(|(of, at, _)| (*of, *at) == (environment, bits));
+        let known = cached.iter().position(|(of, at, _)| (*of, *at) == (environment, bits));
         let entry = match known {
-            Some(place) => kept.remove(place),
+            Some(place) => cached.remove(place),
             None => (environment, bits, Arc::new(Self::new(environment, roughness))),
         };
         let tables = Arc::clone(&entry.2);
-        kept.insert(0, entry);
-        kept.truncate(MAX_KEPT);
+        cached.insert(0, entry);
+        cached.truncate(MAX_CACHED);
         tables
     }
 }

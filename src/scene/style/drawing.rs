@@ -147,9 +147,9 @@ group! {
             label: Label::Unusual(Place::HowFine, "at {}"),
             also: &["render scale", "pixel ratio", "quality", "downscale"],
             values: Values::Number(Numbers {
-                kept: [0.25, 1.0],
+                retained: [0.25, 1.0],
                 offered: [0.25, 1.0],
-                typed: Typed::Kept("a share from 0.25 to 1"),
+                typed: Typed::Retained("a share from 0.25 to 1"),
                 unit: Unit::Share,
                 ..Numbers::USUAL
             }),

@@ -50,7 +50,7 @@ impl LevelStructure {
 const HEADING: &str = "Level of detail";
 
 const LEVELS: Numbers = Numbers {
-    kept: [0.0, morton::LEVELS as f32],
+    retained: [0.0, morton::LEVELS as f32],
     offered: [0.0, morton::LEVELS as f32],
     typed: Typed::Whole,
     ..Numbers::USUAL
@@ -80,9 +80,9 @@ const STOPS: &[Kind] = &[
             // That of the paper.
             usual: 0.05_f32 as f64,
             numbers: Numbers {
-                kept: [0.0, 0.6],
+                retained: [0.0, 0.6],
                 offered: [0.0, 0.6],
-                typed: Typed::Kept("a number from 0 to 0.6, such as 0.05"),
+                typed: Typed::Retained("a number from 0 to 0.6, such as 0.05"),
                 unit: Unit::Percent,
                 decimals: 1,
                 ..Numbers::USUAL
@@ -117,7 +117,7 @@ const STOPS: &[Kind] = &[
             hint: "Maximum points in a leaf of the octree",
             usual: 8.0,
             numbers: Numbers {
-                kept: [1.0, u32::MAX as f32],
+                retained: [1.0, u32::MAX as f32],
                 offered: [1.0, 10_000.0],
                 typed: Typed::WholePositive,
                 is_logarithmic: true,
@@ -168,7 +168,7 @@ const LODS: &[Kind] = &[
             hint: "Octants whose edge is shorter than this on the screen are drawn as one voxel, pixels",
             usual: 1.0,
             numbers: Numbers {
-                kept: [0.0, 4096.0],
+                retained: [0.0, 4096.0],
                 offered: [0.5, 64.0],
                 typed: Typed::NotNegative,
                 unit: Unit::Is(" px"),
@@ -205,7 +205,7 @@ const LODS: &[Kind] = &[
             hint: "Maximum voxels per image",
             usual: 50_000.0,
             numbers: Numbers {
-                kept: [100.0, 50_000_000.0],
+                retained: [100.0, 50_000_000.0],
                 offered: [1_000.0, 10_000_000.0],
                 typed: Typed::WholePositive,
                 is_logarithmic: true,
@@ -226,7 +226,7 @@ const LODS: &[Kind] = &[
             hint: "Target time per image, milliseconds",
             usual: 16.0,
             numbers: Numbers {
-                kept: [1.0, 1000.0],
+                retained: [1.0, 1000.0],
                 offered: [2.0, 200.0],
                 unit: Unit::Is(" ms"),
                 decimals: 0,

@@ -114,7 +114,7 @@ group! {
             label: Label::If(|drawn| drawn.is_lit_physically(), Place::What, "metallic {}"),
             also: &["metalness", "pbr", "material"],
             values: Values::Number(Numbers {
-                typed: Typed::Kept("a number from 0 to 1"),
+                typed: Typed::Retained("a number from 0 to 1"),
                 ..Numbers::USUAL
             }),
         }
@@ -130,7 +130,7 @@ group! {
             label: Label::If(|drawn| drawn.is_lit_physically(), Place::What, "roughness {}"),
             also: &["glossiness", "pbr", "material"],
             values: Values::Number(Numbers {
-                typed: Typed::Kept("a number from 0 to 1"),
+                typed: Typed::Retained("a number from 0 to 1"),
                 ..Numbers::USUAL
             }),
         }
@@ -186,7 +186,7 @@ group! {
             when: |drawn| drawn.is_occluded(),
             also: &["ao strength", "ssao strength"],
             values: Values::Number(Numbers {
-                kept: [0.0, 4.0],
+                retained: [0.0, 4.0],
                 offered: [0.0, 2.0],
                 typed: Typed::NotNegative,
                 unit: Unit::Is(" ×"),
@@ -204,7 +204,7 @@ group! {
             when: |drawn| drawn.is_occluded(),
             also: &["ao radius", "ssao radius"],
             values: Values::Number(Numbers {
-                kept: [0.05, 4.0],
+                retained: [0.05, 4.0],
                 offered: [0.1, 4.0],
                 unit: Unit::Is(" ×"),
                 is_logarithmic: true,
@@ -239,7 +239,7 @@ group! {
             full_name: "Eye-dome strength",
             also: &["edl strength"],
             values: Values::Number(Numbers {
-                kept: [0.0, 4.0],
+                retained: [0.0, 4.0],
                 offered: [0.0, 4.0],
                 typed: Typed::NotNegative,
                 unit: Unit::Is(" ×"),
@@ -256,7 +256,7 @@ group! {
             section: Section::Shading,
             also: &["brightness", "exposure", "contrast", "tone"],
             values: Values::Number(Numbers {
-                kept: [0.1, 10.0],
+                retained: [0.1, 10.0],
                 offered: [0.25, 4.0],
                 is_logarithmic: true,
                 ..Numbers::USUAL

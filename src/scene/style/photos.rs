@@ -89,7 +89,7 @@ group! {
             full_name: "Blended images",
             also: &["number of cameras"],
             values: Values::Number(Numbers {
-                kept: [1.0, PhotoStyle::MAX_VIEWS as f32],
+                retained: [1.0, PhotoStyle::MAX_VIEWS as f32],
                 offered: [1.0, PhotoStyle::MAX_VIEWS as f32],
                 typed: Typed::Whole,
                 decimals: 0,
@@ -108,7 +108,7 @@ group! {
             when: |drawn| drawn.draws_view_dependent_textures(),
             full_name: "Reach of images",
             values: Values::Number(Numbers {
-                kept: [0.05, 10.0],
+                retained: [0.05, 10.0],
                 offered: [0.1, 5.0],
                 unit: Unit::Is(" ×"),
                 is_logarithmic: true,
@@ -154,9 +154,9 @@ group! {
             full_name: "Gaps between images",
             also: &["hole filling"],
             values: Values::Number(Numbers {
-                kept: [0.0, 20.0],
+                retained: [0.0, 20.0],
                 offered: [0.0, 10.0],
-                typed: Typed::Kept("a number from 0 to 20"),
+                typed: Typed::Retained("a number from 0 to 20"),
                 unit: Unit::Is(" %"),
                 decimals: 1,
                 ..Numbers::USUAL

@@ -66,7 +66,7 @@ group! {
             label: Label::If(|drawn| drawn.has_points_of_pixels(), Place::What, "{} px"),
             also: &["size of points", "thickness"],
             values: Values::Number(Numbers {
-                kept: [1.0, 32.0],
+                retained: [1.0, 32.0],
                 offered: [1.0, 32.0],
                 unit: Unit::Is(" px"),
                 decimals: 1,
@@ -85,7 +85,7 @@ group! {
             label: Label::Unusual(Place::What, "×{}"),
             also: &["size of points", "point size factor"],
             values: Values::Number(Numbers {
-                kept: [0.1, 10.0],
+                retained: [0.1, 10.0],
                 offered: [0.1, 10.0],
                 unit: Unit::Is(" ×"),
                 is_logarithmic: true,

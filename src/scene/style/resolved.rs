@@ -73,9 +73,9 @@ impl Settings {
     /// edges without light, and whoever requests light on points or relighting of posed images wants it.
     fn shows_light_of(&self, look: &FirstLook, primitive: Primitive) -> bool {
         let is_surface = !matches!(primitive, Primitive::Voxel | Primitive::Point);
-        let is_lit_anew = look.has_photos() && self.photos.relight != PhotoRelight::Off;
+        let is_relit = look.has_photos() && self.photos.relight != PhotoRelight::Off;
         let shows_colors = matches!(self.colors.source, ColorSource::Auto | ColorSource::File);
-        is_surface && look.colors_have_light && shows_colors && !is_lit_anew
+        is_surface && look.colors_have_light && shows_colors && !is_relit
     }
 }
 

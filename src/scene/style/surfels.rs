@@ -274,7 +274,7 @@ group! {
             label: Label::Unusual(Place::What, "×{}"),
             also: &["splat size", "surfel size", "disk radius"],
             values: Values::Number(Numbers {
-                kept: [0.1, 10.0],
+                retained: [0.1, 10.0],
                 offered: [0.1, 10.0],
                 unit: Unit::Is(" ×"),
                 is_logarithmic: true,
@@ -291,7 +291,7 @@ group! {
             section: Section::Surfels,
             when: |drawn| drawn.enlarges_surfels(),
             values: Values::Number(Numbers {
-                kept: [0.01, 100.0],
+                retained: [0.01, 100.0],
                 offered: [1.0, 4.0],
                 unit: Unit::Is(" ×"),
                 ..Numbers::USUAL

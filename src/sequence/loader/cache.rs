@@ -233,7 +233,7 @@ impl Cache {
     /// Evicts frames that are needed later than `rank`, the one needed last first, until `bytes` more fit into the
     /// budget. False if they still do not. The playhead's frame is never evicted. Coarse copies go if they take more
     /// than their share, or for a frame that is needed soon.
-    pub(super) fn make_room(&mut self, bytes: usize, focus: &Focus, rank: usize) -> bool {
+    pub(super) fn free_space(&mut self, bytes: usize, focus: &Focus, rank: usize) -> bool {
         while self.used_bytes().saturating_add(bytes) > self.budget_bytes {
             let last = |frames: &BTreeSet<usize>| {
                 focus

@@ -108,7 +108,7 @@ impl Queue {
 
     /// Resident, in flight, and the frame kept since the origin was decided.
     pub(super) fn used_bytes(&self) -> usize {
-        self.cache.used_bytes() + self.sequence.kept_bytes()
+        self.cache.used_bytes() + self.sequence.cached_bytes()
     }
 
     /// The next frame to work on, reserved for the caller; `None` when there is nothing to do now.
@@ -208,7 +208,8 @@ impl Queue {
             Some(bytes) => {
                 let through_here = nearer_bytes + bytes + self.cache.held_bytes(index);
                 through_here <= self.cache.budget_bytes()
-                    && (self.has_room(bytes) || (self.may_evict_for(rank, through_here) && self.make_room(bytes, rank)))
+                    && (self.has_space(bytes)
+                        || (self.may_evict_for(rank, through_here) && self.free_space(bytes, rank)))
             }
             // Without a measure of what a frame takes, one at a time.
             None => self.cache.in_flight() == 0,
@@ -297,7 +298,7 @@ impl Queue {
             }
             let bytes = self.cache.bytes_to_add(index, detail)?;
             let fits = self.cache.coarse_bytes() + bytes <= self.cache.coarse_budget_bytes()
-                && self.make_room(bytes, ALWAYS_AHEAD_FRAMES);
+                && self.free_space(bytes, ALWAYS_AHEAD_FRAMES);
             return fits.then(|| Job {
                 is_for_scrubbing: true,
                 ..self.start(index, *needs, detail, bytes)
@@ -321,7 +322,7 @@ impl Queue {
         is_of_use.then(|| Detail::at_most(affordable as u32))
     }
 
-    fn has_room(&self, bytes: usize) -> bool {
+    fn has_space(&self, bytes: usize) -> bool {
         self.used_bytes().saturating_add(bytes) <= self.cache.budget_bytes()
     }
 
@@ -345,7 +346,7 @@ impl Queue {
     /// Makes room for a frame that is made even where it alone is more than the budget; then it has to be the only one
     /// in flight, so that the budget is exceeded by one frame at most.
     fn must_start(&mut self, bytes: usize) -> bool {
-        self.make_room(bytes, 0) || self.cache.in_flight() == 0
+        self.free_space(bytes, 0) || self.cache.in_flight() == 0
     }
 
     fn start(&mut self, index: usize, needs: Needs, detail: Detail, bytes: usize) -> Job {
@@ -363,12 +364,12 @@ impl Queue {
 
     /// Drops what is needed later than `rank` until `bytes` more fit; first of all the frame kept from finding the
     /// origin, which nobody may ever ask for.
-    fn make_room(&mut self, bytes: usize, rank: usize) -> bool {
-        if !self.has_room(bytes) {
-            self.sequence.drop_kept();
+    fn free_space(&mut self, bytes: usize, rank: usize) -> bool {
+        if !self.has_space(bytes) {
+            self.sequence.drop_cached();
         }
         let evicted = self.cache.evicted();
-        let fits = self.cache.make_room(bytes, &self.focus, rank);
+        let fits = self.cache.free_space(bytes, &self.focus, rank);
         if self.cache.evicted() != evicted {
             self.revision += 1;
         }
@@ -392,7 +393,7 @@ impl Queue {
             .find(|waiter| waiter.index == index && waiter.outcome.is_none())
         {
             let needs = waiter.needs;
-            self.make_room(more, 0);
+            self.free_space(more, 0);
             self.cache.reserve(index, reserved);
             self.note_peak();
             return Some(needs);
@@ -405,7 +406,7 @@ impl Queue {
         };
         let is_coming = rank < LOOK_AHEAD_FRAMES && self.focus.is_coming(index);
         let wanted = is_coming || job.is_for_scrubbing;
-        if !wanted || (!self.make_room(more, rank) && rank > 0) {
+        if !wanted || (!self.free_space(more, rank) && rank > 0) {
             if is_full {
                 self.cache.learn_bytes(index, bytes);
             }
@@ -460,7 +461,7 @@ impl Queue {
 
     /// Evicts until the budget is kept; the playhead's frame stays in any case.
     pub(super) fn trim(&mut self) {
-        self.make_room(0, 0);
+        self.free_space(0, 0);
     }
 
     fn changed(&mut self) {

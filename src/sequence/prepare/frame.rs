@@ -2,7 +2,7 @@
 
 use super::counters::Timings;
 use super::mesh::PreparedMesh;
-use super::textured::{curved_surface, is_stray, without_stray_points};
+use super::textured::{curved_surface, is_outlier, without_outliers};
 use crate::analysis::Orientation;
 use crate::cloud::{Frame, MeshRecords, PointRecord, ShapeRecord};
 use crate::levels::{CloudRecords, LevelsSet};
@@ -144,10 +144,10 @@ impl PreparedFrame {
             textured.curved = Some(surface.clone());
             return textured;
         }
-        let is_stray = is_stray(&self.frame);
-        let shrunk = without_stray_points(&self.frame, shapes, &is_stray).map(Arc::new);
+        let is_outlier = is_outlier(&self.frame);
+        let shrunk = without_outliers(&self.frame, shapes, &is_outlier).map(Arc::new);
         let of_points = shrunk.as_ref().unwrap_or(shapes);
-        textured.curved = curved_surface(&self.frame, &self.points, of_points, &is_stray);
+        textured.curved = curved_surface(&self.frame, &self.points, of_points, &is_outlier);
         if let Some(shapes) = shrunk {
             textured.levels = self.levels.made_of(&CloudRecords {
                 positions: self.frame.positions(),

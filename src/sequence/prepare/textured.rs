@@ -10,7 +10,7 @@
 //! A disk of few points reaches beyond an outline, and takes the images from what is behind it. So [splats are
 //! curved](bent_disks): smaller ones on the curved surface are drawn, and images are occluded by these.
 
-use crate::analysis::{Disk, Surface, curved_splats, estimate_surface, splat_radii, stray_points};
+use crate::analysis::{Disk, Surface, curved_splats, estimate_surface, outliers, splat_radii};
 use crate::cloud::{Frame, PointRecord, ShapeRecord, oct_decode, oct_encode};
 use crate::photos::PhotoSurface;
 use glam::Vec3;
@@ -27,30 +27,26 @@ const SHRUNK: f32 = 1e-3;
 
 /// Returns the outlier flag of each point: none is set if the file defines how large disks are, or there are too many
 /// points.
-pub(super) fn is_stray(frame: &Frame) -> Vec<bool> {
+pub(super) fn is_outlier(frame: &Frame) -> Vec<bool> {
     if frame.len() > MAX_POINTS || frame.radii().is_some() {
         return vec![false; frame.len()];
     }
-    stray_points(frame.positions())
+    outliers(frame.positions())
 }
 
 /// Returns the shapes of a frame without its outliers; `None` if there are none of these. Precondition: a shape for
 /// each point.
-pub(super) fn without_stray_points(
-    frame: &Frame,
-    shapes: &[ShapeRecord],
-    is_stray: &[bool],
-) -> Option<Vec<ShapeRecord>> {
-    let kept: Vec<usize> = (0..is_stray.len()).filter(|&at| !is_stray[at]).collect();
-    if kept.len() == is_stray.len() {
+pub(super) fn without_outliers(frame: &Frame, shapes: &[ShapeRecord], is_outlier: &[bool]) -> Option<Vec<ShapeRecord>> {
+    let cached: Vec<usize> = (0..is_outlier.len()).filter(|&at| !is_outlier[at]).collect();
+    if cached.len() == is_outlier.len() {
         return None;
     }
-    let surface = surface_of(frame, shapes, &kept);
+    let surface = surface_of(frame, shapes, &cached);
     let mut shapes = shapes.to_vec();
-    for (shape, _) in shapes.iter_mut().zip(is_stray).filter(|(_, is_stray)| **is_stray) {
+    for (shape, _) in shapes.iter_mut().zip(is_outlier).filter(|(_, is_outlier)| **is_outlier) {
         shape.radius *= SHRUNK;
     }
-    for (&at, (normal, radius)) in kept.iter().zip(surface) {
+    for (&at, (normal, radius)) in cached.iter().zip(surface) {
         shapes[at].normal = normal;
         shapes[at].radius = radius;
     }
@@ -63,7 +59,7 @@ pub(super) fn curved_surface(
     frame: &Frame,
     points: &[PointRecord],
     shapes: &[ShapeRecord],
-    is_stray: &[bool],
+    is_outlier: &[bool],
 ) -> Option<PhotoSurface> {
     if points.len() > MAX_CURVED || frame.radii().is_some() {
         return None;
@@ -73,7 +69,7 @@ pub(super) fn curved_surface(
         normal: oct_decode(shape.normal),
         radius: shape.radius,
     });
-    let curved = curved_splats(&disks.collect::<Vec<_>>(), |at| !is_stray[at])?;
+    let curved = curved_splats(&disks.collect::<Vec<_>>(), |at| !is_outlier[at])?;
     let point = |&(at, disk): &(usize, Disk)| PointRecord {
         position: disk.position.to_array(),
         ..points[at]
@@ -90,10 +86,10 @@ pub(super) fn curved_surface(
 }
 
 /// Normals, as records have them, and radii of some points alone. Normals of the file stay.
-fn surface_of(frame: &Frame, shapes: &[ShapeRecord], kept: &[usize]) -> Vec<([i16; 2], f32)> {
-    let places: Vec<Vec3> = kept.iter().map(|&at| frame.positions()[at]).collect();
+fn surface_of(frame: &Frame, shapes: &[ShapeRecord], cached: &[usize]) -> Vec<([i16; 2], f32)> {
+    let places: Vec<Vec3> = cached.iter().map(|&at| frame.positions()[at]).collect();
     if frame.normals().is_some() {
-        let records: Vec<[i16; 2]> = kept.iter().map(|&at| shapes[at].normal).collect();
+        let records: Vec<[i16; 2]> = cached.iter().map(|&at| shapes[at].normal).collect();
         let normals: Vec<Vec3> = records.iter().map(|&normal| oct_decode(normal)).collect();
         return records.into_iter().zip(splat_radii(&places, &normals)).collect();
     }

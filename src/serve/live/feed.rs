@@ -13,7 +13,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 /// Bytes of bodies that are kept: a short sequence that is played over and over is made once.
-const MAX_KEPT_BYTES: usize = 256 << 20;
+const MAX_BUFFERED_BYTES: usize = 256 << 20;
 
 /// Number of frames after which the point spacing is measured again.
 const SPACING_FRAMES: usize = 100;
@@ -24,8 +24,8 @@ pub(super) struct Feed {
     decoder: Box<dyn Decoder>,
     coding: ImageCoding,
     max_bytes: u64,
-    kept: BTreeMap<usize, Body>,
-    kept_bytes: usize,
+    buffered: BTreeMap<usize, Body>,
+    buffered_bytes: usize,
     /// Frames that cannot be read, which was said.
     broken: BTreeSet<usize>,
     /// Frames whose colours cannot be sent, which was said.
@@ -41,8 +41,8 @@ impl Feed {
             source,
             coding,
             max_bytes,
-            kept: BTreeMap::new(),
-            kept_bytes: 0,
+            buffered: BTreeMap::new(),
+            buffered_bytes: 0,
             broken: BTreeSet::new(),
             said: BTreeSet::new(),
             spacing: None,
@@ -84,7 +84,7 @@ impl Feed {
 
     /// The body of frame `index`; `None` if it cannot be read, which is logged once.
     pub(super) fn body(&mut self, index: usize) -> Option<Body> {
-        if let Some(body) = self.kept.get(&index) {
+        if let Some(body) = self.buffered.get(&index) {
             return Some(body.clone());
         }
         if self.broken.contains(&index) {
@@ -101,9 +101,9 @@ impl Feed {
                 return None;
             }
         };
-        if !self.source.is_live() && self.kept_bytes + body.bytes.len() <= MAX_KEPT_BYTES {
-            self.kept_bytes += body.bytes.len();
-            self.kept.insert(index, body.clone());
+        if !self.source.is_live() && self.buffered_bytes + body.bytes.len() <= MAX_BUFFERED_BYTES {
+            self.buffered_bytes += body.bytes.len();
+            self.buffered.insert(index, body.clone());
         }
         Some(body)
     }

@@ -42,7 +42,7 @@ pub(super) struct Companions {
     /// Companion normals of each file that has some.
     pub(super) normals: HashMap<PathBuf, PathBuf>,
     /// Files that are neither frames nor belong to one.
-    pub(super) left_out: Vec<PathBuf>,
+    pub(super) skipped: Vec<PathBuf>,
 }
 
 impl Companions {
@@ -65,7 +65,7 @@ impl Companions {
                 Some(RowContents::Normals) => {}
                 Some(RowContents::Points) | None => return true,
                 Some(RowContents::Other) => {
-                    self.left_out.push(file.clone());
+                    self.skipped.push(file.clone());
                     return false;
                 }
             }
@@ -76,14 +76,14 @@ impl Companions {
                 Some(frame) => {
                     self.normals.insert(frame.clone(), file.clone());
                 }
-                None => self.left_out.push(file.clone()),
+                None => self.skipped.push(file.clone()),
             }
             false
         });
     }
 
     /// Leaves files without points out of `files` that share their number with one that has points.
-    pub(super) fn leave_out_others(&mut self, files: &mut Vec<PathBuf>, known: &mut Known) {
+    pub(super) fn skip_others(&mut self, files: &mut Vec<PathBuf>, known: &mut Known) {
         let mut by_number: HashMap<(PathBuf, String), Vec<usize>> = HashMap::new();
         for (index, file) in files.iter().enumerate() {
             let digits = numbers_of(file);
@@ -114,7 +114,7 @@ impl Companions {
         files.retain(|file| {
             let stays = !odd.contains(&pattern_of(file)) || !has_no_points(known.rows_of(file));
             if !stays {
-                self.left_out.push(file.clone());
+                self.skipped.push(file.clone());
             }
             stays
         });
@@ -122,17 +122,17 @@ impl Companions {
 
     /// Returns a note listing the skipped files, as a sentence.
     pub(super) fn note(&self) -> Option<String> {
-        let mut left_out: Vec<&PathBuf> = self.left_out.iter().collect();
-        left_out.sort_by(|one, other| natural_order(one, other));
-        let named: Vec<String> = left_out
+        let mut skipped: Vec<&PathBuf> = self.skipped.iter().collect();
+        skipped.sort_by(|one, other| natural_order(one, other));
+        let named: Vec<String> = skipped
             .iter()
             .take(NAMED_FILES)
             .filter_map(|path| path.file_name())
             .map(|name| name.to_string_lossy().into_owned())
             .collect();
-        let more = if left_out.len() > NAMED_FILES { ", …" } else { "" };
+        let more = if skipped.len() > NAMED_FILES { ", …" } else { "" };
         let named = named.join(", ");
-        match left_out.len() {
+        match skipped.len() {
             0 => None,
             1 => Some(format!(
                 "{named} lies beside the frames and holds no points: it is left out"
@@ -216,7 +216,7 @@ mod tests {
         }
         let (mut companions, mut known) = (Companions::default(), Known::default());
         companions.take_normals(&mut paths, &mut known);
-        companions.leave_out_others(&mut paths, &mut known);
+        companions.skip_others(&mut paths, &mut known);
         let name = |path: &PathBuf| path.file_name().unwrap().to_str().unwrap().to_owned();
         let sorted = |mut names: Vec<String>| {
             names.sort();
@@ -230,7 +230,7 @@ mod tests {
                     .map(|(frame, beside)| format!("{} + {}", name(frame), name(beside)))
                     .collect(),
             ),
-            sorted(companions.left_out.iter().map(name).collect()),
+            sorted(companions.skipped.iter().map(name).collect()),
         )
     }
 
@@ -240,7 +240,7 @@ mod tests {
 
     #[test]
     fn normals_go_to_the_frame_of_their_name() {
-        let (stay, pairs, left_out) = grouped(&[
+        let (stay, pairs, skipped) = grouped(&[
             ("1.ply", POINTS),
             ("1_normal.ply", NORMALS),
             ("2_Normals.PLY", NORMALS),
@@ -260,21 +260,21 @@ mod tests {
                 "scan.ply + scan-normals.ply"
             ]
         );
-        assert_eq!(left_out, [""; 0]);
+        assert_eq!(skipped, [""; 0]);
     }
 
     #[test]
     fn contents_decide_and_not_names() {
         let all = &["x", "y", "z", "nx", "ny", "nz"];
-        let (stay, pairs, left_out) = grouped(&[("1.ply", POINTS), ("1_normal.ply", all), ("2_normal.ply", POINTS)]);
+        let (stay, pairs, skipped) = grouped(&[("1.ply", POINTS), ("1_normal.ply", all), ("2_normal.ply", POINTS)]);
         assert_eq!(stay, ["1.ply", "1_normal.ply", "2_normal.ply"]);
         assert_eq!(pairs, [""; 0]);
-        assert_eq!(left_out, [""; 0]);
+        assert_eq!(skipped, [""; 0]);
     }
 
     #[test]
     fn normals_without_points_and_second_ones_are_left_out() {
-        let (stay, pairs, left_out) = grouped(&[
+        let (stay, pairs, skipped) = grouped(&[
             ("1.ply", POINTS),
             ("1_normal.ply", NORMALS),
             ("1_normals.ply", NORMALS),
@@ -283,12 +283,12 @@ mod tests {
         ]);
         assert_eq!(stay, ["1.ply"]);
         assert_eq!(pairs, ["1.ply + 1_normal.ply"]);
-        assert_eq!(left_out, ["1-normals.ply", "1_normals.ply", "2_normal.ply"]);
+        assert_eq!(skipped, ["1-normals.ply", "1_normals.ply", "2_normal.ply"]);
     }
 
     #[test]
     fn files_without_points_beside_a_frame_are_left_out() {
-        let (stay, _, left_out) = grouped(&[
+        let (stay, _, skipped) = grouped(&[
             ("1.ply", POINTS),
             ("1_mask.ply", LABELS),
             ("2.ply", POINTS),
@@ -297,14 +297,14 @@ mod tests {
             ("cam_2.ply", POINTS),
         ]);
         assert_eq!(stay, ["1.ply", "2.ply", "cam_2.ply"]);
-        assert_eq!(left_out, ["1_mask.ply", "2_mask.ply", "3_mask.ply"]);
+        assert_eq!(skipped, ["1_mask.ply", "2_mask.ply", "3_mask.ply"]);
     }
 
     #[test]
     fn what_shares_no_number_is_not_looked_at_and_says_itself_what_is_wrong() {
-        let (stay, _, left_out) = grouped(&[("1.ply", POINTS), ("2.ply", LABELS), ("mask_3.ply", LABELS)]);
+        let (stay, _, skipped) = grouped(&[("1.ply", POINTS), ("2.ply", LABELS), ("mask_3.ply", LABELS)]);
         assert_eq!(stay.len(), 3);
-        assert_eq!(left_out, [""; 0]);
+        assert_eq!(skipped, [""; 0]);
         let (stay, _, _) = grouped(&[("1.ply", LABELS), ("1_mask.ply", LABELS)]);
         assert_eq!(stay.len(), 2);
         // All files are named like normals: they are what there is.
@@ -315,9 +315,9 @@ mod tests {
     #[test]
     fn what_is_left_out_is_one_sentence() {
         let note = |names: &[&str]| {
-            let left_out = names.iter().map(PathBuf::from).collect();
+            let skipped = names.iter().map(PathBuf::from).collect();
             let companions = Companions {
-                left_out,
+                skipped,
                 ..Companions::default()
             };
             companions.note()

@@ -172,7 +172,7 @@ impl FoundPaths {
             keep_only(&mut files, only)?;
         }
         self.companions.take_normals(&mut files, known);
-        self.companions.leave_out_others(&mut files, known);
+        self.companions.skip_others(&mut files, known);
         let chosen = series::choose(files).map_err(|choices| SequenceError::Several {
             path: input.to_owned(),
             choices,

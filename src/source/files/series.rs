@@ -192,14 +192,14 @@ fn of_one_format(files: Vec<PathBuf>) -> (Vec<PathBuf>, Vec<PathBuf>) {
     }
     // Of as many files, formats with a header are the better ones, and they come later than `bin` and `las` do not.
     let rank = |(name, stems): &(&String, &HashSet<(PathBuf, String)>)| (stems.len(), *name != "bin" && *name != "xyz");
-    let Some((kept, stems)) = by_extension.iter().max_by_key(rank) else {
+    let Some((retained, stems)) = by_extension.iter().max_by_key(rank) else {
         return (files, Vec::new());
     };
     let is_copy = |(name, others): &(&String, &HashSet<(PathBuf, String)>)| {
         let shared = others.intersection(stems).count();
         // One file in two formats is one scan.
         let is_one_scan = shared == 1 && stems.len() == 1 && others.len() == 1;
-        *name != kept && (is_one_scan || (shared > 1 && 2 * shared > others.len()))
+        *name != retained && (is_one_scan || (shared > 1 && 2 * shared > others.len()))
     };
     let copies: HashSet<&String> = by_extension.iter().filter(is_copy).map(|(name, _)| name).collect();
     files.into_iter().partition(|file| !copies.contains(&extension(file)))

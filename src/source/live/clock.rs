@@ -7,7 +7,7 @@ use crate::wire::Pong;
 use std::collections::VecDeque;
 
 /// Pings that are remembered: clocks drift by some 10 µs in the seconds that these take.
-const KEPT: usize = 16;
+const BUFFERED: usize = 16;
 
 /// The difference of two clocks.
 #[derive(Debug, Default)]
@@ -34,7 +34,7 @@ impl ClockDifference {
             .and_then(|(since, at_server)| since.checked_sub(at_server));
         let Some(way_ns) = way else { return };
         let [asked, received, sent, now] = [pong.client_ns, pong.received_ns, pong.sent_ns, now_ns].map(i128::from);
-        if self.measured.len() == KEPT {
+        if self.measured.len() == BUFFERED {
             self.measured.pop_front();
         }
         self.measured.push_back(Measured {

@@ -164,7 +164,7 @@ fn next(file: &mut BufReader<File>, offset: u64, length: u64) -> Result<Option<(
     let begin = offset + MESSAGE_HEADER_BYTES as u64;
     let end = begin + u64::from(header.payload_bytes);
     if end > length {
-        return Err(WireError::BreaksOff { within: "a message" });
+        return Err(WireError::IsTruncated { within: "a message" });
     }
     let mut head = None;
     let mut at = begin;

@@ -9,7 +9,7 @@
 //! (`.reel`) would have prepared points instead of images, coded while frames come; `pointreel convert` makes one of a
 //! recording afterwards.
 
-use crate::kept::Partial;
+use crate::persist::Partial;
 use crate::regular_file;
 use crate::wire::{MAGIC, Message, StreamHead};
 use std::fs::File;

@@ -100,7 +100,7 @@ impl Ring {
     }
 
     /// Seconds from the oldest to the newest frame, and bytes of all.
-    pub(super) fn kept(&self) -> (f64, usize) {
+    pub(super) fn buffered(&self) -> (f64, usize) {
         let frames = lock(&self.frames);
         let span = frames.newest.front().zip(frames.newest.back());
         let span = span.map_or(Duration::ZERO, |(first, last)| last.time.saturating_sub(first.time));

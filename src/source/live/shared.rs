@@ -188,7 +188,7 @@ impl Shared {
     pub(super) fn status(&self) -> LiveStatus {
         let link = lock(&self.link);
         let (bytes_per_s, frames_per_s) = link.rate.per_s(Instant::now());
-        let (kept_s, kept_bytes) = self.ring.kept();
+        let (buffered_s, buffered_bytes) = self.ring.buffered();
         LiveStatus {
             state: match &link.problem {
                 None => LiveState::Connected,
@@ -199,8 +199,8 @@ impl Shared {
             bytes_per_s,
             frames_per_s,
             delay_s: link.delay_s,
-            kept_s,
-            kept_bytes,
+            buffered_s,
+            buffered_bytes,
             reconnects: link.connections.saturating_sub(1),
             recording: link.recording.clone(),
         }

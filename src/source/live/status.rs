@@ -50,9 +50,9 @@ pub struct LiveStatus {
     /// round-trip time of a ping, as the clocks of two machines differ. `None` before the first ping has come back.
     pub delay_s: Option<(f64, f64)>,
     /// Seconds that can be gone back.
-    pub kept_s: f64,
+    pub buffered_s: f64,
     /// Bytes of the frames that can be gone back to.
-    pub kept_bytes: usize,
+    pub buffered_bytes: usize,
     /// Connections that were made again.
     pub reconnects: u64,
     /// Recording in progress.

@@ -72,8 +72,8 @@ mod tests {
             bytes_per_s: 0.0,
             frames_per_s: 0.0,
             delay_s: None,
-            kept_s: 0.0,
-            kept_bytes: 0,
+            buffered_s: 0.0,
+            buffered_bytes: 0,
             reconnects,
             recording: None,
         }

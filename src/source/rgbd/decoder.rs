@@ -42,7 +42,7 @@ pub(super) struct Recorded {
     /// Edge of the cells in which points are joined where frames are merged, metres.
     pub(super) merge_edge_m: Option<f64>,
     /// Frames whose points are excluded when merging.
-    left_out: Vec<usize>,
+    skipped: Vec<usize>,
     /// Cache of the prepared cameras that were needed so far; there is one, or a few.
     cameras: Mutex<Vec<Arc<PreparedRig>>>,
 }
@@ -82,7 +82,7 @@ impl Recorded {
             filters_are_automatic: options.rgbd.filters_are_automatic,
             read: options.read,
             merge_edge_m: options.rgbd.merge_edge_m,
-            left_out: options.rgbd.left_out.clone(),
+            skipped: options.rgbd.skipped.clone(),
             cameras: Mutex::default(),
         }
     }
@@ -112,7 +112,7 @@ impl Recorded {
             filters_are_automatic,
             read,
             merge_edge_m: None,
-            left_out: Vec::new(),
+            skipped: Vec::new(),
             cameras: Mutex::default(),
         }
     }
@@ -128,7 +128,7 @@ impl Recorded {
             filters_are_automatic: false,
             read: self.read,
             merge_edge_m: self.merge_edge_m,
-            left_out: self.left_out.clone(),
+            skipped: self.skipped.clone(),
             cameras: Mutex::new(lock(&self.cameras).clone()),
         }
     }
@@ -173,8 +173,8 @@ impl Recorded {
     }
 
     /// Returns true if the points of frame `index` are excluded when merging.
-    pub(super) fn is_left_out(&self, index: usize) -> bool {
-        self.left_out.contains(&index)
+    pub(super) fn is_skipped(&self, index: usize) -> bool {
+        self.skipped.contains(&index)
     }
 
     /// Bytes that the points of a frame take, about, with normals and colours.
@@ -190,7 +190,7 @@ impl Recorded {
         color_px: Option<[u32; 2]>,
     ) -> Result<Arc<PreparedRig>, NoCamera> {
         /// Maximum number of cached cameras: a recording that changes its images more often prepares the cameras again.
-        const MAX_KEPT: usize = 8;
+        const MAX_RETAINED: usize = 8;
         let is_it = |known: &&Arc<PreparedRig>| {
             let is_camera = Arc::ptr_eq(&known.calibration, calibration) || known.calibration == *calibration;
             is_camera && known.depth_px == depth_px && known.color_px == color_px
@@ -210,7 +210,7 @@ impl Recorded {
             rays,
             rig: Arc::new(rig),
         });
-        cameras.truncate(MAX_KEPT - 1);
+        cameras.truncate(MAX_RETAINED - 1);
         cameras.insert(0, Arc::clone(&prepared));
         Ok(prepared)
     }

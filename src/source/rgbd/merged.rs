@@ -220,7 +220,7 @@ impl Decoder for MergingDecoder {
                 break;
             }
             let pose = recorded.pose(index);
-            let Some(pose) = pose.filter(|_| !recorded.is_left_out(index)) else {
+            let Some(pose) = pose.filter(|_| !recorded.is_skipped(index)) else {
                 continue;
             };
             let entry = self.recording.entry(index);

@@ -31,5 +31,5 @@ pub struct RgbdOptions {
     /// joined where there are very many.
     pub merge_edge_m: Option<f64>,
     /// Frames among these whose points are excluded.
-    pub left_out: Vec<usize>,
+    pub skipped: Vec<usize>,
 }

@@ -94,7 +94,7 @@ impl ReceivedFrames {
     fn recorded(&self, units_per_metre: f64) -> Arc<Recorded> {
         /// Maximum number of cached decoders: a stream that changes its unit with every frame prepares its cameras
         /// again.
-        const MAX_KEPT: usize = 4;
+        const MAX_RETAINED: usize = 4;
         let code = DepthCode::per_metre(units_per_metre);
         let mut decoders = lock(&self.decoders);
         if let Some(known) = decoders.iter().find(|known| known.code == code) {
@@ -102,7 +102,7 @@ impl ReceivedFrames {
         }
         let made = Recorded::of_no_frames(code, self.filters, self.filters_are_automatic, self.read);
         let made = Arc::new(made);
-        decoders.truncate(MAX_KEPT - 1);
+        decoders.truncate(MAX_RETAINED - 1);
         decoders.insert(0, Arc::clone(&made));
         made
     }

@@ -142,8 +142,8 @@ impl Dense {
             };
             maps.extend(DepthImage::new(of_one.image.size_px(), depths));
         }
-        let kept = consistent(&maps, &swept, self.consistency)?;
-        let mut cloud = cloud(&kept, &swept)?;
+        let retained = consistent(&maps, &swept, self.consistency)?;
+        let mut cloud = cloud(&retained, &swept)?;
         if cloud.positions.is_empty() {
             return Err(DenseError::Nothing { photos: small.len() });
         }

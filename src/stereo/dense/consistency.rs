@@ -69,14 +69,14 @@ pub fn consistent(
         let keep = |(at, &depth): (usize, &f32)| {
             let pixel = DVec2::new((at % width) as f64, (at / width) as f64);
             let ray = camera.ray(pixel).filter(|_| depth > 0.0);
-            let is_kept = ray.is_some_and(|ray| {
+            let is_retained = ray.is_some_and(|ray| {
                 let agreeing = others
                     .iter()
                     .filter(|other| other.agrees(ray * f64::from(depth), consistency.tolerance));
                 // One is the view itself.
                 agreeing.take(needed).count() + 1 >= needed
             });
-            if is_kept { depth } else { 0.0 }
+            if is_retained { depth } else { 0.0 }
         };
         let depths = maps[index].metres().par_iter().enumerate().map(keep).collect();
         DepthImage::new(maps[index].size_px(), depths).unwrap_or_else(|| maps[index].clone())

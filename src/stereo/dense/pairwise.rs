@@ -102,8 +102,8 @@ impl Pairwise {
         let maps = maps?.into_iter().zip(&pairs);
         let (maps, views): (Vec<DepthImage>, Vec<View<'_>>) =
             maps.filter_map(|(map, &[first, _])| Some((map?, views[first]))).unzip();
-        let kept = consistent(&maps, &views, self.consistency)?;
-        let mut cloud = cloud(&kept, &views)?;
+        let retained = consistent(&maps, &views, self.consistency)?;
+        let mut cloud = cloud(&retained, &views)?;
         if cloud.positions.is_empty() {
             return Err(DenseError::Nothing { photos: small.len() });
         }

@@ -213,7 +213,7 @@ fn a_packet_that_strays_takes_no_place_and_a_sensor_that_is_started_again_gets_i
     let (is_over, first_is_over) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
     let ends = Arc::clone(&is_over);
     // One packet as a sensor sends it from each of many ports, and packets of all other kinds.
-    let straying = thread::Builder::new().name("straying".to_owned()).spawn(move || {
+    let outlying = thread::Builder::new().name("straying".to_owned()).spawn(move || {
         let ouster = vec![0; 6464];
         while !ends.load(Ordering::Relaxed) {
             let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
@@ -233,7 +233,7 @@ fn a_packet_that_strays_takes_no_place_and_a_sensor_that_is_started_again_gets_i
     wait_for_more(&scanner);
     is_over.store(true, Ordering::Relaxed);
     second.join().unwrap();
-    straying.unwrap().join().unwrap();
+    outlying.unwrap().join().unwrap();
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn packets_of_no_sensor_are_told_where_none_comes() {
     let port = free_port();
     let is_over = Arc::new(AtomicBool::new(false));
     let ends = Arc::clone(&is_over);
-    let straying = thread::Builder::new().name("straying".to_owned()).spawn(move || {
+    let outlying = thread::Builder::new().name("straying".to_owned()).spawn(move || {
         let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
         while !ends.load(Ordering::Relaxed) {
             let _ = socket.send_to(&[7; 33], ("127.0.0.1", port));
@@ -250,6 +250,6 @@ fn packets_of_no_sensor_are_told_where_none_comes() {
     });
     let error = opened(port).err().unwrap();
     is_over.store(true, Ordering::Relaxed);
-    straying.unwrap().join().unwrap();
+    outlying.unwrap().join().unwrap();
     assert!(error.contains("the last of 33 bytes from 127.0.0.1"), "{error}");
 }

@@ -15,7 +15,7 @@ fn matrix() -> String {
     format!("{fx}, 0, {cx}\n0, {fy}, {cy}\n0, 0, 1\n")
 }
 
-pub(crate) fn stray(recording: &Recording, folder: &Path) -> RgbdOptions {
+pub(crate) fn outlier(recording: &Recording, folder: &Path) -> RgbdOptions {
     for sub in ["depth", "rgb"] {
         fs::create_dir(folder.join(sub)).unwrap();
     }
@@ -162,7 +162,7 @@ fn archives_of_record3d_are_the_same_recording() {
 fn the_matrix_of_a_film_is_for_larger_images() {
     let folder = tempfile::tempdir().unwrap();
     let recording = Recording::new();
-    stray(&recording, folder.path());
+    outlier(&recording, folder.path());
     fs::remove_dir_all(folder.path().join("rgb")).unwrap();
     fs::write(folder.path().join("rgb.mp4"), b"film").unwrap();
     fs::create_dir(folder.path().join("confidence")).unwrap();

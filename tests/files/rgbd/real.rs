@@ -150,8 +150,8 @@ fn filters_of_real_frames_keep_what_they_may() {
         filters: pointreel::rgbd::Filters::USUAL,
         ..RgbdOptions::default()
     };
-    let kept = redwood(usual).unwrap().decode(0).unwrap().positions.finite_bounds().0;
-    assert!((260_000..267_129).contains(&kept), "{kept}");
+    let retained = redwood(usual).unwrap().decode(0).unwrap().positions.finite_bounds().0;
+    assert!((260_000..267_129).contains(&retained), "{retained}");
 }
 
 #[test]

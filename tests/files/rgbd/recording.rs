@@ -193,7 +193,7 @@ pub(crate) const LAYOUTS: &[(&str, Write, Has)] = &[
     ),
     ("NumPy archives", rewritten::npz, Has { times: false, ..ALL }),
     ("SLAMBench", rewritten::slambench, Has { times: false, ..ALL }),
-    ("Stray Scanner", phones::stray, ALL),
+    ("Stray Scanner", phones::outlier, ALL),
     ("ARKitScenes", phones::arkit_scenes, ALL),
     ("3D Scanner App", phones::scanner_app, ALL),
     ("patterns", patterns, Has { times: false, ..ALL }),

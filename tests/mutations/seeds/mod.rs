@@ -20,7 +20,7 @@ fn project() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Writes `case` into `folder` as `cases::kept_in` reads it.
+/// Writes `case` into `folder` as `cases::retained_in` reads it.
 pub(crate) fn keep(case: &Case, folder: &Path) -> PathBuf {
     let of_set = folder.join(&case.set);
     let is_alone = case.files.len() == 1;

@@ -224,14 +224,14 @@ fn what_is_cancelled_leaves_nothing() {
         assert!(left.is_empty(), "{name}: {left:?}");
     }
     // A file that was there stays as it was.
-    let kept = folder.path().join("kept.gif");
-    fs::write(&kept, "before").unwrap();
+    let retained = folder.path().join("kept.gif");
+    fs::write(&retained, "before").unwrap();
     let mut headless = headless(AnyRenderer::cpu());
     let progress = Progress::default();
     progress.cancel();
-    let cancelled = export_video(&mut headless, &video, &kept, &progress, &mut |_| {});
+    let cancelled = export_video(&mut headless, &video, &retained, &progress, &mut |_| {});
     assert!(cancelled.is_err());
-    assert_eq!(fs::read(&kept).unwrap(), b"before");
+    assert_eq!(fs::read(&retained).unwrap(), b"before");
 }
 
 #[test]

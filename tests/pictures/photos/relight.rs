@@ -107,10 +107,10 @@ fn a_ball_lit_anew_is_as_light_as_its_geometry_even_where_its_points_are_wrong()
     for view in held_out() {
         let camera = camera_at(&view);
         let geometry = draw_on_cpu(&packet(&ball(0.0), &camera, &lit(PhotoRelight::Off)));
-        let anew = draw_on_cpu(&packet(&rough, &camera, &lit(PhotoRelight::DepthOnly)));
+        let fresh = draw_on_cpu(&packet(&rough, &camera, &lit(PhotoRelight::DepthOnly)));
         keep(&geometry, "ball_geometry.png");
-        keep(&anew, "ball_anew.png");
-        let (mean, far) = difference(&geometry, &anew);
+        keep(&fresh, "ball_anew.png");
+        let (mean, far) = difference(&geometry, &fresh);
         assert!(mean < 1.5 && far < 0.02, "mean {mean}, {far} far");
         let own = draw_on_cpu(&packet(&ball(0.2), &camera, &lit(PhotoRelight::Off)));
         let (mean_of_points, _) = difference(&geometry, &own);
@@ -125,13 +125,13 @@ fn a_ball_lit_anew_is_as_light_as_its_geometry_even_where_its_points_are_wrong()
 fn photographs_that_are_lit_anew_have_their_colours_times_the_light() {
     let camera = camera_at(&held_out()[2]);
     let frame = ball(0.0).with_photos(textured_ball([200, 100, 50]));
-    let anew = draw_on_cpu(&packet(&frame, &camera, &lit(PhotoRelight::Photos)));
-    let middle = anew.get_pixel(EDGE_PX / 2, EDGE_PX / 2);
+    let fresh = draw_on_cpu(&packet(&frame, &camera, &lit(PhotoRelight::Photos)));
+    let middle = fresh.get_pixel(EDGE_PX / 2, EDGE_PX / 2);
     // The head light on what faces the eye.
     for (channel, color) in [200, 100, 50].into_iter().enumerate() {
         assert!(middle[channel].abs_diff(color) <= 3, "{middle:?}");
     }
-    let sides = anew.pixels().filter(|pixel| pixel[0] > 0 && pixel[0] < 150).count();
+    let sides = fresh.pixels().filter(|pixel| pixel[0] > 0 && pixel[0] < 150).count();
     assert!(sides > 1_000, "{sides} pixels are darker");
 }
 
@@ -149,9 +149,9 @@ fn without_a_choice_of_light_what_is_lit_anew_has_the_head_light() {
     };
     let unlit = drawn(Lighting::Unlit, PhotoRelight::Off);
     assert_eq!(drawn(Lighting::PerFragment, PhotoRelight::Off), unlit);
-    let anew = drawn(Lighting::PerFragment, PhotoRelight::Photos);
-    assert_eq!(anew, drawn(Lighting::Lambert, PhotoRelight::Photos));
-    assert!(difference(&anew, &unlit).0 > 5.0);
+    let fresh = drawn(Lighting::PerFragment, PhotoRelight::Photos);
+    assert_eq!(fresh, drawn(Lighting::Lambert, PhotoRelight::Photos));
+    assert!(difference(&fresh, &unlit).0 > 5.0);
 }
 
 #[test]

@@ -109,13 +109,13 @@ fn a_plane_does_not_hide_itself_from_any_side() {
                     let along = flat.along.map(|axis| place.dot(axis) / axis.length_squared());
                     along.iter().all(|along| along.abs() < 0.4) && pixel_of(&view, point).is_some()
                 };
-                let kept = visible.slots.iter().filter(|&&slot| inside(&points[slot as usize]));
-                let (kept, all) = (kept.count(), points.iter().filter(|point| inside(point)).count());
+                let retained = visible.slots.iter().filter(|&&slot| inside(&points[slot as usize]));
+                let (retained, all) = (retained.count(), points.iter().filter(|point| inside(point)).count());
                 // Beyond that some rows of pixels have more depth in them than half a pixel's slope and the radius.
                 let min = if degrees < 81.0 { 0.98 } else { 0.8 };
                 assert!(
-                    kept as f64 >= min * all as f64,
-                    "{degrees} degrees, {kind}, {px_per_spacing} pixels: {kept} of {all}"
+                    retained as f64 >= min * all as f64,
+                    "{degrees} degrees, {kind}, {px_per_spacing} pixels: {retained} of {all}"
                 );
             }
         }
@@ -250,12 +250,15 @@ fn a_thin_pole_hides_what_is_behind_it_and_no_more_than_a_point_beside_that() {
             }
             // Where its ray meets the plane of the pole.
             let beside = (place.x * AWAY / (AWAY + 1.0)).abs();
-            let is_kept = visible.slots.binary_search(&(slot as u32)).is_ok();
+            let is_retained = visible.slots.binary_search(&(slot as u32)).is_ok();
             assert!(
-                !is_kept || beside > 0.014,
+                !is_retained || beside > 0.014,
                 "{px_per_spacing} pixels: {beside} is hidden"
             );
-            assert!(is_kept || beside < 0.04, "{px_per_spacing} pixels: {beside} is visible");
+            assert!(
+                is_retained || beside < 0.04,
+                "{px_per_spacing} pixels: {beside} is visible"
+            );
         }
     }
 }
@@ -297,9 +300,9 @@ fn the_sides_of_a_box_are_visible_up_to_their_edges_and_what_is_behind_is_not() 
                 let is_behind = place.x.abs() < 0.4 && place.y.abs() < 0.4;
                 pixel_of(&view, &points[slot]).is_some() && (kind < 3 || is_behind)
             };
-            let kept = visible.slots.iter().map(|&slot| slot as usize);
-            let kept = kept.filter(|&slot| slots.contains(&slot) && counts(slot)).count();
-            kept as f64 / slots.clone().filter(|&slot| counts(slot)).count().max(1) as f64
+            let retained = visible.slots.iter().map(|&slot| slot as usize);
+            let retained = retained.filter(|&slot| slots.contains(&slot) && counts(slot)).count();
+            retained as f64 / slots.clone().filter(|&slot| counts(slot)).count().max(1) as f64
         });
         let [front, one_side, other_side, wall] = shares;
         let (seen, unseen) = (one_side.max(other_side), one_side.min(other_side));

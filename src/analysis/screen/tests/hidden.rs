@@ -154,17 +154,17 @@ proptest! {
             (if depth > 0.0 { depth } else { on_plane }) * Vec3::new(x, y, -1.0)
         }));
         let view = view([64, 48], px_per_slope);
-        let kept = estimate(&view, &points, spacing, Search::Fixed).visible.slots;
-        prop_assert!(kept.is_sorted_by(|a, b| a < b), "in their order");
+        let retained = estimate(&view, &points, spacing, Search::Fixed).visible.slots;
+        prop_assert!(retained.is_sorted_by(|a, b| a < b), "in their order");
         let picture = Picture::new(&view, &points, spacing);
         for (slot, point) in points.iter().enumerate() {
             let [x, y] = view.see(point.position).unwrap().place_px;
             if !((0.0..64.0).contains(&x) && (0.0..48.0).contains(&y)) {
                 continue;
             }
-            let is_kept = kept.binary_search(&(slot as u32)).is_ok();
+            let is_retained = retained.binary_search(&(slot as u32)).is_ok();
             if let Some(is_hidden) = picture.hides(slot) {
-                prop_assert_eq!(is_kept, !is_hidden, "{}", slot);
+                prop_assert_eq!(is_retained, !is_hidden, "{}", slot);
             }
         }
     }

@@ -155,14 +155,14 @@ impl State {
     /// Remembers `changes` for the inputs of the open sequence.
     pub(in crate::app) fn remember(&mut self, changes: &[ReadChange]) {
         let apply = |open: &mut OpenOptions| changes.iter().for_each(|change| change.apply(open));
-        if let Err(problem) = self.kept.reading_choices.change(&self.opening.opened.inputs, apply) {
+        if let Err(problem) = self.stored.reading_choices.change(&self.opening.opened.inputs, apply) {
             self.notices.warn(problem);
         }
     }
 
     /// The options of reading that were chosen for `inputs`.
     pub(in crate::app) fn chosen_reading(&self, inputs: &[PathBuf]) -> Option<Reading> {
-        self.kept.reading_choices.of(inputs).cloned()
+        self.stored.reading_choices.of(inputs).cloned()
     }
 
     /// Shows `sequence`, the open one read as `open` says. All that the user has made around it stays, as if it was
@@ -203,7 +203,7 @@ impl State {
             unsaved: Unsaved::None,
         };
         let turns = self.motion.turntable.is_on;
-        self.with_document_kept(|state| state.open_session(sequence, read));
+        self.with_document_stored(|state| state.open_session(sequence, read));
         (self.opening.opened.file, self.opening.opened.is_damaged) = (file, is_damaged);
         // A choice in the window goes before what the command line says.
         self.opening.opened.options = Some(open);

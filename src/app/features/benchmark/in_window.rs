@@ -128,7 +128,7 @@ fn benchmark(ui: &mut Ui, state: &mut State) {
         Some(BenchmarkRequest::Save(format)) => state.ask_for_report(format),
         Some(BenchmarkRequest::DrawAs(way)) => state.draw_as_measured(&way.style),
         Some(BenchmarkRequest::Use(strategy)) => state.style.drawing.strategy = strategy,
-        Some(BenchmarkRequest::ShowKept(way)) => state.compare_with_kept(way.options.clone(), &way.label),
+        Some(BenchmarkRequest::ShowRetained(way)) => state.compare_with_retained(way.options.clone(), &way.label),
         None => {}
     }
 }

@@ -5,7 +5,7 @@ use super::rates::rates_ui;
 use super::{Benchmark, BenchmarkTable, ReportFormat};
 use crate::app::open_panels::PanelId;
 use crate::app::theme::ACCENT;
-use crate::app::widgets::tool_window::{is_small, room, tool_window};
+use crate::app::widgets::tool_window::{is_small, space, tool_window};
 use crate::app::work::panel::{bar, cancel_button};
 use crate::bench::{LabPoint, RatePoint, Table, suites};
 use crate::scene::Strategy;
@@ -36,7 +36,7 @@ pub(in crate::app) enum BenchmarkRequest {
     /// Draw by this instancing strategy.
     Use(Strategy),
     /// Show the frame as it is when it is kept so.
-    ShowKept(Arc<RatePoint>),
+    ShowRetained(Arc<RatePoint>),
 }
 
 /// Shows the benchmark window while it is open: at first as high as the image and left of its centre, so that both are
@@ -49,25 +49,25 @@ pub(in crate::app) fn benchmark_ui(
     now: Duration,
 ) -> Option<BenchmarkRequest> {
     let mut request = None;
-    let (room, is_small) = (room(ui.ctx()), is_small(ui.ctx()));
+    let (space, is_small) = (space(ui.ctx()), is_small(ui.ctx()));
     let usual = Rect::from_min_size(
-        room.min + Vec2::splat(MARGIN),
+        space.min + Vec2::splat(MARGIN),
         vec2(
-            USUAL_WIDTH.min(room.width() - 2.0 * MARGIN),
-            room.height() - 2.0 * MARGIN,
+            USUAL_WIDTH.min(space.width() - 2.0 * MARGIN),
+            space.height() - 2.0 * MARGIN,
         ),
     );
     let mut window = tool_window(ui.ctx(), PanelId::BENCHMARK.name(), "Benchmark");
     if !is_small {
         window = window
             .min_size(MIN_SIZE)
-            .max_size(room.size() - Vec2::splat(2.0 * MARGIN));
+            .max_size(space.size() - Vec2::splat(2.0 * MARGIN));
     }
     let shown = window
         .open(is_open)
         .collapsible(false)
         .resizable(true)
-        .default_rect(place.unwrap_or(usual).intersect(room))
+        .default_rect(place.unwrap_or(usual).intersect(space))
         .show(ui, |ui| {
             head(ui, benchmark, now);
             ScrollArea::vertical()
@@ -135,7 +135,7 @@ fn contents(ui: &mut Ui, benchmark: &Benchmark) -> Option<BenchmarkRequest> {
     let rates = benchmark.rates();
     if !rates.is_empty() {
         ui.separator();
-        request = rates_ui(ui, &rates).map(BenchmarkRequest::ShowKept).or(request);
+        request = rates_ui(ui, &rates).map(BenchmarkRequest::ShowRetained).or(request);
     }
     request
 }

@@ -268,7 +268,7 @@ impl Feature<State> for FeatureOf<PathEditor> {
 
     /// Forgets the sequence; unsaved data is not lost without a question.
     fn forget_sequence(&self, state: &mut State) {
-        if state.is_kept() || !state.features.path.is_unsaved() {
+        if state.is_persisted() || !state.features.path.is_unsaved() {
             state.stop_preview();
             state.features.path.take(Arc::default(), None);
         }
@@ -295,7 +295,7 @@ impl Feature<State> for FeatureOf<PathEditor> {
     }
 
     fn loss(&self, state: &State) -> Option<&'static str> {
-        let is_unsaved = state.features.path.is_unsaved() && !state.is_kept();
+        let is_unsaved = state.features.path.is_unsaved() && !state.is_persisted();
         is_unsaved.then_some("The camera path is not saved.")
     }
 

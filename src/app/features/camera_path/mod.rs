@@ -154,7 +154,7 @@ impl PathEditor {
     }
 
     /// Takes notice that `draft` is kept in another file: its own stays as it was.
-    pub(in crate::app) fn note_kept(&mut self, draft: Arc<Draft>) {
+    pub(in crate::app) fn note_stored(&mut self, draft: Arc<Draft>) {
         self.saved = draft;
     }
 

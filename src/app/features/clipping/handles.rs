@@ -157,7 +157,7 @@ fn paint_handle(canvas: &PictureOverlay<'_>, handle: &Handle, center: Pos2, is_h
     };
     canvas.knob(center, radius, fill);
     // Above the handle, but where the picture ends there.
-    let above = if canvas.has_room_above(center, LABEL_HEIGHT) {
+    let above = if canvas.has_space_above(center, LABEL_HEIGHT) {
         -1.0
     } else {
         1.0

@@ -155,7 +155,7 @@ fn kind(ui: &mut Ui, clip: &mut Option<Clip>, clipping: &mut Clipping, frames: &
 }
 
 fn sides(ui: &mut Ui, clip: &mut Clip) {
-    let [kept, other] = match clip.shape {
+    let [retained, other] = match clip.shape {
         ClipShape::Box { .. } => ["Inside".to_owned(), "Outside".to_owned()],
         ClipShape::Plane { normal, .. } => match AXES.iter().find(|(_, axis)| *axis == normal) {
             Some((name, _)) => [format!("+{name} side"), format!("\u{2212}{name} side")],
@@ -163,7 +163,7 @@ fn sides(ui: &mut Ui, clip: &mut Clip) {
         },
     };
     let tooltip = "Which part of the cloud is drawn";
-    let choices = [(kept.as_str(), false, tooltip), (other.as_str(), true, tooltip)];
+    let choices = [(retained.as_str(), false, tooltip), (other.as_str(), true, tooltip)];
     choice(ui, "Keep", tooltip, &mut clip.keeps_outside, &choices);
 }
 

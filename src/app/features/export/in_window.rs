@@ -172,7 +172,7 @@ impl State {
         let trails = self.features.trails.found();
         ComposeOptions {
             trails: trails.map(|trails| (Arc::new(trails.clone()), self.features.trails.looks())),
-            left_out_photos: self.features.photos.left_out(),
+            skipped_photos: self.features.photos.skipped(),
             ..self.features.temporal.options()
         }
     }

@@ -4,7 +4,7 @@ use super::measuring::{Measurement, value_text};
 use super::{Inspection, Tool};
 use crate::app::widgets::tool_window::tool_window;
 use crate::cloud::LengthUnit;
-use crate::scene::Gauge;
+use crate::scene::MeasurementKind;
 use egui::{Align2, Button, Grid, Pos2, RichText, ScrollArea, Ui, vec2};
 use glam::DVec3;
 
@@ -26,7 +26,7 @@ pub(in crate::app) fn measuring_ui(
         .pivot(Align2::LEFT_BOTTOM)
         .default_pos(corner + vec2(12.0, -12.0))
         .show(ui, |ui| {
-            gauges(ui, inspection);
+            measurement_kinds(ui, inspection);
             if !inspection.measurements.is_empty() {
                 list(ui, &mut inspection.measurements, up, unit);
             }
@@ -36,17 +36,17 @@ pub(in crate::app) fn measuring_ui(
     }
 }
 
-fn gauges(ui: &mut Ui, inspection: &mut Inspection) {
+fn measurement_kinds(ui: &mut Ui, inspection: &mut Inspection) {
     ui.horizontal(|ui| {
-        for (gauge, name, tooltip) in Gauge::ALL {
-            let button = Button::selectable(inspection.gauge == gauge, name);
+        for (measurement_kind, name, tooltip) in MeasurementKind::ALL {
+            let button = Button::selectable(inspection.measurement_kind == measurement_kind, name);
             if ui.add(button).on_hover_text(tooltip).clicked() {
-                inspection.measure(gauge);
+                inspection.measure(measurement_kind);
             }
         }
     });
     let begun = inspection.begun.len();
-    let count = inspection.gauge.point_count();
+    let count = inspection.measurement_kind.point_count();
     ui.weak(format!("Click on point {} of {count}. Esc ends.", begun + 1));
 }
 
@@ -56,8 +56,8 @@ fn list(ui: &mut Ui, measurements: &mut Vec<Measurement>, up: DVec3, unit: Optio
     ScrollArea::vertical().max_height(height).show(ui, |ui| {
         Grid::new("measurements").num_columns(3).striped(true).show(ui, |ui| {
             for (index, measurement) in measurements.iter().enumerate() {
-                let value = value_text(measurement.gauge, measurement.value(up), unit);
-                ui.label(measurement.gauge.name());
+                let value = value_text(measurement.measurement_kind, measurement.value(up), unit);
+                ui.label(measurement.measurement_kind.name());
                 ui.label(RichText::new(value).monospace()).on_hover_text(
                     "Lengths in the units of the file, angles in degrees; points are followed through frames with \
                         the same number of points",

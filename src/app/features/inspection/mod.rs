@@ -11,7 +11,7 @@ pub use anchor::Anchor;
 
 use crate::app::side::Side;
 use crate::document::Measured;
-use crate::scene::{Gauge, Pick};
+use crate::scene::{MeasurementKind, Pick};
 use crate::sequence::PreparedFrame;
 use glam::DVec3;
 use measuring::Measurement;
@@ -47,7 +47,7 @@ pub struct Inspection {
     /// The point whose values are shown.
     pub point: Option<Inspected>,
     /// Kind of the next measurement.
-    pub gauge: Gauge,
+    pub measurement_kind: MeasurementKind,
     /// Points of a measurement that has not enough of them yet.
     pub begun: Vec<Anchor>,
     /// Finished measurements, oldest first.
@@ -89,22 +89,22 @@ impl Inspection {
     /// The points of the last angle that was measured.
     pub(in crate::app) fn last_angle(&self) -> Option<[DVec3; 3]> {
         let mut angles = self.measurements.iter().rev();
-        let angle = angles.find(|measurement| measurement.gauge == Gauge::Angle)?;
+        let angle = angles.find(|measurement| measurement.measurement_kind == MeasurementKind::Angle)?;
         let places: Vec<DVec3> = angle.points.iter().map(|point| point.place).collect();
         places.try_into().ok()
     }
 
     /// Chooses what is measured.
-    pub fn measure(&mut self, gauge: Gauge) {
+    pub fn measure(&mut self, measurement_kind: MeasurementKind) {
         self.begun.clear();
-        self.gauge = gauge;
+        self.measurement_kind = measurement_kind;
     }
 
     /// Forgets what was clicked on; what the next click does stays.
     pub(in crate::app) fn forget_points(&mut self) {
         *self = Self {
             tool: self.tool,
-            gauge: self.gauge,
+            measurement_kind: self.measurement_kind,
             ..Self::default()
         };
     }
@@ -149,9 +149,9 @@ impl Inspection {
             }
             Tool::Measure => {
                 self.begun.push(anchor);
-                if self.begun.len() >= self.gauge.point_count() {
+                if self.begun.len() >= self.measurement_kind.point_count() {
                     self.measurements.push(Measurement {
-                        gauge: self.gauge,
+                        measurement_kind: self.measurement_kind,
                         points: std::mem::take(&mut self.begun),
                     });
                 }
@@ -269,7 +269,7 @@ mod tests {
         inspection.take(Side::A, pick(0), &shown);
         assert!(inspection.point.is_none(), "without a tool a click picks nothing");
         inspection.toggle(Tool::Measure);
-        inspection.measure(Gauge::Angle);
+        inspection.measure(MeasurementKind::Angle);
         for index in [1, 0, 2] {
             inspection.take(Side::A, pick(index), &shown);
         }

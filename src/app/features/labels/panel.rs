@@ -73,11 +73,11 @@ fn list_ui(ui: &mut Ui, labels: &mut Labels, frame_count: usize) -> Option<Label
     let mut asked = None;
     let written = labels.written.take();
     // As wide as the rows, and in a small window these are scrolled to.
-    let room = ui.ctx().content_rect().size();
+    let space = ui.ctx().content_rect().size();
     let area = ScrollArea::both()
-        .max_width(room.x - MARGINS)
-        .min_scrolled_width(room.x - MARGINS)
-        .max_height(0.4 * room.y);
+        .max_width(space.x - MARGINS)
+        .min_scrolled_width(space.x - MARGINS)
+        .max_height(0.4 * space.y);
     area.show(ui, |ui| {
         Grid::new("labels").num_columns(5).striped(true).show(ui, |ui| {
             for text in ["", "Text", "From", "To", ""] {

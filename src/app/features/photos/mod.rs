@@ -71,7 +71,7 @@ pub struct Photos {
 
 impl Photos {
     /// Numbers of those that are not used.
-    pub(in crate::app) fn left_out(&self) -> Vec<usize> {
+    pub(in crate::app) fn skipped(&self) -> Vec<usize> {
         self.off.iter().copied().collect()
     }
 
@@ -241,7 +241,7 @@ impl Photos {
             return Vec::new();
         }
         let notes = loaded.loaded.notes.clone();
-        self.make_room(loaded.loaded.posed_images.byte_size());
+        self.free_space(loaded.loaded.posed_images.byte_size());
         self.loaded.push(loaded);
         self.use_what_is_on();
         notes
@@ -277,7 +277,7 @@ impl Photos {
     }
 
     /// Forgets sets that nobody asked for in a long time, until one of `bytes` fits into the budget.
-    fn make_room(&mut self, bytes: usize) {
+    fn free_space(&mut self, bytes: usize) {
         let size = |loaded: &LoadedSet| loaded.loaded.posed_images.byte_size() as u64;
         let mut total = bytes as u64 + self.loaded.iter().map(size).sum::<u64>();
         let mut gone = 0;
@@ -300,7 +300,7 @@ impl Photos {
     }
 
     fn use_what_is_on(&mut self) {
-        let off = self.left_out();
+        let off = self.skipped();
         for loaded in &mut self.loaded {
             let all = &loaded.loaded.posed_images;
             loaded.used = if off.is_empty() {

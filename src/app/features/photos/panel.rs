@@ -58,7 +58,7 @@ fn head_ui(ui: &mut Ui, photos: &mut Photos, set: &ViewSet) {
         ui.label(text);
         ui.add(Checkbox::new(&mut photos.shows_frusta, "Show camera frusta"))
             .on_hover_text("Draws the frustum of each camera; a click on one jumps to that view");
-        let has_off = !photos.left_out().is_empty();
+        let has_off = !photos.skipped().is_empty();
         let all = ui.add_enabled(has_off, egui::Button::new("Use all"));
         if all.on_hover_text("Uses all images for texturing again").clicked() {
             (0..count).for_each(|number| photos.set_used(number, true));

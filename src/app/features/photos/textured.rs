@@ -18,11 +18,11 @@ use rayon::ThreadPool;
 use std::sync::Arc;
 
 /// Frames that are kept, however large they are: the shown one, those ahead, and some to go back to.
-const KEPT: usize = 6;
+const RETAINED: usize = 6;
 
 /// Budget for keeping more frames, as long as all take no more than this together: a short multi-view video is played
 /// over and over.
-const KEPT_BYTES: usize = 256 << 20;
+const RETAINED_BYTES: usize = 256 << 20;
 
 /// Parts of a textured frame.
 #[derive(Debug, Clone)]
@@ -49,7 +49,7 @@ struct Loaded<'a> {
 }
 
 impl Frames for Loaded<'_> {
-    fn posed_images(&self, _index: usize, _left_out: &[usize]) -> Option<LoadedPhotos> {
+    fn posed_images(&self, _index: usize, _skipped: &[usize]) -> Option<LoadedPhotos> {
         Some(LoadedPhotos {
             posed_images: Arc::clone(self.posed_images),
             notes: Vec::new(),
@@ -184,7 +184,7 @@ impl TexturedFrames {
         }
         self.made.push(made);
         let mut bytes: usize = self.made.iter().map(TexturedFrame::byte_size).sum();
-        while self.made.len() > KEPT && bytes > KEPT_BYTES {
+        while self.made.len() > RETAINED && bytes > RETAINED_BYTES {
             bytes -= self.made.remove(0).byte_size();
         }
     }
@@ -258,12 +258,12 @@ mod tests {
     fn small_frames_are_kept_and_what_nobody_waits_for_is_dropped() {
         let posed_images = Arc::new(PosedImages::new(Vec::new(), None));
         let mut frames = TexturedFrames::default();
-        for index in 0..2 * KEPT {
+        for index in 0..2 * RETAINED {
             let of = parts(&frame(index), &posed_images);
             frames.running = Some(of.clone());
             frames.take_in(made(&of));
         }
-        assert_eq!(frames.made.len(), 2 * KEPT);
+        assert_eq!(frames.made.len(), 2 * RETAINED);
         assert!(frames.has(0, &posed_images, &SurfelStyle::default()));
         frames.take_in(made(&parts(&frame(99), &posed_images)));
         assert!(!frames.has(99, &posed_images, &SurfelStyle::default()));

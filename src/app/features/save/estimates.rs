@@ -22,7 +22,7 @@ const REST: Duration = Duration::from_millis(250);
 const FRAMES: usize = 5;
 
 /// Decoded frames that take no more than this together are kept while the dialog is open.
-const KEPT_BYTES: usize = 256 << 20;
+const CACHED_BYTES: usize = 256 << 20;
 
 /// Key of the current evaluation.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +59,7 @@ pub struct Estimates {
     due: Duration,
     /// Estimate of the previous settings.
     before: Option<Estimate>,
-    kept: Vec<Arc<SampleFrame>>,
+    cached: Vec<Arc<SampleFrame>>,
     /// Bytes of the files that the frames are in, if anybody knows.
     source: Option<(usize, RangeInclusive<usize>, Option<u64>)>,
     pool: PoolBehindDrawing,
@@ -147,7 +147,7 @@ impl Estimates {
             self.before = Estimate::of(&self.judged).or(self.before.take());
         } else {
             self.before = None;
-            self.kept.clear();
+            self.cached.clear();
         }
         self.judged.clear();
         self.problem = None;
@@ -169,12 +169,12 @@ impl Estimates {
         };
         let progress = Progress::default();
         self.running = Some(progress.clone());
-        let kept = self.kept.iter().find(|sample| sample.index == index).cloned();
+        let cached = self.cached.iter().find(|sample| sample.index == index).cloned();
         let (of, frames, _) = self.source.as_ref().map_or((0, 0..=0, None), Clone::clone);
         let knows_source = of == question.sequence && frames == question.frames;
         let sequence = Arc::clone(sequence);
         tasks.start_in(pool, move || {
-            Box::new(judge(&sequence, question, index, kept, knows_source, &progress))
+            Box::new(judge(&sequence, question, index, cached, knows_source, &progress))
         });
     }
 
@@ -210,10 +210,10 @@ impl Estimates {
     }
 
     fn keep(&mut self, sample: Arc<SampleFrame>) {
-        let kept: usize = self.kept.iter().map(|sample| sample.byte_size()).sum();
-        let is_new = self.kept.iter().all(|known| known.index != sample.index);
-        if is_new && kept + sample.byte_size() <= KEPT_BYTES {
-            self.kept.push(sample);
+        let cached: usize = self.cached.iter().map(|sample| sample.byte_size()).sum();
+        let is_new = self.cached.iter().all(|known| known.index != sample.index);
+        if is_new && cached + sample.byte_size() <= CACHED_BYTES {
+            self.cached.push(sample);
         }
     }
 
@@ -242,12 +242,12 @@ fn judge(
     sequence: &Sequence,
     question: Question,
     index: usize,
-    kept: Option<Arc<SampleFrame>>,
+    cached: Option<Arc<SampleFrame>>,
     knows_source: bool,
     progress: &Progress,
 ) -> Estimated {
     let source = (!knows_source).then(|| SourceBytes(source_bytes(sequence, &question.frames)));
-    let sample = match kept {
+    let sample = match cached {
         Some(sample) => Ok(sample),
         None => SampleFrame::read(sequence, index).map(Arc::new),
     };

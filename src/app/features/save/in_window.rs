@@ -118,20 +118,20 @@ impl State {
         if let Some(player) = &self.player
             && let Target::Reel(options) = self.features.save.target(player.sequence().fps())
         {
-            self.compare_with_kept(options, "as it would be saved");
+            self.compare_with_retained(options, "as it would be saved");
         }
     }
 
     /// Compares the open sequence with the result of a sequence file with `options`, which are described by `words`.
-    pub fn compare_with_kept(&mut self, options: ReelOptions, words: &str) {
+    pub fn compare_with_retained(&mut self, options: ReelOptions, words: &str) {
         if let Err(problem) = options.check() {
             return self.notices.error(problem.to_string());
         }
         let Some(player) = &self.player else { return };
         let sequence = player.sequence();
-        let kept = AsReel::new(Arc::clone(sequence.source()), options);
-        let kept = Sequence::of(kept).with_fps(sequence.fps());
-        self.compare_with(Arc::new(kept));
+        let retained = AsReel::new(Arc::clone(sequence.source()), options);
+        let retained = Sequence::of(retained).with_fps(sequence.fps());
+        self.compare_with(Arc::new(retained));
         if let Some(beside) = &mut self.features.beside {
             beside.name = format!("{}, {words}", beside.name);
         }

@@ -15,12 +15,13 @@ pub(super) fn lines(estimate: &Estimate, frames: usize, source_bytes: Option<u64
         format!("about {}{}", bytes(whole as u64), beside(whole, source_bytes)),
         "Of all frames, by those that were encoded",
     )];
-    let kept = 100.0 * estimate.kept_points / estimate.points.max(1.0);
-    let [points, kept_points] = [estimate.points, estimate.kept_points].map(|points| grouped(points.round() as u64));
-    let of_points = if points == kept_points {
+    let retained = 100.0 * estimate.retained_points / estimate.points.max(1.0);
+    let [points, retained_points] =
+        [estimate.points, estimate.retained_points].map(|points| grouped(points.round() as u64));
+    let of_points = if points == retained_points {
         format!("{points} per frame, all of them")
     } else {
-        format!("{kept_points} of {points} per frame ({kept:.0} %)")
+        format!("{retained_points} of {points} per frame ({retained:.0} %)")
     };
     lines.push(("Points", of_points, "Points in one cell become one"));
     lines.push((
@@ -41,7 +42,7 @@ pub(super) fn merge_price(estimate: &Estimate, is_merged: bool, frames: usize) -
     let other = estimate.other_way?;
     let size = |frame_bytes: f64| bytes((frame_bytes * frames as f64) as u64);
     let (left, merged_size, size) = if is_merged {
-        (estimate.kept_points, size(estimate.frame_bytes), size(other.bytes))
+        (estimate.retained_points, size(estimate.frame_bytes), size(other.bytes))
     } else {
         (other.points, size(other.bytes), size(estimate.frame_bytes))
     };
@@ -56,7 +57,7 @@ pub(super) fn merge_price(estimate: &Estimate, is_merged: bool, frames: usize) -
 /// Returns a warning before much is lost: points of a scan that is not a surface are merged where they are dense.
 pub(super) fn warning(estimate: &Estimate) -> Option<String> {
     const MUCH: f64 = 0.2;
-    let lost = 1.0 - estimate.kept_points / estimate.points.max(1.0);
+    let lost = 1.0 - estimate.retained_points / estimate.points.max(1.0);
     (estimate.points > 0.0 && lost > MUCH).then(|| {
         let lost = 100.0 * lost;
         format!(
@@ -155,7 +156,7 @@ mod tests {
         Estimate {
             frames: 5,
             points: 2000.0,
-            kept_points: 1000.0,
+            retained_points: 1000.0,
             frame_bytes: 1250.0,
             bytes_by_stream: Some(bytes_by_stream),
             losses: Losses::default(),
@@ -203,7 +204,7 @@ mod tests {
         let expected = "Merges 1,000 of 2,000 points per frame (50 %): about 12.2 KiB instead of 24.4 KiB";
         assert_eq!(merge_price(&estimate(), true, 10).as_deref(), Some(expected));
         let unmerged = Estimate {
-            kept_points: 2000.0,
+            retained_points: 2000.0,
             frame_bytes: 2500.0,
             other_way: Some(OtherWay {
                 points: 1000.0,
@@ -221,17 +222,17 @@ mod tests {
 
     #[test]
     fn points_that_are_lost_are_a_warning_from_a_fifth_on() {
-        let kept = |kept_points: f64| {
+        let retained = |retained_points: f64| {
             warning(&Estimate {
-                kept_points,
+                retained_points,
                 ..estimate()
             })
         };
-        assert_eq!([kept(2000.0), kept(1700.0)], [None, None]);
-        assert!(kept(660.0).is_some_and(|text| text.starts_with("67 % of the points are merged")));
+        assert_eq!([retained(2000.0), retained(1700.0)], [None, None]);
+        assert!(retained(660.0).is_some_and(|text| text.starts_with("67 % of the points are merged")));
         let nothing = Estimate {
             points: 0.0,
-            kept_points: 0.0,
+            retained_points: 0.0,
             ..estimate()
         };
         assert_eq!(warning(&nothing), None);
@@ -240,7 +241,7 @@ mod tests {
     #[test]
     fn what_nobody_knows_is_not_told() {
         let bare = Estimate {
-            kept_points: 2000.0,
+            retained_points: 2000.0,
             bytes_by_stream: None,
             errors: None,
             ..estimate()

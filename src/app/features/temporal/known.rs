@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// Bytes of distances that are kept.
-const MAX_KEPT_BYTES: usize = 256 << 20;
+const MAX_RETAINED_BYTES: usize = 256 << 20;
 
 /// The distances of one pose to another: the frames, and how many points of the first there are.
 pub(super) type ChangeKey = (usize, usize, usize);
@@ -26,7 +26,7 @@ impl Known {
             return;
         }
         self.0.push_back((key, Arc::clone(change)));
-        while self.0.len() > 1 && self.byte_size() > MAX_KEPT_BYTES {
+        while self.0.len() > 1 && self.byte_size() > MAX_RETAINED_BYTES {
             self.0.pop_front();
         }
     }

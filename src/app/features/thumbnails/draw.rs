@@ -3,7 +3,7 @@
 use super::store::PICTURE_PX;
 use crate::cloud::{PointRecord, even_places};
 use crate::composition::{Drawn, PictureView, packet};
-use crate::kept;
+use crate::persist;
 use crate::progress::Progress;
 use crate::render::cpu::CpuRenderer;
 use crate::render::{RenderError, Renderer as _};
@@ -71,7 +71,7 @@ impl Thumbnail {
         let written = image
             .write_to(&mut png, ImageFormat::Png)
             .map_err(std::io::Error::other)
-            .and_then(|()| kept::replace(file, png.get_ref()));
+            .and_then(|()| persist::replace(file, png.get_ref()));
         if let Err(reason) = written {
             log::warn!("the picture {} could not be written ({reason})", file.display());
         }

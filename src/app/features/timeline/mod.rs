@@ -64,10 +64,10 @@ impl Timeline {
 
     /// Replaces the markers by those of a document. Returns a message about those that are skipped.
     pub(in crate::app) fn take_markers(&mut self, list: Vec<Marker>) -> Option<String> {
-        let mut left_out = Vec::new();
+        let mut skipped = Vec::new();
         self.renaming = None;
-        self.markers = Markers::of(list, &mut left_out);
-        (!left_out.is_empty()).then(|| format!("Not all markers are there: {}", left_out.join(", ")))
+        self.markers = Markers::of(list, &mut skipped);
+        (!skipped.is_empty()).then(|| format!("Not all markers are there: {}", skipped.join(", ")))
     }
 
     /// The numbers that are missing between the names of the frames of `sequence`, which may have grown.

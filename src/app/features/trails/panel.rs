@@ -29,22 +29,22 @@ pub(in crate::app) fn trail_ui(ui: &mut Ui, trails: &mut Trails, anchor: Anchor)
         if !trails.is_on {
             return;
         }
-        let mut kept = trails.kept.iter();
-        let is_kept = kept.any(|kept| kept.index_in_file == anchor.index_in_file);
-        let keep = Button::selectable(is_kept, "Keep trail");
+        let mut retained = trails.retained.iter();
+        let is_retained = retained.any(|retained| retained.index_in_file == anchor.index_in_file);
+        let keep = Button::selectable(is_retained, "Keep trail");
         let tooltip = "The trail stays when another point is picked";
         if ui.add(keep).on_hover_text(tooltip).clicked() {
-            trails.toggle_kept(anchor);
+            trails.toggle_retained(anchor);
         }
         let forget = Button::new("Forget kept trails");
-        let has_kept = !trails.kept.is_empty();
-        if has_kept
+        let has_retained = !trails.retained.is_empty();
+        if has_retained
             && ui
                 .add(forget)
                 .on_hover_text("Keeps only the trail of the picked point")
                 .clicked()
         {
-            trails.kept.clear();
+            trails.retained.clear();
         }
     });
     if trails.is_on {

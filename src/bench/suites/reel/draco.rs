@@ -5,7 +5,7 @@
 //! its own tool has them; colours are lossless, which ours are only on request. Its compression level is 7, the default
 //! of its tool.
 
-use super::samples::{KeptSamples, Measured};
+use super::samples::{Measured, RetainedSamples};
 use crate::bench::BenchError;
 use crate::cloud::{Positions, RawCloud};
 use crate::progress::Progress;
@@ -106,7 +106,7 @@ impl DracoCells {
             .zip(&files)
             .map(|(frame, file)| frame.read_back(file))
             .collect();
-        let samples = KeptSamples {
+        let samples = RetainedSamples {
             frames: files.len(),
             points: self.frames.iter().map(|frame| frame.cells.len()).sum(),
             bytes: files.iter().map(Vec::len).sum(),

@@ -20,12 +20,12 @@ use crate::reel::{Coding, Precision, ReelOptions};
 use draco::{Coder, DracoCells};
 use judge::Judge;
 use original::consecutive;
-use samples::{KeptSamples, Measured};
+use samples::{Measured, RetainedSamples};
 
 pub use rate::RATE;
 pub(super) use rate::measure as measure_rates;
 
-/// Columns, in the order in which [`KeptSamples::row`] fills them.
+/// Columns, in the order in which [`RetainedSamples::row`] fills them.
 const COLUMNS: &[Column] = &[
     Column::text("sequence", "sequence"),
     Column::text("options", "options"),
@@ -136,7 +136,8 @@ fn measure_sequence(
     let mut cells = None;
     for (words, options) in ways {
         run.begin_step(format!("{}: {words}", subject.name))?;
-        let Measured { samples, decoded } = one_thread(|| KeptSamples::of_reel(&frames, options, repeats, progress))??;
+        let Measured { samples, decoded } =
+            one_thread(|| RetainedSamples::of_reel(&frames, options, repeats, progress))??;
         let distortion = judge.judge(&decoded[last].cloud)?;
         rows.push(samples.row(subject.name, words, &distortion));
         if options.precision == CELLS {

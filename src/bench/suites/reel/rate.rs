@@ -9,7 +9,7 @@
 
 use super::judge::{Distortion, Judge};
 use super::original::{Original, consecutive};
-use super::samples::KeptSamples;
+use super::samples::RetainedSamples;
 use crate::bench::BenchError;
 use crate::bench::rate::{RatePoint, Sweep};
 use crate::bench::report::{Cell, Column, Row};
@@ -159,10 +159,10 @@ fn measure_frame(run: &mut Run<'_>, subject: &Subject<'_>, frame: &Original) -> 
     let mut judge = Judge::new(run.options, subject, frame.index, &frame.cloud)?;
     for choice in choices {
         run.begin_step(format!("{}: {}", subject.name, choice.label))?;
-        let kept = KeptSamples::of_reel(std::slice::from_ref(frame), &choice.options, 1, run.progress)?;
-        let distortion = judge.judge(&kept.decoded[0].cloud)?;
-        let point = point(subject.name, choice, frame, &kept.samples, &distortion);
-        run.add_rows([row(&point, frame, &kept.samples)]);
+        let retained = RetainedSamples::of_reel(std::slice::from_ref(frame), &choice.options, 1, run.progress)?;
+        let distortion = judge.judge(&retained.decoded[0].cloud)?;
+        let point = point(subject.name, choice, frame, &retained.samples, &distortion);
+        run.add_rows([row(&point, frame, &retained.samples)]);
         run.say_measured(point.clone());
         run.add_rate(point);
     }
@@ -173,7 +173,7 @@ fn point(
     sequence: &str,
     choice: Choice,
     frame: &Original,
-    samples: &KeptSamples,
+    samples: &RetainedSamples,
     distortion: &Distortion,
 ) -> RatePoint {
     let [picture, error_map] = match &distortion.first {
@@ -193,7 +193,7 @@ fn point(
     }
 }
 
-fn row(point: &RatePoint, frame: &Original, samples: &KeptSamples) -> Row {
+fn row(point: &RatePoint, frame: &Original, samples: &RetainedSamples) -> Row {
     let error = &point.error;
     let finite = |number: Option<f64>| Cell::maybe(number.filter(|number| number.is_finite()));
     let mut cells = vec![

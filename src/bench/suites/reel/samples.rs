@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Measurements of one storage method for frames.
-pub(super) struct KeptSamples {
+pub(super) struct RetainedSamples {
     pub(super) frames: usize,
     /// Points of all of them, once they are read back.
     pub(super) points: usize,
@@ -27,11 +27,11 @@ pub(super) struct KeptSamples {
 
 /// The numbers, and the frames that came back.
 pub(super) struct Measured {
-    pub(super) samples: KeptSamples,
+    pub(super) samples: RetainedSamples,
     pub(super) decoded: Vec<DecodedFrame>,
 }
 
-impl KeptSamples {
+impl RetainedSamples {
     /// Writes `frames` as a sequence file and reads them back `repeats` times.
     pub(super) fn of_reel(
         frames: &[Original],

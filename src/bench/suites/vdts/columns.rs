@@ -3,7 +3,7 @@
 use crate::bench::report::{Cell, Column, Row};
 
 /// Table of held-out images, compared with renderings from their viewpoints.
-pub(super) const LEFT_OUT: &str = "left out";
+pub(super) const SKIPPED: &str = "left out";
 /// Table 2 of the paper.
 pub(super) const SIZES: &str = "sizes";
 /// Fig. 10.

@@ -33,7 +33,7 @@ use crate::scene::{Background, EyeDome, FirstLook, Lighting, PhotoMode, Primitiv
 use crate::sequence::PreparedFrame;
 use crate::stereo::photo_surface;
 use backgrounds::is_covered;
-use columns::{COLUMNS, LEFT_OUT};
+use columns::{COLUMNS, SKIPPED};
 use image::{Rgba, RgbaImage};
 use multiview::{MultiView, TrueView};
 use std::sync::Arc;
@@ -133,7 +133,7 @@ fn measure_sequence(
             run.note(format!("{}: {note}", subject.name));
         }
         let all = &loaded.posed_images;
-        let used = all.without(&left_out(run, all));
+        let used = all.without(&skipped(run, all));
         // What is left out is not to tell where the surface is.
         let used = used.with_surface(photo_surface(&set, &used, origin, run.progress()));
         let shown = MultiView {
@@ -143,7 +143,7 @@ fn measure_sequence(
             look: &look,
             style,
         };
-        let rows = leave_out(run, runner, &shown, all, &Arc::new(used))?;
+        let rows = skip(run, runner, &shown, all, &Arc::new(used))?;
         run.finish(subject, &[frame.frame.len() as f64], &[], rows);
         return Ok(false);
     }
@@ -159,36 +159,36 @@ fn measure_sequence(
     };
     let few = multiview.few(few_points)?;
     let posed_images = made::without_depths(&with_depths);
-    let used = Arc::new(posed_images.without(&left_out(run, &posed_images)));
+    let used = Arc::new(posed_images.without(&skipped(run, &posed_images)));
     let shown = MultiView {
         frame: &few,
         ..multiview
     };
-    let mut rows = leave_out(run, runner, &shown, &posed_images, &used)?;
+    let mut rows = skip(run, runner, &shown, &posed_images, &used)?;
     rows.extend(tables_of_paper(run, runner, &multiview, &few, &with_depths)?);
     run.finish(subject, &[few.frame.len() as f64], &[], rows);
     Ok(true)
 }
 
 /// Returns the held-out images, by their numbers.
-fn left_out(run: &Run<'_>, posed_images: &PosedImages) -> Vec<usize> {
+fn skipped(run: &Run<'_>, posed_images: &PosedImages) -> Vec<usize> {
     let numbers = posed_images.all().iter().map(|posed_image| posed_image.number + 1);
     run.options.leave_out.of(numbers.max().unwrap_or(0))
 }
 
 /// Renders the viewpoints of held-out images from those that are used.
-fn leave_out(
+fn skip(
     run: &mut Run<'_>,
     runner: &mut Runner,
     shown: &MultiView<'_>,
     posed_images: &PosedImages,
     used: &Arc<PosedImages>,
 ) -> Result<Vec<Row>, BenchError> {
-    let left_out = left_out(run, posed_images);
+    let skipped = skipped(run, posed_images);
     let mut rows = Vec::new();
-    run.add_steps(left_out.len());
+    run.add_steps(skipped.len());
     let all = posed_images.all().iter();
-    for posed_image in all.filter(|posed_image| left_out.contains(&posed_image.number)) {
+    for posed_image in all.filter(|posed_image| skipped.contains(&posed_image.number)) {
         run.begin_step(format!("{}: {}", shown.name, posed_image.name))?;
         for mode in MODES {
             let compared = compare(run, runner, shown, posed_image, used, mode)?;
@@ -206,12 +206,12 @@ fn tables_of_paper(
     few: &PreparedFrame,
     with_depths: &PosedImages,
 ) -> Result<Vec<Row>, BenchError> {
-    let left_out = left_out(run, with_depths);
+    let skipped = skipped(run, with_depths);
     let cache = TruthCache::new(run.options.truth_folder.clone());
-    run.add_steps(left_out.len() + sizes::STEPS + clipped::steps(multiview.frame.frame.len()));
+    run.add_steps(skipped.len() + sizes::STEPS + clipped::steps(multiview.frame.frame.len()));
     let mut views = Vec::new();
     for posed_image in with_depths.all() {
-        if left_out.contains(&posed_image.number) {
+        if skipped.contains(&posed_image.number) {
             run.begin_step(format!("{}: the truth of {}", multiview.name, posed_image.name))?;
             let world_from_camera = posed_image.camera_from_world.inverse();
             let camera = multiview
@@ -224,7 +224,7 @@ fn tables_of_paper(
     if views.is_empty() {
         return Ok(Vec::new());
     }
-    let with_depths = Arc::new(with_depths.without(&left_out));
+    let with_depths = Arc::new(with_depths.without(&skipped));
     let used = Arc::new(made::without_depths(&with_depths));
     let mut rows = sizes::measure(run, runner, multiview, few, &used, &views)?;
     rows.extend(clipped::measure(run, runner, multiview, &with_depths, &views)?);
@@ -323,7 +323,7 @@ impl Compared<'_> {
         let [width, height] = self.posed_image.texture.size_px();
         let times = Quantiles::of(&self.times_ms);
         columns::row(
-            LEFT_OUT,
+            SKIPPED,
             &[
                 ("sequence", Cell::Text(sequence.to_owned())),
                 ("photo", Cell::Text(self.posed_image.name.clone())),

@@ -29,7 +29,7 @@ pub(in crate::io) struct Scene<'a> {
     played: Vec<usize>,
     textures: Textures,
     /// Textures in the form in which they are handed over with the cloud, if they are.
-    kept_textures: Option<Arc<cloud::Textures>>,
+    retained_textures: Option<Arc<cloud::Textures>>,
     /// Sample positions, if points are sampled: determined on the scene at rest, so that they are the same in every
     /// frame.
     places: Option<(Places, NonZeroUsize)>,
@@ -60,7 +60,7 @@ impl<'a> Scene<'a> {
         let places = places.transpose()?.flatten().zip(count);
         Ok(Self {
             played,
-            kept_textures: options.keeps_textures.then(|| Arc::new(textures.pictures())),
+            retained_textures: options.keeps_textures.then(|| Arc::new(textures.pictures())),
             textures,
             places,
             spent_bytes,
@@ -79,7 +79,7 @@ impl<'a> Scene<'a> {
             options: self.options,
             played: self.played,
             textures: self.textures,
-            kept_textures: self.kept_textures,
+            retained_textures: self.retained_textures,
             places: self.places,
             spent_bytes: self.spent_bytes,
             at_rest: self.at_rest,
@@ -112,7 +112,7 @@ impl<'a> Scene<'a> {
             materials: &self.document.materials,
             textures: &self.textures,
         };
-        match (&self.places, &self.kept_textures) {
+        match (&self.places, &self.retained_textures) {
             (Some((places, count)), _) => sampled(geometry, &surfaces, places, *count, &self.options),
             (None, Some(pictures)) => Ok(textured(geometry, &surfaces, pictures)),
             (None, None) => Ok(vertices(geometry, &surfaces)),

@@ -38,7 +38,7 @@ pub(in crate::io) fn decode(file: &Encoded<'_>) -> Result<RawCloud, Fault> {
     let mut done = 0;
     let counts = Counts::of(bytes);
     let options = file.options.holding(counts.claim(file.options)?);
-    let mut model = Model::with_room(&counts);
+    let mut model = Model::with_capacity(&counts);
     // A backslash at the end of a line goes on in the next one.
     let mut joined: Vec<u8> = Vec::new();
     for (index, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
@@ -86,13 +86,13 @@ struct Model {
 
 impl Model {
     /// An empty model whose lists need not grow.
-    fn with_room(counts: &Counts) -> Self {
+    fn with_capacity(counts: &Counts) -> Self {
         Self {
             positions: Vec::with_capacity(counts.vertices),
             colors: Vec::with_capacity(counts.vertices),
             normals: Vec::with_capacity(counts.normals),
             faces: Vec::with_capacity(counts.triangles),
-            corners: Corners::with_room(counts),
+            corners: Corners::with_capacity(counts),
             ..Self::default()
         }
     }

@@ -45,7 +45,7 @@ struct Corner {
 
 impl Corners {
     /// No corners yet, with room for places.
-    pub(super) fn with_room(counts: &Counts) -> Self {
+    pub(super) fn with_capacity(counts: &Counts) -> Self {
         Self {
             places: Vec::with_capacity(counts.places),
             ..Self::default()

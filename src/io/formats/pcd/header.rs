@@ -348,12 +348,12 @@ fn rename_duplicates(fields: &mut [PcdField], line: usize, warnings: &mut Vec<St
 
 /// Keeps the fields whose numbers come to no more than a point may have.
 fn skip_too_many(fields: &mut [PcdField], line: usize, warnings: &mut Vec<String>) {
-    let mut kept = 0usize;
+    let mut retained = 0usize;
     let mut skipped = Vec::new();
     for field in fields.iter_mut().filter(|field| field.scalar.is_some()) {
-        let numbers = kept.saturating_add(field.count.max(1));
+        let numbers = retained.saturating_add(field.count.max(1));
         if numbers <= MAX_NUMBERS {
-            kept = numbers;
+            retained = numbers;
         } else {
             field.scalar = None;
             skipped.push(field.name.clone());

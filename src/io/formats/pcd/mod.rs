@@ -5,7 +5,7 @@
 
 mod header;
 
-use crate::cloud::{AxisConvention, ImageGrid, NotKept, RawCloud};
+use crate::cloud::{AxisConvention, Dropped, ImageGrid, RawCloud};
 use crate::io::columns::column::{Column, Scalar, Values};
 use crate::io::columns::fixed_rows::{self, FixedRows};
 use crate::io::columns::numbers::{Tokens, line_endings, note_row, quoted, with_decimal_points};
@@ -63,17 +63,17 @@ pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Prog
     )?;
     cloud.sensor = sensor(&header);
     cloud.grid = grid(&header);
-    let rotation = not_kept(&header);
+    let rotation = dropped(&header);
     cloud.warnings.extend(header.warnings);
-    cloud.not_kept.extend(rotation);
+    cloud.dropped.extend(rotation);
     cloud.warnings.extend(warnings);
     Ok(cloud)
 }
 
 /// The rotation of the viewpoint, if there is one.
-fn not_kept(header: &Header) -> Option<NotKept> {
+fn dropped(header: &Header) -> Option<Dropped> {
     header.rotation.map(|[w, x, y, z]| {
-        NotKept::noted(format!(
+        Dropped::noted(format!(
             "the rotation of VIEWPOINT ({w} {x} {y} {z}) is not read: points are where the file has them"
         ))
     })
@@ -115,7 +115,7 @@ pub(in crate::io) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
         sensor: sensor(&header),
         convention: FORMAT.convention(),
         grid: grid(&header),
-        not_kept: not_kept(&header).into_iter().collect(),
+        dropped: dropped(&header).into_iter().collect(),
         ..rows.rows(header.byte_size)
     })
 }
@@ -151,12 +151,12 @@ impl Table {
             field.count = 1;
         }
         let with_one = Self::of(header, fields)?;
-        let has_room = match header.encoding {
+        let has_space = match header.encoding {
             Encoding::Ascii => with_one.is_line(payload),
             Encoding::Binary => with_one.fits(payload.len()),
             Encoding::BinaryCompressed => unpacked_bytes(payload).is_some_and(|bytes| with_one.fits(bytes)),
         };
-        Ok(if has_room { with_one } else { as_written })
+        Ok(if has_space { with_one } else { as_written })
     }
 
     fn of(header: &Header, fields: Vec<PcdField>) -> Result<Self, Fault> {
@@ -248,7 +248,7 @@ impl Table {
             sensor: None,
             convention: FORMAT.convention(),
             grid: None,
-            not_kept: Vec::new(),
+            dropped: Vec::new(),
         }
     }
 

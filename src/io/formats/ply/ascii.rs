@@ -5,7 +5,7 @@
 
 use super::faces::{FaceList, Faces};
 use super::header::{Element, PlyHeader, Property, PropertyKind};
-use super::kept_columns::{KeptColumns, POINTS};
+use super::retained_columns::{POINTS, RetainedColumns};
 use crate::io::columns::column::Column;
 use crate::io::columns::numbers::{Tokens, note_row, quoted, with_decimal_points};
 use crate::io::error::{Fault, Place};
@@ -36,16 +36,16 @@ pub(super) fn read(
     let payload = decimal.as_deref().unwrap_or(payload);
     let mut tokens = Tokens::new(payload, header.line_count + 1);
     let mut columns = None;
-    let mut faces = Faces::new(vertex.count, options.holding(KeptColumns::bytes(vertex)));
+    let mut faces = Faces::new(vertex.count, options.holding(RetainedColumns::bytes(vertex)));
     for (place, element) in elements.iter().enumerate() {
         if element.name == POINTS {
             check_ascii_claim(element, payload)?;
-            KeptColumns::claim(element, options)?;
+            RetainedColumns::claim(element, options)?;
             let counts = header.elements[place + 1..].iter().map(|element| element.count);
             let rows_behind = counts.fold(0, usize::saturating_add);
             let read = vertices(&mut tokens, element, rows_behind, &mut warnings, progress)?;
-            let kept = columns.insert(read);
-            if kept.is_empty() {
+            let retained = columns.insert(read);
+            if retained.is_empty() {
                 // Nothing is kept of these points, so there is no cloud to be made of them.
                 break;
             }
@@ -106,16 +106,16 @@ fn vertices(
     warnings: &mut Vec<String>,
     progress: &Progress,
 ) -> Result<Vec<Column<'static>>, Fault> {
-    let mut kept = KeptColumns::new(vertex);
-    if kept.columns.is_empty() {
-        return Ok(kept.columns);
+    let mut retained = RetainedColumns::new(vertex);
+    if retained.columns.is_empty() {
+        return Ok(retained.columns);
     }
     let mut odd_rows = 0;
     let mut row = 0;
     while row < vertex.count {
         note_row(row, vertex.count, progress)?;
         let end = tokens.line();
-        let Err(fault) = point(tokens, vertex, row, &mut kept) else {
+        let Err(fault) = point(tokens, vertex, row, &mut retained) else {
             row += 1;
             continue;
         };
@@ -131,25 +131,25 @@ fn vertices(
             return Err(fault);
         }
         let what = if lines == needed {
-            kept.resize(row + 1);
+            retained.resize(row + 1);
             row += 1;
             "this point is missing"
         } else {
-            kept.resize(row);
+            retained.resize(row);
             "this line is skipped"
         };
         tokens.skip_line();
         warnings.push(format!("line {line}: {}: {what}", fault.problem));
     }
     note_row(vertex.count, vertex.count, progress)?;
-    Ok(kept.columns)
+    Ok(retained.columns)
 }
 
 /// Adds the numbers of a point.
-fn point(tokens: &mut Tokens<'_>, vertex: &Element, row: usize, kept: &mut KeptColumns) -> Result<(), Fault> {
+fn point(tokens: &mut Tokens<'_>, vertex: &Element, row: usize, retained: &mut RetainedColumns) -> Result<(), Fault> {
     for (index, property) in vertex.properties.iter().enumerate() {
         if let Some(value) = ascii_step(tokens, property, POINTS, row, |_| ())? {
-            kept.push(index, value);
+            retained.push(index, value);
         }
     }
     Ok(())

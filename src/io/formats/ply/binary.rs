@@ -5,7 +5,7 @@
 
 use super::faces::{FaceList, Faces};
 use super::header::{Element, PlyHeader, Property, PropertyKind};
-use super::kept_columns::{KeptColumns, POINTS};
+use super::retained_columns::{POINTS, RetainedColumns};
 use crate::io::columns::column::{Column, Scalar};
 use crate::io::columns::fixed_rows::{FixedRows, RowField};
 use crate::io::error::Fault;
@@ -26,11 +26,11 @@ pub(super) fn read<'a>(
         big_endian,
     };
     let mut vertices = None;
-    let kept = match rows(vertex, 0, big_endian) {
+    let retained = match rows(vertex, 0, big_endian) {
         Some(_) => 0,
-        None => KeptColumns::bytes(vertex),
+        None => RetainedColumns::bytes(vertex),
     };
-    let mut faces = Faces::new(vertex.count, options.holding(kept));
+    let mut faces = Faces::new(vertex.count, options.holding(retained));
     let mut is_whole = true;
     for element in elements {
         if element.name == POINTS {
@@ -91,7 +91,7 @@ pub(super) fn rows(vertex: &Element, start: usize, big_endian: bool) -> Option<F
         sensor: None,
         convention: None,
         grid: None,
-        not_kept: Vec::new(),
+        dropped: Vec::new(),
     })
 }
 
@@ -120,16 +120,16 @@ fn walked_columns<'a>(
     options: &ReadOptions,
 ) -> Result<Vec<Column<'a>>, Fault> {
     vertex.check_claim(vertex.min_row_bytes(), cursor.rest().len())?;
-    KeptColumns::claim(vertex, options)?;
-    let mut kept = KeptColumns::new(vertex);
+    RetainedColumns::claim(vertex, options)?;
+    let mut retained = RetainedColumns::new(vertex);
     for row in 0..vertex.count {
         for (index, property) in vertex.properties.iter().enumerate() {
             if let Some(value) = cursor.step(property, POINTS, row)? {
-                kept.push(index, value);
+                retained.push(index, value);
             }
         }
     }
-    Ok(kept.columns)
+    Ok(retained.columns)
 }
 
 /// A place in a binary payload.

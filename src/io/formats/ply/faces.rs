@@ -95,8 +95,8 @@ impl Faces {
             self.fault = Some(no_vertex(&element.name, row, index, self.vertex_count));
             return;
         }
-        let room = self.options.reserve(&mut self.list, 1, FACES);
-        self.lacks_memory = room.err();
+        let space = self.options.reserve(&mut self.list, 1, FACES);
+        self.lacks_memory = space.err();
         if self.lacks_memory.is_none() {
             self.list.push(index as u32);
         }

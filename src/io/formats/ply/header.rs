@@ -182,7 +182,7 @@ impl HeaderText {
     fn lenient_line(&mut self, line: &[u8], number: usize) -> String {
         let text = String::from_utf8_lossy(line.trim_ascii());
         let words: Vec<&str> = text.split_ascii_whitespace().collect();
-        let (kept, kind, name) = match words.as_slice() {
+        let (retained, kind, name) = match words.as_slice() {
             [] => return "comment".to_owned(),
             ["property", "list", length, item, name @ ..] if !name.is_empty() => {
                 (vec!["property", "list", length], *item, name)
@@ -202,7 +202,7 @@ impl HeaderText {
             long,
         });
         let kind = if long.is_some() { "double" } else { kind };
-        format!("{} {kind} p{}", kept.join(" "), self.names.len() - 1)
+        format!("{} {kind} p{}", retained.join(" "), self.names.len() - 1)
     }
 }
 

@@ -7,12 +7,12 @@
 
 mod ascii;
 mod binary;
+mod dropped;
 mod faces;
 mod header;
-mod kept_columns;
 mod moving_splats;
-mod not_kept;
 mod packed_splats;
+mod retained_columns;
 mod splat_columns;
 mod splats;
 mod writer;
@@ -28,8 +28,8 @@ use crate::io::options::ReadOptions;
 use crate::progress::Progress;
 use faces::{FaceList, Faces};
 use header::PlyHeader;
-use kept_columns::POINTS;
 use ply_rs_bw::ply::Encoding;
+use retained_columns::POINTS;
 use splats::Splats;
 
 /// Stanford polygon file: ascii, little and big endian.
@@ -58,14 +58,14 @@ pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Prog
             options.claim_entries("the splats", count, SPLAT_BYTES)?;
             let mut cloud = growing::cloud(&columns, count, options)?;
             splats.put_into(&mut cloud);
-            cloud.not_kept.extend(not_kept::not_kept_of_splats(&header));
+            cloud.dropped.extend(dropped::dropped_of_splats(&header));
             cloud
         }
         Err(columns) => growing::cloud(&columns, count, options)?,
     };
     cloud.convention = cloud.convention.or_else(|| writer::convention(bytes));
     faces.put_into(&mut cloud);
-    cloud.not_kept.extend(not_kept::not_kept(&header));
+    cloud.dropped.extend(dropped::dropped(&header));
     cloud.warnings.extend(header.warnings);
     cloud.warnings.extend(anchors);
     cloud.warnings.extend(warnings);

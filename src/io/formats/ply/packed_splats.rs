@@ -8,7 +8,7 @@
 use super::super::splats::{LARGEST_OF_OTHERS, SPLAT_BYTES, SplatShape, byte, put_shapes, with_largest};
 use super::binary::rows;
 use super::header::{Element, PlyHeader};
-use super::kept_columns::POINTS;
+use super::retained_columns::POINTS;
 use crate::cloud::{Positions, RawCloud};
 use crate::io::error::Fault;
 use crate::io::options::ReadOptions;

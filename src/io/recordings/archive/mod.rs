@@ -179,8 +179,8 @@ fn io_error(path: &Path) -> impl Fn(std::io::Error) -> IoError + Copy {
 /// True for files that hold a frame: in a format that is one cloud by its extension, or else by its first bytes; not
 /// hidden, not what macOS adds.
 fn is_frame(path: &Path, member: &Member) -> bool {
-    let is_left_out = |part: &str| part.starts_with('.') || part == "__MACOSX";
-    if member.name.split('/').any(is_left_out) {
+    let is_skipped = |part: &str| part.starts_with('.') || part == "__MACOSX";
+    if member.name.split('/').any(is_skipped) {
         return false;
     }
     let name = Path::new(&member.name);

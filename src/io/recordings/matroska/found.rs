@@ -12,7 +12,7 @@ pub(crate) struct Matroska {
     pub(crate) tags: Vec<Tag>,
     pub(crate) attachments: Vec<Attachment>,
     /// True if the file is truncated within an element.
-    pub(crate) breaks_off: bool,
+    pub(crate) is_truncated: bool,
 }
 
 /// A track, with its frames in the order of their times.

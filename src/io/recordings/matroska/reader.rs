@@ -60,7 +60,7 @@ fn read_file(file: File, path: &Path) -> Result<Matroska, MatroskaError> {
     reader.header()?;
     while reader.walk.left() > 0 {
         if reader.element().is_none() {
-            reader.found.breaks_off = true;
+            reader.found.is_truncated = true;
             break;
         }
     }

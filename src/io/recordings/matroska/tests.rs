@@ -143,7 +143,7 @@ fn frames_are_found_whether_lengths_are_known_or_not() {
     for are_known in [true, false] {
         let (found, file) = read(&file(are_known));
         let found = found.unwrap();
-        assert!(!found.breaks_off);
+        assert!(!found.is_truncated);
         let [depth, packed] = found.tracks.as_slice() else {
             panic!("{found:?}");
         };
@@ -218,7 +218,7 @@ fn a_file_that_breaks_off_is_read_as_far_as_it_goes() {
         counts.is_sorted() && counts[0] == 0 && *counts.last().unwrap() == 4,
         "{counts:?}"
     );
-    assert!(read(&whole[..whole.len() - 1]).0.unwrap().breaks_off);
+    assert!(read(&whole[..whole.len() - 1]).0.unwrap().is_truncated);
     for end in 0..header("webm").len() + 12 + 300 {
         assert!(read(&whole[..end]).0.is_err(), "{end}");
     }

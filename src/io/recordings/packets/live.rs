@@ -10,7 +10,7 @@ use super::maker::{Position, Scanner, Sensor, Sort, Step};
 use super::makers::{MAKERS, Makers, Sender};
 use super::part::{FrameId, TurnPart};
 use super::seam::Coverage;
-use super::streams::{Streams, Verdict};
+use super::streams::{PacketUse, Streams};
 use super::turn::{LONGEST_TURN, MAX_PACKETS};
 use super::unpacking::Unpacking;
 use crate::cloud::RawCloud;
@@ -137,8 +137,8 @@ impl LiveTurns {
             return Ok(None);
         };
         match self.streams.add(source, &sort, time) {
-            Verdict::Shown => {}
-            Verdict::Free => {
+            PacketUse::Shown => {}
+            PacketUse::Free => {
                 self.sensor = Some(self.open(&sender, &datagram)?);
                 self.streams.show(source, sort, time);
                 self.learning = Some(Learning {
@@ -146,11 +146,11 @@ impl LiveTurns {
                     coverage: Coverage::default(),
                 });
             }
-            Verdict::Second(note) => {
+            PacketUse::Second(note) => {
                 self.notes.push(note);
                 return Ok(None);
             }
-            Verdict::Skipped => return Ok(None),
+            PacketUse::Skipped => return Ok(None),
         }
         let Some(kind) = &mut self.sensor else {
             return Ok(None);

@@ -24,7 +24,7 @@ const MAX_NAMED: usize = 8;
 
 /// The use of a packet.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Verdict {
+pub(super) enum PacketUse {
     /// It is of the sensor that has the place.
     Shown,
     /// Its stream can have the place.
@@ -86,13 +86,13 @@ impl Streams {
     }
 
     /// A packet came.
-    pub(super) fn add(&mut self, address: SocketAddr, sort: &Sort, now: Duration) -> Verdict {
+    pub(super) fn add(&mut self, address: SocketAddr, sort: &Sort, now: Duration) -> PacketUse {
         if let Some(shown) = &mut self.shown
             && shown.address == address
             && shown.sort == *sort
         {
             shown.last = now;
-            return Verdict::Shown;
+            return PacketUse::Shown;
         }
         self.forget(address, now);
         let run = self.runs.entry(address).or_insert_with(|| Run {
@@ -105,20 +105,20 @@ impl Streams {
         }
         run.packets += 1;
         if run.packets < RUN_PACKETS {
-            return Verdict::Skipped;
+            return PacketUse::Skipped;
         }
         self.runs.remove(&address);
         match &self.shown {
-            None => Verdict::Free,
+            None => PacketUse::Free,
             Some(shown) if self.named.len() < MAX_NAMED && !self.named.contains(&address) => {
                 self.named.push(address);
-                Verdict::Second(format!(
+                PacketUse::Second(format!(
                     "{sort} at {address} sends to the same port and is skipped: {} at {} is shown. Give each sensor a \
                      port of its own",
                     shown.sort, shown.address
                 ))
             }
-            Some(_) => Verdict::Skipped,
+            Some(_) => PacketUse::Skipped,
         }
     }
 
@@ -162,7 +162,7 @@ mod tests {
     }
 
     /// Sends a run, a millisecond each; says what becomes of its last packet.
-    fn run(streams: &mut Streams, address: SocketAddr, sort: &Sort, begin: u64) -> Verdict {
+    fn run(streams: &mut Streams, address: SocketAddr, sort: &Sort, begin: u64) -> PacketUse {
         let verdicts = (0..u64::from(RUN_PACKETS)).map(|at| streams.add(address, sort, ms(begin + at)));
         verdicts.last().unwrap()
     }
@@ -170,49 +170,49 @@ mod tests {
     #[test]
     fn a_run_of_packets_has_the_place_and_one_that_strays_has_not() {
         let mut streams = Streams::new(ms(3000));
-        assert_eq!(streams.add(address(1), &VLP, ms(0)), Verdict::Skipped);
+        assert_eq!(streams.add(address(1), &VLP, ms(0)), PacketUse::Skipped);
         // Packets of several kinds are no stream of a sensor, nor are those that come once in a while.
         for at in 0..200 {
             let sort = if at % 2 == 0 { VLP } else { OUSTER };
-            assert_eq!(streams.add(address(2), &sort, ms(at)), Verdict::Skipped);
-            assert_eq!(streams.add(address(3), &VLP, ms(200 * at)), Verdict::Skipped);
+            assert_eq!(streams.add(address(2), &sort, ms(at)), PacketUse::Skipped);
+            assert_eq!(streams.add(address(3), &VLP, ms(200 * at)), PacketUse::Skipped);
         }
-        assert_eq!(run(&mut streams, address(4), &VLP, 50_000), Verdict::Free);
+        assert_eq!(run(&mut streams, address(4), &VLP, 50_000), PacketUse::Free);
         streams.show(address(4), VLP, ms(50_100));
-        assert_eq!(streams.add(address(4), &VLP, ms(50_101)), Verdict::Shown);
-        assert_eq!(streams.add(address(4), &OUSTER, ms(50_102)), Verdict::Skipped);
+        assert_eq!(streams.add(address(4), &VLP, ms(50_101)), PacketUse::Shown);
+        assert_eq!(streams.add(address(4), &OUSTER, ms(50_102)), PacketUse::Skipped);
     }
 
     #[test]
     fn a_second_sensor_is_named_once_and_gets_in_after_silence() {
         let mut streams = Streams::new(ms(3000));
         streams.show(address(1), VLP, ms(0));
-        let Verdict::Second(said) = run(&mut streams, address(2), &VLP, 0) else {
+        let PacketUse::Second(said) = run(&mut streams, address(2), &VLP, 0) else {
             panic!("it is not named");
         };
         assert!(
             said.contains("10.0.0.1:2") && said.contains("10.0.0.1:1 is shown"),
             "{said}"
         );
-        assert_eq!(run(&mut streams, address(2), &VLP, 100), Verdict::Skipped);
+        assert_eq!(run(&mut streams, address(2), &VLP, 100), PacketUse::Skipped);
         assert_eq!(streams.look(ms(2999)), None);
         let said = streams.look(ms(3000)).unwrap();
         assert!(said.contains("10.0.0.1:1 has sent nothing for 3 s"), "{said}");
         assert_eq!(streams.look(ms(9000)), None);
-        assert_eq!(run(&mut streams, address(2), &VLP, 3000), Verdict::Free);
+        assert_eq!(run(&mut streams, address(2), &VLP, 3000), PacketUse::Free);
     }
 
     #[test]
     fn a_flood_of_addresses_takes_no_memory_and_keeps_no_sensor_out() {
         let mut streams = Streams::new(ms(3000));
-        let mut verdict = Verdict::Skipped;
+        let mut packet_use = PacketUse::Skipped;
         for at in 0..100 * u64::from(RUN_PACKETS) {
             streams.add(address(1000 + at as u16), &VLP, ms(at / 100));
-            if at % 100 == 0 && verdict != Verdict::Free {
-                verdict = streams.add(address(1), &VLP, ms(at / 100));
+            if at % 100 == 0 && packet_use != PacketUse::Free {
+                packet_use = streams.add(address(1), &VLP, ms(at / 100));
             }
         }
         assert!(streams.runs.len() <= MAX_STREAMS);
-        assert_eq!(verdict, Verdict::Free);
+        assert_eq!(packet_use, PacketUse::Free);
     }
 }

@@ -147,7 +147,7 @@ fn numbers<'a>(field: &PointField, cloud: &Cloud<'_>, grid: &Grid, bytes: &'a [u
             field.name, grid.point_step
         )));
     }
-    let kept = if grid.count() > 0 { count.min(MAX_NUMBERS) } else { 1 };
+    let retained = if grid.count() > 0 { count.min(MAX_NUMBERS) } else { 1 };
     let column = |place: u64| Column {
         name: match count {
             1 => field.name.clone(),
@@ -161,7 +161,7 @@ fn numbers<'a>(field: &PointField, cloud: &Cloud<'_>, grid: &Grid, bytes: &'a [u
             big_endian: cloud.big_endian,
         },
     };
-    Ok((0..kept).map(column).collect())
+    Ok((0..retained).map(column).collect())
 }
 
 /// By the name of the frame of reference.

@@ -4,7 +4,7 @@ use super::super::geometry::plan_of_points;
 use super::super::grid::Grid;
 use super::super::levels::{Level, LevelValues, Pose};
 use super::super::output::{Places, cloud_of_places, in_file_order};
-use super::super::schema::{Kept, Schema};
+use super::super::schema::{Retained, Schema};
 use super::part_bits;
 use crate::cloud::{Positions, RawCloud};
 use crate::math::morton;
@@ -62,7 +62,8 @@ impl Followed {
                 still(middles, &of_level.values)
             })
             .collect();
-        if let (Some(points), Some(deepest), Kept::Bits(bits)) = (&pose.points, pose.levels.last(), schema.kept) {
+        if let (Some(points), Some(deepest), Retained::Bits(bits)) = (&pose.points, pose.levels.last(), schema.retained)
+        {
             let bits = u32::from(bits);
             let of_each = points.cell_of_each(&deepest.cells);
             let placed = of_each.zip(&points.below).map(|((cell, missing), below)| {
@@ -187,7 +188,7 @@ pub(in crate::reel) fn cloud_of_followed(
     let places = Places {
         values: &of_level.values,
         at: of_level.positions.iter().map(place),
-        closing_edge: (!is_whole || !followed.has_points && schema.kept != Kept::Merged)
+        closing_edge: (!is_whole || !followed.has_points && schema.retained != Retained::Merged)
             .then(|| grid.edge(level as u32)),
     };
     let mut cloud = cloud_of_places(schema, grid, places, offsets);

@@ -25,7 +25,7 @@ pub(in crate::reel) use followed::{Followed, cloud_of_followed};
 pub(in crate::reel) use run::{Run, follows};
 
 use super::grid::Grid;
-use super::schema::{Kept, Schema, Values};
+use super::schema::{Retained, Schema, Values};
 
 /// Maximum coded motion of a node in parts of a cell: within it, quotients are exact ([`crate::reel::coder::divided`]).
 const MAX_CHANGE: i32 = 1 << 13;
@@ -55,9 +55,9 @@ impl MotionScale {
 
 /// Returns the precision of the motion of a frame's nodes.
 fn motion_scale(schema: &Schema) -> MotionScale {
-    match schema.kept {
+    match schema.retained {
         // Points that are kept one by one are off by half a cell at most: a tolerance, half a step, and rounding.
-        Kept::Bits(bits) => MotionScale {
+        Retained::Bits(bits) => MotionScale {
             part_bits: u32::from(bits) + 3,
             steps: [3, 3],
             tolerance: 1.9,
@@ -77,6 +77,6 @@ pub(in crate::reel) fn part_bits(schema: &Schema, grid: &Grid) -> Option<u32> {
     let is_exact =
         schema.has_exact_normals || schema.has_exact_scalars || schema.has_ellipses || schema.radii == Values::Exact;
     let bits = motion_scale(schema).part_bits;
-    let is_told = !is_exact && schema.kept != Kept::Exact;
+    let is_told = !is_exact && schema.retained != Retained::Exact;
     (is_told && grid.depth + bits <= MAX_POSITION_BITS).then_some(bits)
 }

@@ -63,7 +63,7 @@ impl<'a> Occlusion<'a> {
         let row = splat(y as f32);
         let [last_column, last_row] = self.size_px.map(|edge| splat(edge as f32 - 1.0));
         let mut filled = nothing;
-        let mut room = nothing;
+        let mut space = nothing;
         for [to_right, downwards] in self.lines {
             let column_there = (column + radius_px.mul_add(splat(to_right), splat(0.5)).floor())
                 .max(nothing)
@@ -83,9 +83,9 @@ impl<'a> Occlusion<'a> {
             let height = heights.mul_sub(1.0 - depth / depth_there, splat(AmbientOcclusion::ROUGHNESS));
             let nearness = (2.0 + top - height).max(nothing).min(splat(1.0));
             filled = (height.max(bottom).min(top) - bottom).mul_add(nearness, filled);
-            room += top - bottom;
+            space += top - bottom;
         }
-        let open = (1.0 - filled * strength / room.max(splat(1e-6))).max(nothing);
+        let open = (1.0 - filled * strength / space.max(splat(1e-6))).max(nothing);
         simd.select_f32x8(is_drawn, open, splat(1.0))
     }
 

@@ -150,6 +150,6 @@ fn lines<S: Simd>([place, px_per_unit]: [f32x8<S>; 2], spacing: f32, opacity: f3
     let cell_px = px_per_unit * spacing;
     let nearest = (cells + 0.5).floor();
     let covered = (1.0 - (cells - nearest).abs() * cell_px).max(0.0);
-    let room = (cell_px - NARROWEST_CELL_PX) * (1.0 / (WIDEST_CELL_PX - NARROWEST_CELL_PX));
-    covered * room.max(0.0).min(1.0) * opacity
+    let space = (cell_px - NARROWEST_CELL_PX) * (1.0 / (WIDEST_CELL_PX - NARROWEST_CELL_PX));
+    covered * space.max(0.0).min(1.0) * opacity
 }

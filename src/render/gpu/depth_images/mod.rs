@@ -45,13 +45,13 @@ pub(super) struct DepthMaker {
     tables: Tables,
     scratch: Option<Scratch>,
     /// Frames that the temporal mean includes so far.
-    kept: Option<Kept>,
+    cached: Option<Cached>,
     timer: Option<Timer>,
 }
 
 /// The frames that a mean over time is of.
 #[derive(Debug)]
-struct Kept {
+struct Cached {
     first: Weak<DepthSamples>,
     last: Weak<DepthSamples>,
     filters: Filters,
@@ -113,7 +113,7 @@ impl DepthMaker {
         });
         let to_do: Vec<&Arc<DepthSamples>> = frame.images().skip(goes_on.unwrap_or(0)).collect();
         if goes_on.is_none() && frame.filters().temporal.is_some() {
-            scratch.clear_kept(&mut Recording::new(context, &mut encoder, None));
+            scratch.clear_cached(&mut Recording::new(context, &mut encoder, None));
         }
         let mut place = 0;
         for (number, samples) in (1..).zip(&to_do) {
@@ -157,16 +157,19 @@ impl DepthMaker {
         }
         context.queue.submit([encoder.finish()]);
         self.scratch = Some(scratch);
-        self.kept = frame.filters().temporal.and(kept_after(frame));
+        self.cached = frame.filters().temporal.and(cached_after(frame));
         made
     }
 
     /// Returns the number of images that the temporal mean already includes; `None` where it starts again.
     fn images_to_do(&self, frame: &DepthFrame) -> Option<usize> {
-        let kept = self.kept.as_ref().filter(|kept| kept.filters == *frame.filters())?;
+        let cached = self
+            .cached
+            .as_ref()
+            .filter(|cached| cached.filters == *frame.filters())?;
         let is = |known: &Weak<DepthSamples>, image: &Arc<DepthSamples>| ptr::eq(known.as_ptr(), Arc::as_ptr(image));
-        let begins_alike = frame.images().next().is_some_and(|first| is(&kept.first, first));
-        let last = frame.images().rposition(|image| is(&kept.last, image));
+        let begins_alike = frame.images().next().is_some_and(|first| is(&cached.first, first));
+        let last = frame.images().rposition(|image| is(&cached.last, image));
         last.filter(|_| begins_alike).map(|last| last + 1)
     }
 
@@ -185,8 +188,8 @@ impl DepthMaker {
 }
 
 /// Returns the state of the temporal mean once the points of `frame` are made.
-fn kept_after(frame: &DepthFrame) -> Option<Kept> {
-    Some(Kept {
+fn cached_after(frame: &DepthFrame) -> Option<Cached> {
+    Some(Cached {
         first: Arc::downgrade(frame.images().next()?),
         last: Arc::downgrade(frame.images().next_back()?),
         filters: *frame.filters(),
@@ -241,7 +244,7 @@ impl Filtering<'_, '_> {
             TABLE => metres,
             BEFORE => before,
             AFTER => after,
-            kept => scratch.kept(kept),
+            cached => scratch.cached(cached),
         });
         self.place += usize::from(which != Pass::Temporal);
         self.passes += 1;
@@ -251,7 +254,7 @@ impl Filtering<'_, '_> {
     fn reproject(&mut self, filters: &Filters, colors: Option<&wgpu::Buffer>, points: &wgpu::Buffer) {
         let (scratch, uniform) = (self.scratch, self.uniform);
         let depths = match filters.temporal {
-            Some(_) => scratch.kept(MEAN),
+            Some(_) => scratch.cached(MEAN),
             None => scratch.image(self.place),
         };
         let colors = colors.or(self.tables.nothing());
@@ -267,7 +270,7 @@ impl Filtering<'_, '_> {
                 RAYS => rays,
                 COLORS => colors,
                 MADE_POINTS => points,
-                AGES | MEAN => scratch.kept(binding),
+                AGES | MEAN => scratch.cached(binding),
                 _ => depths,
             },
         );

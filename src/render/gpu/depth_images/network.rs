@@ -4,7 +4,7 @@
 //! largest are forgotten, one more is taken in, until three are left. It is written out here because every value must
 //! stay in a register: an array whose places are numbers of a loop may come to lie in memory.
 
-use crate::rgbd::filter_constants::{MEDIAN_KEPT, MEDIAN_REACH};
+use crate::rgbd::filter_constants::{MEDIAN_REACH, MEDIAN_RETAINED};
 use std::fmt::Write;
 
 /// `middle_of_window`: of the window whose first value is at a place of a tile of this edge.
@@ -13,12 +13,12 @@ pub(super) fn middle_of_window() -> String {
     let value = |next: usize| format!("window_value(corner + {}u * edge + {}u)", next / width, next % width);
     let mut code = "fn middle_of_window(corner: u32, edge: u32) -> f32 {\n".to_owned();
     let mut next = 0;
-    for place in 0..MEDIAN_KEPT {
+    for place in 0..MEDIAN_RETAINED {
         line(&mut code, format_args!("var v{place} = {};", value(next)));
         next += 1;
     }
     line(&mut code, format_args!("var less = 0.0;"));
-    for count in (4..=MEDIAN_KEPT).rev() {
+    for count in (4..=MEDIAN_RETAINED).rev() {
         forget(&mut code, count);
         line(&mut code, format_args!("v0 = {};", value(next)));
         next += 1;
@@ -61,7 +61,7 @@ mod tests {
 
     /// Runs the lines of the function on a window of numbers.
     fn run(code: &str, window: &[f32; 25]) -> f32 {
-        let mut values = [0.0_f32; MEDIAN_KEPT];
+        let mut values = [0.0_f32; MEDIAN_RETAINED];
         let number = |text: &str| {
             text.trim_matches(|c: char| !c.is_ascii_digit())
                 .parse::<usize>()

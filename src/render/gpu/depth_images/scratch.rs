@@ -48,13 +48,13 @@ impl Scratch {
     }
 
     /// Returns the buffer kept from previous frames: [`MEAN`] or [`AGES`].
-    pub(super) fn kept(&self, binding: u32) -> &wgpu::Buffer {
+    pub(super) fn cached(&self, binding: u32) -> &wgpu::Buffer {
         debug_assert!([MEAN, AGES].contains(&binding));
         if binding == MEAN { &self.mean } else { &self.ages }
     }
 
     /// No frames were before.
-    pub(super) fn clear_kept(&self, recording: &mut Recording<'_>) {
+    pub(super) fn clear_cached(&self, recording: &mut Recording<'_>) {
         for buffer in [&self.mean, &self.ages] {
             recording.clear(buffer, buffer.size());
         }

@@ -6,7 +6,7 @@
 //! of the cloud is not seen and costs 32 bytes a corner (128 a surfel, 384 a voxel) of memory when all of it is.
 
 use super::binding::{max_indexed_records, single_binding};
-use super::room::Room;
+use super::record_buffer::RecordBuffer;
 use super::storage::{self, Storage};
 use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, Draw, ViewBinding};
@@ -219,11 +219,11 @@ impl RecordInstancing for Compute {
         self.storage.upload(context, records)
     }
 
-    fn room(&self, context: &Context, capacity: usize) -> Room {
-        self.storage.room(context, capacity)
+    fn record_buffer(&self, context: &Context, capacity: usize) -> RecordBuffer {
+        self.storage.record_buffer(context, capacity)
     }
 
-    fn chunk_in(&self, context: &Context, room: &Room, record_count: u32) -> Chunk {
-        self.storage.chunk_in(context, room, record_count)
+    fn chunk_in(&self, context: &Context, record_buffer: &RecordBuffer, record_count: u32) -> Chunk {
+        self.storage.chunk_in(context, record_buffer, record_count)
     }
 }

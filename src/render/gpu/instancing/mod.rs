@@ -10,7 +10,7 @@
 mod binding;
 mod compute;
 mod indexed;
-mod room;
+mod record_buffer;
 mod storage;
 mod strategy;
 mod stream;
@@ -20,7 +20,7 @@ mod vertex;
 
 pub(super) use compute::amplifying_source;
 pub(super) use indexed::Indexed;
-pub(super) use room::Room;
+pub(super) use record_buffer::RecordBuffer;
 pub(super) use strategy::{Instancing, RecordInstancing, StrategyRow, upload};
 pub(super) use stream::{Chunk, Draw, RECORD_BYTES, Stream, ViewBinding};
 

@@ -5,7 +5,7 @@
 //! wins nearly everywhere and has no limits that matter, so it is the default.
 
 use super::binding::{buffer_for, buffer_with, max_indexed_records, records_of, single_binding, single_binding_layout};
-use super::room::Room;
+use super::record_buffer::RecordBuffer;
 use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, RECORD_BYTES};
 use crate::render::gpu::context::Context;
@@ -77,15 +77,15 @@ impl RecordInstancing for Storage {
         self.chunk(context, &buffer, records.len() / RECORD_BYTES)
     }
 
-    fn room(&self, context: &Context, capacity: usize) -> Room {
-        Room {
+    fn record_buffer(&self, context: &Context, capacity: usize) -> RecordBuffer {
+        RecordBuffer {
             capacity,
             buffer: buffer_for(context, wgpu::BufferUsages::STORAGE, capacity, RECORD_BYTES),
             texture: None,
         }
     }
 
-    fn chunk_in(&self, context: &Context, room: &Room, record_count: u32) -> Chunk {
-        self.chunk(context, &room.buffer, record_count as usize)
+    fn chunk_in(&self, context: &Context, record_buffer: &RecordBuffer, record_count: u32) -> Chunk {
+        self.chunk(context, &record_buffer.buffer, record_count as usize)
     }
 }

@@ -1,6 +1,6 @@
 //! Interface of the instancing strategies.
 
-use super::room::Room;
+use super::record_buffer::RecordBuffer;
 use super::stream::{Chunk, Draw, RECORD_BYTES, Stream, ViewBinding};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
@@ -80,10 +80,10 @@ pub(in crate::render::gpu) trait RecordInstancing: Instancing {
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk;
 
     /// Room for a chunk of so many records.
-    fn room(&self, context: &Context, capacity: usize) -> Room;
+    fn record_buffer(&self, context: &Context, capacity: usize) -> RecordBuffer;
 
     /// The chunk of as many records in a room. Precondition: there is room for them.
-    fn chunk_in(&self, context: &Context, room: &Room, record_count: u32) -> Chunk;
+    fn chunk_in(&self, context: &Context, record_buffer: &RecordBuffer, record_count: u32) -> Chunk;
 
     /// The most records of a chunk that the strategy and the adapter can hold, at least one.
     fn max_records(&self, context: &Context, amplification: &'static Amplification) -> usize {

@@ -4,7 +4,7 @@
 //! older phones) has too. The price is a copy into the texture's own memory layout.
 
 use super::binding::{buffer_for, max_indexed_records, single_binding, single_binding_layout};
-use super::room::Room;
+use super::record_buffer::RecordBuffer;
 use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, RECORD_BYTES};
 use crate::render::gpu::context::Context;
@@ -90,18 +90,18 @@ impl RecordInstancing for Texture {
         self.chunk(context, &texture, records.len() / RECORD_BYTES)
     }
 
-    fn room(&self, context: &Context, capacity: usize) -> Room {
+    fn record_buffer(&self, context: &Context, capacity: usize) -> RecordBuffer {
         let usage = wgpu::BufferUsages::COPY_SRC;
-        Room {
+        RecordBuffer {
             capacity,
             buffer: buffer_for(context, usage, capacity, ROW_RECORDS * RECORD_BYTES),
             texture: Some(texture_for(context, capacity)),
         }
     }
 
-    fn chunk_in(&self, context: &Context, room: &Room, record_count: u32) -> Chunk {
+    fn chunk_in(&self, context: &Context, record_buffer: &RecordBuffer, record_count: u32) -> Chunk {
         let empty = || texture_for(context, 1);
-        let texture = room.texture.clone().unwrap_or_else(empty);
+        let texture = record_buffer.texture.clone().unwrap_or_else(empty);
         self.chunk(context, &texture, record_count as usize)
     }
 }

@@ -5,7 +5,7 @@
 //! memory had a cache of its own.
 
 use super::binding::{buffer_for, buffer_with, single_binding, single_binding_layout};
-use super::room::Room;
+use super::record_buffer::RecordBuffer;
 use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, Draw, RECORD_BYTES};
 use crate::render::gpu::constants::BATCH_RECORDS;
@@ -77,16 +77,16 @@ impl RecordInstancing for Uniform {
         self.chunk(context, &buffer, records.len() / RECORD_BYTES)
     }
 
-    fn room(&self, context: &Context, capacity: usize) -> Room {
-        Room {
+    fn record_buffer(&self, context: &Context, capacity: usize) -> RecordBuffer {
+        RecordBuffer {
             capacity,
             buffer: buffer_for(context, wgpu::BufferUsages::UNIFORM, capacity, BATCH_BYTES),
             texture: None,
         }
     }
 
-    fn chunk_in(&self, context: &Context, room: &Room, record_count: u32) -> Chunk {
-        self.chunk(context, &room.buffer, record_count as usize)
+    fn chunk_in(&self, context: &Context, record_buffer: &RecordBuffer, record_count: u32) -> Chunk {
+        self.chunk(context, &record_buffer.buffer, record_count as usize)
     }
 }
 

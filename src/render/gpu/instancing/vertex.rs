@@ -4,7 +4,7 @@
 //! (surfel) or 12 (voxel) vertices, and small instances leave most of a wave idle. It needs no binding at all.
 
 use super::binding::{buffer_for, buffer_with, records_of};
-use super::room::Room;
+use super::record_buffer::RecordBuffer;
 use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, Draw, RECORD_BYTES};
 use crate::render::gpu::context::Context;
@@ -86,19 +86,19 @@ impl RecordInstancing for Vertex {
         }
     }
 
-    fn room(&self, context: &Context, capacity: usize) -> Room {
-        Room {
+    fn record_buffer(&self, context: &Context, capacity: usize) -> RecordBuffer {
+        RecordBuffer {
             capacity,
             buffer: buffer_for(context, wgpu::BufferUsages::VERTEX, capacity, RECORD_BYTES),
             texture: None,
         }
     }
 
-    fn chunk_in(&self, _context: &Context, room: &Room, record_count: u32) -> Chunk {
+    fn chunk_in(&self, _context: &Context, record_buffer: &RecordBuffer, record_count: u32) -> Chunk {
         Chunk {
             record_count,
             bind_group: None,
-            buffer: Some(room.buffer.clone()),
+            buffer: Some(record_buffer.buffer.clone()),
         }
     }
 }

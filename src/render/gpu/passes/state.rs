@@ -171,7 +171,7 @@ pub(in crate::render) const COMPLETED: wgpu::BlendState = {
 };
 
 /// The fourth channel stays: the picture's opacity, or the sum of weights.
-const KEPT: wgpu::BlendComponent = wgpu::BlendComponent {
+const CACHED: wgpu::BlendComponent = wgpu::BlendComponent {
     src_factor: wgpu::BlendFactor::Zero,
     dst_factor: wgpu::BlendFactor::One,
     operation: wgpu::BlendOperation::Add,
@@ -180,7 +180,7 @@ const KEPT: wgpu::BlendComponent = wgpu::BlendComponent {
 /// Colours over what is there.
 pub(in crate::render) const OVER: wgpu::BlendState = wgpu::BlendState {
     color: wgpu::BlendState::ALPHA_BLENDING.color,
-    alpha: KEPT,
+    alpha: CACHED,
 };
 
 /// Colours times their opacities, and opacities, over what is there.
@@ -193,5 +193,5 @@ pub(in crate::render) const MULTIPLIED: wgpu::BlendState = wgpu::BlendState {
         dst_factor: wgpu::BlendFactor::Zero,
         operation: wgpu::BlendOperation::Add,
     },
-    alpha: KEPT,
+    alpha: CACHED,
 };

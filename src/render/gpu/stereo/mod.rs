@@ -90,7 +90,7 @@ impl CardMatcher {
         let programs = programs.get_or_insert_with(|| Programs::new(&self.context));
         let buffers = Scratch::of(&self.context, scratch.take(), job.sizes)?;
         let disparities = job.run(&self.context, programs, &buffers)?;
-        *scratch = Some(buffers).filter(Scratch::is_kept);
+        *scratch = Some(buffers).filter(Scratch::is_cached);
         Ok(Some(disparities))
     }
 

@@ -17,7 +17,7 @@ const CENSUS_BYTES: u64 = 8;
 const MAX_BYTES: u64 = 512 << 20;
 
 /// More is not kept between pairs.
-const MAX_KEPT_BYTES: u64 = 128 << 20;
+const MAX_CACHED_BYTES: u64 = 128 << 20;
 
 /// Dimensions that determine the buffer sizes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,8 +109,8 @@ impl Scratch {
     }
 
     /// Returns true if the scratch buffers are worth keeping for the next pair.
-    pub(super) fn is_kept(&self) -> bool {
-        self.sizes.all() <= MAX_KEPT_BYTES
+    pub(super) fn is_cached(&self) -> bool {
+        self.sizes.all() <= MAX_CACHED_BYTES
     }
 
     /// Uploads both images, and the uniforms of all paths. Precondition: images of the size of these buffers.

@@ -315,10 +315,10 @@ fn where_the_card_fails_the_processor_answers() {
     context.simulate_out_of_memory(1);
     let [found, expected] = bits_of_both(&matcher, &matching, &pair);
     assert!(found == expected && lock(&matcher.on_card).has_warned);
-    let is_kept = || lock(&matcher.on_card).scratch.is_some();
-    assert!(!is_kept());
+    let is_cached = || lock(&matcher.on_card).scratch.is_some();
+    assert!(!is_cached());
     compare(&matcher, &matching, &pair, range([0, 40]));
-    assert!(is_kept(), "there is memory again");
+    assert!(is_cached(), "there is memory again");
     context.simulate_loss();
     let [found, expected] = bits_of_both(&matcher, &matching, &pair);
     assert_eq!(found, expected);

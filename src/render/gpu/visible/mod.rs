@@ -30,11 +30,11 @@ pub(super) use record::{CULL_PASS, NORMALS_PASS};
 use super::context::Context;
 use super::depth_images::DepthMaker;
 use super::gpu_data::Screening;
-use super::instancing::{RecordInstancing, Room, Stream};
+use super::instancing::{RecordBuffer, RecordInstancing, Stream};
 use super::primitives::Amplification;
+use super::record_buffers::stream_in;
 use super::recording::Recording;
 use super::residency::{Residency, StreamKey};
-use super::rooms::stream_in;
 use crate::analysis::screen::constants::MAX_LEVELS;
 use crate::analysis::screen::with_margin_of_splats;
 use crate::scene::VisiblePoints;
@@ -61,7 +61,7 @@ struct Made {
     sizes: Sizes,
     streams: Vec<Stream>,
     /// Allocated buffers of each chunk of each stream.
-    rooms: Vec<Vec<Room>>,
+    record_buffers: Vec<Vec<RecordBuffer>>,
     is_outdated: bool,
 }
 
@@ -98,12 +98,12 @@ impl VisibleMaker {
         self.count.get_or_insert_with(|| CountReader::new(context));
         let screening = screening(visible);
         let sizes = sizes_of(visible, &screening);
-        let mut rooms = self.made.take().map_or_else(Vec::new, |made| made.rooms);
-        rooms.resize_with(STREAMS, Vec::new);
+        let mut record_buffers = self.made.take().map_or_else(Vec::new, |made| made.record_buffers);
+        record_buffers.resize_with(STREAMS, Vec::new);
         let count = visible.record_count();
-        let streams: Vec<Stream> = rooms
+        let streams: Vec<Stream> = record_buffers
             .iter_mut()
-            .map(|rooms| stream_in(context, instancing, count, wanted.chunked_for, rooms))
+            .map(|record_buffers| stream_in(context, instancing, count, wanted.chunked_for, record_buffers))
             .collect();
         let scratch = Scratch::for_sizes(context, self.scratch.take(), &sizes);
         self.scratch
@@ -114,7 +114,7 @@ impl VisibleMaker {
             points,
             sizes,
             streams,
-            rooms,
+            record_buffers,
             is_outdated: true,
         });
     }
@@ -139,9 +139,9 @@ impl VisibleMaker {
         let Some(points) = points.filter(|_| !made.of.points.is_empty()) else {
             return 0;
         };
-        let rooms: Vec<[&wgpu::Buffer; STREAMS]> = made.rooms[0]
+        let record_buffers: Vec<[&wgpu::Buffer; STREAMS]> = made.record_buffers[0]
             .iter()
-            .zip(&made.rooms[1])
+            .zip(&made.record_buffers[1])
             .map(|(points, shapes)| [&points.buffer, &shapes.buffer])
             .collect();
         let counts: Vec<u32> = made.streams[0].chunks.iter().map(|chunk| chunk.record_count).collect();
@@ -152,9 +152,9 @@ impl VisibleMaker {
             sizes: &made.sizes,
         };
         find_visible(recording, &screened);
-        write_surfels(recording, &screened, &rooms, &counts);
-        for room in made.rooms.iter().flatten() {
-            room.copy_to_texture(recording);
+        write_surfels(recording, &screened, &record_buffers, &counts);
+        for record_buffer in made.record_buffers.iter().flatten() {
+            record_buffer.copy_to_texture(recording);
         }
         if let Some(count) = &self.count {
             count.ask(recording.encoder(), scratch.buffer(FOUND), made.of.points.len());

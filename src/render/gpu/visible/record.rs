@@ -58,7 +58,7 @@ pub(super) fn find_visible(recording: &mut Recording<'_>, screened: &Screened<'_
 pub(super) fn write_surfels(
     recording: &mut Recording<'_>,
     screened: &Screened<'_>,
-    rooms: &[[&wgpu::Buffer; STREAMS]],
+    record_buffers: &[[&wgpu::Buffer; STREAMS]],
     counts: &[u32],
 ) {
     let Screened {
@@ -84,7 +84,8 @@ pub(super) fn write_surfels(
         programs.dispatch(&mut pass, Pass::Coarsen, &coarsen, work);
     }
     for which in [Pass::Surface, Pass::Lend] {
-        for (chunk, ([drawn_points, drawn_shapes], &count)) in (MAX_LEVELS + 1..).zip(rooms.iter().zip(counts)) {
+        for (chunk, ([drawn_points, drawn_shapes], &count)) in (MAX_LEVELS + 1..).zip(record_buffers.iter().zip(counts))
+        {
             let group = programs.group(context, which, |binding| match binding {
                 POINTS => points,
                 DRAWN_POINTS => drawn_points,

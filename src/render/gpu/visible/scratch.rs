@@ -7,8 +7,8 @@ use crate::analysis::screen::constants::{BORDER_PX, MAX_LEVELS};
 use crate::render::gpu::constants::GROUP_RECORDS;
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::Screening;
+use crate::render::gpu::record_buffers::MAX_OVERSIZE;
 use crate::render::gpu::recording::Recording;
-use crate::render::gpu::rooms::MAX_ROOM;
 
 /// Bytes of `Found` in `screen_normals/view.wgsl`.
 pub(super) const FOUND_BYTES: u64 = 24;
@@ -94,7 +94,7 @@ impl Scratch {
         let mut own = own.into_iter();
         let buffers = OWN.into_iter().map(|binding| {
             let needed = sizes.bytes(binding).max(PLACE_BYTES);
-            let fits = |buffer: &wgpu::Buffer| (needed..=MAX_ROOM as u64 * needed).contains(&buffer.size());
+            let fits = |buffer: &wgpu::Buffer| (needed..=MAX_OVERSIZE as u64 * needed).contains(&buffer.size());
             own.next()
                 .filter(fits)
                 .unwrap_or_else(|| buffer(context, needed, usage_of(binding)))

@@ -100,12 +100,12 @@ fn made(
     scratch.upload(context, &uniforms);
     let bytes: &[u8] = bytemuck::cast_slice(points);
     let all = context.filled_buffer("points", Usages::STORAGE, bytes, bytes.len());
-    let room = |&count: &u32| {
+    let record_buffer = |&count: &u32| {
         let empty = vec![0; 16 * count as usize];
         [0, 1].map(|_| context.filled_buffer("room", Usages::STORAGE | Usages::COPY_SRC, &empty, empty.len()))
     };
-    let rooms: Vec<[wgpu::Buffer; STREAMS]> = counts.iter().map(room).collect();
-    let bound: Vec<[&wgpu::Buffer; STREAMS]> = rooms.iter().map(|[points, shapes]| [points, shapes]).collect();
+    let record_buffers: Vec<[wgpu::Buffer; STREAMS]> = counts.iter().map(record_buffer).collect();
+    let bound: Vec<[&wgpu::Buffer; STREAMS]> = record_buffers.iter().map(|[points, shapes]| [points, shapes]).collect();
     let screened = Screened {
         programs: &Programs::new(context),
         scratch: &scratch,

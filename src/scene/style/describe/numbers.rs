@@ -4,7 +4,7 @@
 #[derive(Debug)]
 pub struct Numbers {
     /// In files; the nearest one is taken.
-    pub kept: [f32; 2],
+    pub retained: [f32; 2],
     /// On the slider.
     pub offered: [f32; 2],
     /// On the command line.
@@ -25,7 +25,7 @@ pub enum Typed {
     /// Finite ones from 0 up.
     NotNegative,
     /// Those that files may hold; the text says what they are.
-    Kept(&'static str),
+    Retained(&'static str),
     /// Whole ones that files may hold.
     Whole,
     /// Whole ones from 1 up.
@@ -46,7 +46,7 @@ pub enum Unit {
 impl Numbers {
     /// Any number above 0 from the command line, without unit.
     pub const USUAL: Self = Self {
-        kept: [0.0, 1.0],
+        retained: [0.0, 1.0],
         offered: [0.0, 1.0],
         typed: Typed::Positive,
         unit: Unit::Is(""),
@@ -61,13 +61,13 @@ impl Numbers {
 
     /// The nearest number that files may hold.
     pub(super) fn nearest(&self, number: f64) -> f64 {
-        let [min, max] = self.kept.map(f64::from);
+        let [min, max] = self.retained.map(f64::from);
         number.clamp(min, max)
     }
 
     /// A number of the command line. `Err` says what was expected.
     pub fn parse(&self, text: &str) -> Result<f64, String> {
-        let [min, max] = self.kept;
+        let [min, max] = self.retained;
         let number = || match self.typed {
             Typed::Whole | Typed::WholePositive => text.parse::<u32>().ok().map(f64::from),
             _ => text.parse::<f32>().ok().map(f64::from),
@@ -75,13 +75,13 @@ impl Numbers {
         let is_taken = |number: &f64| match self.typed {
             Typed::Positive => number.is_finite() && *number > 0.0,
             Typed::NotNegative => number.is_finite() && *number >= 0.0,
-            Typed::Kept(_) | Typed::Whole => self.nearest(*number) == *number,
+            Typed::Retained(_) | Typed::Whole => self.nearest(*number) == *number,
             Typed::WholePositive => *number >= 1.0,
         };
         number().filter(is_taken).ok_or_else(|| match self.typed {
             Typed::Positive => "expected a number above 0".to_owned(),
             Typed::NotNegative => "expected a number from 0 up".to_owned(),
-            Typed::Kept(expected) => format!("expected {expected}"),
+            Typed::Retained(expected) => format!("expected {expected}"),
             Typed::Whole => format!("expected a whole number from {min} to {max}"),
             Typed::WholePositive => "expected a whole number from 1 up".to_owned(),
         })

@@ -187,7 +187,7 @@ impl CameraPath {
     /// # Errors
     /// The system's, if the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), PathFileError> {
-        crate::kept::write_whole(path, self.to_json().as_bytes()).map_err(|reason| PathFileError::Io {
+        crate::persist::write_whole(path, self.to_json().as_bytes()).map_err(|reason| PathFileError::Io {
             path: path.to_owned(),
             reason,
         })

@@ -171,8 +171,8 @@ pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], rad
 fn slot_of(packet: &ScenePacket, frame: &PreparedFrame, drawn: &Arc<Vec<PointRecord>>, record: usize) -> Option<usize> {
     match packet.params.clip {
         Some(clip) if !Arc::ptr_eq(drawn, &frame.points) => {
-            let kept = clip.kept(&frame.points);
-            kept.get(record).map(|&slot| slot as usize)
+            let retained = clip.retained(&frame.points);
+            retained.get(record).map(|&slot| slot as usize)
         }
         _ => Some(record),
     }
@@ -188,9 +188,9 @@ fn nearest_drawn(
     let Some(clip) = packet.params.clip else {
         return nearest(&frame.points, place, is_within);
     };
-    let kept = clip.kept(&frame.points);
-    let slot = nearest(&at(&frame.points, &kept), place, is_within)?;
-    Some(kept[slot] as usize)
+    let retained = clip.retained(&frame.points);
+    let slot = nearest(&at(&frame.points, &retained), place, is_within)?;
+    Some(retained[slot] as usize)
 }
 
 /// The point nearest to a place of those that are within, or of all if none is; of equals the last.

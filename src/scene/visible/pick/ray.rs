@@ -198,8 +198,8 @@ impl Ray {
         let is_near = |axis: usize| {
             let slope = self.slope[axis];
             let aside = (middle[axis] + slope * middle.z).abs();
-            let room = half[axis] + slope.abs() * half.z;
-            aside <= room + widening + reach * slope.hypot(1.0) + slack
+            let space = half[axis] + slope.abs() * half.z;
+            aside <= space + widening + reach * slope.hypot(1.0) + slack
         };
         farthest + reach >= self.near && is_near(0) && is_near(1)
     }

@@ -415,7 +415,7 @@ fn the_newest_seconds_are_kept() {
     let frames = stream.frames();
     assert!(frames.start > 0 && frames.len() >= 2, "{frames:?}");
     let status = stream.status();
-    assert!(status.kept_s < 2.0, "{status:?}");
+    assert!(status.buffered_s < 2.0, "{status:?}");
     // What is gone is an error.
     let entry = stream.entry(0);
     let gone = stream.decoder().decode(0, &entry, usize::MAX, &Progress::default());
@@ -526,7 +526,7 @@ fn memory_stays_flat_over_thousands_of_frames() {
     let stream = LiveStream::open(&server.url(), &options, &Progress::default()).unwrap();
     let received = || stream.status().received_frames as usize;
     wait_for("the first thousand", || received() > FRAMES / 6);
-    let (memory, kept) = (resident_bytes(), stream.status().kept_bytes);
+    let (memory, buffered) = (resident_bytes(), stream.status().buffered_bytes);
     wait_for("all frames", || {
         // Whoever watches asks for the newest.
         if stream.look_again().unwrap() > 0 {
@@ -540,15 +540,15 @@ fn memory_stays_flat_over_thousands_of_frames() {
     });
     // A frame is 8 KB: 5,000 of them would be 40 MB; what the server keeps of its own frames is counted apart.
     let grown = resident_bytes().saturating_sub(memory);
-    let kept_by_server = made.load(Ordering::Relaxed) * 8200;
+    let buffered_by_server = made.load(Ordering::Relaxed) * 8200;
     assert!(
-        grown < kept_by_server + (24 << 20),
-        "{grown} bytes more, {kept_by_server} of them the server's"
+        grown < buffered_by_server + (24 << 20),
+        "{grown} bytes more, {buffered_by_server} of them the server's"
     );
-    let kept_now = stream.status().kept_bytes;
+    let buffered_now = stream.status().buffered_bytes;
     assert!(
-        kept_now < kept.max(1 << 20) * 8,
-        "{kept_now} bytes in the ring, {kept} before"
+        buffered_now < buffered.max(1 << 20) * 8,
+        "{buffered_now} bytes in the ring, {buffered} before"
     );
 }
 

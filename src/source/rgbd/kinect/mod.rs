@@ -84,7 +84,7 @@ fn find(path: &Path, options: &RgbdOptions, read: &ReadOptions) -> Result<FoundR
         }
     };
     let mut found = recording.found(depth, color.as_ref(), calibration, notes);
-    if file.breaks_off {
+    if file.is_truncated {
         found.damage.push(format!(
             "{}: the recording breaks off: what is before its end is read",
             path.display()

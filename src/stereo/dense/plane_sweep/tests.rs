@@ -117,8 +117,8 @@ fn the_depths_of_a_sphere_are_found_and_those_that_three_views_agree_on_are_on_i
     // A tenth of a pixel of the views beside, to which places of the front move by 10 px a unit of depth.
     assert!(errors[count / 2] <= 0.01, "{}", errors[count / 2]);
 
-    let kept = consistent(&maps, &views, Consistency::default()).unwrap();
-    let points = cloud(&kept, &views).unwrap();
+    let retained = consistent(&maps, &views, Consistency::default()).unwrap();
+    let points = cloud(&retained, &views).unwrap();
     let Positions::F64(positions) = &points.positions else {
         panic!("places in the world are not rounded");
     };

@@ -94,15 +94,15 @@ pub fn photo_surface(
         .collect();
     let looking: Vec<View<'_>> = looked_at.iter().map(|&index| views[index]).collect();
     let measured = measured.ok()?;
-    let kept = consistent(&measured, &looking, Consistency::default()).ok()?;
+    let retained = consistent(&measured, &looking, Consistency::default()).ok()?;
     let of_two = consistent(&measured, &looking, OF_TWO).ok()?;
-    let maps = kept.into_iter().zip(looking).zip(&looked_at);
+    let maps = retained.into_iter().zip(looking).zip(&looked_at);
     let mut maps: Vec<Map<'_>> = maps
-        .map(|((kept, view), &index)| Map {
+        .map(|((retained, view), &index)| Map {
             view,
             number: small[index].number,
-            is_measured: kept.metres().iter().map(|&depth| depth > 0.0).collect(),
-            depths: kept.metres().to_vec(),
+            is_measured: retained.metres().iter().map(|&depth| depth > 0.0).collect(),
+            depths: retained.metres().to_vec(),
         })
         .collect();
     forget_doubted(&mut maps);

@@ -54,9 +54,9 @@ pub(in crate::stereo) fn semi_global<T: Send>(
     let line = width * count;
     let mut pixel_costs = vec![0; band.min(height) * line];
     let mut down = Across::new(width, count, Way::Down);
-    let mut kept = Vec::with_capacity(height / band);
+    let mut retained = Vec::with_capacity(height / band);
     for from in (0..height).step_by(band) {
-        kept.push(down.paths().clone());
+        retained.push(down.paths().clone());
         let to = from + band;
         if to >= height {
             break;
@@ -79,7 +79,7 @@ pub(in crate::stereo) fn semi_global<T: Send>(
         lines
             .zip(from..to)
             .for_each(|((sums, costs), y)| along::sum(guide.row(y), &table, costs, sums));
-        if let Some(paths) = kept.pop() {
+        if let Some(paths) = retained.pop() {
             down.return_to(paths);
         }
         let lines = || pixel_costs.chunks_exact(line);

@@ -5,14 +5,14 @@ use std::str::FromStr;
 /// Selection of held-out images.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum LeaveOut {
+pub enum Excluded {
     /// The first, and every so many after it.
     Every(usize),
     /// Images with these numbers, counted from 0.
     Numbers(Vec<usize>),
 }
 
-impl LeaveOut {
+impl Excluded {
     /// Their numbers in a set of `count`.
     pub fn of(&self, count: usize) -> Vec<usize> {
         match self {
@@ -22,7 +22,7 @@ impl LeaveOut {
     }
 }
 
-impl Default for LeaveOut {
+impl Default for Excluded {
     fn default() -> Self {
         Self::Every(8)
     }
@@ -31,13 +31,13 @@ impl Default for LeaveOut {
 /// Parse error for a text that names no images.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` names no photographs: expected numbers counted from 0 such as 2,5, or every:8")]
-pub struct ParseLeaveOutError(String);
+pub struct ParseExcludedError(String);
 
-impl FromStr for LeaveOut {
-    type Err = ParseLeaveOutError;
+impl FromStr for Excluded {
+    type Err = ParseExcludedError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let wrong = || ParseLeaveOutError(text.to_owned());
+        let wrong = || ParseExcludedError(text.to_owned());
         if let Some(step) = text.strip_prefix("every:") {
             let step: usize = step.parse().map_err(|_| wrong())?;
             return if step > 1 { Ok(Self::Every(step)) } else { Err(wrong()) };
@@ -53,12 +53,12 @@ mod tests {
 
     #[test]
     fn steps_and_numbers_name_photographs() {
-        let of = |text: &str| text.parse::<LeaveOut>().map(|choice| choice.of(10));
+        let of = |text: &str| text.parse::<Excluded>().map(|choice| choice.of(10));
         assert_eq!(of("every:4"), Ok(vec![0, 4, 8]));
         assert_eq!(of("2, 5,17"), Ok(vec![2, 5]));
         for wrong in ["", "every:", "every:1", "every:0", "a", "1,,2", "-1"] {
             assert!(of(wrong).unwrap_err().to_string().contains("every:8"), "{wrong}");
         }
-        assert_eq!(LeaveOut::default().of(3), [0]);
+        assert_eq!(Excluded::default().of(3), [0]);
     }
 }

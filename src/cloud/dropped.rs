@@ -2,14 +2,14 @@
 
 /// Something that was not read, or with fewer digits.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct NotKept {
+pub struct Dropped {
     /// A clause, such as `lists of points are not read: neighbours`.
     pub what: String,
     /// True if it is of interest to those who look at the file, too, and not only to those who convert it.
     pub is_noted: bool,
 }
 
-impl NotKept {
+impl Dropped {
     /// Something of the file that is shown nowhere.
     pub fn noted(what: impl Into<String>) -> Self {
         Self {

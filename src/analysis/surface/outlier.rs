@@ -28,20 +28,20 @@ const OFF_PLANE: f32 = 0.3;
 const ROUNDS: usize = 2;
 
 /// Returns the outlier mask of `positions` (finite), in their order. None are outliers where there are fewer than 13.
-pub fn stray_points(positions: &[Vec3]) -> Vec<bool> {
-    let mut is_stray = vec![false; positions.len()];
+pub fn outliers(positions: &[Vec3]) -> Vec<bool> {
+    let mut is_outlier = vec![false; positions.len()];
     for _ in 0..ROUNDS {
-        let kept: Vec<usize> = (0..positions.len()).filter(|&at| !is_stray[at]).collect();
-        let places: Vec<Vec3> = kept.iter().map(|&at| positions[at]).collect();
-        for (at, found) in kept.into_iter().zip(stray_of(&places)) {
-            is_stray[at] = found;
+        let retained: Vec<usize> = (0..positions.len()).filter(|&at| !is_outlier[at]).collect();
+        let places: Vec<Vec3> = retained.iter().map(|&at| positions[at]).collect();
+        for (at, found) in retained.into_iter().zip(outlier_of(&places)) {
+            is_outlier[at] = found;
         }
     }
-    is_stray
+    is_outlier
 }
 
 /// Returns the outliers of one round.
-fn stray_of(positions: &[Vec3]) -> Vec<bool> {
+fn outlier_of(positions: &[Vec3]) -> Vec<bool> {
     let neighbours = nearest_neighbours(positions, DEFAULT_NEIGHBOURS);
     if neighbours.per_point() < DEFAULT_NEIGHBOURS {
         return vec![false; positions.len()];
@@ -54,11 +54,11 @@ fn stray_of(positions: &[Vec3]) -> Vec<bool> {
         sum / NEAREST as f32
     };
     let spacings: Vec<f32> = (0..positions.len()).into_par_iter().map(spacing).collect();
-    let is_stray = |at: usize| {
+    let is_outlier = |at: usize| {
         spacings[at] > FAR * usual_spacing(&spacings, neighbours.of(at))
             && height_above(positions, &neighbours, at) > OFF_PLANE * spacings[at]
     };
-    (0..positions.len()).into_par_iter().map(is_stray).collect()
+    (0..positions.len()).into_par_iter().map(is_outlier).collect()
 }
 
 /// The median of the spacings of some points.
@@ -98,9 +98,9 @@ mod tests {
     }
 
     fn found(positions: &[Vec3]) -> Vec<usize> {
-        let is_stray = stray_points(positions);
-        assert_eq!(is_stray.len(), positions.len());
-        (0..positions.len()).filter(|&at| is_stray[at]).collect()
+        let is_outlier = outliers(positions);
+        assert_eq!(is_outlier.len(), positions.len());
+        (0..positions.len()).filter(|&at| is_outlier[at]).collect()
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::app::recent::Recent;
 
 /// Lists that are kept between runs of the program, apart from the settings.
 #[derive(Debug, Clone)]
-pub struct Kept {
+pub struct Stored {
     /// Recently opened inputs.
     pub recent: Recent,
     /// Options of reading that were chosen for inputs.

@@ -5,7 +5,7 @@ use glam::DVec3;
 /// Measured quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Gauge {
+pub enum MeasurementKind {
     /// The straight distance of two points, scene units.
     #[default]
     Distance,
@@ -15,7 +15,7 @@ pub enum Gauge {
     Height,
 }
 
-impl Gauge {
+impl MeasurementKind {
     /// Every gauge, its name and what it says.
     pub const ALL: [(Self, &'static str, &'static str); 3] = [
         (
@@ -33,7 +33,9 @@ impl Gauge {
 
     /// Its name.
     pub fn name(self) -> &'static str {
-        let known = Self::ALL.iter().find(|(gauge, ..)| *gauge == self);
+        let known = Self::ALL
+            .iter()
+            .find(|(measurement_kind, ..)| *measurement_kind == self);
         known.map_or("", |&(_, name, _)| name)
     }
 
@@ -75,13 +77,14 @@ mod tests {
         let places = [DVec3::new(3.0, 0.0, 0.0), DVec3::ZERO, DVec3::new(0.0, 4.0, 0.0)];
         for origin in [DVec3::ZERO, FAR] {
             let places = places.map(|place| place + origin);
-            let value = |gauge: Gauge, places: &[DVec3]| gauge.value(places, DVec3::Y).unwrap();
-            assert_eq!(value(Gauge::Distance, &[places[0], places[2]]), 5.0);
-            assert!((value(Gauge::Angle, &places) - 90.0).abs() < 1e-12);
-            assert_eq!(value(Gauge::Height, &[places[0], places[2]]), 4.0);
-            assert_eq!(value(Gauge::Height, &[places[2], places[0]]), -4.0);
+            let value =
+                |measurement_kind: MeasurementKind, places: &[DVec3]| measurement_kind.value(places, DVec3::Y).unwrap();
+            assert_eq!(value(MeasurementKind::Distance, &[places[0], places[2]]), 5.0);
+            assert!((value(MeasurementKind::Angle, &places) - 90.0).abs() < 1e-12);
+            assert_eq!(value(MeasurementKind::Height, &[places[0], places[2]]), 4.0);
+            assert_eq!(value(MeasurementKind::Height, &[places[2], places[0]]), -4.0);
         }
-        let down = Gauge::Height.value(&places[1..], DVec3::NEG_Y);
+        let down = MeasurementKind::Height.value(&places[1..], DVec3::NEG_Y);
         assert_eq!(down, Some(-4.0));
     }
 
@@ -89,7 +92,7 @@ mod tests {
     fn small_and_flat_angles_keep_their_digits() {
         for angle in [1e-9f64, 0.5, 90.0, 179.0, 180.0 - 1e-7] {
             let b = DVec3::new(angle.to_radians().cos(), angle.to_radians().sin(), 0.0);
-            let found = Gauge::Angle.value(&[7.0 * DVec3::X, DVec3::ZERO, b], DVec3::Y);
+            let found = MeasurementKind::Angle.value(&[7.0 * DVec3::X, DVec3::ZERO, b], DVec3::Y);
             let found = found.unwrap();
             assert!((found - angle).abs() < 1e-13 * angle.max(1.0), "{found} for {angle}");
         }
@@ -98,11 +101,11 @@ mod tests {
     #[test]
     fn what_cannot_be_measured_has_no_value() {
         let up = DVec3::Y;
-        assert_eq!(Gauge::Distance.value(&[DVec3::X], up), None);
-        assert_eq!(Gauge::Angle.value(&[DVec3::X, DVec3::X, DVec3::Y], up), None);
-        assert_eq!(Gauge::Distance.value(&[DVec3::X; 2], up), Some(0.0));
-        for (gauge, name, _) in Gauge::ALL {
-            assert_eq!(gauge.name(), name);
+        assert_eq!(MeasurementKind::Distance.value(&[DVec3::X], up), None);
+        assert_eq!(MeasurementKind::Angle.value(&[DVec3::X, DVec3::X, DVec3::Y], up), None);
+        assert_eq!(MeasurementKind::Distance.value(&[DVec3::X; 2], up), Some(0.0));
+        for (measurement_kind, name, _) in MeasurementKind::ALL {
+            assert_eq!(measurement_kind.name(), name);
         }
     }
 }

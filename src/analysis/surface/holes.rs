@@ -138,8 +138,8 @@ mod tests {
                     assert!(across.cos().abs() < 0.39, "{direction} at {turn}");
                 }
                 assert!(open.count() >= 4, "both ends of {turn}");
-                let kept = before.iter().zip(after).filter(|(a, b)| **a == *b).count();
-                assert!(kept >= DIRECTIONS - 6);
+                let retained = before.iter().zip(after).filter(|(a, b)| **a == *b).count();
+                assert!(retained >= DIRECTIONS - 6);
             }
         }
     }

@@ -3,17 +3,17 @@
 
 use super::faces::FaceList;
 use super::header::{Element, PlyHeader, Property, PropertyKind};
-use super::kept_columns::POINTS;
+use super::retained_columns::POINTS;
 use super::splats::is_unread;
-use crate::cloud::NotKept;
+use crate::cloud::Dropped;
 
 /// Returns the properties that are not kept, of all elements that have rows.
-pub(super) fn not_kept(header: &PlyHeader) -> Vec<NotKept> {
+pub(super) fn dropped(header: &PlyHeader) -> Vec<Dropped> {
     let filled = header.elements.iter().filter(|element| element.count > 0);
     filled.filter_map(of_element).collect()
 }
 
-fn of_element(element: &Element) -> Option<NotKept> {
+fn of_element(element: &Element) -> Option<Dropped> {
     let list = FaceList::of(element);
     let is_lost = |&(place, property): &(usize, &Property)| match list {
         Some(list) => place != list.property,
@@ -26,16 +26,16 @@ fn of_element(element: &Element) -> Option<NotKept> {
     } else {
         "lists of points"
     };
-    (!names.is_empty()).then(|| NotKept::noted(format!("{what} are not read: {}", names.join(", "))))
+    (!names.is_empty()).then(|| Dropped::noted(format!("{what} are not read: {}", names.join(", "))))
 }
 
 /// Returns the properties of splats, which are points here, that are not kept.
-pub(super) fn not_kept_of_splats(header: &PlyHeader) -> Option<NotKept> {
+pub(super) fn dropped_of_splats(header: &PlyHeader) -> Option<Dropped> {
     let vertex = header.elements.iter().find(|element| element.name == POINTS)?;
     let unread = vertex.properties.iter().filter(|property| is_unread(&property.name));
     let names: Vec<&str> = unread.map(|property| property.name.as_str()).collect();
     let (first, last) = (names.first()?, names.last()?);
-    Some(NotKept::quiet(format!(
+    Some(Dropped::quiet(format!(
         "colours of splats that change with direction (`{first}` to `{last}`) are not read"
     )))
 }

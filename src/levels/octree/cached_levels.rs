@@ -21,12 +21,12 @@ const RANK_POINTS: usize = 64;
 
 /// The levels of a tree, each once it is worth keeping.
 #[derive(Debug)]
-pub(super) struct KeptLevels<R> {
-    levels: [KeptLevel<R>; LEVEL_COUNT],
+pub(super) struct CachedLevels<R> {
+    levels: [CachedLevel<R>; LEVEL_COUNT],
 }
 
 #[derive(Debug)]
-struct KeptLevel<R> {
+struct CachedLevel<R> {
     /// Points read for nodes of the level that were not kept.
     points_read: AtomicUsize,
     records: OnceLock<LevelRecords<R>>,
@@ -42,11 +42,11 @@ pub(super) struct LevelRecords<R> {
 }
 
 /// The levels that are kept, by their number.
-pub(super) type Kept<'a, R> = [Option<&'a LevelRecords<R>>; LEVEL_COUNT];
+pub(super) type Cached<'a, R> = [Option<&'a LevelRecords<R>>; LEVEL_COUNT];
 
-impl<R> Default for KeptLevels<R> {
+impl<R> Default for CachedLevels<R> {
     fn default() -> Self {
-        let none = || KeptLevel {
+        let none = || CachedLevel {
             points_read: AtomicUsize::new(0),
             records: OnceLock::new(),
         };
@@ -56,7 +56,7 @@ impl<R> Default for KeptLevels<R> {
     }
 }
 
-impl<R> KeptLevels<R> {
+impl<R> CachedLevels<R> {
     /// Most bytes that levels of so many nodes can come to.
     pub(super) fn max_bytes(node_counts: &[usize], point_count: usize) -> usize {
         let ranks = point_count / RANK_POINTS + 1;
@@ -66,22 +66,22 @@ impl<R> KeptLevels<R> {
 
     /// The levels that are kept of those that some nodes, which are about to be written, are on; this may be the time
     /// to begin with one.
-    pub(super) fn kept<'r, W: NodeWriter<Record = R>>(
+    pub(super) fn cached<'r, W: NodeWriter<Record = R>>(
         &self,
         ranges: impl Iterator<Item = &'r NodeRange>,
         points: &SortedPoints,
         writer: &W,
-    ) -> Kept<'_, R> {
+    ) -> Cached<'_, R> {
         let mut to_be_read = [0; LEVEL_COUNT];
         for range in ranges {
             to_be_read[range.level as usize] += range.points.len();
         }
         std::array::from_fn(|level| {
-            let kept = &self.levels[level];
-            if to_be_read[level] == 0 || kept.records.get().is_some() {
-                return kept.records.get();
+            let cached = &self.levels[level];
+            if to_be_read[level] == 0 || cached.records.get().is_some() {
+                return cached.records.get();
             }
-            let read = kept.points_read.fetch_add(to_be_read[level], Ordering::Relaxed);
+            let read = cached.points_read.fetch_add(to_be_read[level], Ordering::Relaxed);
             (read >= points.len()).then(|| self.level(level as u32, points, writer))
         })
     }
@@ -98,14 +98,14 @@ impl<R> KeptLevels<R> {
         points: &SortedPoints,
         writer: &W,
     ) -> &LevelRecords<R> {
-        let kept = &self.levels[level as usize].records;
-        if let Some(records) = kept.get() {
+        let cached = &self.levels[level as usize].records;
+        if let Some(records) = cached.get() {
             return records;
         }
         // Not inside of `get_or_init`: a thread that waits for its share of the level may take up other work, and come
         // by here again. If two work out the same, one of them is dropped.
         let worked_out = LevelRecords::work_out(level, points, writer);
-        kept.get_or_init(|| worked_out)
+        cached.get_or_init(|| worked_out)
     }
 }
 
@@ -127,7 +127,7 @@ impl<R> LevelRecords<R> {
         };
         let mut records = Vec::new();
         if !whole.points.is_empty() {
-            points.write_nodes(&[whole], writer, &Kept::default(), &mut records);
+            points.write_nodes(&[whole], writer, &Cached::default(), &mut records);
         }
         Self {
             records,
@@ -178,15 +178,15 @@ mod tests {
         let positions = test_shapes::torus(60_000, 0.4, &mut random).positions;
         let colors = random_colors(positions.len(), &mut random);
         let tree = Octree::build(&positions, &colors, StopCriterion::Loss(0.02));
-        let kept = |tree: &Octree| -> Vec<u32> {
+        let cached = |tree: &Octree| -> Vec<u32> {
             let levels = tree.points.voxels.levels.iter().zip(0..);
-            let kept = levels.filter(|(level, _)| level.records.get().is_some());
-            kept.map(|(_, number)| number).collect()
+            let cached = levels.filter(|(level, _)| level.records.get().is_some());
+            cached.map(|(_, number)| number).collect()
         };
         let at = |distance: f32, lod_px| view_from(Vec3::new(0.3, 0.5, 0.81) * distance, Vec3::ZERO, lod_px);
         // All that is in view once reads each point once.
         drawn(&tree, &positions, &colors, &at(4.0, 6.0));
-        assert_eq!(kept(&tree), [0; 0]);
+        assert_eq!(cached(&tree), [0; 0]);
         for turn in 0..6 {
             // From within, part of it is seen: pieces of levels, between those of others.
             for (distance, lod_px) in [(4.0, 6.0), (0.9, 6.0), (2.0, 24.0), (2.0, 0.0)] {
@@ -196,20 +196,20 @@ mod tests {
                 });
             }
         }
-        let (kept, coarse) = (kept(&tree), tree.points.coarse_levels().len() as u32);
+        let (cached, coarse) = (cached(&tree), tree.points.coarse_levels().len() as u32);
         assert!(
-            kept.len() > 1 && kept.iter().all(|&level| level < coarse),
-            "{kept:?} of {coarse}"
+            cached.len() > 1 && cached.iter().all(|&level| level < coarse),
+            "{cached:?} of {coarse}"
         );
         // Trees of the same points share them.
         let divided = tree.with_stop(StopCriterion::Loss(0.5));
-        assert!(divided.points.voxels.levels[kept[0] as usize].records.get().is_some());
-        let held: usize = kept
+        assert!(divided.points.voxels.levels[cached[0] as usize].records.get().is_some());
+        let held: usize = cached
             .iter()
             .filter_map(|&level| tree.points.voxels.levels[level as usize].records.get())
             .map(|level| size_of_val(&level.records[..]) + size_of_val(&level.nodes_before[..]))
             .sum();
-        let max = KeptLevels::<VoxelRecord>::max_bytes(tree.points.coarse_levels(), positions.len());
+        let max = CachedLevels::<VoxelRecord>::max_bytes(tree.points.coarse_levels(), positions.len());
         assert!(
             held > 0 && held <= max && max < 8 * positions.len(),
             "{held} of {max} bytes"

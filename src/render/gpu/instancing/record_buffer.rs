@@ -5,7 +5,7 @@ use crate::render::gpu::recording::Recording;
 
 /// Buffer that a compute pass writes records to.
 #[derive(Debug)]
-pub(in crate::render::gpu) struct Room {
+pub(in crate::render::gpu) struct RecordBuffer {
     /// Capacity in records.
     pub(in crate::render::gpu) capacity: usize,
     /// Destination buffer of the records.
@@ -14,7 +14,7 @@ pub(in crate::render::gpu) struct Room {
     pub(super) texture: Option<wgpu::Texture>,
 }
 
-impl Room {
+impl RecordBuffer {
     /// Copies what was written to where it is drawn from, if that is a texture.
     pub(in crate::render::gpu) fn copy_to_texture(&self, recording: &mut Recording<'_>) {
         if let Some(texture) = &self.texture {

@@ -10,15 +10,15 @@ use crate::io::options::ReadOptions;
 pub(super) const POINTS: &str = "vertex";
 
 /// Parsed columns of the properties that are kept.
-pub(super) struct KeptColumns {
+pub(super) struct RetainedColumns {
     pub(super) columns: Vec<Column<'static>>,
     /// Column of each property.
     pub(super) column_of: Vec<Option<usize>>,
 }
 
-impl KeptColumns {
+impl RetainedColumns {
     pub(super) fn new(vertex: &Element) -> Self {
-        let mut kept = Self {
+        let mut retained = Self {
             columns: Vec::new(),
             column_of: Vec::new(),
         };
@@ -29,14 +29,14 @@ impl KeptColumns {
                 PropertyKind::Scalar(scalar) if !(is_splat && splats::is_unread(&property.name)) => Some(scalar),
                 _ => None,
             };
-            kept.column_of.push(scalar.map(|_| kept.columns.len()));
-            kept.columns.extend(scalar.map(|scalar| Column {
+            retained.column_of.push(scalar.map(|_| retained.columns.len()));
+            retained.columns.extend(scalar.map(|scalar| Column {
                 name: property.name.clone(),
                 scalar,
                 values: Values::Parsed(Vec::with_capacity(vertex.count)),
             }));
         }
-        kept
+        retained
     }
 
     /// Bytes that the columns of `vertex` take.

@@ -1,8 +1,8 @@
 //! A window that plays, orbits and scrubs by itself, and records what it presented (`pointreel bench window`).
 //!
 //! **How it works.** A trial is a list of steps, an action with a primitive on a sequence. The event loop asks it what
-//! is due ([`Trial::advance`]) and passes its mouse events to egui as if they had come from the window system; after
-//! each redraw it is notified of what was presented ([`Trial::note`]). An event is timestamped with the instant at
+//! is due ([`WindowBench::advance`]) and passes its mouse events to egui as if they had come from the window system; after
+//! each redraw it is notified of what was presented ([`WindowBench::note`]). An event is timestamped with the instant at
 //! which it was due, so one that waits while an image is drawn is as late as a real one would be. Everything else is
 //! the window as users have it: same loop, same panels, same pacing.
 
@@ -94,7 +94,7 @@ struct Watched {
 
 /// The steps of a trial and what came of them.
 #[derive(Debug)]
-pub(super) struct Trial {
+pub(super) struct WindowBench {
     inputs: Vec<Input>,
     frames: u64,
     renderer: Choice<RendererChoice>,
@@ -103,7 +103,7 @@ pub(super) struct Trial {
     done: Vec<WindowAction>,
 }
 
-impl Trial {
+impl WindowBench {
     /// Opening with the settings of a new window, then all actions for all primitives, on each sequence.
     pub(super) fn new(inputs: &[Input], options: &BenchOptions, renderer: Choice<RendererChoice>) -> Self {
         let opened = (0..inputs.len()).map(|input| Step {
@@ -212,7 +212,7 @@ impl Trial {
         }
         // As from the beginning: with a loader that knows nothing. What is opened has not even been looked at.
         let sequence = if is_opened {
-            Arc::new(input.sequence.anew())
+            Arc::new(input.sequence.fresh())
         } else {
             Arc::clone(&input.sequence)
         };
