@@ -97,21 +97,21 @@ fn photo_on_cubics(photo: u32, finest: vec2f, texel: vec2f) -> vec4f {
     let across = cubic_weights(share.x);
     let down = cubic_weights(share.y);
     var sum = vec4f(0.0);
-    var min = vec4f(2.0);
-    var max = vec4f(-1.0);
+    var min_value = vec4f(2.0);
+    var max_value = vec4f(-1.0);
     for (var row = 0; row < 4; row++) {
         for (var column = 0; column < 4; column++) {
             let there = clamp(before + vec2i(column, row) - 1, vec2i(0), last);
             let color = textureLoad(photo_texels, there, photo, 0);
             let premultiplied = vec4f(color.rgb * color.a, color.a);
             if ((row == 1 || row == 2) && (column == 1 || column == 2)) {
-                min = min(min, premultiplied);
-                max = max(max, premultiplied);
+                min_value = min(min_value, premultiplied);
+                max_value = max(max_value, premultiplied);
             }
             sum += across[column] * down[row] * premultiplied;
         }
     }
-    return clamp(sum, min, max);
+    return clamp(sum, min_value, max_value);
 }
 
 fn photo_trilinear(photo: u32, levels: u32, finest: vec2f, texel: vec2f, lod: f32) -> vec4f {
@@ -295,7 +295,7 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
     let normal = blended.normal;
     let header = textureLoad(photo_table, vec2u(0u, 0u), 0);
     let photos = u32(header.x);
-    let max = u32(header.y);
+    let max_value = u32(header.y);
     let per_sigma2 = header.z;
     let flags = photo_flags();
     let clips_by_vote = (flags & PHOTO_CLIPS_BY_VOTE) != 0u;
@@ -329,13 +329,13 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
     var found = 0u;
     var through = 0.0;
     var seen = 0.0;
-    var min = 0.0;
-    for (var at = 0u; at < count && found <= max; at++) {
+    var min_value = 0.0;
+    for (var at = 0u; at < count && found <= max_value; at++) {
         let angle = acos(clamp(cosines[at], -1.0, 1.0));
         if (at == 0u) {
-            min = angle * angle;
+            min_value = angle * angle;
         }
-        let weight = exp((min - angle * angle) * per_sigma2);
+        let weight = exp((min_value - angle * angle) * per_sigma2);
         let asked = in_photo(nearest[at], place, to_eye, normal);
         let what = seen_there(nearest[at], asked);
         let seen_of_it = share_seen(dot(normal, to_eye), asked.facing);
@@ -358,7 +358,7 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
     if (found == 0u) {
         return unseen;
     }
-    var beyond = select(0.0, weights[max] / weights[0], found > max);
+    var beyond = select(0.0, weights[max_value] / weights[0], found > max_value);
     // Where that is as near as the nearest, all count alike.
     beyond = select(0.0, beyond, beyond < 0.999);
     let steps = steps_on_surface(-place.z, to_eye, normal);
@@ -368,7 +368,7 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
     var sum = 0.0;
     var object = 0.0;
     var background = 0.0;
-    for (var which = 0u; which < min(found, max); which++) {
+    for (var which = 0u; which < min(found, max_value); which++) {
         let photo = seeing[which];
         let at = in_photo(photo, place, to_eye, normal);
         let sampled = photo_sample(photo, at.texel, photo_per_px(photo, at, steps));
@@ -392,7 +392,7 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
     if (sum <= 0.0) {
         return unseen;
     }
-    let agreed = photo_agreed(shown, min(found, max));
+    let agreed = photo_agreed(shown, min(found, max_value));
     let color = select(min(agreed, vec3f(1.0)), vec3f(1.0), is_white);
     let length2 = dot(normals, normals);
     return PhotoAnswer(color, ANSWER_SHOWN, select(normals / sqrt(length2), vec3f(0.0), length2 == 0.0));

@@ -14,9 +14,9 @@ fn color_at(pixel: vec2i) -> vec3f {
 }
 
 // Steps to the first opaque pixel from another one on; 0 if none is within reach, or an open one is before it.
-fn steps_to_opaque(pixel: vec2i, step: vec2i, max: i32) -> i32 {
+fn steps_to_opaque(pixel: vec2i, step: vec2i, max_value: i32) -> i32 {
     let size = vec2i(view.viewport_px);
-    for (var steps = 1; steps <= max; steps++) {
+    for (var steps = 1; steps <= max_value; steps++) {
         let at = pixel + steps * step;
         if (any(at < vec2i(0)) || any(at >= size)) {
             return 0;
@@ -52,15 +52,15 @@ fn behind_rim(pixel: vec2i) -> vec4f {
     if (opacity < RIM_OPEN || opacity >= RIM_OPAQUE) {
         return found;
     }
-    let max = i32(parts.resolving.rim_px);
+    let max_value = i32(parts.resolving.rim_px);
     var lines = PIXEL_LINES;
     var shortest = 1e30;
     for (var line = 0; line < 4; line++) {
-        let one = steps_to_opaque(pixel, -lines[line], max - 1);
+        let one = steps_to_opaque(pixel, -lines[line], max_value - 1);
         if (one == 0) {
             continue;
         }
-        let other = steps_to_opaque(pixel, lines[line], max - one);
+        let other = steps_to_opaque(pixel, lines[line], max_value - one);
         let span = f32(one + other) * length(vec2f(lines[line]));
         if (other > 0 && span < shortest) {
             shortest = span;

@@ -5,20 +5,20 @@
 // How many of the eight pixels around one are at its depth. Precondition: something was measured there.
 fn near_neighbours(corner: u32, edge: u32) -> f32 {
     let middle = tile[corner + edge + 1u];
-    let max = max(middle * imaging.flying_share, imaging.flying_m);
+    let max_value = max(middle * imaging.flying_share, imaging.flying_m);
     // The middle itself is one too many.
     var count = -1.0;
     for (var row = 0u; row < 3u; row++) {
         for (var column = 0u; column < 3u; column++) {
             let depth = tile[corner + row * edge + column];
-            count += select(0.0, 1.0, depth != 0.0 && abs(depth - middle) <= max);
+            count += select(0.0, 1.0, depth != 0.0 && abs(depth - middle) <= max_value);
         }
     }
     return count;
 }
 
 // Keeps the pixels of a workgroup that are among at least so many at their depth.
-fn keep_flying(min: f32, pixel: vec2u, local: vec2u, local_index: u32, group: vec2u) {
+fn keep_flying(min_value: f32, pixel: vec2u, local: vec2u, local_index: u32, group: vec2u) {
     read_tile(1u, group, local_index);
     if (!is_in_image(pixel)) {
         return;
@@ -26,7 +26,7 @@ fn keep_flying(min: f32, pixel: vec2u, local: vec2u, local_index: u32, group: ve
     let edge = tile_edge(1u);
     let corner = local.y * edge + local.x;
     let depth = tile[corner + edge + 1u];
-    let is_retained = depth != 0.0 && near_neighbours(corner, edge) >= min;
+    let is_retained = depth != 0.0 && near_neighbours(corner, edge) >= min_value;
     after[index_of(pixel)] = select(0.0, depth, is_retained);
 }
 

@@ -39,9 +39,9 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let south = luma_at(pixel + vec2i(0, 1));
     let west = luma_at(pixel + vec2i(-1, 0));
     let east = luma_at(pixel + vec2i(1, 0));
-    let max = max(middle, max(max(north, south), max(west, east)));
-    let contrast = max - min(middle, min(min(north, south), min(west, east)));
-    if (contrast < max(FXAA_MIN_CONTRAST, FXAA_MIN_SHARE * max)) {
+    let max_value = max(middle, max(max(north, south), max(west, east)));
+    let contrast = max_value - min(middle, min(min(north, south), min(west, east)));
+    if (contrast < max(FXAA_MIN_CONTRAST, FXAA_MIN_SHARE * max_value)) {
         return vec4f(own, 1.0);
     }
     var corners = vec3f(0.0);

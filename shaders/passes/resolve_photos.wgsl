@@ -24,9 +24,9 @@ fn depth_at(pixel: vec2i) -> f32 {
     return view.near / -blended_surface(vec2f(pixel) + 0.5).place.z;
 }
 
-fn gap_end(pixel: vec2i, step: vec2i, max: i32) -> GapEnd {
+fn gap_end(pixel: vec2i, step: vec2i, max_value: i32) -> GapEnd {
     let size = vec2i(view.viewport_px);
-    for (var steps = 1; steps <= max; steps++) {
+    for (var steps = 1; steps <= max_value; steps++) {
         let at = pixel + steps * step;
         if (any(at < vec2i(0)) || any(at >= size)) {
             return GapEnd(steps, 0.0);
@@ -114,9 +114,9 @@ fn resolved(pixel: vec2i) -> Resolved {
 }
 
 // The first opaque pixel from another one on: its colour, and how many steps away it is; 0 if none is within reach.
-fn opaque_end(pixel: vec2i, step: vec2i, max: i32) -> vec4f {
+fn opaque_end(pixel: vec2i, step: vec2i, max_value: i32) -> vec4f {
     let size = vec2i(view.viewport_px);
-    for (var steps = 1; steps <= max; steps++) {
+    for (var steps = 1; steps <= max_value; steps++) {
         let at = pixel + steps * step;
         if (any(at < vec2i(0)) || any(at >= size)) {
             break;

@@ -9,9 +9,9 @@ fn filtered(splat: Splat, center: vec3f) -> Splat {
     let u = px_along(splat.axes[0] * splat.scale, middle, per_distance);
     let v = px_along(splat.axes[1] * splat.scale, middle, per_distance);
     // At least as of splats that are seen almost edge-on.
-    let min = pow2(MIN_COSINE * splat.scale * per_distance * view.px_per_slope.x);
-    let uu = dot(u, u) + min * dot(splat.axes[0], splat.axes[0]);
-    let vv = dot(v, v) + min * dot(splat.axes[1], splat.axes[1]);
+    let min_value = pow2(MIN_COSINE * splat.scale * per_distance * view.px_per_slope.x);
+    let uu = dot(u, u) + min_value * dot(splat.axes[0], splat.axes[0]);
+    let vv = dot(v, v) + min_value * dot(splat.axes[1], splat.axes[1]);
     let uv = dot(u, v);
     let determinant = max(uu * vv - uv * uv, EWA_MIN_DETERMINANT);
     let radius2 = pow2(view.filter_radius_px);

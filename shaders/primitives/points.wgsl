@@ -18,9 +18,9 @@ fn amplified_vertex(instance: Instance) -> SplatVertex {
     if (VERTICES_PER_RECORD > 1u) {
         let corner = quad_corner(vertex_of_record(instance));
         let half_edge = 0.5 * (view.point_edge + view.point_edge_per_radius * shape.radius);
-        let min = view.point_min_px / view.viewport_px * clip.w;
+        let min_value = view.point_min_px / view.viewport_px * clip.w;
         // Half edges times the focal length.
-        let half = max(half_edge * view.focal, min);
+        let half = max(half_edge * view.focal, min_value);
         place += vec3f(corner * half / view.focal, 0.0);
         clip += vec4f(corner * half, 0.0, 0.0);
         // ε-z, as of surfels.

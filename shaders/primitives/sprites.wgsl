@@ -76,9 +76,9 @@ fn sprite_corner(seen: Patch, facet: Facet, slack: f32, corner: vec2f) -> vec4f 
     var place = corner;
     if (!outline.is_around_eye) {
         let margin = 2.0 * SPRITE_MARGIN_PX / view.viewport_px;
-        let min = view.clamp_radius_px / view.px_per_slope;
+        let min_value = view.clamp_radius_px / view.px_per_slope;
         let middle = seen.c.xy / -seen.c.z;
-        let end = select(min(outline.low, middle - min), max(outline.high, middle + min), corner > vec2f(0.0));
+        let end = select(min(outline.low, middle - min_value), max(outline.high, middle + min_value), corner > vec2f(0.0));
         place = end * view.focal + view.center_ndc + corner * margin;
     }
     // Rounded towards the eye.

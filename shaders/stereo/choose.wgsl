@@ -22,16 +22,16 @@ fn is_even(pixel: vec2u) -> bool {
     let reach = vec2i(CENSUS_HALF_WIDTH, CENSUS_HALF_HEIGHT);
     let first = max(vec2i(pixel) - reach, vec2i(0));
     let last = min(vec2i(pixel) + reach, vec2i(matching.size_px) - 1);
-    var min = 255u;
-    var max = 0u;
+    var min_value = 255u;
+    var max_value = 0u;
     for (var y = first.y; y <= last.y; y++) {
         for (var x = first.x; x <= last.x; x++) {
             let seen = brightness(index_of(vec2u(vec2i(x, y))));
-            min = min(min, seen);
-            max = max(max, seen);
+            min_value = min(min_value, seen);
+            max_value = max(max_value, seen);
         }
     }
-    return max - min <= EVEN_WINDOW;
+    return max_value - min_value <= EVEN_WINDOW;
 }
 
 // The sum of a label of a pixel.

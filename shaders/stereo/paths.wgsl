@@ -7,7 +7,7 @@
 // taken.
 var<workgroup> path: array<u32, STEREO_PATH_VALUES>;
 // The smallest of three pixels in turn: before, now, and the one that is made ready for the next.
-var<workgroup> min: array<atomic<u32>, 3>;
+var<workgroup> min_value: array<atomic<u32>, 3>;
 
 // Where a path begins and how many pixels it has. Along lines and columns there are as many as lines and columns; along
 // diagonals one from each pixel of two borders.
@@ -45,7 +45,7 @@ fn along_path(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
         path[stride + label] = STEREO_NEVER;
     }
     if (lane < 3u) {
-        atomicStore(&min[lane], select(STEREO_NEVER, 0u, lane == 0u));
+        atomicStore(&min_value[lane], select(STEREO_NEVER, 0u, lane == 0u));
     }
     workgroupBarrier();
     for (var number = 0u; number < length; number++) {
@@ -55,7 +55,7 @@ fn along_path(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
         if (number > 0u) {
             p2 = p2_between(index_of(vec2u(vec2i(pixel) - matching.path_step)), index);
         }
-        let min_before = atomicLoad(&min[number % 3u]);
+        let min_before = atomicLoad(&min_value[number % 3u]);
         let from_place = (number % 2u) * stride;
         let to_place = stride - from_place;
         var min_now = STEREO_NEVER;
@@ -76,9 +76,9 @@ fn along_path(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
                 sums[index * words + word] += sum;
             }
         }
-        atomicMin(&min[(number + 1u) % 3u], min_now);
+        atomicMin(&min_value[(number + 1u) % 3u], min_now);
         if (lane == 0u) {
-            atomicStore(&min[(number + 2u) % 3u], STEREO_NEVER);
+            atomicStore(&min_value[(number + 2u) % 3u], STEREO_NEVER);
         }
         workgroupBarrier();
     }
