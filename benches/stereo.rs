@@ -72,11 +72,11 @@ impl Sweep {
     /// Five cameras in a row before the plane z = 2 + 0.1 x.
     fn new() -> Self {
         let size = [256, 192];
-        let (focal, middle) = (220.0, DVec2::new(127.5, 95.5));
-        let camera = Camera::new(size, DVec2::splat(focal), middle, Distortion::None).expect("a pinhole");
+        let (focal, center) = (220.0, DVec2::new(127.5, 95.5));
+        let camera = Camera::new(size, DVec2::splat(focal), center, Distortion::None).expect("a pinhole");
         let posed_images = [0.0, -0.2, -0.1, 0.1, 0.2].map(|place: f64| {
             let posed_image = image(size, |u, v| {
-                let (x, y) = ((u - middle.x) / focal, (v - middle.y) / focal);
+                let (x, y) = ((u - center.x) / focal, (v - center.y) / focal);
                 let depth = (2.0 + 0.1 * place) / (1.0 - 0.1 * x);
                 [(place + x * depth) * 110.0, y * depth * 110.0]
             });

@@ -206,7 +206,7 @@ impl Headless {
             return Vec::new();
         }
         // It was drawn a moment ago, so it is in memory.
-        let Ok(pose) = self.frame_beside(index, style) else {
+        let Ok(pose) = self.second_frame(index, style) else {
             return Vec::new();
         };
         let origin = self.sequence.origin();
@@ -265,7 +265,7 @@ impl Headless {
     }
 
     /// [`Headless::frame`] for a picture of another frame: what is prepared meanwhile stays as it was.
-    pub fn frame_beside(&self, index: usize, style: &Style) -> Result<Arc<PreparedFrame>, FrameError> {
+    pub fn second_frame(&self, index: usize, style: &Style) -> Result<Arc<PreparedFrame>, FrameError> {
         self.loader.wait(index, &self.needs(style))
     }
 

@@ -10,8 +10,6 @@ mod agreement;
 mod assumptions;
 #[path = "panels/benchmark.rs"]
 mod benchmark;
-#[path = "panels/beside.rs"]
-mod beside;
 #[path = "panels/camera.rs"]
 mod camera;
 #[path = "panels/camera_path.rs"]
@@ -64,6 +62,8 @@ mod sessions;
 mod settings;
 #[path = "panels/sizes.rs"]
 mod sizes;
+#[path = "panels/split_view.rs"]
+mod split_view;
 #[path = "panels/statistics.rs"]
 mod statistics;
 #[path = "panels/temporal.rs"]

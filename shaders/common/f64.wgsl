@@ -58,12 +58,12 @@ fn product_u32(a: u32, b: u32) -> vec2u {
     let b_low = b & 0xffffu;
     let b_high = b >> 16u;
     let low = a_low * b_low;
-    let middle_a = a_low * b_high;
-    let middle_b = a_high * b_low;
-    let middle = (low >> 16u) + (middle_a & 0xffffu) + (middle_b & 0xffffu);
+    let center_a = a_low * b_high;
+    let center_b = a_high * b_low;
+    let center = (low >> 16u) + (center_a & 0xffffu) + (center_b & 0xffffu);
     return vec2u(
-        (middle << 16u) | (low & 0xffffu),
-        a_high * b_high + (middle_a >> 16u) + (middle_b >> 16u) + (middle >> 16u),
+        (center << 16u) | (low & 0xffffu),
+        a_high * b_high + (center_a >> 16u) + (center_b >> 16u) + (center >> 16u),
     );
 }
 
@@ -151,10 +151,10 @@ fn product(a: vec2u, b: vec2u) -> vec2u {
     }
     let lowest = product_u32(one.x, other.x);
     let low = add_u64(product_u32(one.y, other.x), vec2u(lowest.y, 0u));
-    let middle = add_u64(product_u32(one.x, other.y), vec2u(low.x, 0u));
+    let center = add_u64(product_u32(one.x, other.y), vec2u(low.x, 0u));
     let high = add_u64(product_u32(one.y, other.y), vec2u(low.y, 0u));
-    var all = add_u64(high, vec2u(middle.y, 0u));
-    all.x |= select(1u, 0u, (middle.x | lowest.x) == 0u);
+    var all = add_u64(high, vec2u(center.y, 0u));
+    all.x |= select(1u, 0u, (center.x | lowest.x) == 0u);
     return normalized_f64(sign, exponent(a) + exponent(b) - 1023, all);
 }
 

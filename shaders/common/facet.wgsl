@@ -68,10 +68,10 @@ fn outline_of(it: Patch) -> Outline {
     let nearest = -c.z - half_depth;
     let is_around_eye = nearest <= 0.25 * it.near;
     let per_depth2 = 1.0 / select(c.z * c.z - half_depth * half_depth, 1.0, is_around_eye);
-    let middle = (u.xy * u.z + v.xy * v.z - c.xy * c.z) * per_depth2;
+    let center = (u.xy * u.z + v.xy * v.z - c.xy * c.z) * per_depth2;
     let p = cross(v, c).yx;
     let q = cross(c, u).yx;
     let w = cross(u, v).yx;
     let reach = sqrt(max(p * p + q * q - w * w, vec2f(0.0))) * per_depth2;
-    return Outline(middle - reach, middle + reach, nearest, is_around_eye);
+    return Outline(center - reach, center + reach, nearest, is_around_eye);
 }

@@ -3,7 +3,7 @@
 #import common/view.wgsl
 #import generated/constants
 
-fn is_beside_splat(in: Varyings) -> bool {
+fn is_outside_splat(in: Varyings) -> bool {
     let place = place_on_splat(in);
     return dot(place, place) > 1.0;
 }

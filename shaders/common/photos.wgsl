@@ -209,21 +209,21 @@ fn depth_place(map: DepthMap, texel: vec2i) -> vec3f {
     return distance * vec3f((vec2f(there) + 0.5 - map.principal) / map.focal, 1.0);
 }
 
-fn is_near_depth(other: vec3f, middle: vec3f, tolerance: f32) -> bool {
-    return other.z > 0.0 && abs(other.z - middle.z) <= tolerance;
+fn is_near_depth(other: vec3f, center: vec3f, tolerance: f32) -> bool {
+    return other.z > 0.0 && abs(other.z - center.z) <= tolerance;
 }
 
 // The normal of a texel of a depth map in the space of the camera, by the places around it: zero beside steps and where
 // it is seen from the side. render/cpu/photographs/normals.rs.
 fn depth_normal(map: DepthMap, texel: vec2i) -> vec3f {
-    let middle = depth_place(map, texel);
+    let center = depth_place(map, texel);
     let left = depth_place(map, texel - vec2i(1, 0));
     let right = depth_place(map, texel + vec2i(1, 0));
     let up = depth_place(map, texel - vec2i(0, 1));
     let down = depth_place(map, texel + vec2i(0, 1));
-    if (middle.z <= 0.0
-        || !is_near_depth(left, middle, map.tolerance) || !is_near_depth(right, middle, map.tolerance)
-        || !is_near_depth(up, middle, map.tolerance) || !is_near_depth(down, middle, map.tolerance)) {
+    if (center.z <= 0.0
+        || !is_near_depth(left, center, map.tolerance) || !is_near_depth(right, center, map.tolerance)
+        || !is_near_depth(up, center, map.tolerance) || !is_near_depth(down, center, map.tolerance)) {
         return vec3f(0.0);
     }
     let across = cross(left - right, up - down);
@@ -232,7 +232,7 @@ fn depth_normal(map: DepthMap, texel: vec2i) -> vec3f {
         return vec3f(0.0);
     }
     let normal = across / sqrt(length2);
-    let facing = -dot(normal, middle) / length(middle);
+    let facing = -dot(normal, center) / length(center);
     return select(normal * sign(facing), vec3f(0.0), abs(facing) < PHOTO_MIN_FACING);
 }
 

@@ -19,8 +19,8 @@ fn quad_corner(corner: u32) -> vec2f {
 
 // Corners 0 1 2 of the smallest equilateral triangle around the unit disk. Its area is 3√3, 1.3 times the quad's.
 fn triangle_corner(corner: u32) -> vec2f {
-    let beside = vec2f(sqrt(3.0) * (f32(corner) * 2.0 - 1.0), -1.0);
-    return select(beside, vec2f(0.0, 2.0), corner == 2u);
+    let neighbor = vec2f(sqrt(3.0) * (f32(corner) * 2.0 - 1.0), -1.0);
+    return select(neighbor, vec2f(0.0, 2.0), corner == 2u);
 }
 
 // Where a vertex is in the plane of what carries a record, of which the unit disk or square is drawn.
@@ -33,7 +33,7 @@ fn corner_of(vertex: u32) -> vec2f {
 
 // Whether a place in the square of a point is beside the disk in it; the pixel that the point is in is not. Points that
 // are larger than the least have it in their disk.
-fn is_beside_disk(quad: vec2f) -> bool {
+fn is_outside_disk(quad: vec2f) -> bool {
     let aside_px = abs(quad) * 0.5 * view.point_min_px;
     return dot(quad, quad) > 1.0 && max(aside_px.x, aside_px.y) > 0.5;
 }

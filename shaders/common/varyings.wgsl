@@ -30,7 +30,7 @@ fn place_on_splat(in: Varyings) -> vec2f {
 }
 
 // All of a quad is on its surface, corners too.
-fn is_beside_surface(in: Varyings) -> bool {
+fn is_outside_surface(in: Varyings) -> bool {
     return false;
 }
 

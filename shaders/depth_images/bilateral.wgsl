@@ -23,12 +23,12 @@ fn bilateral(
     }
     let edge = tile_edge(BILATERAL_REACH);
     let corner = local.y * edge + local.x;
-    let middle = tile[corner + BILATERAL_REACH * edge + BILATERAL_REACH];
-    if (middle == 0.0) {
+    let center = tile[corner + BILATERAL_REACH * edge + BILATERAL_REACH];
+    if (center == 0.0) {
         after[index_of(id.xy)] = 0.0;
         return;
     }
-    let sigma = sigma_at(middle);
+    let sigma = sigma_at(center);
     let exponent_per_m2 = -0.5 * LOG2_E / (sigma * sigma);
     var weights = 0.0;
     // Of differences: a plane of one depth comes back exactly.
@@ -36,7 +36,7 @@ fn bilateral(
     for (var row = 0u; row <= 2u * BILATERAL_REACH; row++) {
         for (var column = 0u; column <= 2u * BILATERAL_REACH; column++) {
             let depth = tile[corner + row * edge + column];
-            let difference = depth - middle;
+            let difference = depth - center;
             let aside = vec2f(vec2i(vec2u(column, row)) - i32(BILATERAL_REACH));
             let exponent = exponent_per_m2 * difference * difference + imaging.exponent_per_px2 * dot(aside, aside);
             let weight = select(exp2(max(exponent, MIN_EXPONENT)), 0.0, depth == 0.0);
@@ -44,5 +44,5 @@ fn bilateral(
             sum += weight * difference;
         }
     }
-    after[index_of(id.xy)] = middle + sum / weights;
+    after[index_of(id.xy)] = center + sum / weights;
 }

@@ -4,14 +4,14 @@
 
 // How many of the eight pixels around one are at its depth. Precondition: something was measured there.
 fn near_neighbours(corner: u32, edge: u32) -> f32 {
-    let middle = tile[corner + edge + 1u];
-    let max_value = max(middle * imaging.flying_share, imaging.flying_m);
+    let center = tile[corner + edge + 1u];
+    let max_value = max(center * imaging.flying_share, imaging.flying_m);
     // The middle itself is one too many.
     var count = -1.0;
     for (var row = 0u; row < 3u; row++) {
         for (var column = 0u; column < 3u; column++) {
             let depth = tile[corner + row * edge + column];
-            count += select(0.0, 1.0, depth != 0.0 && abs(depth - middle) <= max_value);
+            count += select(0.0, 1.0, depth != 0.0 && abs(depth - center) <= max_value);
         }
     }
     return count;

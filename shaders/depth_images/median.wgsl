@@ -1,8 +1,8 @@
-// The median of 5 × 5 pixels. Twin of rgbd/filters/median.rs: what is forgotten after which value (`middle_of_window`)
+// The median of 5 × 5 pixels. Twin of rgbd/filters/median.rs: what is forgotten after which value (`center_of_window`)
 // is written out by render/gpu/depth_images/network.rs.
 
 #import depth_images/image.wgsl
-#import generated/middle_of_window
+#import generated/center_of_window
 
 // What stands for the next hole: in turn less than all depths and more.
 var<private> stands_for_hole: f32;
@@ -29,7 +29,7 @@ fn median(
     let edge = tile_edge(MEDIAN_REACH);
     let corner = local.y * edge + local.x;
     stands_for_hole = 0.0;
-    let middle = middle_of_window(corner, edge);
+    let center = center_of_window(corner, edge);
     let own = tile[corner + MEDIAN_REACH * edge + MEDIAN_REACH];
-    after[index_of(id.xy)] = select(middle, 0.0, own == 0.0);
+    after[index_of(id.xy)] = select(center, 0.0, own == 0.0);
 }

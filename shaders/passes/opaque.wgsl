@@ -3,7 +3,7 @@
 #import common/fragments.wgsl
 
 fn left(in: Varyings) -> vec4f {
-    if (is_beside_splat(in)) {
+    if (is_outside_splat(in)) {
         discard;
     }
     return vec4f(shaded(in), 1.0);

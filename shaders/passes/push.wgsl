@@ -9,9 +9,9 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2i(position.xy);
     let last = vec2i(textureDimensions(coarser)) - 1;
     let own = pixel / 2;
-    let beside = clamp(own + 2 * (pixel & vec2i(1)) - 1, vec2i(0), last);
-    let across = 0.75 * textureLoad(coarser, own, 0) + 0.25 * textureLoad(coarser, vec2i(beside.x, own.y), 0);
-    let across_beside = 0.75 * textureLoad(coarser, vec2i(own.x, beside.y), 0)
-        + 0.25 * textureLoad(coarser, beside, 0);
-    return 0.75 * across + 0.25 * across_beside;
+    let neighbor = clamp(own + 2 * (pixel & vec2i(1)) - 1, vec2i(0), last);
+    let across = 0.75 * textureLoad(coarser, own, 0) + 0.25 * textureLoad(coarser, vec2i(neighbor.x, own.y), 0);
+    let across_neighbor = 0.75 * textureLoad(coarser, vec2i(own.x, neighbor.y), 0)
+        + 0.25 * textureLoad(coarser, neighbor, 0);
+    return 0.75 * across + 0.25 * across_neighbor;
 }

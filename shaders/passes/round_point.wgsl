@@ -3,7 +3,7 @@
 #import common/quads.wgsl
 
 fn left(in: Varyings) -> vec4f {
-    if (is_beside_disk(in.quad)) {
+    if (is_outside_disk(in.quad)) {
         discard;
     }
     return vec4f(albedo(in), 1.0);

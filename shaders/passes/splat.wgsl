@@ -4,7 +4,7 @@
 #import common/fragments.wgsl
 
 fn left(in: Varyings) -> vec4f {
-    if (is_beside_surface(in)) {
+    if (is_outside_surface(in)) {
         discard;
     }
     return vec4f(shaded(in), mask_weight(place_on_splat(in)));

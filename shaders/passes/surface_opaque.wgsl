@@ -3,7 +3,7 @@
 #import common/fragments.wgsl
 
 fn left(in: Varyings) -> Surface {
-    if (is_beside_splat(in)) {
+    if (is_outside_splat(in)) {
         discard;
     }
     return surface(in, in.normal, 1.0);

@@ -4,7 +4,7 @@
 #import common/quads.wgsl
 
 fn left(in: Varyings) -> Surface {
-    if (is_beside_disk(in.quad)) {
+    if (is_outside_disk(in.quad)) {
         discard;
     }
     return surface(in, in.normal, 1.0);

@@ -5,7 +5,7 @@
 #import common/view.wgsl
 
 fn left(in: Varyings) -> Surface {
-    if (is_beside_surface(in)) {
+    if (is_outside_surface(in)) {
         discard;
     }
     // Surfaces have two sides: normals that are summed up must not cancel each other.

@@ -4,10 +4,10 @@
 #import generated/constants
 
 fn filtered(splat: Splat, center: vec3f) -> Splat {
-    let middle = rotate_to_view(center);
-    let per_distance = 1.0 / max(-middle.z, view.near);
-    let u = px_along(splat.axes[0] * splat.scale, middle, per_distance);
-    let v = px_along(splat.axes[1] * splat.scale, middle, per_distance);
+    let midpoint = rotate_to_view(center);
+    let per_distance = 1.0 / max(-midpoint.z, view.near);
+    let u = px_along(splat.axes[0] * splat.scale, midpoint, per_distance);
+    let v = px_along(splat.axes[1] * splat.scale, midpoint, per_distance);
     // At least as of splats that are seen almost edge-on.
     let min_value = pow2(MIN_COSINE * splat.scale * per_distance * view.px_per_slope.x);
     let uu = dot(u, u) + min_value * dot(splat.axes[0], splat.axes[0]);
@@ -30,9 +30,9 @@ fn pow2(value: f32) -> f32 {
 }
 
 // How many pixels an edge reaches from a middle, as if it were short.
-fn px_along(edge: vec3f, middle: vec3f, per_distance: f32) -> vec2f {
+fn px_along(edge: vec3f, midpoint: vec3f, per_distance: f32) -> vec2f {
     let in_view = rotate_to_view(edge);
-    return (in_view.xy + middle.xy * (in_view.z * per_distance)) * per_distance * view.px_per_slope;
+    return (in_view.xy + midpoint.xy * (in_view.z * per_distance)) * per_distance * view.px_per_slope;
 }
 
 // In the unit of the weight that hides the background.

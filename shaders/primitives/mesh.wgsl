@@ -39,18 +39,18 @@ fn varyings(instance: Instance) -> Varyings {
         normal = oct_decode(vertex.normal);
     }
     var lit_normal = normal;
-    var middle = offset;
+    var center = offset;
     if (view.lighting == LIGHTING_PER_SURFEL) {
         lit_normal = face;
-        middle = middle_from_eye(triangle.corners);
+        center = center_from_eye(triangle.corners);
     }
-    let light = light_at_vertex(lit_normal, middle, offset);
+    let light = light_at_vertex(lit_normal, center, offset);
     // The picture of the first corner: the others have the same.
     let texture = vertices[triangle.corners.x].texture;
     return Varyings(clip, vec2f(0.0), light, color, rotate_to_view(normal), vertex.texture_place, texture);
 }
 
-fn middle_from_eye(corners: vec3u) -> vec3f {
+fn center_from_eye(corners: vec3u) -> vec3f {
     let a = offset_from_eye(vertices[corners.x].position);
     let b = offset_from_eye(vertices[corners.y].position);
     let c = offset_from_eye(vertices[corners.z].position);

@@ -24,7 +24,7 @@ struct Varyings {
     // Factor on the mask.
     @location(6) @interpolate(flat) weight: f32,
     // The pixel that the middle is in, and its reversed depth; 0 where it is not in front of the eye.
-    @location(7) @interpolate(flat) middle: vec3f,
+    @location(7) @interpolate(flat) midpoint: vec3f,
 }
 
 fn varyings(instance: Instance) -> Varyings {
@@ -51,11 +51,11 @@ fn varyings(instance: Instance) -> Varyings {
     let color = side_color(point.color, dot(n, center));
     let w = vec4f(facet.w, facet.depth_per_w / slack);
     return Varyings(
-        clip, facet.p, facet.q, w, light, color, rotate_to_view(n), splat.weight, middle_of(seen),
+        clip, facet.p, facet.q, w, light, color, rotate_to_view(n), splat.weight, center_of(seen),
     );
 }
 
-fn middle_of(seen: Patch) -> vec3f {
+fn center_of(seen: Patch) -> vec3f {
     if (-seen.c.z < seen.near) {
         return vec3f(0.0);
     }
@@ -77,8 +77,8 @@ fn sprite_corner(seen: Patch, facet: Facet, slack: f32, corner: vec2f) -> vec4f 
     if (!outline.is_around_eye) {
         let margin = 2.0 * SPRITE_MARGIN_PX / view.viewport_px;
         let min_value = view.clamp_radius_px / view.px_per_slope;
-        let middle = seen.c.xy / -seen.c.z;
-        let end = select(min(outline.low, middle - min_value), max(outline.high, middle + min_value), corner > vec2f(0.0));
+        let midpoint = seen.c.xy / -seen.c.z;
+        let end = select(min(outline.low, midpoint - min_value), max(outline.high, midpoint + min_value), corner > vec2f(0.0));
         place = end * view.focal + view.center_ndc + corner * margin;
     }
     // Rounded towards the eye.
@@ -99,10 +99,10 @@ fn place_on_disk(in: Varyings) -> vec2f {
 
 // Where a fragment is in the least splat, whose radius is some pixels.
 fn place_on_min_splat(in: Varyings) -> vec2f {
-    if (view.clamp_radius_px == 0.0 || in.middle.z == 0.0) {
+    if (view.clamp_radius_px == 0.0 || in.midpoint.z == 0.0) {
         return vec2f(2.0);
     }
-    return (in.position.xy - in.middle.xy) / view.clamp_radius_px;
+    return (in.position.xy - in.midpoint.xy) / view.clamp_radius_px;
 }
 
 // Whether the least splat is stronger there than the disk.
@@ -117,14 +117,14 @@ fn place_on_splat(in: Varyings) -> vec2f {
 }
 
 // Of the square only the disk is on the surface.
-fn is_beside_surface(in: Varyings) -> bool {
-    return is_beside_splat(in);
+fn is_outside_surface(in: Varyings) -> bool {
+    return is_outside_splat(in);
 }
 
 // Reversed.
 fn depth_of(in: Varyings) -> f32 {
     let on_plane = dot(in.w.xyz, ray_through(in.position.xy)) * in.w.w;
-    return min(select(on_plane, in.middle.z, is_on_min_splat(in)), in.position.z);
+    return min(select(on_plane, in.midpoint.z, is_on_min_splat(in)), in.position.z);
 }
 
 fn albedo(in: Varyings) -> vec3f {

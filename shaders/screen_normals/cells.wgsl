@@ -73,11 +73,11 @@ fn coarsen(@builtin(global_invocation_id) id: vec3u) {
         cell_keys_found[3u * cell + 1u] = key.y;
         cell_keys_found[3u * cell + 2u] = key.z;
     }
-    var middle = vec3f(0.0);
+    var center = vec3f(0.0);
     if (key.z > 0u) {
-        middle = seen_points[~key.y].xyz;
+        center = seen_points[~key.y].xyz;
     }
-    cells[cell] = vec4f(middle, f32(key.z));
+    cells[cell] = vec4f(center, f32(key.z));
 }
 
 fn key_of(cell: u32) -> vec3u {

@@ -128,22 +128,22 @@ fn covers_below(steps: vec2u) -> vec2f {
 
 fn is_hidden(place_px: vec2f, depth: f32) -> bool {
     let pixel = min(vec2u(place_px), screening.size_px - 1u);
-    let middle = (pixel.y + BORDER_PX) * stride() + pixel.x + BORDER_PX;
+    let center = (pixel.y + BORDER_PX) * stride() + pixel.x + BORDER_PX;
     let limit = depth - screening.radius;
-    let own = depths[middle];
+    let own = depths[center];
     let smallest = covers_below(vec2u(1u));
     if (own < depth && depth > min(smallest.x, smallest.y)) {
         // Of points that are smaller than a pixel, the nearest one survives.
         return true;
     }
-    if (own >= limit && !is_covered(middle, limit)) {
+    if (own >= limit && !is_covered(center, limit)) {
         return false;
     }
-    return !is_on_plane_of_nearer(middle, place_px - vec2f(pixel) - 0.5, depth);
+    return !is_on_plane_of_nearer(center, place_px - vec2f(pixel) - 0.5, depth);
 }
 
 // Whether what is nearer than `limit` covers the pixel in the middle.
-fn is_covered(middle: u32, limit: f32) -> bool {
+fn is_covered(center: u32, limit: f32) -> bool {
     let nearest_depth = bitcast<f32>(~atomicLoad(&found.nearest));
     for (var row = 0u; row <= MAX_REACH_PX; row++) {
         if (row > 0u) {
@@ -156,8 +156,8 @@ fn is_covered(middle: u32, limit: f32) -> bool {
         for (var column = 0u; column <= MAX_REACH_PX; column++) {
             let below = covers_below(vec2u(column, row));
             let covering = min(min(below.x, below.y), limit);
-            let above = middle - row * stride();
-            let under = middle + row * stride();
+            let above = center - row * stride();
+            let under = center + row * stride();
             let nearest_of_four = min(
                 min(depths[above - column], depths[above + column]),
                 min(depths[under - column], depths[under + column]),

@@ -137,8 +137,8 @@ fn neighbourhood(seen: Seen, wanted_radius: f32, eights: u32) -> Neighbourhood {
     let per_count = 1.0 / max(count, 1.0);
     let mean = sum * per_count;
     let diagonal = squares * per_count - mean * mean;
-    let beside = products * per_count - mean * mean.yzx;
-    let covariance = Symmetric(diagonal.x, diagonal.y, diagonal.z, beside.x, beside.y, beside.z);
+    let neighbor = products * per_count - mean * mean.yzx;
+    let covariance = Symmetric(diagonal.x, diagonal.y, diagonal.z, neighbor.x, neighbor.y, neighbor.z);
     return Neighbourhood(radius, count, point_count, covariance);
 }
 

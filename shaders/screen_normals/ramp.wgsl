@@ -17,13 +17,13 @@ struct RampSums {
 }
 
 // Whether a point that something covers lies on the plane of what is nearer than itself by more than the spacing.
-fn is_on_plane_of_nearer(middle: u32, place_px: vec2f, depth: f32) -> bool {
-    if (is_enclosed(middle, depth - screening.radius)) {
+fn is_on_plane_of_nearer(center: u32, place_px: vec2f, depth: f32) -> bool {
+    if (is_enclosed(center, depth - screening.radius)) {
         return false;
     }
-    var sums = ramp_sums(middle, depth, i32(MAX_REACH_PX));
+    var sums = ramp_sums(center, depth, i32(MAX_REACH_PX));
     if (sums.count < MIN_OF_RAMP) {
-        sums = ramp_sums(middle, depth, i32(BORDER_PX));
+        sums = ramp_sums(center, depth, i32(BORDER_PX));
     }
     if (sums.count < MIN_OF_RAMP) {
         return false;
@@ -40,27 +40,27 @@ fn is_on_plane_of_nearer(middle: u32, place_px: vec2f, depth: f32) -> bool {
     let by_row = sums.count * sums.value_row - sums.row * sums.value;
     let column_slope = (by_column * rows - by_row * mixed) / spread;
     let row_slope = (by_row * columns - by_column * mixed) / spread;
-    let at_middle = (sums.value - column_slope * sums.column - row_slope * sums.row) / sums.count;
-    let before = at_middle + column_slope * place_px.x + row_slope * place_px.y;
+    let at_center = (sums.value - column_slope * sums.column - row_slope * sums.row) / sums.count;
+    let before = at_center + column_slope * place_px.x + row_slope * place_px.y;
     return before - 0.5 * (abs(column_slope) + abs(row_slope)) <= screening.radius / depth;
 }
 
 // Whether a point is covered on all sides, as most are that are hidden: known without a plane.
-fn is_enclosed(middle: u32, limit: f32) -> bool {
-    let above = middle - MAX_REACH_PX * stride();
-    let under = middle + MAX_REACH_PX * stride();
-    let beside = max(depths[middle - MAX_REACH_PX], depths[middle + MAX_REACH_PX]);
+fn is_enclosed(center: u32, limit: f32) -> bool {
+    let above = center - MAX_REACH_PX * stride();
+    let under = center + MAX_REACH_PX * stride();
+    let neighbor = max(depths[center - MAX_REACH_PX], depths[center + MAX_REACH_PX]);
     let before = max(max(depths[above - MAX_REACH_PX], depths[above]), depths[above + MAX_REACH_PX]);
     let after = max(max(depths[under - MAX_REACH_PX], depths[under]), depths[under + MAX_REACH_PX]);
-    return max(max(before, after), beside) < limit;
+    return max(max(before, after), neighbor) < limit;
 }
 
 // Of the inverse depths, in units of the point's own, less one; in a window that reaches so many pixels.
-fn ramp_sums(middle: u32, depth: f32, reach: i32) -> RampSums {
+fn ramp_sums(center: u32, depth: f32, reach: i32) -> RampSums {
     let limit = depth - screening.spacing;
     var sums = RampSums();
     for (var row = -reach; row <= reach; row++) {
-        let first = i32(middle) + row * i32(stride());
+        let first = i32(center) + row * i32(stride());
         for (var column = -reach; column <= reach; column++) {
             let there = depths[first + column];
             if (there < limit) {

@@ -37,7 +37,7 @@ fn seen_from_eye(offset: vec3f) -> Seen {
     let in_view =
         screening.rotation_x * offset.x + screening.rotation_y * offset.y + screening.rotation_z * offset.z;
     let depth = -in_view.z;
-    return Seen(offset, depth, in_view.xy / depth * screening.px_per_slope + screening.middle_px);
+    return Seen(offset, depth, in_view.xy / depth * screening.px_per_slope + screening.center_px);
 }
 
 // Whether a point is behind the near plane and its middle in the picture; nothing that is no number is.

@@ -28,7 +28,7 @@ pub(in crate::app) struct FirstView {
     /// Size of the image that it fills.
     pub(in crate::app) size_px: [u32; 2],
     /// Bounding box of what it shows alongside the open sequence.
-    pub(in crate::app) beside: Aabb,
+    pub(in crate::app) second_bounds: Aabb,
 }
 
 impl SequenceLook {

@@ -95,15 +95,15 @@ impl Cover {
                 }
                 let share = self.share_within([x, y], max);
                 let offset_px = [0, 1].map(|axis| {
-                    let middle = [x, y][axis] as f64 + 0.5 * part[axis] as f64;
-                    middle - 0.5 * whole[axis] as f64
+                    let center = [x, y][axis] as f64 + 0.5 * part[axis] as f64;
+                    center - 0.5 * whole[axis] as f64
                 });
-                let off_middle = offset_px[0].hypot(offset_px[1]);
+                let off_center = offset_px[0].hypot(offset_px[1]);
                 let is_better = best.is_none_or(|(best_share, best_off, _)| {
-                    share > best_share || (share == best_share && off_middle < best_off)
+                    share > best_share || (share == best_share && off_center < best_off)
                 });
                 if is_better {
-                    best = Some((share, off_middle, CloserView { offset_px, scale }));
+                    best = Some((share, off_center, CloserView { offset_px, scale }));
                 }
             }
         }

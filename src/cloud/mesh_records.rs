@@ -52,7 +52,7 @@ impl MeshRecords {
     }
 
     /// Returns the centroid of a triangle.
-    pub fn middle(&self, triangle: usize) -> Vec3 {
+    pub fn center(&self, triangle: usize) -> Vec3 {
         let [a, b, c] = self.corners(triangle);
         // From the first corner on: nothing overflows, and a point is exactly where it is.
         a + ((b - a) + (c - a)) / 3.0

@@ -66,19 +66,19 @@ fn triangles(level: u32) -> Vec<[Vec3; 3]> {
 }
 
 /// Returns the midpoints of the edges from the first corner to the second, on to the third, and back.
-fn edge_middles([a, b, c]: &[Vec3; 3]) -> [Vec3; 3] {
+fn edge_centers([a, b, c]: &[Vec3; 3]) -> [Vec3; 3] {
     [(*a + *b).normalize(), (*b + *c).normalize(), (*c + *a).normalize()]
 }
 
 fn parts(triangle: &[Vec3; 3]) -> [[Vec3; 3]; 4] {
     let [a, b, c] = *triangle;
-    let [ab, bc, ca] = edge_middles(triangle);
+    let [ab, bc, ca] = edge_centers(triangle);
     [[ab, bc, ca], [a, ab, ca], [ab, b, bc], [ca, bc, c]]
 }
 
 /// For each corner the plane through the origin that cuts its part off; the corner is on its positive side.
 fn corner_planes(triangle: &[Vec3; 3]) -> [Vec3; 3] {
-    let [ab, bc, ca] = edge_middles(triangle);
+    let [ab, bc, ca] = edge_centers(triangle);
     [ab.cross(ca), bc.cross(ab), ca.cross(bc)]
 }
 
@@ -128,8 +128,8 @@ pub fn largest_normal_error(bits: u32) -> f32 {
 static LARGEST_ERRORS: LazyLock<Vec<f32>> = LazyLock::new(|| {
     let largest = |level| {
         let chords = triangles(level).into_iter().flat_map(|corners| {
-            let middle = corners.iter().sum::<Vec3>().normalize();
-            corners.map(|corner| (corner - middle).length())
+            let center = corners.iter().sum::<Vec3>().normalize();
+            corners.map(|corner| (corner - center).length())
         });
         // Rounding of corners and indices.
         1e-5 + 2.0 * (0.5 * chords.fold(0f32, f32::max)).asin()
@@ -190,8 +190,8 @@ mod tests {
     #[test]
     fn middle_parts_have_the_direction_of_the_whole() {
         for (index, &normal) in quantised_normals(13).iter().enumerate() {
-            let middle = quantised_normals(17)[index << 4];
-            assert!(angle(normal, middle).to_degrees() < 0.03, "{normal} {middle}");
+            let center = quantised_normals(17)[index << 4];
+            assert!(angle(normal, center).to_degrees() < 0.03, "{normal} {center}");
         }
     }
 

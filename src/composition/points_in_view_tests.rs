@@ -29,12 +29,12 @@ fn in_morton_order(positions: &[Vec3]) -> Vec<Vec3> {
     frame.positions().to_vec()
 }
 
-/// A square lattice in the plane of `x` and `y` through `middle`.
-fn plate(middle: Vec3, [x, y]: [Vec3; 2], points_along: u16) -> Vec<Vec3> {
+/// A square lattice in the plane of `x` and `y` through `center`.
+fn plate(center: Vec3, [x, y]: [Vec3; 2], points_along: u16) -> Vec<Vec3> {
     let step = |index: u16| 2.0 * f32::from(index) / f32::from(points_along - 1) - 1.0;
     let places = (0..points_along).flat_map(|row| (0..points_along).map(move |column| (column, row)));
     places
-        .map(|(column, row)| middle + step(column) * x + step(row) * y)
+        .map(|(column, row)| center + step(column) * x + step(row) * y)
         .collect()
 }
 

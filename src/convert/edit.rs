@@ -160,10 +160,10 @@ fn subsample(cloud: &mut RawCloud, count: usize) {
     let finite: Vec<u32> = (0..cloud.positions.len() as u32)
         .filter(|&index| cloud.positions.get(index as usize).is_finite())
         .collect();
-    let middle = min * 0.5 + max * 0.5;
+    let center = min * 0.5 + max * 0.5;
     let near: Vec<Vec3> = finite
         .iter()
-        .map(|&index| (cloud.positions.get(index as usize) - middle).as_vec3())
+        .map(|&index| (cloud.positions.get(index as usize) - center).as_vec3())
         .collect();
     let order = match Cube::around(&near) {
         Some(cube) => order_of_codes(&cube.codes(&near)),

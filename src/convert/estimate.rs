@@ -159,14 +159,14 @@ impl SampleFrame {
         } else {
             (index + 1).saturating_sub(count)
         };
-        let beside = |range: Range<usize>| {
+        let adjacent = |range: Range<usize>| {
             let decoded = range.map(|index| (decode(index), index));
             decoded.filter_map(|(cloud, index)| Some((cloud.ok()?, sequence.entry(index))))
         };
-        let mut clouds: Vec<_> = beside(first..index).collect();
+        let mut clouds: Vec<_> = adjacent(first..index).collect();
         let place = clouds.len();
         clouds.push((cloud, sequence.entry(index)));
-        clouds.extend(beside(index + 1..(first + count).min(sequence.len())));
+        clouds.extend(adjacent(index + 1..(first + count).min(sequence.len())));
         Ok(Self {
             index,
             clouds,

@@ -176,9 +176,9 @@ mod tests {
             };
             assert!(session.check_reach(network).is_ok());
         }
-        let beside = read(folder.path(), "[\"demo:\"]", r#", "compare": {"files": ["tcp://a:1"]}"#);
-        assert_eq!(beside.beyond(SessionReach::default()).addresses, ["tcp://a:1"]);
-        assert!(beside.check_reach(SessionReach::ANYWHERE).is_ok());
+        let adjacent = read(folder.path(), "[\"demo:\"]", r#", "compare": {"files": ["tcp://a:1"]}"#);
+        assert_eq!(adjacent.beyond(SessionReach::default()).addresses, ["tcp://a:1"]);
+        assert!(adjacent.check_reach(SessionReach::ANYWHERE).is_ok());
     }
 
     #[test]

@@ -83,7 +83,7 @@ impl DocumentFolder {
     /// Reads the document stored in `file`, where `new` is a new document.
     pub fn read(&self, file: &Path, new: &Document) -> StoredDocument {
         let unread = |reason: String| {
-            let (copied, is_writable) = match persist::copy_beside(file) {
+            let (copied, is_writable) = match persist::copy_alongside(file) {
                 Ok(copy) => (format!("the file as it is was copied to {}", copy.display()), true),
                 Err(_) => ("changes are not kept".to_owned(), false),
             };

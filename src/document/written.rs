@@ -85,11 +85,11 @@ pub(super) struct CompareFields {
     offset: i64,
     #[serde(default)]
     layout: ComparedLayout,
-    #[serde(default = "middle")]
+    #[serde(default = "center")]
     line: f64,
 }
 
-fn middle() -> f64 {
+fn center() -> f64 {
     0.5
 }
 

@@ -135,8 +135,8 @@ fn chunk(file: &mut Vec<u8>, name: [u8; 4], parts: &[&[u8]]) {
 }
 
 fn three_bytes(number: u32) -> [u8; 3] {
-    let [low, middle, high, _] = number.to_le_bytes();
-    [low, middle, high]
+    let [low, center, high, _] = number.to_le_bytes();
+    [low, center, high]
 }
 
 fn failed(output: &Path, reason: io::Error) -> ExportError {

@@ -29,7 +29,7 @@ pub(super) struct Traits {
     /// True if files are surfaces (meshes) of which the vertices alone show little.
     pub(super) is_for_meshes: bool,
     /// True if timestamp lists accompany folders of such files.
-    pub(super) has_times_beside: bool,
+    pub(super) has_time_sidecar: bool,
 }
 
 /// Kinds of contents that a file of a format may hold.
@@ -81,7 +81,7 @@ impl Traits {
         unit: None,
         holds: Holding::Cloud,
         is_for_meshes: false,
-        has_times_beside: false,
+        has_time_sidecar: false,
     };
 }
 
@@ -151,8 +151,8 @@ impl Format {
     }
 
     /// Returns true if timestamp lists accompany folders of such files.
-    pub fn has_times_beside(self) -> bool {
-        self.0.has_times_beside
+    pub fn has_time_sidecar(self) -> bool {
+        self.0.has_time_sidecar
     }
 
     /// The unit of coordinates, where all files of this format have the same: ASTM E2807, Leica's PTX, glTF 2.0 (§3.4),

@@ -26,13 +26,13 @@ pub fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
 }
 
 /// Returns the camera topics in the recording at `path`: none where it is not a recording, and where it has point
-/// clouds, unless cameras are asked for `beside_clouds`.
-pub(crate) fn cameras(path: &Path, beside_clouds: bool, options: &ReadOptions) -> Result<CameraTopics, IoError> {
+/// clouds, unless cameras are asked for `with_clouds`.
+pub(crate) fn cameras(path: &Path, with_clouds: bool, options: &ReadOptions) -> Result<CameraTopics, IoError> {
     let format = Format::detect(path, &first_bytes(path)?);
     let cameras = format.and_then(|format| Some((format, format.codec()?.cameras?)));
     cameras.map_or_else(
         || Ok(CameraTopics::default()),
-        |(format, cameras)| cameras(path, format, beside_clouds, options),
+        |(format, cameras)| cameras(path, format, with_clouds, options),
     )
 }
 

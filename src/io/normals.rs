@@ -147,11 +147,11 @@ mod tests {
 
     fn read_pair(points: &str, normals: &str) -> RawCloud {
         let folder = tempfile::tempdir().unwrap();
-        let [path, beside] = ["a.ply", "a_normal.pcd"].map(|name| folder.path().join(name));
+        let [path, sidecar] = ["a.ply", "a_normal.pcd"].map(|name| folder.path().join(name));
         fs::write(&path, points).unwrap();
-        fs::write(&beside, normals).unwrap();
+        fs::write(&sidecar, normals).unwrap();
         let options = ReadOptions::default();
-        read_with_normals(&path, &beside, &options, &Progress::default()).unwrap()
+        read_with_normals(&path, &sidecar, &options, &Progress::default()).unwrap()
     }
 
     #[test]
@@ -225,13 +225,13 @@ mod tests {
     #[test]
     fn a_mesh_is_sampled_with_the_normals_of_its_vertices() {
         let folder = tempfile::tempdir().unwrap();
-        let [path, beside] = ["a.ply", "a_normal.ply"].map(|name| folder.path().join(name));
+        let [path, sidecar] = ["a.ply", "a_normal.ply"].map(|name| folder.path().join(name));
         let mesh = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
             element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
         fs::write(&path, mesh).unwrap();
-        fs::write(&beside, PLY.replace("vertex 2", "vertex 3") + "0 1 0\n").unwrap();
+        fs::write(&sidecar, PLY.replace("vertex 2", "vertex 3") + "0 1 0\n").unwrap();
         let options = ReadOptions::default().with_sample_count(NonZeroUsize::new(50));
-        let cloud = read_with_normals(&path, &beside, &options, &Progress::default()).unwrap();
+        let cloud = read_with_normals(&path, &sidecar, &options, &Progress::default()).unwrap();
         assert_eq!((cloud.positions.len(), cloud.faces.len()), (50, 0));
         // The triangle lies in a plane across Z; the normals of its vertices lean to Y.
         assert!(cloud.attributes.normals.unwrap().iter().all(|normal| normal[1] > 0.0));

@@ -64,7 +64,7 @@ pub(crate) fn read_leniently<T: Default>(
 /// Copies `file`, of which not all can be read. Returns the text for a notice, and the file if it was copied.
 fn copied(file: &Path, what: &str, reasons: &str) -> (String, Option<PathBuf>) {
     let unread = format!("Not all of {what} in {} can be read ({reasons})", file.display());
-    match copy_beside(file) {
+    match copy_alongside(file) {
         Ok(copy) => (
             format!("{unread}: the file as it is was copied to {}", copy.display()),
             Some(file.to_owned()),
@@ -132,7 +132,7 @@ fn in_short(reasons: &[String]) -> String {
 
 /// Copies `file` to the first of `name.unreadable`, `name.unreadable-2` and so on that is free, or has the same bytes
 /// already.
-pub(crate) fn copy_beside(file: &Path) -> std::io::Result<PathBuf> {
+pub(crate) fn copy_alongside(file: &Path) -> std::io::Result<PathBuf> {
     let bytes = regular_file::read(file)?;
     for number in 1..=MAX_COPIES {
         let mut name = file.file_name().unwrap_or_default().to_owned();

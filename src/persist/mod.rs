@@ -4,7 +4,9 @@
 mod lenient;
 mod update;
 
-pub(crate) use lenient::{Fields, copy_beside, entries, fields, note_later_version, read_leniently, retain_readable};
+pub(crate) use lenient::{
+    Fields, copy_alongside, entries, fields, note_later_version, read_leniently, retain_readable,
+};
 pub(crate) use update::{merge, readable_entries, update, update_as};
 
 use crate::regular_file;
@@ -140,8 +142,8 @@ mod tests {
         replace(&file, b"a longer first").unwrap();
         replace(&file, b"second").unwrap();
         assert_eq!(read(&file), Ok(Some(b"second".to_vec())));
-        let beside = fs::read_dir(file.parent().unwrap()).unwrap().count();
-        assert_eq!(beside, 1);
+        let alongside = fs::read_dir(file.parent().unwrap()).unwrap().count();
+        assert_eq!(alongside, 1);
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! nothing of another one, and additions by a later version are preserved. Objects with one field per setting are
 //! merged ([`merge`]): a value counts as changed here if it differs from what this process began with.
 
-use super::lenient::{Fields, copy_beside};
+use super::lenient::{Fields, copy_alongside};
 use super::{read, replace};
 use serde_json::Value;
 use std::fs::{self, File, TryLockError};
@@ -58,7 +58,7 @@ pub(crate) fn update_as(
     };
     change(&mut fields, &mut unread);
     if !unread.is_empty() {
-        let copy = copy_beside(file)?;
+        let copy = copy_alongside(file)?;
         log::warn!(
             "not all of {what} in {} can be read ({}): the file as it was is {}",
             file.display(),

@@ -38,7 +38,7 @@ pub use images::prepared::PreparedPhoto;
 pub use images::texture::Texture;
 pub use images::undistort::{Extent, pinhole_of, undistort};
 pub use readers::colmap::colmap_depth;
-pub use readers::unread::{is_beside_photos, unread};
+pub use readers::unread::{is_outside_photos, unread};
 pub use readers::{FoundSet, find};
 pub use sets::photo::{Photo, center_of, resized};
 pub use sets::points::{Observation, SparsePoints};

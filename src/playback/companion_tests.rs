@@ -78,7 +78,7 @@ impl Theatre {
         for (workers, loader) in self.workers.iter_mut().zip([player.loader(), companion.loader()]) {
             workers.advance(loader, now);
         }
-        player.update_beside(now, &self.style, |clock, is_playing| {
+        player.update_with_companion(now, &self.style, |clock, is_playing| {
             companion.prepare(clock, is_playing, &self.style)
         });
         if !(player.is_playing() && player.waiting_for().is_some()) {

@@ -331,13 +331,13 @@ impl Player {
 
     /// Moves the playhead to where it is at `now` and shows its frame if it is there.
     pub fn update(&mut self, now: Duration, style: &Style) -> PlayerChange {
-        self.update_beside(now, style, |_, _| true)
+        self.update_with_companion(now, style, |_, _| true)
     }
 
     /// Variant of [`Player::update`] for playback together with something else on the same clock: `prepare` receives
     /// the next clock position and the playing state, and reports whether what belongs there is available. Playback
     /// waits for it.
-    pub fn update_beside(
+    pub fn update_with_companion(
         &mut self,
         now: Duration,
         style: &Style,

@@ -10,7 +10,7 @@ use crate::source::FrameList;
 /// More than come at once, and are sampled first.
 const LARGE: usize = 600_000;
 /// More than come at once, fewer than are sampled.
-const MIDDLE: usize = 150_000;
+const CENTER: usize = 150_000;
 const SMALL: usize = 100_000;
 
 const SAMPLE: usize = 1 << 17;
@@ -98,7 +98,7 @@ fn a_large_frame_comes_as_some_points_all_points_and_surfels() {
 
 #[test]
 fn frames_that_are_read_fast_have_no_sample_and_small_ones_no_stages() {
-    assert_eq!(seen_of(MIDDLE), [(MIDDLE, false, true), (MIDDLE, true, false)]);
+    assert_eq!(seen_of(CENTER), [(CENTER, false, true), (CENTER, true, false)]);
     assert_eq!(seen_of(SMALL), [(SMALL, true, false)]);
 }
 

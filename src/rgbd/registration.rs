@@ -161,8 +161,8 @@ fn step_px(seen: &[Option<ProjectedPoint>], width: usize) -> f64 {
     if steps.is_empty() {
         return 1.0;
     }
-    let middle = steps.len() / 2;
-    let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
+    let midpoint = steps.len() / 2;
+    let (_, median, _) = steps.select_nth_unstable_by(midpoint, f64::total_cmp);
     median.max(1.0)
 }
 

@@ -38,8 +38,8 @@ fn camera(origin: DVec3) -> Camera {
 }
 
 /// Everything that draws: points, surfels of all points, of a cut and of byte codes, voxels.
-fn ways() -> Vec<Style> {
-    let mut ways: Vec<Style> = Primitive::ALL
+fn styles() -> Vec<Style> {
+    let mut styles: Vec<Style> = Primitive::ALL
         .iter()
         .map(|&primitive| {
             Style::default().with(|style| {
@@ -48,25 +48,25 @@ fn ways() -> Vec<Style> {
             })
         })
         .collect();
-    ways.push(Style {
+    styles.push(Style {
         levels: LevelStyle {
             surfel_lod: true,
-            ..(ways[0]).levels
+            ..(styles[0]).levels
         },
-        ..ways[0]
+        ..styles[0]
     });
-    ways.push(Style {
+    styles.push(Style {
         codes: CodeStyle {
             footprint: Footprint::Masks,
-            ..(ways[0]).codes
+            ..(styles[0]).codes
         },
         drawing: DrawingStyle {
             renderer: RendererChoice::Cpu,
-            ..(ways[0]).drawing
+            ..(styles[0]).drawing
         },
-        ..ways[0]
+        ..styles[0]
     });
-    ways
+    styles
 }
 
 fn shape() -> impl Strategy<Value = ClipShape> {
@@ -104,7 +104,7 @@ proptest! {
             };
             is_inside != keeps_outside
         };
-        for way in ways() {
+        for way in styles() {
             let frame = complete(&frame, &Scene::needs(&way), &PrepareCounters::default());
             let packet = |clip| {
                 let style = way.with(|style| style.of_sequence.clip = clip);
@@ -142,7 +142,7 @@ proptest! {
         let places: Vec<Vec3> = places.into_iter().map(Vec3::from_array).collect();
         let frame = frame(&places, origin);
         let clip = Clip::to(shape.relative_to(-origin));
-        for way in ways() {
+        for way in styles() {
             let style = way.with(|style| style.of_sequence.clip = Some(clip));
             let packet = Scene::default().packet(&frame, origin, &camera(origin), &style, SIZE);
             let at = [px.0, px.1].map(|edge| f64::from(edge) + 0.5);

@@ -199,7 +199,7 @@ impl Content {
                 })
             }
             Self::Mesh(mesh) => {
-                let retained = clip.retained_places(mesh.triangles.len(), |triangle| mesh.middle(triangle));
+                let retained = clip.retained_places(mesh.triangles.len(), |triangle| mesh.center(triangle));
                 if retained.len() == mesh.triangles.len() {
                     return self.clone();
                 }

@@ -38,9 +38,9 @@ pub struct PacketParams {
 impl ScenePacket {
     /// The view distances that [`super::Splatting::Visibility`] shows white and black: around the whole cloud.
     pub fn depth_range(&self) -> [f32; 2] {
-        let middle = -self.view.to_view(self.bounds.center()).z;
+        let center = -self.view.to_view(self.bounds.center()).z;
         let radius = self.bounds.radius().max(f32::MIN_POSITIVE);
-        [middle - radius, middle + radius]
+        [center - radius, center + radius]
     }
 
     /// Returns the packet that renderers draw for this image before antialiasing: several samples per pixel, see

@@ -29,7 +29,7 @@ const FAR_IN_EXTENTS: f64 = 4.0;
 
 /// As many for the origin of another sequence: 18 bits are left, finer than points are apart, and a part of a cloud has
 /// the same f32 as the whole.
-const FAR_BESIDE_IN_EXTENTS: f64 = 64.0;
+const FAR_COMPANION_IN_EXTENTS: f64 = 64.0;
 
 /// A decoded frame with its time in milliseconds, or why there is none.
 type Cached = Result<(RawCloud, f32), FrameError>;
@@ -69,7 +69,7 @@ pub(super) struct OriginFinder {
     deciding: Mutex<()>,
     given_up: AtomicUsize,
     /// Whose origin is taken if it can be.
-    beside: OnceLock<Arc<dyn OriginFrames>>,
+    companion: OnceLock<Arc<dyn OriginFrames>>,
     cached: Mutex<BTreeMap<usize, Cached>>,
     /// Points of the frame that decided it.
     sample: Mutex<SharedSample>,
@@ -115,7 +115,7 @@ impl OriginFinder {
     /// Takes the origin of `other` if that keeps the detail. Says nothing any more once the origin is decided, or for
     /// the second time.
     pub(super) fn share(&self, other: Arc<dyn OriginFrames>) {
-        if self.beside.set(other).is_err() {
+        if self.companion.set(other).is_err() {
             log::debug!("an origin is shared with one other sequence");
         }
     }
@@ -131,7 +131,7 @@ impl OriginFinder {
         self.known().or_else(|| {
             let _turn = lock(&self.deciding);
             self.known().or_else(|| {
-                let (min, max) = present.filter(|_| self.beside.get().is_none())?;
+                let (min, max) = present.filter(|_| self.companion.get().is_none())?;
                 let origin = origin_of_bounds(min, max);
                 Some(*self.origin.get_or_init(|| origin))
             })
@@ -152,11 +152,11 @@ impl OriginFinder {
                 .map(|(raw, _)| MissingPoints::of(raw, frames.no_data()));
             match missing.as_ref().map(|missing| (missing.bounds, &missing.indices)) {
                 Ok((Some((min, max)), missing)) => {
-                    let beside = match self.beside.get() {
+                    let companion = match self.companion.get() {
                         Some(other) => Some(other.origin_observed(progress)?),
                         None => None,
                     };
-                    let shared = beside.filter(|&origin| is_near(origin, min, max, FAR_BESIDE_IN_EXTENTS));
+                    let shared = companion.filter(|&origin| is_near(origin, min, max, FAR_COMPANION_IN_EXTENTS));
                     let origin = shared.unwrap_or_else(|| origin_of_bounds(min, max));
                     if let Ok((raw, _)) = &decoded {
                         let mut sample = ValueSample::of_raw(raw, missing, origin);

@@ -60,7 +60,7 @@ pub(super) struct One {
     pub(super) names: &'static [Name],
     pub(super) open: fn(&Path, Asked<'_>) -> Opened,
     /// Error for an input that is one of several; `None` if several inputs are never checked for it.
-    pub(super) beside_others: Option<fn(&Path) -> SequenceError>,
+    pub(super) sidecar_others: Option<fn(&Path) -> SequenceError>,
 }
 
 /// Feature by which an input is recognised.
@@ -147,7 +147,7 @@ impl One {
     }
 
     fn open(&self, asked: Asked<'_>) -> IfOpened {
-        let input = match (asked.inputs, self.beside_others) {
+        let input = match (asked.inputs, self.sidecar_others) {
             ([input], _) => Some(input).filter(|input| self.can_read(input)),
             (_, None) => None,
             (inputs, Some(refusal)) => {

@@ -133,7 +133,7 @@ fn folders_of_no_frames(input: &Path) -> Option<Vec<PathBuf>> {
         }
         if path.is_dir() {
             folders.push(path);
-        } else if Format::of_extension(&path).is_some() && !photos::is_beside_photos(&path) {
+        } else if Format::of_extension(&path).is_some() && !photos::is_outside_photos(&path) {
             return None;
         }
     }

@@ -51,7 +51,7 @@ const HTTPS: Name = Name::Scheme("https://");
 pub(super) const FILE_OR_ADDRESS: One = One {
     names: &[HTTP, HTTPS, Name::File("reel", Reel::is_one)],
     open: |input, asked| Ok(Arc::new(Reel::open(input, asked.options)?)),
-    beside_others: Some(|input| SequenceError::NotAlone { path: input.to_owned() }),
+    sidecar_others: Some(|input| SequenceError::NotAlone { path: input.to_owned() }),
 };
 
 impl Reel {

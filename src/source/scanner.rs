@@ -85,7 +85,7 @@ pub(super) const ADDRESS: One = One {
         let scanner = LiveScanner::open(input, &asked.options.read, asked.progress)?;
         Ok(Arc::new(scanner))
     },
-    beside_others: Some(|input| SequenceError::Scanner {
+    sidecar_others: Some(|input| SequenceError::Scanner {
         input: input.display().to_string(),
         problem: "a live sensor is a sequence of its own: open it without other inputs".to_owned(),
     }),

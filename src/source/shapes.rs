@@ -170,8 +170,8 @@ impl Shape {
         match self {
             Self::Sphere => position.normalize(),
             Self::Torus => {
-                let middle = (position * DVec3::new(1.0, 1.0, 0.0)).normalize();
-                (position - middle).normalize()
+                let center = (position * DVec3::new(1.0, 1.0, 0.0)).normalize();
+                (position - center).normalize()
             }
             Self::Cube => {
                 let axis = position.abs().max_position();

@@ -26,7 +26,7 @@ const WORD: &str = "-";
 pub(super) const STANDARD_INPUT: One = One {
     names: &[Name::Word(WORD)],
     open: |_, asked| StandardInput::open(asked),
-    beside_others: Some(|_| failed("it is a sequence of its own: open it without other inputs".to_owned())),
+    sidecar_others: Some(|_| failed("it is a sequence of its own: open it without other inputs".to_owned())),
 };
 
 /// Folders that are tried before the system is believed to have no place for one.

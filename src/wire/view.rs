@@ -34,7 +34,7 @@ pub struct View {
     /// Pixels from the view axis for a slope of 1, rightwards and downwards.
     pub px_per_slope: [f32; 2],
     /// Principal point: the pixel where the view axis meets the image.
-    pub middle_px: [f32; 2],
+    pub center_px: [f32; 2],
 }
 
 impl View {
@@ -49,7 +49,7 @@ impl View {
             .u32(self.size_px[0])
             .u32(self.size_px[1])
             .f32s(&self.px_per_slope)
-            .f32s(&self.middle_px);
+            .f32s(&self.center_px);
         debug_assert_eq!(payload.0.len(), LAYOUT_BYTES);
         Message::new(Kind::View, payload.0)
     }
@@ -71,7 +71,7 @@ impl View {
             near: fields.f32s::<1>()?[0],
             size_px: [fields.u32()?, fields.u32()?],
             px_per_slope: fields.f32s()?,
-            middle_px: fields.f32s()?,
+            center_px: fields.f32s()?,
         };
         match view.fault() {
             None => Ok(view),
@@ -90,7 +90,7 @@ impl View {
         }
         let skew = self.rotation * self.rotation.transpose() - Mat3::IDENTITY;
         let is_rotation = skew.to_cols_array().iter().all(|entry| entry.abs() < MAX_SKEW);
-        let numbers = self.px_per_slope.iter().chain(&self.middle_px);
+        let numbers = self.px_per_slope.iter().chain(&self.center_px);
         let is_finite = self.eye.is_finite() && numbers.clone().all(|number| number.is_finite());
         let is_seen = self.px_per_slope.iter().all(|number| *number != 0.0);
         let is_near = self.near >= 0.0 && self.near < f32::INFINITY;
@@ -110,7 +110,7 @@ mod tests {
             near: 0.01,
             size_px: [1600, 900],
             px_per_slope: [900.0, -900.0],
-            middle_px: [800.5, 450.0],
+            center_px: [800.5, 450.0],
         }
     }
 

@@ -50,13 +50,13 @@ fn color(place: DVec3, is_ring: bool) -> DVec3 {
 
 /// The place that a ray meets, with the colour there.
 pub(crate) fn hit(origin: DVec3, direction: DVec3) -> Option<(DVec3, DVec3)> {
-    let middle = -origin.dot(direction);
-    let nearest2 = origin.length_squared() - middle * middle;
+    let center = -origin.dot(direction);
+    let nearest2 = origin.length_squared() - center * center;
     let within = SCENE_RADIUS * SCENE_RADIUS - nearest2;
     if within <= 0.0 {
         return None;
     }
-    let (mut along, end) = (middle - within.sqrt(), middle + within.sqrt());
+    let (mut along, end) = (center - within.sqrt(), center + within.sqrt());
     while along < end {
         let place = origin + along * direction;
         let (free, is_ring) = distance(place);

@@ -139,12 +139,12 @@ fn open_share(positions: &[Vec3], surface: &Surface, lists: &Neighbours, scale: 
                 });
                 let direction = direction.normalize();
                 rays += 1;
-                let middle = (p + q + r) / 3.0;
+                let center = (p + q + r) / 3.0;
                 let around = lists.of(point as usize).iter().copied().chain([point]);
                 let is_covered = around.into_iter().any(|disk| {
                     let disk = disk as usize;
                     let (normal, radius) = (surface.normals[disk], scale * surface.radii[disk]);
-                    let offset = positions[disk] - middle;
+                    let offset = positions[disk] - center;
                     let slope = normal.dot(direction);
                     let along = normal.dot(offset) / slope;
                     let hit = direction * along;

@@ -390,18 +390,18 @@ fn rates_appear_while_they_are_measured_and_a_click_shows_the_frame_beside_the_o
     while harness
         .state()
         .features
-        .beside
+        .split_view
         .as_ref()
-        .is_none_or(|beside| beside.companion.shown().is_none())
+        .is_none_or(|split_view| split_view.companion.shown().is_none())
     {
         assert!(begin.elapsed() < Duration::from_secs(20), "no frame beside");
         harness.state_mut().update(Duration::ZERO);
         std::thread::sleep(Duration::from_millis(2));
     }
-    let beside = harness.state().features.beside.as_ref().unwrap();
-    assert!(beside.name.ends_with(", 2 bits"), "{}", beside.name);
+    let split_view = harness.state().features.split_view.as_ref().unwrap();
+    assert!(split_view.name.ends_with(", 2 bits"), "{}", split_view.name);
     assert_eq!(
-        beside.companion.shown().unwrap().frame.len(),
+        split_view.companion.shown().unwrap().frame.len(),
         8,
         "two points share a cell"
     );

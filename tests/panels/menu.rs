@@ -184,8 +184,8 @@ fn another_topic_of_a_recording_is_chosen_in_the_menu() {
     let begin = Instant::now();
     let wait_for_b = |harness: &mut Harness<'_, State>, count: usize| {
         let count_of_b = |state: &State| {
-            let beside = state.features.beside.as_ref();
-            beside.map(|beside| beside.companion.sequence().len())
+            let split_view = state.features.split_view.as_ref();
+            split_view.map(|split_view| split_view.companion.sequence().len())
         };
         while count_of_b(harness.state()) != Some(count) {
             assert!(begin.elapsed() < Duration::from_secs(20), "{count} of B");

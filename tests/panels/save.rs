@@ -320,13 +320,13 @@ fn what_would_be_written_is_shown_beside_what_is_open() {
     wait(&mut harness, "the frame of B", |state| {
         state
             .features
-            .beside
+            .split_view
             .as_ref()
-            .is_some_and(|beside| beside.companion.shown().is_some())
+            .is_some_and(|split_view| split_view.companion.shown().is_some())
     });
-    let beside = harness.state().features.beside.as_ref().unwrap();
-    assert_eq!(beside.name, "walk, as it would be saved");
-    let points = beside.companion.shown().unwrap().frame.len();
+    let split_view = harness.state().features.split_view.as_ref().unwrap();
+    assert_eq!(split_view.name, "walk, as it would be saved");
+    let points = split_view.companion.shown().unwrap().frame.len();
     assert!(points > 20 && points < 500, "{points}");
 }
 

@@ -135,26 +135,31 @@ fn what_is_beside_is_opened_again_as_it_was_laid_out() {
     scans(&folder.path().join("smooth"));
     left.state_mut().compare_paths(vec![folder.path().join("smooth")]);
     until(&mut left, "nothing is beside it", |state| {
-        state.features.beside.is_some()
+        state.features.split_view.is_some()
     });
     left.state_mut().run(Command::NEXT_LAYOUT);
-    let beside = left.state_mut().features.beside.as_mut().unwrap();
-    beside.companion.pair_by(PairBy::Index);
-    beside.companion.set_offset_frames(1);
-    beside.pictures.split = 0.25;
+    let split_view = left.state_mut().features.split_view.as_mut().unwrap();
+    split_view.companion.pair_by(PairBy::Index);
+    split_view.companion.set_offset_frames(1);
+    split_view.pictures.split = 0.25;
     save(&mut left, &file);
     assert!(fs::read_to_string(&file).unwrap().contains("\"smooth\""));
 
     let mut taken = window();
     open(&mut taken, &file);
     until(&mut taken, "nothing is beside it", |state| {
-        state.features.beside.is_some()
+        state.features.split_view.is_some()
     });
     let of = |state: &State| {
-        let beside = state.features.beside.as_ref().unwrap();
-        let companion = &beside.companion;
+        let split_view = state.features.split_view.as_ref().unwrap();
+        let companion = &split_view.companion;
         let paired = (companion.paired_by(), companion.offset_frames());
-        (beside.name.clone(), beside.layout, paired, beside.pictures.split)
+        (
+            split_view.name.clone(),
+            split_view.layout,
+            paired,
+            split_view.pictures.split,
+        )
     };
     assert_eq!(of(taken.state()), of(left.state()));
     assert_eq!(
@@ -173,13 +178,13 @@ fn what_is_beside_is_opened_again_as_it_was_laid_out() {
         !state.notices.list().is_empty()
     });
     assert!(without.state().notices.list()[0].text.contains("smooth"));
-    assert!(without.state().features.beside.is_none());
+    assert!(without.state().features.split_view.is_none());
     assert!(without.state().session().unwrap().compare.is_some());
     // A session without anything beside closes what was.
     let other = folder.path().join("alone.pointreel");
     fs::write(&other, r#"{"pointreel_session": 1, "files": ["scans"]}"#).unwrap();
     open(&mut left, &other);
-    assert!(left.state().features.beside.is_none());
+    assert!(left.state().features.split_view.is_none());
 }
 
 #[test]

@@ -181,16 +181,16 @@ fn no_panel_is_cut_or_printed_over_itself() {
 /// is scrolled to is below, where the timeline is.
 fn side_faults(harness: &Harness<'_, State>) -> Vec<String> {
     let picture = harness.state().viewport.rect;
-    let beside = widgets(harness).into_iter().filter(|(_, rect)| {
+    let split_view = widgets(harness).into_iter().filter(|(_, rect)| {
         let is_shown = picture.y_range().contains(rect.top()) && picture.y_range().contains(rect.bottom());
         is_shown && !picture.intersects(*rect)
     });
-    let beside: Vec<_> = beside.collect();
+    let split_view: Vec<_> = split_view.collect();
     let sides = harness.ctx.content_rect().x_range().expand(1.0);
     let is_cut = |rect: &Rect| !sides.contains(rect.left()) || !sides.contains(rect.right());
-    let cut = beside.iter().filter(|(_, rect)| is_cut(rect));
+    let cut = split_view.iter().filter(|(_, rect)| is_cut(rect));
     let cut = cut.map(|(name, rect)| format!("{name:?} at {rect:?} is cut at the side of the window"));
-    cut.chain(overlaps(&beside)).collect()
+    cut.chain(overlaps(&split_view)).collect()
 }
 
 #[test]

@@ -64,8 +64,8 @@ fn the_strip_shows_frames_where_they_are_and_a_click_goes_there() {
     assert!(last.rect().bottom() <= bar.top(), "over the bar");
     let name = last.accesskit_node().label().unwrap();
     let number: usize = name.rsplit(' ').next().unwrap().parse().unwrap();
-    let middle = (last.rect().center().x - bar.left()) / bar.width();
-    let at = (middle * super::FRAMES as f32) as usize;
+    let center = (last.rect().center().x - bar.left()) / bar.width();
+    let at = (center * super::FRAMES as f32) as usize;
     assert_eq!(at + 1, number, "where its frame is on the bar");
     click(&mut harness, &name);
     assert_eq!(frame(&harness) + 1, number);

@@ -119,7 +119,7 @@ fn hidden_in_corner(distance: f32) -> f32 {
 /// on the right wall that each shows.
 fn light_along_corner(pictures: &[RgbaImage; 2], packet: &ScenePacket) -> Vec<(f32, f32)> {
     let view = &packet.view;
-    let middle = EDGE_PX / 2;
+    let center = EDGE_PX / 2;
     let seen = |x: u32| {
         let ndc = (2.0 * x as f32 + 1.0) / EDGE_PX as f32 - 1.0;
         let ray = view.view_from_frame_rotation.transpose() * Vec3::new(ndc / view.focal[0], 0.0, -1.0);
@@ -128,10 +128,10 @@ fn light_along_corner(pictures: &[RgbaImage; 2], packet: &ScenePacket) -> Vec<(f
         let place = eye - ray * (eye.dot(wall) / ray.dot(wall));
         let [without, with] = pictures
             .each_ref()
-            .map(|picture| linear(picture.get_pixel(x, middle).0[0]));
+            .map(|picture| linear(picture.get_pixel(x, center).0[0]));
         (place.dot(Vec3::new(1.0, 0.0, 1.0).normalize()), with / without)
     };
-    let all = (middle..EDGE_PX).map(seen);
+    let all = (center..EDGE_PX).map(seen);
     all.filter(|(distance, _)| (0.0..2.5).contains(distance)).collect()
 }
 

@@ -85,10 +85,10 @@ fn gaps(picture: &RgbaImage, camera: &Camera, margin: f64) -> usize {
     let radius = 1.0 - margin;
     let largest_slope = radius / (camera.distance * camera.distance - radius * radius).sqrt();
     let px_per_slope = 0.5 * f64::from(SIZE[1]) / (0.5 * camera.fov_deg).to_radians().tan();
-    let middle = SIZE.map(|edge| 0.5 * f64::from(edge));
+    let center = SIZE.map(|edge| 0.5 * f64::from(edge));
     let is_gap = |&(x, y, pixel): &(u32, u32, &image::Rgba<u8>)| {
-        let right = f64::from(x) + 0.5 - middle[0];
-        let down = f64::from(y) + 0.5 - middle[1];
+        let right = f64::from(x) + 0.5 - center[0];
+        let down = f64::from(y) + 0.5 - center[1];
         right.hypot(down) < largest_slope * px_per_slope && pixel.0[0] < 128
     };
     picture.enumerate_pixels().filter(is_gap).count()

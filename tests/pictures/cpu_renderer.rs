@@ -310,8 +310,8 @@ fn round_point(size_px: f32, aside_px: f32) -> Vec<String> {
         points[0].color = [255; 3];
         surfels(&points, &camera_at(3.0), style, [9, 9])
     };
-    let middle = packet_of(Vec3::ZERO);
-    let px_per_unit = 0.5 * 9.0 * middle.view.focal[1] / 3.0;
+    let midpoint = packet_of(Vec3::ZERO);
+    let px_per_unit = 0.5 * 9.0 * midpoint.view.focal[1] / 3.0;
     let place = Vec3::new(aside_px, aside_px, 0.0) / px_per_unit;
     let packet = packet_of(place);
     let [cpu, gpu] = [draw_on_cpu(&packet), draw(&packet)].map(|image| {
@@ -554,7 +554,7 @@ fn depths_of_points_and_voxels_are_their_distances() {
         normals: None,
         cube_edge: 2.0,
     });
-    let middle = (SIZE[1] / 2 * SIZE[0] + SIZE[0] / 2) as usize;
+    let midpoint = (SIZE[1] / 2 * SIZE[0] + SIZE[0] / 2) as usize;
     // A cell of edge 1 around the origin is met half a unit before it, seen along an axis.
     packet.view = Camera {
         azimuth_deg: 0.0,
@@ -563,7 +563,11 @@ fn depths_of_points_and_voxels_are_their_distances() {
     }
     .transform(DVec3::ZERO, SIZE);
     let depths = draw_depths(&packet);
-    assert!((depths.depth[middle] - 2.5).abs() < 1e-5, "{}", depths.depth[middle]);
+    assert!(
+        (depths.depth[midpoint] - 2.5).abs() < 1e-5,
+        "{}",
+        depths.depth[midpoint]
+    );
     assert_eq!(depths.depth[0], f32::INFINITY);
     packet.style.primitive = Primitive::Point;
     packet.style.points.size_px = 3.0;
@@ -572,7 +576,11 @@ fn depths_of_points_and_voxels_are_their_distances() {
         color: [9; 4],
     }]));
     let depths = draw_depths(&packet);
-    assert!((depths.depth[middle] - 3.0).abs() < 1e-5, "{}", depths.depth[middle]);
+    assert!(
+        (depths.depth[midpoint] - 3.0).abs() < 1e-5,
+        "{}",
+        depths.depth[midpoint]
+    );
     let shown = depths.depth.iter().filter(|depth| depth.is_finite()).count();
     assert_eq!(shown, 9);
 }
@@ -610,8 +618,8 @@ style.backdrop.background = Background::solid(background);
             };
             let (on_black, on_white) = (draw([0; 3]), draw([255; 3]));
             let within = on_black.enumerate_pixels().filter(|(x, y, _)| {
-                let from_middle = (f64::from(*x) - 119.5).hypot(f64::from(*y) - 99.5);
-                from_middle <= within_px
+                let from_center = (f64::from(*x) - 119.5).hypot(f64::from(*y) - 99.5);
+                from_center <= within_px
             });
             let is_open: Vec<bool> = within.map(|(x, y, pixel)| pixel != on_white.get_pixel(x, y)).collect();
             let open = is_open.iter().filter(|&&open| open).count();

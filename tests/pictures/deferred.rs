@@ -38,7 +38,7 @@ fn one_surfel(normal: Vec3, color: [u8; 3], style: Style) -> ScenePacket {
     packet
 }
 
-fn middle(picture: &RgbaImage) -> [u8; 3] {
+fn center(picture: &RgbaImage) -> [u8; 3] {
     let [red, green, blue, _] = picture.get_pixel(EDGE_PX / 2, EDGE_PX / 2).0;
     [red, green, blue]
 }
@@ -83,7 +83,7 @@ fn light_of_every_rig_adds_up_as_linear_light() {
                 let lights = Lights::of(&packet).unwrap();
                 let expected = expected(&lights, DVec3::new(0.0, 0.0, -DISTANCE), normal.as_dvec3(), color);
                 for (picture, by) in draw_on_both(&packet) {
-                    let drawn = middle(&picture);
+                    let drawn = center(&picture);
                     let is_near = drawn
                         .iter()
                         .zip(expected)
@@ -104,7 +104,7 @@ fn without_light_colors_are_those_of_the_file() {
         let color = [level, 255 - level, level / 2 + 60];
         let packet = one_surfel(Vec3::new(0.4, 0.2, 0.7).normalize(), color, plain());
         for (picture, by) in draw_on_both(&packet) {
-            assert_eq!(middle(&picture), color, "{by}");
+            assert_eq!(center(&picture), color, "{by}");
         }
     }
 }
@@ -115,7 +115,7 @@ fn what_faces_a_matt_head_light_has_the_color_of_the_file() {
         let color = [level, 255 - level, level / 2 + 60];
         let packet = one_surfel(Vec3::Z, color, lit_by(Lighting::Lambert, LightRig::Head));
         for (picture, by) in draw_on_both(&packet) {
-            let drawn = middle(&picture);
+            let drawn = center(&picture);
             let max = drawn.iter().zip(color).map(|(a, b)| a.abs_diff(b)).max().unwrap();
             assert!(max <= 1, "{by}: {drawn:?}, not {color:?}");
         }

@@ -52,9 +52,9 @@ fn mean_of_checkers(points_per_px: f64, square: i32) -> RgbaImage {
         place.min(2.0 * square - place)
     };
     let target = camera(points_per_px).target_in_world;
-    let mean = |middle: f64| {
+    let mean = |center: f64| {
         let half = 0.5 * points_per_px;
-        (integral(middle + half) - integral(middle - half)) / points_per_px
+        (integral(center + half) - integral(center - half)) / points_per_px
     };
     RgbaImage::from_fn(EDGE_PX, EDGE_PX, |x, y| {
         let aside = |px: u32| (f64::from(px) + 0.5 - 0.5 * f64::from(EDGE_PX)) * points_per_px;
@@ -71,10 +71,10 @@ fn clamped(surfels: &[Surfel], points_per_px: f64) -> RgbaImage {
     let radius_px = f64::from(surfels[0].radius) / points_per_px;
     let mut sums = vec![[0.0f64; 2]; (EDGE_PX * EDGE_PX) as usize];
     for surfel in surfels {
-        let middle = 0.5 * f64::from(EDGE_PX);
+        let center = 0.5 * f64::from(EDGE_PX);
         let place = [
-            middle + (f64::from(surfel.position.x) - target.x) / points_per_px,
-            middle - (f64::from(surfel.position.y) - target.y) / points_per_px,
+            center + (f64::from(surfel.position.x) - target.x) / points_per_px,
+            center - (f64::from(surfel.position.y) - target.y) / points_per_px,
         ];
         let range = |along: f64| {
             let end = |px: f64| px.clamp(0.0, f64::from(EDGE_PX)) as u32;

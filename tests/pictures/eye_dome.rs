@@ -103,7 +103,7 @@ fn step(depths: [f32; 2], unit: f32, size: [u32; 2], projection: Projection) -> 
 const STEP_SIZE: [u32; 2] = [64, 720];
 
 /// The channel of the middle row, column by column.
-fn middle_row(picture: &RgbaImage) -> Vec<u8> {
+fn center_row(picture: &RgbaImage) -> Vec<u8> {
     let y = picture.height() / 2;
     (0..picture.width()).map(|x| picture.get_pixel(x, y).0[0]).collect()
 }
@@ -116,7 +116,7 @@ fn a_step_is_as_dark_as_the_formula_says() {
     let expected = 200.0 * (-steps).exp();
     assert!((40.0..160.0).contains(&expected), "{expected}");
     for (by, picture) in [("CPU", draw_on_cpu(&packet)), ("GPU", draw(&packet))] {
-        let row = middle_row(&picture);
+        let row = center_row(&picture);
         let edge = row.iter().position(|&channel| channel != 200).unwrap();
         assert!(
             (f32::from(row[edge]) - expected).abs() < 2.0,
@@ -141,7 +141,7 @@ fn a_plane_that_is_seen_face_on_keeps_its_colors() {
 fn a_deep_step_keeps_some_color_and_one_without_an_end_is_an_edge() {
     let dark_of = |depth: f32| {
         let packet = step([0.0, depth], 1.0, STEP_SIZE, Projection::Perspective);
-        let row = middle_row(&draw_on_cpu(&packet));
+        let row = center_row(&draw_on_cpu(&packet));
         *row.iter().min().unwrap()
     };
     // 6 % of the colour, however deep.
@@ -156,7 +156,7 @@ fn a_deep_step_keeps_some_color_and_one_without_an_end_is_an_edge() {
     packet.content = Content::Points(std::sync::Arc::new(left.copied().collect()));
     let behind = packet.style.backdrop.background.top;
     for picture in [draw_on_cpu(&packet), draw(&packet)] {
-        let row = middle_row(&picture);
+        let row = center_row(&picture);
         let end = row.iter().position(|&channel| channel == behind[0]).unwrap();
         let edge = 200.0 * (-0.5f32).exp();
         assert!((f32::from(row[end - 1]) - edge).abs() < 1.0, "{row:?}");
@@ -191,7 +191,7 @@ fn light_does_not_depend_on_the_unit_and_little_on_the_projection() {
         let (_, most) = common::difference(&picture, &expected);
         assert!(most <= 1, "{unit}: {most}");
     }
-    let darkest = |picture: &RgbaImage| f32::from(*middle_row(picture).iter().min().unwrap());
+    let darkest = |picture: &RgbaImage| f32::from(*center_row(picture).iter().min().unwrap());
     for picture in [
         draw_on_cpu(&packet(1.0, Projection::Orthographic)),
         draw(&packet(1.0, Projection::Orthographic)),
@@ -303,8 +303,8 @@ fn both_renderers_draw_the_same_grid_and_what_is_before_it_hides_it() {
     let hides = ball(lit().with(|style| style.light.eye_dome = EyeDome::Off));
     let (plain, lined) = (draw_on_cpu(&hides), draw_on_cpu(&with_grid(hides)));
     // The middle of the ball is before the plane, which is seen from above.
-    let middle = |picture: &RgbaImage| *picture.get_pixel(150, 111);
-    assert_eq!(middle(&plain), middle(&lined));
+    let midpoint = |picture: &RgbaImage| *picture.get_pixel(150, 111);
+    assert_eq!(midpoint(&plain), midpoint(&lined));
     assert!(common::difference(&plain, &lined).0 > 1000);
 }
 

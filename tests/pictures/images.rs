@@ -187,10 +187,10 @@ fn surfels_of_one_surface_are_averaged() {
         style,
         [201, 161],
     ));
-    let middle = image.get_pixel(100, 80).0;
+    let midpoint = image.get_pixel(100, 80).0;
     assert!(
-        middle[0].abs_diff(128) <= 1 && middle[1].abs_diff(128) <= 1,
-        "{middle:?}"
+        midpoint[0].abs_diff(128) <= 1 && midpoint[1].abs_diff(128) <= 1,
+        "{midpoint:?}"
     );
     assert!(
         image.get_pixel(80, 80).0[0] > image.get_pixel(80, 80).0[1],
@@ -397,10 +397,10 @@ fn a_closed_sphere_shows_no_background_in_the_modes_that_close_it() {
             // The silhouette of a unit sphere at distance 2 is tan(30°) × 100 pixels wide.
             let silhouette = 100.0 * 30f32.to_radians().tan();
             for (x, y, pixel) in image.enumerate_pixels() {
-                let from_middle = (x as f32 + 0.5 - 100.0).hypot(y as f32 + 0.5 - 100.0);
-                if from_middle < 0.97 * silhouette {
+                let from_center = (x as f32 + 0.5 - 100.0).hypot(y as f32 + 0.5 - 100.0);
+                if from_center < 0.97 * silhouette {
                     assert_eq!(pixel.0[0], pixel.0[1], "{splatting}: background at {x}, {y}");
-                } else if from_middle > 1.2 * silhouette {
+                } else if from_center > 1.2 * silhouette {
                     assert_eq!(pixel.0[..3], background, "{splatting}: splat at {x}, {y}");
                 }
             }

@@ -6,7 +6,6 @@
 
 mod ambient_occlusion;
 mod antialiasing;
-mod beside;
 mod closed_surfaces;
 mod closed_voxels;
 mod coded_surfels;
@@ -41,6 +40,7 @@ mod shaders;
 mod shadows;
 mod skipping;
 mod splat_geometry;
+mod split_view;
 mod sprites;
 mod stability;
 mod strategies;

@@ -297,7 +297,7 @@ fn drawn_by_both(packet: &ScenePacket) -> [(RgbaImage, &'static str); 2] {
     [(draw_on_cpu(packet), "processor"), (draw(packet), "GPU")]
 }
 
-fn middle(picture: &RgbaImage) -> [u8; 3] {
+fn center(picture: &RgbaImage) -> [u8; 3] {
     let [red, green, blue, _] = picture.get_pixel(SIZE[0] / 2, SIZE[1] / 2).0;
     [red, green, blue]
 }
@@ -320,7 +320,7 @@ fn points_and_triangles_hide_each_other_by_their_depths() {
                 });
                 // Straight from the front a matt surface has the colour of the file; a point has no light anyway.
                 for (picture, by) in drawn_by_both(&packet(mesh.clone(), &camera_at(3.0), style)) {
-                    let found = middle(&picture);
+                    let found = center(&picture);
                     let max = found.iter().zip(expected).map(|(a, b)| a.abs_diff(b)).max().unwrap();
                     assert!(max <= 1, "{lighting}, {z}, {by}: {found:?}");
                 }

@@ -64,8 +64,8 @@ fn parallel_px(camera: &Camera, place: DVec3) -> DVec2 {
     let offset = place - camera.target_in_world;
     let half_height = camera.distance * (0.5 * camera.fov_deg).to_radians().tan();
     let px_per_unit = 0.5 * f64::from(SIZE[1]) / half_height;
-    let middle = 0.5 * DVec2::new(f64::from(SIZE[0]), f64::from(SIZE[1]));
-    middle + px_per_unit * DVec2::new(offset.dot(right), -offset.dot(up))
+    let center = 0.5 * DVec2::new(f64::from(SIZE[0]), f64::from(SIZE[1]));
+    center + px_per_unit * DVec2::new(offset.dot(right), -offset.dot(up))
 }
 
 /// Evenly within and on the unit sphere.

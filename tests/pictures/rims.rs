@@ -75,8 +75,8 @@ fn both_renderers_agree_and_outlines_before_the_background_are_smooth() {
     // All around the wall, which is 160 pixels wide, and nowhere around the square.
     let (mut outer, mut inner) = (0, 0);
     for (x, y, _) in mixed {
-        let from_middle = [x, y].map(|edge| (edge as i32 - EDGE_PX as i32 / 2).abs());
-        let is_outer = from_middle[0].max(from_middle[1]) > 60;
+        let from_center = [x, y].map(|edge| (edge as i32 - EDGE_PX as i32 / 2).abs());
+        let is_outer = from_center[0].max(from_center[1]) > 60;
         *(if is_outer { &mut outer } else { &mut inner }) += 1;
     }
     assert!(outer > 300 && inner == 0, "{outer}, {inner}");

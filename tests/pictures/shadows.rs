@@ -56,14 +56,14 @@ fn without_and_with(packet: &ScenePacket) -> [([RgbaImage; 2], &'static str); 2]
     ]
 }
 
-/// White disks on a rectangle around `middle`, with half edges along two directions.
-fn rectangle(middle: Vec3, half_edges: [Vec3; 2]) -> Vec<Surfel> {
+/// White disks on a rectangle around `midpoint`, with half edges along two directions.
+fn rectangle(midpoint: Vec3, half_edges: [Vec3; 2]) -> Vec<Surfel> {
     const SPACING: f32 = 0.04;
     let [across, along] = half_edges.map(|half| (half.length() / SPACING).ceil() as i32);
     let normal = half_edges[0].cross(half_edges[1]).normalize();
     let places = (-across..=across).flat_map(|i| (-along..=along).map(move |j| [i, j]));
     let surfel = |[i, j]: [i32; 2]| Surfel {
-        position: middle + half_edges[0] * (i as f32 / across as f32) + half_edges[1] * (j as f32 / along as f32),
+        position: midpoint + half_edges[0] * (i as f32 / across as f32) + half_edges[1] * (j as f32 / along as f32),
         normal,
         radius: SPACING,
         color: [255; 3],
@@ -75,12 +75,12 @@ fn rectangle(middle: Vec3, half_edges: [Vec3; 2]) -> Vec<Surfel> {
 fn box_of_surfels(style: Style) -> ScenePacket {
     let mut cloud = rectangle(Vec3::ZERO, [2.0 * Vec3::Z, 2.0 * Vec3::X]);
     let [low, high] = BOX.map(|corner: DVec3| corner.as_vec3());
-    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let (midpoint, half) = (0.5 * (low + high), 0.5 * (high - low));
     for axis in 0..3 {
         let along = |axis: usize| half[axis % 3] * Vec3::AXES[axis % 3];
         for side in [-1.0f32, 1.0] {
             cloud.extend(rectangle(
-                middle + side * along(axis),
+                midpoint + side * along(axis),
                 [side * along(axis + 1), along(axis + 2)],
             ));
         }
@@ -91,16 +91,17 @@ fn box_of_surfels(style: Style) -> ScenePacket {
 /// The same of triangles, two for each rectangle.
 fn box_of_triangles(style: Style) -> ScenePacket {
     let [low, high] = BOX.map(|corner: DVec3| corner.as_vec3());
-    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let (midpoint, half) = (0.5 * (low + high), 0.5 * (high - low));
     let mut rectangles = vec![[Vec3::ZERO, 2.0 * Vec3::Z, 2.0 * Vec3::X]];
     for axis in 0..3 {
         let along = |axis: usize| half[axis % 3] * Vec3::AXES[axis % 3];
-        rectangles
-            .extend([-1.0f32, 1.0].map(|side| [middle + side * along(axis), side * along(axis + 1), along(axis + 2)]));
+        rectangles.extend(
+            [-1.0f32, 1.0].map(|side| [midpoint + side * along(axis), side * along(axis + 1), along(axis + 2)]),
+        );
     }
     let corners = rectangles
         .iter()
-        .flat_map(|&[middle, u, v]| [middle - u - v, middle + u - v, middle - u + v, middle + u + v]);
+        .flat_map(|&[midpoint, u, v]| [midpoint - u - v, midpoint + u - v, midpoint - u + v, midpoint + u + v]);
     let vertices: Vec<VertexRecord> = corners
         .map(|position| VertexRecord {
             position: position.to_array(),
@@ -285,15 +286,15 @@ fn a_sphere_does_not_shadow_its_lit_side() {
         };
         let packet = surfels(&cloud, &camera, style, SIZE);
         let key = Lights::of(&packet).unwrap().key().unwrap().place.truncate();
-        let middle = SIZE.map(|edge| 0.5 * edge as f32);
+        let midpoint = SIZE.map(|edge| 0.5 * edge as f32);
         for ([without, with], by) in without_and_with(&packet) {
             let mut checked = 0;
             for (x, y, pixel) in with.enumerate_pixels() {
                 // Nearly the normal: of parallel rays it would be.
                 let radius_px = packet.view.pixels_per_unit_at_1 / (camera.distance as f32 * packet.view.telephoto);
                 let aside = [
-                    (x as f32 + 0.5 - middle[0]) / radius_px,
-                    (middle[1] - y as f32 - 0.5) / radius_px,
+                    (x as f32 + 0.5 - midpoint[0]) / radius_px,
+                    (midpoint[1] - y as f32 - 0.5) / radius_px,
                 ];
                 let rest = 1.0 - aside[0] * aside[0] - aside[1] * aside[1];
                 if rest < 0.1 || Vec3::new(aside[0], aside[1], rest.sqrt()).dot(key) < 0.35 {

@@ -153,12 +153,12 @@ fn nearest(disks: &[Surfel], camera_distance: f64, place_px: [f64; 2]) -> [u8; 3
 
 /// The colour of a pixel, if it is the same a 64th of a pixel around its middle: beyond that, corners are not rounded.
 fn certain_color(disks: &[Surfel], camera_distance: f64, [x, y]: [u32; 2]) -> Option<[u8; 3]> {
-    let middle = [f64::from(x) + 0.5, f64::from(y) + 0.5];
+    let midpoint = [f64::from(x) + 0.5, f64::from(y) + 0.5];
     let colors = [[0.0; 2], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]].map(|[right, down]: [f64; 2]| {
         nearest(
             disks,
             camera_distance,
-            [middle[0] + right / 64.0, middle[1] + down / 64.0],
+            [midpoint[0] + right / 64.0, midpoint[1] + down / 64.0],
         )
     });
     colors.iter().all(|color| *color == colors[0]).then_some(colors[0])

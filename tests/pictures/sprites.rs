@@ -135,7 +135,7 @@ fn psnr(a: &RgbaImage, b: &RgbaImage) -> f64 {
 }
 
 /// A sphere as sprites and as disks on its surface.
-fn both_ways(style: Style) -> [ScenePacket; 2] {
+fn both_directions(style: Style) -> [ScenePacket; 2] {
     let mut camera = camera_at(1.9);
     camera.azimuth_deg = 25.0;
     [Primitive::Sprite, Primitive::Surfel]
@@ -161,7 +161,7 @@ fn sprites_are_the_disks_of_surfels() {
                 style.surfels.splatting = splatting;
                 style.light.lighting = lighting;
             });
-            let [sprites, disks] = both_ways(style).map(|packet| on_both(&packet));
+            let [sprites, disks] = both_directions(style).map(|packet| on_both(&packet));
             let [on_gpu, on_cpu] = [0, 1].map(|by: usize| psnr(&sprites[by].0, &disks[by].0));
             // The processor works out disks at each pixel, too; of squares on the surface it begins elsewhere.
             assert!(on_cpu > 90.0, "{splatting}, {lighting}: {on_cpu} dB");
@@ -173,7 +173,7 @@ fn sprites_are_the_disks_of_surfels() {
             style.surfels.kernel = kernel;
             style.surfels.filter = filter;
         });
-        let [sprites, disks] = both_ways(style).map(|packet| on_both(&packet));
+        let [sprites, disks] = both_directions(style).map(|packet| on_both(&packet));
         for by in 0..2 {
             assert!(
                 psnr(&sprites[by].0, &disks[by].0) > 50.0,
@@ -215,7 +215,7 @@ fn sprites_in_one_pass_have_no_square_artefacts() {
 
 #[test]
 fn a_sprite_has_one_vertex_on_its_disk() {
-    let lit = |lighting| both_ways(plain().with(|style| style.light.lighting = lighting))[0].clone();
+    let lit = |lighting| both_directions(plain().with(|style| style.light.lighting = lighting))[0].clone();
     for (a, b) in on_both(&lit(Lighting::PerVertex))
         .iter()
         .zip(&on_both(&lit(Lighting::PerSurfel)))

@@ -61,12 +61,12 @@ impl Planes<'_> {
             if around.points == WANTED {
                 break;
             }
-            let middle = 0.5 * (low + high);
-            let tried = self.around(simd, seen, middle, false);
+            let center = 0.5 * (low + high);
+            let tried = self.around(simd, seen, center, false);
             if tried.points < WANTED {
-                low = middle;
+                low = center;
             } else {
-                (high, around) = (middle, tried);
+                (high, around) = (center, tried);
             }
         }
         around

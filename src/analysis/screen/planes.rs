@@ -165,7 +165,7 @@ impl Planes<'_> {
         let row = |entry: usize| f64x4::from_slice(simd, &[0, 1, 2, 3].map(|lane| covariances[lane][entry]));
         let matrices = FourMatrices {
             diagonal: [row(0), row(1), row(2)],
-            beside: [row(3), row(4), row(5)],
+            neighbor: [row(3), row(4), row(5)],
         };
         let normals = matrices.smallest_eigenvectors(simd);
         for (lane, (seen, shape)) in seen.iter().zip(shapes).enumerate() {

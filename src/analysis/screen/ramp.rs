@@ -188,8 +188,8 @@ impl Sums {
         let by_row = count * self.value_row - self.row * self.value;
         let column_slope = (by_column * rows - by_row * mixed) / spread;
         let row_slope = (by_row * columns - by_column * mixed) / spread;
-        let middle = (self.value - column_slope * self.column - row_slope * self.row) / count;
-        let at_place = middle + column_slope * column + row_slope * row;
+        let center = (self.value - column_slope * self.column - row_slope * self.row) / count;
+        let at_place = center + column_slope * column + row_slope * row;
         Some([column_slope, row_slope, at_place])
     }
 }

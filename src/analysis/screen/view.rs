@@ -19,7 +19,7 @@ pub struct ScreenView {
     /// Pixels from the view axis for a slope of 1, rightwards and downwards.
     pub px_per_slope: [f32; 2],
     /// Principal point: the pixel position where the view axis meets the image.
-    pub middle_px: [f32; 2],
+    pub center_px: [f32; 2],
 }
 
 /// A point in a picture.
@@ -57,7 +57,7 @@ impl ScreenView {
         // Positive, so that depths are ordered as their bits are.
         (depth >= self.near && depth > 0.0 && depth < f32::INFINITY).then(|| {
             let per_depth = 1.0 / depth;
-            let place = |axis: usize| in_view[axis] * per_depth * self.px_per_slope[axis] + self.middle_px[axis];
+            let place = |axis: usize| in_view[axis] * per_depth * self.px_per_slope[axis] + self.center_px[axis];
             ScreenPoint {
                 offset,
                 depth,
@@ -76,7 +76,7 @@ impl ScreenView {
     pub(super) fn with_margin(&self, margin_px: u32) -> Self {
         Self {
             size_px: self.size_px.map(|edge| edge + 2 * margin_px),
-            middle_px: self.middle_px.map(|middle| middle + margin_px as f32),
+            center_px: self.center_px.map(|center| center + margin_px as f32),
             ..*self
         }
     }

@@ -24,7 +24,7 @@ pub(in crate::analysis) struct FourMatrices<S: Simd> {
     /// xx, yy, zz.
     pub(in crate::analysis) diagonal: Triples<S>,
     /// xy, yz, zx.
-    pub(in crate::analysis) beside: Triples<S>,
+    pub(in crate::analysis) neighbor: Triples<S>,
 }
 
 impl<S: Simd> FourMatrices<S> {
@@ -32,7 +32,7 @@ impl<S: Simd> FourMatrices<S> {
     #[cold]
     pub(in crate::analysis) fn lane(&self, lane: usize) -> SymmetricMat3 {
         let [xx, yy, zz] = self.diagonal.map(|row| row[lane]);
-        let [xy, yz, xz] = self.beside.map(|row| row[lane]);
+        let [xy, yz, xz] = self.neighbor.map(|row| row[lane]);
         SymmetricMat3 { xx, xy, xz, yy, yz, zz }
     }
 
@@ -46,7 +46,7 @@ impl<S: Simd> FourMatrices<S> {
     /// The sums of the products of two eigenvalues each.
     #[inline(always)]
     pub(super) fn pairwise_products(&self) -> f64x4<S> {
-        let ([xx, yy, zz], [xy, yz, xz]) = (self.diagonal, self.beside);
+        let ([xx, yy, zz], [xy, yz, xz]) = (self.diagonal, self.neighbor);
         (xx * yy - xy * xy) + (xx * zz - xz * xz) + (yy * zz - yz * yz)
     }
 
@@ -55,13 +55,13 @@ impl<S: Simd> FourMatrices<S> {
     pub(in crate::analysis) fn smallest_eigenvectors(&self, simd: S) -> [DVec3; FOUR] {
         let zero = f64x4::splat(simd, 0.0);
         let one = f64x4::splat(simd, 1.0);
-        let ([xx, yy, zz], [xy, yz, xz]) = (self.diagonal, self.beside);
+        let ([xx, yy, zz], [xy, yz, xz]) = (self.diagonal, self.neighbor);
         let largest = xx.abs().max(xy.abs()).max(xz.abs());
         let largest = largest.max(yy.abs()).max(yz.abs()).max(zz.abs());
         let scaled = self.times(one / largest);
         let rest = scaled.minus(scaled.traces() / 3.0);
 
-        let ([xx, yy, zz], [xy, yz, xz]) = (rest.diagonal, rest.beside);
+        let ([xx, yy, zz], [xy, yz, xz]) = (rest.diagonal, rest.neighbor);
         let square_sum = xx * xx + yy * yy + zz * zz + (xy * xy + xz * xz + yz * yz) * 2.0;
         let spread = (square_sum / 6.0).sqrt();
         let determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
@@ -95,10 +95,10 @@ impl<S: Simd> FourMatrices<S> {
 
     #[inline(always)]
     fn times(&self, factor: f64x4<S>) -> Self {
-        let ([xx, yy, zz], [xy, yz, xz]) = (self.diagonal, self.beside);
+        let ([xx, yy, zz], [xy, yz, xz]) = (self.diagonal, self.neighbor);
         Self {
             diagonal: [xx * factor, yy * factor, zz * factor],
-            beside: [xy * factor, yz * factor, xz * factor],
+            neighbor: [xy * factor, yz * factor, xz * factor],
         }
     }
 
@@ -113,7 +113,7 @@ impl<S: Simd> FourMatrices<S> {
 
     #[inline(always)]
     fn rows(&self) -> [Triples<S>; 3] {
-        let ([xx, yy, zz], [xy, yz, xz]) = (self.diagonal, self.beside);
+        let ([xx, yy, zz], [xy, yz, xz]) = (self.diagonal, self.neighbor);
         [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
     }
 
@@ -216,7 +216,7 @@ mod tests {
         };
         let matrices = FourMatrices {
             diagonal: [row(0), row(1), row(2)],
-            beside: [row(3), row(4), row(5)],
+            neighbor: [row(3), row(4), row(5)],
         };
         let found = matrices.smallest_eigenvectors(simd);
         std::array::from_fn(|lane| (found[lane], matrices.lane(lane).smallest_eigenvector()))

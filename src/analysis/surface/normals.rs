@@ -133,7 +133,7 @@ fn fit_four<S: Simd>(
     }
     let covariances = FourMatrices {
         diagonal: squares,
-        beside: products,
+        neighbor: products,
     };
     let is_plane = covers_a_plane(simd, &covariances, centers, count);
     let vectors = covariances.smallest_eigenvectors(simd);

@@ -68,13 +68,13 @@ const POINTS_PER_REPRESENTATIVE: usize = 8 * LANES;
 /// points whose representative is on another sheet: thin walls, and creases sharper than rows are wide.
 pub(in crate::analysis) fn face_as_representatives(tree: &PointTree, k: usize, normals: &mut [Vec3]) {
     let points = tree.points();
-    let middles: Vec<usize> = points
+    let centers: Vec<usize> = points
         .par_chunks(POINTS_PER_REPRESENTATIVE)
         .enumerate()
-        .map(|(row, points)| row * POINTS_PER_REPRESENTATIVE + middle_of(points))
+        .map(|(row, points)| row * POINTS_PER_REPRESENTATIVE + center_of(points))
         .collect();
-    let positions: Vec<Vec3> = middles.iter().map(|&slot| points[slot].position).collect();
-    let own: Vec<Vec3> = middles.iter().map(|&slot| normals[slot]).collect();
+    let positions: Vec<Vec3> = centers.iter().map(|&slot| points[slot].position).collect();
+    let own: Vec<Vec3> = centers.iter().map(|&slot| normals[slot]).collect();
     let representatives = PointTree::new(&positions);
     let mut facing = representatives.to_slot_order(&own);
     let neighbours = representatives.neighbours(k);
@@ -94,7 +94,7 @@ pub(in crate::analysis) fn face_as_representatives(tree: &PointTree, k: usize, n
 }
 
 /// Returns the index of the point nearest to the centroid of all. Precondition: there is one.
-fn middle_of(points: &[SlotPoint]) -> usize {
+fn center_of(points: &[SlotPoint]) -> usize {
     let sum: Vec3 = points.iter().map(|point| point.position).sum();
     let mean = sum / points.len() as f32;
     let distances = points.iter().map(|point| point.position.distance_squared(mean));

@@ -64,8 +64,8 @@ fn outlier_of(positions: &[Vec3]) -> Vec<bool> {
 /// The median of the spacings of some points.
 fn usual_spacing(spacings: &[f32], points: &[u32]) -> f32 {
     let mut of_points: Vec<f32> = points.iter().map(|&point| spacings[point as usize]).collect();
-    let middle = of_points.len() / 2;
-    *of_points.select_nth_unstable_by(middle, f32::total_cmp).1
+    let center = of_points.len() / 2;
+    *of_points.select_nth_unstable_by(center, f32::total_cmp).1
 }
 
 /// Computes the distance of a point from the plane of its neighbours.

@@ -294,6 +294,6 @@ fn median_of_positive(values: impl Iterator<Item = f32>) -> f32 {
     if positive.is_empty() {
         return 0.0;
     }
-    let middle = positive.len() / 2;
-    *positive.select_nth_unstable_by(middle, f32::total_cmp).1
+    let center = positive.len() / 2;
+    *positive.select_nth_unstable_by(center, f32::total_cmp).1
 }

@@ -253,12 +253,12 @@ mod tests {
     #[test]
     fn where_nothing_is_seen_nothing_is_made_again_and_again() {
         let (frame, mut surfels) = (square(), for_all_clouds());
-        let mut beside = camera(100.0);
-        beside.target_in_world.x += 1e6;
-        choose(&mut surfels, &frame, &beside, 0);
+        let mut aside = camera(100.0);
+        aside.target_in_world.x += 1e6;
+        choose(&mut surfels, &frame, &aside, 0);
         let made = make(&mut surfels, 50).unwrap();
         surfels.take(&made);
-        assert!(choose(&mut surfels, &frame, &beside, 60).is_none());
+        assert!(choose(&mut surfels, &frame, &aside, 60).is_none());
         assert_eq!(surfels.next_deadline(), None);
     }
 }

@@ -7,7 +7,6 @@
 
 pub(super) mod assumptions;
 pub(super) mod benchmark;
-pub(super) mod beside;
 pub(super) mod camera_path;
 pub(super) mod clipping;
 pub(super) mod comparison;
@@ -20,6 +19,7 @@ pub(super) mod palette;
 pub(super) mod photos;
 pub(super) mod quality;
 pub(super) mod save;
+pub(super) mod split_view;
 mod table;
 pub(super) mod temporal;
 pub(super) mod thumbnails;

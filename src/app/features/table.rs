@@ -2,7 +2,6 @@
 
 use super::assumptions::Assumptions;
 use super::benchmark::Benchmark;
-use super::beside::Beside;
 use super::camera_path::PathEditor;
 use super::clipping::Clipping;
 use super::comparison::Comparison;
@@ -15,6 +14,7 @@ use super::palette::Palette;
 use super::photos::Photos;
 use super::quality::MeasuredQuality;
 use super::save::Save;
+use super::split_view::SplitView;
 use super::temporal::Temporal;
 use super::thumbnails::Thumbnails;
 use super::timeline::Timeline;
@@ -50,7 +50,7 @@ features! {
     /// Second render mode for comparison, in addition to that of the settings.
     comparison: Option<Comparison>,
     /// Second sequence for comparison alongside the open one; never together with `comparison`.
-    beside: Option<Beside>,
+    split_view: Option<SplitView>,
     /// Measured quality of the open sequence's render modes, from fast to exact.
     quality: MeasuredQuality,
     /// Derived frames that add to the image.

@@ -72,13 +72,13 @@ pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
         }
         LegendBody::Classes(classes) => {
             for (number, ((color, _), row)) in classes.iter().zip(rows).enumerate() {
-                let middle = bar.top() + step * (number as f32 + 0.5);
+                let center = bar.top() + step * (number as f32 + 0.5);
                 let [red, green, blue, alpha] = *color;
-                let patch = Rect::from_center_size(pos2(bar.center().x, middle), Vec2::splat((step - 4.0).min(RAMP.x)));
+                let patch = Rect::from_center_size(pos2(bar.center().x, center), Vec2::splat((step - 4.0).min(RAMP.x)));
                 let color = Color32::from_rgba_unmultiplied(red, green, blue, alpha);
                 painter.rect_filled(patch, 2.0, color);
                 let half = 0.5 * row.size().y;
-                painter.galley(pos2(bar.right() + 9.0, middle - half), row, Color32::WHITE);
+                painter.galley(pos2(bar.right() + 9.0, center - half), row, Color32::WHITE);
             }
         }
     }

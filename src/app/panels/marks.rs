@@ -24,7 +24,7 @@ pub(super) fn marks_ui(ui: &Ui, state: &mut State) {
 fn marks(ui: &Ui, state: &State, rect: Rect, size_px: [u32; 2]) {
     let painter = ui.painter_at(rect);
     let canvas = PictureOverlay::new(&painter, rect, size_px, &state.camera);
-    let is_first = state.features.beside.is_none() || rect == state.viewport.rect;
+    let is_first = state.features.split_view.is_none() || rect == state.viewport.rect;
     for feature in Features::rows::<State>() {
         feature.paint(state, &canvas, is_first);
     }

@@ -131,10 +131,13 @@ fn compare_menu(ui: &mut Ui, state: &mut State) {
 /// Shows the topic menu: the recording topic of the sequence, or of the one compared with it, where there are several.
 fn topic_menu(ui: &mut Ui, state: &mut State, side: Side) {
     let player = state.player.as_ref();
-    let beside = state.features.beside.as_ref();
+    let split_view = state.features.split_view.as_ref();
     let (name, sequence) = match side {
         Side::A => ("Topic", player.map(Player::sequence)),
-        Side::B => ("Topic of B", beside.map(|beside| beside.companion.sequence())),
+        Side::B => (
+            "Topic of B",
+            split_view.map(|split_view| split_view.companion.sequence()),
+        ),
     };
     let topics = sequence.map_or_else(Vec::new, |sequence| sequence.source().topics());
     if topics.len() < 2 {

@@ -21,8 +21,8 @@ const CROSS: f32 = 7.0;
 
 /// Says where the pictures are within `rect`, whose corners are on physical pixels.
 pub(super) fn lay_out(state: &mut State, rect: Rect, scale: f32) {
-    let places = match &state.features.beside {
-        Some(beside) => beside.places(rect, line(rect, beside.pictures.split, scale)),
+    let places = match &state.features.split_view {
+        Some(split_view) => split_view.places(rect, line(rect, split_view.pictures.split, scale)),
         None => [rect; 2],
     };
     let max_edge_px = state.viewport.max_edge_px.unwrap_or(u32::MAX);
@@ -53,15 +53,15 @@ pub(super) fn pair_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
     }
     let names = names(state);
     let is_side_by_side = is_side_by_side(state);
-    let range = match &state.features.beside {
-        Some(beside) => beside.line_range(),
+    let range = match &state.features.split_view {
+        Some(split_view) => split_view.line_range(),
         None => 0.0..=1.0,
     };
     if state
         .features
-        .beside
+        .split_view
         .as_ref()
-        .is_some_and(|beside| beside.companion.shown().is_none())
+        .is_some_and(|split_view| split_view.companion.shown().is_none())
     {
         textures[1] = None;
     }
@@ -109,7 +109,7 @@ pub(super) fn pair_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
 }
 
 fn is_side_by_side(state: &State) -> bool {
-    matches!(&state.features.beside, Some(beside) if beside.is_side_by_side())
+    matches!(&state.features.split_view, Some(split_view) if split_view.is_side_by_side())
 }
 
 /// Marks in the other half what the pointer is over: both are seen by one camera, with its axis at the centre of each.
@@ -138,7 +138,7 @@ fn letters(ui: &Ui, rect: Rect, x: f32) {
 
 /// Returns the names of both visible sequences.
 fn names(state: &State) -> Option<[String; 2]> {
-    let beside = state.features.beside.as_ref()?;
+    let split_view = state.features.split_view.as_ref()?;
     let player = state.player.as_ref()?;
     let named = |side: &str, sequence: &str, frame: String| {
         // A file that holds all frames has their name already.
@@ -153,7 +153,7 @@ fn names(state: &State) -> Option<[String; 2]> {
         |frame| player.sequence().entry(frame.index).name.clone(),
     );
     let a = named("A", &state.sequence_name().unwrap_or_default(), frame);
-    let companion = &beside.companion;
+    let companion = &split_view.companion;
     let frame = match (companion.frame(), companion.waiting_for(), companion.failure()) {
         (None, ..) if companion.paired_by() == PairBy::Number => "no frame of this number".to_owned(),
         (None, ..) => "no frame at this time".to_owned(),
@@ -161,7 +161,7 @@ fn names(state: &State) -> Option<[String; 2]> {
         (_, Some(frame), _) => format!("loading frame {}", frame + 1),
         (Some(frame), None, None) => companion.sequence().entry(frame).name.clone(),
     };
-    Some([a, named("B", &beside.name, frame)])
+    Some([a, named("B", &split_view.name, frame)])
 }
 
 /// A name in a corner of its part of the picture.

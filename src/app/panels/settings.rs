@@ -16,7 +16,7 @@ use crate::scene::{Camera, Choice, Primitive, Projection, Settings, Style, UpAxi
 use egui::{Button, Checkbox, CollapsingHeader, RichText, ScrollArea, Slider, Ui};
 
 /// Width of the labels before sliders and of the numbers behind them, points.
-const BESIDE_SLIDERS: f32 = 190.0;
+const SLIDER_MARGIN: f32 = 190.0;
 
 /// Size of the headings of parts, points.
 const PART_SIZE: f32 = 16.5;
@@ -80,7 +80,7 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
     let mut request = None;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         // A slider that is as wide as usual would widen the panel, which stays as wide as it ever was.
-        let space = ui.available_width() - BESIDE_SLIDERS;
+        let space = ui.available_width() - SLIDER_MARGIN;
         let spacing = ui.spacing_mut();
         spacing.slider_width = space.clamp(MIN_SLIDER_WIDTH, spacing.slider_width);
         request = look(ui, state, &drawn);

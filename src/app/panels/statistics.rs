@@ -447,8 +447,8 @@ fn memory(ui: &mut Ui, state: &mut State) {
             bytes(stats.resident_bytes as u64),
             "Prepared frames in main memory",
         );
-        if let Some(beside) = &state.features.beside {
-            let stats = beside.companion.loader().stats();
+        if let Some(split_view) = &state.features.split_view {
+            let stats = split_view.companion.loader().stats();
             row(
                 ui,
                 "  of B",

@@ -14,7 +14,7 @@ use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::{PanelId, State};
 
 /// Side panels next to the image, which are laid out first.
-const BESIDE: &[PanelRow<State>] = &[
+const SPLIT_VIEW: &[PanelRow<State>] = &[
     PanelRow {
         id: Some(PanelId::SETTINGS),
         menu: Some("Settings"),
@@ -44,7 +44,7 @@ const WINDOWS: &[PanelRow<State>] = &[
 pub(in crate::app) fn panels() -> impl Iterator<Item = &'static PanelRow<State>> {
     let of_features = Features::rows::<State>().into_iter();
     let of_features = of_features.flat_map(Feature::panels);
-    BESIDE.iter().chain(of_features).chain(WINDOWS)
+    SPLIT_VIEW.iter().chain(of_features).chain(WINDOWS)
 }
 
 /// The items of the menu View.

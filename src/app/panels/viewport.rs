@@ -172,12 +172,12 @@ fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
             Color32::WHITE,
         );
     }
-    let (dropped, is_beside) = ui.input(|input| {
+    let (dropped, is_compared) = ui.input(|input| {
         let files = input.raw.dropped_files.iter();
         let paths: Vec<_> = files.map(|file| file.path().to_path_buf()).collect();
         (paths, input.modifiers.shift)
     });
-    if is_beside && state.player.is_some() {
+    if is_compared && state.player.is_some() {
         state.compare_paths(dropped);
     } else {
         state.open_paths(dropped);

@@ -37,8 +37,8 @@ pub(super) fn welcome_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
     // Text of a light theme is dark.
     ui.painter_at(rect).rect_filled(rect, 0.0, ui.visuals().panel_fill);
     let width = WIDTH.min(rect.width() - 24.0).max(0.0);
-    let middle = Rect::from_center_size(rect.center(), vec2(width, (rect.height() - 24.0).max(0.0)));
-    ui.scope_builder(UiBuilder::new().max_rect(middle), |ui| {
+    let center = Rect::from_center_size(rect.center(), vec2(width, (rect.height() - 24.0).max(0.0)));
+    ui.scope_builder(UiBuilder::new().max_rect(center), |ui| {
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             match &state.opening.failed {
                 Some(failed) => {

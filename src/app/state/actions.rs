@@ -14,7 +14,7 @@ use std::time::Duration;
 impl State {
     /// Moves the camera until all points are in view, including those of the compared sequence, keeping its direction.
     pub fn frame_all(&mut self) {
-        if let Some(camera) = self.all_framed(&self.bounds_beside()) {
+        if let Some(camera) = self.all_framed(&self.second_bounds()) {
             self.glide_to(camera);
         }
     }

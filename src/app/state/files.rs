@@ -37,8 +37,8 @@ impl State {
     /// Returns the path of a file that does not exist yet: with this name, or with a number appended to it, next to the
     /// open sequence.
     fn new_file(&self, name: &str) -> PathBuf {
-        let beside = self.player.as_ref().and_then(|player| folder_of(player.sequence()));
-        let folder = beside.unwrap_or_else(document_folder);
+        let data_folder = self.player.as_ref().and_then(|player| folder_of(player.sequence()));
+        let folder = data_folder.unwrap_or_else(document_folder);
         let name = Path::new(name);
         let [stem, extension] =
             [name.file_stem(), name.extension()].map(|part| part.unwrap_or_default().to_string_lossy());

@@ -132,10 +132,10 @@ impl State {
 
     /// Puts the camera where it is for a sequence that was just opened.
     pub(in crate::app) fn reset_view(&mut self) {
-        self.show_first_view(self.bounds_beside());
+        self.show_first_view(self.second_bounds());
     }
 
-    fn show_first_view(&mut self, beside: Aabb) {
+    fn show_first_view(&mut self, second_bounds: Aabb) {
         let Some((look, player)) = self.opening.looked.look.as_ref().zip(self.player.as_ref()) else {
             return;
         };
@@ -143,12 +143,12 @@ impl State {
         let aspect = self.aspect();
         let mut camera = look.camera(origin, aspect);
         camera.projection = self.camera.projection;
-        look.frame(&mut camera, origin, aspect, &beside);
+        look.frame(&mut camera, origin, aspect, &second_bounds);
         self.camera = camera;
         self.opening.looked.view = Some(FirstView {
             camera,
             size_px: self.viewport.size_px,
-            beside,
+            second_bounds,
         });
     }
 
@@ -157,7 +157,7 @@ impl State {
         if let Some(view) = self.opening.looked.untouched(&self.camera)
             && view.size_px != self.viewport.size_px
         {
-            self.show_first_view(view.beside);
+            self.show_first_view(view.second_bounds);
         }
     }
 
@@ -182,13 +182,13 @@ impl State {
         }
     }
 
-    /// Moves back until all points are seen, outliers and what is far away as well, and what is within `beside`,
+    /// Moves back until all points are seen, outliers and what is far away as well, and what is within `second_bounds`,
     /// relative to the origin of the open sequence.
-    pub(in crate::app) fn all_framed(&self, beside: &Aabb) -> Option<Camera> {
+    pub(in crate::app) fn all_framed(&self, second_bounds: &Aabb) -> Option<Camera> {
         let player = self.player.as_ref()?;
         let bounds = self.first_look()?.full;
         let shown = player.shown().map(|frame| frame.frame.bounds());
-        let bounds = bounds.union(&shown.unwrap_or(Aabb::EMPTY)).union(beside);
+        let bounds = bounds.union(&shown.unwrap_or(Aabb::EMPTY)).union(second_bounds);
         let mut camera = self.camera;
         camera.frame_bounds(&bounds, player.sequence().origin());
         Some(camera)

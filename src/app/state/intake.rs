@@ -43,16 +43,16 @@ impl State {
             .or_else(|outcome| {
                 outcome.give(|FrameWithLevels(frame)| {
                     self.main.drawing.take_levels(&frame);
-                    if let Some(beside) = &mut self.features.beside {
-                        beside.drawing.take_levels(&frame);
+                    if let Some(split_view) = &mut self.features.split_view {
+                        split_view.drawing.take_levels(&frame);
                     }
                 })
             })
             .or_else(|outcome| {
                 outcome.give(|made: Arc<InView>| {
                     self.main.drawing.take_surfels_in_view(&made);
-                    if let Some(beside) = &mut self.features.beside {
-                        beside.drawing.take_surfels_in_view(&made);
+                    if let Some(split_view) = &mut self.features.split_view {
+                        split_view.drawing.take_surfels_in_view(&made);
                     }
                 })
             })

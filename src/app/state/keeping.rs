@@ -232,7 +232,7 @@ impl State {
         if self.player.is_none() {
             return;
         }
-        self.close_beside();
+        self.close_split_view();
         self.end_comparison(Side::A);
         let now = self.current_document();
         self.shared.options.view = None;

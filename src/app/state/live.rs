@@ -94,7 +94,7 @@ fn view_of(camera: &Camera, size_px: [u32; 2]) -> View {
         near: view.near,
         size_px: [0, 1].map(|axis| view.size_px[axis] + 2 * margin_px[axis]),
         px_per_slope: view.px_per_slope,
-        middle_px: [0, 1].map(|axis| view.middle_px[axis] + margin_px[axis] as f32),
+        center_px: [0, 1].map(|axis| view.center_px[axis] + margin_px[axis] as f32),
     }
 }
 

@@ -197,14 +197,14 @@ impl State {
         let Some(player) = &mut self.player else {
             return VisibleChange::of_panels(visible);
         };
-        let (change, of_b) = if let Some(beside) = &mut self.features.beside {
-            let [of_a, of_b] = beside.update(player, now, &style);
+        let (change, of_b) = if let Some(split_view) = &mut self.features.split_view {
+            let [of_a, of_b] = split_view.update(player, now, &style);
             (of_a, Some(of_b))
         } else {
             let sequence = Arc::clone(player.sequence());
             let (photos, source) = (&self.features.photos, &**sequence.source());
             let prepare = |clock: &Clock, _: bool| photos.are_there(source, clock.frame(), &style);
-            (player.update_beside(now, &style, prepare), None)
+            (player.update_with_companion(now, &style, prepare), None)
         };
         let is_another_frame = change.visible;
         visible |= change.beyond_frame;
@@ -217,7 +217,7 @@ impl State {
         visible |= self.follow_shown();
         self.tell_view();
         if let Some(of_b) = of_b {
-            visible |= self.follow_beside(of_b);
+            visible |= self.follow_second(of_b);
         }
         let of_frame = match is_another_frame {
             true if self.panels_show_frame() => VisibleChange::Panels,

@@ -18,7 +18,7 @@ impl State {
 
     /// Returns true if an image that is coarse because the camera moved is due to be redrawn in full.
     pub(in crate::app) fn is_picture_due(&self) -> bool {
-        let of_b = self.features.beside.as_ref().map(|beside| &beside.drawing);
+        let of_b = self.features.split_view.as_ref().map(|split_view| &split_view.drawing);
         let drawings = [Some(&self.main.drawing), of_b];
         let mut deadlines = drawings.into_iter().flatten().filter_map(Drawing::next_deadline);
         deadlines.any(|deadline| deadline <= self.shared.now)
@@ -100,19 +100,19 @@ impl State {
         let is_at_rest = !player.is_playing() && !is_partial;
         let (tasks, now) = (&self.shared.tasks, self.shared.now);
         self.main.drawing.prepare(&style, is_at_rest, tasks, now);
-        if let Some(beside) = &mut self.features.beside {
-            if let Some(points) = beside.drawing.note_draw_ms(draw_ms) {
-                beside.companion.note_picture_ms(points, draw_ms);
+        if let Some(split_view) = &mut self.features.split_view {
+            if let Some(points) = split_view.drawing.note_draw_ms(draw_ms) {
+                split_view.companion.note_picture_ms(points, draw_ms);
             }
-            beside.drawing.prepare(&style, is_at_rest, tasks, now);
+            split_view.drawing.prepare(&style, is_at_rest, tasks, now);
         }
     }
 
     /// The packet of the other side of a comparison, or of the other sequence, if it differs from the last one. To be
     /// asked for after [`State::next_packet`].
     pub fn next_other_packet(&mut self) -> Option<ScenePacket> {
-        if self.features.beside.is_some() {
-            return self.next_packet_beside();
+        if self.features.split_view.is_some() {
+            return self.next_packet_second();
         }
         let other = self.features.comparison.as_ref()?.other;
         let style_of_a = self.drawn_style();
@@ -145,8 +145,8 @@ impl State {
         if let Some(comparison) = &mut self.features.comparison {
             comparison.forget_picture();
         }
-        if let Some(beside) = &mut self.features.beside {
-            beside.drawing.forget_picture();
+        if let Some(split_view) = &mut self.features.split_view {
+            split_view.drawing.forget_picture();
         }
     }
 }

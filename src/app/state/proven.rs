@@ -27,7 +27,11 @@ impl State {
     /// Lists what is shown for the first time as recently opened.
     pub(in crate::app) fn note_proven(&mut self) {
         let is_a_shown = self.player.as_ref().is_some_and(|player| player.shown().is_some());
-        let b = self.features.beside.as_ref().map(|beside| &beside.companion);
+        let b = self
+            .features
+            .split_view
+            .as_ref()
+            .map(|split_view| &split_view.companion);
         let is_b_shown = b.is_some_and(|companion| companion.shown().is_some());
         for (is_shown, side) in [(is_a_shown, Side::A), (is_b_shown, Side::B)] {
             if is_shown && !self.opening.unproven[side as usize].is_empty() {

@@ -81,11 +81,11 @@ impl State {
             self.notices.info(format!("Opening {name} was cancelled"));
             return true;
         }
-        if let Some(beside) = &self.features.beside {
-            let companion = &beside.companion;
+        if let Some(split_view) = &self.features.split_view {
+            let companion = &split_view.companion;
             if is_given_up(companion.shown().is_some(), companion.loader()) {
-                let text = format!("Opening {} was cancelled", beside.name);
-                self.close_beside();
+                let text = format!("Opening {} was cancelled", split_view.name);
+                self.close_split_view();
                 self.notices.info(text);
                 return true;
             }
@@ -106,10 +106,10 @@ impl State {
             let is_first = player.shown().is_none();
             watch(player.loader(), player.sequence(), frame, is_first);
         }
-        if let Some(beside) = &self.features.beside
-            && let Some(frame) = beside.companion.waiting_for()
+        if let Some(split_view) = &self.features.split_view
+            && let Some(frame) = split_view.companion.waiting_for()
         {
-            let companion = &beside.companion;
+            let companion = &split_view.companion;
             let is_first = companion.shown().is_none();
             watch(companion.loader(), companion.sequence(), frame, is_first);
         }
@@ -119,7 +119,11 @@ impl State {
     /// When to look again at how far the reading of a frame is that is waited for.
     pub(in crate::app) fn next_look_at_readings(&self) -> Option<Duration> {
         let waits = self.player.as_ref().is_some_and(|player| {
-            let companion = self.features.beside.as_ref().map(|beside| &beside.companion);
+            let companion = self
+                .features
+                .split_view
+                .as_ref()
+                .map(|split_view| &split_view.companion);
             expected(player).is_some() || companion.is_some_and(|companion| companion.waiting_for().is_some())
         });
         let is_read = || self.shared.works.has(WorkKind::Read);
@@ -136,7 +140,7 @@ impl State {
 
     /// Forgets what belongs to the sequence that was open before.
     pub(in crate::app) fn leave(&mut self, before: Player) {
-        self.close_beside();
+        self.close_split_view();
         self.end_comparison(Side::A);
         self.style = self.new_style();
         self.shared.options.view = None;

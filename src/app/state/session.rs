@@ -80,10 +80,10 @@ impl State {
             .compared
             .take_if(|compared| compared.inputs == inputs);
         self.compare_with(sequence);
-        let (Some(compared), Some(beside)) = (compared, &mut self.features.beside) else {
+        let (Some(compared), Some(split_view)) = (compared, &mut self.features.split_view) else {
             return;
         };
-        beside.arrange(&compared);
+        split_view.arrange(&compared);
     }
 
     /// Saves the session to its file, or asks for one.
@@ -115,7 +115,7 @@ impl State {
         let copies = self.opening.opened.is_damaged && self.opening.opened.file.as_ref() == Some(&file);
         self.shared.tasks.try_start("save session", move || {
             if copies {
-                copy_beside(&file).map_err(TaskFailed)?;
+                copy_alongside(&file).map_err(TaskFailed)?;
             }
             let hash = session.write(&file).map_err(|reason| TaskFailed(reason.to_string()))?;
             Ok(SavedSession {
@@ -250,8 +250,8 @@ pub(super) fn session_dialog(name: String) -> Dialog<State> {
 }
 
 /// Copies the session file next to itself before saving, so that content that could not be read is not lost.
-fn copy_beside(file: &Path) -> Result<(), String> {
-    match crate::persist::copy_beside(file) {
+fn copy_alongside(file: &Path) -> Result<(), String> {
+    match crate::persist::copy_alongside(file) {
         Ok(_) => Ok(()),
         Err(reason) if reason.kind() == std::io::ErrorKind::NotFound => Ok(()),
         Err(reason) => Err(format!(

@@ -134,10 +134,10 @@ impl<'a> PictureOverlay<'a> {
     }
 
     /// A text on a dark ground.
-    pub(in crate::app) fn label(&self, middle: Pos2, text: &str) {
+    pub(in crate::app) fn label(&self, midpoint: Pos2, text: &str) {
         let font = FontId::proportional(14.0);
         let galley = self.painter.layout_no_wrap(text.to_owned(), font, Color32::WHITE);
-        let place = Align2::CENTER_CENTER.anchor_size(middle, galley.size());
+        let place = Align2::CENTER_CENTER.anchor_size(midpoint, galley.size());
         self.painter
             .rect_filled(place.expand2(vec2(5.0, 2.0)), 4.0, Color32::from_black_alpha(190));
         self.painter

@@ -112,8 +112,8 @@ fn paint_histogram(
     let mut mesh = Mesh::default();
     for (bin, &count) in counts.iter().enumerate() {
         let share = |edge: usize| edge as f32 / BINS as f32;
-        let middle = axis.value_at((bin as f64 + 0.5) / BINS as f64);
-        let [red, green, blue, _] = map.color(scale.share(middle));
+        let center = axis.value_at((bin as f64 + 0.5) / BINS as f64);
+        let [red, green, blue, _] = map.color(scale.share(center));
         let bar = Rect::from_min_max(
             pos2(
                 area.left() + area.width() * share(bin),

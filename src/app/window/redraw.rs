@@ -225,7 +225,7 @@ impl App {
         let Some(image) = screen.presenter.read(Side::A, viewport.size_px)? else {
             return Ok(None);
         };
-        let other = match self.state.features.beside {
+        let other = match self.state.features.split_view {
             Some(_) => screen.presenter.read(Side::B, viewport.other_size_px)?,
             None => None,
         };

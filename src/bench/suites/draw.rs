@@ -17,7 +17,7 @@ use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
 /// Returns the render modes that are compared: the strategies, none of which the CPU has.
-fn ways(run: &Run<'_>) -> Vec<Option<Strategy>> {
+fn variants(run: &Run<'_>) -> Vec<Option<Strategy>> {
     if run.runner.is_processor() {
         return vec![None];
     }
@@ -105,11 +105,11 @@ pub(super) fn measure_voxels(run: &mut Run<'_>) -> Result<(), BenchError> {
 }
 
 fn measure(run: &mut Run<'_>, style: &Style) -> Result<(), BenchError> {
-    let ways = ways(run);
+    let variants = variants(run);
     // One step to prepare a frame, one to place its viewpoints, one for each way.
-    let steps_per_frame = 2 + ways.len();
+    let steps_per_frame = 2 + variants.len();
     for subject in run.subjects(steps_per_frame)? {
-        measure_sequence(run, &subject, style, &ways, steps_per_frame)?;
+        measure_sequence(run, &subject, style, &variants, steps_per_frame)?;
     }
     Ok(())
 }
@@ -118,11 +118,11 @@ fn measure_sequence(
     run: &mut Run<'_>,
     subject: &Subject<'_>,
     style: &Style,
-    ways: &[Option<Strategy>],
+    variants: &[Option<Strategy>],
     steps_per_frame: usize,
 ) -> Result<(), BenchError> {
     let needs = Scene::needs(style);
-    let mut samples: Vec<DrawSamples> = ways.iter().map(|_| DrawSamples::default()).collect();
+    let mut samples: Vec<DrawSamples> = variants.iter().map(|_| DrawSamples::default()).collect();
     let (mut point_counts, mut depths) = (Vec::new(), Vec::new());
     let mut coverages = Vec::new();
     let mut first_failure = None;
@@ -148,14 +148,14 @@ fn measure_sequence(
             .iter()
             .map(|viewpoint| packet(run, subject, &frame, &viewpoint.camera, style))
             .collect();
-        for (&way, samples) in ways.iter().zip(&mut samples) {
+        for (&way, samples) in variants.iter().zip(&mut samples) {
             run.begin_step(format!("{}: {}", subject.named(index), name_of(way)))?;
             measure_way(run, &packets, way, samples)?;
         }
     }
     Run::check_measured(subject, &point_counts, first_failure)?;
     let depth = (!depths.is_empty()).then(|| mean(&depths));
-    let rows = ways
+    let rows = variants
         .iter()
         .zip(&samples)
         .map(|(&way, samples)| samples.row(subject.name, way, mean(&point_counts), depth));

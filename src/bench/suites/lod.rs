@@ -293,11 +293,11 @@ impl Measured {
         })
     }
 
-    fn row(&self, sequence: &str, points: f64, structure: LevelStructure, place: usize, beside: [&Self; 2]) -> Row {
+    fn row(&self, sequence: &str, points: f64, structure: LevelStructure, place: usize, reference: [&Self; 2]) -> Row {
         let samples = &self.views[place];
         let median = |times_ms: &[f64]| Quantiles::of(times_ms).map(|quantiles| quantiles.median);
         let ratio = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a / b);
-        let [none, octree] = beside;
+        let [none, octree] = reference;
         let total = Quantiles::of(&samples.total_ms);
         let total_per = |other: &Self| ratio(median(&samples.total_ms), median(&other.views[place].total_ms));
         let (processed, of_octree) = (mean(&samples.processed), mean(&octree.views[place].drawn));

@@ -53,9 +53,9 @@ mod tests {
                 *edges.entry([from.min(to), from.max(to)]).or_default() += if from < to { 1 } else { -1 };
             }
             let [a, b, c] = [a, b, c].map(|corner| positions[corner as usize]);
-            let middle = (a + b + c) / 3.0;
-            let ring = Vec3::new(middle.x, middle.y, 0.0).normalize();
-            assert!((b - a).cross(c - a).dot(middle - ring) > 0.0, "outwards");
+            let center = (a + b + c) / 3.0;
+            let ring = Vec3::new(center.x, center.y, 0.0).normalize();
+            assert!((b - a).cross(c - a).dot(center - ring) > 0.0, "outwards");
         }
         assert!(
             edges.values().all(|&balance| balance == 0),

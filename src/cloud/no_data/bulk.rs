@@ -259,8 +259,8 @@ fn remove_repeated(sample: &mut Vec<DVec3>) -> Vec<DVec3> {
     let mut keys: Vec<[u64; 3]> = sample.iter().map(|&position| key(position)).collect();
     keys.sort_unstable();
     let mut groups: Vec<(usize, [u64; 3])> = keys.chunk_by(PartialEq::eq).map(|run| (run.len(), run[0])).collect();
-    let middle = groups.len() / 2;
-    let usual = groups.select_nth_unstable(middle).1.0;
+    let center = groups.len() / 2;
+    let usual = groups.select_nth_unstable(center).1.0;
     let least = MIN_REPEATED * usual;
     groups.retain(|&(count, _)| count >= least && share(count, keys.len()) >= MIN_REPEATED_SHARE);
     groups.sort_unstable_by(|a, b| b.cmp(a));

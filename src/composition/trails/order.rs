@@ -34,8 +34,8 @@ pub(super) fn keeps_order(before: &[Vec3], now: &[Vec3]) -> bool {
 
 /// Precondition: there are some.
 fn median(mut values: Vec<f32>) -> f32 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+    let center = values.len() / 2;
+    *values.select_nth_unstable_by(center, f32::total_cmp).1
 }
 
 #[cfg(test)]

@@ -46,11 +46,11 @@ impl Trails {
             rings_left -= rings;
             let brightness = if index < frame { 255 } else { 0 };
             for ring in 0..rings {
-                let middle = from.lerp(to, (ring as f32 + 0.5) / rings as f32);
+                let center = from.lerp(to, (ring as f32 + 0.5) / rings as f32);
                 for number in 0..SIDES {
                     let (sine, cosine) = (TAU * number as f32 / SIDES as f32).sin_cos();
                     let normal: Vec3 = cosine * side + sine * up;
-                    positions.push((middle + radius * normal).to_array());
+                    positions.push((center + radius * normal).to_array());
                     normals.push(normal.to_array());
                     colors.push([brightness, brightness, brightness, 255]);
                 }

@@ -153,14 +153,14 @@ mod tests {
         for px in [[100.5, 80.5], [100.9, 80.1], [99.0, 81.25]] {
             let picture = drawn(&[label(px, false, "")], [300, 200], 200);
             // How much of the dot's blue is missing tells how much of a pixel it covers; the rim is symmetric too.
-            let (mut sum, mut middle) = (0.0, DVec2::ZERO);
+            let (mut sum, mut center) = (0.0, DVec2::ZERO);
             for (x, y, pixel) in picture.enumerate_pixels() {
                 let weight = f64::from(GRAY.0[2].abs_diff(pixel.0[2]));
                 sum += weight;
-                middle += weight * DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+                center += weight * DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
             }
-            let middle = middle / sum;
-            assert!((middle - DVec2::from_array(px)).length() < 0.1, "{middle} for {px:?}");
+            let center = center / sum;
+            assert!((center - DVec2::from_array(px)).length() < 0.1, "{center} for {px:?}");
         }
     }
 

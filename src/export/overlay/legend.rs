@@ -69,17 +69,17 @@ pub(in crate::export) fn draw_legend(canvas: &mut OverlayCanvas<'_>, legend: &Le
         LegendBody::Classes(classes) => {
             let step = body / classes.len().max(1) as f32;
             for (place, ((color, _), row)) in classes.iter().zip(&rows).enumerate() {
-                let middle = bar[1] + step * (place as f32 + 0.5);
+                let midpoint = bar[1] + step * (place as f32 + 0.5);
                 let half = 0.5 * (step - 4.0 * unit).clamp(1.0, RAMP_WIDTH * unit);
                 let [red, green, blue, alpha] = *color;
                 let center = 0.5 * (bar[0] + bar[2]);
                 canvas.fill(
-                    [center - half, middle - half],
-                    [center + half, middle + half],
+                    [center - half, midpoint - half],
+                    [center + half, midpoint + half],
                     [red, green, blue],
                     f32::from(alpha) / 255.0,
                 );
-                row.draw(canvas, [bar[2] + GAP * unit, middle - 0.5 * row.height_px], WHITE);
+                row.draw(canvas, [bar[2] + GAP * unit, midpoint - 0.5 * row.height_px], WHITE);
             }
         }
     }

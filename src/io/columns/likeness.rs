@@ -96,10 +96,10 @@ fn are_alike(columns: &[Vec<f64>]) -> bool {
     let spread = |[low, _, high]: &[f64; 3]| high - low;
     let median = |values: Vec<f64>| quantiles(&values).map_or(f64::NAN, |[_, median, _]| median);
     let usual = median(ranges.iter().map(spread).collect());
-    let middle = median(ranges.iter().map(|[_, median, _]| *median).collect());
+    let center = median(ranges.iter().map(|[_, median, _]| *median).collect());
     let is_alike = |range: &[f64; 3]| {
         let ratio = spread(range) / usual;
-        (1.0 / MAX_RATIO..=MAX_RATIO).contains(&ratio) && (range[1] - middle).abs() <= MAX_OFFSET * usual
+        (1.0 / MAX_RATIO..=MAX_RATIO).contains(&ratio) && (range[1] - center).abs() <= MAX_OFFSET * usual
     };
     let alike = ranges.iter().filter(|range| is_alike(range)).count();
     usual > 0.0 && alike * 10 >= columns.len() * 9 && ranges[..3].iter().all(is_alike)

@@ -45,17 +45,17 @@ impl Zone {
 
     /// Returns the zone of the centre of `places`, longitudes and latitudes in degrees; `None` if there is no number
     /// among them.
-    pub(in crate::io) fn of_middle(places: impl Iterator<Item = [f64; 2]>) -> Option<Self> {
+    pub(in crate::io) fn of_center(places: impl Iterator<Item = [f64; 2]>) -> Option<Self> {
         let (mut longitudes, mut latitudes): (Vec<f64>, Vec<f64>) = places
             .filter(|place| place.iter().all(|angle| angle.is_finite()))
             .map(|[longitude, latitude]| (longitude, latitude))
             .unzip();
-        let middle = longitudes.len() / 2;
+        let center = longitudes.len() / 2;
         if longitudes.is_empty() {
             return None;
         }
         let [longitude, latitude] =
-            [&mut longitudes, &mut latitudes].map(|angles| *angles.select_nth_unstable_by(middle, f64::total_cmp).1);
+            [&mut longitudes, &mut latitudes].map(|angles| *angles.select_nth_unstable_by(center, f64::total_cmp).1);
         Some(Self::of(longitude, latitude))
     }
 
@@ -151,11 +151,11 @@ mod tests {
     #[test]
     fn the_zone_is_that_of_the_middle() {
         let places = [[9.0, 45.0], [9.1, 45.1], [f64::NAN, 0.0], [150.0, -20.0]];
-        let zone = Zone::of_middle(places.into_iter()).unwrap();
+        let zone = Zone::of_center(places.into_iter()).unwrap();
         assert_eq!(zone.to_string(), "32N");
         assert!(zone.project_near(9.0, 45.0).is_ok());
         assert!(zone.project_near(150.0, -20.0).unwrap_err().contains("zone 32N"));
-        assert_eq!(Zone::of_middle([[f64::NAN, 1.0]].into_iter()), None);
+        assert_eq!(Zone::of_center([[f64::NAN, 1.0]].into_iter()), None);
         assert!(Zone::are_degrees(359.0, -90.0) && !Zone::are_degrees(500_000.0, 40.0));
     }
 

@@ -32,7 +32,7 @@ pub(in crate::io) const FORMAT: Format = Format::new(&Traits {
     extensions: &["bin"],
     convention: Some(AxisConvention::UsuallyZUp),
     unit: Some(LengthUnit::Metre),
-    has_times_beside: true,
+    has_time_sidecar: true,
     ..Traits::PLAIN
 });
 

@@ -39,7 +39,7 @@ const STEPS: [usize; 3] = [1, 3, 9];
 type BlockNeighbourhood = [u64; 27];
 
 /// Index of the centre block among the 27.
-const MIDDLE: usize = 13;
+const CENTER: usize = 13;
 
 /// Directions to the six faces, the twelve edges and the eight corners of a cell.
 const NEAREST_FIRST: [usize; 26] = [
@@ -140,7 +140,7 @@ impl LevelCells {
             .par_iter()
             .with_min_len(BLOCKS_PER_TASK)
             .fold(Vec::new, |mut gaps, site| {
-                self.add_gaps(site, closed[site.around[MIDDLE] as usize], &mut gaps);
+                self.add_gaps(site, closed[site.around[CENTER] as usize], &mut gaps);
                 gaps
             });
         found.flatten().collect()
@@ -160,7 +160,7 @@ impl LevelCells {
 
     /// Numbers of blocks that have leaves or touch some. Those without points are made.
     fn blocks_with_leaves_and_beside(&mut self) -> Vec<u32> {
-        let beside = |block: &OccupancyBlock| {
+        let adjacent = |block: &OccupancyBlock| {
             let leaves = block.leaves;
             let place = block.place;
             let touched = (0..27).filter(move |&direction| leaves & border(direction) != 0);
@@ -168,7 +168,7 @@ impl LevelCells {
             places.filter(|&place| self.blocks[self.number_at(place) as usize].leaves == 0)
         };
         let blocks = self.blocks.par_iter().with_min_len(BLOCKS_PER_TASK);
-        let mut places: Vec<[u32; 3]> = blocks.flat_map_iter(beside).collect();
+        let mut places: Vec<[u32; 3]> = blocks.flat_map_iter(adjacent).collect();
         places.par_sort_unstable();
         places.dedup();
         let with_leaves = (0..).zip(&self.blocks).filter(|(_, block)| block.leaves != 0);
@@ -192,7 +192,9 @@ impl LevelCells {
         let block = &self.blocks[number as usize];
         let at = |direction| neighbour(block.place, direction).map_or(0, |place| self.number_at(place));
         let around = std::array::from_fn(at);
-        let touch_leaf = beside(self.leaves(&around)).iter().fold(0, |cells, word| cells | word);
+        let touch_leaf = adjacent(self.leaves(&around))
+            .iter()
+            .fold(0, |cells, word| cells | word);
         Site {
             around,
             candidates: touch_leaf & !block.occupied,
@@ -209,8 +211,8 @@ impl LevelCells {
             return 0;
         }
         let filled = |number: u32| self.blocks[number as usize].occupied | closed[number as usize];
-        let beside = beside(site.around.map(filled));
-        let opposite = (0..MIDDLE).map(|direction| beside[direction] & beside[2 * MIDDLE - direction]);
+        let adjacent = adjacent(site.around.map(filled));
+        let opposite = (0..CENTER).map(|direction| adjacent[direction] & adjacent[2 * CENTER - direction]);
         site.candidates & opposite.fold(0, |cells, word| cells | word)
     }
 
@@ -219,7 +221,7 @@ impl LevelCells {
         if closed == 0 {
             return;
         }
-        let leaves = beside(self.leaves(&site.around));
+        let leaves = adjacent(self.leaves(&site.around));
         let mut left = closed;
         for direction in NEAREST_FIRST {
             let mut found = left & leaves[direction];
@@ -227,11 +229,11 @@ impl LevelCells {
             while found != 0 {
                 let bit = found.trailing_zeros();
                 found &= found - 1;
-                if let Some(leaf) = self.leaf_beside(site, bit, direction) {
+                if let Some(leaf) = self.leaf_adjacent(site, bit, direction) {
                     gaps.push(Gap {
                         leaf,
                         level: self.level,
-                        direction: (2 * MIDDLE - direction) as u8,
+                        direction: (2 * CENTER - direction) as u8,
                     });
                 }
             }
@@ -239,7 +241,7 @@ impl LevelCells {
     }
 
     /// Returns the points of the leaf in the given direction from a cell of the centre block.
-    fn leaf_beside(&self, site: &Site, bit: u32, direction: usize) -> Option<[u32; 2]> {
+    fn leaf_adjacent(&self, site: &Site, bit: u32, direction: usize) -> Option<[u32; 2]> {
         // From the lowest cell of the blocks before.
         let cell = bit_place(bit).map(|coordinate| coordinate + EDGE);
         let cell = neighbour(cell, direction)?;
@@ -320,7 +322,7 @@ fn border(direction: usize) -> u64 {
 
 /// Returns, for each direction, the cells of the centre block whose neighbour in it is one of these.
 #[inline(always)]
-fn beside(words: BlockNeighbourhood) -> BlockNeighbourhood {
+fn adjacent(words: BlockNeighbourhood) -> BlockNeighbourhood {
     shifted::<2>(shifted::<1>(shifted::<0>(words)))
 }
 

@@ -263,11 +263,11 @@ fn the_octants_of_the_root_come_nearest_first() {
     let cut = cut(&tree, &view, None);
     assert_eq!(cut.node_count(), tree.leaf_count(), "all of it is in view");
     let cube = tree.cube();
-    let middle = cube.cell_center(0, [0; 3]);
+    let midpoint = cube.cell_center(0, [0; 3]);
     let differs = |octant: u32| {
         (0..3).fold(0, |axes, axis| {
             let is_upper = octant >> axis & 1 == 1;
-            axes | u32::from(is_upper != (view.eye[axis] > middle[axis])) << axis
+            axes | u32::from(is_upper != (view.eye[axis] > midpoint[axis])) << axis
         })
     };
     let order: Vec<u32> = cut

@@ -34,13 +34,13 @@ fn by_definition(tree: &Octree, level: u32) -> HashSet<[i32; 3]> {
         .collect();
     let directions = (0..27).map(|at| IVec3::new(at % 3 - 1, at / 3 % 3 - 1, at / 9 - 1));
     let directions: Vec<IVec3> = directions.filter(|&at| at != IVec3::ZERO).collect();
-    let beside = |cells: &HashSet<IVec3>| -> HashSet<IVec3> {
+    let adjacent = |cells: &HashSet<IVec3>| -> HashSet<IVec3> {
         let cells = cells.iter();
         cells
             .flat_map(|&cell| directions.iter().map(move |&direction| cell + direction))
             .collect()
     };
-    let candidates = &beside(&leaves) - &occupied;
+    let candidates = &adjacent(&leaves) - &occupied;
     let mut filled = occupied.clone();
     for _ in 0..3 {
         let is_between = |cell: &&IVec3| {
@@ -67,8 +67,8 @@ fn check(tree: &Octree) {
         assert_eq!(tree.points.next_beginning(level, first + 1, tree.point_count()), end);
         assert!(u32::from(tree.points.partings[first]) <= level);
         for (axis, cell) in cell.into_iter().enumerate() {
-            let beside = tree.points.cells[first].coordinate(axis, level);
-            assert!(cell.abs_diff(beside) <= 1, "{gap:?}");
+            let adjacent = tree.points.cells[first].coordinate(axis, level);
+            assert!(cell.abs_diff(adjacent) <= 1, "{gap:?}");
         }
     }
     for level in 0..=LEVELS {
@@ -144,8 +144,8 @@ fn gaps_have_the_colours_of_leaves_and_places_of_their_own() {
         assert_eq!(cell_of(&tree, voxel), (level, cell));
         assert!(!by_cell.contains_key(&(level, cell)));
         let first = tree.points.cells[gap.leaf[0] as usize];
-        let beside = [0, 1, 2].map(|axis| first.coordinate(axis, level));
-        let leaf = by_cell[&(level, beside)];
+        let adjacent = [0, 1, 2].map(|axis| first.coordinate(axis, level));
+        let leaf = by_cell[&(level, adjacent)];
         assert_eq!((leaf.color, leaf.level), (voxel.color, voxel.level));
     }
     // Of coarser cells there are none: they are closed.

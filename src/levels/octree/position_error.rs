@@ -76,8 +76,8 @@ mod tests {
                 };
                 let level = max.map_or(tree.depth(), |_| (0..=LEVELS).find(are_few).unwrap());
                 let edge = f64::from(cube.edge) / f64::from(level).exp2();
-                let middle = (cell(level, *point) + 0.5) * edge + cube.min.as_dvec3();
-                point.as_dvec3().distance_squared(middle)
+                let center = (cell(level, *point) + 0.5) * edge + cube.min.as_dvec3();
+                point.as_dvec3().distance_squared(center)
             };
             let expected = positions.iter().map(squared).sum::<f64>() / positions.len() as f64;
             let expected = expected.sqrt() as f32;

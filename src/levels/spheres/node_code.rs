@@ -100,8 +100,8 @@ impl NodeCode {
     }
 
     #[inline(always)]
-    pub(super) fn from_words([low, middle, high]: [u16; NODE_WORDS]) -> Self {
-        Self(u64::from(low) | u64::from(middle) << 16 | u64::from(high) << 32)
+    pub(super) fn from_words([low, center, high]: [u16; NODE_WORDS]) -> Self {
+        Self(u64::from(low) | u64::from(center) << 16 | u64::from(high) << 32)
     }
 }
 

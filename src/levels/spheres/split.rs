@@ -97,9 +97,9 @@ impl Inner {
                 (u64::BITS - different.leading_zeros(), end - first)
             });
             let Some(piece) = largest else { break };
-            let middle = middle_of(codes, starts[piece]..starts[piece + 1]);
+            let center = center_of(codes, starts[piece]..starts[piece + 1]);
             starts.copy_within(piece + 1..MAX_CHILDREN, piece + 2);
-            starts[piece + 1] = middle;
+            starts[piece + 1] = center;
             child_count += 1;
         }
         Self {
@@ -114,7 +114,7 @@ impl Inner {
 
 /// Returns the split index of two points or more: the first that differs from those before in the highest bit in which
 /// any do; the midpoint for equal ones.
-fn middle_of(codes: &[u64], points: Range<u32>) -> u32 {
+fn center_of(codes: &[u64], points: Range<u32>) -> u32 {
     let codes = &codes[points.start as usize..points.end as usize];
     let different = codes[0] ^ codes[codes.len() - 1];
     if different == 0 {

@@ -130,13 +130,13 @@ impl GeometryError {
         check(Side::Reference, reference)?;
         check(Side::Test, test)?;
         let [of_reference, of_test] = [reference, test].map(NearestPoint::new);
-        let ways = Ways {
+        let directions = Directions {
             reference,
             test,
             from_reference: nearest_of_each(reference, &of_test),
             from_test: nearest_of_each(test, &of_reference),
         };
-        ways.error(normals)
+        directions.error(normals)
     }
 }
 
@@ -157,7 +157,7 @@ fn nearest_of_each(places: &[Vec3], cloud: &NearestPoint) -> Vec<u32> {
 }
 
 /// Two clouds, and for each point of one the index of the nearest of the other.
-struct Ways<'a> {
+struct Directions<'a> {
     reference: &'a [Vec3],
     test: &'a [Vec3],
     from_reference: Vec<u32>,
@@ -171,7 +171,7 @@ enum TargetPoint {
     Reference(u32),
 }
 
-impl Ways<'_> {
+impl Directions<'_> {
     fn error(&self, normals: Option<&[Vec3]>) -> Result<GeometryError, CloudMismatch> {
         let point_to_plane = normals.map(|normals| match normals.len() {
             count if count == self.reference.len() => Ok(self.point_to_plane(normals)),

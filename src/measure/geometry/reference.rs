@@ -9,7 +9,7 @@
 //!
 //! The reference is sorted once, whatever number of clouds is held against it.
 
-use super::{CloudMismatch, GeometryError, Side, Ways, check, nearest_of_each};
+use super::{CloudMismatch, Directions, GeometryError, Side, check, nearest_of_each};
 use crate::analysis::{NearestPoint, estimate_surface};
 use crate::cloud::{CloudError as InvalidCloud, Frame, Positions, RawCloud};
 use crate::math::Aabb;
@@ -103,7 +103,7 @@ impl ReferenceCloud {
         let reference = &self.cloud;
         let test = Comparable::of(test, self.corner);
         check(Side::Test, &test.positions)?;
-        let ways = Ways {
+        let directions = Directions {
             reference: &reference.positions,
             test: &test.positions,
             from_reference: nearest_of_each(&reference.positions, &NearestPoint::new(&test.positions)),
@@ -113,14 +113,14 @@ impl ReferenceCloud {
         let colors = reference.colors.as_ref().zip(test.colors.as_ref());
         let own_normals = reference.normals.as_ref().zip(test.normals.as_ref());
         Ok(CloudError {
-            geometry: ways.error(normals.map(Vec::as_slice))?,
+            geometry: directions.error(normals.map(Vec::as_slice))?,
             peak: f64::from(Aabb::from_points(&reference.positions).extent().max_element()),
             color_squared: colors.map(|(of_reference, of_test)| {
-                let from_reference = mean_squared(of_reference, of_test, &ways.from_reference);
-                from_reference.max(mean_squared(of_test, of_reference, &ways.from_test))
+                let from_reference = mean_squared(of_reference, of_test, &directions.from_reference);
+                from_reference.max(mean_squared(of_test, of_reference, &directions.from_test))
             }),
             normals: own_normals
-                .and_then(|(of_reference, of_test)| angular_error(of_test, of_reference, &ways.from_test)),
+                .and_then(|(of_reference, of_test)| angular_error(of_test, of_reference, &directions.from_test)),
         })
     }
 }

@@ -106,7 +106,7 @@ impl Draft {
                 .mask
                 .clone()
                 .or_else(|| files.mask(&self.name))
-                .or_else(|| Files::mask_beside(&path)),
+                .or_else(|| Files::mask_sidecar(&path)),
             depth: self.depth.clone(),
             depth_range: self.depth_range,
             name: self.name.clone(),
@@ -279,7 +279,7 @@ mod tests {
     use glam::DVec2;
 
     fn draft(name: &str) -> Draft {
-        let lens = Lens::pinhole(None, DVec2::splat(100.0), Origin::Middle, DVec2::ZERO);
+        let lens = Lens::pinhole(None, DVec2::splat(100.0), Origin::Center, DVec2::ZERO);
         Draft::new(name.into(), Ok(lens), DMat3::IDENTITY, DVec3::ZERO)
     }
 

@@ -185,7 +185,7 @@ impl Files {
     }
 
     /// Returns the sidecar mask of the image at `path`, named after it.
-    pub(in crate::photos) fn mask_beside(path: &Path) -> Option<PathBuf> {
+    pub(in crate::photos) fn mask_sidecar(path: &Path) -> Option<PathBuf> {
         let name = path.file_name()?.to_str()?;
         let stem = path.file_stem()?.to_str()?;
         let names = [
@@ -194,8 +194,8 @@ impl Files {
             format!("{name}.mask.png"),
             format!("{stem}_mask.png"),
         ];
-        let beside = names.map(|name| path.with_file_name(name));
-        beside.into_iter().find(|path| path.is_file())
+        let sidecar = names.map(|name| path.with_file_name(name));
+        sidecar.into_iter().find(|path| path.is_file())
     }
 
     /// The folders that were looked through.
@@ -427,7 +427,7 @@ mod tests {
             "d.png",
         ]);
         let mask = |name: &str| {
-            let path = Files::mask_beside(&folder.path().join(name))?;
+            let path = Files::mask_sidecar(&folder.path().join(name))?;
             Some(path.file_name().unwrap().to_str().unwrap().to_owned())
         };
         assert_eq!(mask("a.jpg").as_deref(), Some("a.jpg.png"));

@@ -169,7 +169,7 @@ impl Rig {
             path: path.to_owned(),
             camera: camera.lens.camera(image_px)?,
             camera_from_world: camera.camera_from_world,
-            mask: Files::mask_below(&self.mask_folders, &below(2)).or_else(|| Files::mask_beside(path)),
+            mask: Files::mask_below(&self.mask_folders, &below(2)).or_else(|| Files::mask_sidecar(path)),
             depth: None,
             depth_range: camera.depth_range,
         })
@@ -222,7 +222,7 @@ mod tests {
     fn drafts() -> Drafts {
         let mut drafts = Drafts::new(Path::new("list"), Vec::new());
         let draft = |name: &str, size_px: Option<[u32; 2]>| {
-            let lens = Lens::pinhole(size_px, DVec2::splat(10.0), Origin::Middle, DVec2::ZERO);
+            let lens = Lens::pinhole(size_px, DVec2::splat(10.0), Origin::Center, DVec2::ZERO);
             Draft::new(name.into(), Ok(lens), DMat3::IDENTITY, DVec3::ZERO)
         };
         let blind = Draft {

@@ -236,12 +236,12 @@ mod tests {
     fn points(photos: &[u32]) -> SparsePoints {
         let mut points = SparsePoints::default();
         for square in 0..100 {
-            let middle = |at: u32| (f64::from(at * 12) + 5.5 - 59.5) / 120.0;
+            let center = |at: u32| (f64::from(at * 12) + 5.5 - 59.5) / 120.0;
             let track = photos.iter().map(|&photo| Observation {
                 photo,
                 pixel: Vec2::ZERO,
             });
-            points.push(DVec3::new(middle(square % 10), middle(square / 10), 1.0), [0; 3], track);
+            points.push(DVec3::new(center(square % 10), center(square / 10), 1.0), [0; 3], track);
         }
         points
     }

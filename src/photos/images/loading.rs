@@ -129,7 +129,7 @@ fn read(photo: &Photo, halvings: u32) -> Result<Read, PhotosError> {
 fn depth(file: &DepthFile, camera: &Camera, pinhole: &Camera) -> Result<Option<DepthImage>, PhotosError> {
     let taken = on_planes(&file.read()?);
     if let Some(taken_by) = &file.taken_by {
-        return seen_beside(file, &taken, taken_by, pinhole).map(Some);
+        return seen_around(file, &taken, taken_by, pinhole).map(Some);
     }
     if *camera.distortion() == Distortion::None || file.kind == DepthKind::Colmap {
         return Ok(Some(taken));
@@ -152,7 +152,7 @@ fn depth(file: &DepthFile, camera: &Camera, pinhole: &Camera) -> Result<Option<D
 }
 
 /// Returns the depth map taken by an adjacent camera, as the pinhole of the input image sees it.
-fn seen_beside(
+fn seen_around(
     file: &DepthFile,
     taken: &DepthImage,
     taken_by: &DepthCamera,

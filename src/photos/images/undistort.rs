@@ -53,11 +53,11 @@ fn covering(camera: &Camera) -> ([u32; 2], DVec2) {
         [[x, -0.5], [x, bottom], [-0.5, y], [right, y]].map(DVec2::from_array)
     });
     // Where the lens does not show the border, what it shows on the way there.
-    let middle = camera.principal_px();
+    let center = camera.principal_px();
     let straight = border.filter_map(|pixel| {
-        let on_the_way = |step: u32| middle + (pixel - middle) * (f64::from(step) / f64::from(WAY_STEPS));
+        let on_the_way = |step: u32| center + (pixel - center) * (f64::from(step) / f64::from(WAY_STEPS));
         let ray = (1..=WAY_STEPS).rev().find_map(|step| camera.ray(on_the_way(step)))?;
-        Some(ray.truncate() * camera.focal_px() + middle)
+        Some(ray.truncate() * camera.focal_px() + center)
     });
     let same = (DVec2::splat(-0.5), DVec2::new(right, bottom));
     let (low, high) = straight
@@ -194,8 +194,8 @@ mod tests {
             let alpha = |column: usize, row: usize| image.pixels()[row * width + column][3] > 0;
             // Up to the half pixel that the first and the last row cover.
             let on_border = [1, height - 2].map(|row| (0..width).any(|column| alpha(column, row)));
-            let beside = [1, width - 2].map(|column| (0..height).any(|row| alpha(column, row)));
-            assert_eq!((on_border, beside), ([true; 2], [true; 2]), "{lens:?}");
+            let outside = [1, width - 2].map(|column| (0..height).any(|row| alpha(column, row)));
+            assert_eq!((on_border, outside), ([true; 2], [true; 2]), "{lens:?}");
         }
         let wide = Camera::new(
             [200, 200],

@@ -110,7 +110,7 @@ fn camera(text: &mut Text<'_>, name: String) -> Result<Draft, PhotosError> {
                     p: [0.0; 2],
                 }
             },
-            ..Lens::pinhole(None, DVec2::splat(focal_px), Origin::Middle, DVec2::ZERO)
+            ..Lens::pinhole(None, DVec2::splat(focal_px), Origin::Center, DVec2::ZERO)
         })
     };
     let down_and_forward = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));

@@ -128,7 +128,7 @@ fn draft(name: String, row: &[f64; COLUMNS]) -> Draft {
         (Some(width), Some(height)) => Ok(Lens::pinhole(
             Some([width, height]),
             DVec2::splat(size.z),
-            Origin::Middle,
+            Origin::Center,
             DVec2::ZERO,
         )),
         _ => Err(format!(

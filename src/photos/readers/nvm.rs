@@ -154,7 +154,7 @@ fn camera(text: &mut Text<'_>, fixed: Option<Fixed>) -> Result<Draft, PhotosErro
     };
     let (focal, origin, principal_px) = match fixed {
         Some(fixed) => (fixed.focal_px, Origin::Corner, fixed.principal_px),
-        None => (DVec2::splat(focal_px), Origin::Middle, DVec2::ZERO),
+        None => (DVec2::splat(focal_px), Origin::Center, DVec2::ZERO),
     };
     let lens = Lens {
         size_px: None,

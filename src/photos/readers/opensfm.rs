@@ -135,7 +135,7 @@ fn lens(camera: &Value) -> Result<Lens, String> {
     Ok(Lens {
         size_px: Some(size_px),
         focal: Focal::Pixels(longer_px * DVec2::new(x, y)),
-        origin: Origin::Middle,
+        origin: Origin::Center,
         principal_px: longer_px * DVec2::from_array(principal),
         distortion: distortion(camera)?,
     })

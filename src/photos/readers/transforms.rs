@@ -129,7 +129,7 @@ fn lens(file: &Value, frame: &Value) -> Result<Lens, String> {
     let principal = Option::zip(at("cx"), at("cy"));
     let (origin, principal_px) = match principal {
         Some((x, y)) => (Origin::Corner, DVec2::new(x, y)),
-        None => (Origin::Middle, DVec2::ZERO),
+        None => (Origin::Center, DVec2::ZERO),
     };
     Ok(Lens {
         size_px,

@@ -15,7 +15,7 @@ use std::path::Path;
 const MAX_ENTRIES: usize = 10_000;
 
 /// Sidecar files of image sets that have the extension of a point cloud.
-const BESIDE: &[&str] = &[
+const SIDECAR: &[&str] = &[
     "bbox.txt",
     "calib.txt",
     "cameras.npz",
@@ -117,9 +117,9 @@ const TABLE: &[Unread] = &[
 ];
 
 /// Returns true if a file is a sidecar of an image set, whatever its extension suggests.
-pub fn is_beside_photos(path: &Path) -> bool {
+pub fn is_outside_photos(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    BESIDE.contains(&name.as_str()) || REMARKS.iter().any(|remark| name.starts_with(remark))
+    SIDECAR.contains(&name.as_str()) || REMARKS.iter().any(|remark| name.starts_with(remark))
 }
 
 /// Returns the error for a folder that holds no image set ([`find`](fn@crate::photos::find)) and nothing else that can
@@ -242,10 +242,10 @@ mod tests {
     #[test]
     fn lists_beside_photographs_are_no_clouds() {
         for name in ["a/TrainSplit.txt", "calib.txt", "README_dataset.txt", "LICENSE.txt"] {
-            assert!(is_beside_photos(Path::new(name)), "{name}");
+            assert!(is_outside_photos(Path::new(name)), "{name}");
         }
         for name in ["scan.txt", "calib.ply", "frame_0001.txt"] {
-            assert!(!is_beside_photos(Path::new(name)), "{name}");
+            assert!(!is_outside_photos(Path::new(name)), "{name}");
         }
     }
 }

@@ -38,7 +38,7 @@ pub(in crate::photos) enum Origin {
     /// Corner of the first pixel: its centre is at (½, ½).
     Corner,
     /// Centre of the image.
-    Middle,
+    Center,
 }
 
 impl Lens {
@@ -96,7 +96,7 @@ impl Lens {
         match self.origin {
             Origin::FirstPixel => at,
             Origin::Corner => at - 0.5,
-            Origin::Middle => 0.5 * (sides(size_px) - 1.0) + at,
+            Origin::Center => 0.5 * (sides(size_px) - 1.0) + at,
         }
     }
 }
@@ -124,15 +124,15 @@ mod tests {
 
     #[test]
     fn the_middle_of_an_image_is_between_its_pixels() {
-        let middle = DVec2::new(319.5, 239.5);
+        let center = DVec2::new(319.5, 239.5);
         for (origin, principal_px) in [
-            (Origin::FirstPixel, middle),
+            (Origin::FirstPixel, center),
             (Origin::Corner, DVec2::new(320.0, 240.0)),
-            (Origin::Middle, DVec2::ZERO),
+            (Origin::Center, DVec2::ZERO),
         ] {
             let lens = lens(origin, principal_px);
-            assert_eq!(lens.camera([640, 480]).unwrap().principal_px(), middle, "{origin:?}");
-            assert_eq!(lens.pixel(principal_px, [640, 480]), middle, "{origin:?}");
+            assert_eq!(lens.camera([640, 480]).unwrap().principal_px(), center, "{origin:?}");
+            assert_eq!(lens.pixel(principal_px, [640, 480]), center, "{origin:?}");
             assert_eq!(
                 lens.pixel(principal_px, [320, 240]),
                 DVec2::new(159.5, 119.5),
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn an_angle_is_a_focal_length_once_the_width_is_known() {
-        let mut lens = lens(Origin::Middle, DVec2::ZERO);
+        let mut lens = lens(Origin::Center, DVec2::ZERO);
         lens.size_px = None;
         lens.focal = Focal::WidthAngle(2.0 * 0.5_f64.atan());
         assert_eq!(lens.camera([800, 600]).unwrap().focal_px().round(), DVec2::splat(800.0));
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn smaller_photographs_are_seen_by_smaller_cameras() {
-        let lens = lens(Origin::Middle, DVec2::new(8.0, 0.0));
+        let lens = lens(Origin::Center, DVec2::new(8.0, 0.0));
         let camera = lens.camera([160, 120]).unwrap();
         assert_eq!(camera.principal_px(), DVec2::new(81.5, 59.5));
         assert_eq!(camera.focal_px(), DVec2::splat(125.0));

@@ -49,7 +49,7 @@ pub struct Neighbour {
 }
 
 /// Maximum number of track points used to compute the centre of a view: using more moves it by less than a pixel.
-const MAX_POINTS_OF_A_MIDDLE: usize = 4096;
+const MAX_POINTS_OF_A_CENTER: usize = 4096;
 
 /// Tolerance for parallel optical axes, at which a single one of 2^53 steps would matter: axes as parallel as that have
 /// no intersection.
@@ -89,13 +89,13 @@ impl ViewSet {
     /// Returns the `count` views adjacent to image `photo`, nearest first. Iterates over all points, so frequent
     /// callers should keep the result.
     pub fn neighbours(&self, photo: usize, count: usize) -> Vec<Neighbour> {
-        let middle = self.middles().get(photo).copied();
-        middle.map_or_else(Vec::new, |middle| self.neighbours_around(middle, photo, count))
+        let center = self.centers().get(photo).copied();
+        center.map_or_else(Vec::new, |center| self.neighbours_around(center, photo, count))
     }
 
-    /// Variant of [`Self::neighbours`] for a known centre of what `photo` sees ([`Self::middles`]).
-    pub fn neighbours_around(&self, middle: DVec3, photo: usize, count: usize) -> Vec<Neighbour> {
-        let mut found = self.seen_from(middle, photo);
+    /// Variant of [`Self::neighbours`] for a known centre of what `photo` sees ([`Self::centers`]).
+    pub fn neighbours_around(&self, center: DVec3, photo: usize, count: usize) -> Vec<Neighbour> {
+        let mut found = self.seen_from(center, photo);
         let nearer = |a: &Neighbour, b: &Neighbour| a.angle.total_cmp(&b.angle).then(a.photo.cmp(&b.photo));
         if count < found.len() {
             found.select_nth_unstable_by(count, nearer);
@@ -108,12 +108,12 @@ impl ViewSet {
     /// The median of the angles between each view and the one nearest to it, in radians; `None` with less than two
     /// views, and where all are from the same place.
     pub fn median_neighbour_angle(&self) -> Option<f64> {
-        let nearest = |(photo, &middle): (usize, &DVec3)| {
-            let others = self.seen_from(middle, photo);
+        let nearest = |(photo, &center): (usize, &DVec3)| {
+            let others = self.seen_from(center, photo);
             others.into_iter().map(|other| other.angle).min_by(f64::total_cmp)
         };
         let mut angles: Vec<f64> = self
-            .middles()
+            .centers()
             .par_iter()
             .enumerate()
             .filter_map(nearest)
@@ -123,14 +123,14 @@ impl ViewSet {
     }
 
     /// Returns the point in the world that each image looks at.
-    pub fn middles(&self) -> Vec<DVec3> {
+    pub fn centers(&self) -> Vec<DVec3> {
         let mut seen: Vec<Vec<DVec3>> = vec![Vec::new(); self.photos.len()];
         for (point, &position) in self.points.positions().iter().enumerate() {
             for observation in self.points.track(point) {
                 let Some(of_photo) = seen.get_mut(observation.photo as usize) else {
                     continue;
                 };
-                if of_photo.len() < MAX_POINTS_OF_A_MIDDLE {
+                if of_photo.len() < MAX_POINTS_OF_A_CENTER {
                     of_photo.push(position);
                 }
             }
@@ -146,9 +146,9 @@ impl ViewSet {
             .collect()
     }
 
-    /// All views but `photo`, by their angles at `middle`.
-    fn seen_from(&self, middle: DVec3, photo: usize) -> Vec<Neighbour> {
-        let direction = |photo: &Photo| photo.center() - middle;
+    /// All views but `photo`, by their angles at `center`.
+    fn seen_from(&self, center: DVec3, photo: usize) -> Vec<Neighbour> {
+        let direction = |photo: &Photo| photo.center() - center;
         let own = self.photos.get(photo).map_or(DVec3::ZERO, direction);
         let others = self.photos.iter().enumerate().filter(|&(other, _)| other != photo);
         others
@@ -196,8 +196,8 @@ impl ReprojectionError {
 
 /// The upper median; `None` of nothing.
 fn median(values: &mut [f64]) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+    let center = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(center, f64::total_cmp).1)
 }
 
 /// Median of each coordinate.

@@ -16,7 +16,7 @@ mod lanes;
 mod normals;
 mod offsets;
 mod steps;
-mod ways;
+mod steps_to;
 
 pub(super) use channels::{CHANNEL_CONTEXTS, code_channels};
 pub(super) use families::{Above, Families};

@@ -280,8 +280,8 @@ impl Level<'_> {
             let step = [0, 1].map(|axis| i32::from(place[axis]) - own[axis]);
             let distance = step[0].abs().max(step[1].abs());
             // The border of the square is folded: what is near may be on its other side.
-            let is_beside = is_there && distance < 3 * self.half;
-            spread |= if is_beside { distance } else { 0 };
+            let is_outside = is_there && distance < 3 * self.half;
+            spread |= if is_outside { distance } else { 0 };
             let is_near = is_there && distance < FAR << self.finer;
             near |= u32::from(is_near) << face;
             steps[face] = step.map(|along| if is_near { along } else { 0 });

@@ -7,7 +7,7 @@
 //! Both together choose the table of a symbol.
 
 use super::families::{Above, Families};
-use super::ways::{BEYOND, WITHIN, sums};
+use super::steps_to::{BEYOND, WITHIN, sums};
 use crate::reel::attributes::{LARGEST_OFFSET, MISSING, NormalGrid, offset_of_code};
 use crate::reel::coder::{LANES, SymbolCoder, divided};
 use crate::reel::tree::{NO_FACES, NONE};
@@ -52,9 +52,9 @@ pub(in crate::reel) fn code_offsets<C: SymbolCoder>(
             let mut context = CLASSES / 2 + FIRST;
             if normal != MISSING {
                 let direction = grid.direction(normal).map(i32::from);
-                let mut ways = WITHIN[octant][usize::from(mask)];
+                let mut steps_to = WITHIN[octant][usize::from(mask)];
                 for axis in 0..3 {
-                    ways += BEYOND[octant][axis][beyond[2 * axis + (octant >> axis & 1)]];
+                    steps_to += BEYOND[octant][axis][beyond[2 * axis + (octant >> axis & 1)]];
                 }
                 let along = |way: [i32; 3]| {
                     way.into_iter()
@@ -62,7 +62,7 @@ pub(in crate::reel) fn code_offsets<C: SymbolCoder>(
                         .map(|(way, along)| way * along)
                         .sum::<i32>()
                 };
-                let (way, count) = sums(ways);
+                let (way, count) = sums(steps_to);
                 let around = divided(along(way), count + 1);
                 context = match before {
                     Some((last, code)) => {

@@ -95,7 +95,7 @@ pub(in crate::reel) fn code_channels<C: BitCoder, T: Channel, const N: usize>(
         }
         let parent = parents[known.parent as usize];
         let left = i32::from(known.left);
-        let (beside, count) = beside_of(known, values);
+        let (neighbor, count) = neighbor_of(known, values);
         let is_alone = count == 0 || left == 1;
         let counted = count.max(1);
         let mut foreseen = [0; N];
@@ -106,9 +106,9 @@ pub(in crate::reel) fn code_channels<C: BitCoder, T: Channel, const N: usize>(
             let rest = all.wrapping_sub(sums[channel]);
             let expected = within(divided(rest.wrapping_mul(2).wrapping_add(left), 2 * left));
             // As much weight for the parent as for all beside it.
-            let doubled = 2 * beside[channel] + expected * counted;
+            let doubled = 2 * neighbor[channel] + expected * counted;
             let mixed = divided(2 * doubled + 3 * counted, 6 * counted);
-            let differing = divided((beside[channel] - expected * counted).abs(), counted);
+            let differing = divided((neighbor[channel] - expected * counted).abs(), counted);
             let agreement = class_of(divided(differing, step), AGREEMENTS);
             let alone = if left == 1 { LAST } else { ALONE };
             foreseen[channel] = if is_alone { expected } else { mixed };
@@ -138,9 +138,9 @@ pub(in crate::reel) fn code_channels<C: BitCoder, T: Channel, const N: usize>(
 
 /// Returns the sum of the values of the adjacent nodes, and the number of these nodes.
 #[inline(always)]
-fn beside_of<T: Channel, const N: usize>(known: &Known, values: &[[T; N]]) -> ([i32; N], i32) {
+fn neighbor_of<T: Channel, const N: usize>(known: &Known, values: &[[T; N]]) -> ([i32; N], i32) {
     let (mut sums, mut count) = ([0; N], 0);
-    for neighbour in known.beside {
+    for neighbour in known.adjacent {
         let is_there = neighbour != NONE;
         // No branch: nobody can guess how many there are.
         let value = values[if is_there { neighbour as usize } else { 0 }];

@@ -114,8 +114,8 @@ fn place_of(index: u32, level: u32) -> [i16; 2] {
     let mut corners = [[half, 0], [0, half], [0, 0]];
     for depth in (0..level).rev() {
         let [a, b, c] = corners;
-        let middle = |p: [i32; 2], q: [i32; 2]| [p[0].midpoint(q[0]), p[1].midpoint(q[1])];
-        let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+        let center = |p: [i32; 2], q: [i32; 2]| [p[0].midpoint(q[0]), p[1].midpoint(q[1])];
+        let [ab, bc, ca] = [center(a, b), center(b, c), center(c, a)];
         corners = match index >> (2 * depth) & 3 {
             0 => [ab, bc, ca],
             1 => [a, ab, ca],
@@ -162,11 +162,11 @@ mod tests {
             let unit = grid.unit([x, y]);
             let half = grid.half() as i16;
             for [dx, dy] in [[3, 0], [0, 3]] {
-                let beside = [x + dx, y + dy];
-                let is_inside = beside.iter().all(|along| along.div_euclid(3) < half);
+                let neighbor = [x + dx, y + dy];
+                let is_inside = neighbor.iter().all(|along| along.div_euclid(3) < half);
                 // Quadrants have other diagonals.
-                if is_inside && (x < 0) == (beside[0] < 0) && (y < 0) == (beside[1] < 0) {
-                    assert!(unit.dot(grid.unit(beside)).acos().to_degrees() < 6.5, "{index}");
+                if is_inside && (x < 0) == (neighbor[0] < 0) && (y < 0) == (neighbor[1] < 0) {
+                    assert!(unit.dot(grid.unit(neighbor)).acos().to_degrees() < 6.5, "{index}");
                 }
             }
         }

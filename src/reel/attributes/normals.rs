@@ -158,7 +158,7 @@ fn code_places<C: BitCoder>(
 #[inline(always)]
 fn mean_around(half: i32, known: &Known, parent: [i16; 2], place_of: impl Fn(usize) -> [i16; 2]) -> ([i16; 2], usize) {
     let mut around = [MISSING; MAX_KNOWN];
-    for (place, neighbour) in around.iter_mut().zip(known.beside) {
+    for (place, neighbour) in around.iter_mut().zip(known.adjacent) {
         let is_there = neighbour != NONE;
         // No branch: nobody can guess how many there are.
         let found = place_of(if is_there { neighbour as usize } else { 0 });

@@ -62,16 +62,16 @@ impl DrawnNodes<'_> {
     fn positions<T>(&self, normals: Option<&[[f32; 3]]>, narrowed: impl Fn(&DVec3) -> T) -> Vec<T> {
         let edge = self.grid.edge(self.level);
         let lengths: [f64; 16] = std::array::from_fn(|code| offset_edges(code as u8, self.schema.offset_bits) * edge);
-        let middle = |&cell: &u64| self.grid.middle(self.level, morton::decode(cell));
+        let center = |&cell: &u64| self.grid.center(self.level, morton::decode(cell));
         match normals {
             Some(normals) if !self.offsets.is_empty() => dispatch!(Level::new(), _simd => {
                 let nodes = self.cells.iter().zip(normals).zip(self.offsets);
                 nodes.map(|((cell, &normal), &code)| {
                     let lifted = Vec3::from_array(normal).as_dvec3() * lengths[usize::from(code) & 15];
-                    narrowed(&(middle(cell) + lifted))
+                    narrowed(&(center(cell) + lifted))
                 }).collect()
             }),
-            _ => dispatch!(Level::new(), _simd => self.cells.iter().map(|cell| narrowed(&middle(cell))).collect()),
+            _ => dispatch!(Level::new(), _simd => self.cells.iter().map(|cell| narrowed(&center(cell))).collect()),
         }
     }
 }

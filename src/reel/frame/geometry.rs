@@ -90,7 +90,7 @@ pub(super) fn plan_of_points(points: &PosePoints) -> Vec<Known> {
     let mut plan: Vec<Known> = Vec::with_capacity(points.len());
     let known = |parent: u32, before: Option<usize>, left: u32| Known {
         parent,
-        beside: [before.map_or(NONE, |before| before as u32), NONE, NONE],
+        adjacent: [before.map_or(NONE, |before| before as u32), NONE, NONE],
         directions: [0; 3],
         left: left.min(255) as u8,
     };

@@ -27,7 +27,7 @@ impl Grid {
     }
 
     /// Returns the centre of a cell of a level by its coordinates.
-    pub(in crate::reel) fn middle(&self, level: u32, cell: [u32; 3]) -> DVec3 {
+    pub(in crate::reel) fn center(&self, level: u32, cell: [u32; 3]) -> DVec3 {
         let edge = self.edge(level);
         let cell = DVec3::from_array(cell.map(f64::from));
         self.min + (cell + 0.5) * edge

@@ -87,13 +87,13 @@ fn cloud_of_nodes(schema: &Schema, grid: &Grid, pose: &Pose, offsets: &[f64]) ->
         }
         _ => DVec3::ZERO,
     };
-    let middles = of_level
+    let centers = of_level
         .cells
         .iter()
-        .map(|&cell| grid.middle(level, morton::decode(cell)));
+        .map(|&cell| grid.center(level, morton::decode(cell)));
     let places = Places {
         values,
-        at: middles.enumerate().map(|(node, middle)| middle + lifted(node)),
+        at: centers.enumerate().map(|(node, center)| center + lifted(node)),
         closing_edge: closing_edge(schema, grid, level),
     };
     cloud_of_places(schema, grid, places, offsets)
@@ -178,11 +178,11 @@ fn cloud_of_points(schema: &Schema, grid: &Grid, pose: &Pose, offsets: &[f64]) -
             Retained::Bits(bits) => {
                 let edge = grid.cell / (1u64 << bits) as f64;
                 let half = 0.5 * (1u64 << missing) as f64;
-                let middle = grid.min[axis] + ((cell[axis] << bits | below[axis]) as f64 + half) * edge;
+                let center = grid.min[axis] + ((cell[axis] << bits | below[axis]) as f64 + half) * edge;
                 if schema.is_double {
-                    middle.to_bits()
+                    center.to_bits()
                 } else {
-                    u64::from((middle as f32).to_bits())
+                    u64::from((center as f32).to_bits())
                 }
             }
             Retained::Merged => 0,

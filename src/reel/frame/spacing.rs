@@ -98,8 +98,8 @@ fn spacings(positions: &[DVec3], from: DVec3) -> Vec<f64> {
         let of_neighbourhood = |&count: &usize| {
             let others = around.iter().take(count).map(|&other| nearest[other as usize]);
             let mut lengths: Vec<f64> = others.chain([nearest[point]]).collect();
-            let middle = (lengths.len() - 1) / 2;
-            *lengths.select_nth_unstable_by(middle, f64::total_cmp).1
+            let center = (lengths.len() - 1) / 2;
+            *lengths.select_nth_unstable_by(center, f64::total_cmp).1
         };
         NEIGHBOURHOODS
             .iter()

@@ -218,7 +218,7 @@ impl<'a> PointValues<'a> {
                 return 0.0;
             }
             let position = self.cloud.positions.get(point);
-            let away = position - self.grid.middle(self.grid.depth, cell(position));
+            let away = position - self.grid.center(self.grid.depth, cell(position));
             let normals = self.cloud.attributes.normals.as_ref();
             let normal = normals.and_then(|normals| Vec3::from_array(normals[point]).as_dvec3().try_normalize());
             away.reject_from_normalized(normal.unwrap_or(DVec3::ZERO)).length() + radius
@@ -312,9 +312,9 @@ pub(super) fn offsets(
         }
         let points = order[range.clone()].iter();
         let sum: DVec3 = points.map(|&point| cloud.positions.get(point as usize)).sum();
-        let from_middle = sum / range.len() as f64 - grid.middle(grid.depth, morton::decode(leaf));
+        let from_center = sum / range.len() as f64 - grid.center(grid.depth, morton::decode(leaf));
         offset_of(
-            from_middle.dot(normals.unit(place).as_dvec3()) / grid.cell,
+            from_center.dot(normals.unit(place).as_dvec3()) / grid.cell,
             schema.offset_bits,
         )
     };

@@ -95,8 +95,8 @@ fn any_positions() -> impl Strategy<Value = Vec<DVec3>> {
         points(),
         (prop::collection::vec((unit_cube(), -4i32..1), 1..5), points()).prop_map(|(clusters, points)| {
             let in_cluster = |(index, point): (usize, DVec3)| {
-                let (middle, exponent) = clusters[index % clusters.len()];
-                100.0 * middle + point * 10f64.powi(exponent)
+                let (center, exponent) = clusters[index % clusters.len()];
+                100.0 * center + point * 10f64.powi(exponent)
             };
             points.into_iter().enumerate().map(in_cluster).collect()
         }),
@@ -140,10 +140,10 @@ proptest! {
         let mut clouds = vec![cloud];
         for _ in 0..3 {
             let last = &clouds[clouds.len() - 1];
-            let middle = last.positions.get(0);
+            let center = last.positions.get(0);
             let turn = DQuat::from_rotation_y(angle);
             let step = step * extent * 0.01;
-            let moved = positions(last).into_iter().map(|point| middle + turn * (point - middle) + step);
+            let moved = positions(last).into_iter().map(|point| center + turn * (point - center) + step);
             clouds.push(RawCloud::from_positions(match last.positions {
                 Positions::F32(_) => Positions::F32(moved.map(|point| point.as_vec3().to_array()).collect()),
                 Positions::F64(_) => Positions::F64(moved.map(|point| point.to_array()).collect()),

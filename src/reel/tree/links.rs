@@ -1,6 +1,6 @@
 //! Neighbour links between the nodes of a level, found from the level above: no search, no hash.
 
-use super::window::{CUBE_OF_27, DIRECTIONS, MIDDLE, OWNERS, PLACED, shift_of};
+use super::window::{CENTER, CUBE_OF_27, DIRECTIONS, OWNERS, PLACED, shift_of};
 use fearless_simd::{Level, dispatch};
 
 /// No node is there.
@@ -23,7 +23,7 @@ pub(in crate::reel) struct Links<'a> {
 /// The neighbours of the root.
 pub(in crate::reel) const ALONE: Neighbours = {
     let mut alone = [NONE; DIRECTIONS];
-    alone[MIDDLE] = 0;
+    alone[CENTER] = 0;
     alone
 };
 

@@ -135,14 +135,14 @@ fn code_part<C: BitCoder>(halves: &mut [Walk<'_, C>], models: &mut OccupancyMode
         };
         match &mut other {
             Some(other) => {
-                other.code_upper_beside(&mut coders.1, &mut one, &mut coders.0, models);
+                other.code_upper_adjacent(&mut coders.1, &mut one, &mut coders.0, models);
                 second.put(other.coded);
             }
             None => one.code_lower(&mut coders.0, models),
         }
         other = second.next(&mut coders.1, models);
         if let Some(other) = &mut other {
-            one.code_upper_beside(&mut coders.0, other, &mut coders.1, models);
+            one.code_upper_adjacent(&mut coders.0, other, &mut coders.1, models);
             first.put(one.coded);
         } else {
             one.code_upper(&mut coders.0, models);
@@ -297,7 +297,7 @@ impl Around {
 
     /// Codes the upper cells of this node, and the lower ones of another.
     #[inline(always)]
-    fn code_upper_beside<C: BitCoder>(
+    fn code_upper_adjacent<C: BitCoder>(
         &mut self,
         coder: &mut C,
         other: &mut Self,

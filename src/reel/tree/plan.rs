@@ -1,7 +1,7 @@
 //! Prediction plan for the values of a node: its parent, and adjacent nodes that are known before it.
 
 use super::links::{Links, NONE};
-use super::window::{MIDDLE, OWNERS, PLACED, cell_of, shift_of};
+use super::window::{CENTER, OWNERS, PLACED, cell_of, shift_of};
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
@@ -14,7 +14,7 @@ pub(in crate::reel) struct Known {
     /// Its parent.
     pub(in crate::reel) parent: u32,
     /// Nodes before it that share a face with it, or else an edge; [`NONE`] behind the last.
-    pub(in crate::reel) beside: [u32; MAX_KNOWN],
+    pub(in crate::reel) adjacent: [u32; MAX_KNOWN],
     /// In which direction each is.
     pub(in crate::reel) directions: [u8; MAX_KNOWN],
     /// Children of its parent from it on, itself counted.
@@ -47,7 +47,7 @@ pub(in crate::reel) fn plan(links: Links<'_>) -> Vec<Known> {
 /// For an octant and a place in [`BY_DISTANCE`], the node around its parent whose child is there, which of its octants
 /// come before that child, and the direction.
 #[derive(Clone, Copy)]
-struct Beside {
+struct Adjacent {
     parent: u8,
     before: u8,
     direction: u8,
@@ -56,11 +56,11 @@ struct Beside {
 /// Places in [`BY_DISTANCE`] go on to the number of zeros below a word without bits.
 const PLACES: usize = 33;
 
-static BESIDE: [[Beside; PLACES]; 8] = beside();
+static ADJACENT: [[Adjacent; PLACES]; 8] = adjacent();
 
-const fn beside() -> [[Beside; PLACES]; 8] {
-    let nobody = Beside {
-        parent: MIDDLE as u8,
+const fn adjacent() -> [[Adjacent; PLACES]; 8] {
+    let nobody = Adjacent {
+        parent: CENTER as u8,
         before: 0,
         direction: 0,
     };
@@ -71,7 +71,7 @@ const fn beside() -> [[Beside; PLACES]; 8] {
         while place < BY_DISTANCE.len() {
             let direction = BY_DISTANCE[place];
             let (parent, of_parent) = OWNERS[(cell_of(direction) + shift_of(octant)) as usize];
-            table[octant][place] = Beside {
+            table[octant][place] = Adjacent {
                 parent,
                 before: ((1u32 << of_parent) - 1) as u8,
                 direction,
@@ -124,24 +124,24 @@ fn known_of_children(links: Links<'_>, node: usize, known: &mut Vec<Known>) {
     while octants != 0 {
         let octant = octants.trailing_zeros() as usize;
         // Sisters that come before it are known as well.
-        let sisters = PLACED[MIDDLE][usize::from(mask) & ((1 << octant) - 1)];
+        let sisters = PLACED[CENTER][usize::from(mask) & ((1 << octant) - 1)];
         let mut places = places_around((before | sisters) >> shift_of(octant));
         let mut of_child = Known {
             parent: node as u32,
-            beside: [NONE; MAX_KNOWN],
+            adjacent: [NONE; MAX_KNOWN],
             directions: [0; MAX_KNOWN],
             left: octants.count_ones() as u8,
         };
-        for (neighbour, direction) in of_child.beside.iter_mut().zip(&mut of_child.directions) {
+        for (neighbour, direction) in of_child.adjacent.iter_mut().zip(&mut of_child.directions) {
             // No branch: nobody can guess how many there are.
             let is_there = places != 0;
-            let beside = BESIDE[octant][places.trailing_zeros() as usize];
+            let adjacent = ADJACENT[octant][places.trailing_zeros() as usize];
             places &= places.wrapping_sub(1);
-            let parent = neighbours[usize::from(beside.parent)] as usize;
-            let children = links.masks[parent] & beside.before;
+            let parent = neighbours[usize::from(adjacent.parent)] as usize;
+            let children = links.masks[parent] & adjacent.before;
             let found = links.first[parent] + children.count_ones();
             *neighbour = if is_there { found } else { NONE };
-            *direction = beside.direction;
+            *direction = adjacent.direction;
         }
         known.push(of_child);
         octants &= octants - 1;
@@ -184,7 +184,7 @@ mod tests {
                     let found = places[..node].iter().position(|other| *other == place)?;
                     Some((found as u32, direction))
                 });
-                for (&found, &direction) in known.beside.iter().zip(&known.directions) {
+                for (&found, &direction) in known.adjacent.iter().zip(&known.directions) {
                     let expected = expected.next().unwrap_or((NONE, direction));
                     prop_assert_eq!((found, direction), expected);
                 }

@@ -8,7 +8,7 @@
 pub(in crate::reel) const DIRECTIONS: usize = 27;
 
 /// The direction of no step.
-pub(in crate::reel) const MIDDLE: usize = 13;
+pub(in crate::reel) const CENTER: usize = 13;
 
 /// The cells around the one at (1, 1, 1), itself included, shifted to the corner.
 pub(in crate::reel) const CUBE_OF_27: u64 = 0x0777_0777_0777;
@@ -106,8 +106,8 @@ pub(in crate::reel) const fn refined(around: u64) -> u64 {
     // Columns 0, 1, 2 become 0, 1 and 2, 3; then rows, then planes.
     let x = (around & 0x0111_0111_0111) | ((around & 0x0222_0222_0222) * 3) | (around & 0x0444_0444_0444) << 1;
     let y = (x & 0x000f_000f_000f) | ((x & 0x00f0_00f0_00f0) * 0x11) | (x & 0x0f00_0f00_0f00) << 4;
-    let middle = y & 0xffff_0000;
-    y & 0xffff | middle | middle << 16 | (y & 0xffff_0000_0000) << 16
+    let center = y & 0xffff_0000;
+    y & 0xffff | center | center << 16 | (y & 0xffff_0000_0000) << 16
 }
 
 /// Assembles the window around a node from blocks of 4 × 4 × 4 cells: the one that it is in, and the adjacent ones at
@@ -115,11 +115,11 @@ pub(in crate::reel) const fn refined(around: u64) -> u64 {
 #[inline(always)]
 pub(in crate::reel) fn of_blocks(octant: usize, block: impl Fn(usize) -> u64) -> u64 {
     let (x, y, z) = (octant & 1, octant >> 1 & 1, octant >> 2);
-    let side = |upper: usize, step: usize| if upper == 0 { MIDDLE - step } else { MIDDLE + step };
+    let side = |upper: usize, step: usize| if upper == 0 { CENTER - step } else { CENTER + step };
     let (dx, dy, dz) = (side(x, 1), side(y, 3), side(z, 9));
-    let row = |base: usize| along_x(x, block(base), block(base + dx - MIDDLE));
-    let plane = |base: usize| along_y(y, row(base), row(base + dy - MIDDLE));
-    along_z(z, plane(MIDDLE), plane(dz))
+    let row = |base: usize| along_x(x, block(base), block(base + dx - CENTER));
+    let plane = |base: usize| along_y(y, row(base), row(base + dy - CENTER));
+    along_z(z, plane(CENTER), plane(dz))
 }
 
 #[inline(always)]
@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn masks_are_placed_where_their_cells_are() {
         for mask in 0..=255u8 {
-            let window = PLACED[MIDDLE][mask as usize];
+            let window = PLACED[CENTER][mask as usize];
             assert!((0..8).all(|octant| (around(window, octant) & SELF != 0) == (mask >> octant & 1 != 0)));
         }
         for (cell, (direction, octant)) in OWNERS.into_iter().enumerate() {

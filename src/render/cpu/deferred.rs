@@ -29,8 +29,8 @@ struct Light<S: Simd> {
 /// The rays through eight pixels from `[x, y]` on to the right; their z is −1.
 #[inline(always)]
 pub(super) fn rays<S: Simd>(simd: S, view: &PixelView, [x, y]: [i32; 2]) -> Vectors<S> {
-    let right = lane_numbers(simd) + (x as f32 + 0.5 - view.middle_px[0]);
-    let down = y as f32 + 0.5 - view.middle_px[1];
+    let right = lane_numbers(simd) + (x as f32 + 0.5 - view.center_px[0]);
+    let down = y as f32 + 0.5 - view.center_px[1];
     Vectors {
         x: right * (1.0 / view.px_per_slope[0]),
         y: f32x8::splat(simd, down / view.px_per_slope[1]),

@@ -148,7 +148,7 @@ pub(super) struct Pyramid {
 impl Pyramid {
     pub(super) fn of(view: &PixelView, rect: PixelRect) -> Self {
         // The middles of pixels, where things are drawn, are half a pixel inside: more than rounding can do.
-        let slope = |axis: usize, px: i32| (px as f32 - view.middle_px[axis]) / view.px_per_slope[axis];
+        let slope = |axis: usize, px: i32| (px as f32 - view.center_px[axis]) / view.px_per_slope[axis];
         let [left, right] = [rect.start, rect.end].map(|corner| slope(0, corner[0]));
         let [top, bottom] = [rect.start, rect.end].map(|corner| slope(1, corner[1]));
         Self {
@@ -169,9 +169,9 @@ impl Pyramid {
     pub(super) fn may_touch<S: Simd>(&self, simd: S, centers: Vectors<S>, distances: f32x8<S>) -> mask32x8<S> {
         let [left, right, top, bottom] = self.sides;
         let (x, y, z) = (centers.x, centers.y, centers.z);
-        let beside = |side: Vec3| x.mul_add(side.x, z * side.z);
+        let neighbor = |side: Vec3| x.mul_add(side.x, z * side.z);
         let above = |side: Vec3| y.mul_add(side.y, z * side.z);
-        let across = beside(left).min(beside(right));
+        let across = neighbor(left).min(neighbor(right));
         let along = above(top).min(above(bottom));
         let beyond_near = -z - f32x8::splat(simd, self.near);
         (across.min(along).min(beyond_near) + distances).simd_ge(f32x8::splat(simd, 0.0))
@@ -223,7 +223,7 @@ mod tests {
         ) {
             let view = view_of([64, 64]);
             let slope = |axis: usize| {
-                (px[axis] as f32 + 0.5 - view.middle_px[axis]) / view.px_per_slope[axis]
+                (px[axis] as f32 + 0.5 - view.center_px[axis]) / view.px_per_slope[axis]
             };
             let seen = distance * Vec3::new(slope(0), slope(1), -1.0);
             let radius = radius * distance;
@@ -240,15 +240,15 @@ mod tests {
             distance in 0.1f32..1e4,
         ) {
             let view = view_of([64, 64]);
-            let edge = ((column as f32 - view.middle_px[0]) / view.px_per_slope[0]).atan();
+            let edge = ((column as f32 - view.center_px[0]) / view.px_per_slope[0]).atan();
             prop_assume!((edge - angle).abs() > 1e-2);
             let center = distance * Vec3::new(angle.sin(), 0.0, -angle.cos());
-            let beside = distance * (edge - angle).sin();
+            let neighbor = distance * (edge - angle).sin();
             let left = PixelRect { start: [-1 << 20, -1 << 20], end: [column, 1 << 20] };
             let right = PixelRect { start: [column, -1 << 20], end: [1 << 20, 1 << 20] };
-            for (rect, beside) in [(left, -beside), (right, beside)] {
-                prop_assert!(!may_touch(&view, rect, center, 0.999 * beside) || beside < 0.0);
-                prop_assert!(may_touch(&view, rect, center, 1.001 * beside.max(0.0)));
+            for (rect, neighbor) in [(left, -neighbor), (right, neighbor)] {
+                prop_assert!(!may_touch(&view, rect, center, 0.999 * neighbor) || neighbor < 0.0);
+                prop_assert!(may_touch(&view, rect, center, 1.001 * neighbor.max(0.0)));
             }
         }
     }

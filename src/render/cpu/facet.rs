@@ -167,8 +167,8 @@ impl Facets {
 fn along_rays<S: Simd>(view: &PixelView, vectors: Vectors<S>) -> [f32x8<S>; 3] {
     let per_x = vectors.x * (1.0 / view.px_per_slope[0]);
     let per_y = vectors.y * (1.0 / view.px_per_slope[1]);
-    let to_middle = per_x * view.middle_px[0] + per_y * view.middle_px[1];
-    [per_x, per_y, -vectors.z - to_middle]
+    let to_center = per_x * view.center_px[0] + per_y * view.center_px[1];
+    [per_x, per_y, -vectors.z - to_center]
 }
 
 /// Computes the pixel bounds that patches may cover: left, top, right, bottom. `vectors` are `c, u, v`; `rows` what
@@ -195,15 +195,15 @@ fn bounds<S: Simd>(
         // is made of the same cross products, which do not cancel where a small disk is far away.
         Outline::Disk => {
             let per_depth2 = 1.0 / (c.z * c.z - u.z * u.z - v.z * v.z);
-            let middle = |c_axis: f32x8<S>, u_axis: f32x8<S>, v_axis: f32x8<S>| {
+            let midpoint = |c_axis: f32x8<S>, u_axis: f32x8<S>, v_axis: f32x8<S>| {
                 (u_axis * u.z + v_axis * v.z - c_axis * c.z) * per_depth2
             };
             let reach = |p_axis: f32x8<S>, q_axis: f32x8<S>, w_axis: f32x8<S>| {
                 let reach2 = p_axis * p_axis + q_axis * q_axis - w_axis * w_axis;
                 reach2.max(zero).sqrt() * per_depth2
             };
-            let (x, half_x) = (middle(c.x, u.x, v.x), reach(p.y, q.y, w.y));
-            let (y, half_y) = (middle(c.y, u.y, v.y), reach(p.x, q.x, w.x));
+            let (x, half_x) = (midpoint(c.x, u.x, v.x), reach(p.y, q.y, w.y));
+            let (y, half_y) = (midpoint(c.y, u.y, v.y), reach(p.x, q.x, w.x));
             [x - half_x, x + half_x, y - half_y, y + half_y]
         }
         Outline::Parallelogram => {
@@ -222,14 +222,14 @@ fn bounds<S: Simd>(
             ]
         }
     };
-    let px = |slope: f32x8<S>, axis: usize| slope * view.px_per_slope[axis] + view.middle_px[axis];
+    let px = |slope: f32x8<S>, axis: usize| slope * view.px_per_slope[axis] + view.center_px[axis];
     // Rows are counted downwards.
     let mut ends = [px(low_x, 0), px(high_x, 0), px(high_y, 1), px(low_y, 1)];
     if canvas.min_reach_px > 0.0 {
-        let middles = [px(c.x / -c.z, 0), px(c.y / -c.z, 1)];
-        for (axis, middle) in middles.into_iter().enumerate() {
-            ends[2 * axis] = ends[2 * axis].min(middle - canvas.min_reach_px);
-            ends[2 * axis + 1] = ends[2 * axis + 1].max(middle + canvas.min_reach_px);
+        let midpoints = [px(c.x / -c.z, 0), px(c.y / -c.z, 1)];
+        for (axis, midpoint) in midpoints.into_iter().enumerate() {
+            ends[2 * axis] = ends[2 * axis].min(midpoint - canvas.min_reach_px);
+            ends[2 * axis + 1] = ends[2 * axis + 1].max(midpoint + canvas.min_reach_px);
         }
     }
     let [left, right] = pixels_between(simd, clip, 0, [ends[0], ends[1]], is_around_eye);
@@ -300,7 +300,7 @@ mod tests {
     fn meets(patch: &Patch, view: &PixelView, x: i32, y: i32) -> Option<([f64; 2], f64)> {
         let [c, u, v] = [patch.center, patch.u, patch.v].map(Vec3::as_dvec3);
         let slope = |axis: usize, px: i32| {
-            (f64::from(px) + 0.5 - f64::from(view.middle_px[axis])) / f64::from(view.px_per_slope[axis])
+            (f64::from(px) + 0.5 - f64::from(view.center_px[axis])) / f64::from(view.px_per_slope[axis])
         };
         let ray = glam::DVec3::new(slope(0, x), slope(1, y), -1.0);
         let solution = glam::DMat3::from_cols(u, v, -ray).inverse() * -c;

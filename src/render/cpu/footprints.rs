@@ -46,7 +46,7 @@ impl<S: Simd> Footprints<S> {
 
     /// Returns a mask of the splats that may cover the centre of a pixel.
     #[inline(always)]
-    pub(super) fn may_cover_middles(&self, simd: S) -> mask32x8<S> {
+    pub(super) fn may_cover_centers(&self, simd: S) -> mask32x8<S> {
         let reach_px = self.reach_px + f32x8::splat(simd, SLACK_PX);
         !self.from_pixel2_px.simd_gt(reach_px * reach_px)
     }
@@ -61,7 +61,7 @@ impl<S: Simd> Footprints<S> {
 /// Returns the distance from a slope along an axis to the centre of the pixel that it is seen in.
 #[inline(always)]
 fn from_pixel<S: Simd>(view: &PixelView, slope: f32x8<S>, axis: usize) -> f32x8<S> {
-    let px = slope * view.px_per_slope[axis] + view.middle_px[axis];
+    let px = slope * view.px_per_slope[axis] + view.center_px[axis];
     px - px.floor() - 0.5
 }
 
@@ -81,7 +81,7 @@ mod tests {
     fn footprint(view: &PixelView, center: Vec3, reach: f32, within_px: f32) -> (bool, bool) {
         dispatch!(Level::new(), simd => {
             let footprints = Footprints::of(simd, view, Vectors::splat(simd, center), f32x8::splat(simd, reach));
-            let may_cover = footprints.may_cover_middles(simd);
+            let may_cover = footprints.may_cover_centers(simd);
             let are_within = footprints.are_within(simd, within_px);
             (simd.any_true_mask32x8(may_cover), simd.any_true_mask32x8(are_within))
         })
@@ -120,7 +120,7 @@ mod tests {
         ) {
             let view = view_of(SIZE_PX);
             let normal = Vec3::from_array(normal).try_normalize().unwrap_or(Vec3::X);
-            let slope = |axis: usize| (px[axis] - view.middle_px[axis]) / view.px_per_slope[axis];
+            let slope = |axis: usize| (px[axis] - view.center_px[axis]) / view.px_per_slope[axis];
             let center = distance * Vec3::new(slope(0), slope(1), -1.0);
             let radius = radius_px * distance / view.px_per_slope[0].abs();
             let pixels = covered(&view, center, normal, radius);

@@ -144,13 +144,13 @@ pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shadin
 /// Draws attributes of splats that are at least as large as [`SplatFilter::Clamp`](crate::scene::SplatFilter) requires:
 /// a mask is that of the disk, or of the circle around its centre where that is stronger.
 #[inline(always)]
-pub(super) fn attribute_clamped<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading, middle: &Middle) {
+pub(super) fn attribute_clamped<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading, center: &Center) {
     let splat = |value: f32| f32x8::splat(simd, value);
-    let (nothing, beside) = (splat(0.0), splat(2.0));
+    let (nothing, neighbor) = (splat(0.0), splat(2.0));
     let [left, top] = tile.origin;
     let per_radius = 1.0 / SplatFilter::CLAMP_RADIUS_PX;
     let lanes = lane_numbers(simd) * per_radius;
-    let is_in_front = middle.depth > 0.0;
+    let is_in_front = center.depth > 0.0;
     for_each(
         simd,
         tile.rect(),
@@ -160,14 +160,14 @@ pub(super) fn attribute_clamped<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet
             let on_plane = fragments.depths(simd, facet.depth_per_w);
             let across = fragments.p.mul_add(fragments.p, fragments.q * fragments.q) / (fragments.w * fragments.w);
             let is_on_plane = fragments.w.simd_gt(nothing) & are_beyond_near(simd, on_plane);
-            let of_disk = simd.select_f32x8(is_on_plane, across, beside);
-            let middle_of = |px: i32, axis: usize| (px as f32 + 0.5 - middle.place_px[axis]) * per_radius;
-            let right = lanes + splat(middle_of(left + (at % WIDTH) as i32, 0));
-            let down = splat(middle_of(top + (at / WIDTH) as i32, 1));
+            let of_disk = simd.select_f32x8(is_on_plane, across, neighbor);
+            let center_of = |px: i32, axis: usize| (px as f32 + 0.5 - center.place_px[axis]) * per_radius;
+            let right = lanes + splat(center_of(left + (at % WIDTH) as i32, 0));
+            let down = splat(center_of(top + (at / WIDTH) as i32, 1));
             let of_circle = right.mul_add(right, down * down);
-            let of_circle = if is_in_front { of_circle } else { beside };
+            let of_circle = if is_in_front { of_circle } else { neighbor };
             let is_circle = of_circle.simd_lt(of_disk);
-            let depths = simd.select_f32x8(is_circle, splat(middle.depth), on_plane);
+            let depths = simd.select_f32x8(is_circle, splat(center.depth), on_plane);
             let radius2 = of_circle.min(of_disk);
             let drawn = radius2.simd_le(splat(1.0)) & depths.simd_ge(load(simd, &tile.depth, at));
             if !simd.any_true_mask32x8(drawn) {
@@ -181,7 +181,7 @@ pub(super) fn attribute_clamped<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet
 
 /// Screen position of the centre of a splat.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Middle {
+pub(super) struct Center {
     pub(super) place_px: [f32; 2],
     /// Reversed; 0 where it is not in front of the eye.
     pub(super) depth: f32,
@@ -343,10 +343,10 @@ pub(super) fn gaussian<S: Simd>(simd: S, radius2: f32x8<S>) -> f32x8<S> {
 #[inline(always)]
 pub(super) fn measure_rays<S: Simd>(simd: S, view: &PixelView, tile: &mut Tile) {
     tile.per_ray_length.resize(PIXELS, 0.0);
-    let to_right = |x: f32x8<S>| (x - view.middle_px[0]) * (1.0 / view.px_per_slope[0]);
+    let to_right = |x: f32x8<S>| (x - view.center_px[0]) * (1.0 / view.px_per_slope[0]);
     let [left, top] = tile.origin.map(|edge| edge as f32 + 0.5);
     for (row, lengths) in tile.per_ray_length.chunks_exact_mut(WIDTH).enumerate() {
-        let down = (top + row as f32 - view.middle_px[1]) / view.px_per_slope[1];
+        let down = (top + row as f32 - view.center_px[1]) / view.px_per_slope[1];
         for column in (0..WIDTH).step_by(LANES) {
             let right = to_right(lane_numbers(simd) + (left + column as f32));
             let length2 = right.mul_add(right, f32x8::splat(simd, down * down + 1.0));

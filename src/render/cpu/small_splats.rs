@@ -106,8 +106,8 @@ impl SmallSplats {
         let per_determinant = 1.0 / xx.mul_sub(yy, xy * xy).max(splat(MIN_DETERMINANT));
         let (a, b, c) = (yy * per_determinant, xy * per_determinant * -2.0, xx * per_determinant);
         let per_distance = -1.0 / centers.z;
-        let x = (centers.x * per_distance).mul_add(splat(view.px_per_slope[0]), splat(view.middle_px[0]));
-        let y = (centers.y * per_distance).mul_add(splat(view.px_per_slope[1]), splat(view.middle_px[1]));
+        let x = (centers.x * per_distance).mul_add(splat(view.px_per_slope[0]), splat(view.center_px[0]));
+        let y = (centers.y * per_distance).mul_add(splat(view.px_per_slope[1]), splat(view.center_px[1]));
         let (left, top) = ((x - xx.sqrt() - 0.5).ceil(), (y - yy.sqrt() - 0.5).ceil());
 
         let facing = normals.dot(centers);

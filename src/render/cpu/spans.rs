@@ -18,19 +18,19 @@ pub(super) fn for_each_span(corners: &[[f64; 2]], clip: PixelRect, mut visit: im
         top = top.min(corner[1]);
         bottom = bottom.max(corner[1]);
     }
-    let rows = first_middle(top).max(clip.start[1])..first_middle(bottom).min(clip.end[1]);
+    let rows = first_center(top).max(clip.start[1])..first_center(bottom).min(clip.end[1]);
     for y in rows {
-        let middle = f64::from(y) + 0.5;
+        let center = f64::from(y) + 0.5;
         let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
         for (index, &start) in corners.iter().enumerate() {
             let end = corners[(index + 1) % corners.len()];
-            if (start[1] <= middle) != (end[1] <= middle) {
-                let x = crossing(start, end, middle);
+            if (start[1] <= center) != (end[1] <= center) {
+                let x = crossing(start, end, center);
                 left = left.min(x);
                 right = right.max(x);
             }
         }
-        let columns = first_middle(left).max(clip.start[0])..first_middle(right).min(clip.end[0]);
+        let columns = first_center(left).max(clip.start[0])..first_center(right).min(clip.end[0]);
         if !columns.is_empty() {
             visit(y, columns);
         }
@@ -39,7 +39,7 @@ pub(super) fn for_each_span(corners: &[[f64; 2]], clip: PixelRect, mut visit: im
 
 /// Returns the first pixel whose centre is not before a position.
 #[inline(always)]
-fn first_middle(place: f64) -> i32 {
+fn first_center(place: f64) -> i32 {
     (place - 0.5).ceil() as i32
 }
 
@@ -82,9 +82,9 @@ mod tests {
             let found = covered(&corners);
             for x in 0..EDGE {
                 for y in 0..EDGE {
-                    let middle = [f64::from(x) + 0.5, f64::from(y) + 0.5];
+                    let center = [f64::from(x) + 0.5, f64::from(y) + 0.5];
                     let sides = [0, 1, 2].map(|side| {
-                        doubled_area([corners[side], corners[(side + 1) % 3], middle]) * doubled_area(corners).signum()
+                        doubled_area([corners[side], corners[(side + 1) % 3], center]) * doubled_area(corners).signum()
                     });
                     let nearest = sides.into_iter().fold(f64::INFINITY, f64::min);
                     // On the border rounding decides.
@@ -98,24 +98,24 @@ mod tests {
         /// A fan of triangles around a place covers each pixel of its outline once, on whatever grid corners lie.
         #[test]
         fn triangles_around_a_corner_leave_no_hole_and_draw_nothing_twice(
-            middle in prop::array::uniform2(8f64..16.0),
+            center in prop::array::uniform2(8f64..16.0),
             steps in 1f64..64.0,
             rim in prop::collection::vec(0f64..1.0, 3..9),
         ) {
             let on_grid = |place: f64| (place * steps).round() / steps;
-            let middle = middle.map(on_grid);
+            let center = center.map(on_grid);
             let mut turns = rim;
             turns.sort_by(f64::total_cmp);
             let outline: Vec<[f64; 2]> = turns
                 .iter()
                 .map(|turn| {
                     let (sine, cosine) = (turn * std::f64::consts::TAU).sin_cos();
-                    [on_grid(middle[0] + 7.0 * cosine), on_grid(middle[1] + 7.0 * sine)]
+                    [on_grid(center[0] + 7.0 * cosine), on_grid(center[1] + 7.0 * sine)]
                 })
                 .collect();
             let mut fan = Vec::new();
             for (index, &start) in outline.iter().enumerate() {
-                let corners = [middle, start, outline[(index + 1) % outline.len()]];
+                let corners = [center, start, outline[(index + 1) % outline.len()]];
                 // The fan goes around the corner once, without folds.
                 prop_assume!(doubled_area(corners) >= 0.0);
                 fan.extend(covered(&corners));

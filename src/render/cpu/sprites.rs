@@ -28,8 +28,8 @@ impl Sprite {
         let half = self.half_px;
         // Pixels whose middles are within.
         let range = |axis: usize| {
-            let middle = self.place_px[axis];
-            let [start, end] = [middle - half, middle + half].map(|end| (end - 0.5).ceil() as i32);
+            let center = self.place_px[axis];
+            let [start, end] = [center - half, center + half].map(|end| (end - 0.5).ceil() as i32);
             start.max(clip.start[axis])..end.min(clip.end[axis])
         };
         let columns = range(0);

@@ -14,7 +14,7 @@ pub(in crate::render) struct PixelView {
     /// Pixels from the view axis for a slope of 1, rightwards and downwards.
     pub(in crate::render) px_per_slope: [f32; 2],
     /// Principal point, where the view axis meets the image: its centre, except for a part of a larger image.
-    pub(in crate::render) middle_px: [f32; 2],
+    pub(in crate::render) center_px: [f32; 2],
 }
 
 impl PixelView {
@@ -29,7 +29,7 @@ impl PixelView {
             near: packet.view.near,
             size_px: packet.viewport_px,
             px_per_slope: [focal[0] * half_size[0], -focal[1] * half_size[1]],
-            middle_px: [half_size[0] * (1.0 + right), half_size[1] * (1.0 - up)],
+            center_px: [half_size[0] * (1.0 + right), half_size[1] * (1.0 - up)],
         }
     }
 
@@ -71,7 +71,7 @@ impl PixelView {
         let per_px = [vector.x / self.px_per_slope[0], vector.y / self.px_per_slope[1]];
         Affine {
             per_px,
-            at_origin: -vector.z - per_px[0] * self.middle_px[0] - per_px[1] * self.middle_px[1],
+            at_origin: -vector.z - per_px[0] * self.center_px[0] - per_px[1] * self.center_px[1],
         }
     }
 
@@ -84,7 +84,7 @@ impl PixelView {
             return PixelRect::EMPTY;
         }
         if nearest <= 0.5 * self.near || nearest.is_nan() {
-            return if self.is_beside(center, half, margin_px) {
+            return if self.is_outside(center, half, margin_px) {
                 PixelRect::EMPTY
             } else {
                 whole
@@ -99,13 +99,13 @@ impl PixelView {
     }
 
     /// Returns true if all of a box, which may reach behind the eye, is beyond one of the sides of the image.
-    fn is_beside(&self, center: Vec3, half: Vec3, margin_px: f32) -> bool {
+    fn is_outside(&self, center: Vec3, half: Vec3, margin_px: f32) -> bool {
         (0..2).any(|axis| {
             let edge_px = self.size_px[axis] as f32;
             [(-margin_px, -1.0), (edge_px + margin_px, 1.0)]
                 .into_iter()
                 .any(|(side_px, outwards)| {
-                    let slope = (side_px - self.middle_px[axis]) / self.px_per_slope[axis];
+                    let slope = (side_px - self.center_px[axis]) / self.px_per_slope[axis];
                     let outwards = outwards * self.px_per_slope[axis].signum();
                     let beyond_side = outwards * (center[axis] + slope * center.z);
                     // Of the corner that is farthest inwards.
@@ -117,7 +117,7 @@ impl PixelView {
     /// The pixels between two slopes along x and y.
     #[inline(always)]
     pub(super) fn around_slopes(&self, low: Vec3, high: Vec3) -> PixelRect {
-        let px = |slope: f32, axis: usize| self.middle_px[axis] + slope * self.px_per_slope[axis];
+        let px = |slope: f32, axis: usize| self.center_px[axis] + slope * self.px_per_slope[axis];
         // Rows are counted downwards.
         PixelRect::around([px(low.x, 0), px(high.x, 0)], [px(high.y, 1), px(low.y, 1)])
     }

@@ -172,7 +172,7 @@ shared_struct! {
         /// Pixels for a slope of 1.
         px_per_slope: [f32; 2],
         /// Principal point, where the view axis meets the image.
-        middle_px: [f32; 2],
+        center_px: [f32; 2],
         /// Size of the image with its margin.
         size_px: [u32; 2],
         /// The first record of what `surface` writes among all.
@@ -209,7 +209,7 @@ impl Screening {
             sensor: sensor.unwrap_or_default().to_array(),
             point_count,
             px_per_slope: view.px_per_slope,
-            middle_px: view.middle_px,
+            center_px: view.center_px,
             size_px: view.size_px,
             ..Self::zeroed()
         }

@@ -148,9 +148,9 @@ impl Truth {
                         pixels[place..place + 3].copy_from_slice(&bytes);
                         pixels[place + 3] = 255;
                     }
-                    let middles = tile(1);
-                    let columns = middles.size()[0];
-                    for (index, hit) in visible.meet(view, &middles).into_iter().enumerate() {
+                    let centers = tile(1);
+                    let columns = centers.size()[0];
+                    for (index, hit) in visible.meet(view, &centers).into_iter().enumerate() {
                         if let Some(hit) = hit {
                             let place = pixel(index % columns, index / columns);
                             depths[place] = hit.depth as f32;

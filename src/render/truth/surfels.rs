@@ -136,11 +136,11 @@ impl Disk {
     fn meet(&self, ray: DVec3) -> Option<[f64; 2]> {
         let depth = self.normal.dot(self.center) / self.normal.dot(ray);
         let offset = ray * depth - self.center;
-        let off_middle = match self.per_half_axis {
+        let off_center = match self.per_half_axis {
             Some(per_half_axis) => per_half_axis.map(|axis| axis.dot(offset).powi(2)).iter().sum(),
             None => offset.length_squared() / (self.radius * self.radius),
         };
-        (depth > 0.0 && off_middle.is_finite()).then_some([depth, off_middle])
+        (depth > 0.0 && off_center.is_finite()).then_some([depth, off_center])
     }
 }
 
@@ -168,19 +168,19 @@ impl Visible for SeenDisks {
             weight: 0.0,
         };
         let mut sums = vec![nothing; columns * rows];
-        self.for_each_meeting(view, samples, |sample, disk, _, [depth, off_middle]| {
+        self.for_each_meeting(view, samples, |sample, disk, _, [depth, off_center]| {
             let sum = &mut sums[sample];
-            if off_middle <= 1.0 && depth < sum.depth {
+            if off_center <= 1.0 && depth < sum.depth {
                 let distance = disk.center.length().max(f64::MIN_POSITIVE);
                 sum.depth = depth;
                 sum.deepest = depth * (1.0 + f64::from(DEPTH_SLACK_RADII) * disk.radius / distance);
                 sum.radius = disk.radius;
             }
         });
-        self.for_each_meeting(view, samples, |sample, disk, ray, [depth, off_middle]| {
+        self.for_each_meeting(view, samples, |sample, disk, ray, [depth, off_center]| {
             let sum = &mut sums[sample];
-            if off_middle <= 1.0 && depth <= sum.deepest {
-                let weight = (-f64::from(MASK_FALLOFF) * off_middle).exp();
+            if off_center <= 1.0 && depth <= sum.deepest {
+                let weight = (-f64::from(MASK_FALLOFF) * off_center).exp();
                 sum.color += weight * view.lit(disk.color, disk.normal, ray);
                 sum.weight += weight;
             }

@@ -82,9 +82,9 @@ fn near_disks_hide_far_ones_and_blend_with_those_of_their_surface() {
     // A quarter of a radius behind: the same surface, the same middle, the same weight.
     let beside = disk([0.0, 0.0, -0.5], 2.1, [0, 200, 0]);
     let far = disk([0.0, 0.0, -5.0], 4.0, [0, 0, 200]);
-    let middle = |disks: &[_]| of_disks(disks, &view).image.get_pixel(32, 32).0;
-    assert_eq!(middle(&[far, near]), [200, 0, 0, 255]);
-    let [red, green, blue, _] = middle(&[beside, far, near]);
+    let center = |disks: &[_]| of_disks(disks, &view).image.get_pixel(32, 32).0;
+    assert_eq!(center(&[far, near]), [200, 0, 0, 255]);
+    let [red, green, blue, _] = center(&[beside, far, near]);
     assert!(
         red.abs_diff(100) <= 2 && green.abs_diff(100) <= 2 && blue == 0,
         "{red} {green} {blue}"
@@ -150,7 +150,7 @@ fn what_faces_away_is_behind_the_eye_or_beside_the_picture_is_not_seen() {
 #[test]
 fn shapes_are_met_where_their_formulas_say() {
     // Along the view axis, at the distance of 5.
-    let depth_in_middle = |shape: Shape, azimuth_deg: f64, elevation_deg: f64, x_px: f64| {
+    let depth_in_center = |shape: Shape, azimuth_deg: f64, elevation_deg: f64, x_px: f64| {
         let camera = Camera {
             azimuth_deg,
             elevation_deg,
@@ -178,7 +178,7 @@ fn shapes_are_met_where_their_formulas_say() {
         (Shape::Saddle, 0.0, 0.0, 100.0, Some(5.0)),
     ];
     for (shape, azimuth, elevation, x_px, expected) in cases {
-        let depth = depth_in_middle(shape, azimuth, elevation, x_px);
+        let depth = depth_in_center(shape, azimuth, elevation, x_px);
         // At 120 the ray meets the ring's circle at distance 5: its tube is met off the axis of the ring.
         let tolerance = if x_px == 100.0 { 1e-9 } else { 0.05 };
         match (depth, expected) {

@@ -16,11 +16,11 @@ pub(super) fn first_beyond(end: f64, steps: u32, is_beyond: impl Fn(f64) -> bool
     };
     let (mut within, mut beyond) = (at(step - 1), at(step));
     for _ in 0..60 {
-        let middle = f64::midpoint(within, beyond);
-        if is_beyond(middle) {
-            beyond = middle;
+        let center = f64::midpoint(within, beyond);
+        if is_beyond(center) {
+            beyond = center;
         } else {
-            within = middle;
+            within = center;
         }
     }
     within

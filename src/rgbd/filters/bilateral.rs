@@ -71,15 +71,15 @@ impl Bilateral {
     #[inline(always)]
     fn mean_at<S: Simd>(&self, simd: S, padded: &Padded, by_distance: &[[f32; 9]; 9], at: [usize; 2]) -> f32x8<S> {
         let splat = |value: f32| f32x8::splat(simd, value);
-        let middle = load(simd, padded.around::<SPAN>(at, REACH), REACH);
-        let is_measured = middle.simd_lt(splat(0.5 * NOWHERE_M));
+        let center = load(simd, padded.around::<SPAN>(at, REACH), REACH);
+        let is_measured = center.simd_lt(splat(0.5 * NOWHERE_M));
         if is_measured.all_false() {
             return splat(0.0);
         }
         let sigma = if let Some(sigma) = self.depth_m {
             splat(sigma)
         } else {
-            let beyond = middle - SENSOR_BEST_M;
+            let beyond = center - SENSOR_BEST_M;
             (beyond * beyond * SENSOR_NOISE_PER_M + SENSOR_NOISE_M) * self.noise_factor
         };
         let by_square = splat(-0.5 * LOG2_E) / (sigma * sigma);
@@ -87,13 +87,13 @@ impl Bilateral {
         for (row, exponents) in by_distance.iter().enumerate() {
             let around = padded.around::<SPAN>(at, row);
             for (column, &exponent) in exponents.iter().enumerate() {
-                let difference = load(simd, around, column) - middle;
+                let difference = load(simd, around, column) - center;
                 let weight = exp2(simd, (difference * difference).mul_add(by_square, splat(exponent)));
                 weights += weight;
                 sum = weight.mul_add(difference, sum);
             }
         }
-        simd.select_f32x8(is_measured, middle + sum / weights, splat(0.0))
+        simd.select_f32x8(is_measured, center + sum / weights, splat(0.0))
     }
 }
 

@@ -62,15 +62,15 @@ impl FlyingPixels {
         let splat = |value: f32| f32x8::splat(simd, value);
         let (none, one) = (splat(0.0), splat(1.0));
         let rows = [0, 1, 2].map(|down| padded.around::<SPAN>(at, down));
-        let middle = load(simd, rows[1], 1);
-        let max = (middle * self.max_share).max(splat(self.max_m));
+        let center = load(simd, rows[1], 1);
+        let max = (center * self.max_share).max(splat(self.max_m));
         let mut neighbours = none;
         for [right, down] in AROUND {
-            let is_near = (load(simd, rows[down], right) - middle).abs().simd_le(max);
+            let is_near = (load(simd, rows[down], right) - center).abs().simd_le(max);
             neighbours += simd.select_f32x8(is_near, one, none);
         }
-        let retained = simd.select_f32x8(neighbours.simd_ge(splat(min)), middle, none);
-        simd.select_f32x8(middle.simd_lt(splat(0.5 * NOWHERE_M)), retained, none)
+        let retained = simd.select_f32x8(neighbours.simd_ge(splat(min)), center, none);
+        simd.select_f32x8(center.simd_lt(splat(0.5 * NOWHERE_M)), retained, none)
     }
 }
 
@@ -90,15 +90,15 @@ mod tests {
             }
         };
         let at = |x: isize, y: isize| {
-            let middle = pixel(x, y);
-            let max = filter.max_m.max(filter.max_share * middle);
+            let center = pixel(x, y);
+            let max = filter.max_m.max(filter.max_share * center);
             let is_near = |[right, down]: &[usize; 2]| {
                 let z = pixel(x + *right as isize - 1, y + *down as isize - 1);
-                z > 0.0 && (z - middle).abs() <= max
+                z > 0.0 && (z - center).abs() <= max
             };
             let near = AROUND.iter().filter(|offset| is_near(offset)).count();
             if near >= usize::from(filter.min_neighbours) {
-                middle
+                center
             } else {
                 0.0
             }

@@ -47,15 +47,15 @@ pub(crate) fn bilateral_by_definition(depth: &DepthImage, bilateral: &Bilateral)
     };
     let space = f64::from(bilateral.space_px);
     let mean = |x: isize, y: isize| {
-        let Some(middle) = pixel(x, y) else { return 0.0 };
+        let Some(center) = pixel(x, y) else { return 0.0 };
         let sigma = match bilateral.depth_m {
             Some(sigma) => f64::from(sigma),
-            None => f64::from(bilateral.noise_factor) * (0.0012 + 0.0019 * (middle - 0.4).powi(2)),
+            None => f64::from(bilateral.noise_factor) * (0.0012 + 0.0019 * (center - 0.4).powi(2)),
         };
         let (mut weights, mut sum) = (0.0, 0.0);
         for (dx, dy) in (-4..=4).flat_map(|dy| (-4..=4).map(move |dx| (dx, dy))) {
             let Some(z) = pixel(x + dx, y + dy) else { continue };
-            let by_depth = -(z - middle).powi(2) / (2.0 * sigma * sigma);
+            let by_depth = -(z - center).powi(2) / (2.0 * sigma * sigma);
             let by_space = -((dx * dx + dy * dy) as f64) / (2.0 * space * space);
             let weight = by_depth.exp() * by_space.exp();
             weights += weight;

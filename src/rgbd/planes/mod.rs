@@ -106,13 +106,13 @@ fn plane_of(levels: &[PlanesOfWindows; 4], limit: f32, ray: &[f32; 3], pixel: [u
     let min = |first: &Plane, second: &Plane| first.error.total_cmp(&second.error);
     let fits = |plane: &Plane| plane.fits(limit, ray);
     let around = |planes: &PlanesOfWindows| planes.at(pixel, [0, 0]).filter(fits);
-    let beside = |planes: &PlanesOfWindows| planes.beside(pixel).filter(fits).min_by(min);
+    let neighbor = |planes: &PlanesOfWindows| planes.neighbor(pixel).filter(fits).min_by(min);
     let [widest, .., narrowest] = levels;
     let mut steps = levels.windows(2);
     around(widest)
-        .or_else(|| steps.find_map(|step| around(&step[1]).or_else(|| beside(&step[0]))))
-        .or_else(|| beside(narrowest))
-        .or_else(|| narrowest.beside(pixel).min_by(min))
+        .or_else(|| steps.find_map(|step| around(&step[1]).or_else(|| neighbor(&step[0]))))
+        .or_else(|| neighbor(narrowest))
+        .or_else(|| narrowest.neighbor(pixel).min_by(min))
         .unwrap_or(Plane::NONE)
 }
 

@@ -63,10 +63,10 @@ impl Noise {
 /// Ranges of depths and errors of windows of `half` pixels around some pixels, in the order of ranges. Those without an
 /// error are between two steps of the sensor, and tell nothing.
 fn errors(pixels: &Pixels, half: usize) -> Vec<(i32, f32)> {
-    let middles = |edge: usize| (STEP_PX / 2..edge).step_by(STEP_PX);
-    let lines: Vec<usize> = middles(pixels.height).collect();
+    let centers = |edge: usize| (STEP_PX / 2..edge).step_by(STEP_PX);
+    let lines: Vec<usize> = centers(pixels.height).collect();
     let of_line = |line: usize| {
-        middles(pixels.width).filter_map(move |column| {
+        centers(pixels.width).filter_map(move |column| {
             let inverse = pixels.rays[line * pixels.width + column][2];
             let error = plane_around(pixels, half, [column, line]).error;
             (error.is_finite() && error > LIMITS[0] * inverse).then(|| (range_of(inverse), error))

@@ -97,15 +97,15 @@ impl Windows {
         Self { lines, width, corners }
     }
 
-    /// The planes of windows of `half` pixels around each pixel of `middles`. What is outside of the image has no
+    /// The planes of windows of `half` pixels around each pixel of `centers`. What is outside of the image has no
     /// depths. Precondition: the table has the lines of all these windows that the image has.
-    pub(super) fn planes(&self, half: usize, middles: Range<usize>) -> PlanesOfWindows {
+    pub(super) fn planes(&self, half: usize, centers: Range<usize>) -> PlanesOfWindows {
         let corner_row = |line: usize| {
             let row = line.clamp(self.lines.start, self.lines.end) - self.lines.start;
             &self.corners[(self.width + 1) * row..][..=self.width]
         };
-        let mut planes = Vec::with_capacity(self.width * middles.len());
-        for line in middles.clone() {
+        let mut planes = Vec::with_capacity(self.width * centers.len());
+        for line in centers.clone() {
             let top = corner_row(line.saturating_sub(half));
             let bottom = corner_row(line + half + 1);
             planes.extend((0..self.width).map(|column| {
@@ -117,7 +117,7 @@ impl Windows {
         }
         PlanesOfWindows {
             half,
-            middles,
+            centers,
             width: self.width,
             planes,
         }
@@ -127,7 +127,7 @@ impl Windows {
 /// The planes of windows of one size around each pixel of some lines.
 pub(super) struct PlanesOfWindows {
     half: usize,
-    middles: Range<usize>,
+    centers: Range<usize>,
     width: usize,
     pub(super) planes: Vec<Plane>,
 }
@@ -138,14 +138,14 @@ impl PlanesOfWindows {
         let half = self.half as isize;
         let column = column.checked_add_signed(right * half)?;
         let line = line.checked_add_signed(down * half)?;
-        let is_there = column < self.width && self.middles.contains(&line);
-        is_there.then(|| self.planes[(line - self.middles.start) * self.width + column])
+        let is_there = column < self.width && self.centers.contains(&line);
+        is_there.then(|| self.planes[(line - self.centers.start) * self.width + column])
     }
 
     /// Returns the planes of the neighbouring windows that have a pixel at their border.
-    pub(super) fn beside(&self, pixel: [usize; 2]) -> impl Iterator<Item = Plane> {
-        let ways = (-1..=1).flat_map(|down| (-1..=1).map(move |right| [right, down]));
-        ways.filter_map(move |way| self.at(pixel, way))
+    pub(super) fn neighbor(&self, pixel: [usize; 2]) -> impl Iterator<Item = Plane> {
+        let offsets = (-1..=1).flat_map(|down| (-1..=1).map(move |right| [right, down]));
+        offsets.filter_map(move |way| self.at(pixel, way))
     }
 }
 

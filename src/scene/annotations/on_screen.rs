@@ -140,10 +140,10 @@ mod tests {
         let behind = eye + (eye - camera.target_in_world);
         assert_eq!(camera.to_px(behind, SIZE), None);
         assert_eq!(camera.line_to_px([behind, 2.0 * behind], SIZE), None);
-        let middle = DVec2::new(320.0, 240.0);
+        let center = DVec2::new(320.0, 240.0);
         for ends in [[behind, DVec3::ZERO], [DVec3::ZERO, behind]] {
             let px = camera.line_to_px(ends, SIZE).unwrap();
-            assert!(px.iter().all(|px| (*px - middle).length() < 1e-6), "{px:?}");
+            assert!(px.iter().all(|px| (*px - center).length() < 1e-6), "{px:?}");
         }
         // Beside the eye a line leaves the picture.
         let aside = camera.view_from_world_rotation().row(0) * 0.5;

@@ -247,8 +247,8 @@ impl FirstLook {
 
     /// Returns the camera of a pinhole, orbiting about the centre of what it sees.
     pub fn camera_of_pinhole(&self, pinhole: &rgbd::Camera, world_from_camera: DAffine3, origin: DVec3) -> Camera {
-        let middle = origin + self.trimmed.center().as_dvec3();
-        let distance = sensor_target_distance(&world_from_camera, middle, f64::from(self.trimmed.radius()));
+        let center = origin + self.trimmed.center().as_dvec3();
+        let distance = sensor_target_distance(&world_from_camera, center, f64::from(self.trimmed.radius()));
         Camera::of_pinhole(pinhole, world_from_camera, distance, self.up)
     }
 
@@ -309,20 +309,20 @@ impl FirstLook {
         self.camera_of_pinhole(&sensor.rig.depth, DAffine3::IDENTITY, origin)
     }
 
-    /// Moves `camera` so that what is not an outlier fills the picture, together with the box `beside` (relative to
+    /// Moves `camera` so that what is not an outlier fills the picture, together with the box `second_bounds` (relative to
     /// `origin`), keeping its direction.
-    pub fn frame(&self, camera: &mut Camera, origin: DVec3, aspect: f64, beside: &Aabb) {
+    pub fn frame(&self, camera: &mut Camera, origin: DVec3, aspect: f64, second_bounds: &Aabb) {
         // The view of a photograph shows what that does.
-        let photo = self.photo.as_ref().filter(|_| beside.is_empty());
+        let photo = self.photo.as_ref().filter(|_| second_bounds.is_empty());
         if photo.is_some_and(|photo| self.camera_of_photo(photo, origin) == *camera) {
             return;
         }
-        if beside.is_empty() {
+        if second_bounds.is_empty() {
             return camera.frame_points(&self.shown, origin, aspect);
         }
         let corners = (0..8).map(|corner| {
             let side = [0, 1, 2].map(|axis| (corner >> axis & 1) as f32);
-            beside.min + Vec3::from_array(side) * beside.extent()
+            second_bounds.min + Vec3::from_array(side) * second_bounds.extent()
         });
         let shown: Vec<Vec3> = self.shown.iter().copied().chain(corners).collect();
         camera.frame_points(&shown, origin, aspect);

@@ -200,8 +200,8 @@ fn is_planar(run: &[Vec3]) -> bool {
     if run.len() <= NEIGHBOURS {
         return false;
     }
-    let middle = run[run.len() / 2];
-    let mut near: Vec<Vec3> = run.iter().map(|&position| position - middle).collect();
+    let center = run[run.len() / 2];
+    let mut near: Vec<Vec3> = run.iter().map(|&position| position - center).collect();
     near.select_nth_unstable_by(NEIGHBOURS, |a, b| a.length_squared().total_cmp(&b.length_squared()));
     let near = &near[..=NEIGHBOURS];
     let count = near.len() as f64;

@@ -120,8 +120,8 @@ impl CoarsePicture {
         let mut nearest = vec![(f32::NEG_INFINITY, None); CELLS * CELLS];
         for (index, &position) in sample.positions.iter().enumerate() {
             let seen = rotation * (position - bounds.center()) * scale;
-            let middle = CELLS as f32 * 0.5;
-            let [column, row] = [seen.x, seen.y].map(|at| (at + middle).max(0.0) as usize);
+            let center = CELLS as f32 * 0.5;
+            let [column, row] = [seen.x, seen.y].map(|at| (at + center).max(0.0) as usize);
             let cell = row.min(CELLS - 1) * CELLS + column.min(CELLS - 1);
             if seen.z > nearest[cell].0 {
                 let facing = match sample.normals.get(index) {

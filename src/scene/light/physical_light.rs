@@ -21,7 +21,7 @@ use glam::Mat3;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Intensity of the environment that fills areas lamps do not reach.
-const ENVIRONMENT_BESIDE_LAMPS: f32 = 0.3;
+const ENVIRONMENT_WITH_LAMPS: f32 = 0.3;
 
 /// The material and the environment of a picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,7 +100,7 @@ impl PhysicalLight {
         let environment_light = match (light.environment, light.rig) {
             (Environment::None, _) => AMBIENT,
             (_, LightRig::None) => 1.0,
-            _ => ENVIRONMENT_BESIDE_LAMPS,
+            _ => ENVIRONMENT_WITH_LAMPS,
         };
         let up = packet.view.up.environment_from_frame();
         Some(Self {

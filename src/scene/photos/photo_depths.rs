@@ -63,10 +63,10 @@ impl DepthMap {
                 *distance = 0.0;
             }
         }
-        let (extent, middle) = extent(&distances);
+        let (extent, center) = extent(&distances);
         let of_depths = Self::TOLERANCE * extent.min(max_extent);
         let of_surface = Self::MIN_TOLERANCE * max_extent;
-        let tolerance = of_depths.max(of_surface.min(Self::MAX_OF_DISTANCE * middle));
+        let tolerance = of_depths.max(of_surface.min(Self::MAX_OF_DISTANCE * center));
         mark_steps(&mut distances, size[0] as usize, tolerance);
         Self {
             size,

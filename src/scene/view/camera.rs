@@ -431,14 +431,14 @@ impl ViewTransform {
     #[must_use]
     pub fn of_part(&self, whole_px: [u32; 2], start_px: [u32; 2], part_px: [u32; 2]) -> Self {
         let [whole, start, part] = [whole_px, start_px, part_px].map(|px| px.map(f64::from));
-        let to_middle_px = [0, 1].map(|axis| 0.5 * (whole[axis] - part[axis]) - start[axis]);
+        let to_center_px = [0, 1].map(|axis| 0.5 * (whole[axis] - part[axis]) - start[axis]);
         let of_whole_px = [0, 1].map(|axis| 0.5 * whole[axis] * f64::from(self.center_ndc[axis]));
         Self {
             focal: [0, 1].map(|axis| (f64::from(self.focal[axis]) * whole[axis] / part[axis]) as f32),
             // Rows are counted downwards.
             center_ndc: [
-                (2.0 * (of_whole_px[0] + to_middle_px[0]) / part[0]) as f32,
-                (2.0 * (of_whole_px[1] - to_middle_px[1]) / part[1]) as f32,
+                (2.0 * (of_whole_px[0] + to_center_px[0]) / part[0]) as f32,
+                (2.0 * (of_whole_px[1] - to_center_px[1]) / part[1]) as f32,
             ],
             rows_of_whole: [start[1], start[1] + part[1]].map(|row| (row / whole[1]) as f32),
             ..*self

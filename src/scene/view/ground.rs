@@ -146,8 +146,8 @@ mod tests {
                 let is_up = ground.normal[axis] != 0.0;
                 let lines = point[axis] / spacing;
                 prop_assert!(is_up || (lines - lines.round()).abs() < 1e-4, "{}", lines);
-                let from_middle = (ground.point_in_frame - center)[axis].abs();
-                prop_assert!(is_up || from_middle <= 0.51 * ground.spacing);
+                let from_center = (ground.point_in_frame - center)[axis].abs();
+                prop_assert!(is_up || from_center <= 0.51 * ground.spacing);
             }
             let below = |corner: Vec3| (corner - ground.point_in_frame).dot(ground.normal);
             let lowest = below(bounds.min).min(below(bounds.max));

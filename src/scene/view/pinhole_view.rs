@@ -20,7 +20,7 @@ impl Camera {
         let size = DVec2::from_array(pinhole.size_px().map(f64::from));
         let focal = pinhole.focal_px();
         // Centres of pixels are at integers there, and halves here.
-        let from_middle = pinhole.principal_px() + 0.5 - 0.5 * size;
+        let from_center = pinhole.principal_px() + 0.5 - 0.5 * size;
         let mut camera = Self {
             target_in_world: world_from_camera.translation - distance * back,
             distance,
@@ -35,7 +35,7 @@ impl Camera {
         let roll = (upright * right).truncate();
         camera.plane = PicturePlane {
             roll_deg: roll.y.atan2(roll.x).to_degrees(),
-            shift: from_middle * DVec2::new(1.0, -1.0) / size.y,
+            shift: from_center * DVec2::new(1.0, -1.0) / size.y,
             pixel_aspect: focal.x / focal.y,
         };
         camera
@@ -59,9 +59,9 @@ impl Camera {
 }
 
 /// Returns the distance of a target on the axis of a sensor at `world_from_camera`, so that the view orbits about what
-/// it sees: as deep as `middle`, the centre of that; otherwise `radius`, how large it is.
-pub fn sensor_target_distance(world_from_camera: &DAffine3, middle: DVec3, radius: f64) -> f64 {
-    let depth = (middle - world_from_camera.translation).dot(world_from_camera.matrix3.z_axis);
+/// it sees: as deep as `center`, the centre of that; otherwise `radius`, how large it is.
+pub fn sensor_target_distance(world_from_camera: &DAffine3, center: DVec3, radius: f64) -> f64 {
+    let depth = (center - world_from_camera.translation).dot(world_from_camera.matrix3.z_axis);
     let min = f64::MIN_POSITIVE.sqrt();
     if depth > min { depth } else { radius.max(min) }
 }
@@ -174,7 +174,7 @@ mod tests {
     #[test]
     fn the_target_is_as_deep_as_what_is_seen() {
         let pose = DAffine3::from_translation(DVec3::new(0.0, 0.0, -1.0));
-        let distance = |middle: [f64; 3]| sensor_target_distance(&pose, middle.into(), 0.7);
+        let distance = |center: [f64; 3]| sensor_target_distance(&pose, center.into(), 0.7);
         assert_eq!(distance([9.0, 4.0, 2.0]), 3.0);
         assert_eq!(distance([0.0, 0.0, -2.0]), 0.7);
     }

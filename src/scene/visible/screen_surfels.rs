@@ -125,6 +125,6 @@ pub fn screen_view(view: &ViewTransform, viewport_px: [u32; 2]) -> ScreenView {
         near: view.near,
         size_px,
         px_per_slope: [view.focal[0] * half[0], -view.focal[1] * half[1]],
-        middle_px: [half[0] * (1.0 + right), half[1] * (1.0 - up)],
+        center_px: [half[0] * (1.0 + right), half[1] * (1.0 - up)],
     }
 }

@@ -77,7 +77,7 @@ impl WholeFrame {
             near: view.near,
             size_px: view.size_px,
             px_per_slope: view.px_per_slope,
-            middle_px: view.middle_px,
+            center_px: view.center_px,
         };
         let visible = estimator.cull(&view, &self.records, &self.screen);
         let mut attributes = self.cloud.attributes.gathered(&visible.slots);

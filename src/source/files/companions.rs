@@ -53,7 +53,7 @@ impl Companions {
             return;
         }
         let mut by_stem: HashMap<(PathBuf, String), Vec<PathBuf>> = HashMap::new();
-        for file in files.iter().filter(|file| may_have_normals_beside(file)) {
+        for file in files.iter().filter(|file| may_have_normals_sidecar(file)) {
             by_stem.entry(place_of(file)).or_default().push(file.clone());
         }
         let mut bases = bases.into_iter();
@@ -145,7 +145,7 @@ impl Companions {
 }
 
 /// A file of one frame, whose rows can be counted.
-fn may_have_normals_beside(file: &Path) -> bool {
+fn may_have_normals_sidecar(file: &Path) -> bool {
     Format::of_extension(file).is_some_and(|format| !format.holds_many() || format.is_rarely_many())
 }
 
@@ -227,7 +227,7 @@ mod tests {
             paths.iter().map(name).collect(),
             sorted(
                 pairs
-                    .map(|(frame, beside)| format!("{} + {}", name(frame), name(beside)))
+                    .map(|(frame, sidecar)| format!("{} + {}", name(frame), name(sidecar)))
                     .collect(),
             ),
             sorted(companions.skipped.iter().map(name).collect()),

@@ -111,7 +111,7 @@ pub(super) fn discover(
         discovered.demand(topic)?;
     }
     number(&mut discovered.entries);
-    discovered.look_beside(inputs, options, skipped)?;
+    discovered.look_for_sidecars(inputs, options, skipped)?;
     Ok(discovered)
 }
 
@@ -228,7 +228,7 @@ fn is_array(path: &Path) -> bool {
 
 impl Discovered {
     /// Looks for times and poses next to the frames, and says which files have no use.
-    fn look_beside(
+    fn look_for_sidecars(
         &mut self,
         inputs: &[PathBuf],
         options: &OpenOptions,
@@ -236,7 +236,7 @@ impl Discovered {
     ) -> Result<(), SequenceError> {
         let is_sequence = self.entries.len() > 1 || inputs.iter().any(|input| input.is_dir());
         let folders = if is_sequence && self.entries.iter().all(FrameEntry::is_file) {
-            folders_beside(&self.entries, inputs)
+            sibling_folders(&self.entries, inputs)
         } else {
             Vec::new()
         };
@@ -331,7 +331,7 @@ impl Discovered {
 
 /// Folders in which lists of the frames may be: that of the frames, and those above it as far as they belong to the
 /// same recording.
-fn folders_beside(entries: &[FrameEntry], inputs: &[PathBuf]) -> Vec<PathBuf> {
+fn sibling_folders(entries: &[FrameEntry], inputs: &[PathBuf]) -> Vec<PathBuf> {
     /// `velodyne_points/data` in the folder of a drive.
     const MAX_FOLDERS: usize = 4;
     let Some(mut folder) = common_folder(entries) else {
@@ -355,8 +355,8 @@ fn folders_beside(entries: &[FrameEntry], inputs: &[PathBuf]) -> Vec<PathBuf> {
         folder = above;
     }
     // Scans of KITTI are in a folder of any name, with the list of their times next to it.
-    let has_times_beside = |entry: &FrameEntry| Format::of_extension(&entry.path).is_some_and(Format::has_times_beside);
-    if folders.len() == 1 && entries.iter().all(has_times_beside) {
+    let has_time_sidecar = |entry: &FrameEntry| Format::of_extension(&entry.path).is_some_and(Format::has_time_sidecar);
+    if folders.len() == 1 && entries.iter().all(has_time_sidecar) {
         folders.push(folders[0].join(".."));
     }
     folders

@@ -52,7 +52,7 @@ struct Recorded {
 pub(in crate::source) const RECORDING: One = One {
     names: &[Name::File("pointreel-stream", is_recording)],
     open: |input, asked| Ok(Arc::new(RecordedStream::open(input, asked.options)?)),
-    beside_others: None,
+    sidecar_others: None,
 };
 
 impl RecordedStream {

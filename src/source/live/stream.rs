@@ -59,7 +59,7 @@ pub(in crate::source) const ADDRESS: One = One {
         let stream = LiveStream::open(input, asked.options, asked.progress)?;
         Ok(Arc::new(stream))
     },
-    beside_others: Some(|input| SequenceError::Stream {
+    sidecar_others: Some(|input| SequenceError::Stream {
         input: input.display().to_string(),
         problem: "a live stream is a sequence of its own: open it without other inputs".to_owned(),
     }),

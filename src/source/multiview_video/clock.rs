@@ -112,7 +112,7 @@ pub(super) fn together(cameras: &[Vec<Timed>]) -> Vec<Together> {
 }
 
 /// Returns the entry of `others` that belongs to the same time step as `clock`.
-pub(super) fn beside(others: &[Timed], clock: f64) -> Option<&Timed> {
+pub(super) fn matching(others: &[Timed], clock: f64) -> Option<&Timed> {
     let max_apart = 0.5 * usual_step([others]);
     let nearest = others.iter().min_by(|left, right| {
         let apart = |of: &Timed| (of.clock - clock).abs();
@@ -127,11 +127,11 @@ fn usual_step<'a>(cameras: impl IntoIterator<Item = &'a [Timed]>) -> f64 {
         .into_iter()
         .flat_map(|images| images.windows(2).map(|pair| pair[1].clock - pair[0].clock));
     let mut steps: Vec<f64> = steps.filter(|&step| step > 0.0).collect();
-    let middle = steps.len() / 2;
+    let center = steps.len() / 2;
     if steps.is_empty() {
         return 1.0;
     }
-    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+    *steps.select_nth_unstable_by(center, f64::total_cmp).1
 }
 
 #[cfg(test)]
@@ -219,10 +219,10 @@ mod tests {
     #[test]
     fn points_are_of_the_moment_of_their_number() {
         let clouds = timed(vec![vec![PathBuf::from("points/2.ply"), PathBuf::from("points/4.ply")]]).remove(0);
-        let name = |clock: f64| beside(&clouds, clock).map(|of| of.entry.name.clone());
+        let name = |clock: f64| matching(&clouds, clock).map(|of| of.entry.name.clone());
         assert_eq!(name(2.0).as_deref(), Some("2.ply"));
         assert_eq!(name(4.0).as_deref(), Some("4.ply"));
         assert_eq!(name(3.0), None);
-        assert_eq!(beside(&[], 0.0), None);
+        assert_eq!(matching(&[], 0.0), None);
     }
 }

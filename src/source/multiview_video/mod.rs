@@ -22,7 +22,7 @@ use crate::locks::{lock, read, write};
 use crate::photos::{Calibration, PhotosError, Rig, ViewSet};
 use crate::progress::Progress;
 use crate::stereo::{Dense, DenseError, Pairwise};
-use clock::{Timed, beside, timed};
+use clock::{Timed, matching, timed};
 use layout::{FoundTimeStep, Images, Layout, entries_of};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -252,7 +252,7 @@ impl TimeStep {
     fn with_points(found: FoundTimeStep, clouds: &[Timed]) -> Self {
         let folder = Some(&found.timed.entry.path).filter(|path| path.is_dir());
         let inside = folder.and_then(|folder| entries_of(folder).into_iter().find(|path| is_cloud(path)));
-        let points = inside.or_else(|| Some(beside(clouds, found.timed.clock())?.entry.path.clone()));
+        let points = inside.or_else(|| Some(matching(clouds, found.timed.clock())?.entry.path.clone()));
         Self::new(found, points)
     }
 

@@ -146,11 +146,11 @@ impl Merged {
 fn spacing(positions: &Positions) -> f64 {
     let distance = |index| positions.get(index).distance(positions.get(index - 1));
     let mut distances: Vec<f64> = (1..positions.len()).map(distance).collect();
-    let middle = distances.len() / 2;
+    let center = distances.len() / 2;
     if distances.is_empty() {
         return 0.0;
     }
-    *distances.select_nth_unstable_by(middle, f64::total_cmp).1
+    *distances.select_nth_unstable_by(center, f64::total_cmp).1
 }
 
 /// Puts the points of one cloud behind those of another.

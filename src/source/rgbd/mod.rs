@@ -62,7 +62,7 @@ pub(super) fn is_likely(folder: &Path) -> bool {
 pub(super) fn comes_before_photos(inputs: &[PathBuf], options: &OpenOptions) -> bool {
     match inputs {
         [folder] if folder.is_dir() && !options.dense => {
-            folder::Folder::read(folder).is_ok_and(|folder| layouts::has_depths_beside_transforms(&folder))
+            folder::Folder::read(folder).is_ok_and(|folder| layouts::has_depths_sidecar_transforms(&folder))
         }
         _ => false,
     }

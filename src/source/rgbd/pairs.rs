@@ -70,11 +70,11 @@ pub(super) fn by_time(depths: &[(Duration, PathBuf)], colors: &[(Duration, PathB
 pub(super) fn nearest(count: usize, at: impl Fn(usize) -> Duration, time: Duration) -> Option<usize> {
     let (mut low, mut high) = (0, count);
     while low < high {
-        let middle = usize::midpoint(low, high);
-        if at(middle) < time {
-            low = middle + 1;
+        let center = usize::midpoint(low, high);
+        if at(center) < time {
+            low = center + 1;
         } else {
-            high = middle;
+            high = center;
         }
     }
     let around = low.saturating_sub(1)..(low + 1).min(count);

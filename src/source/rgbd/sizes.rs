@@ -89,23 +89,23 @@ impl Sizes {
 
     fn size_of(self, camera: &Intrinsics) -> Option<[u32; 2]> {
         let depth_px = self.depth_px?;
-        let is_middle = |size: [u32; 2]| {
+        let is_center = |size: [u32; 2]| {
             let doubled = 2.0 * camera.principal_px;
             let [width, height] = size.map(f64::from);
             (doubled.x / width - 1.0).abs() < NEAR && (doubled.y / height - 1.0).abs() < NEAR
         };
-        if is_middle(depth_px) {
+        if is_center(depth_px) {
             return Some(depth_px);
         }
         if let Some(color_px) = self
             .color_px
-            .filter(|&size| is_middle(size) && is_scaled(depth_px, size))
+            .filter(|&size| is_center(size) && is_scaled(depth_px, size))
         {
             return Some(color_px);
         }
         let halves = (4.0 * camera.principal_px.x / f64::from(depth_px[0])).round();
         let larger = depth_px.map(|edge| (halves * f64::from(edge) / 2.0).round() as u32);
-        let is_larger = halves > 2.0 && is_middle(larger) && is_scaled(depth_px, larger);
+        let is_larger = halves > 2.0 && is_center(larger) && is_scaled(depth_px, larger);
         Some(if is_larger { larger } else { depth_px })
     }
 }

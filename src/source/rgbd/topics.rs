@@ -179,8 +179,8 @@ impl RosRecording<'_> {
             let shared = shared_parts(&topic.name, name);
             let is_framed = !is_realsense(name) && info.frame_id == stream.head.frame_id;
             // The first part is what is before the first slash: nothing.
-            let is_beside = shared > 1 && shared + 2 >= parts;
-            (is_framed || is_beside).then_some((shared, is_framed, info))
+            let is_sibling = shared > 1 && shared + 2 >= parts;
+            (is_framed || is_sibling).then_some((shared, is_framed, info))
         });
         infos
             .max_by_key(|&(shared, is_framed, _)| (shared, is_framed))

@@ -88,7 +88,7 @@ const BEYOND_POINTS: f64 = 1.3;
 const BEYOND_TOLD: f64 = 1.1;
 
 /// Depths that are tried around the place that all cameras look at, in depths of that place.
-pub(super) const AROUND_MIDDLE: [f64; 2] = [0.5, 1.7];
+pub(super) const AROUND_CENTER: [f64; 2] = [0.5, 1.7];
 
 /// Downscaled image that was read.
 pub(super) struct Small {
@@ -111,7 +111,7 @@ impl Dense {
             pair.warnings = reasons;
             return Ok(pair);
         }
-        let middles = set.middles();
+        let centers = set.centers();
         let every = every(small.iter().map(|of_one| of_one.image.pixels().len() as u64));
         let swept: Vec<View<'_>> = views.iter().copied().step_by(every).collect();
         if swept.len() < small.len() {
@@ -127,10 +127,10 @@ impl Dense {
             if progress.is_cancelled() {
                 return Err(StereoError::Cancelled.into());
             }
-            let middle = middles[of_one.number];
-            let others = self.others(set, of_one, middle, &small, &views);
+            let center = centers[of_one.number];
+            let others = self.others(set, of_one, center, &small, &views);
             let nothing = || vec![0.0; of_one.image.pixels().len()];
-            let depths = match depth_range(set, of_one.number, Some(middle), AROUND_MIDDLE) {
+            let depths = match depth_range(set, of_one.number, Some(center), AROUND_CENTER) {
                 Some([near, far]) if !others.is_empty() => {
                     let found = PlaneSweep::between(near, far).depths_observed(view, &others, progress)?;
                     of_one.masked(&found)
@@ -156,12 +156,12 @@ impl Dense {
         &self,
         set: &ViewSet,
         one: &Small,
-        middle: DVec3,
+        center: DVec3,
         small: &[Small],
         views: &[View<'a>],
     ) -> Vec<View<'a>> {
         let place = |number: usize| small.iter().position(|other| other.number == number);
-        telling(set, middle, one.number)
+        telling(set, center, one.number)
             .filter_map(|other| Some(views[place(other)?]))
             .take(self.neighbours)
             .collect()
@@ -226,9 +226,9 @@ impl Small {
     }
 }
 
-/// Returns the neighbouring images whose viewing angles at `middle` are suited to depth estimation, nearest first.
-pub(super) fn telling(set: &ViewSet, middle: DVec3, number: usize) -> impl Iterator<Item = usize> {
-    let around = set.neighbours_around(middle, number, set.photos.len());
+/// Returns the neighbouring images whose viewing angles at `center` are suited to depth estimation, nearest first.
+pub(super) fn telling(set: &ViewSet, center: DVec3, number: usize) -> impl Iterator<Item = usize> {
+    let around = set.neighbours_around(center, number, set.photos.len());
     let told = around
         .into_iter()
         .filter(|other| ANGLES_DEG.contains(&other.angle.to_degrees()));
@@ -263,10 +263,10 @@ pub(super) fn of_pair(
 }
 
 /// Returns the depth range of the surface in front of an image: if nothing tells more, from one fraction of the depth
-/// of `middle` to the other.
-pub(super) fn depth_range(set: &ViewSet, number: usize, middle: Option<DVec3>, parts: [f64; 2]) -> Option<[f64; 2]> {
+/// of `center` to the other.
+pub(super) fn depth_range(set: &ViewSet, number: usize, center: Option<DVec3>, parts: [f64; 2]) -> Option<[f64; 2]> {
     told_range(set, number).or_else(|| {
-        let depth = set.photos.get(number)?.depth_of(middle?);
+        let depth = set.photos.get(number)?.depth_of(center?);
         (depth > 0.0).then(|| parts.map(|part| part * depth))
     })
 }
@@ -331,8 +331,8 @@ mod tests {
             photos: vec![photo],
             ..ViewSet::default()
         };
-        let range = |set: &ViewSet| depth_range(set, 0, Some(DVec3::new(0.0, 0.0, 10.0)), AROUND_MIDDLE).unwrap();
-        assert_eq!(range(&set), AROUND_MIDDLE.map(|share| 10.0 * share));
+        let range = |set: &ViewSet| depth_range(set, 0, Some(DVec3::new(0.0, 0.0, 10.0)), AROUND_CENTER).unwrap();
+        assert_eq!(range(&set), AROUND_CENTER.map(|share| 10.0 * share));
         set.photos[0].depth_range = Some([2.0, 40.0]);
         assert_eq!(range(&set), [2.0 / BEYOND_TOLD, 40.0 * BEYOND_TOLD]);
         let mut points = SparsePoints::default();

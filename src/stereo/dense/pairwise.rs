@@ -166,11 +166,11 @@ mod tests {
 
     #[test]
     fn photographs_are_matched_once_at_the_angle_that_tells_most() {
-        let middle = Some(DVec3::ZERO);
-        assert_eq!(pairs_of(&arc(4, 10.0), middle), [[0, 1], [2, 3]]);
-        assert_eq!(pairs_of(&arc(6, 5.0), middle), [[0, 2], [1, 3], [4, 5]]);
+        let center = Some(DVec3::ZERO);
+        assert_eq!(pairs_of(&arc(4, 10.0), center), [[0, 1], [2, 3]]);
+        assert_eq!(pairs_of(&arc(6, 5.0), center), [[0, 2], [1, 3], [4, 5]]);
         // Nobody is left for the last one: it is matched with one that was.
-        assert_eq!(pairs_of(&arc(3, 10.0), middle), [[0, 1], [2, 1]]);
+        assert_eq!(pairs_of(&arc(3, 10.0), center), [[0, 1], [2, 1]]);
     }
 
     #[test]

@@ -10,7 +10,7 @@
 use super::constants::{CENSUS_HALF_HEIGHT as HALF_HEIGHT, CENSUS_HALF_WIDTH as HALF_WIDTH};
 use super::costs::Costs;
 use super::range::DisparityRange;
-use super::refine::{Around, BESIDE, NO_COST};
+use super::refine::{Around, NEIGHBOR, NO_COST};
 use crate::stereo::GrayImage;
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
@@ -46,13 +46,13 @@ fn pad(row: &[u8], padded: &mut [u8]) {
 
 /// Appends the bits of nine neighbours, or of eight in the pixel's own line.
 #[inline(always)]
-fn add_row(middle: &[u8], padded: &[u8], is_own: bool, bits: &mut [u64]) {
+fn add_row(midpoint: &[u8], padded: &[u8], is_own: bool, bits: &mut [u64]) {
     for dx in 0..=2 * HALF_WIDTH {
         if is_own && dx == HALF_WIDTH {
             continue;
         }
-        let neighbours = &padded[dx..dx + middle.len()];
-        for ((bits, &center), &neighbour) in bits.iter_mut().zip(middle).zip(neighbours) {
+        let neighbours = &padded[dx..dx + midpoint.len()];
+        for ((bits, &center), &neighbour) in bits.iter_mut().zip(midpoint).zip(neighbours) {
             *bits = (*bits << 1) | u64::from(neighbour < center);
         }
     }
@@ -91,8 +91,8 @@ impl CensusPair {
         // Label k is at `first + k` of the line that is kept backwards.
         let first = (width - 1 - x) as i64 + i64::from(self.range.min());
         let others = &self.right[line..line + width];
-        let mut costs = [NO_COST; 2 * BESIDE + 1];
-        for (place, cost) in (first + label as i64 - BESIDE as i64..).zip(&mut costs) {
+        let mut costs = [NO_COST; 2 * NEIGHBOR + 1];
+        for (place, cost) in (first + label as i64 - NEIGHBOR as i64..).zip(&mut costs) {
             if let Some(other) = usize::try_from(place).ok().and_then(|place| others.get(place)) {
                 *cost = (self.left[at] ^ other).count_ones() as u8;
             }
@@ -186,8 +186,8 @@ mod tests {
         pair.fill(0..9, &mut costs);
         for at in 0..40 * 9 {
             for label in 2..30 {
-                for (beside, cost) in pair.around(at, label).into_iter().enumerate() {
-                    let other = label + beside - BESIDE;
+                for (neighbor, cost) in pair.around(at, label).into_iter().enumerate() {
+                    let other = label + neighbor - NEIGHBOR;
                     let partner = (at % 40) as i64 + 3 - other as i64;
                     let expected = if (0..40).contains(&partner) {
                         costs[at * 32 + other]

@@ -1,7 +1,7 @@
 //! Cost volume that semi-global matching and the local winner choose from: a cost for each pixel and each of its
 //! labels.
 
-use super::refine::{Around, BESIDE, NO_COST};
+use super::refine::{Around, NEIGHBOR, NO_COST};
 use std::ops::Range;
 
 /// The largest cost: all bits of a census differ.
@@ -37,8 +37,12 @@ impl Volume {
     /// The costs that [`super::refine`] asks for. Precondition: pixel `at` has a label `label`.
     pub(in crate::stereo) fn around(&self, at: usize, label: usize) -> Around {
         let costs = &self.costs[at * self.count..(at + 1) * self.count];
-        let cost = |beside: usize| (label + beside).checked_sub(BESIDE).and_then(|label| costs.get(label));
-        std::array::from_fn(|beside| cost(beside).copied().unwrap_or(NO_COST))
+        let cost = |neighbor: usize| {
+            (label + neighbor)
+                .checked_sub(NEIGHBOR)
+                .and_then(|label| costs.get(label))
+        };
+        std::array::from_fn(|neighbor| cost(neighbor).copied().unwrap_or(NO_COST))
     }
 }
 

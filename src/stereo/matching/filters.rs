@@ -23,8 +23,8 @@ pub(in crate::stereo) fn median(values: &[f32], width: usize) -> Vec<f32> {
                 }
             }
             let around = &mut around[..count];
-            let middle = (count - 1) / 2;
-            *out = *around.select_nth_unstable_by(middle, f32::total_cmp).1;
+            let center = (count - 1) / 2;
+            *out = *around.select_nth_unstable_by(center, f32::total_cmp).1;
         }
     });
     out

@@ -17,13 +17,13 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 /// Labels to each side that are asked for: one, and one more for neighbours whose label is one off.
-pub(super) const BESIDE: usize = 2;
+pub(super) const NEIGHBOR: usize = 2;
 
 /// Sentinel for a missing cost.
 pub(super) const NO_COST: u8 = u8::MAX;
 
 /// Costs of the labels around that of a pixel, [`NO_COST`] where there are none.
-pub(super) type Around = [u8; 2 * BESIDE + 1];
+pub(super) type Around = [u8; 2 * NEIGHBOR + 1];
 
 /// The place of `labels`, whole ones or NaN, between labels; `around` tells the costs of a pixel by its index.
 /// Preconditions: whole lines of `width`.
@@ -83,7 +83,7 @@ fn on_planes(places: &[f32], width: usize) -> Vec<f32> {
                     }
                 }
             }
-            *own += sums.at_middle();
+            *own += sums.at_center();
         }
     });
     fitted
@@ -111,7 +111,7 @@ impl PlaneSums {
 
     /// Returns the offset of the fitted plane at the pixel from the pixel's own position; 0 if there are too few
     /// positions for a plane.
-    fn at_middle(&self) -> f32 {
+    fn at_center(&self) -> f32 {
         let mean = self.first / self.count;
         let [xx, xy, yy] = self.squares;
         let xx = xx - self.count * mean.x * mean.x;
@@ -131,7 +131,7 @@ impl PlaneSums {
 fn add(step: f32, costs: Around, three: &mut [u16; 3]) {
     // Not a number is not near either.
     if step.abs() <= 1.0 {
-        let from = (BESIDE as f32 + step) as usize - 1;
+        let from = (NEIGHBOR as f32 + step) as usize - 1;
         let costs = &costs[from..from + 3];
         if costs.iter().all(|&cost| cost != NO_COST) {
             for (sum, &cost) in three.iter_mut().zip(costs) {
@@ -173,7 +173,7 @@ mod tests {
         let place = |at: usize| if at % width < 6 { 10.25_f32 } else { 20.0 };
         let labels: Vec<f32> = (0..4 * width).map(|at| place(at).round()).collect();
         let around = |at: usize, label: usize| -> Around {
-            std::array::from_fn(|i| (4.0 * ((label + i) as f32 - BESIDE as f32 - place(at)).abs()) as u8)
+            std::array::from_fn(|i| (4.0 * ((label + i) as f32 - NEIGHBOR as f32 - place(at)).abs()) as u8)
         };
         for (at, found) in refine(&labels, width, around).into_iter().enumerate() {
             assert_eq!(found, place(at), "pixel {at}");
@@ -186,7 +186,7 @@ mod tests {
         let place = 10.5;
         let labels: Vec<f32> = (0..49).map(|at| if at % 2 == 0 { 10.0 } else { 11.0 }).collect();
         let around = |_: usize, label: usize| -> Around {
-            std::array::from_fn(|i| (4.0 * ((label + i) as f32 - BESIDE as f32 - place).abs()) as u8)
+            std::array::from_fn(|i| (4.0 * ((label + i) as f32 - NEIGHBOR as f32 - place).abs()) as u8)
         };
         for found in refine(&labels, 7, around) {
             assert_eq!(found, place);

@@ -488,9 +488,9 @@ fn neighbours_are_those_at_the_smallest_angles() {
         write(&scene, folder.path());
         let set = read(folder.path());
         for photo in 0..6 {
-            let middle = set.middles()[photo];
-            assert!(middle.length() < 0.5, "{middle}");
-            let angle = |other: usize| (scene.center(photo) - middle).angle_between(scene.center(other) - middle);
+            let center = set.centers()[photo];
+            assert!(center.length() < 0.5, "{center}");
+            let angle = |other: usize| (scene.center(photo) - center).angle_between(scene.center(other) - center);
             let mut expected: Vec<usize> = (0..6).filter(|&other| other != photo).collect();
             expected.sort_by(|&a, &b| angle(a).total_cmp(&angle(b)));
             let found = set.neighbours(photo, 3);

@@ -208,7 +208,7 @@ impl Scene {
         for (index, &point) in self.points.iter().enumerate() {
             let track: Vec<String> = (0..cameras)
                 .map(|photo| {
-                    let pixel = self.offset_from_middle(photo, point);
+                    let pixel = self.offset_from_center(photo, point);
                     format!("{photo} {index} {} {}", pixel.x, -pixel.y)
                 })
                 .collect();
@@ -219,7 +219,7 @@ impl Scene {
         fs::write(folder.join("list.txt"), list).unwrap();
     }
 
-    fn offset_from_middle(&self, photo: usize, point: DVec3) -> DVec2 {
+    fn offset_from_center(&self, photo: usize, point: DVec3) -> DVec2 {
         let [width, height] = self.size_px;
         self.pixel(photo, point) - 0.5 * DVec2::new(f64::from(width) - 1.0, f64::from(height) - 1.0)
     }
@@ -228,8 +228,8 @@ impl Scene {
     pub(crate) fn write_nvm(&self, folder: &Path) {
         self.write_photos(folder);
         let [width, height] = self.size_px;
-        let middle = 0.5 * DVec2::new(f64::from(width) - 1.0, f64::from(height) - 1.0);
-        let is_simple = self.principal_px == middle && self.focal_px.x == self.focal_px.y;
+        let midpoint = 0.5 * DVec2::new(f64::from(width) - 1.0, f64::from(height) - 1.0);
+        let is_simple = self.principal_px == midpoint && self.focal_px.x == self.focal_px.y;
         let mut nvm = "NVM_V3".to_owned();
         if !is_simple {
             let (focal, principal) = (self.focal_px, self.principal_px + 0.5);
@@ -374,8 +374,8 @@ impl Scene {
     pub(crate) fn write_opensfm(&self, folder: &Path, below: &str) {
         self.write_photos(&folder.join("images"));
         let longer = f64::from(self.size_px[0].max(self.size_px[1]));
-        let middle = 0.5 * DVec2::new(f64::from(self.size_px[0]), f64::from(self.size_px[1]));
-        let parts = |pixel: DVec2| ((pixel + 0.5 - middle) / longer).to_array();
+        let midpoint = 0.5 * DVec2::new(f64::from(self.size_px[0]), f64::from(self.size_px[1]));
+        let parts = |pixel: DVec2| ((pixel + 0.5 - midpoint) / longer).to_array();
         let [c_x, c_y] = parts(self.principal_px);
         let camera = serde_json::json!({
             "projection_type": "brown", "width": self.size_px[0], "height": self.size_px[1],

@@ -78,9 +78,9 @@ fn a_pixel_belongs_to_the_rectangle_in_which_its_centre_is() {
 #[test]
 fn triangles_that_share_edges_cover_every_pixel_once() {
     // Fans around a place within the square: pixel centres lie on many of their edges.
-    for middle in [pos2(20.0, 20.0), pos2(20.5, 20.5), pos2(17.3, 29.8)] {
+    for center in [pos2(20.0, 20.0), pos2(20.5, 20.5), pos2(17.3, 29.8)] {
         for parts in [4_u32, 7, 36] {
-            let mut points = vec![middle];
+            let mut points = vec![center];
             let edge = |at: f32| {
                 let (side, along) = ((at * 4.0).floor(), (at * 4.0).fract() * 32.0);
                 match side as u32 {
@@ -102,7 +102,7 @@ fn triangles_that_share_edges_cover_every_pixel_once() {
                 .collect();
             let mut window = Window::new([40, 40]);
             window.show(vec![Shape::mesh(triangles(&points, &indices, ONE))]);
-            assert_eq!(count(&window.pixels, 1), 32 * 32, "{middle}, {parts}");
+            assert_eq!(count(&window.pixels, 1), 32 * 32, "{center}, {parts}");
             assert_eq!(count(&window.pixels, 0), 40 * 40 - 32 * 32);
         }
     }

@@ -78,9 +78,9 @@ fn gaps(percent: f32) -> Style {
 
 /// Of the pixels around the middle, which the hole is in: those that are red, and those that nothing is in.
 fn red_and_empty(picture: &RgbaImage) -> (usize, usize) {
-    let middle = EDGE_PX / 2 - 25..EDGE_PX / 2 + 25;
+    let center = EDGE_PX / 2 - 25..EDGE_PX / 2 + 25;
     let (mut red, mut empty) = (0, 0);
-    for (x, y) in middle.clone().flat_map(|y| middle.clone().map(move |x| (x, y))) {
+    for (x, y) in center.clone().flat_map(|y| center.clone().map(move |x| (x, y))) {
         let [r, g, b, _] = picture.get_pixel(x, y).0;
         red += usize::from(r > 190 && g < 10 && b < 10);
         empty += usize::from([r, g, b] == [0; 3]);
@@ -173,12 +173,12 @@ fn outlines_stay_where_they_are() {
     let frame = holed_wall().with_photos(Arc::new(red_wall(None)));
     let packet_of = |percent| packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(percent));
     let [open, closed] = [0.0, 10.0].map(|percent| draw_on_cpu(&packet_of(percent)));
-    let middle = EDGE_PX / 2 - 40..EDGE_PX / 2 + 40;
+    let center = EDGE_PX / 2 - 40..EDGE_PX / 2 + 40;
     let changed = open
         .enumerate_pixels()
         .zip(closed.pixels())
         .filter(|((x, y, open), closed)| {
-            let is_in_hole = middle.contains(x) && middle.contains(y);
+            let is_in_hole = center.contains(x) && center.contains(y);
             !is_in_hole && open != closed && open.0[..3] == [0; 3]
         });
     assert_eq!(changed.count(), 0);

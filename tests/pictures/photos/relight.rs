@@ -126,10 +126,10 @@ fn photographs_that_are_lit_anew_have_their_colours_times_the_light() {
     let camera = camera_at(&held_out()[2]);
     let frame = ball(0.0).with_photos(textured_ball([200, 100, 50]));
     let fresh = draw_on_cpu(&packet(&frame, &camera, &lit(PhotoRelight::Photos)));
-    let middle = fresh.get_pixel(EDGE_PX / 2, EDGE_PX / 2);
+    let center = fresh.get_pixel(EDGE_PX / 2, EDGE_PX / 2);
     // The head light on what faces the eye.
     for (channel, color) in [200, 100, 50].into_iter().enumerate() {
-        assert!(middle[channel].abs_diff(color) <= 3, "{middle:?}");
+        assert!(center[channel].abs_diff(color) <= 3, "{center:?}");
     }
     let sides = fresh.pixels().filter(|pixel| pixel[0] > 0 && pixel[0] < 150).count();
     assert!(sides > 1_000, "{sides} pixels are darker");

@@ -48,13 +48,13 @@ pub(crate) fn check_octree(name: &str, tree: &Octree, positions: &[Vec3], delta:
     // Middles are f32 like the positions.
     let reach = cube.min.abs().max_element() + cube.edge;
     let rounding = 4.0 * f64::from(f32::EPSILON * reach);
-    let middles: std::collections::HashMap<_, _> = drawn
+    let centers: std::collections::HashMap<_, _> = drawn
         .iter()
         .map(|voxel| (level_and_cell(&cube, voxel).1, Vec3::from_array(voxel.center)))
         .collect();
     for &position in positions {
-        let middle = middles[&cell_of(&cube, position, depth)];
-        let distance = (position.as_dvec3() - middle.as_dvec3()).length();
+        let center = centers[&cell_of(&cube, position, depth)];
+        let distance = (position.as_dvec3() - center.as_dvec3()).length();
         assert!(
             distance <= half_diagonal + rounding,
             "{name}: {distance} from the middle of a leaf of half diagonal {half_diagonal}"

@@ -11,7 +11,7 @@ const SPACING: f64 = 0.01;
 /// Something flat: its middle, and two axes that are as long as it is wide and high.
 #[derive(Clone, Copy)]
 struct Flat {
-    middle: DVec3,
+    center: DVec3,
     along: [DVec3; 2],
 }
 
@@ -21,7 +21,7 @@ impl Flat {
     fn tilted(degrees: f64) -> Self {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         Self {
-            middle: DVec3::new(0.0, 0.0, -AWAY),
+            center: DVec3::new(0.0, 0.0, -AWAY),
             along: [2.0 * DVec3::X, 2.0 * DVec3::new(0.0, cosine, -sine)],
         }
     }
@@ -32,7 +32,7 @@ impl Flat {
 
     fn moved(self, by: DVec3) -> Self {
         Self {
-            middle: self.middle + by,
+            center: self.center + by,
             ..self
         }
     }
@@ -46,7 +46,7 @@ impl Flat {
         let places = places.filter_map(|(column, row)| {
             let [x, y] = [f64::from(column) + 0.31, f64::from(row) - 0.17].map(|step| step * SPACING);
             let (x, y) = ((cosine * x - sine * y) / width, (sine * x + cosine * y) / height);
-            (x.abs() <= 0.5 && y.abs() <= 0.5).then(|| self.middle + x * self.along[0] + y * self.along[1])
+            (x.abs() <= 0.5 && y.abs() <= 0.5).then(|| self.center + x * self.along[0] + y * self.along[1])
         });
         places.collect()
     }
@@ -57,7 +57,7 @@ impl Flat {
         let count = (width * height / (SPACING * SPACING)) as u32;
         let places = (0..count).map(|index| {
             let [x, y] = [2 * index, 2 * index + 1].map(|seed| random(seed) - 0.5);
-            self.middle + x * self.along[0] + y * self.along[1]
+            self.center + x * self.along[0] + y * self.along[1]
         });
         places.collect()
     }
@@ -105,7 +105,7 @@ fn a_plane_does_not_hide_itself_from_any_side() {
                 let visible = estimate(&view, &points, SPACING as f32, Search::Fixed).visible;
                 // Its nearest row of pixels is all that there is before it: a line, and no plane.
                 let inside = |point: &PointRecord| {
-                    let place = Vec3::from_array(point.position).as_dvec3() - flat.middle;
+                    let place = Vec3::from_array(point.position).as_dvec3() - flat.center;
                     let along = flat.along.map(|axis| place.dot(axis) / axis.length_squared());
                     along.iter().all(|along| along.abs() < 0.4) && pixel_of(&view, point).is_some()
                 };
@@ -149,19 +149,19 @@ fn holes(view: &ScreenView, points: &[PointRecord], flat: &Flat, found: &Estimat
     let mut covered = BTreeSet::new();
     let ray_of = |x: i32, y: i32| {
         let [x, y] = [f64::from(x), f64::from(y)].map(|px| px + 0.5);
-        let right = (x - f64::from(view.middle_px[0])) / f64::from(view.px_per_slope[0]);
-        let up = (y - f64::from(view.middle_px[1])) / f64::from(view.px_per_slope[1]);
+        let right = (x - f64::from(view.center_px[0])) / f64::from(view.px_per_slope[0]);
+        let up = (y - f64::from(view.center_px[1])) / f64::from(view.px_per_slope[1]);
         DVec3::new(right, up, -1.0)
     };
     for (&slot, shape) in found.visible.slots.iter().zip(&found.shapes) {
         let seen = view.see(points[slot as usize].position).unwrap();
-        let (middle, normal) = (seen.offset.as_dvec3(), oct_decode(shape.normal).as_dvec3());
+        let (center, normal) = (seen.offset.as_dvec3(), oct_decode(shape.normal).as_dvec3());
         let reach = (shape.radius * view.px_per_unit() / seen.depth).ceil() as i32 + 1;
         let [x, y] = seen.place_px.map(|px| px.floor() as i32);
         for (x, y) in (y - reach..=y + reach).flat_map(|y| (x - reach..=x + reach).map(move |x| (x, y))) {
             let ray = ray_of(x, y);
-            let hit = ray * (normal.dot(middle) / normal.dot(ray));
-            if hit.distance(middle) <= f64::from(shape.radius) {
+            let hit = ray * (normal.dot(center) / normal.dot(ray));
+            if hit.distance(center) <= f64::from(shape.radius) {
                 covered.insert([x, y]);
             }
         }
@@ -169,7 +169,7 @@ fn holes(view: &ScreenView, points: &[PointRecord], flat: &Flat, found: &Estimat
     let (mut inside, mut open) = (0, 0);
     for (x, y) in (0..960).flat_map(|y| (0..1280).map(move |x| (x, y))) {
         let ray = ray_of(x, y);
-        let hit = ray * (flat.normal().dot(flat.middle) / flat.normal().dot(ray)) - flat.middle;
+        let hit = ray * (flat.normal().dot(flat.center) / flat.normal().dot(ray)) - flat.center;
         let [across, along] = flat.along.map(|axis| hit.dot(axis) / axis.length_squared());
         if across.abs() < 0.45 && along.abs() < 0.45 {
             inside += 1;
@@ -211,7 +211,7 @@ fn what_is_five_centimetres_behind_a_surface_is_hidden() {
                 // What is seen beside the edges of the one in front of it.
                 let is_inside = |slot: u32| {
                     let ray = behind[slot as usize];
-                    let hit = ray * (front.normal().dot(front.middle) / front.normal().dot(ray)) - front.middle;
+                    let hit = ray * (front.normal().dot(front.center) / front.normal().dot(ray)) - front.center;
                     let along = front.along.map(|axis| hit.dot(axis) / axis.length_squared());
                     along.iter().all(|along| along.abs() < 0.48)
                 };
@@ -232,11 +232,11 @@ fn what_is_five_centimetres_behind_a_surface_is_hidden() {
 #[test]
 fn a_thin_pole_hides_what_is_behind_it_and_no_more_than_a_point_beside_that() {
     let pole = Flat {
-        middle: DVec3::new(0.0, 0.0, -AWAY),
+        center: DVec3::new(0.0, 0.0, -AWAY),
         along: [0.035 * DVec3::X, 1.6 * DVec3::Y],
     };
     let wall = Flat {
-        middle: DVec3::new(0.0, 0.0, -AWAY - 1.0),
+        center: DVec3::new(0.0, 0.0, -AWAY - 1.0),
         along: [1.2 * DVec3::X, 2.0 * DVec3::Y],
     };
     let behind = wall.grid(11.0);
@@ -249,15 +249,15 @@ fn a_thin_pole_hides_what_is_behind_it_and_no_more_than_a_point_beside_that() {
                 continue;
             }
             // Where its ray meets the plane of the pole.
-            let beside = (place.x * AWAY / (AWAY + 1.0)).abs();
+            let neighbor = (place.x * AWAY / (AWAY + 1.0)).abs();
             let is_retained = visible.slots.binary_search(&(slot as u32)).is_ok();
             assert!(
-                !is_retained || beside > 0.014,
-                "{px_per_spacing} pixels: {beside} is hidden"
+                !is_retained || neighbor > 0.014,
+                "{px_per_spacing} pixels: {neighbor} is hidden"
             );
             assert!(
-                is_retained || beside < 0.04,
-                "{px_per_spacing} pixels: {beside} is visible"
+                is_retained || neighbor < 0.04,
+                "{px_per_spacing} pixels: {neighbor} is visible"
             );
         }
     }
@@ -268,21 +268,21 @@ fn the_sides_of_a_box_are_visible_up_to_their_edges_and_what_is_behind_is_not() 
     // The front faces the eye but for four degrees, so the left side is seen at 87 degrees; a wall is behind.
     let (sine, cosine) = 4f64.to_radians().sin_cos();
     let (right, back) = (DVec3::new(cosine, 0.0, -sine), DVec3::new(-sine, 0.0, -cosine));
-    let middle = DVec3::new(0.0, 0.0, -AWAY);
+    let center = DVec3::new(0.0, 0.0, -AWAY);
     let front = Flat {
-        middle,
+        center,
         along: [right, DVec3::Y],
     };
     let side = Flat {
-        middle: middle - 0.5 * right + 0.5 * back,
+        center: center - 0.5 * right + 0.5 * back,
         along: [back, DVec3::Y],
     };
     let (left, right_side) = (side, side.moved(right));
     let wall = Flat {
-        middle: middle - 3.0 * DVec3::Z,
+        center: center - 3.0 * DVec3::Z,
         along: [3.0 * DVec3::X, 2.0 * DVec3::Y],
     };
-    let faces_eye = |flat: &Flat| flat.normal().dot(flat.middle).abs() / flat.middle.length();
+    let faces_eye = |flat: &Flat| flat.normal().dot(flat.center).abs() / flat.center.length();
     assert!(faces_eye(&left) < 0.07, "{}", faces_eye(&left));
     let kinds = [front, left, right_side, wall].map(|flat| flat.grid(0.0));
     let ends: Vec<usize> = kinds.iter().map(Vec::len).collect();

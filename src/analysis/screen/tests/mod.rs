@@ -20,7 +20,7 @@ fn view(size_px: [u32; 2], px_per_slope: f32) -> ScreenView {
         near: 0.01,
         size_px,
         px_per_slope: [px_per_slope, -px_per_slope],
-        middle_px: size_px.map(|edge| 0.5 * edge as f32),
+        center_px: size_px.map(|edge| 0.5 * edge as f32),
     }
 }
 

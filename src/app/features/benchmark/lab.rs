@@ -2,7 +2,7 @@
 //! mode.
 
 use super::hit::hit;
-use super::pictures::{beside_or_below, pictures_ui};
+use super::pictures::{pictures_ui, side_by_side_or_below};
 use crate::app::theme::{ACCENT, GOOD, ODD};
 use crate::bench::LabPoint;
 use crate::scene::{Primitive, RendererChoice};
@@ -39,7 +39,7 @@ pub(in crate::app) fn lab_ui(ui: &mut Ui, points: &[Arc<LabPoint>]) -> Option<Ar
     if let Some(clicked) = plot(ui, points, chosen) {
         chosen = Some(clicked);
     }
-    beside_or_below(ui, |ui| {
+    side_by_side_or_below(ui, |ui| {
         if let Some(point) = chosen.and_then(|index| points.get(index)) {
             let images = [&point.picture, &point.error_map];
             ui.vertical(|ui| pictures_ui(ui, &point.label, point.draw_ms.to_bits(), images));

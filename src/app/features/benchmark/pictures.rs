@@ -4,11 +4,11 @@ use egui::{ColorImage, RichText, TextureHandle, TextureOptions, Ui};
 use image::RgbaImage;
 
 /// Width above which images are next to the list, points.
-const BESIDE_WIDTH: f32 = 760.0;
+const SIDE_BY_SIDE_WIDTH: f32 = 760.0;
 
 /// Side by side where there is room, else one below the other.
-pub(super) fn beside_or_below(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
-    if ui.available_width() < BESIDE_WIDTH {
+pub(super) fn side_by_side_or_below(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    if ui.available_width() < SIDE_BY_SIDE_WIDTH {
         ui.vertical(add);
     } else {
         ui.horizontal_top(add);

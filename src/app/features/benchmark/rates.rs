@@ -2,7 +2,7 @@
 //! point shows the frame as it is then, next to the original.
 
 use super::hit::hit;
-use super::pictures::{beside_or_below, pictures_ui};
+use super::pictures::{pictures_ui, side_by_side_or_below};
 use crate::app::theme::{ACCENT, GOOD, ODD};
 use crate::bench::{RatePoint, Sweep};
 use egui::{Color32, ScrollArea, Ui};
@@ -87,7 +87,7 @@ pub(super) fn rates_ui(ui: &mut Ui, points: &[Arc<RatePoint>]) -> Option<Arc<Rat
         ui.weak("over the bits per point of the original");
     });
     let mut clicked = plot(ui, points, loss, chosen);
-    beside_or_below(ui, |ui| {
+    side_by_side_or_below(ui, |ui| {
         if let Some(point) = chosen.and_then(|index| points.get(index)) {
             let images = [&point.picture, &point.error_map];
             let key = point.bits_per_point.to_bits();

@@ -84,9 +84,9 @@ impl ClippedFrames {
     }
 
     /// Creates the plane through the centre of the frames.
-    pub(in crate::app) fn through_middle(&self, normal: DVec3, fit: ClipFit) -> ClipShape {
-        let middle = self.origin + self.bounds(fit).center().as_dvec3();
-        let offset = normal.dot(middle);
+    pub(in crate::app) fn through_center(&self, normal: DVec3, fit: ClipFit) -> ClipShape {
+        let center = self.origin + self.bounds(fit).center().as_dvec3();
+        let offset = normal.dot(center);
         ClipShape::Plane { normal, offset }
     }
 
@@ -108,7 +108,7 @@ impl Clipping {
     pub(in crate::app) fn fit(&mut self, shape: &mut ClipShape, frames: &ClippedFrames, fit: ClipFit) {
         *shape = match *shape {
             ClipShape::Box { .. } => frames.around(fit),
-            ClipShape::Plane { normal, .. } => frames.through_middle(normal, fit),
+            ClipShape::Plane { normal, .. } => frames.through_center(normal, fit),
         };
         self.note_fit(*shape, fit);
     }

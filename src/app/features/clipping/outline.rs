@@ -27,14 +27,14 @@ pub(super) fn plane(normal: DVec3, offset: f64, [min, max]: [DVec3; 2]) -> Vec<D
     let mut corners: Vec<DVec3> = crossings.collect();
     let (u, v) = normal.any_orthonormal_pair();
     if corners.len() < 3 {
-        let middle = foot(normal, offset, [min, max]);
+        let center = foot(normal, offset, [min, max]);
         let half = 0.5 * (max - min).max_element() + margin.x;
         corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
-            .map(|(along_u, along_v)| middle + (u * along_u + v * along_v) * half)
+            .map(|(along_u, along_v)| center + (u * along_u + v * along_v) * half)
             .into();
     }
-    let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
-    let angle = |place: &DVec3| (*place - middle).dot(v).atan2((*place - middle).dot(u));
+    let center = corners.iter().sum::<DVec3>() / corners.len() as f64;
+    let angle = |place: &DVec3| (*place - center).dot(v).atan2((*place - center).dot(u));
     corners.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
     corners.extend(corners.first().copied());
     corners
@@ -42,8 +42,8 @@ pub(super) fn plane(normal: DVec3, offset: f64, [min, max]: [DVec3; 2]) -> Vec<D
 
 /// Returns the point of a plane that is nearest to the centre of a box.
 pub(super) fn foot(normal: DVec3, offset: f64, [min, max]: [DVec3; 2]) -> DVec3 {
-    let middle = min.midpoint(max);
-    middle + normal * (offset - normal.dot(middle))
+    let center = min.midpoint(max);
+    center + normal * (offset - normal.dot(center))
 }
 
 #[cfg(test)]

@@ -143,7 +143,7 @@ fn kind(ui: &mut Ui, clip: &mut Option<Clip>, clipping: &mut Clipping, frames: &
         (kind, _) => {
             let clip = known.unwrap_or_else(|| {
                 let shape = match kind {
-                    ClipKind::Plane => frames.through_middle(DVec3::X, ClipFit::AllFrames),
+                    ClipKind::Plane => frames.through_center(DVec3::X, ClipFit::AllFrames),
                     ClipKind::Box | ClipKind::Off => frames.around(ClipFit::AllFrames),
                 };
                 clipping.note_fit(shape, ClipFit::AllFrames);
@@ -203,6 +203,6 @@ fn plane(ui: &mut Ui, shape: &mut ClipShape, frames: &ClippedFrames, speed: f64)
     let place = DragValue::new(offset).speed(speed).max_decimals(6);
     row(ui, "Plane at", tooltip, place);
     if *normal != before {
-        *shape = frames.through_middle(*normal, ClipFit::AllFrames);
+        *shape = frames.through_center(*normal, ClipFit::AllFrames);
     }
 }

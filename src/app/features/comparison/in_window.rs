@@ -77,7 +77,7 @@ fn bar(ui: &mut Ui, state: &mut State) {
 
 impl State {
     pub(in crate::app) fn toggle_comparison(&mut self) {
-        if self.features.beside.is_some() {
+        if self.features.split_view.is_some() {
             let text = "Two sequences are compared: File, Close comparison ends that";
             return self.notices.hint(text);
         }
@@ -121,14 +121,18 @@ impl State {
 
     /// Returns the two images next to each other, if there are two.
     pub fn pictures(&self) -> Option<&PicturePair> {
-        let beside = self.features.beside.as_ref().map(|beside| &beside.pictures);
+        let split_view = self.features.split_view.as_ref().map(|split_view| &split_view.pictures);
         let comparison = self.features.comparison.as_ref();
-        beside.or(comparison.map(|comparison| &comparison.pictures))
+        split_view.or(comparison.map(|comparison| &comparison.pictures))
     }
 
     pub(in crate::app) fn pictures_mut(&mut self) -> Option<&mut PicturePair> {
-        let beside = self.features.beside.as_mut().map(|beside| &mut beside.pictures);
+        let split_view = self
+            .features
+            .split_view
+            .as_mut()
+            .map(|split_view| &mut split_view.pictures);
         let comparison = self.features.comparison.as_mut();
-        beside.or(comparison.map(|comparison| &mut comparison.pictures))
+        split_view.or(comparison.map(|comparison| &mut comparison.pictures))
     }
 }

@@ -34,8 +34,8 @@ fn started(clock: &Clock, now: Duration, loop_mode: LoopMode) -> Clock {
 fn frames(clock: &Clock, now: Duration, loop_mode: LoopMode, per_second: f64) -> impl Iterator<Item = usize> {
     let mut clock = started(clock, now, loop_mode);
     (0..).map_while(move |picture: usize| {
-        let middle_s = (picture as f64 + 0.5) / per_second;
-        let at = now + Duration::try_from_secs_f64(middle_s).ok()?;
+        let center_s = (picture as f64 + 0.5) / per_second;
+        let at = now + Duration::try_from_secs_f64(center_s).ok()?;
         let frame = clock.advance(at);
         let is_shown = picture == 0 || clock.is_playing();
         if picture.is_multiple_of(ANCHOR_PICTURES) {

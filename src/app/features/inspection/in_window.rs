@@ -106,13 +106,13 @@ fn point(ui: &mut Ui, state: &mut State) {
         let time_s = |frame| player.time_s(frame);
         state.features.trails.measure(index_in_file?, time_s)
     });
-    let names = state.features.beside.as_ref().map(|beside| {
+    let names = state.features.split_view.as_ref().map(|split_view| {
         let name = state.sequence_name().unwrap_or_default();
-        [name, beside.name.clone()]
+        [name, split_view.name.clone()]
     });
     let side = state.features.inspection.point.as_ref().map(|point| point.anchor.side);
-    let sequence = match (side, &state.features.beside) {
-        (Some(Side::B), Some(beside)) => Some(beside.companion.sequence()),
+    let sequence = match (side, &state.features.split_view) {
+        (Some(Side::B), Some(split_view)) => Some(split_view.companion.sequence()),
         _ => state.player.as_ref().map(Player::sequence),
     };
     let frame_count = sequence.map_or(0, |sequence| sequence.len());
@@ -142,13 +142,13 @@ impl State {
     /// last.
     pub(in crate::app) fn point_at(&self, place: Pos2) -> Option<(Pick, Arc<PreparedFrame>, Side)> {
         let [rect, other_rect] = [self.viewport.rect, self.viewport.other_rect];
-        let beside = self.features.beside.as_ref();
-        let of_b = beside.filter(|beside| beside.is_of_b(place, [rect, other_rect]));
+        let split_view = self.features.split_view.as_ref();
+        let of_b = split_view.filter(|split_view| split_view.is_of_b(place, [rect, other_rect]));
         let (found, side) = match of_b {
             // Where there is no frame, the one before is not to be seen.
-            Some(beside) => {
-                beside.companion.shown()?;
-                (beside.drawing.point_at(place, other_rect), Side::B)
+            Some(split_view) => {
+                split_view.companion.shown()?;
+                (split_view.drawing.point_at(place, other_rect), Side::B)
             }
             None => (self.main.drawing.point_at(place, rect), Side::A),
         };

@@ -19,8 +19,8 @@ const GRAB: f32 = 8.0;
 const RADIUS: f32 = 3.5;
 
 /// From the camera around the corners of the image, and a roof over its upper side; in the world.
-fn pyramid(photo: &Photo, middle: DVec3) -> [Vec<DVec3>; 3] {
-    let length = LENGTH * (middle - photo.center()).length();
+fn pyramid(photo: &Photo, midpoint: DVec3) -> [Vec<DVec3>; 3] {
+    let length = LENGTH * (midpoint - photo.center()).length();
     let [width, height] = photo.camera.size_px().map(f64::from);
     let world_from_camera = photo.camera_from_world.inverse();
     // The lens is left out: corners of a wide one have no rays.
@@ -42,10 +42,10 @@ pub(in crate::app) fn frusta_ui(
     photos: &mut Photos,
 ) -> Option<usize> {
     let mut clicked = None;
-    let middles = photos.middles_of(set);
-    for (number, (photo, &middle)) in set.photos.iter().zip(&*middles).enumerate() {
+    let midpoints = photos.centers_of(set);
+    for (number, (photo, &midpoint)) in set.photos.iter().zip(&*midpoints).enumerate() {
         let color = if photos.is_used(number) { ACCENT } else { ODD };
-        for line in pyramid(photo, middle) {
+        for line in pyramid(photo, midpoint) {
             canvas.polyline(&line, Stroke::new(1.0, color));
         }
         let Some(center) = canvas.place(photo.center()) else {

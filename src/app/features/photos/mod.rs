@@ -60,7 +60,7 @@ pub struct Photos {
     /// That of the shown frame.
     shown: Option<Arc<ViewSet>>,
     /// Positions that the images of a set look at: a walk over all of its points.
-    middles: Option<(Arc<ViewSet>, Arc<[DVec3]>)>,
+    centers: Option<(Arc<ViewSet>, Arc<[DVec3]>)>,
     running: Option<(Arc<ViewSet>, Progress)>,
     /// Those that are not used, by their numbers.
     off: BTreeSet<usize>,
@@ -76,10 +76,10 @@ impl Photos {
     }
 
     /// Returns the position that each image of a set looks at.
-    fn middles_of(&mut self, set: &Arc<ViewSet>) -> Arc<[DVec3]> {
-        let known = self.middles.take().filter(|(of, _)| Arc::ptr_eq(of, set));
-        let known = known.unwrap_or_else(|| (Arc::clone(set), set.middles().into()));
-        Arc::clone(&self.middles.insert(known).1)
+    fn centers_of(&mut self, set: &Arc<ViewSet>) -> Arc<[DVec3]> {
+        let known = self.centers.take().filter(|(of, _)| Arc::ptr_eq(of, set));
+        let known = known.unwrap_or_else(|| (Arc::clone(set), set.centers().into()));
+        Arc::clone(&self.centers.insert(known).1)
     }
 
     /// Returns true if an input image is projected on the surface.

@@ -34,8 +34,10 @@ impl State {
         self.panels.set(PanelId::SAVE, is_open);
         if is_open {
             let of = self.savable();
-            let beside = self.player.as_ref().and_then(|player| folder_of(player.sequence()));
-            self.features.save.begin(|| beside.unwrap_or_else(document_folder), &of);
+            let split_view = self.player.as_ref().and_then(|player| folder_of(player.sequence()));
+            self.features
+                .save
+                .begin(|| split_view.unwrap_or_else(document_folder), &of);
         }
     }
 
@@ -132,8 +134,8 @@ impl State {
         let retained = AsReel::new(Arc::clone(sequence.source()), options);
         let retained = Sequence::of(retained).with_fps(sequence.fps());
         self.compare_with(Arc::new(retained));
-        if let Some(beside) = &mut self.features.beside {
-            beside.name = format!("{}, {words}", beside.name);
+        if let Some(split_view) = &mut self.features.split_view {
+            split_view.name = format!("{}, {words}", split_view.name);
         }
     }
 

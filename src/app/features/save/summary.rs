@@ -12,7 +12,7 @@ pub(super) fn lines(estimate: &Estimate, frames: usize, source_bytes: Option<u64
     let whole = estimate.frame_bytes * frames as f64;
     let mut lines = vec![(
         "Size",
-        format!("about {}{}", bytes(whole as u64), beside(whole, source_bytes)),
+        format!("about {}{}", bytes(whole as u64), compared(whole, source_bytes)),
         "Of all frames, by those that were encoded",
     )];
     let retained = 100.0 * estimate.retained_points / estimate.points.max(1.0);
@@ -75,7 +75,7 @@ fn streams(estimate: &Estimate) -> Option<String> {
     (!streams.is_empty()).then(|| words.collect::<Vec<_>>().join(", "))
 }
 
-fn beside(whole: f64, source_bytes: Option<u64>) -> String {
+fn compared(whole: f64, source_bytes: Option<u64>) -> String {
     let Some(source) = source_bytes.filter(|&source| source > 0) else {
         return String::new();
     };
@@ -256,6 +256,6 @@ mod tests {
             ]
         );
         assert_eq!(streams(&bare), None);
-        assert!(beside(100.0, Some(50)).contains("2 times as much"));
+        assert!(compared(100.0, Some(50)).contains("2 times as much"));
     }
 }

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 /// Returns the central frame of each of `cells` equal parts of a sequence; every frame once where there are fewer.
 pub(in crate::app) fn strip_frames(frame_count: usize, cells: usize) -> Vec<usize> {
     let cells = cells.min(frame_count);
-    let middle = |cell: usize| (2 * cell + 1) * frame_count / (2 * cells);
-    (0..cells).map(middle).collect()
+    let center = |cell: usize| (2 * cell + 1) * frame_count / (2 * cells);
+    (0..cells).map(center).collect()
 }
 
 /// Frames whose pictures can be seen.

@@ -18,7 +18,7 @@ use crate::scene::{BackFaces, Scene, Style, VoxelLight};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 
 /// Returns the render modes for voxels, and the words for them.
-fn ways() -> [(&'static str, Style); 3] {
+fn variants() -> [(&'static str, Style); 3] {
     let paper = voxel_style();
     let stop = StopCriterion::Spacing;
     let faces = paper.with(|style| style.levels.stop = stop);
@@ -27,7 +27,7 @@ fn ways() -> [(&'static str, Style); 3] {
     [("δ 5 %", paper), ("spacing", faces), ("spacing, normals", normals)]
 }
 
-/// Measurements of one sequence, for each of [`ways`].
+/// Measurements of one sequence, for each of [`variants`].
 #[derive(Default)]
 pub(super) struct ClosedSamples([WaySamples; 3]);
 
@@ -48,21 +48,21 @@ impl ClosedSamples {
         frame: &PreparedFrame,
     ) -> Result<(), BenchError> {
         let surfels = Style::default().with(|style| style.surfels.back_faces = BackFaces::Drawn);
-        let ways = ways().map(|(_, style)| {
+        let variants = variants().map(|(_, style)| {
             let needs = Scene::needs(&style);
             let frame = complete(frame, &needs, &PrepareCounters::default());
             (frame, style)
         });
         for camera in subject.views(frame, run.options.viewpoints, 1.0) {
             let mut drawings: Vec<DrawnView> = vec![draw(run, subject, frame, &camera, surfels)?];
-            for (frame, style) in &ways {
+            for (frame, style) in &variants {
                 drawings.push(draw(run, subject, frame, &camera, *style)?);
             }
             let mut pictures = parts(&drawings);
             let Some(surfels) = pictures.next() else {
                 continue;
             };
-            for ((picture, samples), (frame, style)) in pictures.zip(&mut self.0).zip(&ways) {
+            for ((picture, samples), (frame, style)) in pictures.zip(&mut self.0).zip(&variants) {
                 let [covered, outside] = picture.shares_of(&surfels);
                 samples.covered.push(covered);
                 samples.outside.push(outside);
@@ -76,7 +76,7 @@ impl ClosedSamples {
     }
 
     pub(super) fn rows(&self, sequence: &str) -> impl Iterator<Item = Row> {
-        ways().into_iter().zip(&self.0).map(move |((way, _), samples)| {
+        variants().into_iter().zip(&self.0).map(move |((way, _), samples)| {
             row(
                 CLOSED,
                 &[

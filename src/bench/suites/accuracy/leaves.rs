@@ -104,15 +104,15 @@ fn leaf_distances(positions: &[Vec3], tree: &Octree) -> Vec<f64> {
         cell.to_array().map(|index| index.floor().min(cells_along - 1.0) as u32)
     };
     // A middle is half an edge away from the next cell, whatever the rounding.
-    let middles: HashMap<[u32; 3], DVec3> = tree
+    let centers: HashMap<[u32; 3], DVec3> = tree
         .level_voxels(tree.depth())
         .iter()
         .map(|voxel| Vec3::from_array(voxel.center).as_dvec3())
-        .map(|middle| (cell_of(middle), middle))
+        .map(|center| (cell_of(center), center))
         .collect();
     let distance = |position: &Vec3| {
         let place = position.as_dvec3();
-        middles.get(&cell_of(place)).map(|middle| place.distance(*middle))
+        centers.get(&cell_of(place)).map(|center| place.distance(*center))
     };
     positions.iter().filter_map(distance).collect()
 }

@@ -9,8 +9,8 @@
 //! Depths, which distinguish surfaces, are drawn by the software renderer for the adapter's modes too: both draw the
 //! same surfaces, which `tests/pictures/cpu_renderer.rs` checks.
 
+mod variants;
 mod view;
-mod ways;
 
 use crate::bench::lab::{LabPoint, mark_front};
 use crate::bench::report::{Cell, Column, Row};
@@ -123,10 +123,10 @@ struct Runners {
 }
 
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
-    let all = ways::ways(!run.runner.is_processor());
+    let all = variants::variants(!run.runner.is_processor());
     let modes = &run.options.modes;
-    let ways: Vec<Settings> = all.into_iter().filter(|way| modes.admit(&way.decided())).collect();
-    if ways.is_empty() {
+    let variants: Vec<Settings> = all.into_iter().filter(|way| modes.admit(&way.decided())).collect();
+    if variants.is_empty() {
         return Err(BenchError::Nothing(
             "no way to draw is among the modes that were asked for, on this machine".to_owned(),
         ));
@@ -137,9 +137,9 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
         cache: TruthCache::new(run.options.truth_folder.clone()),
     };
     // One step to prepare a frame, one for its truth, one for each way.
-    let steps_per_frame = 2 + ways.len();
+    let steps_per_frame = 2 + variants.len();
     for subject in run.subjects(steps_per_frame)? {
-        measure_sequence(run, &mut runners, &subject, &ways, steps_per_frame)?;
+        measure_sequence(run, &mut runners, &subject, &variants, steps_per_frame)?;
     }
     Ok(())
 }
@@ -148,12 +148,12 @@ fn measure_sequence(
     run: &mut Run<'_>,
     runners: &mut Runners,
     subject: &Subject<'_>,
-    ways: &[Settings],
+    variants: &[Settings],
     steps_per_frame: usize,
 ) -> Result<(), BenchError> {
     // Surfels are the truth, and what viewpoints are placed by.
     let needs = Scene::needs(&Style::default());
-    let mut samples: Vec<ErrorSamples> = ways.iter().map(|_| ErrorSamples::default()).collect();
+    let mut samples: Vec<ErrorSamples> = variants.iter().map(|_| ErrorSamples::default()).collect();
     let (mut point_counts, mut coverages) = (Vec::new(), Vec::new());
     let mut first_failure = None;
     for &index in &subject.chosen {
@@ -181,15 +181,15 @@ fn measure_sequence(
                 run.options.viewport_px,
             ));
         }
-        for (way, samples) in ways.iter().zip(&mut samples) {
-            let label = ways::label(way);
+        for (way, samples) in variants.iter().zip(&mut samples) {
+            let label = variants::label(way);
             run.begin_step(format!("{}: {label}", subject.named(index)))?;
             measure_way(run, runners, subject, &frame, &views, &way.decided(), samples)?;
             run.say_measured(samples.point(subject.name, way));
         }
     }
     Run::check_measured(subject, &point_counts, first_failure)?;
-    let mut points: Vec<LabPoint> = ways
+    let mut points: Vec<LabPoint> = variants
         .iter()
         .zip(&samples)
         .map(|(way, samples)| samples.point(subject.name, way))
@@ -310,7 +310,7 @@ impl ErrorSamples {
         LabPoint {
             sequence: sequence.to_owned(),
             style: *way,
-            label: ways::label(way),
+            label: variants::label(way),
             draw_ms: Quantiles::of(&self.draw_ms).map_or(0.0, |q| q.median),
             flip: mean(&self.flip_object),
             is_on_front: false,

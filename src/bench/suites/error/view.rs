@@ -1,6 +1,6 @@
 //! One view of a frame: its truth, and how far pictures are from it.
 
-use super::ways::BACKGROUND;
+use super::variants::BACKGROUND;
 use crate::bench::BenchError;
 use crate::bench::truth_cache::TruthCache;
 use crate::measure::{

@@ -86,7 +86,7 @@ pub const REEL: &Suite = &Suite {
 const CELLS: Precision = Precision::Bits(10);
 
 /// The ways to keep a sequence that are compared.
-fn ways() -> Vec<(&'static str, ReelOptions)> {
+fn variants() -> Vec<(&'static str, ReelOptions)> {
     let voxels = ReelOptions {
         precision: CELLS,
         ..ReelOptions::default()
@@ -113,10 +113,10 @@ fn ways() -> Vec<(&'static str, ReelOptions)> {
 }
 
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
-    let ways = ways();
+    let variants = variants();
     // One step to draw the original, one for each row.
-    for subject in run.subjects(1 + ways.len() + Coder::ALL.len())? {
-        measure_sequence(run, &subject, &ways)?;
+    for subject in run.subjects(1 + variants.len() + Coder::ALL.len())? {
+        measure_sequence(run, &subject, &variants)?;
     }
     Ok(())
 }
@@ -124,7 +124,7 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
 fn measure_sequence(
     run: &mut Run<'_>,
     subject: &Subject<'_>,
-    ways: &[(&'static str, ReelOptions)],
+    variants: &[(&'static str, ReelOptions)],
 ) -> Result<(), BenchError> {
     let frames = consecutive(subject)?;
     run.begin_step(format!("{}: the original", subject.name))?;
@@ -134,7 +134,7 @@ fn measure_sequence(
     let (repeats, progress) = (run.options.repeat, run.progress);
     let mut rows = Vec::new();
     let mut cells = None;
-    for (words, options) in ways {
+    for (words, options) in variants {
         run.begin_step(format!("{}: {words}", subject.name))?;
         let Measured { samples, decoded } =
             one_thread(|| RetainedSamples::of_reel(&frames, options, repeats, progress))??;

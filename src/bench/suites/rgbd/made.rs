@@ -13,7 +13,7 @@ const FOCAL_PX: f64 = 525.0;
 const PRINCIPAL_PX: [f64; 2] = [319.5, 239.5];
 
 /// Centre of the ball.
-pub(super) const SCENE_MIDDLE: DVec3 = DVec3::new(0.0, 0.0, 1.5);
+pub(super) const SCENE_CENTER: DVec3 = DVec3::new(0.0, 0.0, 1.5);
 
 const BALL_RADIUS: f64 = 0.5;
 
@@ -59,7 +59,7 @@ fn pose(view: u32) -> DAffine3 {
     // Even by the golden ratio.
     let (across, up) = (f64::from(view) * 0.618_034, f64::from(view) * 0.754_878);
     let place = DVec3::new(0.6 * (across.fract() - 0.5), 0.4 * (up.fract() - 0.5), 0.0);
-    let forward = (SCENE_MIDDLE - place).normalize();
+    let forward = (SCENE_CENTER - place).normalize();
     let right = DVec3::Y.cross(forward).normalize();
     DAffine3::from_mat3_translation(DMat3::from_cols(right, forward.cross(right), forward), place)
 }
@@ -87,11 +87,11 @@ fn measured_z(pose: &DAffine3, at: u32, view: u32) -> f64 {
 fn true_z(pose: &DAffine3, ray: DVec3) -> f64 {
     let (from, along) = (pose.translation, pose.transform_vector3(ray));
     // |from + t·along − middle|² = radius².
-    let to_middle = SCENE_MIDDLE - from;
-    let (square, middle) = (along.length_squared(), along.dot(to_middle));
-    let under_root = middle * middle - square * (to_middle.length_squared() - BALL_RADIUS * BALL_RADIUS);
+    let to_center = SCENE_CENTER - from;
+    let (square, center) = (along.length_squared(), along.dot(to_center));
+    let under_root = center * center - square * (to_center.length_squared() - BALL_RADIUS * BALL_RADIUS);
     if under_root > 0.0 {
-        return (middle - under_root.sqrt()) / square;
+        return (center - under_root.sqrt()) / square;
     }
     // The wall: z − 0.15 x = 2.
     let wall = DVec3::new(-0.15, 0.0, 1.0);
@@ -107,8 +107,8 @@ mod tests {
         let image = made().unwrap();
         let valid = image.valid_count() as f64 / image.metres().len() as f64;
         assert!((0.90..0.94).contains(&valid), "{valid}");
-        let middle = image.metres()[640 * 240 + 322];
-        assert!(middle == 0.0 || (0.95..1.6).contains(&middle), "{middle}");
+        let center = image.metres()[640 * 240 + 322];
+        assert!(center == 0.0 || (0.95..1.6).contains(&center), "{center}");
         assert_eq!(Some(image), made());
     }
 
@@ -121,7 +121,7 @@ mod tests {
             for (column, row) in [(320, 240), (20, 30), (600, 400)] {
                 let ray = ray(column, row);
                 let place = pose.transform_point3(true_z(&pose, ray) * ray);
-                let off_ball = (place.distance(SCENE_MIDDLE) - BALL_RADIUS).abs();
+                let off_ball = (place.distance(SCENE_CENTER) - BALL_RADIUS).abs();
                 let off_wall = (place.z - 0.15 * place.x - 2.0).abs();
                 assert!(off_ball.min(off_wall) < 1e-9, "{view}: {place}");
             }

@@ -6,7 +6,7 @@
 //! points. Where a GPU creates these surfels, an image of a new view is drawn as well, whose passes are timed by its
 //! own clock.
 
-use super::made::{MADE_PX, SCENE_MIDDLE, made_cloud, pinhole};
+use super::made::{MADE_PX, SCENE_CENTER, made_cloud, pinhole};
 use crate::analysis::screen::{ScreenCloud, ScreenEstimator, Search};
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
@@ -66,8 +66,8 @@ pub(super) fn measure_made(run: &mut Run<'_>) -> Result<Vec<Row>, BenchError> {
         let frame = prepared(frame);
         // As the sensor that the first of the views is from.
         let camera = Camera {
-            target_in_world: SCENE_MIDDLE,
-            ..Camera::of_pinhole(&pinhole(MADE_PX)?, DAffine3::IDENTITY, SCENE_MIDDLE.z, UpAxis::NegY)
+            target_in_world: SCENE_CENTER,
+            ..Camera::of_pinhole(&pinhole(MADE_PX)?, DAffine3::IDENTITY, SCENE_CENTER.z, UpAxis::NegY)
         };
         rows.push(measure(
             run,

@@ -37,13 +37,13 @@ pub(super) fn make(
     let Ok(pinhole) = rgbd::Camera::new([EDGE_PX; 2], focal, DVec2::splat(0.5 * edge - 0.5), Distortion::None) else {
         return Ok(None);
     };
-    let middle = multiview.origin + look.trimmed.center().as_dvec3();
+    let center = multiview.origin + look.trimmed.center().as_dvec3();
     let distance = 1.1 * FOCAL.hypot(1.0) * f64::from(look.trimmed.radius()).max(f64::MIN_POSITIVE.sqrt());
     let mut depths = CpuRenderer::new();
     let mut posed_images = Vec::new();
     for (number, (azimuth_deg, elevation_deg)) in scenario::directions(COUNT).enumerate() {
         run.check_cancelled()?;
-        let camera_from_world = pose(look, middle, distance, [azimuth_deg, elevation_deg]);
+        let camera_from_world = pose(look, center, distance, [azimuth_deg, elevation_deg]);
         let camera = Camera::of_pinhole(&pinhole, camera_from_world.inverse(), distance, look.up);
         let drawn = StyledFrame {
             frame: multiview.frame,
@@ -100,14 +100,14 @@ pub(super) fn without_depths(posed_images: &PosedImages) -> PosedImages {
     PosedImages::new(photos_without.collect(), Some(angle))
 }
 
-/// Returns the pose of a camera that looks at `middle`.
-fn pose(look: &FirstLook, middle: DVec3, distance: f64, [azimuth_deg, elevation_deg]: [f64; 2]) -> DAffine3 {
+/// Returns the pose of a camera that looks at `center`.
+fn pose(look: &FirstLook, center: DVec3, distance: f64, [azimuth_deg, elevation_deg]: [f64; 2]) -> DAffine3 {
     let mut camera = Camera::framing(&look.trimmed, DVec3::ZERO, look.up);
     camera.azimuth_deg = azimuth_deg;
     camera.elevation_deg = elevation_deg;
     // From right, up, backward to right, down, forward.
     let flip = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));
     let rotation = flip * camera.view_from_world_rotation();
-    let eye = middle - distance * rotation.row(2);
+    let eye = center - distance * rotation.row(2);
     DAffine3::from_mat3_translation(rotation, -(rotation * eye))
 }

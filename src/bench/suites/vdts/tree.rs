@@ -26,7 +26,7 @@ struct Branch {
 }
 
 struct Leaf {
-    middle: DVec3,
+    center: DVec3,
     normal: DVec3,
     radius: f64,
     color: DVec3,
@@ -97,7 +97,7 @@ fn grow(branch: Branch, left: u32, numbers: &mut Numbers, branches: &mut Vec<Bra
         for _ in 0..LEAVES {
             let green = 0.35 + 0.35 * numbers.next();
             leaves.push(Leaf {
-                middle: branch.start + numbers.next() * branch.way + 0.12 * numbers.direction(),
+                center: branch.start + numbers.next() * branch.way + 0.12 * numbers.direction(),
                 normal: numbers.direction(),
                 radius: 0.025 + 0.02 * numbers.next(),
                 color: DVec3::new(0.7 * green * numbers.next(), green, 0.15 * green),
@@ -156,7 +156,7 @@ impl Points {
         // Lighter along the middle.
         let light = if at.x.abs() < 0.15 * leaf.radius { 1.3 } else { 1.0 };
         self.push(
-            leaf.middle + at.x * across + at.y * other,
+            leaf.center + at.x * across + at.y * other,
             leaf.normal,
             light * leaf.color,
         );

@@ -2,7 +2,7 @@
 
 use super::document::{Buffer, Document, at};
 use crate::io::error::{Fault, mebibytes};
-use crate::io::files::beside;
+use crate::io::files::sidecars;
 use crate::io::options::ReadOptions;
 use base64::Engine as _;
 use base64::alphabet::STANDARD;
@@ -131,7 +131,7 @@ pub(super) fn resource(uri: &str, path: &Path, max_bytes: u64, options: &ReadOpt
             .map_err(|error| format!("its data: URI is damaged ({error})"));
     }
     let name = percent_decoded(uri).ok_or_else(|| format!("`{}` is no URI of a file", uri.escape_default()))?;
-    beside::read(&name, path, max_bytes, options)
+    sidecars::read(&name, path, max_bytes, options)
 }
 
 /// Text without `%20` and its like.

@@ -97,7 +97,7 @@ pub(super) fn note<'a>(cloud: &mut RawCloud, records: impl Iterator<Item = Recor
     let Some([longitude, latitude]) = ORDERS.into_iter().find(|&order| are_degrees(order)) else {
         return;
     };
-    let Some(zone) = Zone::of_middle(points.iter().map(|point| [point[longitude], point[latitude]])) else {
+    let Some(zone) = Zone::of_center(points.iter().map(|point| [point[longitude], point[latitude]])) else {
         return;
     };
     let unit = height.unwrap_or(LengthUnit::Metre).symbol();

@@ -58,8 +58,8 @@ impl Axis {
     /// The axis with so many digits if the extent fits it: without an offset if that does, else with one between the
     /// two.
     fn fitting(digits: i32, min: f64, max: f64) -> Option<Self> {
-        let middle = (min / 2.0 + max / 2.0).round();
-        [0.0, middle]
+        let center = (min / 2.0 + max / 2.0).round();
+        [0.0, center]
             .map(|offset| Self { digits, offset })
             .into_iter()
             .find(|axis| {

@@ -179,7 +179,7 @@ pub(super) fn cloud_of_archive(
     let has_coordinates = place.is_some() || arrays.iter().any(|(name, _)| name == "x");
     if has_coordinates {
         options.claim_entries("the arrays", count, parsed_numbers(&arrays) * size_of::<f64>())?;
-        add_columns_beside(&mut columns, &arrays, count)?;
+        add_columns_sidecar(&mut columns, &arrays, count)?;
     }
     if columns.is_empty() {
         return Err(Fault::header(format!(
@@ -192,7 +192,7 @@ pub(super) fn cloud_of_archive(
         )));
     }
     let positions = place.map(|place| arrays[place].0.as_str());
-    add_fields_beside(&mut columns, &arrays, positions, count, options);
+    add_fields_sidecar(&mut columns, &arrays, positions, count, options);
     let mut cloud = growing::cloud(&columns, count, options)?;
     let splat_arrays = splat_arrays(&arrays, count);
     let used = splats::apply(&splat_arrays, &mut cloud);
@@ -218,7 +218,11 @@ pub(super) fn cloud_of_archive(
 }
 
 /// Adds columns from the `arrays` other than the coordinates that have values for each of `count` points.
-fn add_columns_beside<'a>(columns: &mut Vec<Column<'a>>, arrays: &[NamedArray<'a>], count: usize) -> Result<(), Fault> {
+fn add_columns_sidecar<'a>(
+    columns: &mut Vec<Column<'a>>,
+    arrays: &[NamedArray<'a>],
+    count: usize,
+) -> Result<(), Fault> {
     let is_one_of = |names: &[&str], name: &str| names.contains(&name);
     for (name, array) in arrays {
         let ArrayLayout::Table(_) = array.kind else { continue };
@@ -252,7 +256,7 @@ fn add_columns_beside<'a>(columns: &mut Vec<Column<'a>>, arrays: &[NamedArray<'a
 
 /// Adds the arrays of numbers with an entry for each of `count` points that say nothing else: each of their columns is
 /// a scalar field.
-fn add_fields_beside<'a>(
+fn add_fields_sidecar<'a>(
     columns: &mut Vec<Column<'a>>,
     arrays: &[NamedArray<'a>],
     positions: Option<&str>,

@@ -246,8 +246,8 @@ fn distance(one: [f64; 3], other: [f64; 3]) -> f64 {
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.retain(|value| value.is_finite());
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+    let center = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(center, f64::total_cmp).1)
 }
 
 #[cfg(test)]

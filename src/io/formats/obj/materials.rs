@@ -6,7 +6,7 @@
 use crate::cloud::Textures;
 use crate::io::codec::Encoded;
 use crate::io::error::Fault;
-use crate::io::files::beside;
+use crate::io::files::sidecars;
 use crate::io::meshes::picture;
 use image::RgbaImage;
 use std::collections::HashMap;
@@ -89,7 +89,7 @@ impl Reading<'_> {
     }
 
     fn library(&self, name: &str) -> Result<Vec<tobj::Material>, String> {
-        let bytes = self.bytes_beside(name)?;
+        let bytes = self.bytes_sidecar(name)?;
         // Names in other encodings are not found; all else is ASCII.
         let text = String::from_utf8_lossy(&bytes);
         let (materials, _) = tobj::load_mtl_buf(&mut text.as_bytes()).map_err(|error| format!("`{name}`: {error}"))?;
@@ -129,14 +129,14 @@ impl Reading<'_> {
     }
 
     fn picture(&self, name: &str) -> Result<RgbaImage, String> {
-        let bytes = self.bytes_beside(name)?;
+        let bytes = self.bytes_sidecar(name)?;
         picture::decode(&bytes, self.left_bytes).map_err(|error| format!("`{name}`: {error}"))
     }
 
     /// Returns the bytes of the named file, or, where the name leads elsewhere, those of the file next to the OBJ file
     /// with the last component of the name: programs write the paths of the machine that they ran on.
-    fn bytes_beside(&self, name: &str) -> Result<Vec<u8>, String> {
-        let read = |name: &str| beside::read(name, self.file.name, self.left_bytes, self.file.options);
+    fn bytes_sidecar(&self, name: &str) -> Result<Vec<u8>, String> {
+        let read = |name: &str| sidecars::read(name, self.file.name, self.left_bytes, self.file.options);
         let name = name.replace('\\', "/");
         read(&name).or_else(
             |problem| match Path::new(&name).file_name().and_then(|last| last.to_str()) {

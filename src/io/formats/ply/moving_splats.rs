@@ -144,6 +144,6 @@ fn median(values: &[f32]) -> f32 {
     if finite.is_empty() {
         return 0.0;
     }
-    let middle = finite.len() / 2;
-    *finite.select_nth_unstable_by(middle, f32::total_cmp).1
+    let midpoint = finite.len() / 2;
+    *finite.select_nth_unstable_by(midpoint, f32::total_cmp).1
 }

@@ -305,8 +305,8 @@ fn moves_little(positions: [&[f64]; 3]) -> bool {
         };
         let distances = (0..rows).map(distance);
         let mut known: Vec<f64> = distances.filter(|distance| distance.is_finite()).collect();
-        let middle = known.len() / 2;
-        (!known.is_empty()).then(|| *known.select_nth_unstable_by(middle, f64::total_cmp).1)
+        let center = known.len() / 2;
+        (!known.is_empty()).then(|| *known.select_nth_unstable_by(center, f64::total_cmp).1)
     };
     let steps = median(1).zip(median(far));
     steps.is_none_or(|(next, far)| next <= MAX_STEP * far)

@@ -196,7 +196,7 @@ impl Table {
         }
         let [longitude, latitude, _] = naming.positions;
         let places = (0..self.rows).map(|row| [longitude, latitude].map(|column| parsed.columns[column][row]));
-        let Some(zone) = Zone::of_middle(places) else {
+        let Some(zone) = Zone::of_center(places) else {
             return Ok(());
         };
         for row in 0..self.rows {

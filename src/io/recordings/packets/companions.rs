@@ -7,7 +7,7 @@
 //! capture's come first. Packets that come from a network have one such file, which is named after the address.
 
 use crate::io::error::Fault;
-use crate::io::files::beside;
+use crate::io::files::sidecars;
 use crate::io::options::ReadOptions;
 use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ const MAX_FILES: usize = 64;
 #[derive(Debug, Clone)]
 pub(super) enum Companions {
     /// In the folder of a capture.
-    Beside { capture: PathBuf, options: ReadOptions },
+    Sidecar { capture: PathBuf, options: ReadOptions },
     /// The text of the one that was named, if one was.
     Given(Option<Arc<str>>),
 }
@@ -29,7 +29,7 @@ impl Companions {
     /// Returns the capture whose companions they are.
     pub(super) fn capture(&self) -> Option<&Path> {
         match self {
-            Self::Beside { capture, .. } => Some(capture),
+            Self::Sidecar { capture, .. } => Some(capture),
             Self::Given(_) => None,
         }
     }
@@ -37,9 +37,9 @@ impl Companions {
     /// Names and texts of files with `extension`, the nearest by their names first; of what was given its text.
     pub(super) fn texts(&self, extension: &str, max_bytes: u64) -> Box<dyn Iterator<Item = (String, String)> + '_> {
         match self {
-            Self::Beside { capture, options } => {
+            Self::Sidecar { capture, options } => {
                 Box::new(names(capture, extension).into_iter().filter_map(move |name| {
-                    let bytes = beside::read(&name, capture, max_bytes, options).ok()?;
+                    let bytes = sidecars::read(&name, capture, max_bytes, options).ok()?;
                     Some((name, String::from_utf8_lossy(&bytes).into_owned()))
                 }))
             }
@@ -51,7 +51,7 @@ impl Companions {
     /// example of what a user would enter.
     pub(super) fn expected(&self, extension: &str, address: &str) -> String {
         match self {
-            Self::Beside { capture, .. } => format!(
+            Self::Sidecar { capture, .. } => format!(
                 "beside the capture, as {} or under another name with the extension {extension}",
                 expected(capture, extension)
             ),

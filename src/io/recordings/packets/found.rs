@@ -62,7 +62,7 @@ struct Received<'a> {
 impl FoundSensors {
     /// Nothing yet, in the capture at `path`.
     pub(super) fn new(path: &Path, options: &ReadOptions) -> Self {
-        let companions = Companions::Beside {
+        let companions = Companions::Sidecar {
             capture: path.to_owned(),
             options: *options,
         };

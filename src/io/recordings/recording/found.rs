@@ -17,7 +17,7 @@ pub(super) enum Wanted {
     /// Camera messages.
     Cameras {
         /// Also where the recording has point clouds; else it is one of these, and is not looked into.
-        beside_clouds: bool,
+        with_clouds: bool,
     },
 }
 
@@ -152,7 +152,7 @@ impl FoundMessages {
 
     /// True when nothing within chunks is looked for.
     pub(super) fn is_complete(&self) -> bool {
-        self.has_clouds && self.wanted == Wanted::Cameras { beside_clouds: false }
+        self.has_clouds && self.wanted == Wanted::Cameras { with_clouds: false }
     }
 
     /// True when a chunk with messages of these topics may hold what is looked for.

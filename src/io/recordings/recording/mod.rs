@@ -76,14 +76,14 @@ pub(in crate::io) fn list(
 }
 
 /// Returns the camera topics of the recording at `path`; nothing if it has point clouds, unless cameras are requested
-/// with `beside_clouds`.
+/// with `with_clouds`.
 pub(in crate::io) fn cameras(
     path: &Path,
     format: Format,
-    beside_clouds: bool,
+    with_clouds: bool,
     options: &ReadOptions,
 ) -> Result<CameraTopics, IoError> {
-    let found = find(path, format, Wanted::Cameras { beside_clouds }, options)?;
+    let found = find(path, format, Wanted::Cameras { with_clouds }, options)?;
     if found.is_complete() {
         return Ok(CameraTopics::default());
     }

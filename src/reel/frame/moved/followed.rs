@@ -54,12 +54,12 @@ impl Followed {
         let mut levels: Vec<FollowedLevel> = (0u32..)
             .zip(&pose.levels)
             .map(|(level, of_level)| {
-                let middle = |&cell: &u64| {
+                let center = |&cell: &u64| {
                     morton::decode(cell).map(|along| ((2 * along as i32 + 1) << (part_bits + grid.depth - level)) >> 1)
                 };
-                let mut middles: Vec<[i32; 3]> = of_level.cells.iter().map(middle).collect();
-                lift(schema, part_bits, &of_level.values, &mut middles);
-                still(middles, &of_level.values)
+                let mut centers: Vec<[i32; 3]> = of_level.cells.iter().map(center).collect();
+                lift(schema, part_bits, &of_level.values, &mut centers);
+                still(centers, &of_level.values)
             })
             .collect();
         if let (Some(points), Some(deepest), Retained::Bits(bits)) = (&pose.points, pose.levels.last(), schema.retained)
@@ -70,8 +70,8 @@ impl Followed {
                 let cell = morton::decode(cell);
                 // The middle of what the bits below the cell tell apart.
                 [0, 1, 2].map(|axis| {
-                    let middle = (2 * below[axis] as i32 + (1 << missing)) << (part_bits - bits);
-                    (cell[axis] << part_bits) as i32 | middle >> 1
+                    let center = (2 * below[axis] as i32 + (1 << missing)) << (part_bits - bits);
+                    (cell[axis] << part_bits) as i32 | center >> 1
                 })
             });
             levels.push(still(placed.collect(), &points.values));
@@ -113,15 +113,15 @@ impl Followed {
 }
 
 /// Moves nodes from the centres of their cells to the surface, where an offset is stored.
-fn lift(schema: &Schema, part_bits: u32, values: &LevelValues, middles: &mut [[i32; 3]]) {
+fn lift(schema: &Schema, part_bits: u32, values: &LevelValues, centers: &mut [[i32; 3]]) {
     if values.offsets.is_empty() || schema.normal_bits == 0 {
         return;
     }
     let normals = NormalGrid::of(schema.normal_bits);
-    let nodes = middles.iter_mut().zip(&values.normals).zip(&values.offsets);
-    for ((middle, &normal), &offset) in nodes.filter(|((_, normal), _)| **normal != MISSING) {
+    let nodes = centers.iter_mut().zip(&values.normals).zip(&values.offsets);
+    for ((center, &normal), &offset) in nodes.filter(|((_, normal), _)| **normal != MISSING) {
         let way = offset_parts(normals, normal, offset, schema.offset_bits, part_bits);
-        *middle = [0, 1, 2].map(|axis| middle[axis] + way[axis]);
+        *center = [0, 1, 2].map(|axis| center[axis] + way[axis]);
     }
 }
 

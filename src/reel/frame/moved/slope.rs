@@ -32,7 +32,7 @@ impl Below<'_> {
     /// By how much each child moves otherwise than its parent, as the nodes around that do.
     pub(super) fn differences(&self) -> Vec<[i32; 3]> {
         let nodes = self.steps.len();
-        let middles: Vec<DVec3> = (0..nodes).map(|node| middle_of(self.children(node))).collect();
+        let centers: Vec<DVec3> = (0..nodes).map(|node| center_of(self.children(node))).collect();
         let mut differences = Vec::with_capacity(self.positions.len());
         for node in 0..nodes {
             let children = self.children(node);
@@ -40,14 +40,14 @@ impl Below<'_> {
                 differences.push([0; 3]);
                 continue;
             }
-            let slope = self.slope(node, &middles);
-            let difference = |&child: &[i32; 3]| slope.along(place(child) - middles[node]);
+            let slope = self.slope(node, &centers);
+            let difference = |&child: &[i32; 3]| slope.along(place(child) - centers[node]);
             differences.extend(children.iter().map(difference));
         }
         differences
     }
 
-    fn slope(&self, node: usize, middles: &[DVec3]) -> Slope {
+    fn slope(&self, node: usize, centers: &[DVec3]) -> Slope {
         let stiffness = STIFFNESS * self.edge * self.edge;
         let mut spread = [DVec3::ZERO; 3];
         let mut turned = [DVec3::ZERO; 3];
@@ -56,7 +56,7 @@ impl Below<'_> {
             if neighbour == NONE || neighbour as usize == node {
                 continue;
             }
-            let way = middles[neighbour as usize] - middles[node];
+            let way = centers[neighbour as usize] - centers[node];
             let step = place(self.steps[neighbour as usize]) - own;
             for axis in 0..3 {
                 spread[axis] += way * way[axis];
@@ -96,7 +96,7 @@ fn place(position: [i32; 3]) -> DVec3 {
 }
 
 /// The mean of places. Precondition: there is one.
-fn middle_of(children: &[[i32; 3]]) -> DVec3 {
+fn center_of(children: &[[i32; 3]]) -> DVec3 {
     let sum: DVec3 = children.iter().copied().map(place).sum();
     sum / children.len() as f64
 }
@@ -116,12 +116,12 @@ mod tests {
         };
         let (mut steps, mut positions) = (Vec::new(), Vec::new());
         for node in 0..27 {
-            let middle = way_of(node).map(|along| 1024 * along);
+            let center = way_of(node).map(|along| 1024 * along);
             family.first.push(positions.len() as u32);
             for side in [-256, 256] {
-                positions.push([middle[0] + side, middle[1] - side, middle[2] + side]);
+                positions.push([center[0] + side, center[1] - side, center[2] + side]);
             }
-            steps.push(step_of(middle));
+            steps.push(step_of(center));
             family.neighbours.push([NONE; 27]);
         }
         family.first.push(positions.len() as u32);

@@ -376,8 +376,8 @@ impl Place {
     /// The surface at a pixel, `distance` along the view axis.
     #[inline(always)]
     fn at(view: &PixelView, [x, y]: [i32; 2], distance: f32, normal: Vec3) -> Self {
-        let right = (x as f32 + 0.5 - view.middle_px[0]) / view.px_per_slope[0];
-        let down = (y as f32 + 0.5 - view.middle_px[1]) / view.px_per_slope[1];
+        let right = (x as f32 + 0.5 - view.center_px[0]) / view.px_per_slope[0];
+        let down = (y as f32 + 0.5 - view.center_px[1]) / view.px_per_slope[1];
         let ray = Vec3::new(right, down, -1.0);
         let to_eye = -ray.normalize();
         let facing = normal.dot(to_eye);

@@ -57,16 +57,16 @@ impl DepthView<'_> {
     /// The normal of a texel in the space of the camera.
     #[inline(always)]
     fn at(&self, column: i32, row: i32) -> Vec3 {
-        let middle = self.place(column, row);
+        let midpoint = self.place(column, row);
         let [left, right] = [self.place(column - 1, row), self.place(column + 1, row)];
         let [up, down] = [self.place(column, row - 1), self.place(column, row + 1)];
         let tolerance = self.map.tolerance;
-        let is_near = |other: Vec3| other.z > 0.0 && (other.z - middle.z).abs() <= tolerance;
-        if !(middle.z > 0.0 && is_near(left) && is_near(right) && is_near(up) && is_near(down)) {
+        let is_near = |other: Vec3| other.z > 0.0 && (other.z - midpoint.z).abs() <= tolerance;
+        if !(midpoint.z > 0.0 && is_near(left) && is_near(right) && is_near(up) && is_near(down)) {
             return Vec3::ZERO;
         }
         let normal = (left - right).cross(up - down).normalize_or_zero();
-        let facing = -normal.dot(middle) / middle.length();
+        let facing = -normal.dot(midpoint) / midpoint.length();
         if facing.abs() < PHOTO_MIN_FACING {
             Vec3::ZERO
         } else {
@@ -118,8 +118,8 @@ mod tests {
     /// The map of a surface that says where each ray meets it: a factor on it, 0 for nothing.
     fn map(edge_px: u32, view: &PhotoView, along: impl Fn(Vec3) -> f32) -> DepthMap {
         let per_texel = view.size[0] / edge_px as f32;
-        let middles = (0..edge_px * edge_px).map(|at| [at % edge_px, at / edge_px]);
-        let distances = middles.map(|texel| along(ray(view, texel.map(|at| (at as f32 + 0.5) * per_texel))));
+        let midpoints = (0..edge_px * edge_px).map(|at| [at % edge_px, at / edge_px]);
+        let distances = midpoints.map(|texel| along(ray(view, texel.map(|at| (at as f32 + 0.5) * per_texel))));
         DepthMap::new([edge_px; 2], distances.collect(), 1.0, true)
     }
 
@@ -132,13 +132,13 @@ mod tests {
         Vec3::new(in_camera.x, -in_camera.y, -in_camera.z)
     }
 
-    const MIDDLE: Vec3 = Vec3::new(0.05, -0.03, 3.0);
+    const CENTER: Vec3 = Vec3::new(0.05, -0.03, 3.0);
     const RADIUS: f32 = 0.9;
 
-    /// Where a ray meets a ball around [`MIDDLE`].
+    /// Where a ray meets a ball around [`CENTER`].
     fn on_ball(ray: Vec3) -> f32 {
-        let (a, b) = (ray.length_squared(), ray.dot(MIDDLE));
-        let below = b * b - a * (MIDDLE.length_squared() - RADIUS * RADIUS);
+        let (a, b) = (ray.length_squared(), ray.dot(CENTER));
+        let below = b * b - a * (CENTER.length_squared() - RADIUS * RADIUS);
         if below < 0.0 { 0.0 } else { (b - below.sqrt()) / a }
     }
 
@@ -172,7 +172,7 @@ mod tests {
             // Between texels, at all shares of them.
             let place = [at % 64, at / 64].map(|step| 8.13 * step as f32);
             let ray = ray(&view, place);
-            let expected = (on_ball(ray) * ray - MIDDLE) / RADIUS;
+            let expected = (on_ball(ray) * ray - CENTER) / RADIUS;
             let facing = -expected.dot(ray.normalize());
             if on_ball(ray) > 0.0 && facing > 70.0_f32.to_radians().cos() {
                 let found = normal(&map, &view, place);
@@ -193,7 +193,7 @@ mod tests {
         let map = map(256, &view, on_ball);
         for place in [[270.0, 230.0], [301.25, 199.0], [200.5, 260.75]] {
             let ray = ray(&view, place);
-            let expected = (on_ball(ray) * ray - MIDDLE) / RADIUS;
+            let expected = (on_ball(ray) * ray - CENTER) / RADIUS;
             let found = normal(&map, &view, place);
             assert!(
                 degrees_between(found, in_view(expected)) < 0.2,
@@ -205,15 +205,15 @@ mod tests {
     #[test]
     fn there_are_no_normals_beside_steps_nor_of_what_is_seen_from_the_side() {
         let view = view(EDGE);
-        let beside = |place: [f32; 2]| {
+        let neighbor = |place: [f32; 2]| {
             let step = map(EDGE, &view, |ray| if ray.x < 0.0 { 3.0 } else { 5.0 });
             normal(&step, &view, place)
         };
         // Rays to the left of the principal point end at the nearer wall.
         let edge = view.principal[0].round();
-        assert_eq!(beside([edge, 100.0]), Vec3::ZERO);
-        assert_eq!(beside([edge - 5.0, 100.0]), Vec3::Z);
-        assert_eq!(beside([edge + 5.0, 100.0]), Vec3::Z);
+        assert_eq!(neighbor([edge, 100.0]), Vec3::ZERO);
+        assert_eq!(neighbor([edge - 5.0, 100.0]), Vec3::Z);
+        assert_eq!(neighbor([edge + 5.0, 100.0]), Vec3::Z);
         let hole = map(EDGE, &view, |ray| if ray.x.hypot(ray.y) < 0.002 { 0.0 } else { 3.0 });
         let at_hole = [0, 1].map(|axis| view.principal[axis].floor() + 0.5);
         assert_eq!(normal(&hole, &view, at_hole), Vec3::ZERO);

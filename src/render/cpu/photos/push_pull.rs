@@ -99,12 +99,12 @@ impl Level {
     fn between(&self, finer: [usize; 2]) -> Sure {
         let [columns, rows] = [0, 1].map(|axis| {
             let own = finer[axis] / 2;
-            let beside = if finer[axis].is_multiple_of(2) {
+            let neighbor = if finer[axis].is_multiple_of(2) {
                 own.saturating_sub(1)
             } else {
                 own + 1
             };
-            [(own, 0.75), (beside.min(self.size[axis] - 1), 0.25)]
+            [(own, 0.75), (neighbor.min(self.size[axis] - 1), 0.25)]
         });
         let mut sum = [0.0; 4];
         for (row, down) in rows {

@@ -32,12 +32,12 @@ impl Placed for Mesh<'_> {
     }
 
     fn position(&self, record: usize) -> [f32; 3] {
-        self.records.middle(record).to_array()
+        self.records.center(record).to_array()
     }
 
     fn reach(&self, record: usize) -> f32 {
-        let middle = self.records.middle(record);
-        let [a, b, c] = self.records.corners(record).map(|corner| corner.distance(middle));
+        let center = self.records.center(record);
+        let [a, b, c] = self.records.corners(record).map(|corner| corner.distance(center));
         // A little more, for the rounding of the middle.
         1.0001 * a.max(b).max(c)
     }
@@ -91,7 +91,7 @@ impl SeenVertex {
 fn to_px(view: &PixelView, place: Vec3) -> [f64; 2] {
     let px = |axis: usize| {
         let slope = f64::from(place[axis]) / -f64::from(place.z);
-        f64::from(view.middle_px[axis]) + slope * f64::from(view.px_per_slope[axis])
+        f64::from(view.center_px[axis]) + slope * f64::from(view.px_per_slope[axis])
     };
     [px(0), px(1)]
 }

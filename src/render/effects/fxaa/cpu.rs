@@ -27,7 +27,7 @@ struct AliasedPicture<'a> {
 
 /// The luma of a pixel, and of those above, below, left and right of it.
 struct Cross {
-    middle: f32,
+    center: f32,
     sides: [f32; 4],
 }
 
@@ -51,7 +51,7 @@ pub(super) fn smooth(drawn: &RgbaImage, shown: &mut RgbaImage) {
         );
         for (x, pixel) in row.as_chunks_mut::<4>().0.iter_mut().enumerate() {
             let cross = Cross {
-                middle: own[x],
+                center: own[x],
                 sides: [
                     above[x],
                     below[x],
@@ -71,8 +71,8 @@ pub(super) fn smooth(drawn: &RgbaImage, shown: &mut RgbaImage) {
 impl Cross {
     /// Between the lightest and the darkest of them; `None` where that is too little for an edge.
     fn contrast(&self) -> Option<f32> {
-        let max = self.sides.iter().copied().fold(self.middle, f32::max);
-        let contrast = max - self.sides.iter().copied().fold(self.middle, f32::min);
+        let max = self.sides.iter().copied().fold(self.center, f32::max);
+        let contrast = max - self.sides.iter().copied().fold(self.center, f32::min);
         (contrast >= FXAA_MIN_CONTRAST.max(FXAA_MIN_SHARE * max)).then_some(contrast)
     }
 }
@@ -100,7 +100,7 @@ impl AliasedPicture<'_> {
 
     fn smoothed(&self, place @ [x, y]: [i32; 2], cross: &Cross, contrast: f32) -> [u8; 4] {
         let Cross {
-            middle,
+            center,
             sides: [north, south, west, east],
         } = *cross;
         let own = color(self.pixel(place));
@@ -109,10 +109,10 @@ impl AliasedPicture<'_> {
         let [north_west, north_east, south_west, south_east] = corners.map(|corner| self.luma(corner));
         let corners = corners.map(|corner| color(self.pixel(corner)));
         let across_rows = (north_west + south_west - 2.0 * west).abs()
-            + 2.0 * (north + south - 2.0 * middle).abs()
+            + 2.0 * (north + south - 2.0 * center).abs()
             + (north_east + south_east - 2.0 * east).abs();
         let across_columns = (north_west + north_east - 2.0 * north).abs()
-            + 2.0 * (west + east - 2.0 * middle).abs()
+            + 2.0 * (west + east - 2.0 * center).abs()
             + (south_west + south_east - 2.0 * south).abs();
         let (along, [before, after]) = if across_rows >= across_columns {
             ([1, 0], [north, south])
@@ -120,14 +120,14 @@ impl AliasedPicture<'_> {
             ([0, 1], [west, east])
         };
         let [right, down] = along;
-        let (beside, other) = if (before - middle).abs() >= (after - middle).abs() {
+        let (neighbor, other) = if (before - center).abs() >= (after - center).abs() {
             ([-down, -right], before)
         } else {
             ([down, right], after)
         };
-        let share = self.covered(place, middle, other, beside, along);
-        let smooth_edge = own.lerp(color(self.pixel(sum(place, beside))), share);
-        let detail = (0.25 * (north + south + west + east) - middle).abs() / contrast - FXAA_DETAIL;
+        let share = self.covered(place, center, other, neighbor, along);
+        let smooth_edge = own.lerp(color(self.pixel(sum(place, neighbor))), share);
+        let detail = (0.25 * (north + south + west + east) - center).abs() / contrast - FXAA_DETAIL;
         let blended = (detail / (1.0 - FXAA_DETAIL)).clamp(0.0, FXAA_MAX_BLENDED);
         let around = (own + sides.iter().sum::<Vec3>() + corners.iter().sum::<Vec3>()) / 9.0;
         let smooth = smooth_edge.lerp(around, blended) * 255.0 + 0.5;
@@ -135,25 +135,25 @@ impl AliasedPicture<'_> {
         [red, green, blue, 255]
     }
 
-    /// The share of the pixel at `place`, whose luma is `middle`, that is beyond the edge between it and its neighbour
-    /// `beside` it, whose luma is `other`.
-    fn covered(&self, place: [i32; 2], middle: f32, other: f32, beside: [i32; 2], along: [i32; 2]) -> f32 {
-        let border = 0.5 * (middle + other);
-        let limit = FXAA_END_OF_EDGE * (other - middle).abs();
+    /// The share of the pixel at `place`, whose luma is `center`, that is beyond the edge between it and its neighbour
+    /// `neighbor` it, whose luma is `other`.
+    fn covered(&self, place: [i32; 2], center: f32, other: f32, neighbor: [i32; 2], along: [i32; 2]) -> f32 {
+        let border = 0.5 * (center + other);
+        let limit = FXAA_END_OF_EDGE * (other - center).abs();
         // How many pixels away the edge ends, and how much lighter both sides are there.
         let end = |direction: i32| {
             let (mut steps, mut difference) = (0, 0.0f32);
             while steps < Antialiasing::FXAA_SEARCH_STEPS as i32 && difference.abs() < limit {
                 steps += 1;
                 let there = sum(place, along.map(|axis| axis * direction * steps));
-                difference = 0.5 * (self.luma(there) + self.luma(sum(there, beside))) - border;
+                difference = 0.5 * (self.luma(there) + self.luma(sum(there, neighbor))) - border;
             }
             (steps as f32, difference)
         };
         let (back, ahead) = (end(-1), end(1));
         let (nearest, difference) = if back.0 < ahead.0 { back } else { ahead };
         // The edge turns towards this pixel where its nearer end has the luma of the other side.
-        if (difference < 0.0) == (middle < border) {
+        if (difference < 0.0) == (center < border) {
             return 0.0;
         }
         0.5 - (nearest - 0.5) / (back.0 + ahead.0 - 1.0)

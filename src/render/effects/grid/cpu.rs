@@ -80,10 +80,10 @@ impl Grid {
     fn eight<S: Simd>(&self, simd: S, x: usize, y: usize) -> Option<(f32x8<S>, f32x8<S>)> {
         let (ground, view) = (&self.ground, &self.view);
         let [across_px, down_px] = view.px_per_slope;
-        let right = lane_numbers(simd) + (x as f32 + 0.5 - view.middle_px[0]);
+        let right = lane_numbers(simd) + (x as f32 + 0.5 - view.center_px[0]);
         let ray = Vectors {
             x: right * (1.0 / across_px),
-            y: f32x8::splat(simd, (y as f32 + 0.5 - view.middle_px[1]) / down_px),
+            y: f32x8::splat(simd, (y as f32 + 0.5 - view.center_px[1]) / down_px),
             z: f32x8::splat(simd, -1.0),
         };
         let per_facing = 1.0 / Vectors::splat(simd, ground.normal).dot(ray);

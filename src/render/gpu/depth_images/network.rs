@@ -7,8 +7,8 @@
 use crate::rgbd::filter_constants::{MEDIAN_REACH, MEDIAN_RETAINED};
 use std::fmt::Write;
 
-/// `middle_of_window`: of the window whose first value is at a place of a tile of this edge.
-pub(super) fn middle_of_window() -> String {
+/// `center_of_window`: of the window whose first value is at a place of a tile of this edge.
+pub(super) fn center_of_window() -> String {
     let width = 2 * MEDIAN_REACH + 1;
     let value = |next: usize| format!("window_value(corner + {}u * edge + {}u)", next / width, next % width);
     let mut code = "fn middle_of_window(corner: u32, edge: u32) -> f32 {\n".to_owned();
@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn the_middle_of_25_values_is_left() {
-        let code = middle_of_window();
+        let code = center_of_window();
         for step in [1_u32, 2, 3, 7, 11, 12, 19, 24] {
             let window: [f32; 25] = std::array::from_fn(|place| (place as u32 * step * step % 25) as f32);
             let mut sorted = window;

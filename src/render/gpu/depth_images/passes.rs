@@ -2,7 +2,7 @@
 
 pub(super) use crate::render::gpu::compute::UNIFORM;
 
-use super::network::middle_of_window;
+use super::network::center_of_window;
 use crate::render::gpu::compute::{Bound, BufferRow, ComputePrograms, ComputeShader, EntryRow};
 use crate::render::gpu::constants::{self, DEPTH_TILE_PX};
 use crate::render::gpu::context::Context;
@@ -101,7 +101,7 @@ pub(in crate::render::gpu) const SHADER: ComputeShader = ComputeShader {
     rows: &ROWS,
     given: &[
         ("generated/depth_images", constants::of_depth_images),
-        ("generated/middle_of_window", middle_of_window),
+        ("generated/middle_of_window", center_of_window),
     ],
     uniform: ("imaging", &DepthImaging::LAYOUT),
     buffers: &BUFFERS,

@@ -85,9 +85,9 @@ fn the_camera_goes_the_short_way_round_and_zooms_evenly() {
         ..key(time_s, 0.0)
     };
     let path = CameraPath::new(vec![at(170.0, 1.0, 0.0), at(-170.0, 4.0, 2.0)], false).unwrap();
-    let (middle, _) = path.at(1.0);
-    assert!((middle.azimuth_deg.abs() - 180.0).abs() < 1e-9, "{middle:?}");
-    assert!((middle.distance - 2.0).abs() < 1e-9, "{middle:?}");
+    let (center, _) = path.at(1.0);
+    assert!((center.azimuth_deg.abs() - 180.0).abs() < 1e-9, "{center:?}");
+    assert!((center.distance - 2.0).abs() < 1e-9, "{center:?}");
 }
 
 #[test]

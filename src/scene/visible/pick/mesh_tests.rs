@@ -124,5 +124,5 @@ fn a_clip_takes_whole_triangles_by_their_middles() {
     assert_eq!(whole.triangles.len(), 3);
     assert!(Arc::ptr_eq(&whole.vertices, &clipped.vertices));
     assert_eq!(clipped.triangles.len(), 1);
-    assert!((clipped.middle(0) - Vec3::new(1.0 / 3.0, 1.0 / 3.0, 0.0)).length() < 1e-6);
+    assert!((clipped.center(0) - Vec3::new(1.0 / 3.0, 1.0 / 3.0, 0.0)).length() < 1e-6);
 }

@@ -93,15 +93,15 @@ impl Ray {
         let half_size = 0.5 * DVec2::new(width, height);
         let [focal, center] = [view.focal, view.center_ndc].map(|pair| DVec2::from_array(pair.map(f64::from)));
         let px_per_slope = half_size * focal;
-        let middle_px = |place_px: f64| place_px.floor() + 0.5;
+        let center_px = |place_px: f64| place_px.floor() + 0.5;
         let view_from_frame = view.view_from_frame_rotation.as_dmat3();
         Self {
             view_from_frame,
             frame_from_view: view_from_frame.inverse(),
             eye: view.eye_high.as_dvec3() + view.eye_low.as_dvec3(),
             slope: (DVec2::new(
-                middle_px(place_px[0]) - half_size.x,
-                half_size.y - middle_px(place_px[1]),
+                center_px(place_px[0]) - half_size.x,
+                half_size.y - center_px(place_px[1]),
             ) - center * half_size)
                 / px_per_slope,
             px_per_slope,
@@ -189,15 +189,15 @@ impl Ray {
     /// False if nothing that is in a box, or reaches beyond it, comes nearer to the pixel than a radius.
     pub(super) fn may_meet(&self, low: Vec3, high: Vec3, reach: f64, radius_px: f64) -> bool {
         let (low, high) = (low.as_dvec3(), high.as_dvec3());
-        let middle = self.view_from_frame * (0.5 * (low + high) - self.eye);
+        let midpoint = self.view_from_frame * (0.5 * (low + high) - self.eye);
         let half = self.view_from_frame.abs() * (0.5 * (high - low));
-        let farthest = half.z - middle.z;
+        let farthest = half.z - midpoint.z;
         // For rounding.
-        let slack = 1e-9 * (middle.length() + half.length() + reach);
+        let slack = 1e-9 * (midpoint.length() + half.length() + reach);
         let widening = radius_px / self.px_per_slope.min_element() * farthest;
         let is_near = |axis: usize| {
             let slope = self.slope[axis];
-            let aside = (middle[axis] + slope * middle.z).abs();
+            let aside = (midpoint[axis] + slope * midpoint.z).abs();
             let space = half[axis] + slope.abs() * half.z;
             aside <= space + widening + reach * slope.hypot(1.0) + slack
         };

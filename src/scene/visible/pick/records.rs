@@ -269,10 +269,10 @@ impl<'a> Triangles<'a> {
 
     /// Returns its corners relative to the eye, for a triangle whose centre is at this offset.
     fn corners_from_eye(&self, record: usize, offset: DVec3) -> [DVec3; 3] {
-        let middle = self.position(record).as_dvec3();
+        let midpoint = self.position(record).as_dvec3();
         self.mesh
             .corners(record)
-            .map(|corner| offset + (corner.as_dvec3() - middle))
+            .map(|corner| offset + (corner.as_dvec3() - midpoint))
     }
 }
 
@@ -282,15 +282,15 @@ impl Drawn for Triangles<'_> {
     }
 
     fn position(&self, record: usize) -> Vec3 {
-        self.mesh.middle(record)
+        self.mesh.center(record)
     }
 
     fn reach(&self, record: usize) -> f64 {
-        let middle = self.position(record).as_dvec3();
+        let midpoint = self.position(record).as_dvec3();
         let corners = self.mesh.corners(record).map(Vec3::as_dvec3);
         corners
             .into_iter()
-            .map(|corner| corner.distance(middle))
+            .map(|corner| corner.distance(midpoint))
             .fold(0.0, f64::max)
     }
 

@@ -141,11 +141,11 @@ proptest! {
         let camera = camera(3.0, 10.0, DVec3::ZERO);
         let style = Style { primitive: Primitive::Point, ..Style::default() };
         let packet = packet_of(&frame, DVec3::ZERO, &camera, &style);
-        let middle = DVec2::new(f64::from(px.0) + 0.5, f64::from(px.1) + 0.5);
-        let found = pick(&packet, &frame, middle.to_array(), radius_px);
+        let center = DVec2::new(f64::from(px.0) + 0.5, f64::from(px.1) + 0.5);
+        let found = pick(&packet, &frame, center.to_array(), radius_px);
         let apart = |slot: usize| {
             let place = Vec3::from_array(frame.points[slot].position).as_dvec3();
-            (camera.to_px(place, SIZE).unwrap() - middle).length()
+            (camera.to_px(place, SIZE).unwrap() - center).length()
         };
         let nearest = (0..frame.points.len()).map(apart).reduce(f64::min).unwrap();
         match found {

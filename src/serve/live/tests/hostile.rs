@@ -208,12 +208,12 @@ fn floods_resets_and_half_closed_clients_leave_the_server_as_it_was() {
         near: 0.1,
         size_px: [64, 48],
         px_per_slope: [50.0, 50.0],
-        middle_px: [32.0, 24.0],
+        center_px: [32.0, 24.0],
     };
     let mut nan = view;
     nan.eye.x = f64::NAN;
     let mut infinite = view;
-    infinite.middle_px[0] = f32::INFINITY;
+    infinite.center_px[0] = f32::INFINITY;
     let mut far = view;
     far.eye = DVec3::splat(1e300);
     let mut huge = view;

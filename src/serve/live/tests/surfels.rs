@@ -29,7 +29,7 @@ fn view(eye: DVec3) -> View {
         near: 0.01,
         size_px: [320, 240],
         px_per_slope: [125.0, -125.0],
-        middle_px: [160.0, 120.0],
+        center_px: [160.0, 120.0],
     }
 }
 

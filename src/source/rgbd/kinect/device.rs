@@ -277,15 +277,15 @@ mod tests {
     /// A device that was calibrated for the middle sees the same: 16:9 numbers are those of 4:3 in other units.
     #[test]
     fn the_first_devices_were_calibrated_for_the_middle() {
-        let mut of_middle = json([3840, 2160]);
-        let parameters = of_middle.pointer_mut("/CalibrationInformation/Cameras/0/Intrinsics/ModelParameters");
+        let mut of_center = json([3840, 2160]);
+        let parameters = of_center.pointer_mut("/CalibrationInformation/Cameras/0/Intrinsics/ModelParameters");
         let parameters = parameters.unwrap();
         // Heights of 3/4 of the width are 4/3 of those of 9/16; the middle begins an eighth below the top.
         parameters[1] = ((COLOR_NUMBERS[1] - 0.125) * 4.0 / 3.0).into();
         parameters[3] = (COLOR_NUMBERS[3] * 4.0 / 3.0).into();
-        let [of_middle, whole] = [of_middle, json([4096, 3072])].map(|json| device(&json).unwrap());
+        let [of_center, whole] = [of_center, json([4096, 3072])].map(|json| device(&json).unwrap());
         for size_px in [[1280, 720], [2048, 1536]] {
-            let [a, b] = [&of_middle, &whole].map(|device| device.color(size_px).unwrap());
+            let [a, b] = [&of_center, &whole].map(|device| device.color(size_px).unwrap());
             assert!(a.focal_px.abs_diff_eq(b.focal_px, 1e-9) && a.principal_px.abs_diff_eq(b.principal_px, 1e-9));
         }
     }

@@ -4,7 +4,7 @@
 //! A `.pincam` is width, height, focal lengths and principal point. A line of the trajectory is a time, a rotation as
 //! an axis whose length is the angle, and a translation, from the world to the camera (x right, y down, z forward).
 
-use super::beside::Distinct;
+use super::sidecars::Distinct;
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Trajectory, Units};
 use crate::io::files::timestamps::times_of_lines;
 use crate::source::rgbd::folder::{has_extension, name_of};

@@ -1,7 +1,7 @@
 //! Depth and colour images in one folder, told apart by a word of their names: `cam_Depth_*.png` and `cam_Color_*.png`
 //! of the viewer of RealSense, `depth_*.png` and `rgb_*.png` of scripts.
 
-use super::beside;
+use super::sidecars;
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::source::rgbd::folder::is_image;
 use crate::source::rgbd::pairs::by_name;
@@ -29,12 +29,12 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     }
     let pairs = by_name(&depths, &colors);
     let mut notes = Vec::new();
-    let calibration = beside::camera(folder, &mut notes)?;
+    let calibration = sidecars::camera(folder, &mut notes)?;
     let calibration = calibration.unwrap_or_else(|| Calibration::usual(CAMERA, "PrimeSense, as Open3D takes it"));
     let mut found = FoundRecording::of_pairs(depths, pairs, calibration, DepthCode::per_metre(1000.0));
     found.units = Units::Unknown;
     found.notes.extend(notes);
-    beside::take_poses(folder, &mut found)?;
+    sidecars::take_poses(folder, &mut found)?;
     Ok(Some(found))
 }
 

@@ -1,7 +1,7 @@
 //! Folders `depth` and `color` (or `rgb`, `image`), as Redwood, Open3D, RealSense's tools and most scripts write them:
 //! the camera in JSON or text, the trajectory in `.log`, JSON or text, or a pose per frame in a folder.
 
-use super::beside;
+use super::sidecars;
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::source::rgbd::calibration::Intrinsics;
@@ -54,7 +54,7 @@ fn is_likely(folder: &Folder) -> bool {
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     // Arrays of numpy may be cameras and poses.
-    let has_clouds = folder.clouds().iter().any(|name| !beside::is_known(name));
+    let has_clouds = folder.clouds().iter().any(|name| !sidecars::is_known(name));
     let Some(depth) = folder.sub(DEPTH).filter(|_| !has_clouds) else {
         return match stack(folder) {
             Some(refused) => Err(refused),
@@ -76,7 +76,7 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let of_arrays = in_arrays(&depths);
     let calibration = match &of_arrays {
         Some((camera, _)) => Some(camera.clone()),
-        None => beside::camera(folder, &mut notes)?,
+        None => sidecars::camera(folder, &mut notes)?,
     };
     let calibration = calibration.unwrap_or_else(|| Calibration::usual(CAMERA, "PrimeSense, as Open3D takes it"));
     let mut found = FoundRecording::of_pairs(depths, pairs, calibration, DepthCode::per_metre(1000.0));
@@ -92,7 +92,7 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
                 .assumptions
                 .push(Assumption::new(Subject::Poses, "camera to world", why, Evidence::File));
         }
-        _ => beside::take_poses(folder, &mut found)?,
+        _ => sidecars::take_poses(folder, &mut found)?,
     }
     Ok(Some(found))
 }

@@ -4,7 +4,6 @@
 //! a row of the table.
 
 mod arkit_scenes;
-mod beside;
 mod flat;
 mod folders;
 mod found;
@@ -17,6 +16,7 @@ mod scanner_app;
 mod scannet;
 mod scannetpp;
 mod seven_scenes;
+mod sidecars;
 mod stray;
 mod sun;
 mod transforms;
@@ -55,7 +55,7 @@ const TABLE: &[Layout] = &[
 pub(super) fn find(folder: &Folder) -> Result<Option<(&'static str, FoundRecording)>, RgbdError> {
     for layout in TABLE {
         if let Some(mut found) = (layout.find)(folder)? {
-            found.notes.extend(beside::note_of_clouds(folder));
+            found.notes.extend(sidecars::note_of_clouds(folder));
             return Ok(Some((layout.name, found)));
         }
     }
@@ -69,11 +69,11 @@ pub(super) fn is_likely(folder: &Folder) -> bool {
 
 /// Returns true if `transforms.json`, or other files next to it, identify depth images in `folder`: otherwise it
 /// describes posed images.
-pub(super) fn has_depths_beside_transforms(folder: &Folder) -> bool {
-    if !folder.has_file(beside::TRANSFORMS) {
+pub(super) fn has_depths_sidecar_transforms(folder: &Folder) -> bool {
+    if !folder.has_file(sidecars::TRANSFORMS) {
         return false;
     }
     let has_images = |path: std::path::PathBuf| Folder::read(&path).is_ok_and(|depth| !depth.depth_images().is_empty());
-    let has_camera = || !folder.files(beside::is_camera).is_empty();
+    let has_camera = || !folder.files(sidecars::is_camera).is_empty();
     transforms::has_depths(folder) || (folder.sub(folders::DEPTH).is_some_and(has_images) && has_camera())
 }

@@ -39,7 +39,7 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let colors = images.files(|name| numbered(&["frame", "rgb", "color"])(name) && is_image(name));
     // The folder of the images themselves may be opened.
     let around = images.path.join("..");
-    let beside = |name: &str| -> Option<PathBuf> {
+    let sidecars = |name: &str| -> Option<PathBuf> {
         let places = [
             folder.path.join(name),
             around.join(name),
@@ -47,13 +47,13 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
         ];
         places.into_iter().find(|path| path.is_file())
     };
-    let trajectory = beside("traj.txt");
+    let trajectory = sidecars("traj.txt");
     let is_replica = !depths.is_empty() && (trajectory.is_some() || results.is_some());
     if !is_replica {
         return Ok(None);
     }
     let pairs = by_name(&depths, &colors);
-    let calibration = match beside("cam_params.json") {
+    let calibration = match sidecars("cam_params.json") {
         Some(camera) => Calibration::read(&camera)?,
         None => Calibration {
             is_assumed: true,

@@ -5,7 +5,7 @@
 //! (`cameraPoseARFrame`, sixteen by rows), whose camera has x right, y up and z backward. Depth images show what colour
 //! images show, with fewer pixels; images without depths are more frequent and have none.
 
-use super::beside::Distinct;
+use super::sidecars::Distinct;
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::source::rgbd::calibration::Intrinsics;
 use crate::source::rgbd::folder::{has_extension, is_image, name_of};

@@ -5,8 +5,8 @@
 //! to be in one place unless `extrinsic_*.txt` say otherwise. A pose of −inf is that of a frame that was not tracked.
 //! Some exports lack the folder of cameras, but have the text next to the scan (`scene0000_00.txt`) or `_info.txt`.
 
-use super::beside::is_named;
 use super::folders::{COLOR, DEPTH};
+use super::sidecars::is_named;
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::source::rgbd::folder::{has_extension, name_of};
 use crate::source::rgbd::pairs::by_name;

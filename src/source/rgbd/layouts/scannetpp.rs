@@ -2,8 +2,8 @@
 //! lens of the colour image (`intrinsic`) and the pose of each frame, `aligned_pose` in the frame of the laser scan.
 //! Depth images show what colour images show, with fewer pixels, in millimetres.
 
-use super::beside::Distinct;
 use super::folders::{COLOR, DEPTH};
+use super::sidecars::Distinct;
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::source::rgbd::calibration::Intrinsics;

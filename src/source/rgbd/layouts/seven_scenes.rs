@@ -10,7 +10,7 @@
 //! et al. 2023) takes the same numbers for these scenes, from the calibration of a Kinect by LIRIS (Lyon).
 //! `--intrinsics 585,585,320,240` says that colours were registered after all.
 
-use super::beside;
+use super::sidecars;
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::source::rgbd::calibration::Intrinsics;
 use crate::source::rgbd::folder::{is_image, name_of};
@@ -73,7 +73,7 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let info = folder.files(|name| matches!(name, "_info.txt" | "info.txt"));
     let calibration = match info.first() {
         Some(info) => Calibration::read(info)?,
-        None => beside::camera(folder, &mut notes)?.unwrap_or_else(calibration),
+        None => sidecars::camera(folder, &mut notes)?.unwrap_or_else(calibration),
     };
     let mut found = FoundRecording::of_pairs(depths, pairs, calibration, code);
     found.units = Units::Usual("7-Scenes");
@@ -115,16 +115,16 @@ mod tests {
         let turn = color.color_from_depth.matrix3;
         assert!((turn.transpose() * turn).abs_diff_eq(DMat3::IDENTITY, 1e-9));
         // What is 2 m before the depth camera, in its middle and 1 m aside.
-        let middle = color
+        let center = color
             .camera
             .pixel(color.color_from_depth.transform_point3(DVec3::new(0.0, 0.0, 2.0)));
         assert!(
-            (middle.unwrap() - glam::DVec2::new(309.1, 235.7)).length() < 0.2,
-            "{middle:?}"
+            (center.unwrap() - glam::DVec2::new(309.1, 235.7)).length() < 0.2,
+            "{center:?}"
         );
         let aside = color
             .camera
             .pixel(color.color_from_depth.transform_point3(DVec3::new(1.0, 0.0, 2.0)));
-        assert!((aside.unwrap().x - middle.unwrap().x - 262.5).abs() < 3.0, "{aside:?}");
+        assert!((aside.unwrap().x - center.unwrap().x - 262.5).abs() < 3.0, "{aside:?}");
     }
 }

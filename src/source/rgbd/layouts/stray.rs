@@ -4,8 +4,8 @@
 //! Its readers take poses as they are, from a camera with x right, y down and z forward. Newer versions have the lens
 //! of each frame in `odometry.csv` too. Videos are not decoded: images extracted into a folder `rgb` are its colours.
 
-use super::beside::Distinct;
 use super::folders::{COLOR, DEPTH};
+use super::sidecars::Distinct;
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::source::rgbd::calibration::Intrinsics;
 use crate::source::rgbd::pairs::by_name;

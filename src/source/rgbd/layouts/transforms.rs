@@ -6,7 +6,7 @@
 //! `depth_unit_scale_factor` or `integer_depth_scale` says otherwise, and metres in floats. Frames of several time
 //! steps (`time`) are multi-view video.
 
-use super::beside::{Distinct, TRANSFORMS as NAME};
+use super::sidecars::{Distinct, TRANSFORMS as NAME};
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::rgbd::Distortion;

@@ -1,6 +1,6 @@
 //! The benchmark of the TU München (Sturm et al. 2012): lists of images with their times, and the ground truth.
 
-use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units, beside};
+use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units, sidecars};
 use crate::io::files::timestamps::times_of_lines;
 use crate::source::rgbd::pairs::by_time;
 use crate::source::rgbd::text::read;
@@ -37,7 +37,7 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let (times, paths): (Vec<Duration>, Vec<PathBuf>) = depths.into_iter().unzip();
     let code = DepthCode::per_metre(UNITS_PER_METRE);
     let mut notes = Vec::new();
-    let calibration = beside::camera(folder, &mut notes)?.unwrap_or_else(|| Calibration::usual(CAMERA, "TUM"));
+    let calibration = sidecars::camera(folder, &mut notes)?.unwrap_or_else(|| Calibration::usual(CAMERA, "TUM"));
     let mut found = FoundRecording::of_pairs(paths, pairs, calibration, code);
     found.notes.extend(notes);
     found.units = Units::Usual("TUM");
@@ -47,7 +47,7 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     if folder.has_file("groundtruth.txt") {
         found.take_trajectory(&folder.path.join("groundtruth.txt"));
     } else {
-        beside::take_poses(folder, &mut found)?;
+        sidecars::take_poses(folder, &mut found)?;
     }
     Ok(Some(found))
 }

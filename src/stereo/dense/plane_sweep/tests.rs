@@ -152,8 +152,8 @@ fn a_second_view_is_enough_and_the_local_winner_finds_the_same() {
     for gathering in [sweep.gathering, Gathering::Local { radius_px: 3 }] {
         sweep.gathering = gathering;
         let depths = depths_of(&views, 0, &sweep);
-        let middle = depths.metres()[(SIZE[1] / 2 * SIZE[0] + SIZE[0] / 2) as usize];
-        assert!((middle - 3.0).abs() < 0.02, "{middle} by {gathering:?}");
+        let center = depths.metres()[(SIZE[1] / 2 * SIZE[0] + SIZE[0] / 2) as usize];
+        assert!((center - 3.0).abs() < 0.02, "{center} by {gathering:?}");
     }
 }
 

@@ -110,9 +110,9 @@ impl Other {
             matrix.z_axis += inverse * self.offset;
             matrix
         };
-        let middle = 0.5 * (range[0] + range[1]);
-        let scale = on(middle).determinant() / self.linear.determinant();
-        let laid_on = if scale > MIN_SCALE { middle } else { 0.0 };
+        let center = 0.5 * (range[0] + range[1]);
+        let scale = on(center).determinant() / self.linear.determinant();
+        let laid_on = if scale > MIN_SCALE { center } else { 0.0 };
         let other_from_first = on(laid_on);
         let moves = other_from_first.inverse() * self.offset;
         let mut turned = Turned {

@@ -36,14 +36,14 @@ pub(super) fn complete(inverse: &mut [f32], colors: &[[u8; 3]], width: usize) {
         .iter()
         .map(|&at| {
             let (row, column) = (at / width, at % width);
-            let beside = [
+            let neighbor = [
                 (column > 0).then(|| at - 1),
                 (column + 1 < width).then_some(at + 1),
                 (row > 0).then(|| at - width),
                 (row + 1 < height).then_some(at + width),
             ];
             let share = |other: usize| (-PER_COLOR * color(at).distance(color(other))).exp() + MIN_SHARE;
-            let shares = beside.map(|other| other.map_or((at, 0.0), |other| (other, share(other))));
+            let shares = neighbor.map(|other| other.map_or((at, 0.0), |other| (other, share(other))));
             let sum = shares
                 .iter()
                 .map(|(_, share)| share)

@@ -17,7 +17,7 @@ mod others;
 #[cfg(test)]
 mod tests;
 
-use super::all_views::{AROUND_MIDDLE, depth_range, telling};
+use super::all_views::{AROUND_CENTER, depth_range, telling};
 use crate::photos::{Observation, PhotoSurface, PosedImage, PosedImages, ViewSet, resized};
 use crate::progress::Progress;
 use crate::rgbd::{Camera, ColorImage, DepthImage};
@@ -83,14 +83,14 @@ pub fn photo_surface(
     let all = posed_images.all().iter();
     let small: Vec<Small> = all.filter_map(|posed_image| Small::of(posed_image)).collect();
     let views: Vec<View<'_>> = small.iter().map(Small::view).collect();
-    let middles = set.middles();
+    let centers = set.centers();
     let looked_at: Vec<usize> = (0..small.len())
         .step_by(small.len().div_ceil(MAX_MAPS).max(1))
         .collect();
     progress.set(0, PlaneSweep::STEPS * looked_at.len());
     let measured: Result<Vec<DepthImage>, StereoError> = looked_at
         .iter()
-        .map(|&index| measured(set, &middles, &small, &views, index, progress))
+        .map(|&index| measured(set, &centers, &small, &views, index, progress))
         .collect();
     let looking: Vec<View<'_>> = looked_at.iter().map(|&index| views[index]).collect();
     let measured = measured.ok()?;
@@ -119,7 +119,7 @@ pub fn photo_surface(
 /// Returns the depths of a view measured by the plane sweep.
 fn measured(
     set: &ViewSet,
-    middles: &[DVec3],
+    centers: &[DVec3],
     small: &[Small],
     views: &[View<'_>],
     index: usize,
@@ -127,15 +127,15 @@ fn measured(
 ) -> Result<DepthImage, StereoError> {
     let of_one = &small[index];
     let nothing = || vec![0.0; of_one.image.pixels().len()];
-    let middle = middles.get(of_one.number);
-    let others = middle
+    let center = centers.get(of_one.number);
+    let others = center
         .into_iter()
-        .flat_map(|&middle| telling(set, middle, of_one.number));
+        .flat_map(|&center| telling(set, center, of_one.number));
     let others: Vec<View<'_>> = others
         .filter_map(|other| Some(views[small.iter().position(|small| small.number == other)?]))
         .take(NEIGHBOURS)
         .collect();
-    let range = depth_range(set, of_one.number, middle.copied(), AROUND_MIDDLE);
+    let range = depth_range(set, of_one.number, center.copied(), AROUND_CENTER);
     let depths = match range {
         Some([near, far]) if !others.is_empty() => {
             let found = PlaneSweep::between(near, far).depths_observed(&views[index], &others, progress)?;
@@ -178,7 +178,7 @@ fn add_points(set: &ViewSet, maps: &mut [Map<'_>]) {
 
 /// Returns true if enough images see a point at its position, from directions that determine how far away it is.
 fn is_sound(set: &ViewSet, position: DVec3, track: &[Observation]) -> bool {
-    let mut ways: Vec<DVec3> = Vec::new();
+    let mut directions: Vec<DVec3> = Vec::new();
     for seen in track {
         let Some(photo) = set.photos.get(seen.photo as usize) else {
             continue;
@@ -187,12 +187,12 @@ fn is_sound(set: &ViewSet, position: DVec3, track: &[Observation]) -> bool {
         if found.is_none_or(|found| found.distance(seen.pixel.as_dvec2()) > MAX_OFF_PX) {
             return false;
         }
-        ways.push((position - photo.center()).normalize_or_zero());
+        directions.push((position - photo.center()).normalize_or_zero());
     }
-    let [Some(first), Some(_), Some(_)] = [ways.first(), ways.get(1), ways.get(2)] else {
+    let [Some(first), Some(_), Some(_)] = [directions.first(), directions.get(1), directions.get(2)] else {
         return false;
     };
-    ways.iter().any(|way| way.dot(*first) < MIN_ANGLE.cos())
+    directions.iter().any(|way| way.dot(*first) < MIN_ANGLE.cos())
 }
 
 impl Small {

@@ -126,7 +126,7 @@ mod tests {
     const WALL: f32 = 4.0;
 
     /// The pixel of the middle column and row.
-    const MIDDLE: usize = 32 * 12 + 16;
+    const CENTER: usize = 32 * 12 + 16;
 
     fn camera() -> Camera {
         Camera::new(SIZE, DVec2::splat(30.0), DVec2::new(16.0, 12.0), Distortion::None).unwrap()
@@ -157,13 +157,13 @@ mod tests {
         let mut maps = maps(&camera, &images);
         // Two have something before it, and five look through it.
         for map in &mut maps[..2] {
-            map.depths[MIDDLE] = 2.0;
+            map.depths[CENTER] = 2.0;
         }
         forget_doubted(&mut maps);
         for (index, map) in maps.iter().enumerate() {
             let forgotten = map.depths.iter().filter(|&&depth| depth == 0.0).count();
             assert_eq!(forgotten, usize::from(index < 2), "view {index}");
-            assert_eq!(map.is_measured[MIDDLE], index >= 2);
+            assert_eq!(map.is_measured[CENTER], index >= 2);
         }
         // All of them have it.
         let mut of_all = self::maps(&camera, &images);
@@ -174,9 +174,9 @@ mod tests {
         assert!(of_all.iter().all(|map| map.depths == [2.0; PIXELS]));
     }
 
-    fn forget_middle(map: &mut Map<'_>) {
-        map.depths[MIDDLE] = 0.0;
-        map.is_measured[MIDDLE] = false;
+    fn forget_center(map: &mut Map<'_>) {
+        map.depths[CENTER] = 0.0;
+        map.is_measured[CENTER] = false;
     }
 
     #[test]
@@ -184,16 +184,16 @@ mod tests {
         let (camera, images) = (camera(), vec![image([90; 3]); 3]);
         let of_two = |depth: f32| {
             let mut depths = vec![0.0; PIXELS];
-            depths[MIDDLE] = depth;
+            depths[CENTER] = depth;
             vec![DepthImage::new(SIZE, depths).unwrap(); 3]
         };
         let taken = |depth: f32| {
             let mut maps = maps(&camera, &images);
-            forget_middle(&mut maps[0]);
+            forget_center(&mut maps[0]);
             add_pairs(&mut maps, &of_two(depth));
-            assert_eq!(maps[1].depths[MIDDLE], WALL, "what was measured stays");
-            assert!(!maps[0].is_measured[MIDDLE]);
-            maps[0].depths[MIDDLE]
+            assert_eq!(maps[1].depths[CENTER], WALL, "what was measured stays");
+            assert!(!maps[0].is_measured[CENTER]);
+            maps[0].depths[CENTER]
         };
         assert_eq!(taken(4.01), 4.01);
         assert_eq!(taken(2.0), 0.0);
@@ -205,13 +205,13 @@ mod tests {
         let camera = camera();
         let images = [image([90; 3]), image([90; 3]), image([97, 90, 90]), image([98, 90, 90])];
         let mut maps = maps(&camera, &images);
-        forget_middle(&mut maps[0]);
+        forget_center(&mut maps[0]);
         maps[2].depths.fill(3.0);
         maps[3].depths.fill(2.0);
         carry_over(&mut maps);
         // Of the third, whose colour is alike, and not of the fourth.
-        assert!((maps[0].depths[MIDDLE] - 3.0).abs() < 1e-6);
-        assert!(!maps[0].is_measured[MIDDLE]);
+        assert!((maps[0].depths[CENTER] - 3.0).abs() < 1e-6);
+        assert!(!maps[0].is_measured[CENTER]);
         assert_eq!(maps[0].depths[0], WALL);
     }
 }

@@ -94,9 +94,9 @@ fn a_wall_that_shows_nothing_in_its_middle_is_whole_and_flat() {
     assert!(off * 50 < places.len(), "{off} of {}", places.len());
     // Each square of 0.1 within what most photographs see has a disk: in the plain square as well.
     for cell in 0..16 * 12 {
-        let middle = DVec2::new(0.1 * f64::from(cell % 16) - 0.75, 0.1 * f64::from(cell / 16) - 0.55).as_vec2();
-        let is_here = |place: &&Vec3| (place.truncate() - middle).abs().max_element() < 0.06;
-        assert!(places.iter().any(|place| is_here(&place)), "{middle}");
+        let center = DVec2::new(0.1 * f64::from(cell % 16) - 0.75, 0.1 * f64::from(cell / 16) - 0.55).as_vec2();
+        let is_here = |place: &&Vec3| (place.truncate() - center).abs().max_element() < 0.06;
+        assert!(places.iter().any(|place| is_here(&place)), "{center}");
     }
     // Pixels are 0.027 wide there, and each place is there about once.
     assert!(surface.shapes.iter().all(|shape| shape.radius < 0.1));

@@ -9,8 +9,8 @@ use glam::DQuat;
 use proptest::prelude::*;
 
 fn camera(size: [u32; 2], focal: f64) -> Camera {
-    let middle = DVec2::new(f64::from(size[0]) * 0.52, f64::from(size[1]) * 0.47);
-    Camera::new(size, DVec2::new(focal, 1.02 * focal), middle, Distortion::None).unwrap()
+    let center = DVec2::new(f64::from(size[0]) * 0.52, f64::from(size[1]) * 0.47);
+    Camera::new(size, DVec2::new(focal, 1.02 * focal), center, Distortion::None).unwrap()
 }
 
 /// A camera at `place` that looks to `target`, turned about its axis.
@@ -156,15 +156,15 @@ fn views_that_cannot_be_rectified_are_told_apart() {
     };
     let curved = Camera::new([64, 48], DVec2::splat(60.0), DVec2::new(32.0, 24.0), lens).unwrap();
     let here = pose(DVec3::ZERO, DVec3::Z, 0.0);
-    let beside = pose(DVec3::X, DVec3::new(1.0, 0.0, 5.0), 0.0);
+    let neighbor = pose(DVec3::X, DVec3::new(1.0, 0.0, 5.0), 0.0);
     let of = |cameras, poses| Rectified::new(cameras, poses).unwrap_err();
     let pinholes = [&pinhole, &pinhole];
     assert_eq!(
-        of([&pinhole, &curved], [here, beside]),
+        of([&pinhole, &curved], [here, neighbor]),
         StereoError::NoPinhole { view: 1 }
     );
     let scaled = DAffine3::from_scale(DVec3::splat(2.0)) * here;
-    assert_eq!(of(pinholes, [scaled, beside]), StereoError::NoPose { view: 0 });
+    assert_eq!(of(pinholes, [scaled, neighbor]), StereoError::NoPose { view: 0 });
     let nowhere = DAffine3::from_translation(DVec3::NAN);
     assert_eq!(of(pinholes, [here, nowhere]), StereoError::NoPose { view: 1 });
     assert_eq!(of(pinholes, [here, here]), StereoError::NoBaseline);
@@ -172,7 +172,7 @@ fn views_that_cannot_be_rectified_are_told_apart() {
     assert!(matches!(of(pinholes, [here, ahead]), StereoError::NotSideBySide(_)));
     let away = pose(DVec3::X, DVec3::new(1.0, 0.0, -5.0), 0.0);
     assert!(matches!(of(pinholes, [here, away]), StereoError::NotSideBySide(_)));
-    let rectified = Rectified::new(pinholes, [here, beside]).unwrap();
+    let rectified = Rectified::new(pinholes, [here, neighbor]).unwrap();
     let small = ColorImage::new([2, 2], vec![[0; 3]; 4]).unwrap();
     let error = rectified.image(1, &small).unwrap_err();
     assert!(error.to_string().contains("2 × 2"), "{error}");

@@ -127,9 +127,9 @@ fn paint_playhead(painter: &Painter, rect: Rect, left: f32, right: f32) {
     let right = right.max(left + 2.0);
     let cell = Rect::from_min_max(pos2(left, rect.top() - 2.0), pos2(right, rect.bottom() + 2.0));
     painter.rect_filled(cell, 2.0, ACCENT.gamma_multiply(0.55));
-    let middle = 0.5 * (left + right);
+    let center = 0.5 * (left + right);
     painter.rect_filled(
-        Rect::from_center_size(pos2(middle, rect.center().y), vec2(3.0, rect.height() + 4.0)),
+        Rect::from_center_size(pos2(center, rect.center().y), vec2(3.0, rect.height() + 4.0)),
         1.5,
         Color32::WHITE,
     );

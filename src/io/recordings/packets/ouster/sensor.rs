@@ -25,7 +25,7 @@ pub(in super::super) const MAKER: Maker = Maker {
     recogniser: |companions| {
         Box::new(OfOuster {
             companions: companions.clone(),
-            beside: None,
+            sidecar: None,
         })
     },
 };
@@ -36,18 +36,18 @@ const MIN_BYTES: usize = 1024;
 struct OfOuster {
     companions: Companions,
     /// Read once it is needed.
-    beside: Option<Beside>,
+    sidecar: Option<Sidecar>,
 }
 
 /// Sidecar metadata of the packets, and the problems met while reading it.
-struct Beside {
+struct Sidecar {
     /// The nearest by their names first.
     metadata: Vec<Metadata>,
     /// Problems of the files that are metadata, one sentence each.
     problems: Vec<String>,
 }
 
-impl Beside {
+impl Sidecar {
     fn read(companions: &Companions) -> Self {
         let (mut metadata, mut problems) = (Vec::new(), Vec::new());
         for (name, text) in companions.texts("json", MAX_BYTES) {
@@ -99,8 +99,8 @@ impl Recogniser for OfOuster {
         if !self.may_be(datagram) {
             return None;
         }
-        let beside = self.beside.get_or_insert_with(|| Beside::read(&self.companions));
-        let confidence = match beside.of(datagram) {
+        let sidecar = self.sidecar.get_or_insert_with(|| Sidecar::read(&self.companions));
+        let confidence = match sidecar.of(datagram) {
             Some(_) => Confidence::Certain,
             None if may_be(datagram.byte_count) => Confidence::Likely,
             None => return None,
@@ -113,10 +113,10 @@ impl Recogniser for OfOuster {
     }
 
     fn open(&mut self, datagram: &Datagram<'_>) -> Result<Box<dyn Sensor>, String> {
-        let beside = self.beside.get_or_insert_with(|| Beside::read(&self.companions));
+        let sidecar = self.sidecar.get_or_insert_with(|| Sidecar::read(&self.companions));
         let capture = self.companions.capture();
-        let Some((metadata, is_of_another)) = beside.of(datagram) else {
-            let others = capture.map(|_| beside.others()).unwrap_or_default();
+        let Some((metadata, is_of_another)) = sidecar.of(datagram) else {
+            let others = capture.map(|_| sidecar.others()).unwrap_or_default();
             return Err(format!(
                 "it has packets of {} bytes as sensors of Ouster send them: expected the metadata of the sensor \
                  {}{others}",

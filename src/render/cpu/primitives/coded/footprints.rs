@@ -49,8 +49,8 @@ impl Footprints {
             .into_par_iter()
             .flat_map_iter(|sector| {
                 let slope = |axis: usize, sector: usize| {
-                    let middle = (sector as f32 + 0.5) / sectors_per_px[axis];
-                    (middle - view.middle_px[axis]) / view.px_per_slope[0]
+                    let center = (sector as f32 + 0.5) / sectors_per_px[axis];
+                    (center - view.center_px[axis]) / view.px_per_slope[0]
                 };
                 let slopes = [slope(0, sector % SECTORS), slope(1, sector / SECTORS)];
                 let classes = &quantised_directions(CLASS_LEVEL)[..CLASSES];
@@ -83,9 +83,9 @@ fn footprint(normal: Vec3, [right, down]: [f32; 2]) -> Footprint {
     let xx = to_right.length_squared() - along_x * along_x;
     let xy = to_right.dot(downwards) - along_x * along_y;
     let yy = downwards.length_squared() - along_y * along_y;
-    let (middle, half_difference) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+    let (center, half_difference) = (0.5 * (xx + yy), 0.5 * (xx - yy));
     let spread = half_difference.hypot(xy);
-    let (longer2, shorter2) = (middle + spread, (middle - spread).max(0.0));
+    let (longer2, shorter2) = (center + spread, (center - spread).max(0.0));
     // The direction of the shorter axis: the eigenvector of the smaller value, of the two forms it has the longer.
     let (a, b) = (Vec2::new(xy, shorter2 - xx), Vec2::new(shorter2 - yy, xy));
     let shorter = if a.length_squared() > b.length_squared() { a } else { b };

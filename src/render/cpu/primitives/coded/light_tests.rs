@@ -82,7 +82,7 @@ fn assert_pixels(
     let view = PixelView::new(&packet);
     let cloud = &packet.content.coded().expect("a byte code").cloud;
     let eye = CAMERA.eye_in_world();
-    let to_middle = packet.bounds.center().as_dvec3() - eye;
+    let to_center = packet.bounds.center().as_dvec3() - eye;
     let cells = cloud.cells(cloud.depth());
     assert_eq!(cells.len(), surfels.len(), "each has a cell of its own");
     let mut colors = std::collections::BTreeSet::new();
@@ -99,7 +99,7 @@ fn assert_pixels(
         let seen = homogeneous(&view, view.rotate(view.offset_from_eye(center.to_array())));
         let [x, y] = [seen.x / seen.z, seen.y / seen.z].map(|px| px as u32);
         let found = image.get_pixel(x, y).0;
-        let wanted = expected(*normal, center.as_dvec3() - eye, to_middle);
+        let wanted = expected(*normal, center.as_dvec3() - eye, to_center);
         for (found, wanted) in found.into_iter().zip(wanted) {
             // A byte is rounded, and one of its colour may be.
             let error = (f64::from(found) - wanted).abs();
@@ -121,7 +121,7 @@ fn light_once_a_surfel_is_that_of_its_normal_from_infinity() {
     for footprint in FOOTPRINTS {
         for &bits in NormalBits::ALL {
             let lighting = Lighting::PerSurfel;
-            let colors = assert_pixels(footprint, lighting, bits, |normal, _, to_middle| lit(normal, to_middle));
+            let colors = assert_pixels(footprint, lighting, bits, |normal, _, to_center| lit(normal, to_center));
             assert!(colors > 80, "{colors}: light makes colours differ");
         }
     }

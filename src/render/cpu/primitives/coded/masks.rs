@@ -132,8 +132,8 @@ impl Masks {
                 let places = places_of_size(size);
                 let quadric = Quadric::new(normal_of_shape(shape), radius_of_size(size));
                 (0..places * places).map(move |place| {
-                    let middle = |part: usize| (part as f32 + 0.5) / places as f32;
-                    quadric.mask([middle(place % places), middle(place / places)])
+                    let center = |part: usize| (part as f32 + 0.5) / places as f32;
+                    quadric.mask([center(place % places), center(place / places)])
                 })
             })
             .collect();
@@ -214,22 +214,22 @@ impl Quadric {
         }
     }
 
-    /// Rasterises its mask around the pixel in which `middle` is the position of its centre, and the weights, each row
+    /// Rasterises its mask around the pixel in which `center` is the position of its centre, and the weights, each row
     /// with the zeros after it.
-    fn mask(&self, middle: [f32; 2]) -> (Mask, Vec<u8>) {
+    fn mask(&self, center: [f32; 2]) -> (Mask, Vec<u8>) {
         let covered = |axis: usize| -> Range<i32> {
             // Pixels whose middles are inside.
-            let low = (middle[axis] - self.reach[axis] - 0.5).ceil() as i32;
-            let high = (middle[axis] + self.reach[axis] - 0.5).floor() as i32;
+            let low = (center[axis] - self.reach[axis] - 0.5).ceil() as i32;
+            let high = (center[axis] + self.reach[axis] - 0.5).floor() as i32;
             low..high + 1
         };
         let (columns, rows) = (covered(0), covered(1));
         let stride = columns.len() + MARGIN;
         let mut weights = Vec::with_capacity(stride * rows.len());
         for row in rows.clone() {
-            let y = row as f32 + 0.5 - middle[1];
+            let y = row as f32 + 0.5 - center[1];
             weights.extend(columns.clone().map(|column| {
-                let x = column as f32 + 0.5 - middle[0];
+                let x = column as f32 + 0.5 - center[0];
                 let d2 = self.xx * x * x + 2.0 * self.xy * x * y + self.yy * y * y;
                 if d2 > 1.0 {
                     return 0;

@@ -39,7 +39,7 @@ const FOOTPRINT_BITS: u32 = 13;
 
 /// The table for normals of so many bits.
 pub(super) fn seen(packet: &ScenePacket, view: &PixelView, bits: u32) -> Vec<SeenNormal> {
-    let to_middle = packet.view.to_view(packet.bounds.center());
+    let to_center = packet.view.to_view(packet.bounds.center());
     let coarse = quantised_normals(FOOTPRINT_BITS);
     let classes: Vec<u32> = coarse
         .par_iter()
@@ -57,17 +57,17 @@ pub(super) fn seen(packet: &ScenePacket, view: &PixelView, bits: u32) -> Vec<See
             SeenNormal {
                 facing: Vec4::new(facing.per_px[0], facing.per_px[1], facing.at_origin, 0.0),
                 image: homogeneous(view, normal).extend(0.0),
-                light: light(packet.style.light.lighting, normal, to_middle),
+                light: light(packet.style.light.lighting, normal, to_center),
                 class: classes[coarser],
             }
         })
         .collect()
 }
 
-fn light(lighting: Lighting, normal: Vec3, to_middle: Vec3) -> [f32; 2] {
+fn light(lighting: Lighting, normal: Vec3, to_center: Vec3) -> [f32; 2] {
     match lighting {
         Lighting::Unlit => [1.0, 0.0],
-        _ => headlight(normal, to_middle),
+        _ => headlight(normal, to_center),
     }
 }
 

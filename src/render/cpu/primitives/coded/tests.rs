@@ -90,14 +90,14 @@ proptest! {
         prop_assert_eq!(nodes, cloud.level(cloud.depth()));
         let rotation = packet.view.view_from_frame_rotation.as_dmat3();
         let eye = packet.view.eye_high.as_dvec3() + packet.view.eye_low.as_dvec3();
-        let [middle, per_slope] = [view.middle_px, view.px_per_slope].map(|px| px.map(f64::from));
+        let [midpoint, per_slope] = [view.center_px, view.px_per_slope].map(|px| px.map(f64::from));
         let sizes = 2.0 * (cloud.cube().edge + packet.view.eye_high.length()) * per_slope_of(&view);
         for (cell, center) in cloud.cells(cloud.depth()).into_iter().zip(centers) {
             let position = cloud.cube().cell_center(cloud.depth(), cell).as_dvec3();
             let seen = rotation * (position - eye);
             let exact = DVec3::new(
-                per_slope[0] * seen.x - middle[0] * seen.z,
-                per_slope[1] * seen.y - middle[1] * seen.z,
+                per_slope[0] * seen.x - midpoint[0] * seen.z,
+                per_slope[1] * seen.y - midpoint[1] * seen.z,
                 -seen.z,
             );
             let error = (center.truncate().as_dvec3() - exact).abs().max_element();
@@ -156,7 +156,7 @@ proptest! {
 
 fn per_slope_of(view: &PixelView) -> f32 {
     // Pixels from the middle, and the middle itself.
-    view.px_per_slope[0].abs().max(1.0) + view.middle_px[0].max(view.middle_px[1])
+    view.px_per_slope[0].abs().max(1.0) + view.center_px[0].max(view.center_px[1])
 }
 
 /// The weights of a mask beside the definition, sampled at the middles of pixels: the ellipse of a disk that is seen

@@ -153,9 +153,9 @@ impl CodedTiles<'_> {
         // With what filtering and rounding may add.
         let reach = MASK_SLACK * visibility.max(attribute) + 2.0;
         let rect = tile.rect();
-        let is_beside =
+        let is_outside =
             |px: f32, axis: usize| px + reach < rect.start[axis] as f32 || px - reach > rect.end[axis] as f32;
-        if is_beside(node.x_px, 0) || is_beside(node.y_px, 1) {
+        if is_outside(node.x_px, 0) || is_outside(node.y_px, 1) {
             return;
         }
         let (Some(visibility_size), Some(attribute_size)) = (masks::size_of(visibility), masks::size_of(attribute))
@@ -262,8 +262,8 @@ impl CodedTiles<'_> {
         if matches!(self.lighting, Lighting::Unlit | Lighting::PerSurfel) {
             return node.normal.light;
         }
-        let right = (node.x_px - self.view.middle_px[0]) / self.view.px_per_slope[0];
-        let down = (node.y_px - self.view.middle_px[1]) / self.view.px_per_slope[1];
+        let right = (node.x_px - self.view.center_px[0]) / self.view.px_per_slope[0];
+        let down = (node.y_px - self.view.center_px[1]) / self.view.px_per_slope[1];
         let ray = (1.0 + right * right + down * down).sqrt();
         headlight_of_cosine(node.facing.abs() * node.per_distance / ray)
     }

@@ -65,12 +65,12 @@ impl Transform {
 /// A vector in view space as pixels times distance.
 pub(super) fn homogeneous(view: &PixelView, vector: Vec3) -> Vec3 {
     let distance = -vector.z;
-    let [x, y] = [0, 1].map(|axis| view.px_per_slope[axis] * vector[axis] + view.middle_px[axis] * distance);
+    let [x, y] = [0, 1].map(|axis| view.px_per_slope[axis] * vector[axis] + view.center_px[axis] * distance);
     Vec3::new(x, y, distance)
 }
 
 /// The vector in view space that is these pixels times distance.
 pub(super) fn in_view(view: &PixelView, pixels: Vec4) -> Vec3 {
-    let [x, y] = [0, 1].map(|axis| (pixels[axis] - view.middle_px[axis] * pixels.z) / view.px_per_slope[axis]);
+    let [x, y] = [0, 1].map(|axis| (pixels[axis] - view.center_px[axis] * pixels.z) / view.px_per_slope[axis]);
     Vec3::new(x, y, -pixels.z)
 }

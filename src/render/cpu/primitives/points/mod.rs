@@ -192,7 +192,7 @@ impl<'a> Points<'a> {
         let per_distance = -1.0 / points.z;
         let px = |along: f32x8<S>, axis: usize| {
             let px = along * per_distance * view.px_per_slope[axis];
-            px + view.middle_px[axis]
+            px + view.center_px[axis]
         };
         Projected {
             x_px: px(points.x, 0),

@@ -7,7 +7,7 @@ use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
 use crate::render::cpu::ewa::Splats;
 use crate::render::cpu::packed_ellipses::{decode_each, reach_each};
 use crate::render::cpu::packed_normals::oct_decode_each;
-use crate::render::cpu::raster::Middle;
+use crate::render::cpu::raster::Center;
 use crate::render::cpu::shading::unit_color;
 use crate::render::cpu::tile::LANES;
 use crate::render::cpu::view::PixelView;
@@ -18,7 +18,7 @@ use std::ops::Range;
 const EDGE_ON_COSINE: f32 = 1e-4;
 
 /// Eight surfels, or fewer at the end of a list, in view space; their directions are still packed.
-pub(super) struct EightMiddles<S: Simd> {
+pub(super) struct EightCenters<S: Simd> {
     pub(super) numbers: Range<usize>,
     pub(super) are_there: mask32x8<S>,
     pub(super) may_touch: mask32x8<S>,
@@ -48,7 +48,7 @@ pub(super) struct EightSurfels<S: Simd> {
     pub(super) radii: f32x8<S>,
 }
 
-impl<S: Simd> EightMiddles<S> {
+impl<S: Simd> EightCenters<S> {
     /// Computes the centres of the surfels with these numbers; `None` if nothing of them is in the image, drawn to this
     /// extent.
     #[inline(always)]
@@ -138,17 +138,17 @@ impl<S: Simd> EightMiddles<S> {
 impl<S: Simd> EightSurfels<S> {
     /// Returns the centre of the splat in a lane.
     #[inline(always)]
-    pub(super) fn middle(&self, view: &PixelView, lane: usize) -> Middle {
+    pub(super) fn center(&self, view: &PixelView, lane: usize) -> Center {
         let center = self.centers.lane(lane);
         if -center.z < view.near {
-            return Middle {
+            return Center {
                 place_px: [0.0; 2],
                 depth: 0.0,
             };
         }
         let slopes = center.truncate() / -center.z;
-        Middle {
-            place_px: [0, 1].map(|axis| slopes[axis] * view.px_per_slope[axis] + view.middle_px[axis]),
+        Center {
+            place_px: [0, 1].map(|axis| slopes[axis] * view.px_per_slope[axis] + view.center_px[axis]),
             depth: view.near / -center.z,
         }
     }

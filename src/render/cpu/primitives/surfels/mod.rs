@@ -10,14 +10,14 @@ use crate::render::cpu::ewa::Splats;
 use crate::render::cpu::facet::{Canvas, Facet, Facets, Outline, Patches};
 use crate::render::cpu::finish::Held;
 use crate::render::cpu::footprints::Footprints;
-use crate::render::cpu::raster::{self, Middle};
+use crate::render::cpu::raster::{self, Center};
 use crate::render::cpu::records::DrawnRecords;
 use crate::render::cpu::shading::{BACK_SIDE, Light, Shading, SurfaceNormal, seen_from_behind, unit_color};
 use crate::render::cpu::small_splats::{EightSmall, MAX_REACH_OF_SMALL_PX, SmallSums, are_small};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{DrawSettings, Lighting, Primitive, ScenePacket, SplatFilter, Splatting, Surfels as SurfelRecords};
-use eight::{EightMiddles, EightSurfels};
+use eight::{EightCenters, EightSurfels};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 use std::ops::Range;
 
@@ -40,7 +40,7 @@ pub(in crate::render::cpu) struct Surfels<'a> {
 pub(in crate::render::cpu) struct Waiting {
     splats: Vec<(Facet, Shading)>,
     /// As many, where they are clamped.
-    middles: Vec<Middle>,
+    midpoints: Vec<Center>,
     /// Eights of small ones, or fewer, by their numbers.
     small: Vec<Range<u32>>,
     sums: SmallSums,
@@ -110,29 +110,29 @@ impl DrawnRecords for Surfels<'_> {
         waiting: &mut Waiting,
     ) {
         waiting.splats.clear();
-        waiting.middles.clear();
+        waiting.midpoints.clear();
         waiting.small.clear();
         let pyramid = Pyramid::of(view, clip);
         for range in records {
             let end = range.end;
             for first in range.step_by(LANES) {
-                let Some(middles) = self.middles(simd, view, &pyramid, first..end.min(first + LANES)) else {
+                let Some(midpoints) = self.midpoints(simd, view, &pyramid, first..end.min(first + LANES)) else {
                     continue;
                 };
-                match self.fate(simd, view, &middles) {
+                match self.fate(simd, view, &midpoints) {
                     Fate::Drawn => {
-                        if let Some(seen) = self.turned(simd, view, middles) {
+                        if let Some(seen) = self.turned(simd, view, midpoints) {
                             self.draw_eight(simd, view, tile, clip, &seen, waiting);
                         }
                     }
-                    Fate::Small => waiting.add_small(middles.numbers),
+                    Fate::Small => waiting.add_small(midpoints.numbers),
                     Fate::Unseen => {}
                 }
             }
         }
         if self.filter == SplatFilter::Clamp {
-            for ((facet, shading), middle) in waiting.splats.iter().zip(&waiting.middles) {
-                raster::attribute_clamped(simd, tile, facet, shading, middle);
+            for ((facet, shading), midpoint) in waiting.splats.iter().zip(&waiting.midpoints) {
+                raster::attribute_clamped(simd, tile, facet, shading, midpoint);
             }
             return;
         }
@@ -142,10 +142,10 @@ impl DrawnRecords for Surfels<'_> {
         }
         for eight in &waiting.small {
             let eight = eight.start as usize..eight.end as usize;
-            let Some(middles) = self.middles(simd, view, &pyramid, eight) else {
+            let Some(midpoints) = self.midpoints(simd, view, &pyramid, eight) else {
                 continue;
             };
-            if let Some(seen) = self.turned(simd, view, middles) {
+            if let Some(seen) = self.turned(simd, view, midpoints) {
                 self.attribute_small(simd, view, tile, clip, &seen, &mut waiting.sums);
             }
         }
@@ -204,26 +204,26 @@ impl<'a> Surfels<'a> {
 
     /// Computes the centres of eight splats, if any of them is in the image.
     #[inline(always)]
-    fn middles<S: Simd>(
+    fn midpoints<S: Simd>(
         &self,
         simd: S,
         view: &PixelView,
         pyramid: &Pyramid,
         numbers: Range<usize>,
-    ) -> Option<EightMiddles<S>> {
-        EightMiddles::of(simd, view, pyramid, self.points, self.shapes, numbers, self.extent())
+    ) -> Option<EightCenters<S>> {
+        EightCenters::of(simd, view, pyramid, self.points, self.shapes, numbers, self.extent())
     }
 
     /// Computes the orientations of eight splats, if any of them is visible.
     #[inline(always)]
-    fn turned<S: Simd>(&self, simd: S, view: &PixelView, middles: EightMiddles<S>) -> Option<EightSurfels<S>> {
-        let normals = middles.normals(simd, view, self.style.culls_back_faces())?;
-        Some(middles.turned(simd, view, normals, self.style.primitive == Primitive::Ellipse))
+    fn turned<S: Simd>(&self, simd: S, view: &PixelView, midpoints: EightCenters<S>) -> Option<EightSurfels<S>> {
+        let normals = midpoints.normals(simd, view, self.style.culls_back_faces())?;
+        Some(midpoints.turned(simd, view, normals, self.style.primitive == Primitive::Ellipse))
     }
 
     /// Returns the culling result for eight splats of which only the centres are known.
     #[inline(always)]
-    fn fate<S: Simd>(&self, simd: S, view: &PixelView, middles: &EightMiddles<S>) -> Fate {
+    fn fate<S: Simd>(&self, simd: S, view: &PixelView, midpoints: &EightCenters<S>) -> Fate {
         if self.filter == SplatFilter::Clamp {
             return Fate::Drawn;
         }
@@ -232,18 +232,18 @@ impl<'a> Surfels<'a> {
         let reach = if are_squares {
             f32x8::splat(simd, SQUARE_REACH_RADII)
         } else {
-            middles.reach_radii(simd, self.style.primitive == Primitive::Ellipse)
+            midpoints.reach_radii(simd, self.style.primitive == Primitive::Ellipse)
         };
-        let reach = middles.radii * self.largest_scale() * reach;
-        let footprints = Footprints::of(simd, view, middles.centers, reach);
-        let may_cover = footprints.may_cover_middles(simd) & middles.may_touch;
+        let reach = midpoints.radii * self.largest_scale() * reach;
+        let footprints = Footprints::of(simd, view, midpoints.centers, reach);
+        let may_cover = footprints.may_cover_centers(simd) & midpoints.may_touch;
         if simd.any_true_mask32x8(may_cover) {
             return Fate::Drawn;
         }
         if self.filter == SplatFilter::Off {
             return Fate::Unseen;
         }
-        let are_large = !footprints.are_within(simd, MAX_REACH_OF_SMALL_PX) & middles.are_there;
+        let are_large = !footprints.are_within(simd, MAX_REACH_OF_SMALL_PX) & midpoints.are_there;
         if simd.any_true_mask32x8(are_large) {
             Fate::Drawn
         } else {
@@ -321,7 +321,7 @@ impl<'a> Surfels<'a> {
                     if let Some(facet) = facets.get(lane) {
                         waiting.splats.push((facet, self.shading(seen, &splats, lane)));
                         if self.filter == SplatFilter::Clamp {
-                            waiting.middles.push(seen.middle(view, lane));
+                            waiting.midpoints.push(seen.center(view, lane));
                         }
                     }
                 }

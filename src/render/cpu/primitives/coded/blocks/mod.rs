@@ -128,14 +128,17 @@ impl<'a> Traversal<'a> {
     fn visit(&self, visited: Visited, blocks: &mut Vec<Block>, divide: &mut impl FnMut(Visited)) {
         let Visited { node, level, center } = visited;
         let cloud = self.coded.cloud;
-        let middle = in_view(self.view, center);
+        let midpoint = in_view(self.view, center);
         let edge = cloud.cube().cell_edge(level);
         let nearest = center.z - self.transform.half_depth(level);
         let drawn_level = self.drawn_level(level, nearest);
         let half = self.view.rotate_extent(Vec3::splat(0.5 * edge));
         let reach = self.reach(node, level);
-        if self.view.covered_px(middle, half + Vec3::splat(reach), 2.0).is_empty()
-            || (self.coded.cull_back_faces && self.faces_away(node, middle, edge))
+        if self
+            .view
+            .covered_px(midpoint, half + Vec3::splat(reach), 2.0)
+            .is_empty()
+            || (self.coded.cull_back_faces && self.faces_away(node, midpoint, edge))
         {
             return;
         }
@@ -182,16 +185,16 @@ impl<'a> Traversal<'a> {
         self.reaches[level as usize].min(self.coded.largest_scale() * (own + edge))
     }
 
-    fn faces_away(&self, node: usize, middle: Vec3, edge: f32) -> bool {
+    fn faces_away(&self, node: usize, midpoint: Vec3, edge: f32) -> bool {
         let attributes = &self.coded.cloud.attributes()[node];
-        let distance = middle.length();
+        let distance = midpoint.length();
         let sphere_radius = LARGEST_OFFSET_DIAGONAL * edge;
         if distance <= sphere_radius {
             return false;
         }
         let opening = attributes.cone() + (sphere_radius / distance).asin() + self.cone_slack;
         let normal = quantised_normals(FINEST_NORMAL_BITS)[attributes.normal() as usize];
-        let facing = self.view.rotate(normal).dot(middle) / distance;
+        let facing = self.view.rotate(normal).dot(midpoint) / distance;
         opening < std::f32::consts::FRAC_PI_2 && facing > opening.sin()
     }
 
@@ -202,12 +205,12 @@ impl<'a> Traversal<'a> {
             .with_min_len(256)
             .map(|block| {
                 let edge = self.coded.cloud.cube().cell_edge(block.level);
-                let middle = in_view(self.view, block.center);
+                let midpoint = in_view(self.view, block.center);
                 let half = self.view.rotate_extent(Vec3::splat(0.5 * edge));
                 let reach = self.reaches[block.drawn_level as usize].min(self.reach(block.node, block.level));
-                let slack = 1e-5 * (middle.abs() + half);
+                let slack = 1e-5 * (midpoint.abs() + half);
                 let half = half + Vec3::splat(reach) + slack;
-                Tiles::covered_by(self.view.covered_px(middle, half, 2.0))
+                Tiles::covered_by(self.view.covered_px(midpoint, half, 2.0))
             })
             .collect();
         let mut lists = vec![Vec::new(); tiles.count()];

@@ -39,17 +39,17 @@ fn from_eye(traversal: &Traversal<'_>, level: u32, cell: [u32; 3]) -> DVec3 {
 fn is_outside(view: &PixelView, center: DVec3, half: DVec3) -> bool {
     /// What is drawn is taken for two pixels wider, and pixels are whole.
     const MARGIN_PX: f64 = 4.0;
-    let is_beside = |axis: usize, side_px: f64, outwards: f64| {
+    let is_outside = |axis: usize, side_px: f64, outwards: f64| {
         // The plane through the eye and these pixels is where `axis + slope · z` is 0.
         let per_slope = f64::from(view.px_per_slope[axis]);
-        let slope = (side_px - f64::from(view.middle_px[axis])) / per_slope;
+        let slope = (side_px - f64::from(view.center_px[axis])) / per_slope;
         let beyond = outwards * per_slope.signum() * (center[axis] + slope * center.z);
         // Of the corner that is farthest inwards.
         beyond > half[axis] + slope.abs() * half.z
     };
     let sides = |axis: usize| {
         let edge_px = f64::from(view.size_px[axis]);
-        is_beside(axis, -MARGIN_PX, -1.0) || is_beside(axis, edge_px + MARGIN_PX, 1.0)
+        is_outside(axis, -MARGIN_PX, -1.0) || is_outside(axis, edge_px + MARGIN_PX, 1.0)
     };
     -center.z + half.z < f64::from(view.near) || sides(0) || sides(1)
 }

@@ -38,7 +38,7 @@ pub enum Layout {
 
 /// The second sequence.
 #[derive(Debug)]
-pub struct Beside {
+pub struct SplitView {
     /// Its frames.
     pub companion: Companion,
     /// Display name.
@@ -55,7 +55,7 @@ pub struct Beside {
     knows_gap: bool,
 }
 
-impl Beside {
+impl SplitView {
     /// Side by side in equal halves.
     pub(in crate::app) fn new(companion: Companion, name: String) -> Self {
         Self {
@@ -73,7 +73,7 @@ impl Beside {
     /// Moves both on: what has changed about the player's frames, and about those of B.
     pub(in crate::app) fn update(&mut self, player: &mut Player, now: Duration, style: &Style) -> [PlayerChange; 2] {
         let companion = &mut self.companion;
-        let of_a = player.update_beside(now, style, |clock, is_playing| {
+        let of_a = player.update_with_companion(now, style, |clock, is_playing| {
             companion.prepare(clock, is_playing, style)
         });
         // While playing waits, both stay as they are: two frames that belong together.
@@ -206,7 +206,7 @@ impl Beside {
     }
 }
 
-impl Drop for Beside {
+impl Drop for SplitView {
     fn drop(&mut self) {
         self.cancel();
     }

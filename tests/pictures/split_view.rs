@@ -55,7 +55,7 @@ fn window(a: &Arc<Sequence>, b: &Arc<Sequence>, primitive: Primitive, frame: usi
     let needs = Scene::needs(&state.style.decided());
     for index in 0..a.len() {
         state.player.as_ref().unwrap().loader().wait(index, &needs).unwrap();
-        let companion = &state.features.beside.as_ref().unwrap().companion;
+        let companion = &state.features.split_view.as_ref().unwrap().companion;
         companion.loader().wait(index, &needs).unwrap();
     }
     state.update(Duration::ZERO);
@@ -80,7 +80,7 @@ fn a_sequence_beside_itself_has_equal_halves_and_no_error() {
     for primitive in [Primitive::Surfel, Primitive::Voxel, Primitive::Point] {
         let (a, b) = (tori(HERE), tori(HERE));
         let mut state = window(&a, &b, primitive, 0);
-        state.features.beside.as_mut().unwrap().layout = Layout::Wipe;
+        state.features.split_view.as_mut().unwrap().layout = Layout::Wipe;
         let packets = packets(&mut state);
         assert_eq!(packets[0].view, packets[1].view);
         for [left, right] in drawn_by_each(&packets) {
@@ -162,9 +162,9 @@ fn what_is_saved_is_what_is_seen() {
     let joined = state.joined(picture(3, red), Some(picture(5, blue)));
     assert_eq!(joined.dimensions(), (8, 4));
     assert_eq!((joined.get_pixel(2, 3), joined.get_pixel(3, 0)), (&red, &blue));
-    let beside = state.features.beside.as_mut().unwrap();
-    beside.layout = Layout::Wipe;
-    beside.pictures.split = 0.25;
+    let split_view = state.features.split_view.as_mut().unwrap();
+    split_view.layout = Layout::Wipe;
+    split_view.pictures.split = 0.25;
     let joined = state.joined(picture(8, red), Some(picture(8, blue)));
     assert_eq!(joined.dimensions(), (8, 4));
     assert_eq!((joined.get_pixel(1, 0), joined.get_pixel(2, 3)), (&red, &blue));

@@ -73,8 +73,8 @@ const fn beyond() -> [[[u32; 256]; 3]; 8] {
 
 /// The sum of ways along each axis, and how many cells these are.
 #[inline(always)]
-pub(super) fn sums(ways: u32) -> ([i32; 3], i32) {
-    let [x, y, z, count] = ways.to_le_bytes().map(i32::from);
+pub(super) fn sums(steps_to: u32) -> ([i32; 3], i32) {
+    let [x, y, z, count] = steps_to.to_le_bytes().map(i32::from);
     ([x - count, y - count, z - count], count)
 }
 
@@ -93,9 +93,9 @@ mod tests {
                     (mask >> other & 1 != 0 && way != [0; 3] && way.iter().all(|along| along.abs() <= 1)).then_some(way)
                 };
                 let check = |from: [i32; 3], found: u32| {
-                    let ways: Vec<[i32; 3]> = (0..8).filter_map(|other| way(other, from)).collect();
-                    let sum = [0, 1, 2].map(|axis| ways.iter().map(|way| way[axis]).sum::<i32>());
-                    assert_eq!(sums(found), (sum, ways.len() as i32), "{octant} {mask} {from:?}");
+                    let steps_to: Vec<[i32; 3]> = (0..8).filter_map(|other| way(other, from)).collect();
+                    let sum = [0, 1, 2].map(|axis| steps_to.iter().map(|way| way[axis]).sum::<i32>());
+                    assert_eq!(sums(found), (sum, steps_to.len() as i32), "{octant} {mask} {from:?}");
                 };
                 check([0; 3], WITHIN[octant][mask]);
                 for axis in 0..3 {

@@ -21,21 +21,21 @@ const THRESHOLDS_PX: [f32; 3] = [2.0, 4.0, 8.0];
 const DELTAS: [f32; 4] = [0.02, 0.05, 0.2, 0.5];
 
 /// All ways, first those of the processor, then those of the adapter if there is one.
-pub(super) fn ways(has_adapter: bool) -> Vec<Settings> {
+pub(super) fn variants(has_adapter: bool) -> Vec<Settings> {
     let base = Settings::default().with(|style| {
         style.primitive = Primitive::Surfel.into();
         style.backdrop.background = Background::solid(BACKGROUND);
         style.drawing.renderer = RendererChoice::Cpu.into();
     });
-    let mut ways = of_renderer(&base);
+    let mut variants = of_renderer(&base);
     if has_adapter {
         let base = base.with(|style| style.drawing.renderer = RendererChoice::Gpu.into());
-        ways.extend(of_renderer(&base));
+        variants.extend(of_renderer(&base));
         for primitive in [Primitive::Surfel, Primitive::Voxel, Primitive::Point] {
             let others = Strategy::ALL
                 .iter()
                 .filter(|&&strategy| strategy != base.drawing.strategy);
-            ways.extend(others.map(|&strategy| {
+            variants.extend(others.map(|&strategy| {
                 base.with(|style| {
                     style.primitive = primitive.into();
                     style.drawing.strategy = strategy;
@@ -43,31 +43,31 @@ pub(super) fn ways(has_adapter: bool) -> Vec<Settings> {
             }));
         }
     }
-    ways
+    variants
 }
 
 fn of_renderer(base: &Settings) -> Vec<Settings> {
     let point = base.with(|style| style.primitive = Primitive::Point.into());
     let voxel = base.with(|style| style.primitive = Primitive::Voxel.into());
     let detail = base.with(|style| style.levels.surfel_lod = true);
-    let mut ways = of_points(&point);
-    ways.extend(of_splats(base));
-    ways.extend(of_structures(base, &voxel));
+    let mut variants = of_points(&point);
+    variants.extend(of_splats(base));
+    variants.extend(of_structures(base, &voxel));
     if base.drawing.renderer == RendererChoice::Cpu {
-        ways.extend(of_codes(base));
+        variants.extend(of_codes(base));
     }
     let enlarged = base.with(|style| style.surfels.splatting = Splatting::TwoPassEnlarged);
     for whole in [*base, enlarged, detail, voxel, point] {
-        ways.extend(RESOLUTIONS.map(|resolution| whole.with(|style| style.drawing.resolution = resolution)));
+        variants.extend(RESOLUTIONS.map(|resolution| whole.with(|style| style.drawing.resolution = resolution)));
     }
     let opaque = base.with(|style| style.surfels.splatting = Splatting::Opaque);
     for stepped in [*base, opaque, voxel, point] {
-        ways.extend(
+        variants.extend(
             [Antialiasing::Fxaa, Antialiasing::Supersample]
                 .map(|antialiasing| stepped.with(|style| style.drawing.antialiasing = antialiasing)),
         );
     }
-    ways
+    variants
 }
 
 /// Points by their size, shape and light.
@@ -78,44 +78,44 @@ fn of_points(point: &Settings) -> Vec<Settings> {
             style.points.shape = shape;
         })
     };
-    let mut ways = Vec::from([1.0, 2.0, 3.0].map(|size_px| point.with(|style| style.points.size_px = size_px)));
+    let mut variants = Vec::from([1.0, 2.0, 3.0].map(|size_px| point.with(|style| style.points.size_px = size_px)));
     for sizing in [PointSizing::Projected, PointSizing::Adaptive] {
-        ways.extend([PointShape::Disk, PointShape::Gaussian].map(|shape| of_scene(sizing, shape)));
+        variants.extend([PointShape::Disk, PointShape::Gaussian].map(|shape| of_scene(sizing, shape)));
     }
     let blended = of_scene(PointSizing::Adaptive, PointShape::Gaussian);
     let squares = of_scene(PointSizing::Projected, PointShape::Square);
-    ways.extend([blended, squares].map(|points| points.with(|style| style.points.light = PointLight::Normals)));
-    ways.push(blended.with(|style| style.levels.surfel_lod = true));
-    ways
+    variants.extend([blended, squares].map(|points| points.with(|style| style.points.light = PointLight::Normals)));
+    variants.push(blended.with(|style| style.levels.surfel_lod = true));
+    variants
 }
 
 /// Surfels, ellipses and sprites by mode, size, light and filter.
 fn of_splats(base: &Settings) -> Vec<Settings> {
     // A picture of depths is none of colours.
     let modes = Splatting::ALL.iter().filter(|&&mode| mode != Splatting::Visibility);
-    let mut ways: Vec<Settings> = modes
+    let mut variants: Vec<Settings> = modes
         .map(|&splatting| base.with(|style| style.surfels.splatting = splatting))
         .collect();
-    ways.extend([0.7, 1.4].map(|splat_scale| base.with(|style| style.surfels.splat_scale = splat_scale)));
-    ways.extend(
+    variants.extend([0.7, 1.4].map(|splat_scale| base.with(|style| style.surfels.splat_scale = splat_scale)));
+    variants.extend(
         [Lighting::PerSurfel, Lighting::PerVertex]
             .map(|lighting| base.with(|style| style.light.lighting = lighting.into())),
     );
     let ellipse = base.with(|style| style.primitive = Primitive::Ellipse.into());
     let sprite = base.with(|style| style.primitive = Primitive::Sprite.into());
-    ways.extend([ellipse, sprite]);
-    ways.push(ellipse.with(|style| style.surfels.splatting = Splatting::TwoPassEnlarged));
-    ways.extend([ellipse, sprite].map(|splats| splats.with(|style| style.surfels.splatting = Splatting::Opaque)));
+    variants.extend([ellipse, sprite]);
+    variants.push(ellipse.with(|style| style.surfels.splatting = Splatting::TwoPassEnlarged));
+    variants.extend([ellipse, sprite].map(|splats| splats.with(|style| style.surfels.splatting = Splatting::Opaque)));
     for filter in [SplatFilter::Ewa, SplatFilter::Clamp] {
-        ways.extend([*base, ellipse].map(|splats| splats.with(|style| style.surfels.filter = filter)));
+        variants.extend([*base, ellipse].map(|splats| splats.with(|style| style.surfels.filter = filter)));
     }
-    ways
+    variants
 }
 
 /// Returns level-of-detail structures by what they omit.
 fn of_structures(base: &Settings, voxel: &Settings) -> Vec<Settings> {
     let detail = base.with(|style| style.levels.surfel_lod = true);
-    let mut ways = Vec::new();
+    let mut variants = Vec::new();
     // Of the octree: below.
     for &structure in LevelStructure::ALL
         .iter()
@@ -127,27 +127,28 @@ fn of_structures(base: &Settings, voxel: &Settings) -> Vec<Settings> {
             LevelStructure::None => [Lod::Budget(1 << 16), Lod::Budget(1 << 14)],
             _ => [Lod::ThresholdPx(1.0), Lod::ThresholdPx(4.0)],
         };
-        ways.extend(lods.map(|lod| coarse.with(|style| style.levels.lod = lod)));
+        variants.extend(lods.map(|lod| coarse.with(|style| style.levels.lod = lod)));
     }
     let ellipse = detail.with(|style| style.primitive = Primitive::Ellipse.into());
     for coarse in [detail, ellipse, *voxel] {
-        ways.push(coarse);
-        ways.extend(THRESHOLDS_PX.map(|threshold| coarse.with(|style| style.levels.lod = Lod::ThresholdPx(threshold))));
+        variants.push(coarse);
+        variants
+            .extend(THRESHOLDS_PX.map(|threshold| coarse.with(|style| style.levels.lod = Lod::ThresholdPx(threshold))));
     }
-    ways.push(voxel.with(|style| style.levels.lod = Lod::ThresholdPx(0.0)));
-    ways.push(voxel.with(|style| style.voxels.light = VoxelLight::Faces));
-    ways.extend(DELTAS.map(|delta| voxel.with(|style| style.levels.stop = StopCriterion::Loss(delta))));
-    ways
+    variants.push(voxel.with(|style| style.levels.lod = Lod::ThresholdPx(0.0)));
+    variants.push(voxel.with(|style| style.voxels.light = VoxelLight::Faces));
+    variants.extend(DELTAS.map(|delta| voxel.with(|style| style.levels.stop = StopCriterion::Loss(delta))));
+    variants
 }
 
 /// From the octree's byte code; the GPU draws exact disks whatever it says.
 fn of_codes(base: &Settings) -> Vec<Settings> {
     let whole = base.with(|style| style.levels.lod = Lod::ThresholdPx(0.0));
-    let mut ways: Vec<Settings> = [Footprint::Masks, Footprint::Pixels]
+    let mut variants: Vec<Settings> = [Footprint::Masks, Footprint::Pixels]
         .map(|footprint| whole.with(|style| style.codes.footprint = footprint))
         .into();
-    ways.push(base.with(|style| style.codes.footprint = Footprint::Masks));
-    ways
+    variants.push(base.with(|style| style.codes.footprint = Footprint::Masks));
+    variants
 }
 
 /// A way in a few words: what it draws, how finely, and who draws it, as the descriptions of settings tell it.
@@ -199,22 +200,22 @@ mod tests {
 
     #[test]
     fn no_way_is_measured_twice_and_each_has_its_words() {
-        let ways = ways(true);
-        let labels: HashSet<String> = ways.iter().map(label).collect();
+        let variants = variants(true);
+        let labels: HashSet<String> = variants.iter().map(label).collect();
         assert_eq!(
             labels.len(),
-            ways.len(),
+            variants.len(),
             "{:?}",
-            ways.iter().map(label).collect::<Vec<_>>()
+            variants.iter().map(label).collect::<Vec<_>>()
         );
-        let of_processor = super::ways(false);
+        let of_processor = super::variants(false);
         assert!(
             of_processor
                 .iter()
                 .all(|way| way.drawing.renderer == RendererChoice::Cpu)
         );
         // Three footprints of byte codes are the processor's; twelve strategies the adapter's.
-        assert_eq!(ways.len(), 2 * of_processor.len() - 3 + 12);
+        assert_eq!(variants.len(), 2 * of_processor.len() - 3 + 12);
         let first = label(&of_processor[0]);
         assert_eq!(first, "point 1 px CPU");
     }

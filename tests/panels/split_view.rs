@@ -48,11 +48,11 @@ fn half(corner: u32, axis: u32) -> f64 {
 }
 
 /// A window on cubes with points of 9 pixels, paused, beside `b`; all frames loaded.
-fn beside(b: &Arc<Sequence>) -> Harness<'static, State> {
-    beside_with(cubes("left", DVec3::ZERO, FRAMES, Some(40), &[]), b, options())
+fn split_view(b: &Arc<Sequence>) -> Harness<'static, State> {
+    second_with(cubes("left", DVec3::ZERO, FRAMES, Some(40), &[]), b, options())
 }
 
-fn beside_with(a: Arc<Sequence>, b: &Arc<Sequence>, options: StateOptions) -> Harness<'static, State> {
+fn second_with(a: Arc<Sequence>, b: &Arc<Sequence>, options: StateOptions) -> Harness<'static, State> {
     let mut harness = window_on(a, options);
     harness.state_mut().style = Settings::default().with(|style| {
         style.primitive = Primitive::Point.into();
@@ -69,7 +69,7 @@ fn load_both(harness: &mut Harness<'_, State>) {
     let now = harness.state().now();
     harness.state_mut().update(now);
     let state = harness.state();
-    let loader = state.features.beside.as_ref().unwrap().companion.loader();
+    let loader = state.features.split_view.as_ref().unwrap().companion.loader();
     for index in 0..loader.sequence().len() {
         // A broken frame is an answer as well.
         let _ = loader.wait(index, &Scene::needs(&state.style.decided()));
@@ -95,7 +95,7 @@ fn go_to(harness: &mut Harness<'_, State>, frame: usize) {
 }
 
 fn companion_frame(harness: &Harness<'_, State>) -> Option<usize> {
-    let companion = &harness.state().features.beside.as_ref().unwrap().companion;
+    let companion = &harness.state().features.split_view.as_ref().unwrap().companion;
     assert_eq!(companion.shown().map(|frame| frame.index), companion.frame());
     companion.frame()
 }
@@ -103,8 +103,8 @@ fn companion_frame(harness: &Harness<'_, State>) -> Option<usize> {
 fn budgets(harness: &Harness<'_, State>) -> [usize; 2] {
     let state = harness.state();
     let of_a = state.player.as_ref().unwrap().loader().stats().budget_bytes;
-    let beside = state.features.beside.as_ref();
-    let of_b = beside.map_or(0, |beside| beside.companion.loader().stats().budget_bytes);
+    let split_view = state.features.split_view.as_ref();
+    let of_b = split_view.map_or(0, |split_view| split_view.companion.loader().stats().budget_bytes);
     [of_a, of_b]
 }
 
@@ -125,7 +125,7 @@ fn a_second_sequence_is_found_shown_and_closed() {
     assert_eq!(budgets(&harness), [budget_bytes, 0]);
     harness.state_mut().compare_paths(vec![folder.path().to_owned()]);
     let begin = Instant::now();
-    while harness.state().features.beside.is_none() {
+    while harness.state().features.split_view.is_none() {
         assert!(begin.elapsed() < Duration::from_secs(20), "no answer");
         harness.state_mut().update(Duration::ZERO);
         std::thread::sleep(Duration::from_millis(5));
@@ -154,9 +154,9 @@ fn a_second_sequence_is_found_shown_and_closed() {
     assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
     // C is for two ways to draw, and does not throw the sequence away.
     press(&mut harness, Modifiers::NONE, Key::C);
-    assert!(harness.state().features.beside.is_some() && harness.state().features.comparison.is_none());
+    assert!(harness.state().features.split_view.is_some() && harness.state().features.comparison.is_none());
     click(&mut harness, "Close comparison");
-    assert!(harness.state().features.beside.is_none());
+    assert!(harness.state().features.split_view.is_none());
     assert_eq!(budgets(&harness), [32 << 20, 0]);
     assert!(harness.query_by_label("Offset").is_none());
 }
@@ -173,13 +173,13 @@ fn what_cannot_be_compared_is_said() {
     }
     let text = &harness.state().notices.list()[0].text;
     assert!(text.contains("/nowhere/at/all"), "{text}");
-    assert!(harness.state().features.beside.is_none());
+    assert!(harness.state().features.split_view.is_none());
 }
 
 #[test]
 fn menus_and_keys_lead_there() {
     let b = cubes("right", DVec3::ZERO, 3, None, &[]);
-    let mut harness = beside(&b);
+    let mut harness = split_view(&b);
     click(&mut harness, "File");
     let item = |text: &str| {
         let items = harness.get_all_by_role(Role::Button);
@@ -200,22 +200,22 @@ fn menus_and_keys_lead_there() {
     }
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert_eq!(
-        harness.state().features.beside.as_ref().unwrap().layout,
+        harness.state().features.split_view.as_ref().unwrap().layout,
         Layout::SideBySide
     );
     for layout in [Layout::Wipe, Layout::SideBySide] {
         press(&mut harness, Modifiers::SHIFT, Key::C);
-        assert_eq!(harness.state().features.beside.as_ref().unwrap().layout, layout);
+        assert_eq!(harness.state().features.split_view.as_ref().unwrap().layout, layout);
     }
     harness.state_mut().run(Command::CLOSE_COMPARISON);
     harness.run();
-    assert!(harness.state().features.beside.is_none());
+    assert!(harness.state().features.split_view.is_none());
 }
 
 #[test]
 fn both_are_seen_by_one_camera_in_halves_of_their_own_or_over_each_other() {
     let b = cubes("right", DVec3::ZERO, 3, None, &[]);
-    let mut harness = beside(&b);
+    let mut harness = split_view(&b);
     let packets = |harness: &mut Harness<'_, State>| {
         harness.state_mut().forget_picture();
         let state = harness.state_mut();
@@ -259,8 +259,17 @@ fn both_are_seen_by_one_camera_in_halves_of_their_own_or_over_each_other() {
 fn frames_belong_together_by_time_by_index_and_with_an_offset() {
     // Half the rate of A, and six of its frames long.
     let b = cubes("right", DVec3::ZERO, 3, Some(80), &[]);
-    let mut harness = beside(&b);
-    let by = |harness: &Harness<'_, State>| harness.state().features.beside.as_ref().unwrap().companion.paired_by();
+    let mut harness = split_view(&b);
+    let by = |harness: &Harness<'_, State>| {
+        harness
+            .state()
+            .features
+            .split_view
+            .as_ref()
+            .unwrap()
+            .companion
+            .paired_by()
+    };
     assert_eq!(by(&harness), PairBy::Time);
     go_to(&mut harness, 4);
     assert_eq!(companion_frame(&harness), Some(2));
@@ -282,7 +291,7 @@ fn frames_belong_together_by_time_by_index_and_with_an_offset() {
 
     // Without times the numbers of the names decide.
     let b = cubes("right", DVec3::ZERO, 3, None, &[]);
-    let mut harness = beside(&b);
+    let mut harness = split_view(&b);
     assert_eq!(by(&harness), PairBy::Number);
     click(&mut harness, "Time");
     assert_eq!(by(&harness), PairBy::Number, "there are no times to choose");
@@ -295,7 +304,7 @@ fn frames_belong_together_by_time_by_index_and_with_an_offset() {
 #[test]
 fn a_broken_frame_of_b_is_told_and_named() {
     let b = cubes("right", DVec3::ZERO, FRAMES, None, &[1]);
-    let mut harness = beside(&b);
+    let mut harness = split_view(&b);
     go_to(&mut harness, 1);
     assert!(harness.query_by_label("B  right: frame 2 cannot be shown").is_some());
     let text = &harness.state().notices.list()[0].text;
@@ -307,7 +316,7 @@ fn a_broken_frame_of_b_is_told_and_named() {
 #[test]
 fn the_distances_of_a_known_shift_are_known() {
     let b = cubes("right", DVec3::new(0.25, 0.0, 0.0), 3, None, &[]);
-    let mut harness = beside(&b);
+    let mut harness = split_view(&b);
     click(&mut harness, "Measure distances");
     let begin = Instant::now();
     while harness.query_by_label_contains("Hausdorff").is_none() {
@@ -330,7 +339,7 @@ fn the_distances_of_a_known_shift_are_known() {
 #[test]
 fn clicks_tell_which_sequence_a_point_is_of() {
     let b = cubes("right", DVec3::new(0.0, 2.0, 0.0), 3, None, &[]);
-    let mut harness = beside(&b);
+    let mut harness = split_view(&b);
     harness.state_mut().run(Command::RESET_VIEW);
     harness.run();
     draw(&mut harness);
@@ -358,7 +367,7 @@ fn clicks_tell_which_sequence_a_point_is_of() {
                 }
                 // All of the picture is on one side of the line.
                 let split = if side == Side::A { 1.0 } else { 0.0 };
-                harness.state_mut().features.beside.as_mut().unwrap().pictures.split = split;
+                harness.state_mut().features.split_view.as_mut().unwrap().pictures.split = split;
                 harness.run();
                 draw(&mut harness);
             }
@@ -399,7 +408,7 @@ fn clicks_tell_which_sequence_a_point_is_of() {
 #[test]
 fn clouds_that_do_not_meet_are_told_of_and_one_key_shows_both() {
     let b = cubes("right", DVec3::new(4.0, 5.0, 0.0), 3, None, &[]);
-    let harness = beside(&b);
+    let harness = split_view(&b);
     let texts: Vec<&str> = harness
         .state()
         .notices
@@ -416,18 +425,18 @@ fn clouds_that_do_not_meet_are_told_of_and_one_key_shows_both() {
     let radius = harness.state().camera.distance;
     press(&mut harness, Modifiers::NONE, Key::R);
     let camera = harness.state().camera;
-    let off_middle = camera.target_in_world - DVec3::new(2.0, 2.5, 0.0);
-    assert!(off_middle.length() < 1.0, "{off_middle}");
+    let off_center = camera.target_in_world - DVec3::new(2.0, 2.5, 0.0);
+    assert!(off_center.length() < 1.0, "{off_center}");
     assert!(camera.distance > radius);
     // Those that meet are nobody's news.
     let b = cubes("right", DVec3::new(0.9, 0.0, 0.0), 3, None, &[]);
-    assert!(beside(&b).state().notices.list().is_empty());
+    assert!(split_view(&b).state().notices.list().is_empty());
 }
 
 #[test]
 fn pictures_are_compared_over_each_other_alone() {
     let b = cubes("right", DVec3::ZERO, 3, None, &[]);
-    let mut harness = beside(&b);
+    let mut harness = split_view(&b);
     let compares_at = |harness: &mut Harness<'_, State>, millis| {
         harness.state_mut().update(Duration::from_millis(millis));
         harness.state_mut().take_requests() == [WindowRequest::Compare]
@@ -470,7 +479,7 @@ fn a_drop_opens_and_with_shift_compares() {
         let name = |state: &State| {
             [
                 state.sequence_name(),
-                state.features.beside.as_ref().map(|b| b.name.clone()),
+                state.features.split_view.as_ref().map(|b| b.name.clone()),
             ]
         };
         let before = name(harness.state());
@@ -502,13 +511,13 @@ fn a_drop_opens_and_with_shift_compares() {
 fn another_document_has_nothing_beside_it() {
     let far = DVec3::new(5e5, 0.0, 0.0);
     let b = cubes("right", far + DVec3::X, FRAMES, Some(40), &[]);
-    let mut harness = beside(&b);
+    let mut harness = split_view(&b);
     let whole = budgets(&harness).iter().sum::<usize>();
     harness.state_mut().open(cubes("other", far, FRAMES, Some(40), &[]));
     load_all(harness.state_mut());
     assert_eq!(harness.state().sequence_name().as_deref(), Some("other"));
     assert!(
-        harness.state().features.beside.is_none(),
+        harness.state().features.split_view.is_none(),
         "it is of the document before"
     );
     assert_eq!(budgets(&harness), [whole, 0]);

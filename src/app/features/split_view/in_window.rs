@@ -1,11 +1,11 @@
 //! Second sequence for comparison next to the open one: opening and closing it, its images, its fraction of the memory.
 
 use super::FrameDistances;
-use super::panel::{BesideRequest, beside_ui};
+use super::panel::{SplitViewRequest, split_view_ui};
 use crate::app::command::{Chord, Command};
 use crate::app::commands::common::{Row, group, needs_sequence, of_point_clouds};
-use crate::app::features::beside::{Beside, Layout};
 use crate::app::features::feature::{Feature, FeatureOf};
+use crate::app::features::split_view::{Layout, SplitView};
 use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::sequence_name::name_of;
 use crate::app::side::Side;
@@ -30,8 +30,8 @@ use std::time::Duration;
 impl State {
     /// The second sequence as a document has it; `None` if there is none that could be opened again.
     fn compared(&self) -> Option<Compared> {
-        let beside = self.features.beside.as_ref()?;
-        let companion = &beside.companion;
+        let split_view = self.features.split_view.as_ref()?;
+        let companion = &split_view.companion;
         // Where there was no choice, the user made none.
         let has_choice = companion.times().is_some() || companion.numbers().is_some();
         Some(Compared {
@@ -43,11 +43,11 @@ impl State {
                 PairBy::Time => ComparedBy::Time,
             }),
             offset_frames: companion.offset_frames(),
-            layout: match beside.layout {
+            layout: match split_view.layout {
                 Layout::SideBySide => ComparedLayout::SideBySide,
                 Layout::Wipe => ComparedLayout::Line,
             },
-            line: (1e4 * f64::from(beside.pictures.split)).round() / 1e4,
+            line: (1e4 * f64::from(split_view.pictures.split)).round() / 1e4,
         })
     }
 
@@ -59,9 +59,9 @@ impl State {
             return self.notices.error(text);
         };
         let leader = Arc::clone(player.sequence());
-        let before = self.features.beside.as_ref();
+        let before = self.features.split_view.as_ref();
         let laid_out = before.map(|before| (before.layout, before.pictures.split));
-        self.close_beside();
+        self.close_split_view();
         self.end_comparison(Side::A);
         let [_, share] = Companion::shares(self.budget_bytes());
         let options = self.loader_options(share);
@@ -74,12 +74,12 @@ impl State {
             self.notices.error(error.to_string());
         }
         let name = name_of(sequence).unwrap_or_default();
-        let mut beside = Beside::new(companion, name);
+        let mut split_view = SplitView::new(companion, name);
         if let Some((layout, split)) = laid_out {
-            beside.pictures.split = split;
-            beside.lay_out(layout);
+            split_view.pictures.split = split;
+            split_view.lay_out(layout);
         }
-        self.features.beside = Some(beside);
+        self.features.split_view = Some(split_view);
         self.share_budget();
     }
 
@@ -90,8 +90,8 @@ impl State {
 
     /// Reopens the compared recording next to the open sequence, with the point clouds of another topic.
     pub fn compare_topic(&mut self, topic: &str) {
-        if let Some(beside) = &self.features.beside {
-            let inputs = beside.companion.sequence().source().inputs().to_vec();
+        if let Some(split_view) = &self.features.split_view {
+            let inputs = split_view.companion.sequence().source().inputs().to_vec();
             let topic = Some(topic.into());
             let open = self.shared.options.open.clone();
             self.find(inputs, OpenOptions { topic, ..open }, Side::B);
@@ -99,10 +99,10 @@ impl State {
     }
 
     /// Shows the open sequence alone. Its memory is all its own again.
-    pub(in crate::app) fn close_beside(&mut self) {
-        if let Some(beside) = self.features.beside.take() {
+    pub(in crate::app) fn close_split_view(&mut self) {
+        if let Some(split_view) = self.features.split_view.take() {
             // Its threads end after the frame they are on; nobody waits for that here.
-            close(beside);
+            close(split_view);
             self.features.inspection.forget_points_of_b();
             self.share_budget();
         }
@@ -110,13 +110,13 @@ impl State {
 
     /// Side by side, or one over the other.
     pub(in crate::app) fn next_layout(&mut self) {
-        match &mut self.features.beside {
-            Some(beside) => {
-                let layout = match beside.layout {
+        match &mut self.features.split_view {
+            Some(split_view) => {
+                let layout = match split_view.layout {
                     Layout::SideBySide => Layout::Wipe,
                     Layout::Wipe => Layout::SideBySide,
                 };
-                beside.lay_out(layout);
+                split_view.lay_out(layout);
             }
             None => self
                 .notices
@@ -126,8 +126,8 @@ impl State {
 
     /// Takes notice that the first of two pictures is another one.
     pub(in crate::app) fn note_picture(&mut self) {
-        if let Some(beside) = &mut self.features.beside {
-            beside.note_change(self.shared.now);
+        if let Some(split_view) = &mut self.features.split_view {
+            split_view.note_change(self.shared.now);
         }
         if let Some(comparison) = &mut self.features.comparison {
             comparison.pictures.note_change(self.shared.now);
@@ -136,8 +136,8 @@ impl State {
 
     /// Measures the distances of the two shown frames.
     pub(in crate::app) fn measure_distances(&mut self) {
-        if let (Some(beside), Some(player)) = (&mut self.features.beside, &self.player) {
-            beside.measure(player, &self.shared.tasks);
+        if let (Some(split_view), Some(player)) = (&mut self.features.split_view, &self.player) {
+            split_view.measure(player, &self.shared.tasks);
         }
     }
 
@@ -160,42 +160,42 @@ impl State {
     /// Divides the memory between what is open.
     pub(in crate::app) fn share_budget(&self) {
         let whole = self.budget_bytes();
-        let [a, b] = match self.features.beside {
+        let [a, b] = match self.features.split_view {
             Some(_) => Companion::shares(whole),
             None => [whole, 0],
         };
         if let Some(player) = &self.player {
             player.loader().set_budget_bytes(a);
         }
-        if let Some(beside) = &self.features.beside {
-            beside.companion.loader().set_budget_bytes(b);
+        if let Some(split_view) = &self.features.split_view {
+            split_view.companion.loader().set_budget_bytes(b);
         }
     }
 
     /// Takes in what has changed about the other sequence. True if something can be seen.
-    pub(in crate::app) fn follow_beside(&mut self, change: PlayerChange) -> bool {
-        let (Some(beside), Some(player)) = (&mut self.features.beside, &self.player) else {
+    pub(in crate::app) fn follow_second(&mut self, change: PlayerChange) -> bool {
+        let (Some(split_view), Some(player)) = (&mut self.features.split_view, &self.player) else {
             return false;
         };
-        let sequence = beside.companion.sequence();
+        let sequence = split_view.companion.sequence();
         if let Some(failure) = change.new_failure {
             let place = failure.index() + 1;
-            let (count, name) = (sequence.len(), &beside.name);
+            let (count, name) = (sequence.len(), &split_view.name);
             self.notices
                 .error(format!("Frame {place} of {count} of B ({name}) is skipped. {failure}"));
         }
         for warning in change.new_warnings {
             self.notices.warn(format!("B: {warning}"));
         }
-        if let Some(frame) = beside.companion.shown() {
+        if let Some(frame) = split_view.companion.shown() {
             self.features.inspection.follow(Side::B, frame, sequence.origin());
         }
-        if let Some(gap) = beside.take_gap(player) {
+        if let Some(gap) = split_view.take_gap(player) {
             let a = name_of(player.sequence()).unwrap_or_default();
             self.notices.warn(format!(
                 "B ({}) is {} away from A ({a}): both are drawn where their files say. R shows both; \
                  `pointreel convert --transform` moves the points of one",
-                beside.name,
+                split_view.name,
                 significant(gap),
             ));
         }
@@ -203,14 +203,14 @@ impl State {
     }
 
     /// The box around the shown frame of the other sequence, relative to the origin of the open one; empty without any.
-    pub(in crate::app) fn bounds_beside(&self) -> Aabb {
-        let (Some(beside), Some(player)) = (&self.features.beside, &self.player) else {
+    pub(in crate::app) fn second_bounds(&self) -> Aabb {
+        let (Some(split_view), Some(player)) = (&self.features.split_view, &self.player) else {
             return Aabb::EMPTY;
         };
-        let Some(frame) = beside.companion.shown() else {
+        let Some(frame) = split_view.companion.shown() else {
             return Aabb::EMPTY;
         };
-        let shift = beside.shift_from(player).as_vec3();
+        let shift = split_view.shift_from(player).as_vec3();
         let Aabb { min, max } = frame.frame.bounds();
         Aabb {
             min: min + shift,
@@ -219,11 +219,11 @@ impl State {
     }
 
     /// The packet of the other sequence, if it differs from the last one.
-    pub(in crate::app) fn next_packet_beside(&mut self) -> Option<ScenePacket> {
+    pub(in crate::app) fn next_packet_second(&mut self) -> Option<ScenePacket> {
         let style = self.drawn_style();
-        let beside = self.features.beside.as_mut()?;
-        let Some(frame) = beside.companion.shown() else {
-            beside.pictures.forget_difference();
+        let split_view = self.features.split_view.as_mut()?;
+        let Some(frame) = split_view.companion.shown() else {
+            split_view.pictures.forget_difference();
             return None;
         };
         if self.viewport.other_size_px.contains(&0) {
@@ -231,34 +231,36 @@ impl State {
         }
         let view = PictureView {
             camera: &self.camera,
-            origin: beside.companion.sequence().origin(),
+            origin: split_view.companion.sequence().origin(),
             size_px: self.viewport.other_size_px,
         };
         let composed = Composed::of(Arc::clone(frame));
-        let packet = beside.drawing.next_packet(composed, &view, &style, self.shared.now)?;
-        beside.note_change(self.shared.now);
+        let packet = split_view
+            .drawing
+            .next_packet(composed, &view, &style, self.shared.now)?;
+        split_view.note_change(self.shared.now);
         Some(packet)
     }
 
     /// Returns true if all visible images have been drawn from frames that are due.
     pub(in crate::app) fn is_drawn(&self) -> bool {
-        let is_drawn_beside = |beside: &Beside| {
-            beside.companion.waiting_for().is_none()
-                && (beside.drawing.is_drawn() || beside.companion.shown().is_none())
+        let is_drawn = |split_view: &SplitView| {
+            split_view.companion.waiting_for().is_none()
+                && (split_view.drawing.is_drawn() || split_view.companion.shown().is_none())
         };
-        self.main.drawing.is_drawn() && self.features.beside.as_ref().is_none_or(is_drawn_beside)
+        self.main.drawing.is_drawn() && self.features.split_view.as_ref().is_none_or(is_drawn)
     }
 
     /// Composes both visible images into one: side by side, or on both sides of the line. The first one alone if there
     /// is no other sequence, or no frame of it. With the labels that are in the window.
     pub fn joined(&self, a: RgbaImage, b: Option<RgbaImage>) -> RgbaImage {
-        let Some((beside, b)) = self.features.beside.as_ref().zip(b) else {
+        let Some((split_view, b)) = self.features.split_view.as_ref().zip(b) else {
             return self.with_labels(a);
         };
-        if beside.companion.shown().is_none() {
+        if split_view.companion.shown().is_none() {
             return self.with_labels(a);
         }
-        match beside.layout {
+        match split_view.layout {
             Layout::SideBySide => {
                 let left = a.width();
                 let mut joined = RgbaImage::new(left + b.width(), a.height().max(b.height()));
@@ -269,7 +271,7 @@ impl State {
             Layout::Wipe => {
                 let mut joined = a;
                 let width = joined.width().min(b.width());
-                let line = (beside.pictures.split * width as f32).round() as u32;
+                let line = (split_view.pictures.split * width as f32).round() as u32;
                 let right = imageops::crop_imm(&b, line, 0, width - line, b.height());
                 imageops::replace(&mut joined, &right.to_image(), i64::from(line), 0);
                 self.with_labels(joined)
@@ -278,7 +280,7 @@ impl State {
     }
 }
 
-impl Beside {
+impl SplitView {
     /// Lays both out, and pairs their frames, as a document says.
     pub(in crate::app) fn arrange(&mut self, compared: &Compared) {
         self.companion.set_offset_frames(compared.offset_frames);
@@ -307,7 +309,7 @@ const COMMANDS: &[Row] = &[
         .what("Compared sequences: side by side, or split by a line")
         .also(&["swipe", "split view", "layout", "dual view"])
         .keys(group::VIEW, "Shift+C", &[Chord::shift(Key::C)])
-        .applies(|state| match state.features.beside {
+        .applies(|state| match state.features.split_view {
             Some(_) => Ok(()),
             None => Err("One sequence is open: File, Compare with… opens another next to it"),
         }),
@@ -332,7 +334,7 @@ const COMMANDS: &[Row] = &[
     .applies(needs_sequence),
     Row::new(Command::CLOSE_COMPARISON, "Close comparison", |state| {
         state.opening.opened.compared = None;
-        state.close_beside();
+        state.close_split_view();
         state.end_comparison(Side::A);
     })
     .applies(|state| match state.pictures() {
@@ -341,21 +343,21 @@ const COMMANDS: &[Row] = &[
     }),
 ];
 
-impl Feature<State> for FeatureOf<Option<Beside>> {
+impl Feature<State> for FeatureOf<Option<SplitView>> {
     fn save(&self, state: &State, document: &mut Document) {
         let wanted = || state.opening.opened.compared.clone();
         document.compare = state.compared().or_else(wanted);
     }
 
     fn next_deadline(&self, state: &State) -> Option<Duration> {
-        let beside = state.features.beside.as_ref();
-        beside.and_then(|beside| beside.drawing.next_deadline())
+        let split_view = state.features.split_view.as_ref();
+        split_view.and_then(|split_view| split_view.drawing.next_deadline())
     }
 
     fn take(&self, state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
         outcome.give(|distances: Option<FrameDistances>| {
-            if let (Some(beside), Some(distances)) = (&mut state.features.beside, distances) {
-                beside.take_in(distances);
+            if let (Some(split_view), Some(distances)) = (&mut state.features.split_view, distances) {
+                split_view.take_in(distances);
             }
         })
     }
@@ -365,7 +367,7 @@ impl Feature<State> for FeatureOf<Option<Beside>> {
             id: None,
             menu: None,
             also: &[],
-            place: Dock::Top("beside", |state: &State| state.features.beside.is_some()),
+            place: Dock::Top("beside", |state: &State| state.features.split_view.is_some()),
             show: bar,
         }];
         PANELS
@@ -377,10 +379,10 @@ impl Feature<State> for FeatureOf<Option<Beside>> {
 }
 
 fn bar(ui: &mut Ui, state: &mut State) {
-    if let (Some(beside), Some(player)) = (&mut state.features.beside, &state.player) {
-        match beside_ui(ui, beside, player) {
-            Some(BesideRequest::Measure) => state.measure_distances(),
-            Some(BesideRequest::Close) => state.run(Command::CLOSE_COMPARISON),
+    if let (Some(split_view), Some(player)) = (&mut state.features.split_view, &state.player) {
+        match split_view_ui(ui, split_view, player) {
+            Some(SplitViewRequest::Measure) => state.measure_distances(),
+            Some(SplitViewRequest::Close) => state.run(Command::CLOSE_COMPARISON),
             None => {}
         }
     }

@@ -1,6 +1,6 @@
 //! The bar of a second sequence: how it is laid out, which of its frames are shown, and how far it is from the first.
 
-use super::{Beside, FrameDistances, Layout, OneWay};
+use super::{FrameDistances, Layout, OneWay, SplitView};
 use crate::app::features::comparison::panel::{difference_ui, error_map_ui};
 use crate::app::widgets::frames::frames_drag;
 use crate::app::widgets::numbers::rounded_to;
@@ -12,7 +12,7 @@ const MAX_OFFSET: i64 = 1_000_000;
 
 /// Request of the bar to the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::app) enum BesideRequest {
+pub(in crate::app) enum SplitViewRequest {
     /// Measure the distances of the shown frames.
     Measure,
     /// Back to one sequence.
@@ -20,38 +20,42 @@ pub(in crate::app) enum BesideRequest {
 }
 
 /// The bar while two sequences are compared.
-pub(in crate::app) fn beside_ui(ui: &mut Ui, beside: &mut Beside, player: &Player) -> Option<BesideRequest> {
+pub(in crate::app) fn split_view_ui(
+    ui: &mut Ui,
+    split_view: &mut SplitView,
+    player: &Player,
+) -> Option<SplitViewRequest> {
     let mut request = None;
     ui.horizontal_wrapped(|ui| {
-        layout_ui(ui, beside);
+        layout_ui(ui, split_view);
         ui.separator();
-        pairing_ui(ui, beside);
+        pairing_ui(ui, split_view);
         ui.separator();
         let close = ui.button("Close comparison");
         if close.on_hover_text("Back to one sequence").clicked() {
-            request = Some(BesideRequest::Close);
+            request = Some(SplitViewRequest::Close);
         }
     });
     ui.horizontal_wrapped(|ui| {
-        if beside.layout == Layout::Wipe {
-            error_map_ui(ui, &mut beside.pictures);
-            if beside.companion.shown().is_some() {
-                difference_ui(ui, &beside.pictures);
+        if split_view.layout == Layout::Wipe {
+            error_map_ui(ui, &mut split_view.pictures);
+            if split_view.companion.shown().is_some() {
+                difference_ui(ui, &split_view.pictures);
             }
             ui.separator();
         }
-        let distances = beside.distances(player);
-        if beside.is_measuring() {
+        let distances = split_view.distances(player);
+        if split_view.is_measuring() {
             ui.weak("Measuring distances…");
         } else if distances.is_none() {
             let button = Button::new("Measure distances");
-            let is_possible = beside.whole_frames(player).is_some();
+            let is_possible = split_view.whole_frames(player).is_some();
             let button = ui
                 .add_enabled(is_possible, button)
                 .on_hover_text("From each point to the nearest one of the other frame, in both directions")
                 .on_disabled_hover_text("Both frames have to be here with all their points: pause");
             if button.clicked() {
-                request = Some(BesideRequest::Measure);
+                request = Some(SplitViewRequest::Measure);
             }
         }
         if let Some(distances) = distances {
@@ -61,8 +65,8 @@ pub(in crate::app) fn beside_ui(ui: &mut Ui, beside: &mut Beside, player: &Playe
     request
 }
 
-fn layout_ui(ui: &mut Ui, beside: &mut Beside) {
-    let mut layout = beside.layout;
+fn layout_ui(ui: &mut Ui, split_view: &mut SplitView) {
+    let mut layout = split_view.layout;
     for (value, text, tooltip) in [
         (
             Layout::SideBySide,
@@ -77,14 +81,14 @@ fn layout_ui(ui: &mut Ui, beside: &mut Beside) {
     ] {
         ui.selectable_value(&mut layout, value, text).on_hover_text(tooltip);
     }
-    if layout != beside.layout {
-        beside.lay_out(layout);
+    if layout != split_view.layout {
+        split_view.lay_out(layout);
     }
 }
 
 /// Shows the frame pairing controls.
-fn pairing_ui(ui: &mut Ui, beside: &mut Beside) {
-    let companion = &mut beside.companion;
+fn pairing_ui(ui: &mut Ui, split_view: &mut SplitView) {
+    let companion = &mut split_view.companion;
     ui.label("Frames by");
     let mut by = companion.paired_by();
     ui.selectable_value(&mut by, PairBy::Index, "Index")
