@@ -3,7 +3,7 @@
 use super::cut::share_there;
 use super::error::{Fault, ReelError};
 use super::file::{Directory, FrameRecord, SectionRecord, checksum, is_right};
-use super::frame::{CodedSection, Followed, Pose, Wanted, cloud_of, cloud_of_followed, decode_moved, decode_pose};
+use super::frame::{CodedSection, Followed, Pose, Wanted, cloud_of, cloud_of_followed, decode_inter, decode_pose};
 use super::reader::ReelFile;
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
@@ -135,7 +135,7 @@ impl Reading<'_> {
         let schema = &schemas[frame.schema];
         let key = (0..place)
             .rev()
-            .find(|&place| !frames[place + 1].is_moved)
+            .find(|&place| !frames[place + 1].is_inter)
             .map_or(0, |before| before + 1);
         let Choice {
             sections,
@@ -146,7 +146,7 @@ impl Reading<'_> {
             last.group == self.group.index && last.sections == sections && (key..=place).contains(&last.place)
         });
         if key == place {
-            let is_followed = frames.get(place + 1).is_some_and(|next| next.is_moved);
+            let is_followed = frames.get(place + 1).is_some_and(|next| next.is_inter);
             let mut pose = self.pose(place, is_followed)?;
             let followed = is_followed.then(|| Followed::of(schema, grid, &pose)).flatten();
             *last = followed.map(|followed| self.last(place, followed));
@@ -162,7 +162,7 @@ impl Reading<'_> {
         };
         for next in from + 1..=place {
             let sections = self.sections(next)?;
-            decode_moved(schema, &mut followed, &sections).map_err(|fault| self.fault(next, fault))?;
+            decode_inter(schema, &mut followed, &sections).map_err(|fault| self.fault(next, fault))?;
         }
         let level = if is_whole && frame.has_points() {
             levels

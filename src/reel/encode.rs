@@ -2,7 +2,7 @@
 
 use super::error::ReelError;
 use super::file::{Directory, FrameRecord, SectionRecord, StreamRecord};
-use super::frame::{CodedSection, Followed, GroupPlan, Run, Schema, encode_moved, encode_pose, follows, prepare};
+use super::frame::{CodedSection, Followed, GroupPlan, Run, Schema, encode_inter, encode_pose, follows, prepare};
 use super::options::{Precision, ReelOptions};
 use crate::analysis::FileSurface;
 use crate::cloud::RawCloud;
@@ -99,7 +99,7 @@ pub fn encode_group(frames: &[NewFrame<'_>], options: &ReelOptions) -> Result<En
 /// A frame as streams, and how many nodes and points these are.
 #[derive(Debug, Clone)]
 struct CodedFrame {
-    is_moved: bool,
+    is_inter: bool,
     counts: Vec<usize>,
     points: [usize; 2],
     sections: Vec<CodedSection>,
@@ -133,16 +133,16 @@ fn encode_run(plan: &GroupPlan, clouds: &[&RawCloud], run: Range<usize>) -> Vec<
         if let Some((of_key, followed, key_bytes)) = &mut key
             && let Some(changes) = of_key.changes(index, clouds[index], followed)
         {
-            let sections = encode_moved(&plan.schemas[index], followed, changes);
+            let sections = encode_inter(&plan.schemas[index], followed, changes);
             let before = &coded[coded.len() - 1];
-            let moved = CodedFrame {
-                is_moved: true,
+            let inter = CodedFrame {
+                is_inter: true,
                 counts: before.counts.clone(),
                 points: before.points,
                 sections,
             };
-            if moved.bytes() < *key_bytes {
-                coded.push(moved);
+            if inter.bytes() < *key_bytes {
+                coded.push(inter);
                 continue;
             }
         }
@@ -150,7 +150,7 @@ fn encode_run(plan: &GroupPlan, clouds: &[&RawCloud], run: Range<usize>) -> Vec<
         let sections = encode_pose(&plan.schemas[index], &plan.grid, &mut pose);
         let points = pose.points.as_ref();
         let frame = CodedFrame {
-            is_moved: false,
+            is_inter: false,
             counts: pose.levels.iter().map(|level| level.cells.len()).collect(),
             points: points.map_or([0; 2], |points| [points.below.len(), points.outside.len()]),
             sections,
@@ -198,7 +198,7 @@ fn record(frame: &NewFrame<'_>, coded: &CodedFrame, schema: usize, of_schema: &S
     FrameRecord {
         name: frame.name.to_owned(),
         time: frame.time,
-        is_moved: coded.is_moved,
+        is_inter: coded.is_inter,
         schema,
         points_written: cloud.positions.len() as u64,
         points: coded.points,

@@ -22,7 +22,6 @@
 //!
 //! `docs/reel.md` describes the format for those who want to read it elsewhere.
 
-mod above;
 mod attributes;
 mod coder;
 mod cut;
@@ -34,6 +33,7 @@ mod file;
 mod frame;
 mod memory;
 mod options;
+mod parent_level;
 mod reader;
 #[cfg(test)]
 mod tests;

@@ -348,13 +348,13 @@ impl ReelFile {
     /// Returns the run of frames encoded relative to one another that includes `index`: they are best decoded in their
     /// order. Precondition: there is such a frame.
     pub fn run_of(&self, index: usize) -> Range<usize> {
-        let is_moved = |frame: usize| self.index.frames[frame].bytes[StreamKind::Motion as usize] > 0;
+        let is_inter = |frame: usize| self.index.frames[frame].bytes[StreamKind::Motion as usize] > 0;
         let group = match self.group_of(index) {
             Some(group) => self.index.groups[group].frames.clone(),
             None => index..index + 1,
         };
-        let start = (group.start..=index).rev().find(|&frame| !is_moved(frame));
-        let end = (index + 1..group.end).find(|&frame| !is_moved(frame));
+        let start = (group.start..=index).rev().find(|&frame| !is_inter(frame));
+        let end = (index + 1..group.end).find(|&frame| !is_inter(frame));
         start.unwrap_or(group.start)..end.unwrap_or(group.end)
     }
 

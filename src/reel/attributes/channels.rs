@@ -12,7 +12,7 @@
 //!
 //! What bounds it: the next node waits for this one, and a channel for the one before. So what does not wait is
 //! computed ahead, and there is no unpredictable branch, such as on which nodes are adjacent. Frames that stand alone
-//! have no such chain ([`crate::reel::above`]).
+//! have no such chain ([`crate::reel::parent_level`]).
 
 use super::value_coder::ValueCoder;
 use crate::reel::coder::{BitCoder, divided};

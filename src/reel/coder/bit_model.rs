@@ -57,7 +57,7 @@ impl BitModel {
         let seen = self.0 & ((1 << SEEN_BITS) - 1);
         let probability = (self.0 >> SEEN_BITS) as i64;
         let target = if bit { (1 << 22) - TARGET } else { TARGET };
-        let moved = probability + (((target - probability) * i64::from(RATES[seen as usize])) >> 16);
-        self.0 = (moved as u32) << SEEN_BITS | (seen + 1).min(MAX_SEEN);
+        let inter = probability + (((target - probability) * i64::from(RATES[seen as usize])) >> 16);
+        self.0 = (inter as u32) << SEEN_BITS | (seen + 1).min(MAX_SEEN);
     }
 }

@@ -3,8 +3,8 @@
 
 use super::ranges::{NUMBERS, Ranges};
 use super::slopes::{FLAT, OfParents, Slopes};
-use crate::reel::above::Families;
 use crate::reel::coder::{Counts, LOG_BITS, SymbolCoder};
+use crate::reel::parent_level::Families;
 use crate::reel::tree::OCTANTS;
 
 /// Entries behind the nodes of a level: the eight children that a node may have are written at once.
@@ -51,7 +51,7 @@ pub(super) trait Kind {
     fn eight_below(
         &self,
         parent: Self::Value,
-        is_told: bool,
+        is_coded: bool,
         slopes: Option<&Slopes>,
         words: &[u64; 8],
         below: &mut [Self::Value; 8],

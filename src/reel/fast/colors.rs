@@ -43,7 +43,7 @@ fn range_of(steps: i32, shift: u32) -> usize {
 const LANES: u64 = 0x0001_0001_0001_0001;
 
 /// The lanes that green, red and blue move: red, green, blue and alpha, the lowest first.
-const MOVED: [u64; NUMBERS] = [0x0001_0001_0001, 0x0001_0000_0001, 0x0001_0000_0000];
+const INTER: [u64; NUMBERS] = [0x0001_0001_0001, 0x0001_0000_0001, 0x0001_0000_0000];
 
 /// Codes the colours of a level: red, green, blue and 255. None is wrong by more than half of `step`, which is odd.
 #[inline(always)]
@@ -95,7 +95,7 @@ impl Kind for Colors {
         };
         let of = (0..COUNT * COUNT * COUNT)
             .map(move |symbol| [symbol % COUNT, symbol / COUNT % COUNT, symbol / (COUNT * COUNT)].map(range));
-        Ranges::new(MOVED.map(|lanes| lanes * u64::from(self.step)), LANES << 15, of)
+        Ranges::new(INTER.map(|lanes| lanes * u64::from(self.step)), LANES << 15, of)
     }
 
     #[inline(always)]
@@ -110,12 +110,12 @@ impl Kind for Colors {
     fn eight_below(
         &self,
         parent: [u8; 4],
-        is_told: bool,
+        is_coded: bool,
         slopes: Option<&Slopes>,
         words: &[u64; 8],
         below: &mut [[u8; 4]; 8],
     ) {
-        let retained = i16::from(is_told).wrapping_neg();
+        let retained = i16::from(is_coded).wrapping_neg();
         for ((below, &word), child) in below.iter_mut().zip(words).zip(0..8) {
             for lane in 0..4 {
                 let mut expected = i16::from(parent[lane]);

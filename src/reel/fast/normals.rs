@@ -91,9 +91,13 @@ impl Kind for Normals {
     }
 
     #[inline(always)]
-    fn eight_below(&self, parent: u32, is_told: bool, _: Option<&Slopes>, words: &[u64; 8], below: &mut [u32; 8]) {
-        let from = if parent & NO_NORMAL == 0 || !is_told { parent } else { 0 };
-        let retained = u32::from(is_told).wrapping_neg();
+    fn eight_below(&self, parent: u32, is_coded: bool, _: Option<&Slopes>, words: &[u64; 8], below: &mut [u32; 8]) {
+        let from = if parent & NO_NORMAL == 0 || !is_coded {
+            parent
+        } else {
+            0
+        };
+        let retained = u32::from(is_coded).wrapping_neg();
         let mask = self.mask();
         for (below, &word) in below.iter_mut().zip(words) {
             *below = from.wrapping_add(word as u32 & retained) & mask;

@@ -57,12 +57,12 @@ impl Kind for Singles {
     fn eight_below(
         &self,
         [parent]: [u16; 1],
-        is_told: bool,
+        is_coded: bool,
         _: Option<&Slopes>,
         words: &[u64; 8],
         below: &mut [[u16; 1]; 8],
     ) {
-        let retained = i32::from(is_told).wrapping_neg();
+        let retained = i32::from(is_coded).wrapping_neg();
         for (below, &word) in below.iter_mut().zip(words) {
             let is = i32::from(parent).wrapping_add(word as i32 & retained);
             *below = [is.clamp(0, i32::from(self.max)) as u16];

@@ -1,8 +1,8 @@
 //! Values of levels come back, as near as they may be; and bytes that nobody wrote are no panic.
 
 use super::{NO_NORMAL, SLACK, Upwards, code_colors, code_normals, code_offsets, code_singles};
-use crate::reel::above::Families;
 use crate::reel::coder::{SymbolCoder, SymbolDecoder, SymbolEncoder};
+use crate::reel::parent_level::Families;
 use proptest::prelude::*;
 
 /// A level below another one.

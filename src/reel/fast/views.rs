@@ -24,7 +24,7 @@ struct View {
 
 /// Returns the octant that a symmetry maps an octant to: mirrored by the lowest three bits, the axes ordered by the
 /// others.
-const fn moved(symmetry: usize, octant: usize) -> usize {
+const fn inter(symmetry: usize, octant: usize) -> usize {
     let order = ORDERS[symmetry >> 3];
     let mirrored = octant ^ symmetry & 7;
     mirrored >> order[0] & 1 | (mirrored >> order[1] & 1) << 1 | (mirrored >> order[2] & 1) << 2
@@ -44,7 +44,7 @@ const BOTH: ([[u8; 256]; SYMMETRIES], [[u8; 256]; SYMMETRIES]) = {
         while mask < 256usize {
             // That of the mask without its lowest octant is known.
             let octant = mask.trailing_zeros() as usize;
-            seen[symmetry][mask] = seen[symmetry][mask & (mask - 1)] | 1 << moved(symmetry, octant);
+            seen[symmetry][mask] = seen[symmetry][mask & (mask - 1)] | 1 << inter(symmetry, octant);
             unseen[symmetry][seen[symmetry][mask] as usize] = mask as u8;
             mask += 1;
         }
@@ -153,7 +153,7 @@ mod tests {
     fn what_is_beside_stays_beside() {
         for symmetry in 0..SYMMETRIES {
             for (a, b) in (0..8).flat_map(|a| (0..8).map(move |b| (a, b))) {
-                let apart = (moved(symmetry, a) ^ moved(symmetry, b)).count_ones();
+                let apart = (inter(symmetry, a) ^ inter(symmetry, b)).count_ones();
                 assert_eq!(apart, (a ^ b).count_ones());
             }
         }
@@ -167,9 +167,9 @@ mod tests {
                 continue;
             }
             let view = VIEW[usize::from(mask)][octant];
-            assert_eq!(moved(usize::from(view.symmetry), octant), 0);
+            assert_eq!(inter(usize::from(view.symmetry), octant), 0);
             for symmetry in 0..SYMMETRIES {
-                let other = VIEW[usize::from(SEEN[symmetry][usize::from(mask)])][moved(symmetry, octant)];
+                let other = VIEW[usize::from(SEEN[symmetry][usize::from(mask)])][inter(symmetry, octant)];
                 assert_eq!(other.context, view.context);
             }
         }

@@ -10,7 +10,7 @@ use std::ops::Range;
 use std::time::Duration;
 
 /// Flags of a frame.
-const MOVED: u8 = 1 << 0;
+const INTER: u8 = 1 << 0;
 const SENSOR: u8 = 1 << 1;
 const IMAGE: u8 = 1 << 2;
 
@@ -45,7 +45,7 @@ pub(in crate::reel) struct FrameRecord {
     pub(in crate::reel) name: String,
     pub(in crate::reel) time: Option<Duration>,
     /// True if it is encoded relative to the previous frame.
-    pub(in crate::reel) is_moved: bool,
+    pub(in crate::reel) is_inter: bool,
     /// Index of its schema in the group.
     pub(in crate::reel) schema: usize,
     /// Points of the cloud that was written.
@@ -136,7 +136,7 @@ impl Directory {
         for frame in &mut self.frames {
             let is_there = |section: &SectionRecord| section.offset.saturating_add(section.bytes()) <= bytes;
             let mut whole = frame.sections.iter().take_while(|section| is_there(section)).count();
-            if frame.is_moved {
+            if frame.is_inter {
                 // It moves what is there of the frame before.
                 whole = whole.min(before);
             }
@@ -195,8 +195,8 @@ impl FrameRecord {
         writer.number(time_number(self.time));
         let sensor = if self.sensor.is_some() { SENSOR } else { 0 };
         let image = if self.image.is_some() { IMAGE } else { 0 };
-        let moved = if self.is_moved { MOVED } else { 0 };
-        writer.byte(moved | sensor | image);
+        let inter = if self.is_inter { INTER } else { 0 };
+        writer.byte(inter | sensor | image);
         writer.number(self.schema as u64);
         writer.number(self.points_written);
         writer.number(self.points[0] as u64);
@@ -234,7 +234,7 @@ impl FrameRecord {
         let name = reader.text()?;
         let time = reader.number()?.checked_sub(1).map(Duration::from_nanos);
         let flags = reader.byte()?;
-        if flags & !(MOVED | SENSOR | IMAGE) != 0 {
+        if flags & !(INTER | SENSOR | IMAGE) != 0 {
             let problem = format!("frame {name} is coded in a way that only later versions know ({flags:#b})");
             return Err(Fault::new(problem));
         }
@@ -286,7 +286,7 @@ impl FrameRecord {
         Ok(Self {
             name,
             time,
-            is_moved: flags & MOVED != 0,
+            is_inter: flags & INTER != 0,
             schema,
             points_written,
             points: [placed as usize, outside as usize],

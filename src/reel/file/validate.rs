@@ -70,7 +70,7 @@ fn check_before(frame: &FrameRecord, before: Option<&FrameRecord>) -> Result<(),
             && before.points == frame.points
             && levels(before) == levels(frame)
     });
-    if frame.is_moved && !fits {
+    if frame.is_inter && !fits {
         return Err(Fault::new("it is told by a frame before that has other points"));
     }
     Ok(())

@@ -8,11 +8,11 @@ use super::parts::{Direction, Part};
 use super::schema::Schema;
 use super::sections::Sizes;
 use super::values::{Kinds, Written};
-use crate::reel::above::Families;
 use crate::reel::attributes::{MISSING, NormalGrid};
 use crate::reel::coder::SymbolCoder;
 use crate::reel::error::Fault;
 use crate::reel::fast::{ABOVE_ROOT, NO_NORMAL, SLACK, Upwards, code_colors, code_normals, code_offsets, code_singles};
+use crate::reel::parent_level::Families;
 use fearless_simd::{Level as SimdLevel, dispatch};
 
 /// A level, or the points.

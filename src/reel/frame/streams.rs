@@ -14,11 +14,11 @@ use super::parts::{Direction, Part};
 use super::schema::{Schema, StreamKind};
 use super::sections::{CodedSection, CodedStreams, Sizes, Wanted, joined, parted};
 use super::values::code_values;
-use crate::reel::above::{CHANNEL_CONTEXTS, NORMAL_CONTEXTS, OFFSET_CONTEXTS};
 use crate::reel::coder::{BitCoder, RangeDecoder, RangeEncoder, SymbolDecoder, SymbolEncoder};
 use crate::reel::error::Fault;
 use crate::reel::fast::{ABOVE_ROOT, MASK_CONTEXTS, code_masks};
 use crate::reel::options::Coding;
+use crate::reel::parent_level::{CHANNEL_CONTEXTS, NORMAL_CONTEXTS, OFFSET_CONTEXTS};
 use crate::reel::tree::cells_below;
 use fearless_simd::{Level as SimdLevel, dispatch};
 

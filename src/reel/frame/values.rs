@@ -4,9 +4,9 @@ use super::levels::{Level, LevelValues, Pose};
 use super::parts::{Direction, Part};
 use super::schema::Schema;
 use super::sections::Sizes;
-use crate::reel::above::{Above, Families, code_channels, code_normals, code_offsets};
 use crate::reel::attributes::NormalGrid;
 use crate::reel::error::Fault;
+use crate::reel::parent_level::{Above, Families, code_channels, code_normals, code_offsets};
 use crate::reel::tree::{Faces, NO_FACES, faces_below, first_children};
 use fearless_simd::{Level as SimdLevel, dispatch};
 

@@ -120,8 +120,8 @@ pub(super) fn clouds() -> impl Strategy<Value = RawCloud> {
     ];
     (points, any::<u8>(), any::<bool>(), -1e7f64..1e7).prop_map(|(points, kinds, is_double, place)| {
         let positions = if is_double {
-            let moved = points.iter().map(|point| point.map(|along| f64::from(along) + place));
-            Positions::F64(moved.collect())
+            let inter = points.iter().map(|point| point.map(|along| f64::from(along) + place));
+            Positions::F64(inter.collect())
         } else {
             Positions::F32(points)
         };

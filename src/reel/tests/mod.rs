@@ -3,7 +3,7 @@
 mod clouds;
 mod codings;
 mod damage;
-mod moved;
+mod inter;
 mod mutations;
 mod round_trip;
 mod spacing;

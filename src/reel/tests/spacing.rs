@@ -143,10 +143,10 @@ proptest! {
             let center = last.positions.get(0);
             let turn = DQuat::from_rotation_y(angle);
             let step = step * extent * 0.01;
-            let moved = positions(last).into_iter().map(|point| center + turn * (point - center) + step);
+            let inter = positions(last).into_iter().map(|point| center + turn * (point - center) + step);
             clouds.push(RawCloud::from_positions(match last.positions {
-                Positions::F32(_) => Positions::F32(moved.map(|point| point.as_vec3().to_array()).collect()),
-                Positions::F64(_) => Positions::F64(moved.map(|point| point.to_array()).collect()),
+                Positions::F32(_) => Positions::F32(inter.map(|point| point.as_vec3().to_array()).collect()),
+                Positions::F64(_) => Positions::F64(inter.map(|point| point.to_array()).collect()),
             }));
         }
         check(&clouds, Coding::Compact)?;

@@ -107,7 +107,7 @@ impl Scene {
                     radius,
                     color,
                     Stroke::new(self.random.between(0.0, 3.0), self.color()),
-                    StrokeKind::Center,
+                    StrokeKind::Middle,
                 );
                 shape.blur_width = self.random.below(2) as f32 * 6.0;
                 shape.into()

@@ -16,7 +16,7 @@ fn group_of(keyframes: u32) -> ReelOptions {
 }
 
 /// Which frames of a file are told by the one before.
-fn moved_frames(bytes: &[u8]) -> Vec<bool> {
+fn inter_frames(bytes: &[u8]) -> Vec<bool> {
     let file = open(bytes).unwrap();
     let frames = (0..file.frame_count()).map(|index| file.frame(index).unwrap());
     frames
@@ -50,7 +50,7 @@ fn a_body_that_turns_is_told_by_how_it_turns() {
         .map(|frame| turned(&body, turn(frame), DVec3::X * 0.01 * f64::from(frame)))
         .collect();
     let bytes = file_of(&bodies, &group_of(8));
-    assert_eq!(moved_frames(&bytes), [false, true, true, true, true, true, true, true]);
+    assert_eq!(inter_frames(&bytes), [false, true, true, true, true, true, true, true]);
     let file = open(&bytes).unwrap();
     let bytes_of = |frame: usize| file.frame(frame).unwrap().bytes_by_stream.iter().sum::<u64>();
     // What it looks like was told once; where it goes is smooth.
@@ -92,7 +92,7 @@ fn frames_are_the_same_in_any_order_and_on_every_level() {
         },
     ] {
         let bytes = file_of(&clouds, &options);
-        assert_eq!(moved_frames(&bytes), [false, true, true, true, true]);
+        assert_eq!(inter_frames(&bytes), [false, true, true, true, true]);
         let mut in_order = decoder(&bytes);
         let levels = in_order.file().frame(3).unwrap().level_points.to_vec();
         for max in levels.into_iter().chain([usize::MAX]) {
@@ -119,8 +119,8 @@ fn coarse_levels_move_as_the_points_do() {
     for &max in &levels[2..] {
         let [first, last] = [0, 3].map(|index| decoded(&bytes, index, max));
         let (turn, step) = motion(3.0);
-        let moved = turned(&first.cloud, turn, step);
-        let max_off = distances(&moved, &last.cloud).into_iter().fold(0.0, f64::max);
+        let inter = turned(&first.cloud, turn, step);
+        let max_off = distances(&inter, &last.cloud).into_iter().fold(0.0, f64::max);
         // The mean of the points of a node turns about another place than the node.
         let allowed = cell + 0.1 * first.cell_edge;
         assert!(max_off <= allowed, "{max} points: {max_off} of {allowed}");
@@ -144,7 +144,7 @@ fn other_points_stand_alone() {
     for other in [shuffled, fewer, bare] {
         let clouds = [one.clone(), other, surface(5000, 0.1)];
         let bytes = file_of(&clouds, &group_of(3));
-        assert_eq!(moved_frames(&bytes)[1..2], [false]);
+        assert_eq!(inter_frames(&bytes)[1..2], [false]);
         let alone: usize = clouds
             .iter()
             .map(|cloud| file_of(std::slice::from_ref(cloud), &group_of(1)).len())
@@ -158,7 +158,7 @@ fn other_points_stand_alone() {
             ..group_of(2)
         };
         assert_eq!(
-            moved_frames(&file_of(&[one.clone(), surface(5000, 0.01)], &options)),
+            inter_frames(&file_of(&[one.clone(), surface(5000, 0.01)], &options)),
             [false, false]
         );
     }
@@ -222,7 +222,7 @@ fn radii_and_scalars_change() {
     };
     let clouds: Vec<RawCloud> = (0..3).map(with).collect();
     let bytes = file_of(&clouds, &group_of(3));
-    assert_eq!(moved_frames(&bytes), [false, true, true]);
+    assert_eq!(inter_frames(&bytes), [false, true, true]);
     let frames: Vec<RawCloud> = (0..3).map(|index| decoded(&bytes, index, usize::MAX).cloud).collect();
     let radius = |frame: usize| {
         frames[frame]

@@ -77,6 +77,6 @@ pub(in crate::reel) fn part_bits(schema: &Schema, grid: &Grid) -> Option<u32> {
     let is_exact =
         schema.has_exact_normals || schema.has_exact_scalars || schema.has_ellipses || schema.radii == Values::Exact;
     let bits = motion_scale(schema).part_bits;
-    let is_told = !is_exact && schema.retained != Retained::Exact;
-    (is_told && grid.depth + bits <= MAX_POSITION_BITS).then_some(bits)
+    let is_coded = !is_exact && schema.retained != Retained::Exact;
+    (is_coded && grid.depth + bits <= MAX_POSITION_BITS).then_some(bits)
 }
