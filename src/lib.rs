@@ -7,7 +7,7 @@
 //! | [`memory`] | the global allocator, its retention of freed memory, human-readable memory sizes |
 //! | `temporary` | temporary files, kept on disk only until a command ends |
 //! | `signals` | termination signals |
-//! | `retained` | files that are kept between runs |
+//! | `persist` | files that are kept between runs |
 //! | [`deadlines`] | timeouts for other machines |
 //! | [`waiting`] | pending waits for other machines |
 //! | `locks` | locks that continue after a panic elsewhere |

@@ -3,7 +3,7 @@
 
 pub(crate) const KNOTS: &[&[&str]] = &[
     &[
-        "levels/octree/kept_levels.rs",
+        "levels/octree/cached_levels.rs",
         "levels/octree/sorted_points.rs",
         "levels/octree/write.rs",
     ],
