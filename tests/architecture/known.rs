@@ -12,8 +12,8 @@ pub(crate) const KNOTS: &[&[&str]] = &[
 
 /// Files that import a feature of the window beyond its folder, and which. This list may shrink, never grow.
 pub(crate) const FEATURES_NAMED_ELSEWHERE: &[(&str, &[&str])] = &[
-    ("app/features/beside/mod.rs", &["comparison"]),
-    ("app/features/beside/panel.rs", &["comparison"]),
+    ("app/features/split_view/mod.rs", &["comparison"]),
+    ("app/features/split_view/panel.rs", &["comparison"]),
     ("app/features/inspection/in_window.rs", &["trails"]),
     ("app/features/labels/in_window.rs", &["inspection"]),
     ("app/features/timeline/panel/bar.rs", &["thumbnails"]),
