@@ -11,7 +11,7 @@ use std::fmt::Write;
 pub(super) fn center_of_window() -> String {
     let width = 2 * MEDIAN_REACH + 1;
     let value = |next: usize| format!("window_value(corner + {}u * edge + {}u)", next / width, next % width);
-    let mut code = "fn middle_of_window(corner: u32, edge: u32) -> f32 {\n".to_owned();
+    let mut code = "fn center_of_window(corner: u32, edge: u32) -> f32 {\n".to_owned();
     let mut next = 0;
     for place in 0..MEDIAN_RETAINED {
         line(&mut code, format_args!("var v{place} = {};", value(next)));

@@ -101,7 +101,7 @@ pub(in crate::render::gpu) const SHADER: ComputeShader = ComputeShader {
     rows: &ROWS,
     given: &[
         ("generated/depth_images", constants::of_depth_images),
-        ("generated/middle_of_window", center_of_window),
+        ("generated/center_of_window", center_of_window),
     ],
     uniform: ("imaging", &DepthImaging::LAYOUT),
     buffers: &BUFFERS,
