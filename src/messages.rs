@@ -34,12 +34,12 @@ pub(crate) fn missing_frames(option: &str, first: usize, last: usize, count: usi
     }
     let Some(end) = end else {
         return Some(format!(
-            "there is no frame {first}: the sequence has 0 frames ({option})"
+            "frame {first} does not exist: the sequence has 0 frames ({option})"
         ));
     };
     let missing = first.max(count);
     let frames = if count == 1 { "frame" } else { "frames" };
-    let text = format!("there is no frame {missing}: the sequence has {count} {frames}, 0..{end}");
+    let text = format!("frame {missing} does not exist: the sequence has {count} {frames}, 0..{end}");
     Some(if first <= end {
         format!("{text} (of {option} {first}..{last} it has {first}..{end})")
     } else {
@@ -152,27 +152,27 @@ mod tests {
                 20,
                 30,
                 12,
-                "there is no frame 20: the sequence has 12 frames, 0..11 (--frames counts from 0)",
+                "frame 20 does not exist: the sequence has 12 frames, 0..11 (--frames counts from 0)",
             ),
             (
                 12,
                 12,
                 12,
-                "there is no frame 12: the sequence has 12 frames, 0..11 (--frames counts from 0)",
+                "frame 12 does not exist: the sequence has 12 frames, 0..11 (--frames counts from 0)",
             ),
             (
                 8,
                 30,
                 12,
-                "there is no frame 12: the sequence has 12 frames, 0..11 (of --frames 8..30 it has 8..11)",
+                "frame 12 does not exist: the sequence has 12 frames, 0..11 (of --frames 8..30 it has 8..11)",
             ),
             (
                 0,
                 1,
                 1,
-                "there is no frame 1: the sequence has 1 frame, 0..0 (of --frames 0..1 it has 0..0)",
+                "frame 1 does not exist: the sequence has 1 frame, 0..0 (of --frames 0..1 it has 0..0)",
             ),
-            (0, 3, 0, "there is no frame 0: the sequence has 0 frames (--frames)"),
+            (0, 3, 0, "frame 0 does not exist: the sequence has 0 frames (--frames)"),
         ] {
             assert_eq!(missing_frames("--frames", first, last, count).as_deref(), Some(said));
         }

@@ -46,7 +46,7 @@ mod tests {
         });
         let (index, threads) = shares.unwrap().join().unwrap();
         assert_eq!(index, Some(0));
-        assert_eq!(threads, rayon::current_num_threads(), "as many as elsewhere");
+        assert_eq!(threads, rayon::current_num_threads(), "the same number as elsewhere");
         assert_eq!(rayon::current_thread_index(), None, "that one alone");
     }
 

@@ -98,7 +98,7 @@ fn wrong_plys() -> Vec<Case> {
             "header cut",
             "a.ply",
             b"ply\nformat ascii 1.0\nelement vertex 1\n".to_vec(),
-            "no line `end_header`",
+            "missing line `end_header`",
         ),
         (
             "odd header",
@@ -110,7 +110,7 @@ fn wrong_plys() -> Vec<Case> {
             "no vertices",
             "a.ply",
             b"ply\nformat ascii 1.0\nelement face 0\nproperty list uchar int i\nend_header\n".to_vec(),
-            "no element `vertex`",
+            "missing element `vertex`",
         ),
         (
             "no coordinates",
@@ -242,7 +242,7 @@ fn wrong_pcds() -> Vec<Case> {
             "odd header, PCD",
             "a.pcd",
             b"VERSION .7\nFIELDS x y z\nDATA ascii\n".to_vec(),
-            "there is no line `SIZE`",
+            "missing line `SIZE`",
         ),
     ]
 }
@@ -273,7 +273,7 @@ fn wrong_texts() -> Vec<Case> {
             b"3\n1 2 3\n4 5 6\n".to_vec(),
             "point 2: the file ends here, but its first line counts 3 points",
         ),
-        ("noise, text", "a.xyz", vec![0xff; 300], "no line with numbers"),
+        ("noise, text", "a.xyz", vec![0xff; 300], "no line has numbers"),
     ]
 }
 

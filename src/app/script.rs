@@ -192,7 +192,7 @@ fn step(line: &str) -> Result<Step, String> {
     match panels.find(|(title, command)| is_name(title) || is_name(command.word())) {
         Some((_, command)) => Ok(Step::Run(command)),
         None => Err(format!(
-            "there is no command {line:?}: the list of commands (Ctrl+P) has their titles"
+            "unknown command {line:?}: the list of commands (Ctrl+P) shows their titles"
         )),
     }
 }
@@ -270,7 +270,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said_with_file_and_line() {
         let wrong = |text: &str| script(text).unwrap_err().to_string();
-        assert!(wrong("grid\n\nno such thing").starts_with("tour.txt, line 3: there is no command"));
+        assert!(wrong("grid\n\nno such thing").starts_with("tour.txt, line 3: unknown command"));
         assert_eq!(wrong("frame"), "tour.txt, line 1: frame needs a value: frame NUMBER");
         assert!(wrong("wait long").contains("line 1: wait takes a number of seconds"));
         assert!(
@@ -288,6 +288,6 @@ mod tests {
                 .to_string()
         };
         assert_eq!(run("grid\nsave session"), "tour.txt, line 2: Nothing is open yet");
-        assert!(run("set no-such 3").contains("line 1: there is no setting no-such"));
+        assert!(run("set no-such 3").contains("line 1: unknown setting no-such"));
     }
 }

@@ -27,7 +27,7 @@ pub enum BenchError {
     #[error("`window` is measured by a window, not without one")]
     NeedsWindow,
     /// Not in the table of suites.
-    #[error("`{0}` is no suite")]
+    #[error("`{0}` is not a suite")]
     NoSuite(&'static str),
     /// An option is 0.
     #[error("the number of {0} must be at least 1")]

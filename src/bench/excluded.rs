@@ -30,7 +30,7 @@ impl Default for Excluded {
 
 /// Parse error for a text that names no images.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` names no photographs: expected numbers counted from 0 such as 2,5, or every:8")]
+#[error("`{0}` is not a list of images: expected numbers counted from 0 such as 2,5, or every:8")]
 pub struct ParseExcludedError(String);
 
 impl FromStr for Excluded {

@@ -19,8 +19,8 @@ pub struct Modes {
 /// Parse error for a word that names no render mode.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{0}` is no mode: expected cpu, gpu, a primitive (surfel, voxel, point), a splatting mode (regular, \
-     two-pass-enlarged …) or an instancing strategy (storage, vertex …), with commas between them"
+    "`{0}` is not a mode: expected cpu, gpu, a primitive (surfel, voxel, point), a splatting mode (regular, \
+     two-pass-enlarged …) or an instancing strategy (storage, vertex …), separated by commas"
 )]
 pub struct ParseModeError(String);
 
@@ -108,7 +108,7 @@ mod tests {
     fn what_is_no_mode_is_said() {
         for wrong in ["auto", "", "cpu,", "disks of surfels"] {
             let error = wrong.parse::<Modes>().unwrap_err().to_string();
-            assert!(error.contains("is no mode: expected cpu, gpu"), "{error}");
+            assert!(error.contains("is not a mode: expected cpu, gpu"), "{error}");
         }
     }
 }

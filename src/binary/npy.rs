@@ -52,7 +52,7 @@ pub(crate) struct Number {
 /// Why there is no header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum HeaderError {
-    #[error("it does not begin with `\\x93NUMPY`: this is no NPY file")]
+    #[error("it does not begin with `\\x93NUMPY`: this is not an NPY file")]
     NoMagic,
     #[error("the file ends within its header: it is truncated")]
     Truncated,
@@ -68,7 +68,7 @@ pub(crate) enum HeaderError {
          as in numpy.savez('frames.npz', **arrays), or a single one with numpy.save"
     )]
     Pickled,
-    #[error("its values are words or other things that are no numbers, expected x, y and z of points")]
+    #[error("its values are text or other non-numeric data, expected x, y and z of points")]
     Words,
 }
 

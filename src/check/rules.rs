@@ -62,7 +62,7 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
         FindingKind::NonFinitePoints,
         |facts| facts.point_count - facts.finite_count,
         |count, frames| {
-            format!("{count} points in {frames} have coordinates that are NaN or infinite: they are left out")
+            format!("{count} points in {frames} have coordinates that are NaN or infinite: they are skipped")
         },
     ));
     findings.extend(no_data_points(facts));
@@ -412,7 +412,7 @@ fn bounds_jumps(facts: &Facts) -> Vec<Finding> {
                 severity: FindingKind::BoundsJump.severity(),
                 frames: vec![before, after],
                 message: format!(
-                    "from {} to {} the middle moves by {moved:.4} and the diagonal goes from {:.4} to {:.4}: an \
+                    "from {} to {} the centre moves by {moved:.4} and the diagonal goes from {:.4} to {:.4}: an \
                      outlier, another unit or another scene",
                     frame_by_index(before),
                     frame_by_index(after),

@@ -133,7 +133,7 @@ impl SessionInfo {
     pub(super) fn lines(&self) -> String {
         let mut text = format!("session {} of {}", self.file, self.files.join(", "));
         if !self.compare.is_empty() {
-            text.push_str(" beside ");
+            text.push_str(" compared with ");
             text.push_str(&self.compare.join(", "));
         }
         text.push('\n');

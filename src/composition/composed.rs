@@ -108,10 +108,10 @@ impl Problem {
         let keeps = |frame: usize, why: &str| format!("{} keeps its colours: {why}", named(frame));
         match self {
             Self::Note(text) => text.clone(),
-            Self::NoOtherFrame { frame, step } => keeps(*frame, &format!("there is no frame {step} later")),
+            Self::NoOtherFrame { frame, step } => keeps(*frame, &format!("the sequence has no frame {step} later")),
             Self::OtherUnread { frame, reason } => keeps(*frame, &reason.to_string()),
             Self::OtherEmpty { frame, other } => keeps(*frame, &format!("{} has no points", named(*other))),
-            Self::NoGhost { frame, reason } => format!("{} is no ghost: {reason}", named(*frame)),
+            Self::NoGhost { frame, reason } => format!("{} is not shown as a ghost: {reason}", named(*frame)),
         }
     }
 }

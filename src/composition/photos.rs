@@ -19,7 +19,7 @@ pub const PHOTO_BYTES: u64 = 1 << 30;
 
 /// The row of the list.
 pub(super) const STAGE: Stage = Stage {
-    name: "photographs",
+    name: "images",
     lane: Lane::Photos,
     step,
 };

@@ -62,7 +62,7 @@ pub enum ConvertError {
     /// The sequence file has other frames, or was made otherwise.
     #[error(
         "{} is there already and is not the same conversion ({difference}): choose another name, or --overwrite to \
-         convert it anew",
+         convert it again",
         path.display()
     )]
     OtherPart {

@@ -68,7 +68,7 @@ fn cameras_note(sequence: &Sequence) -> Option<String> {
     }
     let first = source.frames().start.min(sequence.len() - 1);
     let what = if source.posed_images(first).is_some() {
-        "photographs and their cameras"
+        "images and their cameras"
     } else if source.sensor(first).is_some() {
         "images, intrinsics and poses of the depth camera"
     } else {

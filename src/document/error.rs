@@ -16,7 +16,10 @@ pub enum SessionError {
         reason: std::io::Error,
     },
     /// The file cannot be written.
-    #[error("the session could not be saved to {} ({reason}): choose another folder or make room", file.display())]
+    #[error(
+        "the session could not be saved to {} ({reason}): choose another folder or free disk space",
+        file.display()
+    )]
     Write {
         /// The file.
         file: PathBuf,
@@ -24,7 +27,7 @@ pub enum SessionError {
         reason: std::io::Error,
     },
     /// Larger than any session.
-    #[error("{} is no session: it has more than {} MiB", file.display(), max_bytes >> 20)]
+    #[error("{} is not a session: it has more than {} MiB", file.display(), max_bytes >> 20)]
     TooLarge {
         /// The file.
         file: PathBuf,
@@ -32,7 +35,7 @@ pub enum SessionError {
         max_bytes: u64,
     },
     /// It is not what a session looks like; the reason names line and column.
-    #[error("{} is no session that can be opened: {reason}", file.display())]
+    #[error("{} is not a session that can be opened: {reason}", file.display())]
     Json {
         /// The file.
         file: PathBuf,
@@ -101,7 +104,7 @@ pub enum SessionError {
         beyond: Beyond,
     },
     /// A text file cannot hold this name.
-    #[error("{} has a name that is no text (Unicode): rename it to save a session of it", input.display())]
+    #[error("{} has a name that is not valid Unicode: rename it to save a session of it", input.display())]
     Name {
         /// Input that was opened.
         input: PathBuf,

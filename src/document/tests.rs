@@ -385,7 +385,7 @@ fn damage_is_told_with_its_line_and_what_was_expected() {
             "\"frame\": 7",
             "\"frame\": 7,\n  \"view\": \"here\"",
             5,
-            "this is no view",
+            "this is not a view",
         ),
         (
             "\"frame\": 7",
@@ -424,7 +424,10 @@ fn damage_is_told_with_its_line_and_what_was_expected() {
         let error = read(&damaged).unwrap_err().to_string();
         assert!(error.contains(message), "{to}: {error}");
         assert!(error.contains(&format!("at line {line} ")), "{to}: {error}");
-        assert!(error.starts_with("/data/walk/walk.pointreel is no session"), "{error}");
+        assert!(
+            error.starts_with("/data/walk/walk.pointreel is not a session"),
+            "{error}"
+        );
     }
 }
 
@@ -439,7 +442,7 @@ fn what_is_no_session_or_of_a_later_version_is_refused() {
          pointreel"
     );
     for (text, message) in [
-        ("", "is no session that can be opened"),
+        ("", "is not a session that can be opened"),
         ("{}", "missing field `pointreel_session`"),
         ("ply\nformat ascii 1.0\n", "at line 1"),
         (r#"{"pointreel_session": 1, "files": []}"#, "has no `files`"),

@@ -49,7 +49,7 @@ fn range(stored: &Fields, unread: &mut Vec<String>) -> PlayRange {
     let range = match stored.get("range") {
         Some(Value::Object(range)) => persist::fields(range, unread),
         Some(_) => {
-            unread.push("range: it is no object".to_owned());
+            unread.push("range: it is not an object".to_owned());
             PlayRange::default()
         }
         None => PlayRange::default(),
@@ -65,7 +65,7 @@ fn range(stored: &Fields, unread: &mut Vec<String>) -> PlayRange {
 fn marker(stored: &Value, unread: &mut Vec<String>) -> Option<Marker> {
     let name = stored.get("name").map_or(Some(""), Value::as_str);
     if name.is_none() {
-        unread.push("the name of a marker is no text".to_owned());
+        unread.push("the name of a marker is not a string".to_owned());
     }
     let frame = stored.get("frame").and_then(Value::as_u64);
     let Some(frame) = frame.and_then(|frame| usize::try_from(frame).ok()) else {

@@ -32,8 +32,8 @@ pub enum ExportError {
     },
     /// The name says no format.
     #[error(
-        "{} is not a video: expected a name that ends in .mp4, .gif or .webp, a folder, or {{frame}}.png for a file a \
-         picture",
+        "{} is not a video: expected a name that ends in .mp4, .gif or .webp, a folder, or {{frame}}.png for one \
+         file per image",
         path.display()
     )]
     UnknownFormat {
@@ -81,7 +81,7 @@ pub enum ExportError {
         expected: String,
     },
     /// The format has no such rate.
-    #[error("{format} does not show {per_second} pictures a second: expected {expected}")]
+    #[error("{format} does not support {per_second} frames per second: expected {expected}")]
     Rate {
         /// The format.
         format: VideoFormat,
@@ -109,8 +109,8 @@ pub enum ExportError {
     },
     /// A picture that is drawn in parts cannot be scaled up.
     #[error(
-        "a picture of {width}x{height} pixels is drawn in parts, which cannot be scaled up: leave out --resolution, or \
-         draw a smaller one"
+        "an image of {width}x{height} pixels is drawn in tiles, which cannot be scaled up: omit --resolution, or draw \
+         a smaller one"
     )]
     ScaledParts {
         /// Asked width.

@@ -41,7 +41,7 @@ pub enum IoError {
         kind: &'static str,
     },
     /// A file without a byte.
-    #[error("{} is empty (0 bytes): a point cloud was expected, the file may not have been written to its \
+    #[error("{} is empty (0 bytes), expected a point cloud: the file may not have been written to its \
         end", path.display())]
     Empty {
         /// The file.

@@ -105,7 +105,7 @@ fn join(cloud: &mut RawCloud, path: &Path, normals: &Path, options: &ReadOptions
     match read_normals(normals, &options, progress) {
         Ok(read) if read.len() == points => cloud.attributes.normals = Some(read),
         Ok(read) => cloud.warnings.push(format!(
-            "{} has {} normals, but {} has {points} points: these normals are left out, and estimated where they are \
+            "{} has {} normals, but {} has {points} points: these normals are ignored, and estimated where they are \
              needed",
             normals.display(),
             read.len(),
@@ -198,7 +198,7 @@ mod tests {
             (fewer.as_str(), "has 1 normals, but"),
             (cut.as_str(), "vertex 1: the file ends here"),
             (POINTS, "expected nx, ny and nz"),
-            ("", "there is no line `DATA`"),
+            ("", "missing line `DATA`"),
         ] {
             let cloud = read_pair(POINTS, normals);
             assert_eq!((cloud.positions.len(), cloud.attributes.normals), (2, None));

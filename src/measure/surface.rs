@@ -52,7 +52,7 @@ pub enum SurfaceMismatch {
         found: usize,
     },
     /// A depth is negative or no number.
-    #[error("{depth} is no depth: expected 0 or more (pixel {pixel})")]
+    #[error("{depth} is not a depth: expected 0 or more (pixel {pixel})")]
     Depth {
         /// The place in [`DepthImage::depth`].
         pixel: usize,
@@ -60,7 +60,7 @@ pub enum SurfaceMismatch {
         depth: f32,
     },
     /// A tolerance is negative or no number.
-    #[error("{0} is no tolerance: expected 0 or more")]
+    #[error("{0} is not a tolerance: expected 0 or more")]
     Tolerance(f32),
 }
 
@@ -271,25 +271,25 @@ mod tests {
                 &good,
                 &row(&[1.0, f32::NAN]),
                 everywhere(0.0),
-                "NaN is no depth: expected 0 or more (pixel 1)",
+                "NaN is not a depth: expected 0 or more (pixel 1)",
             ),
             (
                 &row(&[-1.0, 2.0]),
                 &good,
                 everywhere(0.0),
-                "-1 is no depth: expected 0 or more (pixel 0)",
+                "-1 is not a depth: expected 0 or more (pixel 0)",
             ),
             (
                 &good,
                 &good,
                 everywhere(-0.5),
-                "-0.5 is no tolerance: expected 0 or more",
+                "-0.5 is not a tolerance: expected 0 or more",
             ),
             (
                 &good,
                 &good,
                 DepthTolerance::PerPixel(&[0.0, f32::NAN]),
-                "NaN is no tolerance: expected 0 or more",
+                "NaN is not a tolerance: expected 0 or more",
             ),
             (
                 &good,

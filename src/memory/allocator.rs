@@ -38,7 +38,7 @@ pub(crate) fn before_the_end(clean_up: fn()) {
 /// Everywhere else memory that is refused ends the program.
 pub(crate) fn try_reserve<T>(vector: &mut Vec<T>, count: usize) -> Result<(), TryReserveError> {
     let before = REFUSAL_IS_ASKED_FOR.replace(true);
-    #[allow(clippy::disallowed_methods, reason = "here the allocator is told before")]
+    #[allow(clippy::disallowed_methods, reason = "the allocator was informed above")]
     let result = vector.try_reserve_exact(count);
     REFUSAL_IS_ASKED_FOR.set(before);
     result

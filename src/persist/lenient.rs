@@ -106,7 +106,7 @@ pub(crate) fn entries<'a>(stored: &'a Fields, name: &str, unread: &mut Vec<Strin
     match stored.get(name) {
         Some(Value::Array(entries)) => entries,
         Some(_) => {
-            unread.push(format!("{name}: it is no list"));
+            unread.push(format!("{name}: it is not a list"));
             &[]
         }
         None => &[],

@@ -33,7 +33,7 @@ pub(crate) fn cached_place_of(name: &str) -> Option<PathBuf> {
 pub(crate) fn read(file: &Path) -> Result<Option<Vec<u8>>, String> {
     let size = match fs::metadata(file) {
         Ok(metadata) if metadata.is_file() => metadata.len(),
-        Ok(_) => return Err("it is no file".to_owned()),
+        Ok(_) => return Err("it is not a file".to_owned()),
         Err(reason) if reason.kind() == ErrorKind::NotFound => return Ok(None),
         Err(reason) => return Err(reason.to_string()),
     };

@@ -36,7 +36,7 @@ pub enum PhotosError {
         source: serde_json::Error,
     },
     /// None of the input images that a file lists can be shown.
-    #[error("{} lists {count} photographs and none of them can be shown: {reason}", path.display())]
+    #[error("{} lists {count} images, none of which can be shown: {reason}", path.display())]
     NoPhotos {
         /// The file.
         path: PathBuf,
@@ -47,7 +47,7 @@ pub enum PhotosError {
     },
     /// An input image that cannot be decoded.
     #[error(
-        "{} cannot be decoded ({source}): open it in a viewer of pictures to see whether it is whole",
+        "{} cannot be decoded ({source}): open it in an image viewer to see whether it is intact",
         path.display()
     )]
     Picture {
@@ -74,7 +74,7 @@ pub enum PhotosError {
     },
     /// An input image that has changed its size.
     #[error(
-        "{} has {} × {} pixels, its camera is one of {} × {}: put the photograph back that was calibrated",
+        "{} has {} × {} pixels, but its camera {} × {}: put back the image that was calibrated",
         path.display(), found_px[0], found_px[1], expected_px[0], expected_px[1]
     )]
     WrongSize {
@@ -88,8 +88,8 @@ pub enum PhotosError {
 }
 
 /// Error text for an image in an unknown format.
-const NOT_DECODED: &str = "is of a format of pictures that is not read: convert it to JPEG, PNG or WebP, which is \
-                           found beside it or in its place by the same name";
+const NOT_DECODED: &str = "has an unsupported image format: convert it to JPEG, PNG or WebP under the same name, next \
+                           to it or instead of it";
 
 impl PhotosError {
     pub(super) fn invalid(path: &Path, place: impl Into<String>, problem: impl Into<String>) -> Self {

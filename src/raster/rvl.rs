@@ -33,7 +33,7 @@ pub(crate) fn decode(bytes: &[u8], max_bytes: u64) -> Result<Raster, String> {
     };
     let samples = nibbles
         .depths(pixels as usize)
-        .ok_or("it breaks off, or holds more pixels than it claims")?;
+        .ok_or("it ends early, or holds more pixels than it claims")?;
     Ok(Raster {
         size_px: [width, height],
         samples: Samples::Gray16(samples),

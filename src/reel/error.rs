@@ -17,7 +17,7 @@ pub enum ReelError {
         source: std::io::Error,
     },
     /// Another kind of file.
-    #[error("{} is no sequence file: it begins with {found:02x?}", path.display())]
+    #[error("{} is not a sequence file: it begins with {found:02x?}", path.display())]
     Magic {
         /// The file.
         path: PathBuf,
@@ -79,7 +79,7 @@ pub enum ReelError {
         allowed: u64,
     },
     /// A frame that there is not.
-    #[error("{} has {count} frames, there is no frame {index}", path.display())]
+    #[error("{} has {count} frames, frame {index} does not exist", path.display())]
     NoFrame {
         /// The file.
         path: PathBuf,

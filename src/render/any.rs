@@ -31,7 +31,7 @@ impl AnyRenderer {
         }
         match Context::headless(&ContextOptions::default()) {
             Ok(context) if choice.is_processor(context.is_software()) => {
-                log::info!("{} is no GPU", context.adapter_summary());
+                log::info!("{} is not a GPU", context.adapter_summary());
                 Ok(Self::cpu())
             }
             Ok(context) => Self::gpu(context),

@@ -89,7 +89,7 @@ pub(crate) fn scaled_to(image: image::RgbaImage, size_px: [u32; 2]) -> image::Rg
 #[non_exhaustive]
 pub enum RenderError {
     /// The GPU renderer is not in this build.
-    #[error("this build has no GPU renderer: build with `--features gpu`, or draw on the processor (`--renderer cpu`)")]
+    #[error("this build has no GPU renderer: build with `--features gpu`, or draw on the CPU (`--renderer cpu`)")]
     NotBuilt,
     /// No adapter at all.
     #[error(

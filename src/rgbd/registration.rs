@@ -77,7 +77,7 @@ impl ColorCamera {
                 *there = there.min(z as f32);
             }
         }
-        DepthImage::new([width as u32, height as u32], nearest).expect("as many as the image has pixels")
+        DepthImage::new([width as u32, height as u32], nearest).expect("one depth per pixel of the image")
     }
 
     fn see_all(&self, depth: &DepthImage, rays: &RayTable) -> Vec<Option<ProjectedPoint>> {

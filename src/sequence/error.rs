@@ -33,8 +33,8 @@ pub enum FrameError {
     },
     /// The machine has not the memory for it.
     #[error(
-        "{}: what {points} points are drawn from takes {:.1} GiB, more than the {:.1} GiB of this machine; \
-         they can be drawn as points (--primitive point), or thinned out (`pointreel convert`)",
+        "{}: the data that {points} points are drawn from takes {:.1} GiB, more than the {:.1} GiB of this machine; \
+         they can be drawn as points (--primitive point), or downsampled (`pointreel convert`)",
         path.display(), gibibytes(*needed_bytes), gibibytes(*machine_bytes)
     )]
     TooLarge {
@@ -77,7 +77,7 @@ pub enum FrameError {
         message: String,
     },
     /// An index beyond the end.
-    #[error("there is no frame {index}: the sequence has {count} frames, and indices count from 0")]
+    #[error("frame {index} does not exist: the sequence has {count} frames, and indices count from 0")]
     NoSuchFrame {
         /// The index asked for.
         index: usize,

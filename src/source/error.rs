@@ -40,7 +40,7 @@ pub enum SequenceError {
     #[error("no input was given: name a folder of frames, a file, or a pattern such as 'scan_*.ply'")]
     NoInput,
     /// A path that is not there.
-    #[error("{} does not exist: name a file, a folder of frames, or a pattern such as 'scan_*.ply'", path.display())]
+    #[error("{} does not exist: expected a folder of frames, a file or a pattern such as 'scan_*.ply'", path.display())]
     Missing {
         /// The path as given.
         path: PathBuf,
@@ -108,7 +108,7 @@ pub enum SequenceError {
         reason: String,
     },
     /// A topic that no recording among the inputs has.
-    #[error("there are no point clouds of topic {topic}: {hint}")]
+    #[error("no point clouds on topic {topic}: {hint}")]
     NoTopic {
         /// The topic as given.
         topic: String,

@@ -70,7 +70,7 @@ impl Example {
     /// Whose it is.
     pub fn credit(self) -> &'static str {
         match self {
-            Self::Lidar => "Beside Autzen Stadium, from laspy (BSD-2-Clause, © Grant Brown and others)",
+            Self::Lidar => "Next to Autzen Stadium, from laspy (BSD-2-Clause, © Grant Brown and others)",
             Self::Depth => "Aloe, Middlebury 2006 (Scharstein and Pal 2007), from OpenCV (Apache-2.0)",
             Self::Model => {
                 "Fox by PixelMannen (CC0), rig and animation by tomkranis (CC BY 4.0), glTF by AsoboStudio and scurest"

@@ -213,9 +213,6 @@ mod tests {
     #[test]
     fn photographs_without_cameras_are_called_so() {
         let error = opened(&["images/a.png"]).unwrap_err();
-        assert!(
-            error.contains("nothing that says where they were taken from"),
-            "{error}"
-        );
+        assert!(error.contains("images without camera poses"), "{error}");
     }
 }

@@ -120,7 +120,7 @@ fn dense_cloud(input: &Path, found: &Path) -> Option<PathBuf> {
 
 fn chosen_dense(dense: &Path, set: &ViewSet, sparse: &str) -> Assumption {
     let why = format!(
-        "it is denser than the {} sparse points: open {sparse} for those",
+        "it is denser than the {} SfM points: open {sparse} for those",
         set.points.len()
     );
     Assumption::new(Subject::Frames, dense.display().to_string(), why, Evidence::Convention).with_option(None)
@@ -156,7 +156,7 @@ pub(super) fn cloud_of_set(
         match io::read_part_observed(file, &Part::Whole, &options.read, progress) {
             Ok(cloud) => return Ok(cloud),
             Err(error) if points.is_empty() => return Err(error.into()),
-            Err(error) => warnings.push(format!("{error}; the sparse points are shown")),
+            Err(error) => warnings.push(format!("{error}; the SfM points are shown")),
         }
     }
     let file = set.points_file.as_ref().filter(|_| points.is_empty());

@@ -203,7 +203,7 @@ impl Ring {
                 Err(error) => return self.end(format!("nothing can be received any more ({error})")),
             }
             for note in found.take_notes() {
-                log::warn!("the laser scanner: {note}");
+                log::warn!("LiDAR: {note}");
             }
         }
     }
@@ -249,7 +249,7 @@ impl Ring {
     }
 
     fn end(&self, problem: String) {
-        log::warn!("the laser scanner: {problem}");
+        log::warn!("LiDAR: {problem}");
         lock(&self.turns).problem = Some(problem);
     }
 

@@ -92,7 +92,7 @@ fn failed(problem: String) -> SequenceError {
 /// Writes all that `from` gives to a temporary file.
 fn receive(mut from: impl Read, progress: &Progress) -> Result<Received, SequenceError> {
     let unread = |error: io::Error| failed(format!("it cannot be read ({error})"));
-    let unwritten = |error: io::Error| failed(format!("it cannot be kept ({error}): make room for temporary files"));
+    let unwritten = |error: io::Error| failed(format!("it cannot be stored ({error}): free space for temporary files"));
     let mut head = Vec::new();
     from.by_ref()
         .take(Format::MAGIC_BYTES as u64)

@@ -169,7 +169,7 @@ impl fmt::Debug for Capabilities<'_> {
             .field("growth", &growth.is_some())
             .field("live", &live.is_some())
             .field("depth_images", &depth_images.is_some())
-            .field("photographs", &posed_images.is_some())
+            .field("posed_images", &posed_images.is_some())
             .field("image_files", &image_files.is_some())
             .finish()
     }

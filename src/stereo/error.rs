@@ -30,13 +30,13 @@ pub enum StereoError {
         camera: [u32; 2],
     },
     /// A lens that has to be taken out before.
-    #[error("view {view} has a lens that bends lines: expected a pinhole; undistort the photograph first")]
+    #[error("view {view} has lens distortion: expected a pinhole; undistort the image first")]
     NoPinhole {
         /// View index, from 0.
         view: usize,
     },
     /// A pose that is none.
-    #[error("the pose of view {view} is no rotation with a finite place: expected camera_from_world without scale")]
+    #[error("the pose of view {view} is not a rotation with a finite position: expected camera_from_world, no scale")]
     NoPose {
         /// View index, from 0.
         view: usize,
@@ -59,8 +59,8 @@ pub enum StereoError {
     },
     /// Images that show nothing of the same.
     #[error(
-        "the images have too little in common to find their disparities: expected two photographs of one textured \
-         scene; give the range if they are"
+        "the images have too little in common to find their disparities: expected two images of one textured scene; \
+         give the range if they are"
     )]
     NothingAlike,
     /// Distances that are none.
@@ -102,7 +102,7 @@ pub enum StereoError {
     #[error("{0} views: expected at least 2")]
     TooFewViews(usize),
     /// Depth maps that are not as many as views.
-    #[error("{maps} depth maps of {views} views: expected as many")]
+    #[error("{maps} depth maps of {views} views: expected one per view")]
     CountsDiffer {
         /// Number of depth maps.
         maps: usize,

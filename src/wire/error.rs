@@ -9,7 +9,7 @@ use std::io;
 pub enum WireError {
     /// Something else is there.
     #[error(
-        "what is there is no live stream of pointreel: it begins with {found}. Check the port, and that \
+        "this is not a live stream of pointreel: it begins with {found}. Check the port, and that \
          `pointreel serve INPUT --live` listens there"
     )]
     NotAStream {

@@ -104,7 +104,7 @@ impl StreamHead {
             wall_ns: fields.u64()?,
         };
         if !(head.fps.is_finite() && head.fps > 0.0) {
-            let reason = format!("{} frames a second, expected a number above 0", head.fps);
+            let reason = format!("{} frames per second, expected a number above 0", head.fps);
             return Err(WireError::malformed("the head of the stream", reason));
         }
         Ok(head)

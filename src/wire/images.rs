@@ -107,7 +107,7 @@ impl RawColor {
             Samples::Rgb8(pixels) => Ok(pixels.as_flattened().to_vec()),
             Samples::Gray8(gray) => Ok(gray.iter().flat_map(|&gray| [gray; 3]).collect()),
             Samples::Gray16(gray) => Ok(gray.iter().flat_map(|&gray| [(gray >> 8) as u8; 3]).collect()),
-            Samples::GrayF32(_) => Err("its pixels are no colours".to_owned()),
+            Samples::GrayF32(_) => Err("its pixels are not colours".to_owned()),
         }
     }
 }
@@ -141,7 +141,7 @@ pub(crate) fn images_body(
         },
     );
     if depth_code == u32::MAX {
-        return Err(format!("{} is no depth", images.depth.samples.name()));
+        return Err(format!("{} is not a depth", images.depth.samples.name()));
     }
     let mut flags = 0;
     let pose = images.world_from_camera.unwrap_or_default();

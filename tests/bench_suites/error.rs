@@ -129,5 +129,5 @@ fn no_way_among_the_modes_is_an_error() {
         ..small(suites::ERROR)
     };
     let error = run(&demo(), &options, None, &|_| {}, &Progress::default()).unwrap_err();
-    assert!(error.to_string().contains("among the modes"), "{error}");
+    assert!(error.to_string().contains("requested render modes"), "{error}");
 }

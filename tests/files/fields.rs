@@ -413,7 +413,7 @@ fn files_without_points_are_refused_with_what_they_have() {
         .unwrap_err()
         .to_string();
     assert!(
-        error.contains("no element `vertex`") && error.contains("`vertices` of 1 rows (x y)"),
+        error.contains("missing element `vertex`") && error.contains("`vertices` of 1 rows (x y)"),
         "{error}"
     );
     let file = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nelement vertex 0\nend_header\n";

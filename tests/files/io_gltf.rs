@@ -551,9 +551,9 @@ fn only_files_within_the_folder_are_read() {
         std::os::unix::fs::symlink(folder.path().join("secret.bin"), inside.join("link.bin")).unwrap();
         assert!(read("link.bin").unwrap_err().contains("only files in the folder"));
     }
-    assert!(read("missing.bin").unwrap_err().contains("must lie beside"));
+    assert!(read("missing.bin").unwrap_err().contains("must be next to"));
     assert!(read("a%20b").unwrap_err().contains("not a regular file"));
-    assert!(read("a%2").unwrap_err().contains("no URI"));
+    assert!(read("a%2").unwrap_err().contains("not a URI"));
     std::fs::write(inside.join("short.bin"), [0; 8]).unwrap();
     assert!(read("short.bin").unwrap_err().contains("it is truncated"));
 }

@@ -103,7 +103,7 @@ fn warning_of_square(file: &[u8]) -> String {
         panic!("{:?}", cloud.warnings)
     };
     assert!(warning.starts_with("a.ply, "), "{warning}");
-    assert!(warning.contains("are left out"), "{warning}");
+    assert!(warning.contains("are skipped"), "{warning}");
     warning.clone()
 }
 
@@ -336,7 +336,7 @@ fn obj_in_the_layouts_that_programs_write() {
         cloud.warnings
     );
     assert!(refused("a.obj", b"v 1 2\n").contains("line 1: the vertex has 2 numbers"));
-    assert!(refused("a.obj", b"vt 1 2\n").contains("no vertex"));
+    assert!(refused("a.obj", b"vt 1 2\n").contains("missing vertices"));
     assert!(read("a.obj", b"v 1 2 3\nf -2 1 1\n").warnings[0].contains("line 2"));
 }
 
@@ -482,7 +482,7 @@ fn one_broken_face_costs_no_other_face() {
             panic!("{name}: {:?}", cloud.warnings)
         };
         assert!(
-            warning.contains("face 6: it names vertex 66") && warning.contains("1 of 7 faces are left out"),
+            warning.contains("face 6: it names vertex 66") && warning.contains("1 of 7 faces are skipped"),
             "{warning}"
         );
         // The file ends in the faces.
@@ -494,7 +494,7 @@ fn one_broken_face_costs_no_other_face() {
             cloud.warnings
         );
         assert!(
-            cloud.warnings[0].contains("from there on are left out"),
+            cloud.warnings[0].contains("from there on are skipped"),
             "{:?}",
             cloud.warnings
         );

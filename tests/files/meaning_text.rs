@@ -188,7 +188,10 @@ fn the_user_says_which_columns_are_coordinates() {
         assert_eq!(assumed(&cloud, Subject::Columns), None, "a person has said it");
     }
     let error = with_columns(&path, "x=1,y=2,z=9").unwrap_err().to_string();
-    assert!(error.contains("no column 9") && error.contains("0 alpha"), "{error}");
+    assert!(
+        error.contains("column 9 of --columns does not exist") && error.contains("0 alpha"),
+        "{error}"
+    );
     std::fs::write(&path, "9 8 7 1 2 3 255 0 9\n9 8 7 4 5 6 255 0 9\n").unwrap();
     let cloud = with_columns(&path, "x=3,y=4,z=5,r=6,g=7,b=8").unwrap();
     assert_eq!(points(&cloud)[1], [4.0, 5.0, 6.0]);

@@ -126,13 +126,7 @@ fn folders_are_named_by_their_files() {
             &["a.fls, as 2 others, is a FARO scan", "SCENE"],
         ),
         (&["scan.rcp", "photo.png"], &["ReCap"]),
-        (
-            &["a.png", "b.png"],
-            &[
-                "photographs, and nothing that says where they were taken from",
-                "COLMAP",
-            ],
-        ),
+        (&["a.png", "b.png"], &["images without camera poses", "COLMAP"]),
     ] {
         let folder = tempfile::tempdir().unwrap();
         for name in names {

@@ -171,7 +171,7 @@ fn numbers_and_lines_of_all_machines() {
     );
     assert_eq!(missing.positions.len(), 4);
     // A text of which nothing was understood is no empty cloud.
-    refused("a.csv", b"x,y,z\nnothing here\nbut words\n", "no line with numbers");
+    refused("a.csv", b"x,y,z\nnothing here\nbut words\n", "no line has numbers");
 }
 
 #[test]

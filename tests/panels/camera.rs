@@ -134,13 +134,13 @@ fn damaged_text_is_told_and_moves_nothing() {
     let camera = harness.state().camera;
     let text = camera.to_string();
     for (damaged, said) in [
-        (text.replace("view 1", "view 9"), "this is no view"),
+        (text.replace("view 1", "view 9"), "this is not a view"),
         (
             text.replace("distance", "x"),
             "`x` in a view where `distance` was expected",
         ),
-        ("word ".repeat(1 << 16), "this is no view"),
-        (text.replace("perspective", &"p".repeat(1 << 16)), "is no projection"),
+        ("word ".repeat(1 << 16), "this is not a view"),
+        (text.replace("perspective", &"p".repeat(1 << 16)), "unknown projection"),
     ] {
         harness.event(Event::Paste(damaged));
         harness.run();

@@ -389,7 +389,7 @@ fn failures_exit_with_1_and_wrong_usage_with_2() {
         (
             1,
             &["render", sequence, "-o", "o.png", "--frame", "9"],
-            "there is no frame 9: the sequence has 3 frames",
+            "frame 9 does not exist: the sequence has 3 frames",
         ),
         (
             1,
@@ -574,7 +574,7 @@ fn the_ways_of_points_are_drawn_and_where_they_break_is_said() {
     let output = render(&["--trail", "3"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(
-        stderr(&output).contains("there is no point 3: frame 2 of 3 (index 1) has 3 points"),
+        stderr(&output).contains("point 3 does not exist: frame 2 of 3 (index 1) has 3 points"),
         "{}",
         stderr(&output)
     );

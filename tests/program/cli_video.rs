@@ -123,7 +123,7 @@ fn a_path_of_a_file_is_followed() {
     fs::write(path, "{\"pointreel_path\": 1,\n\"keyframes\": 5}").unwrap();
     let said = stderr(&render(&common));
     assert!(
-        said.contains("p.json is no camera path") && said.contains("line 2"),
+        said.contains("p.json is not a camera path") && said.contains("line 2"),
         "{said}"
     );
 }
@@ -177,7 +177,7 @@ fn what_makes_no_sense_is_refused() {
             1,
             "one number",
         ),
-        (&["--video", &gif, "--frame", "24"], 1, "there is no frame 24"),
+        (&["--video", &gif, "--frame", "24"], 1, "frame 24 does not exist"),
         (&["--video", &gif, "--background", "transparent"], 1, "choose .webp"),
         (&["--video", &png], 1, "{frame}.png"),
         (&["--video", &gif, "--path", "nowhere.json"], 1, "nowhere.json"),
@@ -296,6 +296,6 @@ fn videos_show_of_other_poses_what_pictures_show() {
     let output = render(&arguments);
     assert!(output.status.success());
     let said = stderr(&output);
-    let warnings = said.matches("keeps its colours: there is no frame 1 later");
+    let warnings = said.matches("keeps its colours: the sequence has no frame 1 later");
     assert_eq!(warnings.count(), 1, "{said}");
 }

@@ -204,17 +204,17 @@ fn failures_name_the_file_and_exit_with_1() {
         (&[&good, &other], &["good.png has 20x20", "other.png has 20x21"]),
         (&[&missing, &good], &["missing.png does not exist"]),
         (&[&good, &missing], &["missing.png does not exist"]),
-        (&[&good, folder], &["is no file"]),
-        (&[&good, &words], &["words.png is no PNG picture"]),
-        (&[&good, &empty], &["empty.png is no PNG picture"]),
-        (&[&good, &cut], &["cut.png is a broken PNG picture"]),
-        (&[&good, &curved], &["bent.png is a broken PNG picture"]),
+        (&[&good, folder], &["is not a file"]),
+        (&[&good, &words], &["words.png is not a PNG image"]),
+        (&[&good, &empty], &["empty.png is not a PNG image"]),
+        (&[&good, &cut], &["cut.png is a broken PNG image"]),
+        (&[&good, &curved], &["bent.png is a broken PNG image"]),
         (
             &[&huge, &good],
             &["huge.png claims 60000x60000 pixels", "at most 33554432"],
         ),
         (&[&endless, &good], &["endless.png claims", "at most 33554432"]),
-        (&[&lying, &good], &["lying.png is a broken PNG picture"]),
+        (&[&lying, &good], &["lying.png is a broken PNG image"]),
         (&[&good, &good, &nowhere], &["map.png cannot be written"]),
     ];
     for (paths, expected) in cases {
@@ -243,7 +243,7 @@ fn a_heatmap_does_not_take_the_place_of_what_is_compared() {
     let roundabout = pictures.0.path().join("./a.png");
     for (target, expected) in [
         (text(&roundabout), "is compared itself"),
-        (text(pictures.0.path()), "is no file"),
+        (text(pictures.0.path()), "is not a file"),
     ] {
         let output = compare(&[text(&path), text(&path), "--heatmap", target]);
         assert_eq!(output.status.code(), Some(1));

@@ -365,7 +365,7 @@ fn servers_that_are_none_or_lie_are_refused_with_a_sentence() {
         (
             "another program",
             b"HTTP/1.1 400 Bad Request\r\n\r\n".to_vec(),
-            "no live stream",
+            "not a live stream",
         ),
         ("a later version", other_version, "version 200"),
         ("a head that breaks off", head[..20].to_vec(), "ends within"),

@@ -167,7 +167,7 @@ fn what_is_wrong_is_one_sentence_with_the_line() {
             "{\n\"pointreel_session\": 1,\n\"files\": [\"demo:\"],\n\"labels\": [{\"text\": \"a\"}]}",
             "at line 4",
         ),
-        ("solid cube", "is no session that can be opened"),
+        ("solid cube", "is not a session that can be opened"),
     ] {
         fs::write(&file, text_of_file).unwrap();
         let output = pointreel(&["render", text(&file), "-o", "never.png"]);

@@ -158,8 +158,8 @@ fn sources_are_never_destroyed() {
     render(&["-o", "./soft.png"], is_input);
     render(&["-o", "a.png", "--stats", "hard.json"], is_input);
     render(&["--video", "hard.gif", "--turntable", "2"], is_input);
-    render(&["-o", "other.png"], "is no picture or video");
-    render(&["-o", "a.png", "--stats", "other.json"], "is no JSON text");
+    render(&["-o", "other.png"], "is not a picture or video");
+    render(&["-o", "a.png", "--stats", "other.json"], "is not a JSON file");
     refused(
         root,
         &["convert", "scan.xyz", "hard.ply", "--overwrite"],
@@ -282,7 +282,7 @@ fn statistics_do_not_replace_the_picture_they_are_of() {
     fs::write(root.join("cube.xyz"), CUBE).unwrap();
     for stats in ["a.png", "./a.png"] {
         let render = [&["render", "cube.xyz", "-o", "a.png", "--stats", stats], &SMALL[..]].concat();
-        refused(root, &render, &["a.png", "is no JSON text"]);
+        refused(root, &render, &["a.png", "is not a JSON file"]);
         assert!(fs::read(root.join("a.png")).unwrap().starts_with(b"\x89PNG"), "{stats}");
         fs::remove_file(root.join("a.png")).unwrap();
     }

@@ -293,7 +293,7 @@ fn points_and_normals_side_by_side_are_one_sequence() {
         };
         assert_eq!(
             note,
-            "12 files beside the frames hold no points (0_mask.ply, 1_mask.ply, 2_mask.ply, …): they are left out"
+            "12 files next to the frames hold no points (0_mask.ply, 1_mask.ply, 2_mask.ply, …): they are skipped"
         );
     }
     // As a shell writes out *.ply: what is named outright is taken, normals go to their frames.

@@ -178,7 +178,7 @@ fn an_index_beyond_the_end_is_an_error() {
     let loader = loader(&sheets(3, 4), 1, usize::MAX);
     let message = loader.wait(3, &SURFELS).unwrap_err().to_string();
     assert!(
-        message.contains("no frame 3") && message.contains("3 frames"),
+        message.contains("frame 3 does not exist") && message.contains("3 frames"),
         "{message}"
     );
     assert!(matches!(loader.get(99, &SURFELS), Slot::Failed(_)));

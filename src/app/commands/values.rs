@@ -196,7 +196,7 @@ pub(super) const ROWS: &[Row] = &[
             .filter_map(|share| share.parse().ok())
             .collect();
         let &[x, y] = &shares[..] else {
-            return Err("a place is two shares of the picture, as 0.5 0.5 for its middle".to_owned());
+            return Err("a position is two fractions of the image size, such as 0.5 0.5 for its centre".to_owned());
         };
         let rect = state.viewport.rect;
         state.click_at(rect.min + rect.size() * egui::vec2(x, y));
@@ -251,7 +251,7 @@ fn set(state: &mut State, text: &str) -> Result<(), String> {
     let settings = state.style.settings();
     let Some((described, _)) = settings.into_iter().find(|(described, _)| is_it(described)) else {
         return Err(format!(
-            "there is no setting {name}: they are called as on the command line, without --"
+            "unknown setting {name}: settings have their names on the command line, without --"
         ));
     };
     let given = described.parse(value.trim())?;
@@ -276,7 +276,7 @@ fn preset(state: &mut State, name: &str) -> Result<(), String> {
 fn built_in_preset(state: &mut State, name: &str) -> Result<(), String> {
     let built_in = built_in();
     let Some((.., style)) = built_in.iter().find(|(other, ..)| other.eq_ignore_ascii_case(name)) else {
-        return Err(format!("there is no preset {name}"));
+        return Err(format!("unknown preset {name}"));
     };
     state.draw_as(style);
     Ok(())

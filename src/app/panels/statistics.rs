@@ -302,7 +302,7 @@ fn shown_frame(ui: &mut Ui, state: &State, frame: &PreparedFrame) {
         );
     });
     if let Some(screen) = state.screen_stats() {
-        section(ui, "Normals of the screen", |ui| screen_rows(ui, &screen));
+        section(ui, "Screen-space normals", |ui| screen_rows(ui, &screen));
     }
     if let Some(octree) = frame.levels.octree() {
         octree_ui(ui, octree, timings.octree_ms, &state.scene_stats());
@@ -460,7 +460,7 @@ fn memory(ui: &mut Ui, state: &mut State) {
             ui,
             "Budget",
             &mut budget_mib,
-            "Most memory for prepared frames, MiB. Frames that the playhead needs last make room",
+            "Maximum memory for prepared frames, MiB. Frames that the playhead needs last are evicted first",
         );
         row(
             ui,

@@ -33,7 +33,7 @@ pub(super) fn open(choice: PresentChoice, window: &Arc<Window>) -> Result<Box<dy
         PresentChoice::Auto if may_have_gpu() => match open_gpu(window) {
             Ok(presenter) if !presenter.info().is_software => Ok(presenter),
             Ok(software) => {
-                log::info!("{} is no GPU", software.info().adapter);
+                log::info!("{} is not a GPU", software.info().adapter);
                 // The window can have one surface at a time.
                 drop(software);
                 open_cpu(window)

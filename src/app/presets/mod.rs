@@ -159,7 +159,7 @@ impl Presets {
         });
         written.map_err(|reason| {
             let file = file.display();
-            format!("{WHAT} could not be written to {file} ({reason}): make room")
+            format!("{WHAT} could not be written to {file} ({reason}): free disk space")
         })
     }
 }

@@ -57,7 +57,7 @@ impl State {
         };
         self.shared
             .tasks
-            .try_start("save picture", move || save_picture(&image, place));
+            .try_start("save image", move || save_picture(&image, place));
     }
 }
 

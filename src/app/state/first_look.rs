@@ -79,7 +79,7 @@ impl State {
             return;
         }
         let frame = Arc::clone(frame);
-        self.shared.tasks.start("first look", move || {
+        self.shared.tasks.start("initial view", move || {
             let look = FirstLook::of_sequence(&frame.frame, &sequence);
             let sequence = Arc::downgrade(&sequence);
             Box::new(RefinedLook { sequence, look })

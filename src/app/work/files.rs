@@ -45,7 +45,7 @@ pub(in crate::app) fn save_picture(image: &image::RgbaImage, place: PicturePlace
 
 fn cannot_write(path: &Path, reason: &dyn std::fmt::Display) -> String {
     format!(
-        "{} could not be written ({reason}): choose another folder or make room",
+        "{} could not be written ({reason}): choose another folder or free disk space",
         path.display()
     )
 }

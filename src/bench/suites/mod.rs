@@ -79,7 +79,7 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
 
 /// A word that names no suite.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no suite: expected {names}", names = names())]
+#[error("`{0}` is not a suite: expected {names}", names = names())]
 pub struct ParseSuiteError(String);
 
 fn names() -> String {
@@ -98,7 +98,7 @@ mod tests {
         let error = named("disks").unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`disks` is no suite: expected surfels, octree, voxels, accuracy, render, play, window, error, lod, \
+            "`disks` is not a suite: expected surfels, octree, voxels, accuracy, render, play, window, error, lod, \
              primitives, reel, rate, rgbd or vdts"
         );
     }

@@ -47,14 +47,14 @@ pub const PLAY: &Suite = &Suite {
     name: "play",
     brief: "achieved playback rate, without a window",
     title: "Playing",
-    hint: "Play 300 frames by the clock, drawn but not presented: frames a second held, share of points shown, \
+    hint: "Play 300 frames by the clock, drawn but not presented: frames per second held, share of points shown, \
         memory",
     description: "playing by the clock, drawn but not presented: rate held, points shown, late and skipped frames, \
         memory",
-    measured: "the player of the window by the clock, frames decoded and prepared meanwhile: frames a second asked for \
-        and shown, the share of their files' points that they had, those that had not all (coarse), were not there \
-        when due (late) or passed unseen (skipped); CPU wall time from packet to finished picture; memory of the whole \
-        program at the beginning, at most and at the end",
+    measured: "the player of the window by the clock, frames decoded and prepared meanwhile: frames per second \
+        requested and shown, the share of their files' points that they had, those that had not all (coarse), were not \
+        there when due (late) or passed unseen (skipped); CPU wall time from packet to finished picture; memory of the \
+        whole program at the beginning, at most and at the end",
     not_measured: "panels, showing; the first frame",
     covered_by: "surfels",
     defaults: Defaults {
@@ -67,7 +67,7 @@ pub const PLAY: &Suite = &Suite {
     has_paper_layout: false,
     columns: COLUMNS,
     headline: "fps_held",
-    bars_title: "Frames a second shown",
+    bars_title: "Frames per second shown",
     bar_labels: 2,
 };
 

@@ -68,13 +68,13 @@ pub const PRIMITIVES: &Suite = &Suite {
     name: "primitives",
     brief: "render primitives: Fig. 5 and Table 1 of paper 002",
     title: "Primitives",
-    hint: "Points a second of each primitive, from three distances, and how much work its shaders are (paper 002, \
-           Fig. 5 and Table 1)",
+    hint: "Points per second of each primitive, from three distances, and the work of its shaders (paper 002, Fig. 5 \
+           and Table 1)",
     description: "drawing all points as each primitive, from three distances, turning by 2° a picture",
-    measured: "CPU wall time from packet to finished picture, processor and adapter in turn; points a second are all \
-        points over all times; of voxels, leaves, of meshes, triangles; passes are timed by timestamps of the \
-        adapter, median; operations and reads of shaders are counted in naga's intermediate representation, with all \
-        branches and the storage strategy",
+    measured: "CPU wall time from packet to finished image, CPU and adapter in turn; points per second are all points \
+        over all times; of voxels, leaves, of meshes, triangles; passes are timed by timestamps of the adapter, \
+        median; operations and reads of shaders are counted in naga's intermediate representation, with all branches \
+        and the storage strategy",
     not_measured: "decoding, normals, radii, ellipses, octrees, uploads, reading back, showing; the paper's are \
         instructions of the Cg compiler for a GeForce 5900, with lights for each vertex",
     covered_by: "surfels",
@@ -88,7 +88,7 @@ pub const PRIMITIVES: &Suite = &Suite {
     has_paper_layout: false,
     columns: COLUMNS,
     headline: "processor_mpoints_per_s",
-    bars_title: "Millions of points a second on the processor",
+    bars_title: "Millions of points per second on the CPU",
     bar_labels: 3,
 };
 

@@ -39,10 +39,10 @@ pub const RENDER: &Suite = &Suite {
     name: "render",
     brief: "CPU compared with GPU",
     title: "CPU × GPU",
-    hint: "Time a picture by the software renderer and by the graphics card, from three distances",
-    description: "drawing on the processor and on the adapter, from three distances",
-    measured: "CPU wall time from packet to finished picture, processor and adapter in turn: the whole object in view, \
-        from 4 times as far (afar), from 0.3 times (near)",
+    hint: "Time per image of the software renderer and of the GPU, from three distances",
+    description: "drawing on the CPU and on the adapter, from three distances",
+    measured: "CPU wall time from packet to finished image, CPU and adapter in turn: the whole object in view, from 4 \
+        times as far (afar), from 0.3 times (near)",
     not_measured: "decoding, normals, octrees, traversal, uploads, reading back, showing",
     covered_by: "surfels",
     defaults: Defaults {
@@ -55,7 +55,7 @@ pub const RENDER: &Suite = &Suite {
     has_paper_layout: false,
     columns: COLUMNS,
     headline: "processor_ms_median",
-    bars_title: "Time of a picture on the processor, median ms",
+    bars_title: "Time per image on the CPU, median ms",
     bar_labels: 3,
 };
 

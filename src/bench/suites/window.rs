@@ -56,14 +56,13 @@ pub const WINDOW: &Suite = &Suite {
     name: "window",
     brief: "frame rate, latency and cost of a real window",
     title: "Window",
-    hint: "Play, turn and scrub in a window of its own: pictures a second presented, latency, processor time by \
-        part",
-    description: "a real window, played, turned and scrubbed: rate presented, latency, processor time by part",
-    measured: "a real window that plays, is turned and scrubbed by a mouse of 125 moves a second: pictures presented \
-        and frames held a second, from opening to the first picture (first after), from a move to its presented \
-        picture (latency), from the last move to the picture of all points (whole after); processor time of all \
-        threads (CPU), of those that prepare frames and of a driver's; times of drawing, panels, painting and \
-        presenting, medians of pictures",
+    hint: "Play, turn and scrub in a window of its own: frames per second presented, latency, CPU time by part",
+    description: "a real window, played, turned and scrubbed: rate presented, latency, CPU time by part",
+    measured: "a real window that plays, is turned and scrubbed by a mouse at 125 moves per second: frames presented \
+        and held per second, from opening to the first picture (first after), from a move to its presented picture \
+        (latency), from the last move to the picture of all points (whole after); processor time of all threads (CPU), \
+        of those that prepare frames and of a driver's; times of drawing, panels, painting and presenting, medians of \
+        pictures",
     not_measured: "the work of the X server or the compositor, which takes the same cores; the time until a screen \
         shows the picture",
     covered_by: "surfels",
@@ -77,7 +76,7 @@ pub const WINDOW: &Suite = &Suite {
     has_paper_layout: false,
     columns: COLUMNS,
     headline: "fps_presented",
-    bars_title: "Pictures a second presented",
+    bars_title: "Frames per second presented",
     bar_labels: 3,
 };
 

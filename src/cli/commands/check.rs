@@ -105,7 +105,7 @@ fn text(report: &CheckReport, lists_all: bool) -> String {
         let _ = writeln!(text, "{up} is probably up");
     }
     if let Some(fps) = report.stamped_fps {
-        let _ = writeln!(text, "{fps:.3} frames a second by the time stamps");
+        let _ = writeln!(text, "{fps:.3} frames per second by the time stamps");
     }
     text
 }

@@ -154,7 +154,7 @@ fn read(path: &Path) -> anyhow::Result<RgbaImage> {
     let name = path.display();
     match fs::metadata(path) {
         Ok(metadata) if metadata.is_file() => {}
-        Ok(_) => bail!("{name} is no file: expected a PNG picture"),
+        Ok(_) => bail!("{name} is not a file: expected a PNG image"),
         Err(reason) if reason.kind() == ErrorKind::NotFound => bail!("{name} does not exist"),
         Err(reason) => return Err(reason).with_context(|| format!("{name} cannot be read")),
     }
@@ -164,7 +164,7 @@ fn read(path: &Path) -> anyhow::Result<RgbaImage> {
         .and_then(|file| ImageReader::new(file).with_guessed_format())
         .with_context(|| format!("{name} cannot be read"))?;
     if reader.format() != Some(ImageFormat::Png) {
-        bail!("{name} is no PNG picture: convert it to PNG first");
+        bail!("{name} is not a PNG image: convert it to PNG first");
     }
     let mut limits = Limits::default();
     limits.max_alloc = Some(MAX_DECODER_BYTES);
@@ -197,7 +197,7 @@ fn unreadable(path: &Path, reason: &ImageError) -> anyhow::Error {
         ImageError::IoError(reason) if reason.kind() != ErrorKind::UnexpectedEof => {
             anyhow!("{name} cannot be read: {reason}")
         }
-        reason => anyhow!("{name} is a broken PNG picture, write it anew: {reason}"),
+        reason => anyhow!("{name} is a broken PNG image, write it again: {reason}"),
     }
 }
 
@@ -213,7 +213,7 @@ fn check_target(heatmap: &Path, inputs: [&Path; 2]) -> anyhow::Result<()> {
     let name = heatmap.display();
     let metadata = fs::metadata(heatmap).ok();
     if metadata.as_ref().is_some_and(|metadata| !metadata.is_file()) {
-        bail!("{name} is no file, and no heatmap can take its place");
+        bail!("{name} is not a file and cannot be replaced by a heatmap");
     }
     PictureFormat::of_name(heatmap)?;
     if metadata.is_none() {

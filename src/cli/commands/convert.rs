@@ -186,7 +186,7 @@ fn outputs(
     }
     if arguments.reel.is_given() {
         bail!(
-            "{} is not a sequence file: name one that ends with .reel, or leave out what only such files have",
+            "{} is not a sequence file: choose a name that ends in .reel, or omit the options for such files",
             output.display()
         );
     }
@@ -228,7 +228,7 @@ impl NamedPlace {
             .map(|extension| extension.to_string_lossy().to_ascii_lowercase());
         let Some(extension) = extension.filter(|_| !output.is_dir() && !has_slash) else {
             if output.is_file() {
-                bail!("{text} is a file: a folder cannot have its name, choose another one");
+                bail!("{text} is an existing file, expected a folder: choose another name");
             }
             return Ok(Self::Folder);
         };
@@ -253,7 +253,7 @@ impl NamedPlace {
         };
         match format {
             Some(format) if format.extension() != by_name.extension() => bail!(
-                "{text} is named as {by_name}, but --format says {format}: name it .{}, or leave out --format",
+                "{text} is named as {by_name}, but --format says {format}: name it .{}, or omit --format",
                 format.extension()
             ),
             format => Ok(Self::File(format.unwrap_or(by_name))),

@@ -111,7 +111,7 @@ fn run_file(path: &Path, arguments: &ServeArgs) -> anyhow::Result<()> {
     })?;
     if begin != MAGIC {
         bail!(
-            "{} is no sequence file: make one with pointreel convert INPUT {}, or add --live to play it as a stream",
+            "{} is not a sequence file: make one with pointreel convert INPUT {}, or add --live to play it as a stream",
             path.display(),
             path.with_extension("reel").display()
         );
@@ -182,7 +182,9 @@ fn schedule(sequence: &Sequence) -> Schedule {
 fn tell(event: LiveEvent) {
     match event {
         LiveEvent::Joined(address) => say(&format!("{address} has connected")),
-        LiveEvent::Full(address) => say(&format!("{address} was sent away: there are as many clients as may be")),
+        LiveEvent::Full(address) => say(&format!(
+            "{address} was turned away: the maximum number of clients is connected"
+        )),
         LiveEvent::Left(report) => say(&left(&report)),
     }
 }

@@ -92,7 +92,7 @@ fn frames(arguments: &RenderArgs, count: usize) -> anyhow::Result<Option<FrameRa
 fn written_path(video: &VideoArgs, path: &CameraPath) -> anyhow::Result<(CameraPath, f64, f64)> {
     let speed = match video.seconds {
         Some(_) if path.duration_s() == 0.0 => {
-            bail!("a path of one keyframe lasts no time: leave out --seconds")
+            bail!("a path with one keyframe has no duration: omit --seconds")
         }
         Some(seconds) => path.duration_s() / seconds,
         None => video.speed.unwrap_or(1.0),

@@ -63,7 +63,7 @@ impl PhotoInfo {
             }
             _ => "no point says how well their cameras fit".to_owned(),
         };
-        (count > 0).then(|| format!("{count} calibrated photographs; {error}"))
+        (count > 0).then(|| format!("{count} calibrated images; {error}"))
     }
 }
 

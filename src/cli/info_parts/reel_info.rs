@@ -59,7 +59,7 @@ impl ReelInfo {
             format!(" (of {}: those of a cell are merged)", self.points_written)
         };
         format!(
-            "{} points{merged}, {} bytes in {} groups, {:.2} bits a point ({}); {}",
+            "{} points{merged}, {} bytes in {} groups, {:.2} bits per point ({}); {}",
             self.points,
             self.bytes,
             self.groups.len(),

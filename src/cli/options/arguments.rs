@@ -305,7 +305,7 @@ pub(in crate::cli) fn frame_rate(text: &str) -> Result<f64, String> {
     text.parse()
         .ok()
         .filter(|fps| (0.1..=1000.0).contains(fps))
-        .ok_or_else(|| "expected frames a second from 0.1 to 1000".to_owned())
+        .ok_or_else(|| "expected frames per second, from 0.1 to 1000".to_owned())
 }
 
 /// `1500000000`, `1.5GB` (10⁹) or `2GiB` (2³⁰).

@@ -97,17 +97,17 @@ impl CameraArgs {
             let set = set.with_context(|| {
                 let advice = match sequence.source().sensor(index) {
                     Some(_) => {
-                        ": colour images of depth cameras are, where frames are merged, as by --merge-frames 0..4"
+                        ": colour images of depth cameras are used if frames are merged, as by --merge-frames 0..4"
                     }
                     None => "",
                 };
-                format!("--photo-camera is for calibrated photographs, and the input is none{advice}")
+                format!("--photo-camera needs calibrated images, and the input has none{advice}")
             })?;
             let count = set.photos.len();
             let photo = set
                 .photos
                 .get(number)
-                .with_context(|| format!("there is no photograph {number}: the input has {count}, counted from 0"))?;
+                .with_context(|| format!("image {number} does not exist: the input has {count}, counted from 0"))?;
             return Ok(upright().camera_of_photo(photo, origin));
         }
         if !self.from_sensor {

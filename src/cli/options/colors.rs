@@ -124,9 +124,9 @@ pub(in crate::cli) fn check_source(
         take_names(&cloud.attributes.scalars);
     }
     let there = if names.is_empty() {
-        "there are no scalar fields".to_owned()
+        "no scalar fields were found".to_owned()
     } else {
-        format!("there are {}", names.join(", "))
+        format!("found {}", names.join(", "))
     };
     let ColorSource::Scalar(Some(name)) = source else {
         warnings::warn(&format!(

@@ -101,7 +101,7 @@ impl PosesArgs {
         let is_missing = |index: &&u32| **index as usize >= points_in_file;
         if let Some(index) = self.trail.iter().find(is_missing) {
             bail!(
-                "there is no point {index}: {} has {points_in_file} points, counted from 0",
+                "point {index} does not exist: {} has {points_in_file} points, counted from 0",
                 frame_with_index(range.first, sequence.len())
             );
         }

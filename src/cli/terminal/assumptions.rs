@@ -41,7 +41,7 @@ pub(in crate::cli) fn first_look(sequence: &Sequence) -> Option<FirstLook> {
 
 /// Returns a line with the options named by `assumptions` that the subcommand with the arguments `A` does not have.
 pub(in crate::cli) fn options_elsewhere<A: Args>(assumptions: &[Assumption]) -> Option<String> {
-    let subcommand = A::augment_args(Command::new("verb"));
+    let subcommand = A::augment_args(Command::new("subcommand"));
     let has = |option: &str| {
         let mut names = subcommand.get_arguments().filter_map(Arg::get_long);
         names.any(|name| option.strip_prefix("--") == Some(name))

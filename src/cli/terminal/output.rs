@@ -51,7 +51,7 @@ impl io::Write for BytesAnswer {
 pub(in crate::cli) fn check_answers() -> anyhow::Result<()> {
     match lock(&FAILED).take() {
         Some(reason) => Err(anyhow!(
-            "the answer could not be written to stdout ({reason}): make room, or send it elsewhere"
+            "the output could not be written to stdout ({reason}): free disk space, or redirect it elsewhere"
         )),
         None => Ok(()),
     }

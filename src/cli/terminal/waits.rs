@@ -26,6 +26,6 @@ pub(in crate::cli) fn say_them() {
         }
     });
     if let Err(error) = watching {
-        log::debug!("nobody says what is waited for: {error}");
+        log::debug!("waits are not reported: {error}");
     }
 }

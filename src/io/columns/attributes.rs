@@ -205,9 +205,10 @@ fn has_all(names: &[&str], wanted: &[&str; 3]) -> bool {
 pub(in crate::io) fn normals(columns: &[Column<'_>], count: usize) -> Result<Vec<[f32; 3]>, Fault> {
     let find = |name: &&str| columns.iter().find(|column| column.name.eq_ignore_ascii_case(name));
     let find_all = |[x, y, z]: &[&str; 3]| Some([find(x)?, find(y)?, find(z)?]);
-    let axes = NORMALS.iter().find_map(find_all).ok_or_else(|| {
-        Fault::header("there are no normals: expected nx, ny and nz, or normal_x, normal_y and normal_z")
-    })?;
+    let axes = NORMALS
+        .iter()
+        .find_map(find_all)
+        .ok_or_else(|| Fault::header("missing normals: expected nx, ny and nz, or normal_x, normal_y and normal_z"))?;
     let [x, y, z] = axes.map(|axis| axis.to_f32(count));
     Ok((0..count).map(|row| [x[row], y[row], z[row]]).collect())
 }

@@ -28,7 +28,7 @@ pub(in crate::io) fn read(name: &str, path: &Path, max_bytes: u64, options: &Rea
     }
     let unreadable = |error: std::io::Error| {
         format!(
-            "`{}` cannot be read ({error}): it must lie beside the file that names it",
+            "`{}` cannot be read ({error}): it must be next to the file that names it",
             name.escape_default()
         )
     };

@@ -69,7 +69,7 @@ pub(in crate::io) fn decode(name: &Path, bytes: &[u8], options: &ReadOptions) ->
         None if is_nuscenes => (vec![NUSCENES_WIDTH], "files named .pcd.bin are", Evidence::Convention),
         None => (
             WIDTHS.to_vec(),
-            "with so many values per point each column varies smoothly",
+            "with this number of values per point each column varies smoothly",
             Evidence::Statistics,
         ),
     };
@@ -105,7 +105,7 @@ pub(in crate::io) fn decode(name: &Path, bytes: &[u8], options: &ReadOptions) ->
     };
     if bytes.iter().all(|&byte| byte == 0) {
         return Err(Fault::header(
-            "all bytes are zero: there are no points in it, it was probably never written",
+            "all bytes are zero: it contains no points, it was probably never written",
         ));
     }
     let (scalar, number_bytes) = if is_double {
@@ -191,7 +191,7 @@ fn index_of(column: &ColumnName) -> Result<usize, Fault> {
     match column {
         ColumnName::Index(index) => Ok(*index),
         ColumnName::Name(name) => Err(Fault::header(format!(
-            "there is no column `{name}`: the columns of a .bin file have no names, and are counted from 0"
+            "column `{name}` does not exist: the columns of a .bin file have no names, and are counted from 0"
         ))),
     }
 }

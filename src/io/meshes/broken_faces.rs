@@ -41,20 +41,20 @@ impl BrokenFaces {
             let count = self.broken;
             cloud.warnings.push(if is_other {
                 format!(
-                    "{place}: {problem}; {count} of {} faces are such, so all points are there, and the faces are left \
-                     out",
+                    "{place}: {problem}; {count} of {} faces are like this, so all points are there, and the faces are \
+                     skipped",
                     self.all
                 )
             } else {
                 format!(
-                    "{place}: {problem}; {count} of {} faces are left out for that",
+                    "{place}: {problem}; {count} of {} faces are skipped for this reason",
                     self.all
                 )
             });
         }
         if let Some(Fault { place, problem, .. }) = self.end {
             cloud.warnings.push(format!(
-                "{place}: {problem}; all points are there, the faces {}are left out",
+                "{place}: {problem}; all points are there, the faces {}are skipped",
                 if has_faces { "from there on " } else { "" }
             ));
         }

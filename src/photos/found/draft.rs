@@ -170,7 +170,7 @@ impl Drafts {
         }
         if set.photos.is_empty() && (!self.points.is_empty() || set.points_file.is_some()) {
             set.notes.push(format!(
-                "none of the {} photographs of {} can be shown: its points are shown without them",
+                "none of the {} images of {} can be shown: its points are shown without them",
                 self.photos.len(),
                 self.path.display()
             ));
@@ -202,7 +202,7 @@ impl Drafts {
 }
 
 pub(in crate::photos) fn reason_of_nothing(notes: &[String]) -> String {
-    let nothing = "the list is empty, calibrate the photographs first";
+    let nothing = "the list is empty, calibrate the images first";
     if notes.is_empty() {
         nothing.to_owned()
     } else {
@@ -221,7 +221,7 @@ fn pose(turn: DMat3, shift: DVec3) -> Result<DAffine3, String> {
     let determinant = turn.determinant();
     if skew > MAX_SKEW || determinant < 0.0 {
         return Err(format!(
-            "its pose is no rotation (determinant {determinant:.3}, expected 1): it is singular, mirrored or scaled"
+            "its pose is not a rotation (determinant {determinant:.3}, expected 1): it is singular, mirrored or scaled"
         ));
     }
     let turn = DQuat::from_mat3(&turn).normalize();
@@ -232,7 +232,7 @@ fn note_of_missing(names: &[&str], files: &Files) -> Option<String> {
     let folders: Vec<String> = files.folders().map(|folder| folder.display().to_string()).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "{} left out, as no such file was found in {}: {}",
+            "{} skipped, no such file was found in {}: {}",
             posed_images(names.len()),
             folders.join(", "),
             some_of(names)
@@ -251,16 +251,16 @@ pub(in crate::photos) fn notes_of_wrong(wrong: &[(&str, String)]) -> Vec<String>
         }
     }
     let note = |(reason, names): (&str, Vec<&str>)| {
-        format!("{} left out: {}: {reason}", posed_images(names.len()), some_of(&names))
+        format!("{} skipped: {}: {reason}", posed_images(names.len()), some_of(&names))
     };
     reasons.into_iter().map(note).collect()
 }
 
 fn posed_images(count: usize) -> String {
     if count == 1 {
-        "1 photograph was".into()
+        "1 image was".into()
     } else {
-        format!("{count} photographs were")
+        format!("{count} images were")
     }
 }
 
@@ -360,7 +360,7 @@ mod tests {
         drafts.photos = (0..5).map(|index| draft(&format!("{index}.png"))).collect();
         let error = drafts.into_view_set().unwrap_err().to_string();
         assert!(
-            error.starts_with("list lists 5 photographs and none of them can be shown"),
+            error.starts_with("list lists 5 images, none of which can be shown"),
             "{error}"
         );
         assert!(error.contains("0.png, 1.png, 2.png and 2 more"), "{error}");

@@ -127,7 +127,7 @@ impl Rig {
                 path: self.path.clone(),
                 count: self.cameras.len(),
                 reason: if reasons.is_empty() {
-                    "no camera has an image of this moment".to_owned()
+                    "no camera has an image of this time step".to_owned()
                 } else {
                     reasons.join("; ")
                 },
@@ -139,11 +139,12 @@ impl Rig {
             let photo = match photo {
                 Some(Ok(photo)) => Some(photo),
                 Some(Err(reason)) => {
-                    set.notes.push(format!("{} is left out: {reason}", camera.name));
+                    set.notes.push(format!("{} is skipped: {reason}", camera.name));
                     camera.without_file(usual_px)
                 }
                 None => {
-                    set.notes.push(format!("{} has no image of this moment", camera.name));
+                    set.notes
+                        .push(format!("{} has no image of this time step", camera.name));
                     camera.without_file(usual_px)
                 }
             };
@@ -255,7 +256,7 @@ mod tests {
         let set = rig.time_step(&[None, second.clone()], true).unwrap();
         let has_file: Vec<bool> = set.photos.iter().map(Photo::has_file).collect();
         assert_eq!(has_file, [false, true]);
-        assert_eq!(set.notes, ["a/1 has no image of this moment"]);
+        assert_eq!(set.notes, ["a/1 has no image of this time step"]);
         // The second image is half as large as it was calibrated: (1, 2) from the middle is half as far from it.
         assert_eq!(set.photos[1].camera.size_px(), [8, 6]);
         let track = set.points.track(0);
@@ -271,14 +272,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let rig = Rig::of(drafts()).unwrap();
         let error = rig.time_step(&[None, None], false).unwrap_err().to_string();
-        assert!(error.contains("no camera has an image of this moment"), "{error}");
+        assert!(error.contains("no camera has an image of this time step"), "{error}");
         let broken = folder.path().join("broken.png");
         std::fs::write(&broken, b"no picture").unwrap();
         let error = rig.time_step(&[Some(broken.clone())], false).unwrap_err().to_string();
         assert!(error.contains("broken.png"), "{error}");
         let whole = Some(saved(folder.path(), "whole.png", [16, 12]));
         let set = rig.time_step(&[Some(broken), whole], false).unwrap();
-        assert!(set.notes[0].starts_with("a/1 is left out"), "{:?}", set.notes);
+        assert!(set.notes[0].starts_with("a/1 is skipped"), "{:?}", set.notes);
         let nothing = Rig::of(Drafts::new(Path::new("list"), Vec::new()))
             .unwrap_err()
             .to_string();

@@ -58,7 +58,7 @@ impl LoadedPhotos {
         let (mut are_masked, mut depths) = (Vec::new(), Vec::new());
         for read in read {
             let read = read.and_then(|read| {
-                read.map_err(|error| notes.push(format!("{error}; the other photographs are used")))
+                read.map_err(|error| notes.push(format!("{error}; the other images are used")))
                     .ok()
             });
             notes.extend(read.as_ref().and_then(|read| read.note.clone()));
@@ -114,7 +114,7 @@ fn read(photo: &Photo, halvings: u32) -> Result<Read, PhotosError> {
         .map(|file| depth(file, &photo.camera, &prepared.camera));
     let (depth, note) = match depth.transpose() {
         Ok(depth) => (depth.flatten(), None),
-        Err(error) => (None, Some(format!("{error}; the photograph is used without depths"))),
+        Err(error) => (None, Some(format!("{error}; the image is used without depths"))),
     };
     Ok(Read {
         is_masked: image.pixels().iter().any(|pixel| pixel[3] == 0),

@@ -90,11 +90,11 @@ mod tests {
         let mut all = 3_u64.to_le_bytes().to_vec();
         all.extend([0; 24]);
         let path = Path::new("images.bin");
-        assert_eq!(Bytes::new(path, &all).count("photographs", 8).unwrap(), 3);
-        let error = Bytes::new(path, &all).count("photographs", 9).unwrap_err().to_string();
-        assert!(error.starts_with("images.bin, byte 0: 3 photographs are claimed, and the file has room for 2"));
+        assert_eq!(Bytes::new(path, &all).count("images", 8).unwrap(), 3);
+        let error = Bytes::new(path, &all).count("images", 9).unwrap_err().to_string();
+        assert!(error.starts_with("images.bin, byte 0: 3 images are claimed, and the file has room for 2"));
         all[7] = 0xff;
-        assert!(Bytes::new(path, &all).count("photographs", 1).is_err());
+        assert!(Bytes::new(path, &all).count("images", 1).is_err());
     }
 
     #[test]

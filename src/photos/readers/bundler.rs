@@ -58,7 +58,7 @@ fn read(path: &Path) -> Result<Drafts, PhotosError> {
     if list.names.len() < camera_count as usize {
         let found = list.names.len();
         return Err(text.error(format!(
-            "{camera_count} cameras, expected {found}, as {} has so many lines: put the list of this bundle there",
+            "{camera_count} cameras, expected {found}, the number of lines of {}: put the list of this bundle there",
             list.path.display()
         )));
     }
@@ -145,7 +145,7 @@ fn list_of(bundle: &Path) -> Result<List, PhotosError> {
         PhotosError::invalid(
             bundle,
             "line 1",
-            "the names of its photographs are missing: put list.txt beside it, with a line for each",
+            "the names of its images are missing: put list.txt next to it, with one line per image",
         )
     })?;
     let text = read_file(&path)?;

@@ -99,8 +99,8 @@ fn names(path: &Path, folder: &Path, count: usize) -> Result<Vec<String>, Photos
         found.join(", ")
     };
     let problem = format!(
-        "{count} photographs are calibrated, in the order of their names; expected as many pictures in images, found \
-         {found}: put those back that were calibrated, and no others"
+        "{count} images are calibrated, in the order of their names; expected the same number of files in images, \
+         found {found}: put back the calibrated images and no others"
     );
     Err(PhotosError::invalid(path, "the table", problem))
 }

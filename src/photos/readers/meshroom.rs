@@ -35,7 +35,7 @@ pub(in crate::photos) const CACHE: &str = "MeshroomCache";
 const USUAL_SENSOR_MM: f64 = 36.0;
 
 /// Advice on lenses that are not known.
-const UNDISTORT_FIRST: &str = "undistort the photographs first (ExportImages of Meshroom)";
+const UNDISTORT_FIRST: &str = "undistort the images first (ExportImages of Meshroom)";
 
 /// Returns true if a file that begins with `head` is a scene.
 fn is_scene(head: &str) -> bool {
@@ -125,9 +125,9 @@ fn read(path: &Path) -> Result<Drafts, PhotosError> {
     }
     if unplaced > 0 {
         drafts.notes.push(if unplaced == 1 {
-            "1 photograph has no pose of its own: it was left out".to_owned()
+            "1 image has no pose of its own: it was skipped".to_owned()
         } else {
-            format!("{unplaced} photographs have no pose of their own: they were left out")
+            format!("{unplaced} images have no pose of their own: they were skipped")
         });
     }
     if unnamed > 0 {
@@ -136,7 +136,7 @@ fn read(path: &Path) -> Result<Drafts, PhotosError> {
         } else {
             &format!("{unnamed} views have")
         };
-        drafts.notes.push(format!("{views} no `path` to a photograph: skipped"));
+        drafts.notes.push(format!("{views} no `path` to an image: skipped"));
     }
     for landmark in array_at(&scene, "structure") {
         let Some(position) = landmark.get("X") else {

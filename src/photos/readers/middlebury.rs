@@ -43,11 +43,11 @@ fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let file = read_file(path)?;
     let file = String::from_utf8_lossy(&file);
     let mut text = Text::new(path, &file);
-    let count: u64 = text.number("the number of photographs")?;
+    let count: u64 = text.number("the number of images")?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let mut drafts = Drafts::new(path, vec![folder]);
     for _ in 0..count {
-        let name = text.word("the name of a photograph")?.to_owned();
+        let name = text.word("the name of an image")?.to_owned();
         let calibration = text.numbers("a calibration (9 numbers)")?;
         let turn = DMat3::from_cols_array(&text.numbers("a rotation (9 numbers)")?).transpose();
         let shift = DVec3::from_array(text.numbers("a translation (3 numbers)")?);
@@ -55,7 +55,7 @@ fn read(path: &Path) -> Result<Drafts, PhotosError> {
     }
     if !text.is_at_end() {
         drafts.notes.push(format!(
-            "{}: {count} photographs are claimed, what follows was not read",
+            "{}: {count} images are claimed, what follows was not read",
             path.display()
         ));
     }
@@ -70,7 +70,7 @@ fn lens(k: [f64; 9]) -> Result<Lens, String> {
     }
     if skew.abs() > MAX_SKEW * fx.abs() {
         return Err(format!(
-            "its pixels are skewed (by {skew}), expected 0: rectify the photographs first"
+            "its pixels are skewed (by {skew}), expected 0: rectify the images first"
         ));
     }
     let focal_px = DVec2::new(fx, fy) / scale;

@@ -99,7 +99,7 @@ fn expect(text: &mut Text<'_>, word: &str) -> Result<(), PhotosError> {
     if found == word {
         Ok(())
     } else {
-        Err(text.error(format!("expected the word `{word}`: it is no camera of MVSNet")))
+        Err(text.error(format!("expected the word `{word}`: it is not a camera of MVSNet")))
     }
 }
 

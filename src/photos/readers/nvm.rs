@@ -138,7 +138,7 @@ fn model(text: &mut Text<'_>, camera_count: u64, fixed: Option<Fixed>) -> Result
 
 fn camera(text: &mut Text<'_>, fixed: Option<Fixed>) -> Result<Draft, PhotosError> {
     // Blanks within a name are written as quotation marks.
-    let name = text.word("the name of a photograph")?.replace('"', " ");
+    let name = text.word("the name of an image")?.replace('"', " ");
     let [focal_px] = text.numbers("a focal length")?;
     let [w, x, y, z] = text.numbers("a quaternion")?;
     let center = DVec3::from_array(text.numbers("a camera centre")?);

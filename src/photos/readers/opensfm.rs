@@ -157,8 +157,8 @@ fn distortion(camera: &Value) -> Result<Distortion, String> {
         Some("fisheye") => Ok(Distortion::Fisheye { k: [k1, k2, 0.0, 0.0] }),
         Some("fisheye_opencv") => Ok(Distortion::Fisheye { k: [k1, k2, k3, k4] }),
         Some(other) => Err(format!(
-            "its camera is of the projection {other}, expected perspective, brown or fisheye: undistort the \
-             photographs first (`opensfm undistort`)"
+            "its camera has the projection {other}, expected perspective, brown or fisheye: undistort the images first \
+             (`opensfm undistort`)"
         )),
     }
 }

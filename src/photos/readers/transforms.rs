@@ -59,7 +59,7 @@ fn read(path: &Path) -> Result<Drafts, PhotosError> {
         return Err(PhotosError::invalid(
             path,
             "frames",
-            "expected a list of photographs, found none",
+            "expected a list of images, found none",
         ));
     }
     let points = file
@@ -160,8 +160,8 @@ fn distortion(file: &Value, frame: &Value) -> Result<Distortion, String> {
         .find(|key| frame.get(key).is_some() || file.get(key).is_some());
     let refused = |model: &str| {
         Err(format!(
-            "its camera is of the model {model}, expected PINHOLE, OPENCV or OPENCV_FISHEYE: make pinholes of the \
-             photographs first"
+            "its camera model is {model}, expected PINHOLE, OPENCV or OPENCV_FISHEYE: undistort the images to pinholes \
+             first"
         ))
     };
     if let Some(other) = other {
@@ -175,7 +175,7 @@ fn distortion(file: &Value, frame: &Value) -> Result<Distortion, String> {
         Some(model) => return refused(model),
     }
     if k[3] != 0.0 {
-        return Err("its lens has a k4 and is no fisheye: undistort the photographs first".into());
+        return Err("its lens has a k4 but is not a fisheye: undistort the images first".into());
     }
     if k[..3] == [0.0; 3] && p == [0.0; 2] {
         return Ok(Distortion::None);

@@ -100,19 +100,19 @@ const TABLE: &[Unread] = &[
     },
     Unread {
         is_there: |names| names.has_file_of("log") && names.has_pictures(),
-        found: "photographs with a trajectory (.log), which does not say what lens they were taken through",
+        found: "images with a trajectory (.log), which has no camera intrinsics",
         advice: "calibrate them, by COLMAP for instance, and open the folder with its sparse/0",
     },
     Unread {
         is_there: |names| names.files.contains("database.db") && names.has_pictures(),
-        found: "photographs and a database of COLMAP, but no model",
+        found: "images and a COLMAP database, but no model",
         advice: "reconstruct them (`colmap mapper`, or automatic_reconstructor), so that there is a sparse/0",
     },
     Unread {
         is_there: |names| names.has_pictures(),
-        found: "photographs, and nothing that says where they were taken from",
-        advice: "calibrate them, by COLMAP, Meshroom or nerfstudio for instance, and open the folder of the result; it \
-                 is told by its names (sparse/0, cameras.sfm, transforms.json)",
+        found: "images without camera poses",
+        advice: "calibrate them, by COLMAP, Meshroom or nerfstudio for instance, and open the folder of the result, \
+                 which is recognised by its files (sparse/0, cameras.sfm, transforms.json)",
     },
 ];
 
@@ -223,9 +223,9 @@ mod tests {
                 &["seq-01/frame-000000.color.png", "TrainSplit.txt"],
                 "open one of them (seq-01)",
             ),
-            (&["0001.jpg", "Barn_COLMAP_SfM.log"], "what lens"),
+            (&["0001.jpg", "Barn_COLMAP_SfM.log"], "no camera intrinsics"),
             (&["images/a.JPG", "database.db"], "colmap mapper"),
-            (&["a.png", "b.png"], "nothing that says where they were taken from"),
+            (&["a.png", "b.png"], "without camera poses"),
         ] {
             let found = found_in(files).unwrap_or_default();
             assert!(found.contains(words), "{files:?}: {found}");

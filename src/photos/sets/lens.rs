@@ -75,7 +75,7 @@ impl Lens {
         if !is_same_shape(size_px, image_px) {
             let [width, height] = image_px;
             return Err(format!(
-                "it has {width} × {height} pixels and was calibrated with {} × {}: put the calibrated photograph there",
+                "it has {width} × {height} pixels but was calibrated with {} × {}: put the calibrated image there",
                 size_px[0], size_px[1]
             ));
         }

@@ -71,7 +71,9 @@ fn check_before(frame: &FrameRecord, before: Option<&FrameRecord>) -> Result<(),
             && levels(before) == levels(frame)
     });
     if frame.is_inter && !fits {
-        return Err(Fault::new("it is told by a frame before that has other points"));
+        return Err(Fault::new(
+            "it is encoded relative to a previous frame that has other points",
+        ));
     }
     Ok(())
 }

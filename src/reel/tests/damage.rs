@@ -30,8 +30,8 @@ fn readable(file: ReelFile) -> Vec<usize> {
 fn other_files_and_later_versions_are_refused() {
     let (bytes, _) = three_groups();
     let message = |bytes: &[u8]| open(bytes).unwrap_err().to_string();
-    assert!(message(b"ply\nformat ascii 1.0\n").contains("no sequence file"));
-    assert!(message(b"").contains("no sequence file"));
+    assert!(message(b"ply\nformat ascii 1.0\n").contains("not a sequence file"));
+    assert!(message(b"").contains("not a sequence file"));
     assert!(message(&bytes[..9]).contains("ends before"));
     let mut later = bytes.clone();
     for (version, word) in [(bytes[8] + 1, "later"), (bytes[8] - 1, "earlier")] {

@@ -52,7 +52,7 @@ impl Default for OccupancyModels {
 #[expect(clippy::unnecessary_box_returns, reason = "a place on the heap is what it is for")]
 fn new_models<const COUNT: usize>() -> Box<[BitModel; COUNT]> {
     let models = vec![BitModel::default(); COUNT].into_boxed_slice();
-    models.try_into().expect("there are as many as asked for")
+    models.try_into().expect("the slice has the length of the array")
 }
 
 /// Nodes that are worth a part of their own, and most parts. Each part learns its models alone: for the bumpy torus of

@@ -29,9 +29,9 @@ impl PhotoAnswers {
         };
         Self {
             levels: level_sizes(size_px)
-                .map(|size_px| made("colors of photographs", size_px))
+                .map(|size_px| made("colors of images", size_px))
                 .collect(),
-            normals: made("normals of photographs", size_px),
+            normals: made("normals of images", size_px),
         }
     }
 

@@ -97,7 +97,7 @@ fn texels(context: &Context, posed_images: &PosedImages) -> wgpu::TextureView {
     let levels = 32 - size[0].max(size[1]).leading_zeros();
     let texture = layered(
         context,
-        "photographs",
+        "images",
         LayersSize {
             size_px: size,
             layers: count,
@@ -125,7 +125,7 @@ fn depths(context: &Context, maps: &[DepthMap]) -> wgpu::TextureView {
     let size = largest(maps.iter().map(|map| map.size));
     let texture = layered(
         context,
-        "depths of photographs",
+        "depths of images",
         LayersSize {
             size_px: size,
             layers: count,
@@ -172,7 +172,7 @@ fn table(context: &Context, views: &PhotoViews, shown: &PhotosInFrame, maps: &[D
     let size = [COLUMNS as u32, (rows.len() / COLUMNS) as u32];
     let texture = layered(
         context,
-        "table of photographs",
+        "table of images",
         LayersSize {
             size_px: size,
             layers: 1,

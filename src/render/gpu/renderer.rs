@@ -348,7 +348,7 @@ impl GpuRenderer {
         if let (Some(views), Some(shown), Some(targets)) = (&plan.posed_images, &packet.posed_images, &mut self.targets)
         {
             let known = targets.posed_images.take();
-            targets.posed_images = Some(self.context.catching_out_of_memory("the photographs", || {
+            targets.posed_images = Some(self.context.catching_out_of_memory("the images", || {
                 PhotoTextures::of(&self.context, known, shown, views, packet)
             })?);
         }
@@ -361,7 +361,7 @@ impl GpuRenderer {
         let has_others = self.residency.resident_bytes() > 0;
         let mut result = self.upload_streams(plan);
         if has_others && matches!(result, Err(RenderError::OutOfMemory { .. })) {
-            log::warn!("the GPU is out of memory: frames that were kept there make room");
+            log::warn!("the GPU is out of memory: frames that were cached there are evicted");
             self.residency.clear();
             self.gatherer.clear();
             self.visible.clear();

@@ -16,7 +16,7 @@ pub(in crate::render) use super::shader_file::shader_file;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ImportError {
     /// There is nothing of this name.
-    #[error("{file}:{line}: there is no {name} to import")]
+    #[error("{file}:{line}: {name} does not exist and cannot be imported")]
     Unknown {
         /// The file with the import.
         file: String,
@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn an_unknown_import_is_an_error_with_its_place() {
         let error = assembled_of(&["pass"], &[("pass", "// A pass.\n\n#import ligth\n")]).unwrap_err();
-        assert_eq!(error, "pass:3: there is no ligth to import");
+        assert_eq!(error, "pass:3: ligth does not exist and cannot be imported");
     }
 
     #[test]

@@ -75,7 +75,7 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
             FilterParameter {
                 name: "from",
                 title: "Nearest depth",
-                hint: "Nearer pixels are dropped (usually 0.1 m)",
+                hint: "Nearer pixels are dropped (default: 0.1 m)",
                 unit: " m",
                 range: 0.0..=1000.0,
                 digits: 2,
@@ -89,7 +89,7 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
             FilterParameter {
                 name: "to",
                 title: "Farthest depth",
-                hint: "Farther pixels are dropped (usually 10 m)",
+                hint: "Farther pixels are dropped (default: 10 m)",
                 unit: " m",
                 range: 0.0..=1000.0,
                 digits: 2,
@@ -120,7 +120,7 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
             FilterParameter {
                 name: "px",
                 title: "Bilateral width",
-                hint: "How far neighbours count, σ_s (usually 3 pixels)",
+                hint: "Spatial extent of the neighbours, σ_s (default: 3 pixels)",
                 unit: " px",
                 range: 0.3..=20.0,
                 digits: 1,
@@ -134,8 +134,7 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
             FilterParameter {
                 name: "noise",
                 title: "Bilateral depth",
-                hint: "How far apart in depth neighbours may be, σ_d, as a factor on the noise of the sensor at that \
-                       depth (usually 3)",
+                hint: "Depth extent of the neighbours, σ_d, as a factor on the sensor noise at that depth (default: 3)",
                 unit: " × noise",
                 range: 0.1..=50.0,
                 digits: 1,
@@ -159,7 +158,7 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
             FilterParameter {
                 name: "m",
                 title: "Flying within",
-                hint: "How far apart in depth neighbours may be (usually 0.01 m)",
+                hint: "Largest depth difference between neighbours (default: 0.01 m)",
                 unit: " m",
                 range: 0.0..=10.0,
                 digits: 3,
@@ -173,7 +172,7 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
             FilterParameter {
                 name: "share",
                 title: "Flying share",
-                hint: "The same as a share of the depth: the larger of both counts (usually 0.02)",
+                hint: "The same as a share of the depth: the larger of both applies (default: 0.02)",
                 unit: " of depth",
                 range: 0.0..=1.0,
                 digits: 3,
@@ -187,7 +186,7 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
             FilterParameter {
                 name: "neighbours",
                 title: "Flying neighbours",
-                hint: "Pixels with fewer of their eight neighbours that near are dropped (usually 4)",
+                hint: "Pixels with fewer of their eight neighbours that near are dropped (default: 4)",
                 unit: " of 8",
                 range: 0.0..=8.0,
                 digits: 0,
@@ -201,7 +200,7 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
             FilterParameter {
                 name: "erosion",
                 title: "Flying erosion",
-                hint: "So many pixels more are dropped along every edge (usually 0)",
+                hint: "Number of further pixels dropped along every edge (default: 0)",
                 unit: " px",
                 range: 0.0..=16.0,
                 digits: 0,
@@ -224,7 +223,7 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
             FilterParameter {
                 name: "share",
                 title: "Mean share",
-                hint: "How much of the newest frame is in the mean, α: less is smoother and later (usually 0.4)",
+                hint: "Weight of the newest frame in the mean, α: less is smoother but lags more (default: 0.4)",
                 unit: "",
                 range: 0.1..=1.0,
                 digits: 2,
@@ -238,7 +237,7 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
             FilterParameter {
                 name: "m",
                 title: "Mean within",
-                hint: "Where the depth differs by more something has moved, and the mean begins anew (usually 0.02 m)",
+                hint: "Where the depth differs by more, something has moved and the mean restarts (default: 0.02 m)",
                 unit: " m",
                 range: 0.0..=10.0,
                 digits: 3,
@@ -252,7 +251,7 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
             FilterParameter {
                 name: "fill",
                 title: "Holes filled",
-                hint: "For so many frames a hole has what was measured there last (usually 0)",
+                hint: "Number of frames for which a hole has its last measured depth (default: 0)",
                 unit: " frames",
                 range: 0.0..=30.0,
                 digits: 0,

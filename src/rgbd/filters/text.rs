@@ -13,7 +13,7 @@ const NAMES: &str = "near, median, bilateral, flying and temporal";
 #[non_exhaustive]
 pub enum ParseFiltersError {
     /// A word that is no filter.
-    #[error("`{0}` is no filter of depth: expected {NAMES} with commas between, or none")]
+    #[error("`{0}` is not a depth filter: expected {NAMES}, separated by commas, or none")]
     Filter(String),
     /// A word that is no parameter of its filter.
     #[error("`{word}` cannot be set of {filter}: expected {expected}")]
@@ -143,7 +143,7 @@ mod tests {
             ("", "expected near, median"),
             ("median,", "expected near, median"),
             ("none,median", "expected near, median"),
-            ("blur", "`blur` is no filter"),
+            ("blur", "`blur` is not a depth filter"),
             (
                 "near:far=3",
                 "`far=3` cannot be set of near: expected from=0 to 1000 m, to=0 to 1000 m",

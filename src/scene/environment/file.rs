@@ -31,7 +31,7 @@ pub enum EnvironmentError {
         source: io::Error,
     },
     /// Its contents are no picture, or too many pixels.
-    #[error("the environment {} is no picture", path.display())]
+    #[error("the environment {} is not a readable image", path.display())]
     Picture {
         /// Path of the file.
         path: PathBuf,

@@ -36,7 +36,7 @@ impl CaptureKind {
         match self {
             Self::Object => "object",
             Self::CameraFrame => "frame of a camera",
-            Self::Sweep => "sweep of a laser scanner",
+            Self::Sweep => "LiDAR sweep",
             Self::Terrain => "terrain",
         }
     }

@@ -202,12 +202,12 @@ impl FirstLook {
     fn with_photos(mut self, set: &ViewSet) -> Self {
         let upwards = set.photos.iter().map(|photo| -photo.camera_from_world.matrix3.row(1));
         if let Some(upwards) = upwards.sum::<DVec3>().try_normalize() {
-            self.up_why = "the photographs are upright";
+            self.up_why = "the images are upright";
             self.up_evidence = Evidence::Convention;
             self.up = UpAxis::nearest(upwards);
         }
         self.primitive = Primitive::Surfel;
-        self.primitive_why = "there are photographs of a surface";
+        self.primitive_why = "there are images of a surface";
         // Photographs give the colours.
         self.colors.why.clear();
         self.colors_have_light = true;
@@ -255,12 +255,7 @@ impl FirstLook {
     /// Describes in words the primitive that is drawn instead if the files lack the chosen one.
     pub fn lack_of(&self, chosen: Primitive) -> Option<String> {
         let lacks = chosen == Primitive::Mesh && !self.has_faces;
-        lacks.then(|| {
-            format!(
-                "there are no triangles in these files: they are drawn as {}s",
-                self.primitive
-            )
-        })
+        lacks.then(|| format!("these files have no triangles: they are drawn as {}s", self.primitive))
     }
 
     /// Returns this guess with the up axis replaced by a known one.
@@ -437,10 +432,10 @@ fn by_convention(convention: AxisConvention) -> Up {
         AxisConvention::ZUp => (UpAxis::Z, "the format says that Z is up"),
         AxisConvention::UsuallyZUp => (
             UpAxis::Z,
-            "files of this format, or of the program that wrote this one, usually have Z up",
+            "most files of this format, or of the program that wrote this one, have Z up",
         ),
         AxisConvention::Camera => (UpAxis::NegY, "the file has the axes of a camera: Y is down"),
-        AxisConvention::UsuallyYDown => (UpAxis::NegY, "Gaussian splats usually have Y down"),
+        AxisConvention::UsuallyYDown => (UpAxis::NegY, "most Gaussian splats have Y down"),
     };
     Up::new(axis, why, Evidence::Convention)
 }
@@ -459,7 +454,7 @@ fn up_of_sweep(around: &kind::Around, by_format: Option<Up>) -> Up {
         }
     }
     if around.mean_abs_direction[axis] > FLAT {
-        return by_format.unwrap_or(Up::new(UpAxis::Z, "laser scanners have Z up", Evidence::Convention));
+        return by_format.unwrap_or(Up::new(UpAxis::Z, "LiDAR sensors have Z up", Evidence::Convention));
     }
     let is_positive = axis == 2 || around.mean_direction[axis] < 0.0;
     Up::by_points(up::along(axis, is_positive), "the scanner turns about this axis")

@@ -90,7 +90,7 @@ fn why_no_surface(captured: &Captured<'_>) -> Option<&'static str> {
         return Some("there are too few points for a surface");
     }
     if captured.outliers >= MANY_OUTLIERS && captured.outliers * FEW_TO_EACH >= sample.positions.len() {
-        return Some("so many points are by themselves that their disks would hide the rest");
+        return Some("the disks of many isolated points would hide the rest");
     }
     // Around a scanner the far ones are wide by nature, and dense as seen from there.
     if sample.spread() > MAX_SPREAD || (*kind != CaptureKind::Sweep && wide_area(sample) > MAX_WIDE_AREA) {

@@ -39,7 +39,7 @@ impl NormalBits {
 choices! {
     /// Bits of the offsets along normals with which byte codes are drawn (paper 001 §5.1).
     OffsetBits, "number of bits of offsets" {
-        None = "0", "None", "Splats stand in the middles of cells: gaps at grazing angles";
+        None = "0", "None", "Splats are at the centres of cells: gaps at grazing angles";
         /// The paper's.
         Two = "2", "2 bits", "A quarter of the cell's diagonal";
         /// All there are.
@@ -92,7 +92,7 @@ group! {
             value_name: "BITS",
             help: "Bits per offset along the normal in byte codes",
             title: "Offsets",
-            hint: "Bits of the way from the middle of a cell to the surface, along the normal",
+            hint: "Bits of the offset from the centre of a cell to the surface, along the normal",
             section: Section::Footprints,
             when: |drawn| drawn.asks_for_codes(),
             full_name: "Offset bits",

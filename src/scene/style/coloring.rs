@@ -69,7 +69,7 @@ const HEADING: &str = "Colours";
 
 /// As [`ColorSource::ALL`](crate::sequence::ColorSource::ALL).
 pub const SOURCES: &Words = &Words {
-    what: "source of colours",
+    what: "colour source",
     list: &[
         Word {
             word: "auto",
@@ -132,7 +132,7 @@ pub const SOURCES: &Words = &Words {
 
 /// As [`ColorMap::ALL`](crate::analysis::ColorMap::ALL).
 pub const MAPS: &Words = &Words {
-    what: "map of colours",
+    what: "colour map",
     list: &[
         Word {
             word: "viridis",
@@ -143,7 +143,7 @@ pub const MAPS: &Words = &Words {
         Word {
             word: "turbo",
             title: "Turbo",
-            hint: "Blue over green to red: many colours, so that details are told apart",
+            hint: "Blue over green to red: many colours, so that details stand out",
             also: &["rainbow", "jet", "spectral"],
         },
         Word {
@@ -161,7 +161,7 @@ pub const MAPS: &Words = &Words {
         Word {
             word: "diverging",
             title: "Diverging",
-            hint: "Blue over grey to red: for values on both sides of a middle",
+            hint: "Blue over grey to red: for values on both sides of a midpoint",
             also: &["blue red", "cool warm", "coolwarm"],
         },
     ],

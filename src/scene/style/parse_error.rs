@@ -2,7 +2,7 @@
 
 /// A word that names no choice.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{text}` is no {what}: expected {expected}")]
+#[error("unknown {what} `{text}`: expected {expected}")]
 pub struct ParseChoiceError {
     what: &'static str,
     text: String,

@@ -5,7 +5,7 @@ use super::describe::{Label, Numbers, Place, Section, Typed, Unit, Values, group
 
 choices! {
     /// View-dependent texturing mode: the colour source of surfaces that posed images show.
-    PhotoMode, "way to use photographs" {
+    PhotoMode, "texturing mode" {
         /// Paper 004 §3.2.
         Vdts = "vdts", "View-dependent", "Blends the images whose cameras are closest to your viewpoint, per \
             surface point";
@@ -48,7 +48,7 @@ choices! {
 
 choices! {
     /// Exposure compensation between posed images, which makes them equally bright.
-    PhotoGains, "choice of gains" {
+    PhotoGains, "exposure compensation" {
         On = "on", "On", "By what shared points look like in each";
         Off = "off", "Off", "As they were taken";
     }
@@ -66,7 +66,7 @@ group! {
             hint: "Source of the colours of surfaces that have images",
             section: Section::Photos,
             when: |drawn| drawn.has_photos(),
-            label: Label::Unusual(Place::What, "{} photographs"),
+            label: Label::Unusual(Place::What, "images: {}"),
             full_name: "Image colours",
             also: &[
                 "view-dependent texturing",
@@ -147,8 +147,8 @@ group! {
             value_name: "PERCENT",
             help: "Close gaps in surfaces up to this width, in percent of the image height; 0 closes none",
             title: "Gaps",
-            hint: "How wide gaps in a surface are that are closed where photographs show something there, in percent \
-                   of the height of the picture; 0: they stay open",
+            hint: "Maximum width of gaps in a surface that are closed where images show something, in percent of the \
+                   image height; 0: they stay open",
             section: Section::Photos,
             when: |drawn| drawn.draws_photos(),
             full_name: "Gaps between images",
@@ -180,7 +180,7 @@ group! {
             flag: "photo-gains",
             value_name: "WHETHER",
             help: "Compensate exposure differences between images",
-            title: "Gains",
+            title: "Exposure",
             hint: "Exposure compensation: makes images equally bright, by the points that they share",
             section: Section::Photos,
             when: |drawn| drawn.draws_photos(),

@@ -105,8 +105,8 @@ choices! {
     /// Falloff kernel of a splat from its centre to its edge.
     Kernel, "kernel" {
         /// The mask of paper 000 §V.
-        Gaussian = "gaussian", "Gaussian", "A bell: smooth, and closed where rims meet";
-        Hat = "hat", "Hat", "A cone: smooth, and nothing at the rim";
+        Gaussian = "gaussian", "Gaussian", "A bell: smooth, and closed where splats meet";
+        Hat = "hat", "Hat", "A cone: smooth, and zero at the edge";
         Flat = "box", "Box", "The same everywhere: every splat has its edge";
     }
 }
@@ -116,12 +116,12 @@ choices! {
     /// they are drawn, and darker where the normals are known to point outwards; see
     /// [`FirstLook`](crate::scene::FirstLook).
     BackFaces, "choice for back faces", auto Culled = "Auto",
-        "Left out where the surface is closed, so that nothing is missed"
+        "Culled where the surface is closed, so that nothing is missed"
     {
         Drawn = "drawn", "Drawn", "From behind as from the front";
         /// If there is light.
         Darker = "darker", "Darker", "From behind a little darker than from the front";
-        Culled = "culled", "Culled", "Left out: looks into rooms from outside";
+        Culled = "culled", "Culled", "Not drawn: lets you look into rooms from outside";
     }
 }
 
@@ -130,7 +130,7 @@ choices! {
     NormalSource, "source of normals" {
         Neighbours = "neighbours", "Neighbours", "The file, else the nearest points of each: once for a frame";
         /// Paper 003 §3.5.
-        Screen = "screen", "Screen", "What is seen around each point: anew for each view, and of visible points alone";
+        Screen = "screen", "Screen", "Neighbours in the image, for each view: visible points only";
     }
 }
 
@@ -140,7 +140,7 @@ choices! {
         Points = "colors", "Colours", "The colours of the points";
         /// Paper 003, Figs. 5 and 6.
         NormalErrors = "normal-error", "Normal errors",
-            "How far normals of the screen are from the file's, or neighbours': blue 0°, green, red from 22.5°";
+            "Angle of screen-space normals to the file's, or neighbours': blue 0°, green, red from 22.5°";
     }
 }
 
@@ -211,7 +211,7 @@ group! {
             value_name: "KERNEL",
             help: "Falloff of splats from centre to edge",
             title: "Kernel",
-            hint: "How splats fall off from their middles to their rims; filtered ones are Gaussian",
+            hint: "Falloff of splats from centre to edge; filtered ones are Gaussian",
             section: Section::Surfels,
             when: |drawn| drawn.has_masks(),
             label: Label::Unusual(Place::What, "{}"),
@@ -225,12 +225,12 @@ group! {
             other_flags: &["rims"],
             value_name: "WHETHER",
             help: "Blend the edges of splats with the surface behind them instead of the background",
-            title: "Behind rims",
-            hint: "What lies behind the rims of splats shines through, and not the background, which would be a line \
-                   around whatever stands before something",
+            title: "Soft edges",
+            hint: "What lies behind the edges of splats shines through, and not the background, which would outline \
+                   whatever is in front of something",
             section: Section::Surfels,
             when: |drawn| drawn.blends_surfels(),
-            label: Label::Unusual(Place::What, "rims {}"),
+            label: Label::Unusual(Place::What, "soft edges {}"),
             values: Values::Words(OnOff::WORDS),
         }
         /// Source from which normals and radii are estimated.
@@ -239,8 +239,8 @@ group! {
             value_name: "FROM",
             help: "Source of the normals and radii of surfels: estimated from neighbours, or in screen space",
             title: "Normals from",
-            hint: "What normals and radii of surfels are told by. Those of the screen need no estimation before a \
-                   frame is seen; hidden points have none",
+            hint: "Source of the normals and radii of surfels. Screen-space normals need no estimation before a frame \
+                   is seen; hidden points have none",
             section: Section::Surfels,
             when: |drawn| drawn.draws_whole_surfels(),
             label: Label::Unusual(Place::What, "{} normals"),
@@ -254,7 +254,7 @@ group! {
             value_name: "WHAT",
             help: "Show the colours of the points, or errors of screen-space normals",
             title: "Show",
-            hint: "What the colours of surfels show: those of the points, or errors of normals of the screen",
+            hint: "What the colours of surfels show: those of the points, or errors of screen-space normals",
             section: Section::Surfels,
             when: |drawn| drawn.draws_whole_surfels(),
             label: Label::Unusual(Place::What, "{}"),

@@ -20,7 +20,7 @@ fn every_choice_reads_back_from_its_name() {
     let error = "cone".parse::<Choice<Primitive>>().unwrap_err();
     assert_eq!(
         error.to_string(),
-        "`cone` is no primitive: expected auto, surfel, ellipse, sprite, mesh, voxel, point"
+        "unknown primitive `cone`: expected auto, surfel, ellipse, sprite, mesh, voxel, point"
     );
 }
 

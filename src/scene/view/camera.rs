@@ -16,7 +16,7 @@ choices! {
         Perspective = "perspective", "Perspective", "As an eye sees: what is farther away is smaller";
         /// Lengths across the view can be compared.
         Orthographic = "orthographic", "Orthographic",
-            "By parallel rays: everything is as large as at the middle of the orbit";
+            "By parallel rays: everything is as large as at the centre of the orbit";
     }
 }
 

@@ -20,8 +20,8 @@ const DISTANCE_RANGE: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 pub enum ParseViewError {
     /// Another text, or one of another version.
     #[error(
-        "this is no view: expected a line such as `{HEAD} target 0 0 0 distance 2.5 azimuth 30 elevation 15 fov 45 up \
-         y perspective`"
+        "this is not a view: expected a line such as `{HEAD} target 0 0 0 distance 2.5 azimuth 30 elevation 15 fov 45 \
+         up y perspective`"
     )]
     NoView,
     /// A part is not there.
@@ -39,7 +39,7 @@ pub enum ParseViewError {
         found: String,
     },
     /// A number that is none, or not one of these.
-    #[error("`{}` is no {what} of a view: expected {expected}", clipped(.found))]
+    #[error("`{}` is not a valid {what} of a view: expected {expected}", clipped(.found))]
     Number {
         /// Whose number it is.
         what: &'static str,
@@ -239,9 +239,9 @@ mod tests {
             (
                 "aspect 0.998",
                 "aspect 0",
-                "`0` is no aspect of a view: expected a number from 0.01 to 100",
+                "`0` is not a valid aspect of a view: expected a number from 0.01 to 100",
             ),
-            ("shift 0.0125", "shift nan", "`nan` is no shift of a view"),
+            ("shift 0.0125", "shift nan", "`nan` is not a valid shift of a view"),
             ("aspect 0.998", "", "the view ends before its aspect"),
             ("0.998", "0.998 on", "`on` after the end of a view"),
         ] {
@@ -301,15 +301,19 @@ mod tests {
     fn damage_is_told_with_what_was_expected() {
         let good = camera().to_string();
         for (from, to, message) in [
-            ("view 1", "view 2", "this is no view"),
-            ("-0.1", "nan", "`nan` is no target of a view: expected a finite number"),
-            ("-0.1 ", "", "`distance` is no target of a view"),
-            ("distance 2.5", "distance 0", "`0` is no distance of a view"),
+            ("view 1", "view 2", "this is not a view"),
+            (
+                "-0.1",
+                "nan",
+                "`nan` is not a valid target of a view: expected a finite number",
+            ),
+            ("-0.1 ", "", "`distance` is not a valid target of a view"),
+            ("distance 2.5", "distance 0", "`0` is not a valid distance of a view"),
             ("distance", "length", "`length` in a view where `distance` was expected"),
             ("elevation 15", "elevation 91", "degrees from -90 to 90"),
             ("fov 45", "fov 171", "degrees from 1 to 170"),
-            ("-y", "w", "`w` is no up axis"),
-            ("orthographic", "fisheye", "`fisheye` is no projection"),
+            ("-y", "w", "unknown up axis `w`"),
+            ("orthographic", "fisheye", "unknown projection `fisheye`"),
             ("orthographic", "", "the view ends before its projection"),
             ("orthographic", "orthographic 1", "`1` after the end"),
         ] {

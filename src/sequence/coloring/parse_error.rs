@@ -2,7 +2,7 @@
 
 /// A text that is no way to colour.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{text}` is no {what}: expected {expected}")]
+#[error("`{text}` is not a {what}: expected {expected}")]
 pub struct ParseColoringError {
     pub(in crate::sequence) what: &'static str,
     pub(in crate::sequence) text: String,

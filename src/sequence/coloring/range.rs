@@ -64,7 +64,7 @@ impl FromStr for ColorRange {
             is_range.then_some(Self::Fixed { low, high })
         };
         parse().ok_or_else(|| ParseColoringError {
-            what: "range of colours",
+            what: "colour range",
             text: text.to_owned(),
             expected: "two numbers such as 0..255, or percentiles such as p1..p99",
         })
@@ -77,7 +77,7 @@ impl FromStr for ColorMap {
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let found = Self::ALL.into_iter().find(|map| is_same_word(map.name(), text));
         found.ok_or_else(|| ParseColoringError {
-            what: "map of colours",
+            what: "colour map",
             text: text.to_owned(),
             expected: "viridis, turbo, magma, grey or diverging",
         })

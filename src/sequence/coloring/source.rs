@@ -152,7 +152,7 @@ impl FromStr for ColorSource {
             }
         };
         parse().ok_or_else(|| ParseColoringError {
-            what: "source of colours",
+            what: "colour source",
             text: text.to_owned(),
             expected: "auto, file, scalar or scalar:NAME, height or height:z, normal, distance or distance:X,Y,Z, \
                 time, class or uniform",

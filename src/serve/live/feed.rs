@@ -61,7 +61,7 @@ impl Feed {
         let known = self.spacing.filter(|(_, frames)| *frames < SPACING_FRAMES);
         let (spacing, frames) = match known {
             Some(known) => known,
-            None => (spacing_of(&cloud, origin).ok_or("it is no cloud")?, 0),
+            None => (spacing_of(&cloud, origin).ok_or("it is not a point cloud")?, 0),
         };
         self.spacing = Some((spacing, frames + 1));
         Ok(Arc::new(WholeFrame::new(cloud, origin, spacing)))
@@ -93,7 +93,7 @@ impl Feed {
         let body = match self.without_panic(|feed| feed.made(index)) {
             Ok(body) => body,
             Err(problem) => {
-                log::warn!("{} is left out: {problem}", frame_by_index(index));
+                log::warn!("{} is skipped: {problem}", frame_by_index(index));
                 // A live source has each frame once.
                 if !self.source.is_live() {
                     self.broken.insert(index);

@@ -328,7 +328,7 @@ impl LiveServer {
                 }
                 Joining::Full if since.elapsed() < self.deadlines.place => return,
                 Joining::Full => {
-                    let reason = "there are as many clients as may be: try again later";
+                    let reason = "the maximum number of clients is connected: try again later";
                     if let Err(error) = client::refuse(&client.stream, &shared.head(), reason) {
                         log::debug!("{}: {error}", client.address);
                     }

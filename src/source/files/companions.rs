@@ -135,10 +135,10 @@ impl Companions {
         match skipped.len() {
             0 => None,
             1 => Some(format!(
-                "{named} lies beside the frames and holds no points: it is left out"
+                "{named} lies next to the frames and holds no points: it is skipped"
             )),
             count => Some(format!(
-                "{count} files beside the frames hold no points ({named}{more}): they are left out"
+                "{count} files next to the frames hold no points ({named}{more}): they are skipped"
             )),
         }
     }
@@ -325,11 +325,11 @@ mod tests {
         assert_eq!(note(&[]), None);
         assert_eq!(
             note(&["a/1_mask.ply"]).unwrap(),
-            "1_mask.ply lies beside the frames and holds no points: it is left out"
+            "1_mask.ply lies next to the frames and holds no points: it is skipped"
         );
         assert_eq!(
             note(&["m10.ply", "m2.ply", "m1.ply", "m3.ply"]).unwrap(),
-            "4 files beside the frames hold no points (m1.ply, m2.ply, m3.ply, …): they are left out"
+            "4 files next to the frames hold no points (m1.ply, m2.ply, m3.ply, …): they are skipped"
         );
     }
 }

@@ -170,7 +170,10 @@ fn find(entries: &[FrameEntry], folders: &[PathBuf], found: &mut FoundPoses) -> 
         found.used.extend(own);
         return Some((
             poses,
-            format!("the text of the same name beside each file in {}", folder.display()),
+            format!(
+                "the text file of the same name next to each file in {}",
+                folder.display()
+            ),
         ));
     }
     for folder in folders {

@@ -84,7 +84,7 @@ pub(super) fn choose(files: Vec<PathBuf>) -> Result<Chosen, Vec<OpeningChoice>> 
     let assumption = (!skipped.is_empty()).then(|| {
         let value = format!("{} of {total} files, {}", frames.len(), pattern_of(&frames, &skipped));
         if has_faces_alone && copies + odd_clouds == 0 {
-            let why = "an array of the faces of a mesh beside its vertices holds no points";
+            let why = "an array of mesh faces next to its vertices holds no points";
             Assumption::new(Subject::Frames, value, why, Evidence::Convention)
         } else if copies > 0 && odd_clouds == 0 {
             let why = "the others have the same names in another format";

@@ -182,7 +182,7 @@ impl Read for Patient<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         loop {
             if self.shared.is_closed() {
-                return Err(io::Error::other("nobody wants frames any more"));
+                return Err(io::Error::other("no one wants frames any more"));
             }
             self.check()?;
             self.ping()?;

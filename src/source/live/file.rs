@@ -194,7 +194,7 @@ impl FrameStore for Recorded {
         let frame = read
             .and_then(Frame::of)
             .map_err(|error| format!("byte {offset}: {error}"))?;
-        frame.ok_or_else(|| format!("byte {offset}: it is no frame any more"))
+        frame.ok_or_else(|| format!("byte {offset}: it is not a frame any more"))
     }
 }
 

@@ -48,7 +48,7 @@ impl Recorder {
     pub(super) fn create(path: &Path, head: &StreamHead) -> io::Result<Self> {
         let has_bytes = path.metadata().is_ok_and(|there| !there.is_file() || there.len() > 0);
         if has_bytes && !is_recording(path) {
-            return Err(io::Error::other("it is there already, and is no recording of a stream"));
+            return Err(io::Error::other("it already exists and is not a recording of a stream"));
         }
         let (hidden, file) = Partial::create(path)?;
         let mut file = BufWriter::with_capacity(1 << 16, file);

@@ -263,7 +263,7 @@ impl Live for LiveStream {
     fn start_recording(&self, path: &Path) -> Result<(), String> {
         self.stop_recording()?;
         let head = lock(&self.shared.link).head;
-        let head = head.ok_or_else(|| format!("{}: there was no frame yet", self.input.display()))?;
+        let head = head.ok_or_else(|| format!("{}: no frame has arrived yet", self.input.display()))?;
         let recorder = Recorder::create(path, &head);
         let recorder = recorder.map_err(|error| {
             format!(

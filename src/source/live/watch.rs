@@ -52,7 +52,7 @@ impl fmt::Display for ConnectionChange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Broken(problem) => write!(f, "the connection has broken and is made again by itself: {problem}"),
-            Self::Back { away: None } => f.write_str("connected again, after a moment"),
+            Self::Back { away: None } => f.write_str("connected again, after a short while"),
             Self::Back { away: Some(away) } => write!(f, "connected again, after {:.1} s", away.as_secs_f64()),
         }
     }

@@ -109,7 +109,7 @@ impl MultiviewVideo {
         }
         if let Some(file) = points_file {
             notes.push(format!(
-                "the points of {} are of one moment: those of each frame are made of its photographs",
+                "the points of {} belong to a single time step: those of each frame are computed from its images",
                 file.display()
             ));
         }
@@ -350,7 +350,7 @@ impl Decoder for TimeStepDecoder {
         progress: &Progress,
     ) -> Result<DecodedFrame, DecodeFailure> {
         let time_step = read(&self.time_steps).get(index).map(Arc::clone);
-        let time_step = time_step.ok_or_else(|| format!("there is no frame {index}"))?;
+        let time_step = time_step.ok_or_else(|| format!("frame {index} does not exist"))?;
         let set = time_step.set(index, &self.known)?;
         let mut cloud = self.cloud(&time_step, &set, progress)?;
         cloud.warnings.extend(set.notes.iter().cloned());

@@ -376,9 +376,9 @@ fn a_missing_image_costs_that_one_and_a_warning_says_so() {
     // A pair is left.
     assert!(share_on_ball(&cloud, 2) > 0.7);
     let warnings = cloud.warnings.join("\n");
-    assert!(warnings.contains("cam0 has no image of this moment"), "{warnings}");
+    assert!(warnings.contains("cam0 has no image of this time step"), "{warnings}");
     assert!(
-        warnings.contains("cam3 is left out") && warnings.contains("2.png"),
+        warnings.contains("cam3 is skipped") && warnings.contains("2.png"),
         "{warnings}"
     );
     assert!(decoded(&video, 1).warnings.is_empty());

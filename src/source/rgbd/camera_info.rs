@@ -38,7 +38,7 @@ pub(super) fn intrinsics(
         focal_px: DVec2::new(fx, fy),
         principal_px: DVec2::new(cx, cy),
         distortion: distortion.unwrap_or_else(|reason| {
-            notes.push(format!("the lens of topic {topic} is left out: {reason}"));
+            notes.push(format!("the lens of topic {topic} is ignored: {reason}"));
             Distortion::None
         }),
         for_size_px: Some(info.size_px).filter(|size| !size.contains(&0)),

@@ -325,7 +325,7 @@ impl Recorded {
         };
         ColorImage::new(raster.size_px, pixels).ok_or_else(|| RgbdError::Image {
             path: image.path().to_owned(),
-            reason: "its pixels are no colours".to_owned(),
+            reason: "its pixels are not colours".to_owned(),
         })
     }
 
@@ -459,7 +459,7 @@ fn text_raster(path: &Path, bytes: &[u8], size_px: [u32; 2]) -> Result<Raster, R
             let word = String::from_utf8_lossy(&word[..word.len().min(20)])
                 .escape_default()
                 .to_string();
-            wrong(format!("`{word}` is no number, after {} of them", samples.len()))
+            wrong(format!("`{word}` is not a number, after {} of them", samples.len()))
         })?);
     }
     if samples.len() as u64 != pixels {

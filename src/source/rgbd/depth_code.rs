@@ -119,7 +119,7 @@ impl DepthCode {
         }
         DepthImage::new(raster.size_px, metres).ok_or_else(|| RgbdError::Image {
             path: path.to_owned(),
-            reason: "it has not as many pixels as it claims".to_owned(),
+            reason: "it does not have the number of pixels that it claims".to_owned(),
         })
     }
 

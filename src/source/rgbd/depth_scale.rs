@@ -107,7 +107,7 @@ impl DepthScale {
         let median = f64::from(*depths.get(depths.len() / 2)?);
         let are_millimetres = median > 100.0 && MEDIAN_M.contains(&(median / MILLIMETRES));
         let (units_per_metre, evidence, why) = if are_millimetres {
-            let why = format!("half of the depths are below {median:.0}, which in metres is no room");
+            let why = format!("half of the depths are below {median:.0}, too far for a room if in metres");
             (MILLIMETRES, Evidence::Statistics, why)
         } else if median > FAR_M {
             let why = format!(

@@ -43,7 +43,7 @@ pub enum RgbdError {
     },
     /// An image that cannot be decoded.
     #[error(
-        "{} is no image that can be read: {reason}. Copy the file again, or remove it to go on without it",
+        "{} is not a readable image: {reason}. Copy the file again, or remove it to continue without it",
         path.display()
     )]
     Image {
@@ -139,7 +139,7 @@ pub enum RgbdError {
     },
     /// A trajectory that is none.
     #[error(
-        "{} is no trajectory ({reason}): expected lines of TUM (time x y z qx qy qz qw, or no time), blocks of \
+        "{} is not a trajectory ({reason}): expected lines of TUM (time x y z qx qy qz qw, or no time), blocks of \
          Redwood (.log), columns that a header names (timestamp,tx,ty,tz,qw,qx,qy,qz), matrices of 3 × 4 or 4 × 4 \
          numbers, or JSON with such matrices",
         path.display()

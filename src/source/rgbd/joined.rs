@@ -71,7 +71,7 @@ impl Merged {
     /// Says that frame `index` is not among them.
     pub(super) fn warn_of(&mut self, index: usize, reason: &dyn fmt::Display) {
         self.warnings
-            .push(format!("{} is left out: {reason}", frame_by_index(index)));
+            .push(format!("{} is skipped: {reason}", frame_by_index(index)));
     }
 
     /// Takes a frame with normals, in the frame of its camera.

@@ -58,7 +58,7 @@ impl MergedFrames {
         let mut notes = recording.notes.clone();
         if posed < last - first + 1 {
             notes.push(format!(
-                "{} of {} have no pose and are left out",
+                "{} of {} have no pose and are skipped",
                 last - first + 1 - posed,
                 frames_with_indices(first, last)
             ));

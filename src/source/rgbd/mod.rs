@@ -79,7 +79,7 @@ pub(super) fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<A
             Some(range) => Err(SequenceError::Rgbd(Box::new(RgbdError::NotMerged {
                 first: range.0,
                 last: range.1,
-                reason: "the input is no recording of depth images, so nothing says where they were taken".to_owned(),
+                reason: "the input is not a recording of depth images, so their poses are unknown".to_owned(),
             }))),
             None => Ok(None),
         };

@@ -96,7 +96,7 @@ impl Pairs {
             let used: std::collections::HashSet<&PathBuf> = colors.iter().flatten().collect();
             let unused = all_colors.iter().filter(|color| !used.contains(color));
             let unused: Vec<&Path> = unused.map(PathBuf::as_path).collect();
-            notes.extend(note(&unused, "colour", "depth", "they are left out"));
+            notes.extend(note(&unused, "colour", "depth", "they are skipped"));
         }
         Self { colors, notes }
     }
@@ -165,7 +165,7 @@ mod tests {
             notes,
             [
                 "2 depth images have no colour image, their points have no colours: 1.png, 3.png",
-                "1 colour images have no depth image, they are left out: 4.jpg"
+                "1 colour images have no depth image, they are skipped: 4.jpg"
             ]
         );
         assert_eq!(paired(&["1.png"], &[]), (vec![None], Vec::new()));

@@ -179,7 +179,7 @@ fn of_tum(path: &Path, text: &str, lines: &[(usize, Vec<f64>)]) -> Result<Trajec
         };
         let stamp = texts[line - 1].split([' ', '\t', ',']).find(|word| !word.is_empty());
         let time = stamp.and_then(time_of_number);
-        let time = time.ok_or_else(|| wrong(*line, "the time is no number of seconds from 0 up"))?;
+        let time = time.ok_or_else(|| wrong(*line, "the time is not a number of seconds from 0 up"))?;
         poses.push((time, pose_of(DVec3::new(x, y, z), DQuat::from_xyzw(qx, qy, qz, qw))));
     }
     poses.sort_by_key(|(time, _)| *time);
@@ -218,7 +218,7 @@ fn of_rows(lines: &[(usize, Vec<f64>)]) -> Result<Trajectory, String> {
         && (rows.iter().skip(3).step_by(4).all(is_last) || rows.chunks(4).all(is_by_columns));
     let height = if are_whole { 4 } else { 3 };
     if !rows.len().is_multiple_of(height) {
-        return Err(format!("{} rows are no matrices of 4 or 3 rows", rows.len()));
+        return Err(format!("{} rows are not matrices of 4 or 3 rows", rows.len()));
     }
     let matrices = rows.chunks(height).map(|rows| matrix(&rows.concat()));
     Ok(Trajectory::listed(matrices.map(rigid)))

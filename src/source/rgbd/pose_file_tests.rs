@@ -102,7 +102,7 @@ fn what_is_no_trajectory_is_refused() {
         ("1 2\n", "2 numbers"),
         ("1 0 0 0\n0 1 0\n", "3 numbers"),
         ("0 0 1\n1 0 0 0\n", "line 1"),
-        ("1 0 0 x\n", "`x` is no number"),
+        ("1 0 0 x\n", "`x` is not a number"),
         ("1 2 3 4 5 6 7 8\n1 2\n", "line 2"),
         ("1 0 0 0 3 4 5\n", "line 1: its rotation comes first"),
         ("-1 2 3 4 5 6 7 8\n", "the time"),

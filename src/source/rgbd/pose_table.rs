@@ -83,7 +83,7 @@ fn of_numbered(path: &Path, text: &str) -> Result<Option<Trajectory>, RgbdError>
         let time = time.ok_or_else(|| RgbdError::Line {
             path: path.to_owned(),
             line: *line,
-            reason: "the time is no number of seconds from 0 up".to_owned(),
+            reason: "the time is not a number of seconds from 0 up".to_owned(),
         })?;
         poses.push((time, pose(row)));
     }
@@ -232,7 +232,7 @@ fn of_columns(path: &Path, text: &str, columns: &Columns) -> Result<Trajectory, 
         }
         let has_time = time.is_some() || seconds.is_some();
         if has_time && stamp.is_none() {
-            return Err(wrong("the time is no number of seconds from 0 up"));
+            return Err(wrong("the time is not a number of seconds from 0 up"));
         }
         stamped.push((stamp.unwrap_or_default(), pose));
     }

@@ -119,7 +119,7 @@ fn assumption_of_size([width, height]: [u32; 2]) -> Assumption {
     Assumption::new(
         Subject::Camera,
         format!("its numbers are for images of {width} × {height} pixels"),
-        "its principal point is in the middle of those, and not of the depth images",
+        "its principal point is at the centre of those, not of the depth images",
         Evidence::Statistics,
     )
 }

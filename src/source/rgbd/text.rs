@@ -23,7 +23,7 @@ pub(super) fn read_bytes(path: &Path, max_bytes: u64) -> Result<Vec<u8>, RgbdErr
     let file = crate::regular_file::open(path).map_err(unreadable)?;
     let metadata = file.metadata().map_err(unreadable)?;
     if !metadata.is_file() {
-        return Err(unreadable(std::io::Error::other("it is no regular file")));
+        return Err(unreadable(std::io::Error::other("it is not a regular file")));
     }
     let bytes = metadata.len();
     let max_bytes = max_bytes.min(isize::MAX as u64);
@@ -117,7 +117,7 @@ pub(in crate::source) fn number_lines(path: &Path, text: &str) -> Result<Vec<(us
                 return Err(RgbdError::Line {
                     path: path.to_owned(),
                     line: index + 1,
-                    reason: format!("`{}` is no number", word.escape_default()),
+                    reason: format!("`{}` is not a number", word.escape_default()),
                 });
             }
         }

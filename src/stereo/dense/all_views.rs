@@ -52,7 +52,7 @@ impl Default for Dense {
 #[non_exhaustive]
 pub enum DenseError {
     /// Too few of them can be read.
-    #[error("depth needs two photographs that see the same, and {count} could be read: {reason}")]
+    #[error("depth needs two images of the same scene, and {count} could be read: {reason}")]
     TooFew {
         /// Number of images that could be read.
         count: usize,
@@ -60,9 +60,7 @@ pub enum DenseError {
         reason: String,
     },
     /// They show nothing that two of them agree on.
-    #[error(
-        "no depth was found in {photos} photographs: they show too little in common, or their cameras do not fit them"
-    )]
+    #[error("no depth was found in {photos} images: they overlap too little, or their cameras do not fit them")]
     Nothing {
         /// Number of images.
         photos: usize,
@@ -116,7 +114,7 @@ impl Dense {
         let swept: Vec<View<'_>> = views.iter().copied().step_by(every).collect();
         if swept.len() < small.len() {
             reasons.push(format!(
-                "depths were made of {} of {} photographs, evenly chosen: all would take long, and show the same",
+                "depths were computed for {} of {} images, evenly chosen: all would take long and show the same",
                 swept.len(),
                 small.len()
             ));
@@ -187,7 +185,7 @@ pub(super) fn read_small(set: &ViewSet, max_side_px: u32) -> Result<(Vec<Small>,
             .iter()
             .map(|&[red, green, blue, _]| [red, green, blue]);
         let image = ColorImage::new(photo.image.size_px(), pixels.collect());
-        let image = image.unwrap_or_else(|| unreachable!("as many pixels as the photograph has"));
+        let image = image.unwrap_or_else(|| unreachable!("the image has that number of pixels"));
         Ok(Small { number, photo, image })
     };
     let there = set.photos.par_iter().enumerate().filter(|(_, photo)| photo.has_file());

@@ -125,5 +125,5 @@ fn captures_without_scanners_hold_no_cloud() {
     let files = Files::new();
     let path = files.write("text.pcap", b"this is a text and no capture of packets");
     let error = io::read(&path).unwrap_err().to_string();
-    assert!(error.contains("this is no capture of packets"), "{error}");
+    assert!(error.contains("this is not a packet capture"), "{error}");
 }

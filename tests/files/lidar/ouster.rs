@@ -490,14 +490,14 @@ fn missing_metadata_is_named_and_wrong_metadata_says_where() {
     let angle = changed(&|metadata| metadata["beam_intrinsics"]["beam_azimuth_angles"][7] = json!("left"));
     assert!(angle.contains("beam_azimuth_angles 7"), "{angle}");
     let matrix = changed(&|metadata| metadata["lidar_intrinsics"]["lidar_to_sensor_transform"] = json!([1]));
-    assert!(matrix.contains("lidar_to_sensor_transform is no matrix"), "{matrix}");
+    assert!(matrix.contains("lidar_to_sensor_transform is not a matrix"), "{matrix}");
     let columns = changed(&|metadata| metadata["lidar_data_format"]["columns_per_frame"] = json!(1_000_000_000));
     assert!(
         columns.contains("columns_per_frame is 1000000000, expected a number from 1 to 8192"),
         "{columns}"
     );
     files.write("drive.json", b"{ \"beam_altitude_angles\": [");
-    assert!(error().contains("drive.json, header: it is no JSON"), "{}", error());
+    assert!(error().contains("drive.json, header: it is not JSON"), "{}", error());
     let other = Sensor { pixels: 64, ..sensor };
     files.write("drive.json", other.flat().to_string().as_bytes());
     assert!(

@@ -20,7 +20,7 @@ fn missing_photographs_are_left_out_with_their_observations() {
         let set = read(folder.path());
         assert_eq!(set.photos.len(), 4, "{name}");
         assert!(
-            set.notes.join("\n").contains("2 photographs were left out"),
+            set.notes.join("\n").contains("2 images were skipped"),
             "{name}: {:?}",
             set.notes
         );
@@ -39,7 +39,7 @@ fn missing_photographs_are_left_out_with_their_observations() {
             continue;
         }
         let error = error_of(folder.path());
-        assert!(error.contains("none of them can be shown"), "{name}: {error}");
+        assert!(error.contains("none of which can be shown"), "{name}: {error}");
         assert!(error.contains("view_00"), "{name}: {error}");
     }
 }
@@ -57,7 +57,7 @@ fn cameras_of_other_models_are_refused_by_name() {
         let error = error_of(folder.path());
         let name = model.split(' ').next().unwrap();
         assert!(
-            error.contains(&format!("of the model {name}, expected SIMPLE_PINHOLE")),
+            error.contains(&format!("camera model is {name}, expected SIMPLE_PINHOLE")),
             "{error}"
         );
     }
@@ -69,19 +69,19 @@ fn cameras_of_other_models_are_refused_by_name() {
     bytes[12] = 99;
     fs::write(&file, &bytes).unwrap();
     let error = error_of(binary.path());
-    assert!(error.contains("of the model number 99, expected 0 to 6"), "{error}");
+    assert!(error.contains("has model number 99, expected 0 to 6"), "{error}");
     bytes[12] = 17;
     fs::write(&file, &bytes).unwrap();
     // The points of the scene are shown without its photographs.
     let set = read(binary.path());
     let notes = set.notes.join("\n");
     assert_eq!((set.photos.len(), set.points.len()), (0, 40), "{notes}");
-    for words in ["6 photographs were left out", "of the model EQUIRECTANGULAR"] {
+    for words in ["6 images were skipped", "camera model is EQUIRECTANGULAR"] {
         assert!(notes.contains(words), "{notes}");
     }
     fs::remove_file(binary.path().join("sparse/points3D.bin")).unwrap();
     let error = error_of(binary.path());
-    assert!(error.contains("of the model EQUIRECTANGULAR"), "{error}");
+    assert!(error.contains("camera model is EQUIRECTANGULAR"), "{error}");
     let folder = folder_with(&[("cameras.txt", "1 PINHOLE 64 48 50 50 32\n"), images]);
     assert!(error_of(folder.path()).contains("PINHOLE, has 4 numbers, found 3"));
     let folder = folder_with(&[("cameras.txt", "2 PINHOLE 64 48 50 50 32 24\n"), images]);
@@ -96,11 +96,11 @@ fn a_million_photographs_that_are_not_there_are_an_error() {
     for (files, words) in [
         (
             vec![("a_par.txt", par)],
-            "line 3: the file ends where the name of a photograph was expected",
+            "line 3: the file ends where the name of an image was expected",
         ),
         (
             vec![("a.nvm", nvm)],
-            "line 5: the file ends where the name of a photograph was expected",
+            "line 5: the file ends where the name of an image was expected",
         ),
         (
             vec![("bundle.out", bundle), ("list.txt", "a.png")],
@@ -122,11 +122,7 @@ fn a_million_photographs_that_are_not_there_are_an_error() {
     assert!(error.contains("1000000 rows of 17 numbers are claimed"), "{error}");
     let folder = tempfile::tempdir().unwrap();
     Scene::simple().write_colmap_binary(folder.path());
-    for (file, what) in [
-        ("cameras", "cameras"),
-        ("images", "photographs"),
-        ("points3D", "points"),
-    ] {
+    for (file, what) in [("cameras", "cameras"), ("images", "images"), ("points3D", "points")] {
         let path = folder.path().join("sparse").join(format!("{file}.bin"));
         let whole = fs::read(&path).unwrap();
         for claim in [1_000_000, u64::MAX] {
@@ -154,7 +150,7 @@ fn singular_matrices_are_no_cameras() {
         ("50 5 32 0 50 24 0 0 1", good_r, "skewed"),
         (good_k, "0 0 0 0 0 0 0 0 0", "determinant 0.000"),
         (good_k, "-1 0 0 0 1 0 0 0 1", "determinant -1.000"),
-        (good_k, "2 0 0 0 2 0 0 0 2", "no rotation"),
+        (good_k, "2 0 0 0 2 0 0 0 2", "not a rotation"),
     ] {
         let error = error_of(folder_with(&[("a_par.txt", &par(k, r))]).path());
         assert!(error.contains(words), "{error}");
@@ -164,7 +160,7 @@ fn singular_matrices_are_no_cameras() {
         ("cameras.txt", "1 PINHOLE 64 48 50 50 32 24\n"),
         ("images.txt", nothing),
     ];
-    assert!(error_of(folder_with(&files).path()).contains("no rotation"));
+    assert!(error_of(folder_with(&files).path()).contains("not a rotation"));
 }
 
 /// Files that were cut anywhere, and files with a byte changed, are errors or sets, never a panic or a long wait.

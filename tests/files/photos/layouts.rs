@@ -87,7 +87,7 @@ fn lenses_of_transforms_are_known_by_any_case_and_others_refused_by_name() {
         let folder = folder_with(&[("transforms.json", &text)]);
         let error = error_of(folder.path());
         assert!(
-            error.contains(&format!("of the model {name}, expected PINHOLE")),
+            error.contains(&format!("camera model is {name}, expected PINHOLE")),
             "{error}"
         );
     }
@@ -154,7 +154,7 @@ fn a_scene_with_distorted_photographs_alone_says_which_lens_they_have() {
     let camera = "1 THIN_PRISM_FISHEYE 64 48 50 50 32 24 0 0 0 0 0 0 0 0\n";
     fs::write(model.join("cameras.txt"), camera).unwrap();
     fs::write(model.join("images.txt"), "1 1 0 0 0 0 0 0 1 dslr_images/a.png\n\n").unwrap();
-    assert!(error_of(folder.path()).contains("of the model THIN_PRISM_FISHEYE"));
+    assert!(error_of(folder.path()).contains("camera model is THIN_PRISM_FISHEYE"));
 }
 
 #[test]
@@ -171,7 +171,7 @@ fn pictures_of_other_formats_are_one_note_with_what_to_do() {
     }
     let error = error_of(folder.path());
     assert!(
-        error.contains("4 photographs were left out: 0.heic, 1.heic, 2.heic and 1 more: it is of a format"),
+        error.contains("4 images were skipped: 0.heic, 1.heic, 2.heic and 1 more: it has an unsupported"),
         "{error}"
     );
     assert!(error.contains("convert it to JPEG, PNG or WebP"), "{error}");

@@ -205,7 +205,7 @@ fn smaller_photographs_are_seen_through_smaller_cameras() {
         assert!(
             set.notes
                 .join("\n")
-                .contains("it has 48 × 64 pixels and was calibrated with 64 × 48")
+                .contains("it has 48 × 64 pixels but was calibrated with 64 × 48")
         );
     }
 }
@@ -341,7 +341,7 @@ fn photographs_of_llff_are_those_of_a_folder_of_as_many() {
     fs::remove_file(smaller.join("image001.png")).unwrap();
     let error = error_of(folder.path());
     assert!(
-        error.contains("6 photographs are calibrated") && error.contains("5 in images, 5 in images_4"),
+        error.contains("6 images are calibrated") && error.contains("5 in images, 5 in images_4"),
         "{error}"
     );
 }

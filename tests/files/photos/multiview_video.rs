@@ -85,7 +85,7 @@ fn an_image_that_is_missing_is_a_finding_and_no_failure() {
     let missing = report
         .findings
         .iter()
-        .find(|finding| finding.message.contains("cam2 has no image of this moment"));
+        .find(|finding| finding.message.contains("cam2 has no image of this time step"));
     assert_eq!(missing.expect("a finding").frames, [1], "{messages:?}");
     let set = sequence.source().posed_images(1).unwrap();
     assert_eq!(set.photos.len(), 6);

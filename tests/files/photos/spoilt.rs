@@ -112,7 +112,7 @@ fn the_dense_cloud_of_a_scene_is_shown_and_the_sparse_points_of_its_model() {
             .map(ToString::to_string)
             .collect();
         let said = said.join("\n");
-        for words in [dense, "40 sparse points", "sparse/0"] {
+        for words in [dense, "40 SfM points", "sparse/0"] {
             assert!(said.contains(words), "{words}: {said}");
         }
         assert_eq!(count(&opened(&folder.path().join("sparse/0"))), 40, "{dense}");
@@ -131,7 +131,7 @@ fn a_dense_cloud_that_is_broken_costs_itself() {
     let cloud = opened(folder.path()).decode(0).unwrap();
     assert_eq!(cloud.positions.len(), 40);
     assert!(
-        cloud.warnings.join("\n").contains("the sparse points are shown"),
+        cloud.warnings.join("\n").contains("the SfM points are shown"),
         "{:?}",
         cloud.warnings
     );

@@ -190,14 +190,14 @@ fn frames_without_poses_are_not_merged() {
     };
     let error = refusal(&inputs, merge(1, 3));
     assert!(
-        error.contains("there is no frame 3: the sequence has 3 frames, 0..2 (of --merge-frames 1..3 it has 1..2)"),
+        error.contains("frame 3 does not exist: the sequence has 3 frames, 0..2 (of --merge-frames 1..3 it has 1..2)"),
         "{error}"
     );
     fs::remove_file(folder.path().join("trajectory.log")).unwrap();
     assert!(refusal(&inputs, merge(0, 2)).contains("--poses"));
     let cloud = folder.path().join("a.ply");
     fs::write(&cloud, "ply").unwrap();
-    assert!(refusal(&[cloud], merge(0, 0)).contains("no recording of depth images"));
+    assert!(refusal(&[cloud], merge(0, 0)).contains("not a recording of depth images"));
 }
 
 #[test]
@@ -251,7 +251,7 @@ fn lists_with_broken_lines_name_the_line() {
 fn text_of_another_length_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_00_0000.depth");
-    for (text, expected) in [("1.0 2.0", "2 numbers"), ("1.0 x", "`x` is no number")] {
+    for (text, expected) in [("1.0 2.0", "2 numbers"), ("1.0 x", "`x` is not a number")] {
         fs::write(&path, text).unwrap();
         let error = error_of(&open(folder.path()), 0);
         assert!(

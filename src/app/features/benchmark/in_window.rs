@@ -57,7 +57,7 @@ impl State {
 const COMMANDS: &[Row] = &[
     Row::taking(Command::RUN_BENCHMARK, "Run a benchmark", "SUITE", |state, name| {
         let suite = suites::all().find(|suite| suite.name() == name);
-        state.start_benchmark(suite.ok_or_else(|| format!("there is no benchmark {name}"))?);
+        state.start_benchmark(suite.ok_or_else(|| format!("unknown benchmark {name}"))?);
         Ok(())
     })
     .offers(|_, _| {

@@ -53,7 +53,7 @@ pub(in crate::app) fn comparison_ui(ui: &mut Ui, comparison: &mut Comparison) ->
 /// Shows the toggle between the images and their error map.
 pub(in crate::app) fn error_map_ui(ui: &mut Ui, pictures: &mut PicturePair) {
     ui.add(Checkbox::new(&mut pictures.shows_difference, "Error map"))
-        .on_hover_text("FLIP per pixel with A as the reference: black is no visible difference, pale is the largest");
+        .on_hover_text("FLIP per pixel with A as the reference: black is not visible, pale is the largest difference");
 }
 
 /// Shows the difference of the images.

@@ -15,8 +15,8 @@ const SEEN: usize = 3;
 /// Phrases of the first users. Credit: own.
 const PHRASES: &[(&str, &[&str])] = &[
     ("background white", &["background: white"]),
-    ("screenshot", &["save picture", "save image"]),
-    ("take picture", &["save picture", "save image"]),
+    ("screenshot", &["save image"]),
+    ("take picture", &["save image"]),
     ("reset view", &["reset the view"]),
     ("home", &["reset the view"]),
     ("zoom to fit", &["frame everything"]),

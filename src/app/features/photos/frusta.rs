@@ -54,7 +54,7 @@ pub(in crate::app) fn frusta_ui(
         canvas.knob(center, RADIUS, color);
         let area = Rect::from_center_size(center, Vec2::splat(2.0 * GRAB));
         let response = ui
-            .interact(area, ui.scope_id().with(("photograph", number)), Sense::click())
+            .interact(area, ui.scope_id().with(("image", number)), Sense::click())
             .on_hover_cursor(CursorIcon::PointingHand)
             .on_hover_text(&photo.name);
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("View from {}", photo.name)));

@@ -175,7 +175,7 @@ impl Photos {
         let Some(set) = next.filter(|_| self.running.is_none()).map(Arc::clone) else {
             return;
         };
-        let Some(pool) = self.pool.get("photographs", 0) else {
+        let Some(pool) = self.pool.get("images", 0) else {
             return;
         };
         let progress = Progress::default();
@@ -216,7 +216,7 @@ impl Photos {
         let Some(parts) = self.frames.next(following) else {
             return;
         };
-        if let Some(pool) = self.pool.get("photographs", 0) {
+        if let Some(pool) = self.pool.get("images", 0) {
             // The frame is there, so that nobody has to read it for this.
             let origin = player.sequence().origin();
             self.frames.start(parts, *style, origin, tasks, pool);

@@ -40,7 +40,7 @@ pub(in crate::app) fn photos_ui(
             head_ui(ui, photos, set);
             ui.separator();
             ScrollArea::both()
-                .id_salt("list of photographs")
+                .id_salt("list of images")
                 .auto_shrink(false)
                 .show(ui, |ui| request = list_ui(ui, photos, set));
         });
@@ -68,7 +68,7 @@ fn head_ui(ui: &mut Ui, photos: &mut Photos, set: &ViewSet) {
 
 fn list_ui(ui: &mut Ui, photos: &mut Photos, set: &ViewSet) -> Option<PhotosRequest> {
     let mut request = None;
-    Grid::new("table of photographs")
+    Grid::new("table of images")
         .num_columns(5)
         .striped(true)
         .show(ui, |ui| {

@@ -367,7 +367,7 @@ impl Feature<State> for FeatureOf<Option<SplitView>> {
             id: None,
             menu: None,
             also: &[],
-            place: Dock::Top("beside", |state: &State| state.features.split_view.is_some()),
+            place: Dock::Top("split view", |state: &State| state.features.split_view.is_some()),
             show: bar,
         }];
         PANELS

@@ -41,8 +41,8 @@ impl Quantity {
             Self::Loss => "Share of the points that have no octree leaf of their own (%)",
             Self::Bounds => "Diagonal of what holds all points (units of the file)",
             Self::Error => {
-                "How far points are from the middles of the voxels that stand for them (RMS, units of the file); of \
-                 1,024 points a frame"
+                "Distance of points from the centres of the voxels that represent them (RMS, units of the file); of \
+                 1,024 points per frame"
             }
         }
     }

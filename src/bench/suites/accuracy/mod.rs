@@ -27,14 +27,14 @@ pub const ACCURACY: &Suite = &Suite {
     name: "accuracy",
     brief: "error and time of each stage",
     title: "Accuracy",
-    hint: "Errors beside times: normals of known shapes, octree leaves by δ, pictures by LOD threshold",
-    description: "errors of normals, octree leaves and levels of detail, beside their times",
+    hint: "Errors and times: normals of known shapes, octree leaves by δ, images by LOD threshold",
+    description: "errors and times of normals, octree leaves and levels of detail",
     measured: "normals: angle to the truth on sampled shapes, either sign; noise is the standard deviation along each \
         axis as a part of the diameter, outliers are 3 % of it off; tree, neighbours and planes on all threads, by \
-        least squares and robust. leaves: from points to the middles of their leaves, scene units and cell edges. lod: \
-        pictures of voxels, the whole object in view and from 4 times as far, against those of all leaves, τ = 0 (– is \
-        the truth itself, or a PSNR of equal pictures): PSNR and FLIP over the picture, FLIP over the pixels that show \
-        the object; to surfels: the same against surfels",
+        least squares and robust. leaves: from points to the centres of their leaves, scene units and cell edges. lod: \
+        images of voxels, the whole object in view and from 4 times as far, against those of all leaves, τ = 0 (– is \
+        the truth itself, or a PSNR of equal images): PSNR and FLIP over the image, FLIP over the pixels that show the \
+        object; to surfels: the same against surfels",
     not_measured: "decoding, orientation of normals, radii, building octrees, drawing",
     covered_by: "surfels",
     defaults: Defaults::PROTOCOL,
@@ -89,7 +89,7 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
             ))?;
             samples.measure(run, subject, &frame, distance)?;
         }
-        run.begin_step(format!("{}: voxels beside surfels", subject.named(index)))?;
+        run.begin_step(format!("{}: voxels compared with surfels", subject.named(index)))?;
         closed.measure(run, subject, &frame)?;
     }
     Run::check_measured(subject, &point_counts, first_failure)?;

@@ -73,14 +73,14 @@ pub const ERROR: &Suite = &Suite {
     name: "error",
     brief: "image error and time of every render mode",
     title: "Time × error",
-    hint: "Time and error of every way to draw, against the truth; a click on a point draws as it does",
-    description: "errors of pictures against the truth beside their times, for every way to draw",
-    measured: "CPU wall time from camera to finished picture, traversal and uploads of what it chose included; errors \
+    hint: "Time and error of every render mode, against the truth; a click on a point selects its mode",
+    description: "image errors against the truth and times, for every render mode",
+    measured: "CPU wall time from camera to finished image, including traversal and uploads of what it chose; errors \
         against the truth (a shape ray-traced, else all points in f64, as ellipses where the file has them and as \
-        disks elsewhere; 8x8 samples a pixel): FLIP over the pixels that show the object and over all, PSNR, SSIM, \
-        background where the surface is (holes), another surface than a splat's diameter away (wrong surface), \
-        surface where the background is (too much); bytes uploaded for a first picture; on the front is what no other \
-        way beats in time and FLIP of the object",
+        disks elsewhere; 8x8 samples per pixel): FLIP over the pixels that show the object and over all, PSNR, SSIM, \
+        background where the surface is (holes), another surface than a splat's diameter away (wrong surface), surface \
+        where the background is (too much); bytes uploaded for a first image; on the front is what no other mode beats \
+        in time and FLIP of the object",
     not_measured: "decoding, normals, octrees, reading back, showing",
     covered_by: "surfels",
     defaults: Defaults {
@@ -128,7 +128,7 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     let variants: Vec<Settings> = all.into_iter().filter(|way| modes.admit(&way.decided())).collect();
     if variants.is_empty() {
         return Err(BenchError::Nothing(
-            "no way to draw is among the modes that were asked for, on this machine".to_owned(),
+            "none of the requested render modes is available on this machine".to_owned(),
         ));
     }
     let mut runners = Runners {

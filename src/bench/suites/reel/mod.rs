@@ -31,7 +31,7 @@ const COLUMNS: &[Column] = &[
     Column::text("options", "options"),
     Column::number("frames", "frames", 0),
     Column::number("points", "points kept", 0),
-    Column::number("bits_per_point", "bits a point", 3),
+    Column::number("bits_per_point", "bits per point", 3),
     Column::number("geometry_bits", "geometry", 3),
     Column::number("position_bits", "position", 3),
     Column::number("color_bits", "colour", 3),
@@ -60,11 +60,12 @@ pub const REEL: &Suite = &Suite {
     name: "reel",
     brief: "size and decoding of sequence files",
     title: "Sequence files",
-    hint: "Bits a point, times and errors of sequence files with several options",
-    description: "bits a point of sequence files by stream, times to encode and decode, distortion; Draco beside",
+    hint: "Bits per point, times and errors of sequence files with several options",
+    description: "bits per point of sequence files by stream, times to encode and decode, distortion; Draco for \
+                  comparison",
     measured: "encoding and decoding frames that follow each other, on one thread, in memory; a frame's share of the \
         time of its group; PSNR of the last frame from point to point (D1) and along normals (D2), both ways, with 3 \
-        p², and of its colours; mean angle of its normals; FLIP of its picture beside that of the original, over the \
+        p², and of its colours; mean angle of its normals; FLIP of its image against that of the original, over the \
         pixels that show either",
     not_measured: "reading the frames, disks, the time to draw",
     covered_by: "points",
@@ -78,7 +79,7 @@ pub const REEL: &Suite = &Suite {
     has_paper_layout: false,
     columns: COLUMNS,
     headline: "bits_per_point",
-    bars_title: "Bits a point",
+    bars_title: "Bits per point",
     bar_labels: 2,
 };
 

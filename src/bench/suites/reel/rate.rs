@@ -28,7 +28,7 @@ const COLUMNS: &[Column] = &[
     Column::number("frame", "frame", 0).hidden(),
     Column::number("points", "points", 0),
     Column::number("kept_points", "points kept", 0),
-    Column::number("bits_per_point", "bits a point", 3),
+    Column::number("bits_per_point", "bits per point", 3),
     Column::number("d1_psnr", "D1 dB", 2),
     Column::number("d2_psnr", "D2 dB", 2),
     Column::number("color_psnr", "colour dB", 2),
@@ -42,10 +42,10 @@ pub const RATE: &Suite = &Suite {
     name: "rate",
     brief: "bits and errors of sequence files by option",
     title: "Rate × distortion",
-    hint: "Bits a point and errors of the shown frame for the options of sequence files; a click on a point shows it",
-    description: "bits a point of a frame beside its errors, for the options of sequence files",
+    hint: "Bits per point and errors of the shown frame for the options of sequence files; a click on a point shows it",
+    description: "bits per point and errors of a frame, for the options of sequence files",
     measured: "bits of all bytes of a file of this frame alone, over its points; PSNR from point to point (D1) and \
-        along normals (D2), both ways, with 3 p², and of colours; mean angle of normals; FLIP of the picture beside \
+        along normals (D2), both ways, with 3 p², and of colours; mean angle of normals; FLIP of the image against \
         that of the original, over the pixels that show either",
     not_measured: "times; what frames gain from one another",
     covered_by: "points",
@@ -59,7 +59,7 @@ pub const RATE: &Suite = &Suite {
     has_paper_layout: false,
     columns: COLUMNS,
     headline: "bits_per_point",
-    bars_title: "Bits a point",
+    bars_title: "Bits per point",
     bar_labels: 3,
 };
 

@@ -65,12 +65,12 @@ pub const RGBD: &Suite = &Suite {
     name: "rgbd",
     brief: "depth images",
     title: "Depth images",
-    hint: "Times of decoding depth images, of each of their filters, and of pictures with normals of the screen",
-    description: "decoding recordings of depth images, their filters, and pictures with normals of the screen",
+    hint: "Times of decoding depth images, of each of their filters, and of images with screen-space normals",
+    description: "decoding recordings of depth images, their filters, and images with screen-space normals",
     measured: "files in the cache of the system to a cloud (decode); each filter of the image that those before it \
-        made, from memory to memory; visible points, their normals and radii, and the picture of them on all threads; \
-        passes of a graphics card by its own clock, where it makes points and normals; medians",
-    not_measured: "disks, Morton order, uploads, showing; the paper's times are those of its graphics card",
+        made, from memory to memory; visible points, their normals and radii, and the image of them on all threads; \
+        passes of a GPU by its own clock, where it computes points and normals; medians",
+    not_measured: "disks, Morton order, uploads, showing; the paper's times are those of its GPU",
     covered_by: "points",
     defaults: Defaults {
         viewport_px: [1920, 1080],

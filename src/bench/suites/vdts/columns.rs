@@ -3,7 +3,7 @@
 use crate::bench::report::{Cell, Column, Row};
 
 /// Table of held-out images, compared with renderings from their viewpoints.
-pub(super) const SKIPPED: &str = "left out";
+pub(super) const SKIPPED: &str = "held out";
 /// Table 2 of the paper.
 pub(super) const SIZES: &str = "sizes";
 /// Fig. 10.
@@ -15,14 +15,14 @@ pub(super) const FILTERED: &str = "filtering";
 pub(super) const COLUMNS: &[Column] = &[
     Column::text(Column::TABLE, "table"),
     Column::text("sequence", "sequence"),
-    Column::text("photo", "photograph"),
+    Column::text("photo", "image"),
     Column::number("number", "number", 0).hidden(),
     Column::text("view", "view"),
     Column::text("mode", "mode"),
     Column::text("clipping", "clipping"),
     Column::text("filter", "filter"),
     Column::number("points", "points", 0),
-    Column::number("photographs", "photographs", 0),
+    Column::number("photographs", "images", 0),
     Column::number("bytes", "bytes", 0),
     Column::number("width", "width", 0).hidden(),
     Column::number("height", "height", 0).hidden(),

@@ -49,16 +49,16 @@ pub const VDTS: &Suite = &Suite {
     brief: "view-dependent texturing",
     title: "View-dependent texturing",
     hint: "Error of rendered views against held-out images",
-    description: "views of photographs that were left out, drawn by the others: view-dependent, by the nearest one, \
-        and in the colours of the points (paper 004); what bytes, clipping and filtering do (Table 2, Figs. 5 and 10)",
-    measured: "error beside the photograph that was left out, without its lens and times its gain, of the pixels in \
-        which something is drawn; `covered` is their share. ms: a picture by the software renderer, depth maps of the \
-        photographs known. Sizes, clipping: errors beside all points as disks of f64, of the pixels that show \
-        something in either; ms in the size of pictures that was asked for; bytes of points as a sequence file and of \
-        photographs as JPEG files of quality 90. Filtering: beside 8×8 rays a pixel",
-    not_measured: "reading photographs, depth maps, uploads. Of sequences without photographs, 58 of 512×512 are made \
-        of all their points, and put on 5,000 of them (145,000 of the tree, which is made as well); clipping has the \
-        depths of all points. Masks are not in the bytes",
+    description: "held-out images, rendered from the others: view-dependent, from the nearest one, and in the colours \
+        of the points (paper 004); effects of bytes, clipping and filtering (Table 2, Figs. 5 and 10)",
+    measured: "error against the held-out image, undistorted and exposure-compensated, over the pixels in which \
+        something is drawn; `covered` is their share. ms: one image of the software renderer, depth maps of the input \
+        images known. Sizes, clipping: errors against all points as disks in f64, over the pixels that show something \
+        in either; ms at the requested image size; bytes of points as a sequence file and of images as JPEG files of \
+        quality 90. Filtering: against 8×8 rays per pixel",
+    not_measured: "reading images, depth maps, uploads. For sequences without images, 58 of 512×512 are rendered from \
+        all their points, and used on 5,000 of them (145,000 for the tree, which is generated as well); clipping has \
+        the depths of all points. Masks are not in the bytes",
     covered_by: "points",
     defaults: Defaults {
         viewport_px: [1280, 720],
@@ -70,7 +70,7 @@ pub const VDTS: &Suite = &Suite {
     has_paper_layout: false,
     columns: COLUMNS,
     headline: "psnr_db",
-    bars_title: "PSNR beside the photograph, dB",
+    bars_title: "PSNR against the held-out image, dB",
     bar_labels: 3,
 };
 

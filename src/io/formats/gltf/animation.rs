@@ -158,7 +158,7 @@ fn sample<const N: usize>(
             "accessor",
             sampler.output,
             format!(
-                "it has {} values, expected {per_time} for each of {} moments",
+                "it has {} values, expected {per_time} for each of {} keyframes",
                 keys.len(),
                 times.len()
             ),

@@ -130,7 +130,7 @@ pub(super) fn resource(uri: &str, path: &Path, max_bytes: u64, options: &ReadOpt
             .decode(text)
             .map_err(|error| format!("its data: URI is damaged ({error})"));
     }
-    let name = percent_decoded(uri).ok_or_else(|| format!("`{}` is no URI of a file", uri.escape_default()))?;
+    let name = percent_decoded(uri).ok_or_else(|| format!("`{}` is not a URI of a file", uri.escape_default()))?;
     sidecars::read(&name, path, max_bytes, options)
 }
 

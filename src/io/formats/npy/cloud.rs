@@ -183,7 +183,7 @@ pub(super) fn cloud_of_archive(
     }
     if columns.is_empty() {
         return Err(Fault::header(format!(
-            "there are no coordinates: expected an array `xyz` or `points` (N × 3), found {}",
+            "missing coordinates: expected an array `xyz` or `points` (N × 3), found {}",
             if shapes.is_empty() {
                 "no array".to_owned()
             } else {
@@ -431,7 +431,7 @@ fn name_as_given(names: &mut [String], map: ColumnMap) -> Result<(), Fault> {
             ColumnName::Index(index) if *index < width => *index,
             _ => {
                 return Err(Fault::header(format!(
-                    "there is no column {column} as --columns says: the array has {width} without names, counted from 0"
+                    "column {column} of --columns does not exist: the array has {width} without names, counted from 0"
                 )));
             }
         };

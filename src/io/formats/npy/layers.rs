@@ -123,6 +123,6 @@ pub(super) fn take_layer(
 
 pub(super) fn no_layer(layer: usize, frames: usize) -> Fault {
     Fault::header(format!(
-        "there is no layer {layer}, only {frames} counted from 0: the file has changed since it was opened"
+        "layer {layer} does not exist, only {frames} counted from 0: the file has changed since it was opened"
     ))
 }

@@ -82,7 +82,7 @@ impl Reading<'_> {
         for library in libraries {
             match self.library(library) {
                 Ok(materials) => found.extend(materials.into_iter().map(|material| (material.name.clone(), material))),
-                Err(problem) => self.warnings.push(format!("its materials are left out: {problem}")),
+                Err(problem) => self.warnings.push(format!("its materials are skipped: {problem}")),
             }
         }
         found
@@ -120,7 +120,7 @@ impl Reading<'_> {
                 Some(self.pictures.len() as u32 - 1)
             }
             Err(problem) => {
-                self.warnings.push(format!("a texture is left out: {problem}"));
+                self.warnings.push(format!("a texture is skipped: {problem}"));
                 None
             }
         };

@@ -191,10 +191,7 @@ impl Model {
 
     fn into_cloud(mut self, file: &Encoded<'_>) -> Result<RawCloud, Fault> {
         if self.positions.is_empty() {
-            return Err(Fault::new(
-                Place::Line(1),
-                "there is no vertex: expected lines `v x y z`",
-            ));
+            return Err(Fault::new(Place::Line(1), "missing vertices: expected lines `v x y z`"));
         }
         let count = self.positions.len();
         let mut cloud = RawCloud::from_positions(Positions::F64(self.positions));

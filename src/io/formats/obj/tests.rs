@@ -113,18 +113,18 @@ fn what_is_missing_is_said_and_leaves_the_shape() {
     let without_library = read(&folder(None, true), &ReadOptions::default().of_meshes());
     assert_eq!((without_library.positions.len(), without_library.faces.len()), (7, 4));
     assert!(without_library.attributes.colors.is_none() && without_library.texturing.is_none());
-    assert!(without_library.warnings[0].contains("its materials are left out: `colors.mtl` cannot be read"));
+    assert!(without_library.warnings[0].contains("its materials are skipped: `colors.mtl` cannot be read"));
 
     let without_picture = read(&folder(Some(LIBRARY), false), &ReadOptions::default().of_meshes());
     assert!(without_picture.texturing.is_none());
     assert_eq!(without_picture.warnings.len(), 1);
-    assert!(without_picture.warnings[0].contains("a texture is left out: `pictures/skin of it.png` cannot be read"));
+    assert!(without_picture.warnings[0].contains("a texture is skipped: `pictures/skin of it.png` cannot be read"));
 
     let damaged = read(
         &folder(Some("newmtl skin\nKd red\n"), true),
         &ReadOptions::default().of_meshes(),
     );
-    assert!(damaged.warnings[0].contains("its materials are left out: `colors.mtl`"));
+    assert!(damaged.warnings[0].contains("its materials are skipped: `colors.mtl`"));
 }
 
 #[test]

@@ -103,7 +103,7 @@ impl Header {
             }
         }
         Err(Fault::header(
-            "there is no line `DATA`: the header is incomplete, or this is not a PCD file",
+            "missing line `DATA`: the header is incomplete, or this is not a PCD file",
         ))
     }
 
@@ -259,7 +259,7 @@ impl Lines {
 
     fn fields(&self, warnings: &mut Vec<String>) -> Result<Vec<PcdField>, Fault> {
         let needed = |line: &Option<Line>, keyword: &str| {
-            let missing = || Fault::header(format!("there is no line `{keyword}`"));
+            let missing = || Fault::header(format!("missing line `{keyword}`"));
             line.clone().ok_or_else(missing)
         };
         let names = needed(&self.fields, "FIELDS")?;

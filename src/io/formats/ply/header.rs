@@ -173,7 +173,7 @@ impl HeaderText {
             number += 1;
         }
         Err(Fault::header(
-            "there is no line `end_header`: the header is incomplete, the file may be truncated",
+            "missing line `end_header`: the header is incomplete, the file may be truncated",
         ))
     }
 
@@ -414,6 +414,6 @@ mod tests {
         file.resize(file.len() + 2 * MAX_HEADER_BYTES, b'\n');
         file.extend(b"end_header\n");
         let fault = PlyHeader::parse(&file).unwrap_err();
-        assert!(fault.problem.contains("no line `end_header`"), "{}", fault.problem);
+        assert!(fault.problem.contains("missing line `end_header`"), "{}", fault.problem);
     }
 }

@@ -149,7 +149,7 @@ fn no_points(header: &PlyHeader) -> Fault {
         elements.join(", ")
     };
     Fault::header(format!(
-        "there is no element `vertex`, where a point cloud keeps its points, but {found}: rename the one with the \
+        "missing element `vertex`, which has the points of a point cloud; found {found}: rename the one with the \
          points in the header"
     ))
 }

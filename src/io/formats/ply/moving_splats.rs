@@ -132,8 +132,8 @@ pub(super) fn warn_of_unknown(cloud: &mut RawCloud) {
         _ => ("properties", "say"),
     };
     cloud.warnings.push(format!(
-        "header: the {property} {} {says} that these are moving splats: their time is not read, splats of all moments \
-         are shown together",
+        "header: the {property} {} {says} that these are moving splats: their time is not read, splats of all time \
+         steps are shown together",
         names.join(", ")
     ));
 }

@@ -23,8 +23,8 @@ pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCl
         return Err(Fault::new(
             Place::Byte(records.len() * RECORD_BYTES),
             format!(
-                "the last {} bytes are no record: expected a multiple of {RECORD_BYTES} bytes, the file is truncated \
-                 or of another kind",
+                "the last {} bytes are not a whole record: expected a multiple of {RECORD_BYTES} bytes, the file is \
+                 truncated or of another kind",
                 rest.len()
             ),
         ));

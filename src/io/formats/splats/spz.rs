@@ -62,7 +62,7 @@ impl Header {
     /// Parses the header from 16 bytes at least.
     fn of(head: &[u8; HEADER_BYTES]) -> Result<Self, Fault> {
         if !head.starts_with(MAGIC) {
-            return Err(Fault::header("it does not begin with `NGSP`: this is no SPZ file"));
+            return Err(Fault::header("it does not begin with `NGSP`: this is not an SPZ file"));
         }
         Ok(Self {
             version: number(head, 4),

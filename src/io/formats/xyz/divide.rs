@@ -119,7 +119,7 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
         }
         // What a person says is not assumed.
         if given != Some(column) {
-            let why = format!("column `{name}` has as many values, for {mean:.0} points each");
+            let why = format!("column `{name}` has {count} values, for {mean:.0} points each");
             let assumption = Assumption::new(Subject::Frames, count.to_string(), why, evidence);
             assumptions.push(assumption.with_option(Some("--columns")));
         }

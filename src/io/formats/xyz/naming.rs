@@ -334,7 +334,7 @@ fn no_column(column: &ColumnName, raw: Option<&[String]>, head: &Head, width: us
     let line = head.header.as_ref().map_or(head.line_count + 1, |header| header.line);
     Fault::new(
         Place::Line(line),
-        format!("there is no column {column} as --columns says: {found}"),
+        format!("column {column} of --columns does not exist: {found}"),
     )
 }
 

@@ -22,7 +22,7 @@ pub(super) fn refuse(rows: &ParsedRows, kinds: &[Kind], line: usize) -> Result<(
             found.row()
         )
     } else if is_camera_matrix(columns) {
-        "three rows of a camera matrix are no points: name the file with --intrinsics next to depth \
+        "three rows of a camera matrix are not points: name the file with --intrinsics next to depth \
          images, or say which columns are coordinates, such as --columns x=0,y=1,z=2"
             .to_owned()
     } else if is_grid(columns) {

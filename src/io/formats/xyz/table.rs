@@ -424,7 +424,7 @@ impl Table {
     pub(in crate::io) fn frame(&self, index: usize, options: &ReadOptions) -> Result<RawCloud, Fault> {
         if index >= self.frame_count() {
             return Err(Fault::header(format!(
-                "there is no frame {index}, only {} counted from 0: the file has changed since it was opened",
+                "frame {index} does not exist, only {} counted from 0: the file has changed since it was opened",
                 self.frame_count()
             )));
         }
@@ -504,7 +504,7 @@ fn no_rows(head: &Head, text: &[u8]) -> Result<Table, Fault> {
         _ if known > 0 && lines <= known + usize::from(head.claimed.is_some()) => Ok(Table::default()),
         _ => Err(Fault::new(
             Place::Line(1),
-            "there is no line with numbers: expected x y z in columns",
+            "no line has numbers: expected x y z in columns",
         )),
     }
 }

@@ -51,7 +51,7 @@ pub(in crate::io) fn list(path: &Path, format: Format, options: &ReadOptions) ->
         if unpacked.is_err() && start.is_empty() {
             return Err(invalid(Fault::new(
                 Place::Byte(0),
-                "this is no gzip stream, or it ends before its first byte: it is damaged",
+                "this is not a gzip stream, or it ends before its first byte: it is damaged",
             )));
         }
         if !tar::is_header(&start) {

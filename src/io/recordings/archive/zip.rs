@@ -46,7 +46,7 @@ fn place(found: &zip::read::ZipFile<'_, std::io::BufReader<File>>) -> MemberPlac
         CompressionMethod::Zstd => Packing::Zstd,
         other => {
             return MemberPlace::Unreadable(format!(
-                "it is packed by {other}, expected deflate, zstd or none: pack it anew"
+                "it is compressed with {other}, expected deflate, zstd or none: compress it again"
             ));
         }
     };

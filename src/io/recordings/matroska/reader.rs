@@ -91,7 +91,7 @@ impl Reader {
         let body = head(&mut self.walk)
             .filter(is_header)
             .and_then(|head| self.body(&head))
-            .ok_or_else(|| invalid("this is no Matroska file: its first bytes are others".to_owned()))?;
+            .ok_or_else(|| invalid("this is not a Matroska file: its first bytes differ".to_owned()))?;
         let kind = children(&body).find(|&(id, _)| id == DOC_TYPE);
         let kind = kind.map_or_else(|| "matroska".to_owned(), |(_, body)| text(body));
         if !["matroska", "webm"].contains(&kind.as_str()) {

@@ -73,7 +73,7 @@ impl Capture {
             let Ok((_, header)) = parse_pcap_header(head) else {
                 return Err(Fault::new(
                     Place::Byte(0),
-                    "this is no capture of packets: the first bytes of pcap or pcapng were expected",
+                    "this is not a packet capture: expected the first bytes of pcap or pcapng",
                 ));
             };
             window.take(FILE_HEADER_BYTES);

@@ -52,7 +52,7 @@ impl Companions {
     pub(super) fn expected(&self, extension: &str, address: &str) -> String {
         match self {
             Self::Sidecar { capture, .. } => format!(
-                "beside the capture, as {} or under another name with the extension {extension}",
+                "next to the capture, as {} or under another name with the extension {extension}",
                 expected(capture, extension)
             ),
             Self::Given(_) => format!("behind the address, as in {address}"),

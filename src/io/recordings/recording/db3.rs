@@ -107,7 +107,7 @@ fn open(path: &Path) -> Result<Connection, Failure> {
         let computes = |word: &str| word.eq_ignore_ascii_case("virtual") || word.eq_ignore_ascii_case("as");
         if words.any(computes) {
             return Err(Failure::Said(format!(
-                "`{table}` is computed, expected a plain table: this is no ROS 2 bag"
+                "`{table}` is computed, expected a plain table: this is not a ROS 2 bag"
             )));
         }
     }

@@ -116,7 +116,7 @@ pub(super) fn decode_protobuf(message: &[u8], options: &ReadOptions) -> Result<R
 /// The cloud of a message in JSON.
 pub(super) fn decode_json(message: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
     let cloud: JsonCloud = serde_json::from_slice(message)
-        .map_err(|error| Fault::header(format!("the message is no foxglove.PointCloud: {error}")))?;
+        .map_err(|error| Fault::header(format!("the message is not a foxglove.PointCloud: {error}")))?;
     let data = STANDARD
         .decode(&cloud.data)
         .map_err(|error| Fault::header(format!("`data` is not in base 64: {error}")))?;

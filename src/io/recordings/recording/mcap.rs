@@ -46,7 +46,7 @@ pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Re
     if walk.take(MAGIC.len() as u64).as_deref() != Some(MAGIC) {
         return Err(Fault::new(
             Place::Byte(0),
-            "this is no MCAP file: its first bytes are others",
+            "this is not an MCAP file: its first bytes differ",
         ));
     }
     let mut finder = Finder {

@@ -103,7 +103,7 @@ pub(super) const ROWS: &[Foreign] = &[
         ..ROW
     },
     Foreign {
-        name: "a scan of 3DTK (its pose is in the file .pose beside it)",
+        name: "a scan of 3DTK (its pose is in the file .pose next to it)",
         writer: "3DTK",
         advice: "give copies of the files the extension .xyz, as they are text of x y z: their poses are not read, so \
                  export registered scans from 3DTK where places matter",

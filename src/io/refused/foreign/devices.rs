@@ -16,7 +16,7 @@ pub(super) const ROWS: &[Foreign] = &[
         name: "a Metashape project",
         writer: "Agisoft Metashape and PhotoScan",
         advice: "export its point cloud from Metashape as LAS, E57 or PLY (File > Export > Export Point Cloud), or \
-            its cameras as XML with the photographs",
+            its cameras as XML with the images",
         looks_like: Some(looks_text::metashape),
         extensions: &["psx", "psz"],
         ..ROW

@@ -44,7 +44,7 @@ pub(super) const ROWS: &[Foreign] = &[
         ..ROW
     },
     Foreign {
-        name: "a raw raster with a header beside it (BIL, BIP or BSQ)",
+        name: "a raw raster with a header file next to it (BIL, BIP or BSQ)",
         writer: "GIS programs",
         advice: "convert an elevation to points with `gdal_translate -of XYZ FILE points.xyz`",
         extensions: &["bil", "bip", "bsq"],

@@ -26,7 +26,7 @@ pub(super) fn cameras(path: &Path) -> Result<Cameras, PhotosError> {
         let Some(model) = Model::of_number(number) else {
             // How long its row is is not known, so that what follows cannot be read.
             return Err(bytes.error(format!(
-                "camera {id} is of the model number {number}, expected 0 to 6: undistort the photographs first"
+                "camera {id} has model number {number}, expected 0 to 6: undistort the images first"
             )));
         };
         let mut numbers = Vec::with_capacity(model.count);
@@ -43,13 +43,13 @@ pub(super) fn images(path: &Path) -> Result<Vec<Image>, PhotosError> {
     let file = read_file(path)?;
     let mut bytes = Bytes::new(path, &file);
     let mut images = Vec::new();
-    for _ in 0..bytes.count("photographs", MIN_IMAGE)? {
+    for _ in 0..bytes.count("images", MIN_IMAGE)? {
         let id = bytes.u32()?;
         let quaternion = bytes.f64s()?;
         let shift = DVec3::from_array(bytes.f64s()?);
         let camera = bytes.u32()?;
         let name = bytes.name()?;
-        let count = bytes.count("features of a photograph", FEATURE)?;
+        let count = bytes.count("features of an image", FEATURE)?;
         let mut features = Vec::with_capacity(count as usize);
         for _ in 0..count {
             features.push(feature(bytes.f64s()?));

@@ -125,7 +125,7 @@ pub(super) fn refusal(name: &str) -> String {
         .map(|model| model.name)
         .collect();
     format!(
-        "its camera is of the model {name}, expected {}: undistort the photographs first",
+        "its camera model is {name}, expected {}: undistort the images first",
         shown.join(", ")
     )
 }

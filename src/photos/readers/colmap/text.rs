@@ -41,13 +41,13 @@ pub(super) fn images(path: &Path) -> Result<Vec<Image>, PhotosError> {
     let mut images = Vec::new();
     text.skip_comments();
     while !text.is_at_end() {
-        let id = text.number("the number of a photograph")?;
-        let quaternion = text.numbers("the turn of a photograph (QW QX QY QZ)")?;
-        let shift = DVec3::from_array(text.numbers("the shift of a photograph (TX TY TZ)")?);
+        let id = text.number("the number of an image")?;
+        let quaternion = text.numbers("the rotation of an image (QW QX QY QZ)")?;
+        let shift = DVec3::from_array(text.numbers("the translation of an image (TX TY TZ)")?);
         let camera = text.number("the number of a camera")?;
         let name = text.rest_of_line().to_owned();
         if name.is_empty() {
-            return Err(text.error("the line before has no name of a photograph"));
+            return Err(text.error("the line before has no image name"));
         }
         let features = features(text.rest_of_line()).ok_or_else(|| {
             text.error(format!(

@@ -75,7 +75,7 @@ pub(in crate::render::gpu) const RESOLVE: ScreenPass = ScreenPass {
 
 /// Resolve pass for surfaces with view-dependent texturing, whose gaps are closed.
 pub(in crate::render::gpu) const RESOLVE_PHOTOS: ScreenPass = ScreenPass {
-    name: "resolve photographs",
+    name: "resolve images",
     files: &[shader_file!("passes/resolve_photos.wgsl")],
     source: Some(Source::TexturedSums),
     ..RESOLVE

@@ -40,7 +40,7 @@ pub(in crate::render::gpu) const SHADE_PHYSICAL: ScreenPass = ScreenPass {
 
 /// Deferred shading of surfaces with view-dependent texturing (paper 004 §3).
 pub(in crate::render::gpu) const SHADE_PHOTOS: ScreenPass = ScreenPass {
-    name: "shade photographs",
+    name: "shade images",
     files: &[BLINN_PHONG, PHOTOS, TEXTURED, SHADE_FILE],
     source: Some(Source::Textured),
     ..SHADE
@@ -48,7 +48,7 @@ pub(in crate::render::gpu) const SHADE_PHOTOS: ScreenPass = ScreenPass {
 
 /// Deferred shading of surfaces with view-dependent texturing and a material, in an environment.
 pub(in crate::render::gpu) const SHADE_PHOTOS_PHYSICAL: ScreenPass = ScreenPass {
-    name: "shade photographs physically",
+    name: "shade images physically",
     files: &[PHYSICAL, PHOTOS, TEXTURED, SHADE_FILE],
     parts: SHADE_PHYSICAL.parts,
     ..SHADE_PHOTOS

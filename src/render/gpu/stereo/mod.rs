@@ -98,7 +98,7 @@ impl CardMatcher {
     fn warn(&self, error: &RenderError) {
         let mut on_card = lock(&self.on_card);
         if !std::mem::replace(&mut on_card.has_warned, true) {
-            log::warn!("stereo on the graphics card failed: {error}; the processor matches this pair");
+            log::warn!("stereo on the GPU failed: {error}; the CPU matches this pair");
         }
     }
 }

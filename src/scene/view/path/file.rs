@@ -27,13 +27,13 @@ pub enum PathFileError {
         reason: std::io::Error,
     },
     /// Larger than any path.
-    #[error("{} is no camera path: it has more than 64 MiB", path.display())]
+    #[error("{} is not a camera path: it has more than 64 MiB", path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
     },
     /// It is not what a path looks like; the reason names line and column.
-    #[error("{} is no camera path: {reason}", path.display())]
+    #[error("{} is not a camera path: {reason}", path.display())]
     Json {
         /// The file.
         path: PathBuf,

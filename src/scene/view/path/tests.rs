@@ -121,11 +121,11 @@ fn wrong_files_are_refused_by_line() {
         assert!(good.contains(from), "{good}");
         of(&good.replacen(from, to, 1))
     };
-    assert!(of("[1, 2").starts_with("p.json is no camera path: "));
+    assert!(of("[1, 2").starts_with("p.json is not a camera path: "));
     assert!(of("{}").contains("missing field `pointreel_path`"));
     assert!(changed("path\": 1", "path\": 2").contains("of version 2"));
     let odd = changed("\"z\"", "\"w\"");
-    assert!(odd.contains("`w` is no up axis") && odd.contains("line 4"), "{odd}");
+    assert!(odd.contains("unknown up axis `w`") && odd.contains("line 4"), "{odd}");
     let unknown = changed("fov_deg", "fov_rad");
     assert!(
         unknown.contains("unknown field `fov_rad`") && unknown.contains("line 7"),

@@ -67,7 +67,7 @@ fn servers_of_other_kinds_are_told_apart() {
     damaged.extend(Message::new(Kind::Points, vec![7; 20]).encode());
     let cases = thread::scope(|scope| {
         let cases = [
-            (b"SSH-2.0-OpenSSH_9.6\r\n".to_vec(), "no live stream"),
+            (b"SSH-2.0-OpenSSH_9.6\r\n".to_vec(), "not a live stream"),
             (newer, "version 9"),
             (huge, "claims 4294967295 bytes"),
             (damaged, "the head of a frame"),
@@ -170,7 +170,7 @@ fn where_all_who_are_there_take_part_others_are_told_so() {
     }
     wait_for("pings", || server.server.all_have_spoken());
     let error = LiveStream::open(&server.url(), &OpenOptions::default(), &Progress::default()).err();
-    assert!(error.unwrap().to_string().contains("as many clients as may be"));
+    assert!(error.unwrap().to_string().contains("the maximum number of clients"));
     assert_eq!(server.server.report().clients, MAX_CLIENTS);
 }
 

@@ -33,7 +33,7 @@ fn number(value: &Value, key: &str) -> Result<f64, String> {
 fn numbers(value: &Value, key: &str) -> Result<Vec<f64>, String> {
     let numbers = value.get(key).and_then(Value::as_array);
     let numbers = numbers.and_then(|numbers| numbers.iter().map(Value::as_f64).collect::<Option<_>>());
-    numbers.ok_or_else(|| format!("`{key}` is no list of numbers"))
+    numbers.ok_or_else(|| format!("`{key}` is not a list of numbers"))
 }
 
 fn size(value: &Value) -> Result<Option<[u32; 2]>, String> {
@@ -44,7 +44,8 @@ fn size(value: &Value) -> Result<Option<[u32; 2]>, String> {
                 .as_u64()
                 .and_then(|edge| u32::try_from(edge).ok())
                 .filter(|&edge| edge > 0);
-            edge.map(Some).ok_or_else(|| format!("`{key}` is no number of pixels"))
+            edge.map(Some)
+                .ok_or_else(|| format!("`{key}` is not a number of pixels"))
         }
     };
     Ok(edge("width", "w")?

@@ -111,7 +111,7 @@ impl DeviceCamera {
             let side = camera.get(key).and_then(Value::as_u64);
             let side = side.and_then(|side| u32::try_from(side).ok());
             side.map(u64::from)
-                .ok_or_else(|| format!("`{key}` is no number of pixels"))
+                .ok_or_else(|| format!("`{key}` is not a number of pixels"))
         };
         let numbers = numbers(camera, "/Intrinsics/ModelParameters")?;
         let &[cx, cy, fx, fy, k1, k2, k3, k4, k5, k6, codx, cody, p2, p1, ..] = numbers.as_slice() else {
@@ -167,14 +167,14 @@ fn pair(numbers: [u32; 2]) -> DVec2 {
 fn numbers(camera: &Value, pointer: &str) -> Result<Vec<f64>, String> {
     let list = camera.pointer(pointer).and_then(Value::as_array);
     let numbers = list.and_then(|list| list.iter().map(Value::as_f64).collect::<Option<_>>());
-    numbers.ok_or_else(|| format!("`{}` is no list of numbers", &pointer[1..]))
+    numbers.ok_or_else(|| format!("`{}` is not a list of numbers", &pointer[1..]))
 }
 
 fn place(camera: &Value) -> Result<DAffine3, String> {
     let rows: Result<[f64; 9], _> = numbers(camera, "/Rt/Rotation")?.try_into();
     let shift: Result<[f64; 3], _> = numbers(camera, "/Rt/Translation")?.try_into();
     let (Ok(rows), Ok(shift)) = (rows, shift) else {
-        return Err("`Rt` is no rotation of nine numbers and no translation of three".to_owned());
+        return Err("`Rt` is not a rotation of nine numbers and a translation of three".to_owned());
     };
     let rotation = DMat3::from_cols_array(&rows).transpose();
     let off = (rotation.transpose() * rotation - DMat3::IDENTITY).to_cols_array();

@@ -71,7 +71,7 @@ fn find(path: &Path, options: &RgbdOptions, read: &ReadOptions) -> Result<FoundR
         let lens = color.as_ref().map(|color| device.color(color.track.size_px));
         if let Some(Err(problem)) = &lens {
             notes.push(format!(
-                "colours are left out, as the calibration does not tell their camera: {problem}"
+                "colours are skipped, as the calibration does not describe their camera: {problem}"
             ));
             color = None;
         }
@@ -86,7 +86,7 @@ fn find(path: &Path, options: &RgbdOptions, read: &ReadOptions) -> Result<FoundR
     let mut found = recording.found(depth, color.as_ref(), calibration, notes);
     if file.is_truncated {
         found.damage.push(format!(
-            "{}: the recording breaks off: what is before its end is read",
+            "{}: the recording ends early: what is before its end is read",
             path.display()
         ));
     }
@@ -166,8 +166,8 @@ impl KinectRecording<'_> {
         let pixels = pixels.filter(|_| !track.is_packed && track.laced == 0 && !track.size_px.contains(&0));
         if pixels.is_none() {
             notes.push(format!(
-                "colours of track {} are left out: they are written as {}, and single images (MJPG, NV12, YUY2, BGRA) \
-                 are read, as k4arecorder writes them; export them as images, and open those with the depths",
+                "colours of track {} are skipped: they are encoded as {}, and only single images (MJPG, NV12, YUY2, \
+                 BGRA) are read, as k4arecorder writes them; export them as images, and open those with the depths",
                 track.number,
                 codec_of(track)
             ));

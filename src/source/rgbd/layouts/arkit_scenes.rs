@@ -82,7 +82,7 @@ fn trajectory(path: &Path) -> Result<Trajectory, RgbdError> {
         let numbers = <[f64; 7]>::try_from(numbers);
         let [seconds, rx, ry, rz, x, y, z] =
             numbers.map_err(|_| wrong("expected a time, a rotation of three numbers and a translation"))?;
-        let time = Duration::try_from_secs_f64(seconds).map_err(|_| wrong("the time is no number of seconds"))?;
+        let time = Duration::try_from_secs_f64(seconds).map_err(|_| wrong("the time is not a number of seconds"))?;
         let (turn, shift) = (DVec3::new(rx, ry, rz), DVec3::new(x, y, z));
         let camera_from_world = DAffine3::from_rotation_translation(DQuat::from_scaled_axis(turn), shift);
         let is_pose = turn.is_finite() && shift.is_finite();

@@ -159,7 +159,7 @@ impl FoundRecording {
                 count > 0
             }
             Err(error) => {
-                self.notes.push(format!("{error}. Its poses are left out"));
+                self.notes.push(format!("{error}. Its poses are ignored"));
                 false
             }
         }

@@ -112,7 +112,7 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     }
     if frames.len() < listed {
         found.notes.push(format!(
-            "{} of {listed} frames of {} name no depth image that exists: they are left out",
+            "{} of {listed} frames of {} name no depth image that exists: they are skipped",
             listed - frames.len(),
             name_of(&folder.path.join(NAME))
         ));
@@ -146,7 +146,7 @@ fn lens(file: &Value, frame: &Value) -> Result<Intrinsics, String> {
     let fy = at("fl_y").or_else(|| of_angle("camera_angle_y", size.map(|(_, height)| height)));
     let principal = at("cx").zip(at("cy"));
     let Some((cx, cy)) = principal.or_else(|| size.map(|(width, height)| (width / 2.0, height / 2.0))) else {
-        return Err("it has no middle of the image: expected cx and cy, or w and h".to_owned());
+        return Err("it has no principal point: expected cx and cy, or w and h".to_owned());
     };
     let numbers = [fx, fy.unwrap_or(fx), cx - 0.5, cy - 0.5];
     let size_px = size.map(|(width, height)| [width as u32, height as u32]);

@@ -71,7 +71,7 @@ fn stamped(folder: &Folder, list: &str) -> Result<Vec<(Duration, PathBuf)>, Rgbd
             .split_once(char::is_whitespace)
             .ok_or_else(|| wrong("expected a time and the name of an image"))?;
         let time = times_of_lines(time).and_then(|times| times.first().copied());
-        let time = time.ok_or_else(|| wrong("the time is no number of seconds from 0 up"))?;
+        let time = time.ok_or_else(|| wrong("the time is not a number of seconds from 0 up"))?;
         let name = Path::new(name.trim());
         if !name
             .components()

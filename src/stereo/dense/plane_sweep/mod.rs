@@ -145,7 +145,7 @@ impl PlaneSweep {
         };
         let depths = labels.into_iter().map(depth).collect();
         progress.advance(1);
-        Ok(DepthImage::new(view.image.size_px(), depths).expect("as many as the image has pixels"))
+        Ok(DepthImage::new(view.image.size_px(), depths).expect("one depth per pixel of the image"))
     }
 
     fn check_depths(&self) -> Result<(), StereoError> {

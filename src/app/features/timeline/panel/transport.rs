@@ -172,7 +172,7 @@ fn shown_ui(ui: &mut Ui, player: &Player) {
         let why = if player.is_partial() {
             "the others are being read"
         } else {
-            "there is no time for more at this frame rate. All are, when paused"
+            "this frame rate leaves no time for more. When paused, all are shown"
         };
         ui.label(RichText::new(format!("1/{share:.0} of points")).color(ui.visuals().warn_fg_color))
             .on_hover_text(format!(

@@ -55,7 +55,7 @@ pub(super) fn is_metadata(text: &str) -> bool {
 pub(super) fn parse(text: &str) -> Result<Metadata, Fault> {
     let root: Value = serde_json::from_str(text).map_err(|error| {
         Fault::header(format!(
-            "it is no JSON ({error}), expected the metadata of an Ouster sensor"
+            "it is not JSON ({error}), expected the metadata of an Ouster sensor"
         ))
     })?;
     let sections = Sections { root: &root };
@@ -140,7 +140,7 @@ impl<'a> Sections<'a> {
             (Some(value), _) => count(value, "columns_per_frame", MAX_COLUMNS),
             (None, Some(columns)) => Ok(columns),
             (None, None) => Err(Fault::header(
-                "neither columns_per_frame nor lidar_mode says how many columns a turn has, expected one, such as \
+                "neither columns_per_frame nor lidar_mode says how many columns a revolution has, expected one such as \
                  \"lidar_mode\": \"1024x10\"",
             )),
         }
@@ -244,6 +244,6 @@ fn matrix(value: &Value, name: &str) -> Result<DMat4, Fault> {
         numbers.iter().all(|number| number.abs() < 1e9).then_some(numbers)
     });
     let numbers =
-        numbers.ok_or_else(|| Fault::header(format!("{name} is no matrix, expected a list of 16 numbers")))?;
+        numbers.ok_or_else(|| Fault::header(format!("{name} is not a matrix, expected a list of 16 numbers")))?;
     Ok(DMat4::from_cols_array(&numbers).transpose())
 }

@@ -126,7 +126,7 @@ impl Recogniser for OfOuster {
         };
         if let Some(capture) = capture.filter(|_| is_of_another) {
             log::warn!(
-                "{}: the metadata beside it is of another sensor of the same kind, by its serial number",
+                "{}: the metadata next to it is of another sensor of the same kind, by its serial number",
                 capture.display()
             );
         }

@@ -71,7 +71,7 @@ pub(super) fn parse(text: &str) -> Result<Calibration, Fault> {
         ..ParsingOptions::default()
     };
     let document = Document::parse_with_options(text, options)
-        .map_err(|error| Fault::header(format!("it is no XML ({error}), expected a calibration of Velodyne")))?;
+        .map_err(|error| Fault::header(format!("it is not XML ({error}), expected a Velodyne calibration")))?;
     let unit_cm = document.descendants().find_map(|node| value(node, "distLSB_"));
     let mut lasers: Vec<Option<Corrected>> = vec![None; LASERS];
     for node in document.descendants().filter(|node| node.has_tag_name("px")) {

@@ -1,6 +1,6 @@
 //! Angles of lasers in degrees, in the order of the packets, as the manuals print them.
 
-#![expect(clippy::approx_constant, reason = "an angle of 6.28 degrees is no circle")]
+#![expect(clippy::approx_constant, reason = "6.28 degrees is an angle here, and not τ")]
 
 /// Elevation, and the vertical correction in millimetres.
 pub(super) const VLP_16: [(f64, f64); 16] = [
