@@ -1,4 +1,4 @@
-//! Building the octree of one frame (paper 000, Table III, column *build*).
+//! Building the octree of one frame (the 4D media paper, Table III, column *build*).
 //!
 //! Measured: `Octree::build` from positions and colours in memory, on one and two threads, at δ = 2, 10 and 50 % and
 //! with at most eight points a leaf, with everything it allocates; of points that are in Morton order already, as those

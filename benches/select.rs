@@ -1,4 +1,4 @@
-//! Traversing the octree of one frame into its visible set (paper 000, Table III, column *traverse*).
+//! Traversing the octree of one frame into its visible set (the 4D media paper, Table III, column *traverse*).
 //!
 //! Measured: `Octree::select` on one and two threads into a `Vec` that has its memory, for a tree seen whole, filling
 //! the image, and from within, at LOD thresholds of 0 (all leaves), 1 and 4 pixels at 1280 pixels of height; 88,000

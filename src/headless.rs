@@ -128,7 +128,7 @@ pub struct LevelsStats {
     pub traversal: SceneStats,
 }
 
-/// An octree in numbers (paper 000, Table III).
+/// An octree in numbers (the 4D media paper, Table III).
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct OctreeStats {
     /// Deepest level.

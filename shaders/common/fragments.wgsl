@@ -8,7 +8,7 @@ fn is_outside_splat(in: Varyings) -> bool {
     return dot(place, place) > 1.0;
 }
 
-// How much of a splat there is: usually by the circular Gaussian mask of paper 000 §V; 0 outside the disk.
+// How much of a splat there is: usually by the circular Gaussian mask of the 4D media paper §V; 0 outside the disk.
 fn mask_weight(place: vec2f) -> f32 {
     let radius2 = dot(place, place);
     if (radius2 > 1.0) {

@@ -1,5 +1,5 @@
-// A head light: it shines from the eye, so that every surface that can be seen is lit (paper 000 §V-B: per instance,
-// per vertex or per fragment).
+// A head light: it shines from the eye, so that every surface that can be seen is lit (the 4D media paper §V-B: per
+// instance, per vertex or per fragment).
 
 #import common/view.wgsl
 #import generated/constants

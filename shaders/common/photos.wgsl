@@ -1,5 +1,5 @@
-// Surfaces have their colours from photographs (paper 004 §3.2-3.4), and, where they are lit anew, normals from depths
-// of these (§4.1): scene/photographs.rs, render/cpu/photographs.
+// Surfaces have their colours from photographs (Yang et al. 2006 §3.2-3.4), and, where they are lit anew, normals from
+// depths of these (§4.1): scene/photographs.rs, render/cpu/photographs.
 
 #import common/blended_surface.wgsl
 #import common/photo_table.wgsl

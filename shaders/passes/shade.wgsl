@@ -1,5 +1,5 @@
-// Deferred shading (paper 003 §3.6): light falls on the blended surface, once for each pixel. Leaves sums of lit
-// colours and weights, as the attribute pass does without it. What light is: `blinn_phong.wgsl`, `physical.wgsl`.
+// Deferred shading (Hofer et al. 2018 §3.6): light falls on the blended surface, once for each pixel. Leaves sums of
+// lit colours and weights, as the attribute pass does without it. What light is: `blinn_phong.wgsl`, `physical.wgsl`.
 // What colours and normals are: `own_colors.wgsl`, `textured.wgsl`.
 
 #import common/blended_surface.wgsl

@@ -1,4 +1,5 @@
-// Half axes of a disk of radius 1. Paper 000 §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n and v = n × u.
+// Half axes of a disk of radius 1. The 4D media paper §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n and v = n ×
+// u.
 
 #import generated/constants
 

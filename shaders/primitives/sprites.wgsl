@@ -1,6 +1,6 @@
-// A surfel is a square of pixels around its picture, which faces the screen (paper 002 §5.1). Where on its disk a
-// fragment is, and how far away, is worked out there: exact in every pixel, without vertices on the disk between which
-// anything is interpolated.
+// A surfel is a square of pixels around its picture, which faces the screen (Sainz and Pajarola 2004 §5.1). Where on
+// its disk a fragment is, and how far away, is worked out there: exact in every pixel, without vertices on the disk
+// between which anything is interpolated.
 
 #import common/facet.wgsl
 #import common/fragments.wgsl
@@ -78,7 +78,9 @@ fn sprite_corner(seen: Patch, facet: Facet, slack: f32, corner: vec2f) -> vec4f 
         let margin = 2.0 * SPRITE_MARGIN_PX / view.viewport_px;
         let min_value = view.clamp_radius_px / view.px_per_slope;
         let midpoint = seen.c.xy / -seen.c.z;
-        let end = select(min(outline.low, midpoint - min_value), max(outline.high, midpoint + min_value), corner > vec2f(0.0));
+        let low = min(outline.low, midpoint - min_value);
+        let high = max(outline.high, midpoint + min_value);
+        let end = select(low, high, corner > vec2f(0.0));
         place = end * view.focal + view.center_ndc + corner * margin;
     }
     // Rounded towards the eye.

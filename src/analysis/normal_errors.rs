@@ -1,4 +1,4 @@
-//! Error of estimated normals against ground truth, in numbers and as colours (paper 003, Figs. 5 and 6).
+//! Error of estimated normals against ground truth, in numbers and as colours (Hofer et al. 2018, Figs. 5 and 6).
 
 use crate::cloud::{ShapeRecord, oct_decode};
 use rayon::prelude::*;

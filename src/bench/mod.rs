@@ -1,5 +1,5 @@
-//! The program measures itself by the protocol of paper 000 §VII: pictures of 1920×1280 from viewpoints around the
-//! object, 25 to 85 % of the pixels covered, after a warm-up, by CPU and GPU clocks.
+//! The program measures itself by the protocol of the 4D media paper §VII: pictures of 1920×1280 from viewpoints around
+//! the object, 25 to 85 % of the pixels covered, after a warm-up, by CPU and GPU clocks.
 //!
 //! A [`Suite`] is a row of the table in [`suites`], with a file that has its columns, its texts and its loop. `run` is
 //! what loops share; `scenario` places the viewpoints by what the suite draws (the octree's by surfels) and `cover`

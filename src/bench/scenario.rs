@@ -1,4 +1,4 @@
-//! From where a frame is seen (paper 000 §VII: "distinct viewpoints", 25 to 85 % of the pixels covered).
+//! From where a frame is seen (the 4D media paper §VII: "distinct viewpoints", 25 to 85 % of the pixels covered).
 //!
 //! How it works: viewpoints stand on a circle around the frame at changing elevations and look at the mean of its
 //! points first. How much of a picture the object covers cannot be computed from its box, so it is measured: the frame

@@ -1,5 +1,5 @@
-//! Unit vectors as indices of 13, 15 or 17 bits: the faces of an octahedron that is refined repeatedly (paper 001
-//! §4.1).
+//! Unit vectors as indices of 13, 15 or 17 bits: the faces of an octahedron that is refined repeatedly (Botsch et al.
+//! 2002 §4.1).
 //!
 //! How it works: three bits name the octant (x, y, z negative). Its face is a spherical triangle; halving its edges,
 //! and putting the new corners back on the sphere, splits it into four, which two bits name: 0 is the central one, 1 to

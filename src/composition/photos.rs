@@ -29,8 +29,8 @@ pub fn photos_apply(options: &ComposeOptions, style: &Style) -> bool {
     options.change.is_none() && style.draws_photos()
 }
 
-/// Returns `posed_images` with the surface reconstructed from them if they are of one static scene; in multi-view video,
-/// each frame has a point cloud of its own.
+/// Returns `posed_images` with the surface reconstructed from them if they are of one static scene; in multi-view
+/// video, each frame has a point cloud of its own.
 #[must_use]
 pub fn on_surface(
     posed_images: Arc<PosedImages>,

@@ -35,8 +35,9 @@ pub enum LodMetric {
     /// By the edge of its cell, in pixels. That of a sphere is the edge of the cube that it is around.
     #[default]
     Edge,
-    /// By the area of its disk, `ε = f·A/d²` (paper 002 §4.1), against the square of the LOD threshold in pixels. That
-    /// of a cell is around its bounding sphere, and seen from the front, as cells of most levels know no normals.
+    /// By the area of its disk, `ε = f·A/d²` (Sainz and Pajarola 2004 §4.1), against the square of the LOD threshold in
+    /// pixels. That of a cell is around its bounding sphere, and seen from the front, as cells of most levels know no
+    /// normals.
     Area,
 }
 

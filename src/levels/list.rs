@@ -1,4 +1,4 @@
-//! The plain list: levels of detail without a structure (the list of paper 002).
+//! The plain list: levels of detail without a structure (the list of Sainz and Pajarola 2004).
 //!
 //! How it works: the points stand in Morton order, so every second, fourth or eighth of them is spread as evenly as all
 //! are. Level `depth` is the whole list, each level above it half of the one below, with radii that close the surface

@@ -3,8 +3,8 @@
 //!
 //! A code has three bits a level, the coarsest level in the highest: bit `3i` is bit `i` of x, bit `3i + 1` of y, bit
 //! `3i + 2` of z. Three bits read as a number are the *octant* of a cell in its parent. Two codes share exactly the
-//! cells above the level at which their highest different bit lies ([`PackedCell`] says which); paper 000 §VI-A needs
-//! no more than that to count the occupied cells of every level.
+//! cells above the level at which their highest different bit lies ([`PackedCell`] says which); the 4D media paper
+//! §VI-A needs no more than that to count the occupied cells of every level.
 
 /// Levels below the root: 21 × 3 bits fill 63 of 64.
 pub const LEVELS: u32 = 21;

@@ -2,9 +2,9 @@
 //! coarser version of it.
 //!
 //! How it works: the frames of a group are divided by one cube. A frame is the octree of its points down to cells about
-//! as large as points are far apart (paper 001 §2), written breadth-first: occupancy masks level by level, and the
-//! means of attributes for the nodes of every level, each in a stream of its own. So the first sections of a frame are
-//! a coarser frame. On request, coordinates follow below the cells, to any precision or to the last bit. Values are
+//! as large as points are far apart (Botsch et al. 2002 §2), written breadth-first: occupancy masks level by level, and
+//! the means of attributes for the nodes of every level, each in a stream of its own. So the first sections of a frame
+//! are a coarser frame. On request, coordinates follow below the cells, to any precision or to the last bit. Values are
 //! predicted from the level above, and coded as symbols by tables stored up front. The masks are coded by an adaptive
 //! binary range coder; the expected value of a bit comes from the surrounding nodes that are known already
 //! ([`Coding::Compact`]). Alternatively masks are coded by tables as well, with values that are predicted from their

@@ -8,9 +8,10 @@ pub enum Precision {
     /// Every point, within an eighth of the distance between points around it: a dense part of a scan gets more bits
     /// than a sparse one. Points that coincide are kept as often as they come.
     PointSpacing,
-    /// Cells about as large as points are far apart, one point each (paper 001 §2): points in one cell are merged into
-    /// one, with the means of their attributes, and an offset along the normal where there are normals. In frames that
-    /// are encoded relative to the previous one, it moves as they do, and is off by another half of a cell at most.
+    /// Cells about as large as points are far apart, one point each (Botsch et al. 2002 §2): points in one cell are
+    /// merged into one, with the means of their attributes, and an offset along the normal where there are normals. In
+    /// frames that are encoded relative to the previous one, it moves as they do, and is off by another half of a cell
+    /// at most.
     SamplingDensity,
     /// One point in each occupied cell of 2ᵇ along the longest side of the group's box: `Bits(10)` are voxels of 10
     /// bits. At most 21.

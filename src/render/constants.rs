@@ -76,7 +76,7 @@ pub(super) const PHOTO_PER_STEP_ANGLE2: f32 = 364.8;
 pub(super) const PHOTO_MIN_COSINE: f32 = 0.1;
 
 /// Minimum facing cosine of depth-map normals: there are none where the surface is seen at a smaller cosine, that of
-/// 80° (paper 004 §4.1).
+/// 80° (Yang et al. 2006 §4.1).
 pub(super) const PHOTO_MIN_FACING: f32 = 0.173_648_18;
 
 /// Light of a surface that is seen edge-on.

@@ -1,5 +1,5 @@
-//! Depth maps of the surface as seen by each input image (paper 004 §3.3). Both renderers get them from here: they are
-//! drawn on the CPU, once for each frame and not for each rendered image.
+//! Depth maps of the surface as seen by each input image (Yang et al. 2006 §3.3). Both renderers get them from here:
+//! they are drawn on the CPU, once for each frame and not for each rendered image.
 
 use super::cpu::depths::distances_of_surface;
 use crate::scene::{DepthMap, PhotoDepths, PhotosInFrame, ScenePacket, SurfelStyle, seen_by_photo};

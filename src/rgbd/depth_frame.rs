@@ -1,9 +1,10 @@
 //! Depth frame: the source images of a depth image's cloud, for a GPU that makes its points itself.
 //!
 //! **How it works.** Images are a third of the bytes of their points: two bytes of depth and three of colour per pixel,
-//! as cameras deliver them (paper 003 §3.4: depth and colour are uploaded, not points). Numbers of 16 bits stay as they
-//! were recorded, with a table of what each means in metres: so a GPU has the metres of the CPU bit by bit, whatever
-//! the code. Filters are applied by whatever makes the points; those of [`Filters`] are the reference for them.
+//! as cameras deliver them (Hofer et al. 2018 §3.4: depth and colour are uploaded, not points). Numbers of 16 bits stay
+//! as they were recorded, with a table of what each means in metres: so a GPU has the metres of the CPU bit by bit,
+//! whatever the code. Filters are applied by whatever makes the points; those of [`Filters`] are the reference for
+//! them.
 //!
 //! A temporal filter needs the images before, from the beginning of the group on. Frames of a group that one decoder
 //! decodes share them.

@@ -107,8 +107,8 @@ fn ball_camera([azimuth_deg, elevation_deg]: [f64; 2], distance: f64) -> Camera 
     }
 }
 
-/// Paper 001, Figs. 8 and 9: tangential splats at the middles of coarse cells leave gaps where the surface is seen at a
-/// grazing angle; moved along their normals they leave none.
+/// Botsch et al. 2002, Figs. 8 and 9: tangential splats at the middles of coarse cells leave gaps where the surface is
+/// seen at a grazing angle; moved along their normals they leave none.
 #[test]
 fn offsets_close_the_gaps_of_quantised_positions() {
     let style = coded().with(|style| {

@@ -1,5 +1,5 @@
 //! Neighbourhoods of sixteen points: the radius of each is bisected until it contains sixteen, as `AutoSplats` do
-//! (Preiner et al. 2012), with which paper 003 compares a fixed radius (Fig. 4).
+//! (Preiner et al. 2012), with which Hofer et al. 2018 compares a fixed radius (Fig. 4).
 
 use super::constants::MAX_REACH_CELLS;
 use super::planes::{Neighbourhood, Planes};

@@ -1,11 +1,11 @@
 //! Screen-space surface estimation: the points visible in an image, and the surface around each of these: normals and
 //! radii from the image alone.
 //!
-//! **How it works** (paper 003 §3.4 and §3.5, after the `AutoSplats` of Preiner et al. 2012). [`ScreenEstimator::cull`]
-//! draws all points into a depth image of the view and keeps those that lie no deeper than one radius below it
-//! (`cull.rs`). [`ScreenEstimator::surface`] searches the neighbours of each of these in the image around it, in a
-//! pyramid of cells (`cells.rs`), and fits a plane to them (`planes.rs`). Where the neighbourhood of a fixed radius
-//! contains too few, it is searched again with twice the radius.
+//! **How it works** (Hofer et al. 2018 §3.4 and §3.5, after the `AutoSplats` of Preiner et al. 2012).
+//! [`ScreenEstimator::cull`] draws all points into a depth image of the view and keeps those that lie no deeper than
+//! one radius below it (`cull.rs`). [`ScreenEstimator::surface`] searches the neighbours of each of these in the image
+//! around it, in a pyramid of cells (`cells.rs`), and fits a plane to them (`planes.rs`). Where the neighbourhood of a
+//! fixed radius contains too few, it is searched again with twice the radius.
 //!
 //! **When it wins.** No nearest-neighbour search is run and no tree is built as for
 //! [`estimate_surface`](super::estimate_surface), and hidden points need no plane. So it is the method for frames that

@@ -2,8 +2,8 @@
 //!
 //! **How it works.** With the offsets d = (q − p)/R of the n neighbours q within the radius R of a point p, one per
 //! cell of its window, and their mean m, the covariance is C = Σddᵀ/n − mmᵀ, and the normal its eigenvector of the
-//! smallest eigenvalue (paper 003 §3.5). Offsets are at most 1 and relative to the point itself, so sums of eight cells
-//! side by side in f32 lose nothing. Four points are solved together.
+//! smallest eigenvalue (Hofer et al. 2018 §3.5). Offsets are at most 1 and relative to the point itself, so sums of
+//! eight cells side by side in f32 lose nothing. Four points are solved together.
 //!
 //! Where n is below six, or the neighbours are collinear, like those of far rows of a depth image, all is summed up
 //! again for 2R, and so on up to 8R, in finer cells: on a surface at a grazing angle, cells in its direction are far

@@ -1,10 +1,10 @@
 //! A window that plays, orbits and scrubs by itself, and records what it presented (`pointreel bench window`).
 //!
 //! **How it works.** A trial is a list of steps, an action with a primitive on a sequence. The event loop asks it what
-//! is due ([`WindowBench::advance`]) and passes its mouse events to egui as if they had come from the window system; after
-//! each redraw it is notified of what was presented ([`WindowBench::note`]). An event is timestamped with the instant at
-//! which it was due, so one that waits while an image is drawn is as late as a real one would be. Everything else is
-//! the window as users have it: same loop, same panels, same pacing.
+//! is due ([`WindowBench::advance`]) and passes its mouse events to egui as if they had come from the window system;
+//! after each redraw it is notified of what was presented ([`WindowBench::note`]). An event is timestamped with the
+//! instant at which it was due, so one that waits while an image is drawn is as late as a real one would be. Everything
+//! else is the window as users have it: same loop, same panels, same pacing.
 
 mod gesture;
 mod processor;

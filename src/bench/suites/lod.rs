@@ -1,4 +1,4 @@
-//! Table 2 of paper 002: level-of-detail structures from three distances.
+//! Table 2 of Sainz and Pajarola 2004: level-of-detail structures from three distances.
 //!
 //! **How it works.** Clouds of a torus with the requested numbers of points are measured in addition to the inputs.
 //! Each step turns around the object by 2°, as in the paper (§6.1). From each step a structure is cut and what is drawn
@@ -64,9 +64,9 @@ const COLUMNS: &[Column] = &[
 /// Structures of levels of detail from three distances.
 pub const LOD: &Suite = &Suite {
     name: "lod",
-    brief: "level-of-detail structures: Table 2 of paper 002",
+    brief: "level-of-detail structures: Table 2 of Sainz and Pajarola 2004",
     title: "LOD structures",
-    hint: "Cutting and drawing each structure of levels of detail, from three distances (paper 002, Table 2)",
+    hint: "Cutting and drawing each level-of-detail structure, from three distances (Sainz and Pajarola 2004, Table 2)",
     description: "structures of levels of detail, surfels, from three distances, turning by 2° a picture",
     measured: "choosing nodes and writing their records (LOD ms), uploading these, and CPU wall time from packet to \
         finished picture (render ms); the total is all three; GPU ms and the table of passes are timestamps of the \
@@ -114,7 +114,7 @@ struct OfPaper {
     points: f64,
 }
 
-/// Table 2 of paper 002 in the order of [`VIEWS`]; it has no rows for the others.
+/// Table 2 of Sainz and Pajarola 2004 in the order of [`VIEWS`]; it has no rows for the others.
 fn of_paper(structure: LevelStructure) -> Option<[OfPaper; VIEWS.len()]> {
     let row = |lod_ms: [f64; 3], render_ms: [f64; 3], points: [f64; 3]| {
         std::array::from_fn(|view| OfPaper {

@@ -1,4 +1,4 @@
-//! Fig. 5 and Table 1 of paper 002: how fast each primitive is drawn, and how much work its shaders do.
+//! Fig. 5 and Table 1 of Sainz and Pajarola 2004: how fast each primitive is drawn, and how much work its shaders do.
 //!
 //! **How it works.** Clouds of a torus with the requested numbers of points are drawn in addition to the inputs, all of
 //! their points as each primitive, from three distances; each image turns the object by 2°. They are compared with
@@ -66,10 +66,10 @@ const COLUMNS: &[Column] = &[
 /// Drawing each primitive, from three distances.
 pub const PRIMITIVES: &Suite = &Suite {
     name: "primitives",
-    brief: "render primitives: Fig. 5 and Table 1 of paper 002",
+    brief: "render primitives: Fig. 5 and Table 1 of Sainz and Pajarola 2004",
     title: "Primitives",
-    hint: "Points per second of each primitive, from three distances, and the work of its shaders (paper 002, Fig. 5 \
-           and Table 1)",
+    hint: "Points per second of each primitive, from three distances, and the complexity of its shaders (Sainz and \
+           Pajarola 2004, Fig. 5 and Table 1)",
     description: "drawing all points as each primitive, from three distances, turning by 2° a picture",
     measured: "CPU wall time from packet to finished image, CPU and adapter in turn; points per second are all points \
         over all times; of voxels, leaves, of meshes, triangles; passes are timed by timestamps of the adapter, \
@@ -156,7 +156,8 @@ fn style(change: fn(&mut Style)) -> Style {
     usual.with(change)
 }
 
-/// Table 1 of paper 002, where it has the pass of a primitive: instructions for a vertex and for a fragment.
+/// Table 1 of Sainz and Pajarola 2004, where it has the pass of a primitive: instructions for a vertex and for a
+/// fragment.
 fn of_paper(primitive: &str, pass: &str) -> [Option<f64>; 2] {
     match (primitive, pass) {
         ("square point", "point") => [Some(14.0), None],

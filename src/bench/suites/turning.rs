@@ -1,4 +1,5 @@
-//! The views of the tests of paper 002 §6.1: three distances, from each of which the object turns by 2° a picture.
+//! The views of the tests of Sainz and Pajarola 2004 §6.1: three distances, from each of which the object turns by 2° a
+//! picture.
 
 use crate::bench::subject::Subject;
 use crate::scene::Camera;

@@ -1,8 +1,8 @@
 //! Window responsiveness as a user sees and feels it: a real window is opened, plays, is turned and scrubbed by the
 //! clock.
 //!
-//! How it works: the window drives itself (`app/window_bench`), since only it knows when something was presented; here its
-//! results become rows. A *picture* is counted when it has been handed to the window system. What an X server or a
+//! How it works: the window drives itself (`app/window_bench`), since only it knows when something was presented; here
+//! its results become rows. A *picture* is counted when it has been handed to the window system. What an X server or a
 //! compositor does afterwards is work of other processes: it takes the same cores, but is not in any time or share
 //! here.
 

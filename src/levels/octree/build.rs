@@ -1,4 +1,4 @@
-//! Building an octree from Morton codes (paper 000 §VI-A).
+//! Building an octree from Morton codes (the 4D media paper §VI-A).
 //!
 //! How it works:
 //! 1. Points become 63-bit Morton codes, which are sorted. The points of any cell of any level now stand together.

@@ -1,4 +1,4 @@
-//! The byte code of an octree: one mask byte for each internal node, breadth-first (paper 000 §VI-A).
+//! The byte code of an octree: one mask byte for each internal node, breadth-first (the 4D media paper §VI-A).
 //!
 //! The bytes of a level say how many bytes the next level has, so the code needs no lengths, and any byte lost, added
 //! or emptied is noticed. What cannot be noticed is an octant moved within its byte.

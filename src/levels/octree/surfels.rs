@@ -1,4 +1,5 @@
-//! Surfels for the nodes of every level (future work of paper 000): what voxels are to points, these are to surfels.
+//! Surfels for the nodes of every level (future work of the 4D media paper): what voxels are to points, these are to
+//! surfels.
 //!
 //! A node's surfel has the mean position, colour, normal and scalar of its points. Its disk covers theirs, as far as
 //! they lie in one plane: it reaches to the farthest of them, so a surface that is closed at the finest level is closed

@@ -1,4 +1,4 @@
-//! Traversal: which nodes stand for the cloud in one view (paper 000 §VI-B).
+//! Traversal: which nodes stand for the cloud in one view (the 4D media paper §VI-B).
 //!
 //! How it works: from the root down, a node is dropped when its bounding sphere (the diagonal of the cell is its
 //! diameter) is outside the frustum, and emitted when it is a leaf or its edge covers less than the LOD threshold on

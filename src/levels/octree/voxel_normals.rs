@@ -1,4 +1,4 @@
-//! The normals of voxels (future work of paper 000): what light falls on instead of the faces of cubes.
+//! The normals of voxels (future work of the 4D media paper): what light falls on instead of the faces of cubes.
 //!
 //! How it works: the mean of the normals of a node's points, which are a range; each is turned to the side of those
 //! before it, so that the normals of a file without a sensor, whose signs mean nothing, do not cancel each other. As

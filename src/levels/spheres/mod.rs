@@ -1,4 +1,4 @@
-//! Bounding sphere trees: the structures of paper 002 §3.2 and §3.3, in addition to the octree.
+//! Bounding sphere trees: the structures of Sainz and Pajarola 2004 §3.2 and §3.3, in addition to the octree.
 //!
 //! All are made of a tree (`tree.rs`) and decide by one rule (`rule.rs`), so that all draw the same nodes of one:
 //!
@@ -49,7 +49,7 @@ pub enum SphereKind {
     QSplat,
     /// A sequential point tree.
     Sequential,
-    /// A sequential point tree as paper 002 prints it.
+    /// A sequential point tree as Sainz and Pajarola 2004 prints it.
     Printed,
     /// A hierarchy of sequential point trees.
     Hierarchical,

@@ -1,4 +1,5 @@
-//! Sequential point trees as paper 002 §4.3 prints them: points are merged by their distance to their parents.
+//! Sequential point trees as Sainz and Pajarola 2004 §4.3 prints them: points are merged by their distance to their
+//! parents.
 //!
 //! How it works: `r_min = √A` is the distance at which a node is divided at an error of 1, and `r_max = r_min(parent) +
 //! |p − p(parent)|` that at which it is merged. Nodes are sorted by `r_max`; bisection finds the range `[lo, hi]` for

@@ -1,4 +1,4 @@
-//! Selection rule for the nodes that represent the points below them: the metric of paper 002 §4.1.
+//! Selection rule for the nodes that represent the points below them: the metric of Sainz and Pajarola 2004 §4.1.
 //!
 //! A node covers `ε = f·A/d²` on the screen, where `A = πr²`, r is the maximum distance of the points below from its
 //! centre, `d` is the distance from the eye to the nearest point of its sphere, and `f = cos max(γ − θ − β, 0)` is the

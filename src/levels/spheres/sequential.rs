@@ -10,7 +10,8 @@
 //! ([`HIERARCHY_POINTS`]; after Windisch et al. 2025) has one for each subtree of a few points: the nodes above are
 //! traversed, and only subtrees that are in view and divided are looked at, each with a prefix of its own.
 //!
-//! There is no lower end of a range (paper 002 §4.3): a node that is seen from its edge is small however large it is.
+//! There is no lower end of a range (Sainz and Pajarola 2004 §4.3): a node that is seen from its edge is small however
+//! large it is.
 //!
 //! When it wins: where there is no time to descend, and on GPUs, which test a prefix by themselves (`filter.rs`).
 

@@ -1,7 +1,7 @@
 //! Calibration listed by a reconstruction, before any input image is looked for.
 //!
-//! One file may list input images that exist ([`Calibration::posed_images`]), or cameras of a multi-view video, of which
-//! each time step has images of its own ([`Rig`]). The names in it, and the folders around it, determine which.
+//! One file may list input images that exist ([`Calibration::posed_images`]), or cameras of a multi-view video, of
+//! which each time step has images of its own ([`Rig`]). The names in it, and the folders around it, determine which.
 
 use super::rig::Rig;
 use crate::photos::error::PhotosError;

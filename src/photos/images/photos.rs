@@ -7,7 +7,7 @@ use crate::rgbd::{Camera, DepthImage};
 use glam::{DAffine3, DVec3, Vec3};
 use std::sync::Arc;
 
-/// Images of one scene for view-dependent texturing of its surface (paper 004 §3). Immutable; shared by packets.
+/// Images of one scene for view-dependent texturing of its surface (Yang et al. 2006 §3). Immutable; shared by packets.
 #[derive(Debug)]
 pub struct PosedImages {
     all: Vec<Arc<PosedImage>>,

@@ -1,4 +1,4 @@
-//! Offsets along the normal from the centre of a cell to the surface (paper 001 §5.1), in a few bits.
+//! Offsets along the normal from the centre of a cell to the surface (Botsch et al. 2002 §5.1), in a few bits.
 
 use super::normal_grid::NormalGrid;
 

@@ -321,8 +321,8 @@ fn mask_weight<S: Simd>(simd: S, fragments: &Fragments<S>, kernel: Kernel) -> f3
     }
 }
 
-/// The circular Gaussian mask of paper 000 §V, `exp(−MASK_FALLOFF·r²)`, of squares up to 1. Relative error below
-/// 4·10⁻⁵.
+/// The circular Gaussian mask of the 4D media paper §V, `exp(−MASK_FALLOFF·r²)`, of squares up to 1. Relative error
+/// below 4·10⁻⁵.
 #[inline(always)]
 pub(super) fn gaussian<S: Simd>(simd: S, radius2: f32x8<S>) -> f32x8<S> {
     let splat = |value| f32x8::splat(simd, value);

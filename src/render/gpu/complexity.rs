@@ -1,5 +1,5 @@
 //! Shader complexity: the amount of work in the shaders of an image, counted in naga's intermediate representation, as
-//! Table 1 of paper 002 counted it in the instructions of its day.
+//! Table 1 of Sainz and Pajarola 2004 counted it in the instructions of its day.
 //!
 //! **How it works.** From an entry point calls are followed into functions, each counted as often as it is called, as
 //! compilers inline them. An operation is an expression that computes something, on numbers or on vectors; names,

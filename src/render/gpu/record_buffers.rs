@@ -7,7 +7,8 @@ use super::primitives::Amplification;
 /// Maximum capacity of reused buffers, as a multiple of what is needed.
 pub(super) const MAX_OVERSIZE: usize = 4;
 
-/// Chunks for so many records, in `record_buffers` that are large enough. The amplification says how long chunks may be.
+/// Chunks for so many records, in `record_buffers` that are large enough. The amplification says how long chunks may
+/// be.
 pub(super) fn stream_in(
     context: &Context,
     instancing: &dyn RecordInstancing,

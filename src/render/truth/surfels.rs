@@ -1,9 +1,9 @@
 //! Ray casting of the surface formed by the disks or ellipses of a cloud, one ray at a time.
 //!
 //! How it works: of the disks that a ray meets, the nearest determines the surface. Its colour is the mean of those
-//! that are met no farther behind it than its radius, weighted by the Gaussian of paper 000 §V around their centres and
-//! normalised: what splatting in two passes (papers 000 §V-C, 002 §3) aims at, without its shortcuts. Everything is
-//! f64.
+//! that are met no farther behind it than its radius, weighted by the Gaussian of the 4D media paper §V around their
+//! centres and normalised: what splatting in two passes (the 4D media paper §V-C; Sainz and Pajarola 2004 §3) aims at,
+//! without its shortcuts. Everything is f64.
 //!
 //! Disks have their actual size: compared with a ray-traced sphere and torus, enlarged ones (as the second pass of
 //! splatting has them) were farther from the truth, by 30 to 60 % at 1.5 and by 60 to 110 % at 2 times the radius.

@@ -1,5 +1,5 @@
-//! The bilateral filter (paper 003, Eq. 3, in which I(q) stands where D(q) is meant): the mean of the neighbours that
-//! are at a similar depth. Noise is averaged, edges stay.
+//! The bilateral filter (Hofer et al. 2018, Eq. 3, in which I(q) stands where D(q) is meant): the mean of the
+//! neighbours that are at a similar depth. Noise is averaged, edges stay.
 //!
 //! `D'(p) = 1/W · Σ f·D(q), W = Σ f, f = exp(−(D(q) − D(p))² / 2σ_d²) · exp(−|q − p|² / 2σ_s²)`, over the pixels q of 9
 //! × 9 that were measured.

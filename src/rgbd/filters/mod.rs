@@ -1,8 +1,8 @@
 //! Filters of depth images, in the order in which they are applied.
 //!
 //! Noise and outliers are dealt with while neighbours are still next to each other in an image, which costs a fixed
-//! number of steps a pixel (paper 003, §3.4). Each filter reads one image and writes another, line by line on all
-//! threads, so the result does not depend on how many there are. What was not measured stays not measured.
+//! number of steps a pixel (Hofer et al. 2018, §3.4). Each filter reads one image and writes another, line by line on
+//! all threads, so the result does not depend on how many there are. What was not measured stays not measured.
 
 mod bilateral;
 pub(crate) mod constants;

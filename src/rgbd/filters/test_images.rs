@@ -33,7 +33,7 @@ pub(super) fn plane_with_holes([width, height]: [u32; 2], depth_m: f32) -> Depth
     DepthImage::new([width, height], metres.collect()).unwrap()
 }
 
-/// Computes the bilateral filter [`Bilateral`] by its definition (paper 003, Eq. 3), in double precision.
+/// Computes the bilateral filter [`Bilateral`] by its definition (Hofer et al. 2018, Eq. 3), in double precision.
 pub(crate) fn bilateral_by_definition(depth: &DepthImage, bilateral: &Bilateral) -> Vec<f64> {
     let (width, height) = (depth.width() as isize, depth.height() as isize);
     let pixel = |x: isize, y: isize| {

@@ -304,8 +304,8 @@ impl FirstLook {
         self.camera_of_pinhole(&sensor.rig.depth, DAffine3::IDENTITY, origin)
     }
 
-    /// Moves `camera` so that what is not an outlier fills the picture, together with the box `second_bounds` (relative to
-    /// `origin`), keeping its direction.
+    /// Moves `camera` so that what is not an outlier fills the picture, together with the box `second_bounds` (relative
+    /// to `origin`), keeping its direction.
     pub fn frame(&self, camera: &mut Camera, origin: DVec3, aspect: f64, second_bounds: &Aabb) {
         // The view of a photograph shows what that does.
         let photo = self.photo.as_ref().filter(|_| second_bounds.is_empty());

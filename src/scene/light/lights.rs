@@ -1,9 +1,9 @@
 //! Lights of deferred shading: the illumination of the finished surface of an image, in linear light.
 //!
-//! **How it works** (paper 003 §3.6; Botsch and Kobbelt 2003). Splats write colours, normals and depths instead of lit
-//! colours; lighting is evaluated once for each pixel of the blended surface. A packet's lights are given in view
-//! space, as renderers need them: lamps move with the camera, so that what is seen is lit. Colours are linear, and such
-//! that a white surface across a lamp of 1 is white.
+//! **How it works** (Hofer et al. 2018 §3.6; Botsch and Kobbelt 2003). Splats write colours, normals and depths instead
+//! of lit colours; lighting is evaluated once for each pixel of the blended surface. A packet's lights are given in
+//! view space, as renderers need them: lamps move with the camera, so that what is seen is lit. Colours are linear, and
+//! such that a white surface across a lamp of 1 is white.
 //!
 //! Light of a lamp follows Lambert, with the highlights of Blinn 1977 where they are requested. The headlight shines
 //! from the eye. Surfaces are two-sided: normals are turned towards the eye first.
@@ -113,8 +113,8 @@ fn three_point() -> Vec<Lamp> {
     ]
 }
 
-/// Two at places, as in the tests of paper 002 §5, which says no more of them: to the left and to the right above the
-/// cloud, before it.
+/// Two at places, as in the tests of Sainz and Pajarola 2004 §5, which says no more of them: to the left and to the
+/// right above the cloud, before it.
 fn of_paper(center: Vec3, radius: f32) -> Vec<Lamp> {
     [(-1.5, 0.65), (1.5, 0.35)]
         .map(|(right, white)| Lamp {

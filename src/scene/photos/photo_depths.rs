@@ -1,4 +1,4 @@
-//! Depth maps of the posed images (paper 004 §3.3).
+//! Depth maps of the posed images (Yang et al. 2006 §3.3).
 
 use rayon::prelude::*;
 
@@ -44,8 +44,8 @@ pub(crate) enum DepthRelation {
 }
 
 impl DepthMap {
-    /// Depth tolerance: how far a position may be behind what is seen, as a fraction of the depth of that (paper 004
-    /// §4.1).
+    /// Depth tolerance: how far a position may be behind what is seen, as a fraction of the depth of that (Yang et al.
+    /// 2006 §4.1).
     const TOLERANCE: f32 = 0.05;
 
     /// Minimum depth tolerance as a fraction of the surface's size: a wall has no depth.

@@ -1,5 +1,5 @@
-//! View-dependent texturing (paper 004 §3): camera poses of the posed images relative to the rendered view, and what
-//! each of them may see.
+//! View-dependent texturing (Yang et al. 2006 §3): camera poses of the posed images relative to the rendered view, and
+//! what each of them may see.
 //!
 //! **How it works.** Surfaces are drawn first, into the sums of deferred shading; then each pixel queries the posed
 //! images once. (The paper queries them for every fragment of every splat.) Images that look at a position from about

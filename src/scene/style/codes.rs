@@ -8,15 +8,15 @@ choices! {
     /// begin with a visibility pass; the GPU always draws exact disks.
     Footprint, "footprint" {
         Disks = "disks", "Exact disks", "Pixel by pixel, from the records of the points";
-        /// Masks are worked out once for quantised normals (paper 001 §5.2).
+        /// Masks are worked out once for quantised normals (Botsch et al. 2002 §5.2).
         Masks = "masks", "Masks", "Looked up by normal, place and size, from the byte code of the octree";
-        /// Paper 001 §4.
+        /// Botsch et al. 2002 §4.
         Pixels = "pixels", "Pixels", "One for each cell, from the byte code of the octree";
     }
 }
 
 choices! {
-    /// Bits of the normals that are drawn from byte codes (paper 001 §4.1).
+    /// Bits of the normals that are drawn from byte codes (Botsch et al. 2002 §4.1).
     NormalBits, "number of bits of normals" {
         /// Up to 2.3° off: the paper's.
         Thirteen = "13", "13 bits", "8192 directions";
@@ -37,7 +37,7 @@ impl NormalBits {
 }
 
 choices! {
-    /// Bits of the offsets along normals with which byte codes are drawn (paper 001 §5.1).
+    /// Bits of the offsets along normals with which byte codes are drawn (Botsch et al. 2002 §5.1).
     OffsetBits, "number of bits of offsets" {
         None = "0", "None", "Splats are at the centres of cells: gaps at grazing angles";
         /// The paper's.

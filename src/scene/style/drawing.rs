@@ -7,19 +7,19 @@ use super::describe::{Label, Numbers, Place, Typed, Unit, Values, group};
 choices! {
     /// Primitive that a point is rendered as. If left open, [`FirstLook`](crate::scene::FirstLook) decides.
     Primitive, "primitive", auto Surfel = "Auto", "Surfels where the points sample a surface, else points" {
-        /// Paper 000 §V.
+        /// The 4D media paper §V.
         Surfel = "surfel", "Surfels", "Oriented disks with a Gaussian mask, blended where they overlap",
             also ["splats", "disks", "surface splats"];
-        /// Paper 002 §4.
+        /// Sainz and Pajarola 2004 §4.
         Ellipse = "ellipse", "Ellipses", "Oriented ellipses: as surfels, but longer where points are farther apart",
             also ["ellipsoids", "gaussian splats", "anisotropic"];
-        /// Paper 002 §5.1.
+        /// Sainz and Pajarola 2004 §5.1.
         Sprite = "sprite", "Sprites", "The disks of surfels on squares that face the screen: exact in every pixel",
             also ["billboards", "impostors"];
-        /// Paper 002, Figs. 5 and 6.
+        /// Sainz and Pajarola 2004, Figs. 5 and 6.
         Mesh = "mesh", "Mesh", "The triangles of the file, where it has some, and the points between them",
             also ["wireframe", "triangles", "surface", "faces", "polygons"];
-        /// Paper 000 §VI.
+        /// The 4D media paper §VI.
         Voxel = "voxel", "Voxels", "Cubes of the octree's cells, as fine as the picture needs",
             also ["cubes", "octree", "blocks"];
         Point = "point", "Points", "Squares or disks that face the screen; plain ones are the fastest",
@@ -53,8 +53,8 @@ impl Choice<RendererChoice> {
 }
 
 choices! {
-    /// Instancing strategy: how instances reach the vertex stage (paper 000 §IV). Their GPU implementations are in
-    /// `render/gpu/instancing`.
+    /// Instancing strategy: how instances reach the vertex stage (the 4D media paper §IV). Their GPU implementations
+    /// are in `render/gpu/instancing`.
     Strategy, "instancing strategy" {
         Storage = "storage", "Storage buffer", "Records pulled from a storage buffer";
         Uniform = "uniform", "Uniform buffers", "Records in 64 KiB uniform buffers, one draw for each";

@@ -19,7 +19,7 @@ choices! {
             "A tree of spheres in six bytes a node: the least memory, places and colours rounded";
         /// Dachsbacher et al. 2003.
         Sequential = "spt", "Sequential point tree", "The same tree as one sorted list, of which a part is tested";
-        /// Paper 002 §4.3.
+        /// Sainz and Pajarola 2004 §4.3.
         Printed = "spt-paper", "Sequential, as printed",
             "The same list by the paper's own rule, which draws some points twice: for comparison";
         /// Windisch et al. 2025.

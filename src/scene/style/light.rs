@@ -6,8 +6,9 @@ use super::describe::{Label, Numbers, Place, Section, Typed, Unit, Values, group
 use crate::scene::environment::Environment;
 
 choices! {
-    /// Lighting mode: where the headlight is evaluated (paper 000 §V-B), or what deferred shading does with the
-    /// finished surface (paper 003 §3.6). Colours of cameras have their light in them, and are not lit again.
+    /// Lighting mode: where the headlight is evaluated (the 4D media paper §V-B), or what deferred shading does with
+    /// the finished surface (Hofer et al. 2018 §3.6). Colours of cameras have their light in them, and are not lit
+    /// again.
     Lighting, "lighting", auto PerFragment = "Automatic",
         "Smooth; none where cameras took the colours, which have light in them"
     {
@@ -41,7 +42,7 @@ choices! {
     {
         Head = "head", "Headlight", "One from the eye";
         ThreePoint = "three-point", "Three-point", "A warm key light, a cool one that fills, and one from behind";
-        /// Paper 002 §5.
+        /// Sainz and Pajarola 2004 §5.
         Paper = "paper", "Two lamps", "Two lamps near the cloud, left and right above it";
         Colored = "colored", "Four colours", "Red, green, blue and yellow from four sides";
         None = "none", "None", "No lamp: the environment alone, or white from all sides";

@@ -1,4 +1,4 @@
-//! View-dependent texturing settings (paper 004 §3).
+//! View-dependent texturing settings (Yang et al. 2006 §3).
 
 use super::choices::choices;
 use super::describe::{Label, Numbers, Place, Section, Typed, Unit, Values, group};
@@ -6,7 +6,7 @@ use super::describe::{Label, Numbers, Place, Section, Typed, Unit, Values, group
 choices! {
     /// View-dependent texturing mode: the colour source of surfaces that posed images show.
     PhotoMode, "texturing mode" {
-        /// Paper 004 §3.2.
+        /// Yang et al. 2006 §3.2.
         Vdts = "vdts", "View-dependent", "Blends the images whose cameras are closest to your viewpoint, per \
             surface point";
         Single = "single", "Nearest image", "Uses the image whose camera is closest to your viewpoint, per \
@@ -19,7 +19,7 @@ choices! {
     /// Clipping mode for positions where the posed images show something else.
     PhotoClipping, "way of clipping" {
         Vote = "vote", "Vote", "Carves points that most images see through";
-        /// Paper 004 §4.1.
+        /// Yang et al. 2006 §4.1.
         Paper = "paper", "Any image", "Carves points where a blended image sees something nearer or farther";
         Off = "off", "Off", "Drawn nevertheless";
     }

@@ -6,7 +6,7 @@ use super::describe::{Label, Numbers, Place, Section, Unit, Values, group};
 use super::light::OnOff;
 
 choices! {
-    /// The six ways of splatting of paper 000, Fig. 3, and hard disks.
+    /// The six ways of splatting of the 4D media paper, Fig. 3, and hard disks.
     Splatting, "splatting mode" {
         /// (a) Square artefacts where splats cut each other.
         Regular = "regular", "Regular", "One pass, depth test and blending";
@@ -21,7 +21,7 @@ choices! {
         /// (f) The paper's proposal.
         TwoPassEnlarged = "two-pass-enlarged", "Two-pass, enlarged",
             "Two passes, enlarged in the second only: the smoothest";
-        /// Paper 002, Figs. 5 and 6.
+        /// Sainz and Pajarola 2004, Figs. 5 and 6.
         Opaque = "opaque", "Opaque", "One pass, nothing blended: hard disks, of which the nearest is seen";
     }
 }
@@ -93,7 +93,8 @@ impl SplatFilter {
 }
 
 choices! {
-    /// Splat geometry that the GPU draws (paper 002 §5.1). The CPU fills the pixels of each splat and needs none.
+    /// Splat geometry that the GPU draws (Sainz and Pajarola 2004 §5.1). The CPU fills the pixels of each splat and
+    /// needs none.
     SplatGeometry, "splat geometry" {
         Quad = "quad", "Quad", "A square around each splat, in its plane: four vertices, two triangles";
         Triangle = "triangle", "Triangle",
@@ -104,7 +105,7 @@ choices! {
 choices! {
     /// Falloff kernel of a splat from its centre to its edge.
     Kernel, "kernel" {
-        /// The mask of paper 000 §V.
+        /// The mask of the 4D media paper §V.
         Gaussian = "gaussian", "Gaussian", "A bell: smooth, and closed where splats meet";
         Hat = "hat", "Hat", "A cone: smooth, and zero at the edge";
         Flat = "box", "Box", "The same everywhere: every splat has its edge";
@@ -129,7 +130,7 @@ choices! {
     /// Normal source: the data from which normals and radii of surfels are estimated.
     NormalSource, "source of normals" {
         Neighbours = "neighbours", "Neighbours", "The file, else the nearest points of each: once for a frame";
-        /// Paper 003 §3.5.
+        /// Hofer et al. 2018 §3.5.
         Screen = "screen", "Screen", "Neighbours in the image, for each view: visible points only";
     }
 }
@@ -138,7 +139,7 @@ choices! {
     /// Quantity that the colours of surfels show.
     SurfelColors, "choice of what is shown" {
         Points = "colors", "Colours", "The colours of the points";
-        /// Paper 003, Figs. 5 and 6.
+        /// Hofer et al. 2018, Figs. 5 and 6.
         NormalErrors = "normal-error", "Normal errors",
             "Angle of screen-space normals to the file's, or neighbours': blue 0°, green, red from 22.5°";
     }

@@ -8,7 +8,7 @@ choices! {
     VoxelLight, "light of voxels" {
         /// From either side; the faces of cubes where normals are not known yet.
         Normals = "normals", "Normals", "The surface in a voxel: the mean normal of its points";
-        /// Paper 000 §VI.
+        /// The 4D media paper §VI.
         Faces = "faces", "Faces", "The faces of the cubes";
     }
 }

@@ -1,5 +1,5 @@
 //! Visible points (surfels) of a frame in a client's view, with normals and radii, sent instead of the whole frame
-//! (paper 003: the renderer sends a view, the computer with the sensor answers with visible splats).
+//! (Hofer et al. 2018: the renderer sends a view, the computer with the sensor answers with visible splats).
 //!
 //! **How it works.** A frame is decoded once for all clients that have sent a view, with the filters of the server.
 //! Each of their senders separates visible points from hidden ones and fits planes around them

@@ -1,5 +1,5 @@
-//! Pairwise stereo, fast enough for multi-view video: each image is matched with a neighbouring one (paper 004, §5 and
-//! Figs. 11 and 12, has 128 × 128 pixels of a pair).
+//! Pairwise stereo, fast enough for multi-view video: each image is matched with a neighbouring one (Yang et al. 2006,
+//! §5 and Figs. 11 and 12, has 128 × 128 pixels of a pair).
 //!
 //! *How it works.* Images are downscaled. Each is matched once, with the one whose angle gives the most depth
 //! information: both are rectified, and the range between the nearest and the farthest depth is matched semi-globally.

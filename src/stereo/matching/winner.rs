@@ -3,7 +3,8 @@
 //!
 //! - *Left and right*: the costs of a pixel of the right image are those of its partners in the left one, so both
 //!   winners
-//!   come from one volume of costs (Hirschmüller 2008, section 2.4). A pixel keeps its disparity if that of its partner is
+//!   come from one volume of costs (Hirschmüller 2008, section 2.4). A pixel keeps its disparity if that of its partner
+//!   is
 //!   at most 1 px away.
 //! - *Unique*: any label but the winner and its neighbours has to cost some percent more. So there is no result where
 //!   nothing is seen: in an even wall all labels cost the same.

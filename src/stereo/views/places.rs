@@ -1,9 +1,9 @@
 //! From disparities to places in the world.
 //!
-//! Paper 004, section 5.1: of rectified images, with 3 × 4 matrices M₁ and M₂ from the world to pixels whose third rows
-//! agree, a place q of pixel (u, v) and partner (u + d, v) fulfils λ [u, u + d, v, 1]ᵀ = A q, where A has the rows
-//! M₁(1), M₂(1), M₁(2), M₁(3). So q = A⁻¹ [u, u + d, v, 1]ᵀ: one product of a matrix and a vector for each pixel. The d
-//! of the paper is the negative of disparities here.
+//! Yang et al. 2006, section 5.1: of rectified images, with 3 × 4 matrices M₁ and M₂ from the world to pixels whose
+//! third rows agree, a place q of pixel (u, v) and partner (u + d, v) fulfils λ [u, u + d, v, 1]ᵀ = A q, where A has
+//! the rows M₁(1), M₂(1), M₁(2), M₁(3). So q = A⁻¹ [u, u + d, v, 1]ᵀ: one product of a matrix and a vector for each
+//! pixel. The d of the paper is the negative of disparities here.
 
 use super::view::pixels_from_rays;
 use crate::photos::center_of;

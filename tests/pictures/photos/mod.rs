@@ -1,5 +1,5 @@
-//! Surfaces have their colours from photographs (paper 004): a scene whose every ray has a known colour is photographed
-//! from 36 places and drawn from others.
+//! Surfaces have their colours from photographs (Yang et al. 2006): a scene whose every ray has a known colour is
+//! photographed from 36 places and drawn from others.
 //!
 //! Held: held-out views against ray-traced truth, beside the colours of the same points; a photograph's own view;
 //! steady pictures while the camera turns; what is behind something is not coloured by it; both renderers.

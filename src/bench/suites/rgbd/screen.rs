@@ -1,4 +1,4 @@
-//! Visible points, their normals and their image, compared with Table 1 and Fig. 4 of paper 003.
+//! Visible points, their normals and their image, compared with Table 1 and Fig. 4 of Hofer et al. 2018.
 //!
 //! How it works: clouds of the paper's sizes are made by merging views of one scene, as many as it takes, each from
 //! another position and with noise of its own: more and more points of the same surface, of which an image shows what

@@ -1,5 +1,5 @@
-//! Fig. 5 of paper 004 in numbers: a checkerboard on a few points, from near, from afar and from the side, with and
-//! without mip levels.
+//! Fig. 5 of Yang et al. 2006 in numbers: a checkerboard on a few points, from near, from afar and from the side, with
+//! and without mip levels.
 //!
 //! How it works: a square of the plane z = 0 has few points and one image from above. The ground truth is the mean of
 //! 8×8 rays per pixel of the checkerboard itself. Without mip levels, one texel or the four around a position stand for

@@ -1,4 +1,4 @@
-//! Fig. 10 of paper 004 in numbers: images with and without clipping, by the number of points.
+//! Fig. 10 of Yang et al. 2006 in numbers: images with and without clipping, by the number of points.
 //!
 //! How it works: input images have the depths of all points, and are projected onto fewer and fewer of them. Disks
 //! whose size is the spacing of the points reach beyond the outline, where depths show that there is no surface.

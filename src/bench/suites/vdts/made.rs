@@ -1,7 +1,7 @@
 //! Synthetic input images of clouds that have none: renderings of all their points.
 //!
-//! That is the experiment of paper 004 (§6, Table 2): what a few thousand points with view-dependent texturing show of
-//! a dense cloud.
+//! That is the experiment of Yang et al. 2006 (§6, Table 2): what a few thousand points with view-dependent texturing
+//! show of a dense cloud.
 
 use super::backgrounds::is_covered;
 use super::multiview::{MultiView, StyledFrame};

@@ -1,4 +1,5 @@
-//! View-dependent texturing (paper 004): rendered images at the viewpoints of held-out images, compared with these.
+//! View-dependent texturing (Yang et al. 2006): rendered images at the viewpoints of held-out images, compared with
+//! these.
 //!
 //! How it works: some images of each set are held out, all at once, and their viewpoints are rendered from the others.
 //! What they show there is the ground truth. It is compared where something was drawn: a hole says nothing about
@@ -39,7 +40,7 @@ use multiview::{MultiView, TrueView};
 use std::sync::Arc;
 
 /// Points that are left of a cloud that is photographed, and of the tree: as many as the paper has of the Buddha and of
-/// its tree (paper 004, Table 2).
+/// its tree (Yang et al. 2006, Table 2).
 const POINTS: usize = 5_000;
 const POINTS_OF_TREE: usize = 145_000;
 
@@ -50,7 +51,7 @@ pub const VDTS: &Suite = &Suite {
     title: "View-dependent texturing",
     hint: "Error of rendered views against held-out images",
     description: "held-out images, rendered from the others: view-dependent, from the nearest one, and in the colours \
-        of the points (paper 004); effects of bytes, clipping and filtering (Table 2, Figs. 5 and 10)",
+        of the points (Yang et al. 2006); effects of bytes, clipping and filtering (Table 2, Figs. 5 and 10)",
     measured: "error against the held-out image, undistorted and exposure-compensated, over the pixels in which \
         something is drawn; `covered` is their share. ms: one image of the software renderer, depth maps of the input \
         images known. Sizes, clipping: errors against all points as disks in f64, over the pixels that show something \

@@ -1,4 +1,4 @@
-//! Table 2 of paper 004 with what is available here: bytes compared with errors and times, for a few points with
+//! Table 2 of Yang et al. 2006 with what is available here: bytes compared with errors and times, for a few points with
 //! view-dependent texturing and for many without.
 //!
 //! How it works: points are counted as a sequence file of them, images as JPEG files, as in the paper. The ground truth

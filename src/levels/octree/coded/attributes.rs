@@ -12,7 +12,8 @@ use bytemuck::{Pod, Zeroable};
 use std::f32::consts::PI;
 use std::sync::LazyLock;
 
-/// Maximum distance of the surface in a cell from the cell centre, in cell edges: √(3/4), half a diagonal (001 §5.1).
+/// Maximum distance of the surface in a cell from the cell centre, in cell edges: √(3/4), half a diagonal (Botsch et
+/// al. 2002 §5.1).
 pub const LARGEST_OFFSET: f32 = 0.866_025_4;
 
 const NORMAL_MASK: u32 = (1 << crate::cloud::FINEST_NORMAL_BITS) - 1;

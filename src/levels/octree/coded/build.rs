@@ -3,8 +3,9 @@
 //! How it works: a leaf takes the means of its points (as [`NodeSurfel`] has them), and a node above those of its
 //! children, weighted by points, so that the points are read once and each level costs a third of the one below. The
 //! surface in a cell is taken for the plane through the mean position across the mean normal: the offset is where the
-//! line through the centre of the cell along the normal meets it (001 §5.1). The radius is the smallest that covers all
-//! disks below from there. Normals are used as they will be decoded, so that a cone holds what is drawn.
+//! line through the centre of the cell along the normal meets it (Botsch et al. 2002 §5.1). The radius is the smallest
+//! that covers all disks below from there. Normals are used as they will be decoded, so that a cone holds what is
+//! drawn.
 
 use super::attributes::NodeAttributes;
 use crate::cloud::{FINEST_NORMAL_BITS, PointRecord, ShapeRecord, oct_decode, quantise_normal, quantised_normals};

@@ -1,13 +1,19 @@
 //! A cloud as the byte code of its octree, with attributes for every node: it is rendered directly from its stored form
-//! (paper 001).
+//! (Botsch et al. 2002).
 //!
-//! # Layout Nodes are numbered breadth-first: the root is 0, each level in Morton order. Node `i` above the deepest level has a byte, its occupied octants; the children of all nodes stand in the order of the bits, so the first child of `i` is one more than the bits before byte `i`. To find it without counting from the beginning, the number of bits before every 64th byte is kept (half a bit for a byte); the rest is eight population counts. A sequential walk over a level does not even need that.
+//! # Layout Nodes are numbered breadth-first: the root is 0, each level in Morton order. Node `i` above the deepest
+//! level has a byte, its occupied octants; the children of all nodes stand in the order of the bits, so the first child
+//! of `i` is one more than the bits before byte `i`. To find it without counting from the beginning, the number of bits
+//! before every 64th byte is kept (half a bit for a byte); the rest is eight population counts. A sequential walk over
+//! a level does not even need that.
 //!
-//! All nodes have attributes, leaves or not (the easiest solution of 001 §4.4, a third more of them). So the bytes of
-//! the upper levels, and the attributes that belong to them, are a coarser cloud, and any prefix of levels can be
-//! drawn.
+//! All nodes have attributes, leaves or not (the easiest solution of Botsch et al. 2002 §4.4, a third more of them). So
+//! the bytes of the upper levels, and the attributes that belong to them, are a coarser cloud, and any prefix of levels
+//! can be drawn.
 //!
-//! # Attributes Eight bytes per node: the normal as 17 bits of the refined octahedron (of which less may be used), the *offset*, 3 bits, along the normal from the centre of the cell to the surface (001 §5.1), a radius and the cone of the normals below, 8 bits each, and a colour.
+//! # Attributes Eight bytes per node: the normal as 17 bits of the refined octahedron (of which less may be used), the
+//! *offset*, 3 bits, along the normal from the centre of the cell to the surface (Botsch et al. 2002 §5.1), a radius
+//! and the cone of the normals below, 8 bits each, and a colour.
 //!
 //! The paper needs no radius: its cells are as large as samples are far apart, and so are splats. Here the tree goes as
 //! deep as its stop criterion says, which is mostly deeper, and points may be irregular: a radius says what a node's
@@ -60,7 +66,8 @@ struct Sources {
 /// Storage size of a coded cloud, in bits per leaf.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CodedBits {
-    /// The byte code. On a surface whose cells are as large as its samples are far apart, 2.67 at most (001 §3).
+    /// The byte code. On a surface whose cells are as large as its samples are far apart, 2.67 at most (Botsch et al.
+    /// 2002 §3).
     pub masks: f64,
     /// Entropy of the masks in the same unit: their size if bytes took as many bits as their frequency is worth (the
     /// result of an entropy coder).

@@ -218,7 +218,8 @@ fn offsets_lead_to_the_surface() {
     assert!(without > 0.75 && with < 0.16, "{without} to {with} edges");
 }
 
-/// Of a surface whose cells are as large as its samples are far apart, positions take 8/3 bits at most (001 §3).
+/// Of a surface whose cells are as large as its samples are far apart, positions take 8/3 bits at most (Botsch et al.
+/// 2002 §3).
 #[test]
 fn positions_take_less_than_the_paper_bounds() {
     let records = records(&sphere(400_000, 0.01));

@@ -1,4 +1,4 @@
-//! View-dependent texturing: surfaces get their colours from images (paper 004 §3.2–3.4); for the definition see
+//! View-dependent texturing: surfaces get their colours from images (Yang et al. 2006 §3.2–3.4); for the definition see
 //! `scene/posed_images/mod.rs`.
 //!
 //! How it works: when all splats of a tile are summed up, each pixel of the surface is projected into all images, eight

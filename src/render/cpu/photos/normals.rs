@@ -1,4 +1,4 @@
-//! Depth-map normals of what images show (paper 004 §4.1, Eqs. 5–7), for relighting.
+//! Depth-map normals of what images show (Yang et al. 2006 §4.1, Eqs. 5–7), for relighting.
 //!
 //! How it works: the four texels around a depth are projected back to positions in camera space, each with its own
 //! depth, and the normal is perpendicular to the vectors between opposite ones: `(l − r) × (u − d)`. Depths are along

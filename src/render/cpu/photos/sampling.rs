@@ -1,5 +1,5 @@
-//! Sampling of image colours between and across texels (paper 004 §3.4): trilinear along the short axis of a pixel's
-//! footprint, several times along its long one.
+//! Sampling of image colours between and across texels (Yang et al. 2006 §3.4): trilinear along the short axis of a
+//! pixel's footprint, several times along its long one.
 
 use crate::photos::Texture;
 use crate::render::constants::PHOTO_MAX_TAPS;

@@ -15,7 +15,7 @@
 //! ([`GpuRenderer::set_makes_surfels`](super::GpuRenderer::set_makes_surfels)). The CPU filters (`rgbd/filters`) are
 //! the reference for these, and what everything else uses.
 //!
-//! Paper 003 §3.4: depth and colour are uploaded, not points.
+//! Hofer et al. 2018 §3.4: depth and colour are uploaded, not points.
 
 mod network;
 mod passes;

@@ -1,4 +1,4 @@
-//! Instancing strategies (paper 000 §IV): how records reach the vertex stage.
+//! Instancing strategies (the 4D media paper §IV): how records reach the vertex stage.
 //!
 //! A strategy knows one thing: how to bring a *stream* of 16-byte records to the GPU and how to draw from it. It does
 //! not know what a record means nor what is drawn into. Streams longer than the adapter can bind are cut into chunks,

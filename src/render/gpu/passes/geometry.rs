@@ -4,7 +4,7 @@ use super::state::{ADDED, ColorUse, DepthUse, GeometryPass, OVER, PREMULTIPLIED}
 use crate::render::gpu::targets::Target;
 use crate::render::gpu::wgsl::shader_file;
 
-/// Depths of the disks and nothing else (paper 000 §V-B, first pass).
+/// Depths of the disks and nothing else (the 4D media paper §V-B, first pass).
 pub(in crate::render::gpu) const VISIBILITY: GeometryPass = GeometryPass {
     name: "visibility",
     file: shader_file!("passes/visibility.wgsl"),
@@ -19,8 +19,8 @@ pub(in crate::render::gpu) const DEPTH: GeometryPass = GeometryPass {
     ..VISIBILITY
 };
 
-/// Sums colours and weights of what passes the depth test against the visibility pass (paper 000 §V-B, second pass;
-/// normalised sums instead of ordered blending, as in paper 002, so that no order is needed).
+/// Sums colours and weights of what passes the depth test against the visibility pass (the 4D media paper §V-B, second
+/// pass; normalised sums instead of ordered blending, as in Sainz and Pajarola 2004, so that no order is needed).
 pub(in crate::render::gpu) const ATTRIBUTE: GeometryPass = GeometryPass {
     name: "attribute",
     file: shader_file!("passes/attribute.wgsl"),
@@ -49,14 +49,14 @@ pub(in crate::render::gpu) const NO_DEPTH: GeometryPass = GeometryPass {
     ..REGULAR
 };
 
-/// Hard disks: the nearest is seen (paper 002, Fig. 5).
+/// Hard disks: the nearest is seen (Sainz and Pajarola 2004, Fig. 5).
 pub(in crate::render::gpu) const OPAQUE: GeometryPass = GeometryPass {
     name: "opaque",
     file: shader_file!("passes/opaque.wgsl"),
     ..SOLID
 };
 
-/// Opaque faces in their light (paper 000 §VI-B), and triangles.
+/// Opaque faces in their light (the 4D media paper §VI-B), and triangles.
 pub(in crate::render::gpu) const SOLID: GeometryPass = GeometryPass {
     name: "solid",
     file: shader_file!("passes/solid.wgsl"),

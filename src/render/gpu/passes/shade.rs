@@ -19,8 +19,8 @@ const PHOTOS: ShaderFile = shader_file!("common/photos.wgsl");
 const PHOTO_ANSWERS: ShaderFile = shader_file!("common/photo_answers.wgsl");
 const SHADE_FILE: ShaderFile = shader_file!("passes/shade.wgsl");
 
-/// Light falls on the blended surface; what is left are sums, as the attribute pass leaves them without it (paper 003
-/// §3.6).
+/// Light falls on the blended surface; what is left are sums, as the attribute pass leaves them without it (Hofer et
+/// al. 2018 §3.6).
 pub(in crate::render::gpu) const SHADE: ScreenPass = ScreenPass {
     name: "shade",
     files: &[BLINN_PHONG, OWN_COLORS, SHADE_FILE],
@@ -38,7 +38,7 @@ pub(in crate::render::gpu) const SHADE_PHYSICAL: ScreenPass = ScreenPass {
     ..SHADE
 };
 
-/// Deferred shading of surfaces with view-dependent texturing (paper 004 §3).
+/// Deferred shading of surfaces with view-dependent texturing (Yang et al. 2006 §3).
 pub(in crate::render::gpu) const SHADE_PHOTOS: ScreenPass = ScreenPass {
     name: "shade images",
     files: &[BLINN_PHONG, PHOTOS, TEXTURED, SHADE_FILE],

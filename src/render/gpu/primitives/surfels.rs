@@ -1,4 +1,4 @@
-//! Surfels, round or not, in the six modes of paper 000, Fig. 3, and as hard disks.
+//! Surfels, round or not, in the six modes of the 4D media paper, Fig. 3, and as hard disks.
 
 use super::amplification::{Amplification, QUAD_VARYINGS};
 use super::drawable::{Drawable, Passes};

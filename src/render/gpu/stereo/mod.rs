@@ -17,7 +17,7 @@
 //! Whatever the GPU cannot do, the CPU does: more than 512 labels, buffers above 512 MiB or the adapter's limits, no
 //! memory, a device that was lost. Rectification is the CPU's, too.
 //!
-//! Paper 004 §5; Hirschmüller 2008.
+//! Yang et al. 2006 §5; Hirschmüller 2008.
 
 mod passes;
 mod scratch;

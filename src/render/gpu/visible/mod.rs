@@ -14,7 +14,7 @@
 //! A software adapter is the processor, which does better with code that was written for it: there the renderer takes
 //! those of the processor ([`GpuRenderer::set_makes_surfels`](super::GpuRenderer::set_makes_surfels)).
 //!
-//! Paper 003 §3.4 and §3.5.
+//! Hofer et al. 2018 §3.4 and §3.5.
 
 mod count;
 mod passes;

@@ -1,4 +1,4 @@
-//! Footprint lookup: the mask of a normal at each position in the image (paper 001 §5.2).
+//! Footprint lookup: the mask of a normal at each position in the image (Botsch et al. 2002 §5.2).
 //!
 //! How it works: in perspective the ellipse of a disk depends on its normal and on where it is seen. So normals are
 //! divided into classes, once per frame for each entry of the table of normals, and the image into 4×4 sectors; for the

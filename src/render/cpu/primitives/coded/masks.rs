@@ -1,4 +1,4 @@
-//! Footprints of splats as precomputed masks of weights (paper 001 §5.2).
+//! Footprints of splats as precomputed masks of weights (Botsch et al. 2002 §5.2).
 //!
 //! How it works: on the screen a disk is an ellipse, and as an ellipse it could be a disk seen from straight ahead with
 //! another normal. So there are masks for normals (quantised, half of an octahedron, of which half again is the same

@@ -1,4 +1,4 @@
-//! Surfels drawn straight from the byte code of an octree (paper 001).
+//! Surfels drawn straight from the byte code of an octree (Botsch et al. 2002).
 //!
 //! How it works: the tree is gone through once for blocks (`blocks.rs`); then each tile decodes the blocks that may
 //! touch it, level by level, adding the image of a vector for each node (`transform.rs`), looks up the normal as it is

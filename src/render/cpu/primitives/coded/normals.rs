@@ -1,4 +1,4 @@
-//! Per-frame precomputation for each quantised normal instead of each point (paper 001 §4.1, §5.1).
+//! Per-frame precomputation for each quantised normal instead of each point (Botsch et al. 2002 §4.1, §5.1).
 //!
 //! How it works: a table by the index of the normal, with its bits masked to the precision that is drawn. An entry has
 //! the normal as a function of pixels (the back-face test of a point is a dot product of three with its projection),

@@ -1,4 +1,4 @@
-//! Transform from the space of a frame to homogeneous pixels, by additions (paper 001 §4).
+//! Transform from the space of a frame to homogeneous pixels, by additions (Botsch et al. 2002 §4).
 //!
 //! How it works: pixels times distance, `(u, v, w) = M·(p − eye)`, are linear in a point. The centre of a child is that
 //! of its parent plus one of eight vectors `±h/2`, so its projection is that of its parent plus the projection of the

@@ -181,8 +181,8 @@ impl<S: Simd> EightSurfels<S> {
     }
 }
 
-/// Unit vectors u across the normals n of disks. Paper 000 §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n and v =
-/// n × u (`shaders/primitives/disk_axes.wgsl`).
+/// Unit vectors u across the normals n of disks. The 4D media paper §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n
+/// and v = n × u (`shaders/primitives/disk_axes.wgsl`).
 #[inline(always)]
 fn across<S: Simd>(simd: S, normals: Vectors<S>) -> Vectors<S> {
     let splat = |value: f32| f32x8::splat(simd, value);

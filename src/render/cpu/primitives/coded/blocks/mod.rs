@@ -1,11 +1,11 @@
 //! Traversal of a coded cloud: the parts that may touch each tile, and the level at which they are drawn.
 //!
 //! How it works: the tree is traversed from the root, nearer octants first. A node beyond the sides of the image, or
-//! all of whose normals face away (their cone, 001 §4.2), is culled with all below it; the eye's nearest corner of its
-//! box determines the level on which its cells get smaller than asked for. Where that level is a few below, the node is
-//! a *block*: all of it will be drawn on that level. Blocks are noted for the tiles that their boxes and splats may
-//! touch. The descendants of a block on any level are consecutive nodes, so that a decoder of a block reads masks and
-//! attributes in order.
+//! all of whose normals face away (their cone, Botsch et al. 2002 §4.2), is culled with all below it; the eye's nearest
+//! corner of its box determines the level on which its cells get smaller than asked for. Where that level is a few
+//! below, the node is a *block*: all of it will be drawn on that level. Blocks are noted for the tiles that their boxes
+//! and splats may touch. The descendants of a block on any level are consecutive nodes, so that a decoder of a block
+//! reads masks and attributes in order.
 //!
 //! When it wins: what is not seen is not visited, and from afar blocks are few and their levels high, so the render
 //! time scales with what can be seen of the cloud.
