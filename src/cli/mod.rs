@@ -92,7 +92,7 @@ pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
         answer(page.trim_end());
         return ended_with(check_answers().map(done));
     }
-    if let Some(question) = line::unknown_command(&words, &command) {
+    if let Some(question) = topics::unknown(&words, &command).or_else(|| line::unknown_command(&words, &command)) {
         return ended_with(Err(options::usage::UsageError(question).into()));
     }
     let parsed = command.try_get_matches_from(words);

@@ -1,8 +1,10 @@
 //! `pointreel help TOPIC`: short pages across commands, each with its options and examples.
 
 use super::wrap::wrapped;
+use crate::messages::listed;
 use crate::spelling::is_same_word;
 use clap::{Arg, Command};
+use std::ffi::OsString;
 use std::fmt::Write as _;
 
 /// A page of the help.
@@ -217,10 +219,40 @@ pub(super) fn line() -> String {
     format!("More: pointreel help TOPIC, with one of {}", names.join(", "))
 }
 
-/// The page that `words` ask for, a command line with the name of the program: `pointreel help TOPIC`.
-pub(super) fn page(words: &[std::ffi::OsString], command: &Command) -> Option<String> {
-    let [_, help, name] = words else { return None };
-    let name = name.to_str().filter(|_| help == "help")?;
+/// The name in `words`, a command line with the name of the program: `pointreel help NAME`.
+fn asked(words: &[OsString]) -> Option<&str> {
+    match words {
+        [_, help, name] if help == "help" => name.to_str(),
+        _ => None,
+    }
+}
+
+/// The page that `words` ask for, if their name is a topic: `pointreel help TOPIC`.
+pub(super) fn page(words: &[OsString], command: &Command) -> Option<String> {
+    let topic = topic(asked(words)?, command)?;
+    Some(topic.page(command))
+}
+
+/// Returns an error message if `words` ask for help about neither a command nor a topic, with the names of both.
+pub(super) fn unknown(words: &[OsString], command: &Command) -> Option<String> {
+    let name = asked(words)?;
+    let is_known = name == "help" || name.starts_with('-') || command.find_subcommand(name).is_some();
+    if is_known || topic(name, command).is_some() {
+        return None;
+    }
+    let commands: Vec<_> = command
+        .get_subcommands()
+        .map(|command| command.get_name().to_owned())
+        .collect();
+    let topics: Vec<_> = TOPICS.iter().map(|topic| topic.name.to_owned()).collect();
+    Some(format!(
+        "no help for `{name}`: expected a command ({}) or a topic ({})",
+        listed(&commands, "or"),
+        listed(&topics, "or")
+    ))
+}
+
+fn topic(name: &str, command: &Command) -> Option<&'static Topic> {
     if command.find_subcommand(name).is_some() {
         return None;
     }
@@ -229,8 +261,7 @@ pub(super) fn page(words: &[std::ffi::OsString], command: &Command) -> Option<St
         names.any(|it| is_same_word(it, name))
     };
     let exact = TOPICS.iter().find(|topic| is_same_word(topic.name, name));
-    let topic = exact.or_else(|| TOPICS.iter().find(is_asked))?;
-    Some(topic.page(command))
+    exact.or_else(|| TOPICS.iter().find(is_asked))
 }
 
 /// Width of texts.
@@ -286,7 +317,6 @@ mod tests {
     use super::*;
     use crate::cli::{Arguments, command};
     use clap::Parser as _;
-    use std::ffi::OsString;
 
     #[test]
     fn every_option_and_example_of_a_topic_is_one() {
@@ -319,5 +349,18 @@ mod tests {
         }
         assert_eq!(of("render"), None);
         assert_eq!(of("weather"), None);
+    }
+
+    #[test]
+    fn unknown_topics_are_answered_with_the_known_ones() {
+        let of = |name: &str| unknown(&["p", "help", name].map(OsString::from), &command());
+        let message = of("weather").unwrap();
+        assert!(
+            message.contains("view, render") && message.contains("colours, lod"),
+            "{message}"
+        );
+        for known in ["render", "colors", "octree", "help"] {
+            assert_eq!(of(known), None, "{known}");
+        }
     }
 }

@@ -42,7 +42,7 @@ pub enum ExportError {
     },
     /// The name says no format of pictures.
     #[error(
-        "{} does not name a picture that is written: expected a name that ends in {}",
+        "{} is not the name of an image format: expected a name that ends in {}",
         path.display(),
         PictureFormat::extensions().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ")
     )]
@@ -57,7 +57,7 @@ pub enum ExportError {
         format: PictureFormat,
     },
     /// The format of a picture has no such sizes.
-    #[error("{format} pictures have edges of at most {max_px} pixels, not {width}x{height}: choose .png")]
+    #[error("{format} images have edges of at most {max_px} pixels, not {width}x{height}: choose .png")]
     LargePicture {
         /// The format.
         format: PictureFormat,
@@ -69,7 +69,7 @@ pub enum ExportError {
         max_px: u32,
     },
     /// The format has no pictures of this size.
-    #[error("{format} has no pictures of {width}x{height} pixels: expected {expected}")]
+    #[error("{format} does not support images of {width}x{height} pixels: expected {expected}")]
     Size {
         /// The format.
         format: VideoFormat,
@@ -98,7 +98,7 @@ pub enum ExportError {
     },
     /// A picture beyond any use.
     #[error(
-        "a picture of {width}x{height} pixels: edges are from 1 to {} pixels long",
+        "an image of {width}x{height} pixels: edges are from 1 to {} pixels long",
         MAX_EDGE_PX
     )]
     PictureSize {
@@ -133,7 +133,7 @@ pub enum ExportError {
         reason: String,
     },
     /// Longer than any video.
-    #[error("{count} pictures are too many: a video has at most {max}", max = MAX_PICTURES)]
+    #[error("{count} frames are too many: a video has at most {max}", max = MAX_PICTURES)]
     TooLong {
         /// Number of frames.
         count: usize,

@@ -47,7 +47,7 @@ fn a_turntable_turns_while_the_sequence_plays() {
     let common = ["--turntable", "6", "--video", video, "--stats", stats_file];
     let said = succeeds(&[&common[..], &["--fps", "24"]].concat());
     assert!(
-        said.contains("6 pictures written to") && said.contains("a.gif"),
+        said.contains("6 frames written to") && said.contains("a.gif"),
         "{said}"
     );
     assert_eq!(shown(&stats), [0, 1, 2, 3, 4, 5]);

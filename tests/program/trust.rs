@@ -158,7 +158,7 @@ fn sources_are_never_destroyed() {
     render(&["-o", "./soft.png"], is_input);
     render(&["-o", "a.png", "--stats", "hard.json"], is_input);
     render(&["--video", "hard.gif", "--turntable", "2"], is_input);
-    render(&["-o", "other.png"], "is not a picture or video");
+    render(&["-o", "other.png"], "is not an image or video");
     render(&["-o", "a.png", "--stats", "other.json"], "is not a JSON file");
     refused(
         root,

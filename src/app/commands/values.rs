@@ -190,7 +190,7 @@ pub(super) const ROWS: &[Row] = &[
         },
     )
     .applies(needs_sequence),
-    Row::taking(Command::new("click"), "Click on the picture", "X Y", |state, place| {
+    Row::taking(Command::new("click"), "Click in the viewport", "X Y", |state, place| {
         let shares: Vec<f32> = place
             .split_whitespace()
             .filter_map(|share| share.parse().ok())

@@ -86,7 +86,7 @@ fn rows(state: &State) -> Vec<(&'static str, String)> {
         ("Adapter", adapter),
         ("Painted by", painter.to_owned()),
         ("Settings", settings),
-        ("Pictures", picture_folder().display().to_string()),
+        ("Images", picture_folder().display().to_string()),
     ];
     if let (Some(name), Some(player)) = (state.sequence_name(), &state.player) {
         let points = player.shown().map_or(0, |frame| frame.frame.points_in_file());

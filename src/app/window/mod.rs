@@ -93,7 +93,7 @@ pub struct Options {
 #[non_exhaustive]
 pub enum AppError {
     /// There is no display, or it refuses.
-    #[error("no window can be opened ({reason}); without a display use `pointreel render INPUT -o picture.png`")]
+    #[error("no window can be opened ({reason}); without a display use `pointreel render INPUT -o image.png`")]
     NoWindow {
         /// Error message of the window system.
         reason: String,

@@ -69,7 +69,7 @@ pub(in crate::cli) fn run(arguments: &CompareArgs) -> anyhow::Result<()> {
     let test = read(test_path)?;
     if reference.dimensions() != test.dimensions() {
         bail!(
-            "{} has {}x{} pixels and {} has {}x{}: only pictures of one size can be compared",
+            "{} has {}x{} pixels and {} has {}x{}: only images of one size can be compared",
             reference_path.display(),
             reference.width(),
             reference.height(),

@@ -177,7 +177,7 @@ fn make_folder(output: &Path, frame_count: usize) -> anyhow::Result<Option<Tempo
     }
     let new = Temporary::folder(folder);
     std::fs::create_dir_all(folder)
-        .with_context(|| format!("the folder {} for the pictures cannot be made", folder.display()))?;
+        .with_context(|| format!("the folder {} for the images cannot be created", folder.display()))?;
     Ok(Some(new))
 }
 

@@ -26,7 +26,7 @@ pub(super) fn render_video(
     stats: &mut Vec<PictureStats>,
 ) -> anyhow::Result<Vec<(usize, String)>> {
     let Some(output) = &arguments.video.video else {
-        bail!("name the output: -o for pictures, --video for a video");
+        bail!("name the output: -o for images, --video for a video");
     };
     let (path, per_second, speed) = match (&arguments.video.path, &arguments.video.path_of_session) {
         (Some(file), _) => written_path(&arguments.video, &CameraPath::read(file)?)?,
@@ -73,7 +73,7 @@ pub(super) fn render_video(
         warnings::warn_of_frame(&format!("{named} is not shown, the one before it stays: {error}"));
     }
     answer(&format!(
-        "{} pictures written to {}, {per_second:.5} a second",
+        "{} frames written to {}, {per_second:.5} per second",
         video.picture_count(),
         output.display()
     ));
@@ -105,7 +105,7 @@ fn path_around(arguments: &RenderArgs, headless: &Headless) -> anyhow::Result<(C
     let video = &arguments.video;
     let sequence = headless.sequence();
     if video.fps.is_some() && video.seconds.is_some() {
-        bail!("--fps and --seconds contradict each other here: the number of pictures is given");
+        bail!("--fps and --seconds contradict each other here: the number of frames is given");
     }
     let range = frames(arguments, sequence.len())?;
     let speed = video.speed.unwrap_or(1.0);

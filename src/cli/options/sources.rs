@@ -55,15 +55,15 @@ pub(in crate::cli) fn check_replaced(output: &Path, kind: OutputKind) -> anyhow:
         .and_then(|file| file.take(BEGIN_BYTES).read_to_end(&mut begin))
         .with_context(|| format!("{} cannot be replaced", output.display()))?;
     let (is_kind, name) = match kind {
-        OutputKind::Picture => (is_picture(&begin), "picture or video"),
+        OutputKind::Picture => (is_picture(&begin), "an image or video"),
         OutputKind::Json => (
             matches!(begin.trim_ascii_start().first(), Some(b'{' | b'[')),
-            "JSON file",
+            "a JSON file",
         ),
     };
     if !is_kind && !begin.is_empty() {
         bail!(
-            "{} already exists and is not a {name}: nothing was written, choose another name or remove it",
+            "{} already exists and is not {name}: nothing was written, choose another name or remove it",
             output.display()
         );
     }
@@ -96,7 +96,7 @@ mod tests {
         let scan: &[u8] = b"ply\nformat ascii 1.0\n";
         for kind in [OutputKind::Picture, OutputKind::Json] {
             let refused = check(scan, kind).unwrap_err().to_string();
-            assert!(refused.contains("out.png already exists and is not a "), "{refused}");
+            assert!(refused.contains("out.png already exists and is not "), "{refused}");
             assert!(check(b"", kind).is_ok());
         }
         assert!(check(b"\x89PNG\r\n\x1a\n", OutputKind::Picture).is_ok());

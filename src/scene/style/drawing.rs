@@ -20,7 +20,7 @@ choices! {
         Mesh = "mesh", "Mesh", "The triangles of the file, where it has some, and the points between them",
             also ["wireframe", "triangles", "surface", "faces", "polygons"];
         /// The 4D media paper §VI.
-        Voxel = "voxel", "Voxels", "Cubes of the octree's cells, as fine as the picture needs",
+        Voxel = "voxel", "Voxels", "Cubes of the octree's cells, as fine as the image needs",
             also ["cubes", "octree", "blocks"];
         Point = "point", "Points", "Squares or disks that face the screen; plain ones are the fastest",
             also ["dots", "vertices", "point cloud"];

@@ -20,7 +20,7 @@ pub(super) fn pictures_ui(ui: &mut Ui, label: &str, number: u64, [picture, error
     ui.label(RichText::new(label).strong());
     ui.horizontal(|ui| {
         for (what, image, tooltip) in [
-            ("picture", picture, "The first view as it was drawn"),
+            ("image", picture, "The first view as rendered"),
             (
                 "error map",
                 error_map,

@@ -73,7 +73,7 @@ impl Thumbnail {
             .map_err(std::io::Error::other)
             .and_then(|()| persist::replace(file, png.get_ref()));
         if let Err(reason) = written {
-            log::warn!("the picture {} could not be written ({reason})", file.display());
+            log::warn!("the thumbnail {} could not be written ({reason})", file.display());
         }
     }
 }
