@@ -38,7 +38,7 @@ fn is_outside_disk(quad: vec2f) -> bool {
     return dot(quad, quad) > 1.0 && max(aside_px.x, aside_px.y) > 0.5;
 }
 
-// True unless a sphere around `position` is outside the view: conservative, for the compute pass.
+// Frustum culling: true unless a sphere around `position` is outside the view: conservative, for the compute pass.
 fn sphere_may_be_seen(position: vec3f, radius: f32) -> bool {
     let center = rotate_to_view(offset_from_eye(position));
     // Slopes of the side planes, times the focal length.

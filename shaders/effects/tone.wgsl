@@ -1,4 +1,4 @@
-// The tone curve: a power of display-referred colours. Why: render/effects/tone.
+// The tone curve (gamma correction): a power of display-referred colours. Why: render/effects/tone.
 
 #import common/fullscreen.wgsl
 

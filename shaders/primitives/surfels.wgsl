@@ -38,10 +38,10 @@ fn surfel_vertex(point: PointRecord, shape: ShapeRecord, corner: u32) -> SplatVe
     return SplatVertex(clip, color, shape.normal, pack2x16unorm(light), splat.weight);
 }
 
-// True unless the whole surfel faces away. Errs towards true: the rasteriser has the last word, and where a surfel of a
-// pixel or so is seen nearly edge on, that may turn it around. It rounds corners to a grid, of 1/16 pixel on the
-// coarsest adapters: half a cell along both axes changes the area of a triangle as if the disk was 0.08 pixels thicker
-// or thinner.
+// Back-face culling: true unless the whole surfel faces away. Errs towards true: the rasteriser has the last word, and
+// where a surfel of a pixel or so is seen nearly edge on, that may turn it around. It rounds corners to a grid, of 1/16
+// pixel on the coarsest adapters: half a cell along both axes changes the area of a triangle as if the disk was 0.08
+// pixels thicker or thinner.
 fn surfel_may_face_eye(point: PointRecord, shape: ShapeRecord, reach: f32) -> bool {
     let to_eye = -offset_from_eye(point.position);
     let distance = length(to_eye);

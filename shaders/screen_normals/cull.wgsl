@@ -1,4 +1,4 @@
-// Points that others hide. Twin of analysis/screen/cull.rs.
+// Occlusion culling: points that others hide. Twin of analysis/screen/cull.rs.
 
 #import common/scan.wgsl
 #import screen_normals/cells.wgsl

@@ -1,4 +1,5 @@
-//! Points that lie in one cell become one: the mean of all that they have, of categories the most frequent.
+//! Voxel downsampling: points that lie in one cell become one, the mean of all that they have, of categories the most
+//! frequent.
 
 use super::cell_scalars::CellScalars;
 use super::{Attributes, Positions, RawCloud};

@@ -130,7 +130,7 @@ fn move_by(cloud: &mut RawCloud, transform: &DMat4) -> Result<(), EditError> {
     Ok(())
 }
 
-/// The points of each cell become one.
+/// Voxel downsampling: the points of each cell become one.
 fn join_in_cells(cloud: &mut RawCloud, edge: f64) -> Result<(), EditError> {
     let mut cells = Cells::new(edge);
     cells.add(cloud)?;

@@ -28,7 +28,7 @@ impl SelectView {
     pub const ALL_LEVELS: u32 = LEVELS;
 }
 
-/// Metric for the size of a node on the screen.
+/// Metric for the size of a node on the screen, its screen-space error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LodMetric {

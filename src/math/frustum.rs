@@ -1,4 +1,4 @@
-//! View frusta as inward-facing planes, and the sphere test of the 4D media paper §VI-B.
+//! View frusta as inward-facing planes, and the sphere test of frustum culling (the 4D media paper §VI-B).
 
 use glam::{Mat4, Vec3, Vec4};
 

@@ -1,4 +1,4 @@
-//! Peak signal-to-noise ratio.
+//! Peak signal-to-noise ratio (PSNR).
 //!
 //! How it works: the mean of the squared differences over all pixels and the three colour channels, against the square
 //! of the largest value there is, 255. Alpha is not compared: pictures are opaque. Values are compared as they are

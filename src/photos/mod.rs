@@ -1,4 +1,5 @@
-//! Sets of calibrated images with sparse points: the output of reconstruction programs, prepared for drawing.
+//! Sets of calibrated images with sparse points: the output of photogrammetry programs (COLMAP and others), prepared
+//! for drawing. Poses are used as they are in the files.
 //!
 //! [`find`] reports the contents of a folder, and [`FoundSet::read`] reads it into a [`ViewSet`], whatever the format:
 //! cameras have x to the right, y down, z forward, poses take the world to the camera, and centres of pixels are at

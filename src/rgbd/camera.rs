@@ -3,7 +3,8 @@
 use super::distortion::Distortion;
 use glam::{DVec2, DVec3};
 
-/// A pinhole with a lens. Centres of pixels are at integers: the image reaches from −½ to its size − ½.
+/// A pinhole with a lens, by its intrinsics. Centres of pixels are at integers: the image reaches from −½ to its size −
+/// ½.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     size_px: [u32; 2],

@@ -1,4 +1,5 @@
-//! Colours for the pixels of a depth image, out of an image that another camera took, and depths for that image.
+//! Registration of depth and colour images: colours for the pixels of a depth image, out of an image that another
+//! camera took, and depths for that image.
 //!
 //! *How it works.* The point of a depth pixel is moved into the frame of the colour camera and projected there. What is
 //! nearest at a place of that view hides what is behind it, so a depth buffer of the points themselves is drawn first.

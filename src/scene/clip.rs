@@ -1,4 +1,4 @@
-//! Clipping: draws only what is within a box, or on one side of a plane; or all but that.
+//! Clipping, or cropping: draws only what is within a box, or on one side of a plane; or all but that.
 //!
 //! How it works. Records are excluded when a packet is made, by the positions of their centres, so every renderer and
 //! every primitive draws the same, and nobody can pick what is not drawn. Each record is tested for itself: a test

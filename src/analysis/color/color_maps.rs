@@ -1,4 +1,4 @@
-//! Maps from a share of 0 to 1 to a colour.
+//! Colour maps: from a fraction of 0 to 1 to a colour.
 //!
 //! How it works: 33 colours of each published table stand at equal steps, with lines between them in the stored values
 //! of channels. No channel is more than 2 of 255 off the table of 256 colours. Many values at a time go through a table

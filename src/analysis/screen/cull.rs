@@ -1,4 +1,4 @@
-//! Visibility culling: removal of points that others hide.
+//! Occlusion culling: removal of points that others hide.
 //!
 //! **How it works.** Every point writes its depth to the pixel of its centre, if it is the nearest there. A point is a
 //! square of pixels around that one; the deeper it is the smaller, so of all points in one pixel the nearest covers

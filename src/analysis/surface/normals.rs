@@ -1,4 +1,4 @@
-//! Normals by principal component analysis of the neighbours.
+//! Normal estimation by principal component analysis of the neighbours.
 //!
 //! How it works: the normal is the direction in which a point and its neighbours spread least, the eigenvector of the
 //! smallest eigenvalue of their covariance (Hoppe et al. 1992). Offsets are taken from the point itself, which is exact

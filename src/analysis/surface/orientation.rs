@@ -1,4 +1,4 @@
-//! Turning normals to one side of the surface.
+//! Normal orientation: turning normals to one side of the surface.
 //!
 //! How it works: after Hoppe et al. (1992), the sign of a normal spreads over the minimum spanning tree of the
 //! neighbourhood graph, so that it crosses the surface where it is least in doubt. Two things differ from the textbook.

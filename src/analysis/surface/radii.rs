@@ -1,4 +1,4 @@
-//! Splat radii that close the surface.
+//! The splat radius of each point: as large as it takes to close the surface.
 //!
 //! How it works: every position on the surface is nearest to some point, in whose Voronoi cell it is; if each disk
 //! covers the Voronoi cell of its own point, the disks cover the surface. So the neighbours are projected onto the

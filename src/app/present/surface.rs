@@ -1,4 +1,4 @@
-//! The window's surface: handling of every result of acquiring a swap-chain image.
+//! The window's surface (swap chain): handling of every result of acquiring a swap-chain image.
 //!
 //! **How it works.** A surface lives alongside the window system, which resizes, hides and takes it away at will, and
 //! reports so only when the next image is acquired. [`acquire`] decides: an image is presented, a temporary lack of one

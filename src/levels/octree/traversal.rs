@@ -1,4 +1,4 @@
-//! Traversal: which nodes stand for the cloud in one view (the 4D media paper §VI-B).
+//! Traversal with frustum culling: which nodes stand for the cloud in one view (the 4D media paper §VI-B).
 //!
 //! How it works: from the root down, a node is dropped when its bounding sphere (the diagonal of the cell is its
 //! diameter) is outside the frustum, and emitted when it is a leaf or its edge covers less than the LOD threshold on
@@ -11,7 +11,8 @@
 //!   levels of detail are descended into.
 //! - *Small subtrees* that straddle one of these are not descended into: their cells are tested eight at a time
 //!   (`small_subtrees.rs`).
-//! - *Normal cones.* A node whose points all face away is dropped, if that is asked for ([`LodSurfels`]).
+//! - *Normal cones*, for back-face culling. A node whose points all face away is dropped, if that is asked for
+//!   ([`LodSurfels`]).
 //! - *Subtrees in parallel.* The octants of the root, and theirs, are gone through by as many threads as there are.
 //!
 //! The eight octants of the root, and those below, come nearest first, so that what is drawn early hides what follows.

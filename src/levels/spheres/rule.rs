@@ -1,4 +1,5 @@
-//! Selection rule for the nodes that represent the points below them: the metric of Sainz and Pajarola 2004 §4.1.
+//! Selection rule by screen-space error for the nodes that represent the points below them: the metric of Sainz and
+//! Pajarola 2004 §4.1.
 //!
 //! A node covers `ε = f·A/d²` on the screen, where `A = πr²`, r is the maximum distance of the points below from its
 //! centre, `d` is the distance from the eye to the nearest point of its sphere, and `f = cos max(γ − θ − β, 0)` is the
@@ -110,7 +111,7 @@ impl Rule {
         }
     }
 
-    /// Returns true if a node is culled because nothing of it can be visible.
+    /// Returns true if a node is culled because nothing of it can be visible: frustum culling and back-face culling.
     pub(super) fn drops(&self, bounds: &Bounds) -> bool {
         self.is_dropped(bounds, self.seen_share(bounds))
     }

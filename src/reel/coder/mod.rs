@@ -1,4 +1,4 @@
-//! Adaptive binary range coding: bits of which each has its own running probability.
+//! Entropy coding: adaptive binary range coding: bits of which each has its own running probability.
 //!
 //! Encoder and decoder are two types of one trait, [`BitCoder`], so the modelling is written once: a function that
 //! codes a level takes the bits that are there and returns the bits that a decoder will see.

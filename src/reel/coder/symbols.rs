@@ -1,8 +1,8 @@
 //! Static coding of symbols: frequency tables up front, then as little work per symbol as possible.
 //!
-//! How it works: asymmetric numeral systems (Duda 2013) with ranges: the state of the coder is a number; a symbol of
-//! frequency f of 4096 makes it 4096 / f times as large, and what is beyond 32 bits is written, 16 bits at a time. One
-//! look-up by the lowest 12 bits of the state yields the symbol and the previous state. Several states take turns
+//! How it works: asymmetric numeral systems (ANS) (Duda 2013) with ranges: the state of the coder is a number; a symbol
+//! of frequency f of 4096 makes it 4096 / f times as large, and what is beyond 32 bits is written, 16 bits at a time.
+//! One look-up by the lowest 12 bits of the state yields the symbol and the previous state. Several states take turns
 //! (Giesen 2014), so that a CPU works on several symbols at once: the caller selects the state by numbers that are
 //! known at compile time, so that they stay in registers.
 //!

@@ -10,7 +10,7 @@ const IN_FLIGHT: u8 = 1;
 const MAPPED: u8 = 2;
 const READING: u8 = 3;
 
-/// One reading at a time.
+/// A staging buffer for one reading at a time.
 #[derive(Debug)]
 pub(super) struct LateRead {
     readable: wgpu::Buffer,

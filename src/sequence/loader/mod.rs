@@ -1,4 +1,4 @@
-//! Frames ahead of the playhead, made by worker threads, kept within a byte budget.
+//! Prefetching: frames ahead of the playhead, made by worker threads, kept within a byte budget.
 //!
 //! [`Loader::request`] says where the playhead is and what its pictures need; it never blocks. Workers make that frame
 //! first, then those the playhead will reach ([`queue`] says in which order, [`cache`] what is evicted for them). When

@@ -25,7 +25,7 @@ use crate::sequence::{Detail, FrameError, Needs, PreparedFrame, Sequence};
 use crate::timeline::LoopMode;
 use std::sync::Arc;
 
-/// Look-ahead in frames that are prepared, if the budget allows: ten seconds of footage.
+/// Prefetch distance: look-ahead in frames that are prepared, if the budget allows: ten seconds of footage.
 pub(super) const LOOK_AHEAD_FRAMES: usize = 256;
 
 /// Points of the coarse copies that are kept of all frames, at most and at least.

@@ -1,4 +1,4 @@
-//! Merging of points from several frames into one cloud.
+//! Accumulation of a point cloud: merging of points from several frames into one cloud.
 //!
 //! How it works: a depth camera sees the same wall in hundreds of frames. All points are kept as long as there are few
 //! enough to be rendered quickly; after that they are voxel-downsampled, with cells that grow whenever there are too

@@ -1,4 +1,4 @@
-//! Frames that became one cloud, by where they were taken.
+//! Frames accumulated into one cloud, by where they were taken.
 
 use super::error::RgbdError;
 use super::joined::Merged;

@@ -1,4 +1,4 @@
-//! Supersampling: the picture that is shown, of several pixels for each.
+//! Antialiasing by supersampling: the picture that is shown, of several pixels for each.
 
 mod cpu;
 #[cfg(feature = "gpu")]

@@ -177,13 +177,13 @@ const CACHED: wgpu::BlendComponent = wgpu::BlendComponent {
     operation: wgpu::BlendOperation::Add,
 };
 
-/// Colours over what is there.
+/// Alpha blending: colours over what is there.
 pub(in crate::render) const OVER: wgpu::BlendState = wgpu::BlendState {
     color: wgpu::BlendState::ALPHA_BLENDING.color,
     alpha: CACHED,
 };
 
-/// Colours times their opacities, and opacities, over what is there.
+/// Alpha blending of premultiplied colours: colours times their opacities, and opacities, over what is there.
 pub(super) const PREMULTIPLIED: wgpu::BlendState = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
 
 /// Multiplies what is there.

@@ -1,4 +1,4 @@
-//! Smooth curves through values at ascending times.
+//! Keyframe interpolation: smooth curves through values at ascending times.
 //!
 //! **How it works.** Between neighbouring values runs a cubic (Hermite), whose slopes at the values are those of
 //! Fritsch and Carlson (*Monotone piecewise cubic interpolation*, 1980, with the harmonic mean of Brodlie): 0 where the
