@@ -206,6 +206,7 @@ impl Headless {
             return Vec::new();
         }
         // It was drawn a moment ago, so it is in memory.
+        // The plain frame: ghosts and trails introduce other indices.
         let Ok(pose) = self.second_frame(index, style) else {
             return Vec::new();
         };

@@ -17,6 +17,7 @@ pub(crate) fn frame_with_index(index: usize, count: usize) -> String {
 
 /// Formats the frame number of a sequence that is unknown or growing: "frame 3 (index 2)".
 pub(crate) fn frame_by_index(index: usize) -> String {
+    // Options, file names and JSON count from 0: counting from 1 everywhere would have shifted every script by one.
     format!("frame {} (index {index})", index + 1)
 }
 

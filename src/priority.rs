@@ -5,11 +5,15 @@ use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_pr
 
 /// Thread priority of background work, in the crate's hundred steps; below the medium one, which is 50: niceness 10 on
 /// Linux, a tenth of the time of a thread that draws.
+// Surfels of 100,000 points went from 58 to 59.4 and 60.0 of 60 fps, with 38 and 35 instead of 23 % of their points (2
+// cores).
 const BEHIND_DRAWING: u8 = 25;
 
 /// Lowers the priority of the current thread below other threads of the program: it prepares what is drawn later. A
 /// rendered frame that waits for threads which prepare others is late; those have until they are due.
 pub(crate) fn go_behind_drawing() {
+    // Not SCHED_IDLE: it yields at once, not after a time slice of 4 ms, but a compiler next to the window would stop
+    // the loader altogether, and a thread cannot leave that class without privileges.
     let lowered = ThreadPriorityValue::try_from(BEHIND_DRAWING)
         .ok()
         .map(|value| set_current_thread_priority(ThreadPriority::Crossplatform(value)));
@@ -24,6 +28,8 @@ pub(crate) fn go_behind_drawing() {
 pub(crate) fn work_with_this_thread() {
     let threads = rayon::ThreadPoolBuilder::new()
         .thread_name(|number| format!("helper {number}"))
+        // While it slept until helpers had drawn all, surfels of 100,000 points had 58.9 and 59.3 of 60 fps: in the
+        // first half second, with both cores busy, frames took 12 to 24 ms instead of 6.
         .use_current_thread()
         .build();
     match threads {

@@ -130,8 +130,10 @@ mod system {
         let is_ignored = |signal: Raw| ignored >> (signal as u32 - 1) & 1 == 1;
         let raw = ALL.iter().map(|(_, raw)| *raw);
         watched.extend(raw.filter(|&signal| !is_ignored(signal)));
+        // Blocked before other threads start, which inherit it: no code ever runs inside a signal handler.
         watched.thread_block()?;
         let waits = move || {
+            // A thread that waits (`sigwait`) learns which signal came.
             while let Ok(raw) = watched.wait() {
                 if let Some((signal, _)) = ALL.iter().find(|(_, known)| *known == raw) {
                     receive(*signal);

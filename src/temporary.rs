@@ -161,6 +161,7 @@ impl Temporary {
     /// Renames the file to `target`, replacing any existing file of that name: it is temporary no longer.
     pub(crate) fn rename(&self, target: &Path) -> io::Result<()> {
         let mut list = locked(&LISTED);
+        // Under the lock of the list: a signal finds either the hidden file or the finished one.
         fs::rename(&self.path, target)?;
         list.entries.remove(&self.listed.0);
         Ok(())

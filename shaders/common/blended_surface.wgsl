@@ -28,6 +28,7 @@ fn blended_surface(position: vec2f) -> BlendedSurface {
     let per_weight = 1.0 / sum.a;
     let mean_normal = textureLoad(normals, pixel, 0).xyz * per_weight;
     let length2 = dot(mean_normal, mean_normal);
+    // Blended like normals. Not from the depth buffer: its depths are pushed back by a splat radius.
     let distance = view.usual_distance / max(1.0 + textureLoad(nearnesses, pixel, 0).r * per_weight, 1e-6);
     let ray = ray_through(position);
     let to_eye = -normalize(ray);

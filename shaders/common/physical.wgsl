@@ -6,6 +6,7 @@
 // The environment as the roughness mirrors it, and the curve of what is mirrored and lost in one more row.
 
 // Linear light, by what the surface makes of it.
+// Four sums by interaction with the surface: colours are multiplied in once, not for each light.
 struct Light {
     // What is mirrored for each unit of the reflectance at right angles, and beside that.
     mirrored: vec3f,
@@ -58,6 +59,7 @@ fn environment_at(direction: vec3f) -> vec3f {
     let first = floor(place);
     let beyond = place - first;
     let corner = vec2u(first);
+    // Not a sampler: texture filtering differs between adapters, blending four texels here does not.
     let upper = mix(
         textureLoad(environment, corner, 0),
         textureLoad(environment, corner + vec2u(1u, 0u), 0),
@@ -91,6 +93,7 @@ fn of_lamp(toward: Toward, normal: vec3f, to_eye: vec3f, facing: f32, open: f32)
     let squared = grazing * grazing;
     let fresnel = squared * squared * grazing;
     let entry = entry_at(toward.facing);
+    // Ambient occlusion dims what is not specular of a lamp: its highlight stays.
     let soft = light * open;
     return Light(highlight * (1.0 - fresnel), highlight * fresnel, soft * entry.z, soft * entry.w);
 }
@@ -104,6 +107,8 @@ fn light_on(position: vec3f, normal: vec3f, to_eye: vec3f, facing: f32, of_eye: 
     let mirrored = open * environment_at(in_environment(2.0 * facing * normal - to_eye));
     let matt = open * harmonics_at(in_environment(normal));
     var light = Light(
+        // The split sum is off by 0.042 of white on average for the built-in environments, and by up to 0.3 for a light
+        // in a rough mirror that is seen edge-on; diffuse light by 0.015.
         mirrored * of_eye.x,
         mirrored * of_eye.y,
         matt * parts.physical.mean_loss,

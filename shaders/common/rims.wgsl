@@ -39,6 +39,7 @@ fn color_between(pixel: vec2i, line: vec2i, steps: i32, other_steps: i32) -> vec
     let depth = depth_at(end);
     let other_depth = depth_at(other_end);
     var to_other = select(1.0, 0.0, depth < other_depth);
+    // On one surface, which end is farther would be a matter of rounding, and the two renderers would differ.
     if (min(depth, other_depth) >= GAP_ONE_SURFACE * max(depth, other_depth)) {
         to_other = f32(steps) / f32(steps + other_steps);
     }
@@ -55,6 +56,7 @@ fn behind_rim(pixel: vec2i) -> vec4f {
     let max_value = i32(parts.resolving.rim_px);
     var lines = PIXEL_LINES;
     var shortest = 1e30;
+    // One of the four lines is enough, unlike for gaps: along a straight edge, a line never ends.
     for (var line = 0; line < 4; line++) {
         let one = steps_to_opaque(pixel, -lines[line], max_value - 1);
         if (one == 0) {

@@ -33,6 +33,7 @@ fn fragment(@builtin(position) position: vec4f) -> GridPixel {
     let along = vec2f(dot(parts.grid.right.xyz, ray), dot(parts.grid.forward.xyz, ray));
     let place = distance * along - vec2f(parts.grid.right.w, parts.grid.forward.w);
     // The derivative of distance · along: a quotient of two functions that are affine in pixels.
+    // In closed form: GPUs would compute it from differences inside a pixel quad, and the CPU would draw other lines.
     let per_facing = along / facing;
     let right_per_px = (parts.grid.right.xy - per_facing.x * parts.grid.normal.xy) * slope_per_px;
     let forward_per_px = (parts.grid.forward.xy - per_facing.y * parts.grid.normal.xy) * slope_per_px;

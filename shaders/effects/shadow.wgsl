@@ -14,6 +14,7 @@ fn light_of_key(shadow_map: texture_depth_2d, position: vec3f, normal: vec3f, fa
     let ndc = parts.shadow.focal * per_distance * aside;
     let depth = parts.shadow.near * per_distance;
     // The corner of a square of 3×3 texels.
+    // It can begin between texels, so that shadow borders are continuous.
     let corner = (0.5 + vec2f(0.5, -0.5) * ndc) * SHADOW_EDGE_PX - 1.5;
     let first = floor(corner);
     let beyond = corner - first;

@@ -30,5 +30,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     }
     let open = openness(depths, vec2i(pixel), surface.normal);
     let light = lit(to_linear(surface.color), blended.place, surface.normal, blended.to_eye, open);
+    // Encoded again, and a sum again: blending with the background stays display-referred, so edges do not depend on
+    // the lighting, and resolve, eye-dome lighting and transparent backgrounds work as without it.
     return vec4f(to_display(min(light, vec3f(1.0))), 1.0) * (blended.weight * surface.opacity);
 }

@@ -72,6 +72,7 @@ fn texel(picture: TexturePlace, column: f32, row: f32) -> vec3f {
 }
 
 // Display-referred, between the four texels around a place.
+// Not a sampler: both renderers interpolate with the same arithmetic (`cloud/textures.rs`), without mip levels.
 fn texture_color(picture: TexturePlace, place: vec2f) -> vec3f {
     let x = between_texels(place.x, picture.width);
     let y = between_texels(place.y, picture.height);

@@ -124,6 +124,7 @@ fn is_outside_surface(in: Varyings) -> bool {
 }
 
 // Reversed.
+// At most that of the square: the early depth test relies on no fragment being nearer than that.
 fn depth_of(in: Varyings) -> f32 {
     let on_plane = dot(in.w.xyz, ray_through(in.position.xy)) * in.w.w;
     return min(select(on_plane, in.midpoint.z, is_on_min_splat(in)), in.position.z);

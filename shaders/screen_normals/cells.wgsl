@@ -39,6 +39,8 @@ fn choose(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let cell = places[places[screening.point_count + id.x]];
+    // WGSL has no atomics of 64 bits: `compact` found the nearest depth of each cell, and this pass finds the first
+    // point of that depth. Depths and cells are the stored ones: computed again, they might be fused differently.
     if (atomicLoad(&cell_keys[3u * cell]) == ~bitcast<u32>(seen_points[id.x].w)) {
         atomicMax(&cell_keys[3u * cell + 1u], ~id.x);
     }

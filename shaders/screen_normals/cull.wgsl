@@ -23,6 +23,8 @@ fn draw(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_inde
             atomicMax(&nearest[pixel.y * screening.size_px.x + pixel.x], ~depth);
             atomicMax(&group_nearest, ~depth);
         }
+        // Stored for `cull`: computed again it might be fused differently, and a point would not be found in its own
+        // pixel.
         places[id.x] = depth;
     }
     workgroupBarrier();
@@ -183,6 +185,7 @@ fn compact(@builtin(global_invocation_id) id: vec3u, @builtin(workgroup_id) grou
     let place = places[first_sum() + group.x] + rank;
     let seen = see(points[id.x].position);
     places[screening.point_count + place] = id.x;
+    // Depth, and the cell below, are stored for `choose`: computed again there, they might be fused differently.
     seen_points[place] = vec4f(seen.offset, seen.depth);
     let finest = found.finest;
     let cell = cell_at(finest, min(vec2u(seen.place_px), screening.size_px - 1u) >> vec2u(finest));

@@ -37,6 +37,8 @@ use surface::steps::{NEIGHBOURS_STEPS, OUTWARDS_STEPS, PLANES_STEPS, RADII_STEPS
 ///
 /// Twelve are two rings of a triangulated surface: enough to average noise out of a normal and to enclose a point on
 /// all sides, few enough not to reach round corners. The point itself is not counted.
+// Fewer leave more of a surface open and need larger disks (random samples of a sphere and a torus): 12 leave less than
+// 0.02 %, 10 leave 0.04 % with 1.05 times the area, 9 0.05 % with 1.1 times, 8 0.1 % with 1.16 times.
 pub const DEFAULT_NEIGHBOURS: usize = 12;
 
 /// By what the signs of normals were decided.
@@ -188,6 +190,8 @@ fn surface_of_distinct(
 fn orientation_of(points: usize, sensor: Option<Vec3>) -> Orientation {
     match sensor {
         Some(_) => Orientation::Sensor,
+        // Beyond, the forest over all points took four fifths of the time, and its result is invisible where back faces
+        // are drawn.
         None if points <= MAX_JOINED => Orientation::Neighbours,
         None => Orientation::Representatives,
     }
@@ -205,6 +209,8 @@ fn estimated_surface(
         (!progress.is_cancelled()).then_some(())
     };
     let mut tree = PointTree::new(positions);
+    // Surfaces of single points on demand (`LazySurface`) were removed: any search needs this tree over all points
+    // first, which is a quarter to a third of the whole estimation.
     goes_on(TREE_STEPS)?;
     let mut by_slot = if orientation == Orientation::Neighbours {
         let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);

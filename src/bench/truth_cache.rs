@@ -43,7 +43,9 @@ impl TruthCache {
         let Some(folder) = &self.folder else {
             return make();
         };
+        // SHA-256: a checksum of 32 bits would mistake one cloud for another.
         let mut hash = Sha256::new();
+        // All inputs, not a name: a ground truth takes seconds, so it is reused wherever the inputs are the same.
         hash.update(VERSION.to_le_bytes());
         key.for_each_bytes(&mut |bytes| {
             hash.update((bytes.len() as u64).to_le_bytes());

@@ -107,6 +107,7 @@ impl Header {
             (1..=3, _) => return Err(HeaderError::Truncated),
             _ => return Err(HeaderError::Version(*major)),
         };
+        // `npyz` 0.9 allocates the length that a header claims, and parses any Python literal.
         let (header, _) = bytes[start..].split_at_checked(length).ok_or(HeaderError::Truncated)?;
         let text = String::from_utf8_lossy(header);
         Dictionary::parse(&text, start + length).ok_or_else(|| {

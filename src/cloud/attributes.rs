@@ -117,6 +117,7 @@ impl Attributes {
         self.ellipses = match (self.ellipses.take(), &self.normals, &self.radii) {
             (Some(mut ellipses), Some(normals), Some(radii)) => {
                 for ((ellipse, normal), &radius) in ellipses.iter_mut().zip(normals).zip(radii) {
+                    // An estimated disk must not be stretched by the ellipse of another one.
                     let is_splat = *normal != [0.0; 3] && radius > 0.0;
                     *ellipse = if is_splat { ellipse.usable() } else { Ellipse::CIRCLE };
                 }

@@ -11,6 +11,7 @@ const MAX_FROM_ZERO: f64 = 9e15;
 
 /// Cells along the edge of a block. Points that follow each other are mostly in the same one, so its cells are found
 /// without asking the table again.
+// With one entry of the table per cell, the look-ups took longer than everything else.
 const BLOCK_EDGE: i64 = 1 << BLOCK_BITS;
 const BLOCK_BITS: i64 = 2;
 const BLOCK_CELLS: usize = 1 << (3 * BLOCK_BITS);

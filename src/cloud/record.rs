@@ -4,6 +4,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec2Swizzles, Vec3};
 
+// These records live here and not in `render/gpu`: worker threads to the left of the renderer write them.
 /// Point record with the data that every mode needs.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -22,6 +23,8 @@ pub struct ShapeRecord {
     pub normal: [i16; 2],
     /// Half edge length of the splat in scene units; of an ellipse the quadratic mean of its half axes, so that the
     /// corners of the rectangle around it are √2 radii away however thin it is.
+    // The quadratic mean and not the geometric one of `Ellipse`: one bound on the extent serves blocks, culling and
+    // picking of disks and ellipses alike, and estimated ellipses are drawn as disks by ignoring `ellipse`.
     pub radius: f32,
     /// Anisotropic extents, see [`super::encode_ellipse`]; 0 is a circle.
     pub ellipse: u32,

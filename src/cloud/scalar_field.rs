@@ -41,6 +41,7 @@ impl ScalarField {
         const VALUES_PER_TASK: usize = 1 << 15;
         let all = || values.par_iter().with_min_len(VALUES_PER_TASK);
         let is_exact = |value: &f64| !value.is_finite() || f64::from(*value as f32) == *value;
+        // Single precision would lose digits of GPS times.
         let offset = if all().all(is_exact) {
             0.0
         } else {

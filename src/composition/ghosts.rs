@@ -33,6 +33,7 @@ impl Ghost {
     /// The slots of its points that are drawn, evenly taken in their order.
     fn slots(&self) -> impl Iterator<Item = usize> {
         let count = self.frame.points.len();
+        // Fewer points, not blending: blended surfels have no order, and voxels no transparency.
         let drawn = (f64::from(self.share.clamp(0.0, 1.0)) * count as f64).round() as usize;
         (0..drawn).map(move |place| place * count / drawn)
     }

@@ -19,6 +19,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const POINTS_PER_PIECE: usize = 256;
 
 /// Most points that are kept, about: their surface is estimated in a fifth of a second on two threads.
+// 0.4 s with the estimation of all 13.8 million points of a cloud running alongside.
 const MAX_POINTS: f64 = (1 << 19) as f64;
 
 /// Maximum number of pixels that are resolved: larger images are evaluated in coarser steps.

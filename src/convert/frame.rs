@@ -39,6 +39,7 @@ pub(super) fn write_frame(
         crate::io::write(&mut file, conversion.format, &cloud)?;
         // On the disk before it has its name: what stands in the folder is finished, whatever happens to the machine.
         file.sync_data()?;
+        // The line of the ledger comes before the name: a file of the folder without a line is not of this conversion.
         before_named(file.metadata()?.len())?;
         partial.finish()
     };

@@ -99,6 +99,7 @@ impl SourceFiles {
         let images = sequence.source().images();
         for file in inputs.iter().chain(of_entries).chain(&images) {
             match regular_file::id(file) {
+                // Device and number, not the path: an output that is an input by another name or link is refused.
                 Some(id) => _ = files.ids.insert(id),
                 None if file.is_file() => _ = files.names.insert(real(file)),
                 None => {}

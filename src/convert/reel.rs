@@ -346,6 +346,8 @@ fn group_length(sequence: &Sequence, frames: &[usize], options: &ReelOptions) ->
 
 /// The share of `frames` that a shard takes: a run of them, as their files are joined one behind the other.
 fn share(frames: &[usize], shard: Shard) -> &[usize] {
+    // Runs, not every n-th frame as in folders: `convert --join` writes their groups one after the other without
+    // re-encoding.
     &frames[bounds(frames.len(), shard)]
 }
 

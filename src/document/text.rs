@@ -12,6 +12,8 @@ pub(super) fn of_fields<'a>(fields: impl IntoIterator<Item = (&'a str, &'a Value
 }
 
 fn write_object<'a>(text: &mut String, fields: &mut dyn Iterator<Item = (&'a str, &'a Value)>, depth: usize) {
+    // JSON, as settings, presets and paths are: TOML would be friendlier to write, but a second language for the same
+    // values. One entry per line, so that versions can be compared.
     text.push('{');
     let mut is_first = true;
     for (name, value) in fields {

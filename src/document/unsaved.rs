@@ -53,6 +53,7 @@ impl DocumentFolder {
             read.unsaved = Unsaved::Restored(Box::new(saved));
             return;
         }
+        // Another program has written the session since: work is never merged without asking.
         match set_aside(&file) {
             Ok(aside) => read.unsaved = Unsaved::Outdated(aside),
             Err(reason) => log::warn!("{} stays where it is ({reason})", file.display()),

@@ -27,6 +27,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 /// Longest edge of a part: its targets take a quarter of a GiB on the GPU.
+// Parts equal the whole to 60 dB, 35 for byte codes as masks, which are made for sectors of the image.
 const MAX_PART_EDGE_PX: u32 = 4096;
 
 /// Bytes of a strip of parts.
@@ -133,6 +134,8 @@ pub fn write_picture_observed(
     let format = PictureFormat::of_name(output)?;
     format.check(size.size_px, size.is_transparent)?;
     let (partial, file) = Partial::create(output).map_err(failed)?;
+    // Only PNG is written row by row: the other formats are encoded from the whole image, so their dimensions are
+    // limited.
     if format == PictureFormat::Png {
         stream_png(headless, picture, file, output, progress)?;
     } else {
@@ -183,6 +186,7 @@ fn stream_png(
 }
 
 fn start_png<W: Write>(out: W, [width, height]: [u32; 2]) -> io::Result<png::Writer<W>> {
+    // Strip by strip: the crate `image` wants the whole image.
     let mut encoder = png::Encoder::new(out, width, height);
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
@@ -270,6 +274,8 @@ fn for_each_strip(
         for left in (0..width).step_by(part_width as usize) {
             let columns = part_width.min(width - left);
             let part = PictureTile::with_halo([left, top], [columns, rows], size_px, halo_px);
+            // Only matrix, frustum, light per fragment and gradient depend on the part: records are selected and
+            // uploaded once.
             let packet = packet.part(part.start, part.size);
             let image = draw_part(headless, &packet, size.is_transparent)?;
             let [inset_x, inset_y] = part.inset;
@@ -327,6 +333,7 @@ fn draw_part(headless: &mut Headless, packet: &ScenePacket, is_transparent: bool
         packet.style.backdrop.background = Background::solid([gray; 3]);
         draw(&packet)
     };
+    // Two drawings need no support for alpha in any pass, and are right in all of them.
     let (mut on_black, on_white) = (on(0)?, on(255)?);
     for (pixel, white) in on_black.pixels_mut().zip(on_white.pixels()) {
         pixel.0 = with_alpha(pixel.0, white.0);

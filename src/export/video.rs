@@ -94,6 +94,7 @@ pub fn render_path(
     tell: &mut dyn FnMut(&PictureDone),
 ) -> Result<Vec<(usize, FrameError)>, ExportError> {
     check(video)?;
+    // One thread draws, one encodes: bounded, so that no more than two images wait.
     let (sender, receiver) = sync_channel(WAITING_PICTURES);
     let (drawn, encoded) = thread::scope(|scope| {
         let encoder = thread::Builder::new()

@@ -73,6 +73,8 @@ impl WebpFile {
             (opaque.as_slice(), ExtendedColorType::Rgb8)
         };
         let mut picture = Vec::new();
+        // libwebp packs smaller and could be lossy, but would make a C compiler a condition of building and add a
+        // parser in C.
         WebPEncoder::new_lossless(&mut picture)
             .encode(pixels, width, height, color_type)
             .map_err(|reason| failed(&self.output, io::Error::other(reason)))?;

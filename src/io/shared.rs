@@ -25,6 +25,7 @@ pub struct SharedFile {
 struct Opened {
     path: PathBuf,
     options: ReadOptions,
+    // The failure is shared too: a damaged animation is one frame with one error.
     content: Result<Content, Arc<IoError>>,
 }
 
@@ -55,6 +56,8 @@ impl SharedFile {
         if !matches!(part, Part::TimeStep(_) | Part::Layer(_)) {
             return read_part_observed(path, part, options, progress).map_err(Arc::new);
         }
+        // Shared data is read once: `check` of CesiumMan (49 frames) took 0.35 to 0.44 s of CPU time without, and takes
+        // 0.17 (AMD EPYC).
         let (format, decoded) = match (self.content(path, options, progress)?, part) {
             (Content::Scene(scene), Part::TimeStep(time)) => (gltf::FORMAT, scene.frame(time.as_secs_f64())),
             (Content::Arrays(arrays), part) => (npy::ARCHIVE, arrays.frame(npy::layer_of(part), options)),

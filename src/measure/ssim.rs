@@ -21,6 +21,8 @@ pub const SSIM_WINDOW_PX: u32 = 11;
 const WINDOW: usize = SSIM_WINDOW_PX as usize;
 
 /// Standard deviation of the window's Gaussian, pixels.
+// `image-compare` 0.5 has separate squares of 8×8 without Gaussian weights, and sums, not variances: its numbers are
+// not the published ones, except for flat images.
 const SIGMA_PX: f64 = 1.5;
 
 /// (K1 L)² and (K2 L)² of the paper, with K1 = 0.01, K2 = 0.03 and L = 255: they keep quotients of dark or flat windows

@@ -109,6 +109,7 @@ impl SurfaceError {
                 (true, true) => {
                     // In f64, so that rounding the difference does not decide.
                     let apart = (f64::from(truth) - f64::from(test)).abs();
+                    // By depths, not by colours; a splat is as thick as it is wide, so its diameter is the tolerance.
                     let is_wrong = apart > f64::from(tolerance.at(pixel));
                     error.wrong_surface_count += u64::from(is_wrong);
                 }

@@ -13,6 +13,8 @@ use std::ffi::c_long;
 
 /// Retention time of freed memory, in milliseconds, before the allocator gives it back to the system, which it does
 /// when it next has something to do. One second, the default, gives back what the next frames need.
+// The system's allocator gives memory back: 350 page faults per octree, 1 to 4 ms, where an octree takes 3. With one
+// second, the default, 70 pages per frame were given back and faulted in again.
 const RETAINED_MS: c_long = 10_000;
 
 /// `mi_option_purge_delay` of `mimalloc.h`, which the crate does not name.

@@ -46,6 +46,8 @@ pub(crate) fn update_as(
     if let Some(folder) = file.parent() {
         fs::create_dir_all(folder)?;
     }
+    // Several windows share the file: re-reading, changing and replacing it are one step, and unknown fields are
+    // preserved.
     let _exclusive = exclusive(file);
     let mut unread = Vec::new();
     let mut fields = match read(file) {

@@ -84,6 +84,7 @@ impl Companion {
     /// Splits the memory budget `budget_bytes` between the frames of the leader and those of its companion; the shares
     /// add up to all of it.
     pub fn shares(budget_bytes: usize) -> [usize; 2] {
+        // Half each: tests check it against both loaders on simulated disks.
         let of_companion = budget_bytes / 2;
         [budget_bytes - of_companion, of_companion]
     }

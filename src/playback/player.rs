@@ -404,6 +404,7 @@ impl Player {
     /// Stops on the frame that the clock has come to.
     fn wait(&mut self, ahead: Clock, now: Duration) {
         self.clock = ahead;
+        // The clock waits: a disk that is too slow even for samples delays frames and drops none.
         self.waiting_for = Some(self.clock.frame());
         // The first picture has no time at which it is due.
         self.late_frames += u64::from(self.clock.is_playing() && self.shown.is_some());

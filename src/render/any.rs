@@ -30,6 +30,8 @@ impl AnyRenderer {
             return Ok(Self::cpu());
         }
         match Context::headless(&ContextOptions::default()) {
+            // A software driver has to support everything: llvmpipe took 27 to 44 times as long for 1,000,000 points,
+            // and 6.5 to 7.4 times as long for 100,000 surfels in two passes (1920×1080, two cores).
             Ok(context) if choice.is_processor(context.is_software()) => {
                 log::info!("{} is not a GPU", context.adapter_summary());
                 Ok(Self::cpu())

@@ -94,6 +94,8 @@ impl Camera {
             return None;
         }
         let at = point.truncate() / point.z;
+        // Polynomials turn back outside of the image that they were fitted to: without this limit a colour camera would
+        // show a point far off to the side in the centre.
         let is_within = at.length_squared() <= self.reach * self.reach;
         is_within.then(|| self.focal_px * self.distortion.distort(at) + self.principal_px)
     }

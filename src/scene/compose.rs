@@ -253,6 +253,7 @@ impl Scene {
         }
         let kind = style.levels_kind();
         let coded = self.coded(frame, style);
+        // Byte codes cannot be clipped: with a clip, their surfels are drawn as disks.
         if let Some(coded) = coded.filter(|_| params.clip.is_none()) {
             self.stats.emitted_voxels = coded.deepest_nodes();
             return Content::Coded(coded);
@@ -327,6 +328,7 @@ impl Scene {
     /// Returns the clipped content of a whole frame: the same allocation as long as both stay the same.
     fn clip(&mut self, clip: Clip, whole: Content) -> Content {
         let known = self.clipped.take();
+        // An unchanged clip keeps its allocation, so its records are not uploaded again.
         let known = known.filter(|known| known.clip == clip && known.whole == whole);
         let clipped = known.unwrap_or_else(|| Clipped {
             clip,

@@ -394,6 +394,8 @@ impl Sequence {
     pub(crate) fn load_mesh(&self, index: usize, progress: &Progress) -> Result<Mesh, FrameError> {
         let origin = self.origin.origin(self, progress);
         let origin = origin.ok_or_else(|| self.cancelled(index))?;
+        // A decoder of its own: opening a mesh as points costs nothing more, at the price that a frame drawn as
+        // triangles is decoded twice.
         let decoder = || self.source.mesh_decoder();
         let decoded = self.decode_with(&self.mesh_decoders, decoder, index, Detail::Full, progress)?;
         Mesh::from_raw(decoded.cloud, origin).map_err(|reason| self.invalid(index, reason))
@@ -407,6 +409,8 @@ impl Sequence {
             None => self.no_data,
         };
         let missing = MissingPoints::of(cloud, rule);
+        // Here, so that no image, octree or estimate has them: one 0 0 0 in a survey moved the origin by thousands of
+        // kilometres, and f32 became coarser than the point spacing. `decode` leaves them in, for `info` and `convert`.
         make_holes(&mut cloud.positions, &missing.indices);
         let found_in = FoundIn {
             point_count: cloud.positions.len(),
@@ -439,6 +443,7 @@ impl Sequence {
         let (mut sample, point_count) = sampled.ok().flatten()?;
         let present = self.drop_missing(&mut sample.cloud, Some(point_count)).bounds;
         let origin = match index {
+            // The sample determines the origin already, so that the camera stays in place when all points are there.
             0 => self.origin.decided_by(present)?,
             _ => self.origin.known()?,
         };
@@ -476,6 +481,8 @@ fn validated(decoded: DecodedFrame, origin: DVec3, detail: Detail) -> Result<Fra
         }) if cloud.positions.len() < points_in_frame => {
             Frame::from_level(cloud, origin, points_in_frame, points_of_finer)
         }
+        // Before sorting, colouring and estimation, so that all stages have less work. Levels of the octree look a
+        // little better, but need the whole frame sorted first, and the time does not allow that.
         _ => Frame::from_raw_sample(cloud, origin, detail.max_points()),
     }
 }

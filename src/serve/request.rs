@@ -38,6 +38,7 @@ impl Request {
     /// The request that `bytes` begin with and where it ends; `None` if it has not ended yet.
     pub(super) fn parse(bytes: &[u8]) -> Result<Option<(Self, usize)>, NoRequest> {
         let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
+        // A server crate would bring an executor of tasks for one file and two methods.
         let mut parsed = httparse::Request::new(&mut headers);
         let status = parsed.parse(bytes).map_err(|_| NoRequest)?;
         let head = match status {

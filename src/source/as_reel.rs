@@ -72,6 +72,7 @@ impl Source for AsReel {
     }
 
     fn capabilities(&self) -> Capabilities<'_> {
+        // Each field by name, without `..`: a new capability cannot be lost unnoticed.
         let Capabilities {
             groups,
             meshes: _,

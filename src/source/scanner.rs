@@ -211,6 +211,8 @@ impl Ring {
     fn take(&self, found: &mut LiveTurns, source: SocketAddr, time: Duration, bytes: &[u8]) {
         match found.add(source, time, bytes) {
             Ok(None) => {}
+            // As packets: points are made by the workers that decode any frame, so a slow machine loses frames and no
+            // packets.
             Ok(Some(turn)) => self.push(turn),
             // Another sensor may send what can be read.
             Err(problem) => lock(&self.turns).problem = Some(problem),

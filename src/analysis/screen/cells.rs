@@ -60,6 +60,8 @@ pub(super) struct Window<'a> {
 
 /// The level whose windows hold a radius.
 pub(super) fn level_of(radius_px: f32) -> u32 {
+    // Cells grow with the radius: a window of fixed size in pixels would be empty nearby and a single point from afar.
+    // Hofer et al. 2018 leaves radius and window open.
     let cells = radius_px / MAX_REACH_CELLS;
     (0..MAX_LEVELS)
         .find(|&level| cells <= (1_u32 << level) as f32)

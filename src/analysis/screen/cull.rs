@@ -85,6 +85,8 @@ impl DepthPicture {
             .with_min_len(1 << 16)
             .for_each(|pixel| *pixel.get_mut() = f32::INFINITY.to_bits());
         let nearest = &self.nearest;
+        // Hofer et al. 2018 draw footprints. One write per point gives the same answer, as of all points in a pixel the
+        // nearest covers most: whether it reaches a pixel is tested from there (`is_covered`).
         points.par_chunks(POINTS_PER_TASK).for_each(|points| {
             for point in points {
                 let Some((seen, [column, row])) = in_picture(&view, point) else {
@@ -183,10 +185,13 @@ impl DepthPicture {
     /// Visibility test: returns true if a point at a pixel is hidden.
     #[inline(always)]
     fn is_hidden<S: Simd>(&self, simd: S, pixel: [usize; 2], seen: &ScreenPoint) -> bool {
+        // Not the radius of a point's own splat: all of a floor seen at more than 45° would be hidden by the row in
+        // front. With the neighbourhood radius that begins at 77°, where `ramp.rs` decides.
         let (depth, limit) = (seen.depth, seen.depth - self.radius);
         // Of the first row and column that are looked at; the border is as wide as that.
         let corner = pixel[1] * self.stride + pixel[0];
         let own = self.depths[corner + BORDER_PX * self.stride + BORDER_PX];
+        // Guarantees that an image never has more of these points than pixels.
         if own < depth && depth > self.small_beyond {
             return true;
         }

@@ -63,6 +63,7 @@ impl Around<'_> {
         let Some([column_slope, row_slope, before]) = sums.plane(self.place_px) else {
             return false;
         };
+        // Half a pixel's slope is allowed, as the position of the fitted points within their pixels is unknown.
         before - 0.5 * (column_slope.abs() + row_slope.abs()) <= radius / self.depth
     }
 
@@ -118,6 +119,7 @@ impl Around<'_> {
             let depths = f32x8::from_slice(simd, &self.depths[start..start + LANES]);
             let is_nearer = depths.simd_lt(limits);
             let counted = simd.select_f32x8(is_nearer, one, zero);
+            // Inverse depths, as these are linear in pixels on a plane.
             let values = simd.select_f32x8(is_nearer, depth / depths - one, zero);
             let offset = splat(row as f32 - reach as f32);
             count += counted;

@@ -79,6 +79,7 @@ impl NearestPoint {
 
     fn meet(&self, place: DVec3, bucket: usize, nearest: &mut Nearest) {
         let points = &self.tree.points()[LANES * bucket..];
+        // Scalar: one neighbour of an arbitrary position offers nothing to vectorise.
         for point in points.iter().take(LANES) {
             let distance_squared = squared(point.position.as_dvec3() - place);
             if nearest.is_beaten_by(distance_squared, point.file_index) {

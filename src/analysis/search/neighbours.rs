@@ -62,6 +62,8 @@ impl Neighbours {
 /// order.
 ///
 /// A point that coincides with another is its neighbour at distance 0.
+// kiddo, the k-d tree crate, answers one point at a time: its tree and 16 neighbours of 1,000,000 points in Morton
+// order took 5.5 times as long as tree, neighbours and normals here (2 threads). Its SIMD needs a nightly compiler.
 pub fn nearest_neighbours(positions: &[Vec3], k: usize) -> Neighbours {
     let tree = PointTree::new(positions);
     let by_slot = tree.neighbours(k);

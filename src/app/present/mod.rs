@@ -30,6 +30,8 @@ pub(super) fn open(choice: PresentChoice, window: &Arc<Window>) -> Result<Box<dy
     match choice {
         PresentChoice::Gpu => open_gpu(window),
         PresentChoice::Cpu => open_cpu(window),
+        // A software driver is worse than none: fifteen windows per second on two cores, whatever their contents, and
+        // it took the cores from the loader.
         PresentChoice::Auto if may_have_gpu() => match open_gpu(window) {
             Ok(presenter) if !presenter.info().is_software => Ok(presenter),
             Ok(software) => {

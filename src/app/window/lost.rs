@@ -36,6 +36,7 @@ impl App {
             self.state.appearance.present = PresentChoice::Cpu;
             "The CPU paints the window now; choose another painter in the settings to try again"
         } else if screen.presenter.was_drawn_by_gpu() {
+            // The new device is for the panels: the CPU draws the image until the user chooses a renderer again.
             self.state.draw_without_gpu();
             "The CPU draws now; choose a renderer in the settings to try again"
         } else {

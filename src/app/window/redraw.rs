@@ -174,6 +174,7 @@ impl App {
         let is_due = |at: Option<Duration>| at.is_some_and(|at| at <= now);
         match change {
             VisibleChange::Panels => true,
+            // A new frame between two runs of the panels changes the image alone.
             VisibleChange::Frame if now.saturating_sub(self.last_panels) >= PANELS_INTERVAL => true,
             VisibleChange::Frame | VisibleChange::Picture | VisibleChange::Nothing => {
                 is_due(self.repaint_at) || is_due(self.news_at)

@@ -100,6 +100,8 @@ impl Work {
         if steps == 0 || took_s == 0.0 {
             return None;
         }
+        // Between the first and the last step that were seen: opening a device or decoding a first frame does not
+        // count.
         let step_s = took_s / steps as f64;
         let steps_left = self.progress.of()?.saturating_sub(last.done);
         // A step that takes longer than the others takes nothing off those that follow.

@@ -172,6 +172,7 @@ fn read(path: &Path) -> anyhow::Result<RgbaImage> {
     let unreadable = |reason| unreadable(path, &reason);
     let decoder = reader.into_decoder().map_err(unreadable)?;
     let (width, height) = decoder.dimensions();
+    // Before anything is allocated: FLIP takes a hundred bytes per pixel. 2²⁵ pixels are an 8K image.
     if u64::from(width) * u64::from(height) > MAX_PIXELS {
         return Err(too_large(path, &format!("{width}x{height} pixels")));
     }

@@ -80,6 +80,7 @@ impl Trails {
     ) -> Option<Self> {
         let frame_count = sequence.len();
         let frames = request.frames.start.min(frame_count)..request.frames.end.min(frame_count);
+        // 12 bytes per point and frame.
         let max = MAX_BYTES / size_of::<Vec3>() / frames.len().max(1);
         let followed = &request.indices[..request.indices.len().min(max)];
         let witnesses = even_places(request.points_in_file, WITNESSES);

@@ -58,6 +58,8 @@ impl Trails {
         }
         let mut raw = RawCloud::from_positions(Positions::F32(positions));
         raw.attributes.radii = Some(vec![radius; normals.len()]);
+        // Points like any others, so that every primitive and renderer draws the trail, occluded by whatever is in
+        // front.
         raw.attributes.normals = Some(normals);
         raw.attributes.colors = Some(colors);
         let needs = Needs {

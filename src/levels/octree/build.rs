@@ -56,6 +56,8 @@ impl Octree {
                     _ => Leaves::InRuns(found.runs.into()),
                 };
                 return Self {
+                    // Only trees by the spacing have gaps, as these take six times as long as the rest of the tree (27
+                    // blocks of 64 cells are looked at for each block): a quarter of the time of the normals.
                     gaps: points.gaps(&leaves).into(),
                     cube,
                     points,

@@ -82,6 +82,7 @@ impl<R> CachedLevels<R> {
                 return cached.records.get();
             }
             let read = cached.points_read.fetch_add(to_be_read[level], Ordering::Relaxed);
+            // Not earlier: a frame that plays once then reads each point once, however many levels its cut has.
             (read >= points.len()).then(|| self.level(level as u32, points, writer))
         })
     }

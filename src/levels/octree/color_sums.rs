@@ -23,6 +23,7 @@ const BLOCKS_PER_TASK: usize = 256;
 /// Colours summed before each of the points and after the last. One more than there are points.
 pub(super) fn running_sums(colors: &[[u8; 4]]) -> Vec<ColorSum> {
     let (blocks, rest) = colors.as_chunks::<SUM_BLOCK>();
+    // Summing colours in parts and propagating them upwards afterwards was slower on one thread.
     let totals = blocks.par_iter().with_min_len(BLOCKS_PER_TASK).map(total);
     let mut sums_before: Vec<ColorSum> = totals.collect();
     let mut sum: ColorSum = 0;

@@ -44,6 +44,7 @@ impl Levels for Octree {
 
 impl Levels for VoxelLevels {
     fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut {
+        // Without normal cones: voxels have no back, and culling theirs would make holes in open surfaces.
         self.surfels.octree().cut(view, hints)
     }
 
@@ -59,6 +60,7 @@ impl Levels for VoxelLevels {
 
 impl Levels for LodSurfels {
     fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut {
+        // Surfels are culled one by one otherwise, so the image is the same.
         let cones = hints.culls_back_faces.then_some(self);
         self.octree().cut_between(view, hints.before, cones)
     }

@@ -66,6 +66,8 @@ impl SortedPoints {
 
     fn in_order(cells: Vec<PackedCell>, partings: Vec<u8>, colors: &[[u8; 4]]) -> Self {
         let count = || occupied_cells(&partings);
+        // No nodes are stored. Masks and first points of all nodes, level by level, took a third of the building time
+        // and 34 bytes per point instead of 17, and their traversal was not faster.
         let (occupied, colors_before) = rayon::join(count, || color_sums::running_sums(colors));
         Self {
             cells,
@@ -130,6 +132,7 @@ fn sorted(cube: &Cube, positions: &[Vec3], colors: &[[u8; 4]]) -> (Vec<PackedCel
 #[inline(always)]
 fn write_cells(codes: &[u64], cells: &mut [PackedCell]) {
     for (cell, &code) in cells.iter_mut().zip(codes) {
+        // Packed coordinates, not codes: the traversal needs coordinates, and two packed cells are compared as fast.
         *cell = PackedCell::from_code(code);
     }
 }

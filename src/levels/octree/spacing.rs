@@ -32,6 +32,8 @@ const MANY_POINTS: f64 = 2.5;
 
 /// Cells of a surface that hold fewer are closed by the gaps between them (`gaps.rs`) while they are so many times as
 /// many as those of the level above; all of them would be four times as many.
+// Without gaps, cells had to be twice as long, and their outline was beyond that of surfels by 5 to 11 % of the object
+// instead of 2.5 to 5 %. Below one spacing nothing closes them.
 const GROWTH: f64 = 2.0;
 
 /// Occupancy threshold in points per cell: if fewer points share a cell, the number of cells is no measure of their
@@ -194,6 +196,8 @@ impl Search<'_> {
     fn visit(&self, node: &NodeRange, inherited: u32, found: &mut LeavesBySpacing) {
         let cells = self.census.cells_in(node);
         let is_asked = node.points.len() >= ASKED_POINTS;
+        // Inherited unless clearly wrong, so that sizes do not follow the noise of sampling; and few points are never
+        // asked, so that a far outlier does not become a giant cube.
         let level = if !is_asked || is_cached(inherited, &cells) {
             inherited
         } else {

@@ -13,6 +13,7 @@ pub(super) type OccupiedCells = [usize; LEVELS as usize + 1];
 pub enum StopCriterion {
     /// Leaves are no smaller than the spacing of the points around them, so that cubes are closed surfaces: on one
     /// level where points are spread evenly, on several where they are not. See `octree/spacing.rs`.
+    // The default, as δ gives nearly every point a leaf smaller than its share of the surface: a spray of dots.
     #[default]
     Spacing,
     /// The paper's δ (000 §VI-A): level h is subdivided while `oct(h)/n < 1 − δ`, where `oct(h)` counts its occupied

@@ -336,5 +336,6 @@ impl Traversal<'_> {
 /// Returns the squared distance from the eye to the nearest point of a cell whose centre is `distance` away along each
 /// axis.
 fn nearest_squared(distance: Vec3, half_edge: f32) -> f32 {
+    // The nearest point, not the centre, so a projected size is never underestimated.
     (distance - half_edge).max(Vec3::ZERO).length_squared()
 }

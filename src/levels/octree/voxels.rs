@@ -95,6 +95,7 @@ impl SortedPoints {
 
 /// Minimum average points per node for keeping voxels: with fewer points, a voxel is computed from hardly more bytes
 /// than it has.
+// With 4.7 points per node (1,000,000 points, 4 px), 210,789 voxels take 0.63 ms copied and 1.55 ms computed.
 const POINTS_PER_CACHED_VOXEL: usize = 3;
 
 struct VoxelWriter<'a> {
@@ -175,6 +176,7 @@ impl VoxelWriter<'_> {
         let before = self.points.colors_before.as_slice();
         let nodes = firsts.iter().zip(ends);
         let out = gathered.cells.iter_mut().zip(&mut gathered.sums);
+        // Prefetching the two lines of each node took 15 % longer.
         for ((&first, &end), (cell, sum)) in nodes.clone().zip(out) {
             *cell = self.points.cells[first as usize];
             *sum = before[end as usize].wrapping_sub(before[first as usize]);

@@ -14,6 +14,7 @@ use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
 /// Nodes that are worked out together.
+// 32 instead of 64 brought nothing, 16 took 30 % longer.
 pub(super) const BATCH: usize = 64;
 
 /// Up to [`BATCH`] nodes, each property in an array of its own. Beyond their number stand nodes of some batch before,

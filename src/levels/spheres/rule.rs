@@ -186,6 +186,8 @@ impl Rule {
             return f64::INFINITY;
         }
         let seen_share = if self.is_oriented { seen_share.max(0.0) } else { 1.0 };
+        // The radius of the points, not of the sphere: the error of one disk drawn instead of many depends on where
+        // their centres are.
         let ratio = f64::from(bounds.radius) / distance;
         seen_share * self.area_px2 * (ratio * ratio)
     }

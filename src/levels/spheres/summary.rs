@@ -11,6 +11,7 @@ use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 /// Nodes of more points have spheres around those of their children.
+// Spheres around spheres are wider than those around what they hold, by a tenth.
 const FEW_POINTS: usize = 64;
 
 /// The points below a node in a few numbers.

@@ -106,6 +106,9 @@ impl Node {
         // That of a part of some points may be wider by a hair, as neither is the smallest that there is.
         let (sphere, radius) = match parent {
             Some(parent) if parent.sphere.radius < summary.sphere.radius => (parent.sphere, parent.bounds.radius),
+            // The spread without disks, as the edge of an octree's cell does not include them either: a torus of a
+            // million points is drawn as 0.4 to 0.7 times the nodes that the sphere's radius gives, with an image as
+            // close (52.5 dB; octree 52.9).
             _ => (summary.sphere, summary.spread),
         };
         let cosine = summary.cone_cosine - CONE_SLACK;
@@ -129,6 +132,7 @@ impl Node {
             sphere,
             cone: code.cone(),
             // There is no room for another.
+            // So QSplat draws 1.5 to 3.3 times the nodes of the others at the same threshold.
             radius: sphere.radius,
         };
         (Self::with_bounds(parent, bounds, summary), code)

@@ -99,6 +99,8 @@ impl Draft {
         let (lens, camera_from_world) = self.placed().map_err(Reason::Wrong)?;
         let copy = self.copy.clone().filter(|path| path.is_file());
         let path = copy.or_else(|| files.photo(&self.name)).ok_or(Reason::Missing)?;
+        // Half of the formats do not know the size of their images, and images are often distributed at a smaller size
+        // than they were calibrated at.
         let image_px = size_px(&path).map_err(|error| Reason::Wrong(error.reason()))?;
         Ok(Photo {
             camera: lens.camera(image_px).map_err(Reason::Wrong)?,

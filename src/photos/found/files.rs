@@ -204,6 +204,7 @@ impl Files {
     }
 
     fn by_last_part(&self, listings: &[Listing], name: &str) -> Option<PathBuf> {
+        // Only a name that is listed once: `left/1.jpg` must never be taken for `right/1.jpg`.
         let last = last_part(name).to_lowercase();
         if self.endings.get(&last).is_some_and(|&count| count > 1) {
             return None;

@@ -145,6 +145,7 @@ impl Rig {
                 None => {
                     set.notes
                         .push(format!("{} has no image of this time step", camera.name));
+                    // Cameras keep their numbers: `--leave-out 3` is to mean the same camera in all frames.
                     camera.without_file(usual_px)
                 }
             };
@@ -160,6 +161,7 @@ impl Rig {
     }
 
     fn photo(&self, camera: &RigCamera, path: &Path) -> Result<Photo, String> {
+        // On demand: the headers of all time steps are not read when the folder is opened.
         let image_px = size_px(path).map_err(|error| error.to_string())?;
         let below = |count: usize| -> PathBuf {
             let parts: Vec<_> = path.components().collect();

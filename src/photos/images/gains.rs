@@ -81,6 +81,7 @@ impl Samples {
                 let is_usable = color.iter().all(|value| USABLE.contains(value));
                 is_usable.then(|| Sample {
                     photo,
+                    // Linear factors would have their best solution at zero, held off by nothing but the regulariser.
                     logs: color.map(|value| f64::from(value).ln()),
                 })
             });
@@ -139,6 +140,7 @@ impl Samples {
     /// Logarithms of gains that make the weighted squares least, from `start`.
     fn solve(&self, logs: &[f64], weights: &[f64], start: Vec<f64>) -> Vec<f64> {
         let photo = |at: usize| self.all[at].photo;
+        // No matrix: 100 images with 500,000 observations take half a second.
         let normal = |gains: &[f64]| {
             let mut result: Vec<f64> = gains.iter().map(|gain| REGULARISER * gain).collect();
             let add = |at: usize, difference: f64| result[photo(at)] += weights[at] * difference;

@@ -127,6 +127,7 @@ fn read(photo: &Photo, halvings: u32) -> Result<Read, PhotosError> {
 /// Reads the depth map that a file has for an input image, as its pinhole sees it, without the noise of planes. Depth
 /// maps of COLMAP are of pinholes already.
 fn depth(file: &DepthFile, camera: &Camera, pinhole: &Camera) -> Result<Option<DepthImage>, PhotosError> {
+    // On planes: a relit image of Redwood showed the noise of its depths. Exact depths stay unchanged.
     let taken = on_planes(&file.read()?);
     if let Some(taken_by) = &file.taken_by {
         return seen_around(file, &taken, taken_by, pinhole).map(Some);

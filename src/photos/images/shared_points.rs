@@ -12,6 +12,7 @@ const GRID: [u32; 2] = [32, 24];
 
 /// Maximum number of images in which each of them is looked for. If there are more, different ones for each pixel,
 /// spread evenly.
+// Without a limit, 300 merged depth images took 165 s and 5.4 GB instead of 67 s and 1.8 GB (two cores, Intel Xeon).
 const MAX_OTHERS: usize = 48;
 
 /// Approximate maximum number of lookups in total: gains take hundreds of rounds over the results. If it would be

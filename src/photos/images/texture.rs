@@ -49,6 +49,9 @@ impl Texture {
         let share = (lod - finer as f32).min(1.0);
         let finest = self.size_px();
         let fine = if finer == 0 {
+            // Linear between texels blurs where an image is drawn in about its own size: 36.66 → 36.94 dB by cubics
+            // (Redwood's frames, plain depth buffer). The nearest image alone loses 0.1 dB: its noise is no longer
+            // blurred.
             on_cubics(&self.levels[0], place)
         } else {
             between_texels(&self.levels[finer], finest, place)
@@ -81,6 +84,8 @@ fn on_cubics(picture: &PhotoImage, place: [f32; 2]) -> [f32; 4] {
         + lines[3].at(across) * down[3];
     let min = lines[1].left.min(lines[1].right).min(lines[2].left.min(lines[2].right));
     let max = lines[1].left.max(lines[1].right).max(lines[2].left.max(lines[2].right));
+    // Without this, 36.94 dB as well, but halos at edges. Over eight lanes it took 21.8 instead of 29.5 ns, a tenth of
+    // the cost of one image at a point: not adopted.
     sum.max(min).min(max).to_array()
 }
 
@@ -94,6 +99,7 @@ struct Line {
 
 impl Line {
     // Not by `map`, whose calls stay calls in a loop that is compiled for other processors as well.
+    // Those calls, eight per texel, took a third of the time.
     #[inline(always)]
     fn of(texels: &[[u8; 4]], columns: [usize; 4]) -> Self {
         Self {
@@ -135,6 +141,7 @@ fn times_alpha([red, green, blue, alpha]: [u8; 4]) -> Vec4 {
 /// Shares of four texels at a place `t` of the way from the second to the third.
 #[inline(always)]
 fn cubic_weights(t: f32) -> [f32; 4] {
+    // a = −0.5, 36.94 dB (Redwood). The sharper cubics of a = −0.75 and −1 have 36.93 and 36.87.
     let (t2, t3) = (t * t, t * t * t);
     [
         -0.5 * t3 + t2 - 0.5 * t,

@@ -30,6 +30,7 @@ use std::path::{Path, PathBuf};
 
 /// The readers, those with points first.
 const READERS: &[&Reader] = &[
+    // Formats with points come first, since many folders hold a copy of the same cameras without.
     &colmap::READER,
     &bundler::READER,
     &nvm::READER,
@@ -91,6 +92,7 @@ pub fn find(path: &Path) -> Result<Option<FoundSet>, PhotosError> {
 
 fn in_folder(path: &Path) -> Option<FoundSet> {
     let folder = Folder::new(path);
+    // By file names alone, as every folder that is opened is asked: 0.1 ms for one of nothing, 10 ms for 10,000 frames.
     READERS.iter().find_map(|reader| {
         let path = (reader.in_folder)(&folder)?;
         Some(FoundSet { reader, path })

@@ -179,6 +179,7 @@ fn inverse_radial(radial: f64) -> Distortion {
     let [numerator, denominator] = INVERSE.map(|terms| [0, 1, 2].map(|power| terms[power] * powers[power]));
     let [k1, k2, k3] = numerator;
     let [k4, k5, k6] = denominator;
+    // A model of its own for this lens would have been a second set of Newton steps.
     Distortion::Rational {
         k: [k1, k2, k3, k4, k5, k6],
         p: [0.0; 2],

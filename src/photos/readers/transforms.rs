@@ -99,6 +99,8 @@ fn draft(file: &Value, frame: &Value, folder: &Path) -> Draft {
 
 /// The axes of the camera (x right, y down, z forward) as columns, of length 1, and its centre.
 fn pose(frame: &Value) -> Option<(DMat3, DVec3)> {
+    // `applied_transform` is not applied: it leads from COLMAP's world to that of the file, in which points and cameras
+    // are already.
     let rows = array_at(frame, "transform_matrix");
     let row = |row: usize| {
         let numbers: Vec<f64> = rows.get(row)?.as_array()?.iter().map_while(number).collect();

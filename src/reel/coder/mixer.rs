@@ -17,6 +17,7 @@ const HALVES: [i32; 33] = [
 ];
 
 /// 1 / (1 + e^(−x)) in 2⁻¹², of x in 2⁻⁸: a straight line between halves.
+// In integers, as all models: files are the same bytes on every machine.
 const fn squash(stretched: i32) -> i32 {
     if stretched > MAX_STRETCHED {
         return 4095;

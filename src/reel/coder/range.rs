@@ -10,6 +10,8 @@ use super::bit_model::{BitModel, PROBABILITY_BITS};
 const MAX_EVEN_BITS: u32 = 16;
 
 /// Codes bits in one direction or the other.
+// Written here: `constriction` has a range coder, but models of distributions that are known in advance. Each bit has
+// its own probability here, and the long part is the modelling, which it would not save.
 pub(in crate::reel) trait BitCoder: Default {
     /// True for a decoder: bits are read, and the bits passed in have no meaning.
     const DECODES: bool;
@@ -19,6 +21,8 @@ pub(in crate::reel) trait BitCoder: Default {
 
     /// Codes a bit by its model, which sees it.
     #[inline(always)]
+    // One set of functions for both directions, so that encoder and decoder always agree: they go on with the bit
+    // returned, which is what a decoder sees.
     fn bit(&mut self, model: &mut BitModel, bit: bool) -> bool {
         let bit = self.bit_of(model.probability(), bit);
         model.see(bit);

@@ -21,6 +21,7 @@ use crate::reel::error::Fault;
 use crate::reel::file::{ByteReader, ByteWriter};
 
 /// Most states that take turns.
+// Interleaved states only help because contexts are derived from the level above, hardly ever from the previous symbol.
 pub(in crate::reel) const LANES: usize = 4;
 
 /// Most contexts.

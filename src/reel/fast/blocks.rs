@@ -128,6 +128,8 @@ fn scale_of<K: Kind>(kind: &K, upwards: Upwards<'_>, parents: &[K::Value], value
     let mut best = (u64::MAX, Scale::default());
     for shift in 0..=MAX_SHIFT {
         let ranges = kind.ranges(shift);
+        // Slopes do not always pay: in a model of colours, 4.2 instead of 5.4 bits for the torus, 8.4 instead of 7.2
+        // for the walking man.
         for has_slopes in [false, true] {
             if has_slopes && !can_slope {
                 continue;

@@ -68,6 +68,7 @@ fn between(mask: u8, siblings: &[[u8; 4]]) -> Slopes {
     {
         at[usize::from(octant & 7)] = sibling.map(i16::from);
     }
+    // The slope from nodes across faces takes 3.5 instead of 4.2 bits for the torus, but finding these took 6 ms of 84.
     let mut along = [[0; 4]; 3];
     for axis in 0..3 {
         let counts = [!UPPER[axis], UPPER[axis]].map(|side| (mask & side).count_ones() as usize);

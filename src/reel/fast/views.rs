@@ -6,6 +6,7 @@
 //! that octant is turned along with it.
 
 /// Contexts of a mask below another one.
+// 4.36 bits per voxel for the bumpy torus at 10 bits; one table takes 5.2.
 pub(super) const VIEWS: usize = 40;
 
 /// Axis permutations: the source axis of each axis.

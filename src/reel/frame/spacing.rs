@@ -12,6 +12,8 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// A position is off by no more than the spacing around it over this.
+// An eighth costs 15.3 bits per point for positions (walking man, 50,000 points); merged points take 6.5 with all
+// attributes.
 pub(in crate::reel) const SPACING_PARTS: f64 = 8.0;
 
 /// Points around a point that are looked at.
@@ -46,6 +48,7 @@ pub(super) fn largest_cells(cloud: &RawCloud, placed: &[u32]) -> Vec<f64> {
     let spacings = spacings(&distinct, from);
     let mut edges = vec![f64::INFINITY; cloud.positions.len()];
     for (&point, &place) in order.iter().zip(&place_of_each) {
+        // For each point, not for the group, so that a dense corner does not make all points expensive.
         edges[point as usize] = largest_cell(spacings[place], distinct[place], float_bits);
     }
     edges

@@ -19,6 +19,7 @@ use crate::reel::coder::SymbolCoder;
 use crate::reel::tree::{Faces, NONE};
 
 /// Classes of how much the parents around differ.
+// More contexts (steps of siblings, of the parent) took more bits, as more tables have to be transmitted.
 const CLASSES: u8 = 7;
 
 /// Contexts of children, of the last of a family, and of nodes outside.
@@ -102,6 +103,9 @@ impl<const N: usize> Level<'_, N> {
     ) {
         // Not behind a reference: what it keeps stays in registers.
         let mut own = std::mem::take(coder);
+        // From the level above alone, so that symbols are read in one go. Predicted from three neighbouring nodes, bit
+        // by bit, each value waited for the one before: 65 ns per node, and 5.6 instead of 2.5 bits for the colours of
+        // the torus.
         let (contexts, near) = self.contexts(families.clone(), values.len());
         let mut symbols = vec![0; contexts.len()];
         if C::DECODES {
@@ -204,11 +208,16 @@ impl<const N: usize> Level<'_, N> {
         let between = std::iter::from_fn(|| {
             let octant = octants.trailing_zeros() as usize;
             octants &= octants.wrapping_sub(1);
+            // Faces alone: also across edges and corners, a model without rounding took a third fewer bits for the
+            // colours of the torus, and 1 % more for those of the walking man.
             let [a, b, c] = across(octant).map(|face| beyond[face]);
             let count = (u32::from(near) & across_bits(octant)).count_ones() as usize;
             Some((2 * parent + a + b + c) * WEIGHTS[count])
         });
         let lanes = |word| std::array::from_fn(|channel| Lanes::<N>::get(word, channel));
+        // Only then. Shared elsewhere, the rounding errors of values add up: 5.5 instead of 2.5 bits per point for the
+        // colours of the torus (steps of 5). Not shared at edges either, those of the walking man took 7.2 instead of
+        // 6.7.
         if self.is_exact() || near & EDGE != 0 {
             let mut all = [[0; N]; 8];
             let mut owed = lanes(parent).map(|own: i32| PARTS * own * family.count as i32);

@@ -43,6 +43,8 @@ pub(in crate::reel) fn code_offsets<C: SymbolCoder>(
             }
         });
         let mut octants = mask;
+        // Offsets know their family alone: 1.2 bits for the torus. Predicted from three neighbouring nodes they took
+        // 0.7, but each waited for the one before.
         let mut before: Option<(usize, u8)> = None;
         while octants != 0
             && let Some((node, (offset, &normal))) = nodes.next()

@@ -72,6 +72,8 @@ impl Links<'_> {
         while cells != 0 {
             let cell = cells.trailing_zeros();
             cells &= cells - 1;
+            // Without search, as this is done for every node: finding neighbours took 140 ns per node, a third of the
+            // decoding time of version 1.
             let place = (cell & 3) + (cell >> 2 & 3) * 3 + (cell >> 4) * 9;
             neighbours[place as usize] = self.in_window(node, cell + shift);
         }

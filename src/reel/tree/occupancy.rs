@@ -333,6 +333,8 @@ impl Around {
         let across = face_bits(occupied) << 3 | outer_faces(self.near, OCTANT);
         let faces = (OCTANT << 9 | across) << 4 | edges << 2 | possible_edges;
         let outer = usize::from(self.coded) << 8 | outer_nodes(self.near, OCTANT);
+        // Two models, mixed: 3.82 bits per voxel (bumpy torus of 1 M points, 10 bits). Three, of faces, of counts and
+        // of the 26 surrounding nodes, took 3.87, and half as long again.
         let of_cell = [
             &mut models.faces[faces & (FACES_MODELS - 1)],
             &mut models.outer[(1 << (8 + OCTANT) | outer) & (OUTER_MODELS - 1)],

@@ -177,6 +177,7 @@ impl Tile {
     /// Writes the fraction of the background that the pixels of a row hide, instead of the alpha of an opaque image.
     #[inline(always)]
     fn write_opacities(&self, row: usize, held: Held, depths: &[f32], pixels: &mut [[u8; 4]]) {
+        // Retained in the image, through eye-dome lighting, until splat edges are filled.
         if let Held::Sums { opaque_weight } | Held::Surfaces { opaque_weight } = held {
             let weights = &self.weight[WIDTH * row..];
             for (pixel, weight) in pixels.iter_mut().zip(weights) {
@@ -199,6 +200,8 @@ impl Tile {
         pixels: &mut [[u8; 4]],
     ) {
         // Nothing here may go through `map` or `from_fn`, and closures are to be inlined: see `raster.rs`.
+        // With a closure over eight pixels that was not inlined, deferred shading took 42 to 94 ms instead of 9 to 12
+        // (1280×720, two threads).
         let splat = |value: f32| f32x8::splat(simd, value);
         let [red, green, blue] = background;
         let background = [splat(red), splat(green), splat(blue)];
@@ -269,6 +272,7 @@ impl Tile {
                             y: load(simd, y, first + place),
                             z: load(simd, z, first + place),
                         },
+                        // Blended like normals: those of `Tile::depth` are pushed back by a splat radius.
                         depth: load(simd, depth, first + place) * per_weight,
                     };
                     let pixel = [self.origin[0] + place as i32, self.origin[1] + row as i32];

@@ -12,6 +12,7 @@ use glam::{Vec3, Vec4};
 const MIN_LOSS: f32 = 1e-6;
 
 /// Linear light on eight pixels, by what the surface makes of it.
+// Four sums by interaction with the surface: colours are multiplied in once, not for each light.
 struct Light<S: Simd> {
     /// Reflected light per unit of the reflectance at normal incidence, and the light reflected in addition to that.
     mirrored: [f32x8<S>; 3],

@@ -93,6 +93,7 @@ impl Drawn<'_> {
     fn behind(&self, pixel: [i32; 2]) -> Option<[f32; 3]> {
         let mut found = None;
         let mut shortest = f32::INFINITY;
+        // One of the four lines is enough, unlike for gaps: along a straight edge, a line never ends.
         for [right, down] in PIXEL_LINES {
             let step = ((right * right + down * down) as f32).sqrt();
             // Longer ones are not asked for any more.
@@ -114,6 +115,7 @@ impl Drawn<'_> {
     /// The colour behind what is between two ends of a line.
     fn between(&self, one: End, other: End) -> [f32; 3] {
         let [depth, other_depth] = [one, other].map(|end| self.depths[end.at]);
+        // On one surface, which end is farther would be a matter of rounding, and the two renderers would differ.
         let to_other = if depth.min(other_depth) >= GAP_ONE_SURFACE * depth.max(other_depth) {
             one.steps as f32 / (one.steps + other.steps) as f32
         } else if depth < other_depth {

@@ -50,6 +50,8 @@ pub fn passes_of(packet: &ScenePacket) -> Vec<PassComplexity> {
 
 /// `None` for what is no WGSL, which no permutation is (`tests/pictures/shaders.rs`).
 fn of_pass(pass: &'static str, permutation: Permutation) -> Option<PassComplexity> {
+    // Naga's representation: instructions differ from driver to driver, and querying a driver for them needs its own
+    // tools.
     let module = front::wgsl::parse_str(&permutation.source(false).ok()?).ok()?;
     Some(PassComplexity {
         pass,

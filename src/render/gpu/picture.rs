@@ -79,6 +79,7 @@ impl<'a> Recorder<'a> {
 
     /// Records the view-dependent texturing of all pixels, with what the input images do not show filled from around.
     fn answers_of_photos(&mut self, plan: &Plan<'_>) {
+        // Without a check for holes: its answer would arrive an image late.
         let coarsest = self.targets.coarsest_photo_level();
         self.screen(&PHOTO_ANSWERS, plan, 0);
         for level in 1..=coarsest {

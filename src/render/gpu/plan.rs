@@ -84,6 +84,7 @@ impl<'a> Plan<'a> {
             physical,
             posed_images,
             strategy: packet.style.drawing.strategy,
+            // Half floats stop adding up hundreds of small weights: outlines of filtered splats moved by 0.7 pixels.
             precision: if packet.style.filters_splats() && blends_single_floats {
                 Precision::Single
             } else {
@@ -97,6 +98,8 @@ impl<'a> Plan<'a> {
     pub(super) fn views(&self, packet: &ScenePacket) -> Vec<ViewUniform> {
         let surfels = &packet.style.surfels;
         let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
+        // Only the attribute pass filters: filtered splats that are seen almost edge-on reach far out of the surface,
+        // towards the eye as well, and in the visibility pass hid what they should blend with.
         let first = ViewUniform::new(packet, visibility);
         let second = ViewUniform::new(packet, attribute).of_attributes(packet.style.splat_filter());
         match &self.shadow {

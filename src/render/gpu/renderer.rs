@@ -100,6 +100,8 @@ impl GpuRenderer {
             visible: VisibleMaker::default(),
             depth_images: DepthMaker::default(),
             screen_ms: [None; 2],
+            // lavapipe, two cores, a Redwood frame at 640×480: culling and normals took 108 and 116 ms, the CPU's code
+            // 15 and 50 ms. Filters of its depth images: 187 ms (bilateral) instead of 5.7.
             makes_surfels: !context.is_software(),
             gathered: Gathered::default(),
             targets: None,

@@ -8,6 +8,7 @@ use crate::scene::{PhysicalTables, ScenePacket, Shadow};
 use std::sync::Arc;
 
 /// Display-referred 8-bit colour.
+// Blended as such, not in linear light: an unlit point has exactly the colour of the file.
 pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// Reverse-Z: floats are densest near 0, where the far half of the scene is.

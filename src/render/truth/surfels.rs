@@ -85,6 +85,8 @@ impl Disks<'_> {
             return None;
         }
         let [red, green, blue, _] = point.color;
+        // Ellipses of a file only: estimated ones follow from the points, and are measured against the disks of all
+        // points.
         let is_ellipse = self.are_ellipses && shape.ellipse != 0;
         let per_half_axis = is_ellipse.then(|| {
             let ellipse = decode_ellipse(shape.normal, shape.ellipse);

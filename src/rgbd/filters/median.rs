@@ -37,6 +37,7 @@ fn median_at<S: Simd>(simd: S, padded: &Padded, at: [usize; 2]) -> f32x8<S> {
         *value = window.next(simd);
     }
     // Written out, so that each length is a network of its own.
+    // As a loop, closures became functions of their own: 59 ms for 640 × 480 pixels, now 3.4 (one thread, AMD EPYC).
     forget::<S, 14>(&mut retained);
     retained[0] = window.next(simd);
     forget::<S, 13>(&mut retained);
@@ -80,6 +81,8 @@ impl<S: Simd> Window<'_, S> {
         let row = self.padded.around::<SPAN>(self.at, self.next / WIDTH);
         let value = load(simd, row, self.next % WIDTH);
         self.next += 1;
+        // Tracking the holes takes a third of the time, and spares a branch. OpenCV counts holes as zeros and takes
+        // half as long (1.7 ms).
         let is_hole = value.simd_eq(none);
         let value = simd.select_f32x8(is_hole, self.pad, value);
         self.pad = simd.select_f32x8(is_hole, none - self.pad, self.pad);
@@ -90,6 +93,7 @@ impl<S: Simd> Window<'_, S> {
 /// Moves the smallest of the first N values to their begin and the largest to their end.
 #[inline(always)]
 fn forget<S: Simd, const N: usize>(values: &mut [f32x8<S>; RETAINED]) {
+    // 132 exchanges in all; the shortest network for 25 values has 99.
     for low in 0..N / 2 {
         exchange(values, low, N - 1 - low);
     }

@@ -25,6 +25,8 @@ use std::ops::Range;
 use windows::{Plane, PlanesOfWindows, Windows};
 
 /// Half widths of the windows: pixels between the centre and the border, widest first.
+// A wall at two metres consists of steps of a centimetre that are tens of pixels wide: the planes of the twelve nearest
+// neighbours form terraces, and a wall of Redwood looked like wood grain under light.
 const HALF_WIDTHS_PX: [usize; 4] = [16, 8, 4, 2];
 
 /// Lines whose windows are summed together. More make fewer sums twice, fewer take less memory.
@@ -110,6 +112,8 @@ fn plane_of(levels: &[PlanesOfWindows; 4], limit: f32, ray: &[f32; 3], pixel: [u
     let [widest, .., narrowest] = levels;
     let mut steps = levels.windows(2);
     around(widest)
+        // In this order, as off-centre planes are tilted on curved surfaces: with off-centre windows of the full width
+        // first, 40 % of a sphere was off by more than 5°; now 15 % are, along its outline.
         .or_else(|| steps.find_map(|step| around(&step[1]).or_else(|| neighbor(&step[0]))))
         .or_else(|| neighbor(narrowest))
         .or_else(|| narrowest.neighbor(pixel).min_by(min))

@@ -44,6 +44,7 @@ impl Camera {
         let on_screen = (over_step * under - over * under_step) / (under * under);
         // Less than a pixel for a step cannot be dragged.
         let on_screen = (on_screen.length() * px_per_slope > 1e-9).then(|| on_screen.try_normalize())??;
+        // Exact, without iterations: numerator and denominator of a projected coordinate are both linear along a line.
         let wanted = on_screen.dot(slope);
         let divisor = on_screen.dot(over_step) - wanted * under_step;
         let steps = (wanted * under - on_screen.dot(over)) / divisor;

@@ -153,6 +153,8 @@ impl FirstLook {
                 .first()
                 .map(|frame| ColorGuess::of(frame, &color_hints(told.kind, up)))
                 .unwrap_or_default(),
+            // Lit again by estimated normals, depth steps show as waves: where the points of five of Redwood's frames
+            // are opaque, the PSNR against the third image is 15.3 dB with light and 36.0 without.
             colors_have_light: frames.first().is_some_and(|frame| {
                 let is_image = frame.grid().is_some() || told.kind == CaptureKind::CameraFrame;
                 (is_image || are_splats) && frame.value_sample().has_telling_colors()
@@ -344,6 +346,8 @@ impl Told {
         let bounds = trim::bounds(sample);
         let eye = sensor.unwrap_or(zero);
         let by_format = convention.map(by_convention);
+        // Only glTF, LAS and optical frames of ROS override the points: formats can be wrong (E57 files with Y down
+        // exist).
         let sure = by_format.filter(|_| convention.is_some_and(AxisConvention::is_binding));
         if let Some(camera) = kind::camera_frame(sample, eye)
             && sure.is_none_or(|sure| sure.axis == camera.axis)
@@ -366,6 +370,7 @@ impl Told {
         let field = shape::of_height_field(sample, &bounds);
         let fallback = Up::new(UpAxis::Y, "as most models have it", Evidence::Fallback);
         let is_opposite = |up: &Up| by_format.is_some_and(|format| up.is_opposite(format));
+        // Rules of shape never turn a cloud upside down: one that looked for narrow feet put bunnies on their ears.
         let on_zero = up::on_zero(&bounds, zero).filter(|up| !is_opposite(up));
         let mut on_base = up::on_base(sample, &bounds).filter(|up| !is_opposite(up));
         let mut symmetric = shape::of_symmetry(sample, &bounds);

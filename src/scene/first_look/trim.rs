@@ -19,6 +19,7 @@ const ISOLATED_SPACINGS: f32 = 8.0;
 /// Indices of the points that are no outliers, ascending.
 pub(super) fn inliers(sample: &CloudSample) -> Vec<usize> {
     let isolated_from = ISOLATED_SPACINGS * sample.median_spacing();
+    // By isolation, not by the distance from the rest: dense parts stay, however thin or far away.
     let is_isolated = |&index: &usize| sample.spacing[index] > isolated_from;
     let mut isolated: Vec<usize> = (0..sample.spacing.len()).filter(is_isolated).collect();
     isolated.sort_by(|&a, &b| sample.spacing[b].total_cmp(&sample.spacing[a]));

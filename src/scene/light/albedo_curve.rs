@@ -35,6 +35,7 @@ const GRID: [usize; 2] = [48, 32];
 
 impl AlbedoCurve {
     /// Entries.
+    // The losses have one parameter, as the roughness is that of the image: 10 ms when it changes.
     pub const COUNT: usize = 128;
 
     /// Creates the albedo curve of a roughness from 0 to 1.

@@ -106,6 +106,8 @@ impl PhysicalLight {
         Some(Self {
             metallic: light.metallic.clamp(0.0, 1.0),
             alpha: roughness.max(Self::MIN_ROUGHNESS).powi(2),
+            // Fixed to the scene, unlike lamps: reflections that slide over a surface distinguish polished from
+            // painted, and a sky stays above.
             environment_from_view: up * packet.view.view_from_frame_rotation.transpose(),
             environment_light,
             harmonics: light.environment.map().harmonics().times(environment_light),

@@ -54,6 +54,7 @@ impl Shadow {
 
     /// Depth bias where points are drawn. They face the screen: on a slope they are before and behind the surface that
     /// casts their shadows, at 60 degrees by nearly two radii.
+    // The price: thin objects cast no shadow at their base.
     const SLACK_OF_POINTS_RADII: f32 = 3.0;
 
     /// That of a packet as it is drawn ([`ScenePacket::as_drawn`]); `None` where there is none, or no key light that is

@@ -56,6 +56,7 @@ pub struct PhotoView {
 impl PhotoViews {
     /// Maximum number of posed images queried at a position, starting with those that look at it as the eye does: in a
     /// hollow, most are queried in vain.
+    // It also lets the shader sort the images in registers.
     pub const MAX_ASKED: usize = 16;
 
     /// Returns true if holes, which none of the images sees, are filled from their surroundings.
@@ -119,6 +120,8 @@ pub fn seen_by_photo(packet: &ScenePacket, posed_image: &PosedImage) -> Option<S
     let viewport_px = size_px.map(|edge| ((f64::from(edge) * scale).round() as u32).max(1));
     let view = view_of(posed_image, shown.origin, packet, viewport_px);
     let mut seen = packet.for_depths(view, viewport_px);
+    // The whole surface, not the nodes selected for the rendered image: these change with the view, and do not cover
+    // what is outside it.
     seen.content = Content::Surfels(surface);
     seen.style.primitive = Primitive::Surfel;
     Some(seen)

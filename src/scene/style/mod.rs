@@ -233,6 +233,7 @@ impl<C: Copy> Style<C> {
 
     /// Returns true if back-face culling skips surfels that face away. Points have no back.
     pub fn culls_back_faces(&self) -> bool {
+        // Points have no back: their normals shade them, and cull neither points nor nodes.
         self.primitive != Primitive::Point && self.surfels.back_faces == BackFaces::Culled
     }
 

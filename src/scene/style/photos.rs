@@ -78,6 +78,7 @@ group! {
             values: Values::Words(PhotoMode::WORDS),
         }
         /// Number of posed images blended at a position.
+        // With a falloff of 1.5, six instead of four improved held-out views by 0.06 dB (ray-traced room).
         views: f32 = 4.0, "photo_views" VIEWS {
             flag: "photo-views",
             value_name: "1..8",
@@ -97,6 +98,9 @@ group! {
             }),
         }
         /// Angle at which the weight of an image has fallen to 1/e, as a factor on the angle between neighbours.
+        // With 1, a single image often remains and its noise with it. Held-out views: 36.78 dB with 1, 36.89 with 1.5,
+        // 36.92 with 2 and 2.5 (depth camera); 35.72, 35.99, 36.13, 36.31 (ray-traced room with its noise; the last
+        // with six images).
         angle: f32 = 2.0, "photo_angle" ANGLE {
             flag: "photo-angle",
             value_name: "FACTOR",
@@ -116,6 +120,8 @@ group! {
             }),
         }
         /// Clipping of positions where the posed images show something else.
+        // By vote, 0.02 of a man (3,000 points) and 0.18 of a tree (100,000) are missing; by the rule of the paper,
+        // which needs high-resolution depth maps, 0.33 and 0.94.
         clipping: PhotoClipping = PhotoClipping::Vote, "photo_clipping" CLIPPING {
             flag: "clipping",
             value_name: "HOW",

@@ -196,12 +196,14 @@ impl DrawingPace {
         let in_proportion_ms = mean_ms.max(1e-3) / of_points;
         let slope_ms = match self.slope_ms {
             Some(slope_ms) if left_ms > 0.0 => slope_ms.clamp(Self::MIN_SLOPE * in_proportion_ms, in_proportion_ms),
+            // Before the slope is learned, a proportional estimate is safe.
             _ => in_proportion_ms,
         };
         power_of_two(of_points + left_ms / slope_ms)
     }
 
     fn try_later(&mut self) {
+        // At growing intervals, as skipped frames mostly come while more points are tried.
         self.patience = (4 * self.patience).min(Self::MAX_PATIENCE);
     }
 

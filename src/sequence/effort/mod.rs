@@ -159,6 +159,7 @@ impl Effort {
         let points = (left_ms * 1e6 / ns_per_point.max(1e-3)).max(0.0);
         let affordable = power_of_two(points);
         let at_present = self.made_for.unwrap_or(u32::MAX);
+        // Up only with a third to spare, so that the number does not oscillate.
         if affordable < at_present || power_of_two(points / 1.33) > at_present {
             self.made_for = Some(affordable);
         }

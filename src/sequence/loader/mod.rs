@@ -140,6 +140,7 @@ impl Loader {
         queue.focus = focus;
         queue.needs = Some(*needs);
         queue.trim();
+        // A running estimation of normals that is no longer needed would occupy both cores for many seconds.
         self.shared.readings.supersede(|index| queue.is_complete(index, needs));
         drop(queue);
         self.shared.work.notify_all();

@@ -118,6 +118,8 @@ impl Queue {
         }
         let needs = self.needs?;
         let (in_time, at_best) = (self.effort.in_time(), self.effort.at_best());
+        // From the present plan, not a queue: frames behind the playhead are not requested any more, and nothing needs
+        // back-pressure. Full frames come second, so that a loop gets denser with each iteration.
         let ahead = self.effort.ahead_frames().min(LOOK_AHEAD_FRAMES);
         self.planned_job(&needs, in_time, ahead)
             .or_else(|| self.planned_job(&needs, at_best, LOOK_AHEAD_FRAMES))
@@ -185,6 +187,7 @@ impl Queue {
     /// Returns true if a worker is on a frame of the group of `index`, whose decoder then knows what the others are
     /// decoded from.
     fn is_group_in_flight(&self, index: usize) -> bool {
+        // Two workers in one group would decode the same frames twice.
         let frames = 0..self.cache.frame_count();
         let mut group = self.sequence.group(index);
         group.any(|frame| frames.contains(&frame) && self.cache.is_in_flight(frame))

@@ -188,6 +188,7 @@ pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, Frame
     let fits = check_memory(shared, job.index, &frame, &needs);
     let is_settled = in_stages && fits.is_err();
     match fits {
+        // A machine without the memory for the next stage keeps the results of the earlier ones.
         Err(error) if in_stages => frame.warn(format!("{error}: its points are shown")),
         fits => fits?,
     }

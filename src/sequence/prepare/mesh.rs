@@ -61,6 +61,7 @@ fn vertices(mesh: &Mesh, paint: &Paint, texturing: Option<&Texturing>) -> Vec<Ve
     let normals = mesh.vertices().normals();
     let normal = |slot: usize| match normals.map(|normals| normals[slot]) {
         Some(normal) if normal != Vec3::ZERO => oct_encode(normal),
+        // Normals averaged over the faces around a vertex would round the edges of a cube.
         _ => VertexRecord::NO_NORMAL,
     };
     let record = |(slot, point): (usize, &PointRecord)| VertexRecord {
@@ -81,6 +82,7 @@ fn painted(mesh: &Mesh, paint: &Paint) -> Vec<PointRecord> {
     }
     let positions = mesh.vertices().positions().iter();
     positions
+        // Averaged here, unlike for lighting: a colour per face would need three vertices per triangle.
         .zip(mesh.smooth_normals())
         .map(|(position, normal)| PointRecord {
             position: position.to_array(),

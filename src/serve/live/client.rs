@@ -15,6 +15,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// Heartbeat interval: if there is no frame, the server's presence is signalled once in this time.
+// Clients take five seconds of silence for a server that is gone.
 const HEARTBEAT: Duration = Duration::from_secs(1);
 
 /// Bytes of a message of a client.
@@ -74,6 +75,7 @@ pub(super) fn send(
                 Next::Frame(frame) => {
                     let whole_bytes = frame.byte_size() as u64;
                     let seen = client
+                        // The newest view at the time of sending, not that at the time of decoding.
                         .view()
                         .and_then(|view| frame.seen_by(&view, &mut lock(estimators.one())));
                     let frame = seen.unwrap_or(frame);

@@ -58,6 +58,8 @@ impl Feed {
     fn made_whole(&mut self, index: usize) -> Result<Arc<WholeFrame>, String> {
         let cloud = self.decoded(index)?;
         let origin = origin_of(&cloud);
+        // Of whole frames: the visible points of a distant view are farther apart, and would be sent ever more
+        // coarsely.
         let known = self.spacing.filter(|(_, frames)| *frames < SPACING_FRAMES);
         let (spacing, frames) = match known {
             Some(known) => known,
@@ -109,6 +111,8 @@ impl Feed {
     }
 
     fn made(&mut self, index: usize) -> Result<Body, String> {
+        // Unfiltered images, not points: nothing is lost that a filter may need later, and the client has the decoder
+        // of files.
         let (kind, bytes) = if let Some(images) = self.source.raw_images(index) {
             let images = images.map_err(|error| error.to_string())?;
             let (body, problem) = images_body(&images, self.coding, self.max_bytes)?;

@@ -19,6 +19,8 @@ pub(super) const MAX_FRAMES: usize = 2;
 const MAX_ANSWERS: usize = 8;
 
 /// Frames that are on the way to a client that says what it has received.
+// Without this bound, network buffers hold seconds of small frames. The price: a client whose acknowledgements take
+// longer than two frames last gets two per round trip, 20 frames per second at a round-trip time of 100 ms.
 const MAX_ON_THE_WAY: usize = 2;
 
 /// Next item of a client's send queue.

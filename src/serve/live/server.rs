@@ -120,6 +120,7 @@ impl LiveServer {
                 audience: Audience::default(),
                 estimators: Estimators::default(),
                 begun: Instant::now(),
+                // A different number after each start: the frame numbers and the clock that clients know do not go on.
                 session: RandomState::new().build_hasher().finish(),
                 fps: schedule.fps(),
                 is_over: AtomicBool::new(false),
@@ -344,6 +345,7 @@ impl LiveServer {
 /// Starts the threads of a client.
 fn attend(shared: &Arc<Shared>, client: &Arc<Client>, min: MinRate) -> io::Result<()> {
     let (listener, clock) = (Arc::clone(client), Arc::clone(shared));
+    // Two threads of its own for each client: a slow one does not delay the others.
     thread::Builder::new().name("live listener".to_owned()).spawn(move || {
         let error = client::listen(&listener, &listener.stream, || clock.clock_ns());
         log::debug!("{}: {error}", listener.address);

@@ -82,6 +82,7 @@ impl WholeFrame {
         let visible = estimator.cull(&view, &self.records, &self.screen);
         let mut attributes = self.cloud.attributes.gathered(&visible.slots);
         if attributes.normals.is_none() || attributes.radii.is_none() {
+            // Bisecting the radius of each point takes three to four times as long.
             let shapes = estimator.surface(&visible, &self.screen, Search::Fixed);
             let normals = shapes.iter().map(|shape| oct_decode(shape.normal).to_array());
             attributes.normals.get_or_insert_with(|| normals.collect());

@@ -233,6 +233,7 @@ impl DepthImages for LiveStream {
         self.filters()?;
         Some(Arc::new(Self {
             input: self.input.clone(),
+            // Other filters decode all frames again; the connection and the ring stay.
             shared: Arc::clone(&self.shared),
             wanted: Arc::clone(&self.wanted),
             received: Arc::new(self.received.filtered(filters)),
@@ -249,6 +250,7 @@ impl Live for LiveStream {
     }
 
     fn frames_behind(&self, shown: usize) -> Option<u64> {
+        // Frame numbers need no clock, unlike the delay.
         let newest = self.shared.ring.newest()?.frame.head.number;
         let shown = self.shared.ring.frame(shown)?.frame.head.number;
         newest.checked_sub(shown)

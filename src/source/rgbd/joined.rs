@@ -11,6 +11,8 @@ use glam::{DAffine3, Vec3};
 use std::fmt;
 
 /// Points up to which all are kept: those of 27 images of 640×480. The software renderer draws them in a second.
+// View-dependent texturing looks the same on downsampled points (Redwood: 36.85 dB on 1,339,364 points, 36.88 in cells
+// of 2 mm, 36.85 on 121,008 in cells of 8 mm); colours of the points do not (35.40, 34.93 and 30.35 dB).
 const MAX_POINTS: usize = 1 << 23;
 
 /// Edges of the finest cells, without one that was asked for, from a pixel to the next on what was seen: few points of

@@ -211,6 +211,7 @@ impl RosRecording<'_> {
     fn links(&self, kind: CameraMessage) -> Vec<Link> {
         let messages = self.of_kind(kind).flat_map(|topic| &topic.messages);
         let messages = messages.map(|(_, message)| message);
+        // Thousands of small messages lie in a few chunks: read together, each chunk is unpacked once.
         let links = recording::read_all_parsed(self.path, messages, self.read, links);
         links.into_iter().flatten().collect()
     }

@@ -43,6 +43,8 @@ impl Default for Pairwise {
     fn default() -> Self {
         Self {
             // 160 × 120 of VGA: as many pixels as the paper has, nearly.
+            // A plane sweep of 320 pixels has eight times the points at a third of the error, and takes 34 times as
+            // long: 4.48 s against 0.13 for eight ray-traced VGA cameras (one busy core).
             max_side_px: 160,
             matching: Matching {
                 min_area_px: 20,

@@ -112,6 +112,7 @@ impl CensusPair {
             let from = (-first).clamp(0, count as i64) as usize;
             let to = (width as i64 - first).clamp(from as i64, count as i64) as usize;
             // Beyond the other image is its border: where all is even, no label costs more than others.
+            // A constant made labels inside the image cheaper: uniform images had depths.
             costs[..from].fill((bits ^ right[0]).count_ones() as u8);
             costs[to..].fill((bits ^ right[width - 1]).count_ones() as u8);
             if from < to {

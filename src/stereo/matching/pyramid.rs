@@ -11,6 +11,7 @@ use crate::stereo::Matching;
 use crate::stereo::StereoError;
 
 /// Longer side of the smallest copy.
+// Finding the range of an image of 1.4 megapixels takes 40 ms on copies of this size.
 const COARSE_PX: u32 = 256;
 
 /// At least so many of a thousand pixels have to be found.

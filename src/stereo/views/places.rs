@@ -22,6 +22,7 @@ impl Places {
     /// Creates the mapping for rectified cameras: with the same focal length, the same principal-point row and the same
     /// rotation, separated along x.
     pub(in crate::stereo) fn new(cameras: &[Camera; 2], poses: &[DAffine3; 2]) -> Self {
+        // Relative to a camera, so that a scene far from the origin of the world loses no precision.
         let origin = center_of(poses[0]);
         let rows = [0, 1].map(|index| {
             let pixels = pixels_from_rays(&cameras[index]);

@@ -34,6 +34,7 @@ pub(crate) fn repair(kind: Repair, bytes: &mut Vec<u8>, random: &mut Random) {
         // Without it, groups need not agree with the index.
         reel::drop_index(bytes);
     }
+    // Without it a wrong checksum would be all that is ever found.
     repair_all(kind, bytes);
 }
 

@@ -229,6 +229,7 @@ impl Thumbnails {
     }
 
     fn start<T: TaskOutcome + From<Box<Delivery>>>(&mut self, frame: usize, job: ThumbnailJob, tasks: &Tasks<T>) {
+        // One thread of low priority: thumbnails take none from drawing or from preparing frames.
         let Some(pool) = self.pool.get("thumbnails", 1) else {
             self.is_on = false;
             return;

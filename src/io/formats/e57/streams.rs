@@ -61,6 +61,7 @@ impl FieldStream<'_> {
         if self.progress.is_cancelled() {
             return;
         }
+        // Numbers without an object for each, as the crate `e57` makes: 10 to 20 million points per second.
         match self.record.data_type {
             RecordDataType::Single { .. } => {
                 for (index, raw) in self.bytes.as_chunks().0[..count].iter().enumerate() {

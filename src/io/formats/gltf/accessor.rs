@@ -133,6 +133,7 @@ impl AccessorSource<'_> {
             // Zeros, which the entries below may differ from.
             None => vec![zero; accessor.count],
         };
+        // The crate `gltf` 1.4 unwraps in sparse accessors, and subtracts from counts that may be zero.
         if let Some(sparse) = &accessor.sparse {
             let indices = &sparse.indices;
             let places = self.entries(

@@ -103,6 +103,8 @@ impl Corners {
         if materials.paints.iter().all(|&paint| paint == Paint::WHITE) {
             return Ok(());
         }
+        // A vertex has one material and one pair of texture coordinates, which in OBJ belong to corners: vertices are
+        // duplicated only for triangles and samples, so a file read as plain vertices has their number unchanged.
         if file.options.keeps_textures || file.options.sample_count.is_some() {
             self.split(cloud, materials);
         } else {
@@ -169,6 +171,7 @@ impl Corners {
         let paints: Vec<Paint> = kinds.iter().map(|kind| materials.paint(*kind)).collect();
         // What has a picture is as light as that.
         let color = |vertex: usize, paint: &Paint| match (paint, &cloud.attributes.colors) {
+            // Replaces the colour of its material, which many programs write as well.
             (Paint::Picture(_), _) => [255; 4],
             (_, Some(colors)) => colors[vertex],
             (Paint::Color(color), None) => *color,

@@ -79,6 +79,8 @@ struct Lines {
 
 impl Header {
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, Fault> {
+        // Not `pcd-rs`: it took 78 ms for what takes 0.4, allocated the sizes that a compressed block claims, and its
+        // errors did not name the line.
         let mut lines = Lines::default();
         let mut warnings = Vec::new();
         let mut byte_size = 0;

@@ -286,6 +286,7 @@ impl Table {
             )));
         };
         let needed = self.check_claim(self.row_bytes, unpacked)?;
+        // `lzf-rust` checks its bounds; the claimed size is checked here, before memory is allocated for it.
         if unpacked > packed.saturating_mul(MAX_LZF_RATIO).min(MAX_LZF_BYTES) {
             return Err(fault(format!("{packed} bytes cannot unpack to the claimed {unpacked}")));
         }

@@ -58,6 +58,8 @@ fn read_file(file: File, path: &Path) -> Result<Matroska, MatroskaError> {
         blocks: HashMap::new(),
     };
     reader.header()?;
+    // `matroska-demuxer` reads the bytes of each frame to come to the next, knows no attached files, and refuses
+    // truncated files.
     while reader.walk.left() > 0 {
         if reader.element().is_none() {
             reader.found.is_truncated = true;

@@ -149,6 +149,8 @@ impl Capture {
         let length = records.order.u32(head, LENGTH_AT).ok_or_else(|| cut(offset))?;
         let count = self.take_record(head_bytes, length)?;
         let bytes = self.window.taken(count);
+        // Single records: the readers of `pcap-parser` cannot begin partway through a file, which is what a frame
+        // needs.
         let parsed = match records.order {
             _ if records.is_modified => parse_pcap_frame_modified(bytes),
             ByteOrder::Little => parse_pcap_frame(bytes),

@@ -92,6 +92,8 @@ fn names(path: &Path, extension: &str) -> Vec<String> {
         let both = name.chars().zip(own.chars());
         both.take_while(|(left, right)| left == right).count()
     };
+    // Names follow no convention: they only order the candidates, and the contents decide (packet size, serial number,
+    // port).
     names.sort_by_cached_key(|name| (Reverse(*name == own), Reverse(common(name)), name.clone()));
     names.truncate(MAX_FILES);
     names

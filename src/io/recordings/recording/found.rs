@@ -152,6 +152,7 @@ impl FoundMessages {
 
     /// True when nothing within chunks is looked for.
     pub(super) fn is_complete(&self) -> bool {
+        // A recording with clouds is opened as clouds: its chunks are not unpacked to look for images.
         self.has_clouds && self.wanted == Wanted::Cameras { with_clouds: false }
     }
 

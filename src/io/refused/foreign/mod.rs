@@ -46,6 +46,8 @@ pub(in crate::io) fn rows() -> impl Iterator<Item = &'static Foreign> {
 
 /// The kind of a file that begins with `bytes`, by its content or its whole name.
 pub(in crate::io) fn by_content(name: &Path, bytes: &[u8]) -> Option<&'static Foreign> {
+    // Takes precedence over extensions such as `.bin`: a row needs bytes that no plausible file of bare floats begins
+    // with.
     let bytes = &bytes[..bytes.len().min(Format::MAGIC_BYTES)];
     rows()
         .find(|row| {

@@ -18,6 +18,8 @@ pub const LARGEST_OFFSET: f32 = 0.866_025_4;
 
 const NORMAL_MASK: u32 = (1 << crate::cloud::FINEST_NORMAL_BITS) - 1;
 const OFFSET_SHIFT: u32 = 17;
+// With 0 bits, 438 to 822 pixels of a sphere show the background between terraces (five views); with 3 none do (splat
+// scale 1.4).
 const OFFSET_BITS: u32 = 3;
 const RADIUS_SHIFT: u32 = 20;
 

@@ -37,6 +37,8 @@ pub(super) fn code_motion<C: BitCoder>(
         let of_level = &followed.levels[level];
         let differences = match level.checked_sub(1) {
             None => vec![[0; 3]; steps.len()],
+            // Without this gradient, predicted as colours are, the walking man (merged points) takes 2.4 bits per point
+            // instead of 1.2.
             Some(above) => Below {
                 family: &followed.families[above],
                 steps: parents,
@@ -47,6 +49,8 @@ pub(super) fn code_motion<C: BitCoder>(
         };
         if let Some(coder) = &mut coders[places[level]] {
             // Not by how many levels are decoded: a prefix of them moves as it does among all.
+            // With one step size for all levels, every level encodes the rounding error of the level above again: 3.9
+            // bits per point for the walking man instead of 1.2.
             let step = scale.step(followed.depth.saturating_sub(level as u32));
             code_level(
                 coder,
@@ -99,6 +103,7 @@ fn code_level<C: BitCoder>(
         let mut sum = 0u32;
         for axis in 0..3 {
             let made_up = divided(left - 2 * others[axis], 2 * left);
+            // Displacements of the previous frame as a predictor made it worse, as they are rounded.
             let foreseen = parent[axis] + differences[node][axis];
             let predicted = (foreseen + made_up).clamp(-MAX_CHANGE, MAX_CHANGE);
             let context = usize::from(left == 1) * 3 + axis;

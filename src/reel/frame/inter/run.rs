@@ -65,6 +65,8 @@ impl<'a> Run<'a> {
             let anchor = |(position, mean): (&[i32; 3], DVec3)| {
                 DVec3::from_array(position.map(f64::from)) - (mean - plan.grid.min) * run.parts_per_unit
             };
+            // The distance that a node has from the mean of its points in the key frame stays, so that the pattern of
+            // points moves with the surface and nothing flickers.
             run.anchors = followed
                 .levels
                 .last()?
@@ -218,6 +220,8 @@ pub(in crate::reel) fn follows(plan: &GroupPlan, clouds: &[&RawCloud], key: usiz
         && order.len() == clouds[key].positions.len()
         && plan.order(other).len() == order.len()
         && order.len() > 1;
+    // Resampled frames stand alone. Block motion, and points tracked within parts of a cell, still took 92 % of the
+    // bits of geometry and 82 % of those of colours, at five times the decoding time.
     if !is_alike {
         return false;
     }

@@ -32,6 +32,9 @@ pub(super) fn agreed(shown: &[Shown]) -> Vec3 {
         agreed = mean(shown, |shown| {
             let off2 = shown.color.distance_squared(agreed);
             let belief = 1.0 / (1.0 + PHOTO_PER_DISAGREEMENT2 * off2);
+            // Nearness everywhere, not only where images disagree, is up to 0.4 dB better for images that COLMAP
+            // calibrated, but Redwood's noisy ones have 37.14 dB instead of 37.33; with its root 37.26. In the first
+            // mean only: 30.14 instead of 30.57 dB with every third image (castle).
             shown.share * belief * (belief + (1.0 - belief) * shown.nearness)
         });
     }

@@ -35,6 +35,7 @@ impl Projected<'_> {
     ) {
         let level = Level::new();
         let rows_down = rows_from_solid(view.size_px, image);
+        // After lighting, for pixels that are not fully covered: no tile is drawn twice for it.
         fill_rows(view.size_px, rim_px, image, depths, |drawn, y| {
             dispatch!(level, simd => {
                 simd.vectorize(
@@ -75,6 +76,8 @@ impl Projected<'_> {
                 continue;
             }
             let in_gap = is_within_reach.then(|| drawn.depth_in_gap([x, y], max)).flatten();
+            // Images are sampled in the gap: filling it with the colours around it would close the handles of real
+            // objects too.
             let answer = in_gap.map(|in_gap| {
                 let own = drawn.depths[at];
                 let depth = if own > 0.0 { own } else { in_gap };
@@ -201,6 +204,8 @@ impl Drawn<'_> {
                 (found, shortest) = (Some(depth), span);
             }
         }
+        // Not at the border: with strips there as slits, Redwood's whole image had 16.18 instead of 14.94 dB, but its
+        // surface ended in a comb pattern, closed where it ends near the border and open elsewhere.
         let is_slit = !is_at_border && GAPS_PER_SLIT * shortest <= widest as f32;
         found.filter(|_| open_lines == 0 || is_slit)
     }

@@ -210,6 +210,8 @@ impl<'a> Projected<'a> {
                 through += share * self.weight(angle2 - min);
                 continue;
             }
+            // Less weight also for images whose depth is slightly off the point, or that look from another side,
+            // changed Redwood by −0.15 to +0.05 dB, and cost sets of few images up to 1.3 dB.
             let trust = share * trust(angle2, is_near_step);
             seeing[count] = Seeing {
                 view,
@@ -228,6 +230,9 @@ impl<'a> Projected<'a> {
             let of_each = seeing.iter().map(|seen| seen.share * self.weight(seen.angle2 - min));
             of_each.sum()
         };
+        // One texel of each depth map votes: votes of four by bilinear weights, or that count less the farther a
+        // position is in front of the depth, clip no other pixels (557 beyond an outline of 54,224), which are within
+        // every tolerance.
         let is_clipped = match self.views.clipping {
             PhotoClipping::Off => false,
             PhotoClipping::Paper => through > 0.0,
@@ -254,6 +259,7 @@ impl<'a> Projected<'a> {
         };
         let weight = |seen: &Seeing| self.weight(seen.angle2 - nearest.angle2);
         let blended = &seeing[..seeing.len().min(self.views.blended)];
+        // Subtracted from all weights, so that no image appears or vanishes abruptly (Buehler et al. 2001).
         let beyond = seeing.get(self.views.blended).map_or(0.0, weight);
         // Where that is as near as the nearest, all count alike.
         let beyond = if beyond < 0.999 { beyond } else { 0.0 };
@@ -367,6 +373,8 @@ impl Place {
         if weight <= 0.0 {
             return None;
         }
+        // The blended surface, not every fragment of every splat as in the paper: less work, and no seams between
+        // splats.
         let sum = |of: usize| tile.surfaces[of][at] / weight;
         let (x, y, z, depth) = (sum(0), sum(1), sum(2), sum(3));
         let distance = view.near / depth.max(f32::MIN_POSITIVE);
@@ -395,6 +403,9 @@ impl Place {
             [down_to(per_px[0]), down_to(per_px[1])]
         };
         Self {
+            // Not moved along the ray to where the depths of four images have it: 35.51 → 35.82 dB with exact depths,
+            // but 35.33 with the noise of a depth camera. To where images agree most: 36.63 to 36.84 dB instead of
+            // 36.91.
             position: distance * ray,
             to_eye,
             normal,

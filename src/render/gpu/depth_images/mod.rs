@@ -155,6 +155,7 @@ impl DepthMaker {
         if let Some(timer) = &mut self.timer {
             timer.end(&mut encoder);
         }
+        // With the upload and not with the image: the mean over time must not depend on which images were drawn.
         context.queue.submit([encoder.finish()]);
         self.scratch = Some(scratch);
         self.cached = frame.filters().temporal.and(cached_after(frame));

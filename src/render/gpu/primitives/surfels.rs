@@ -80,6 +80,7 @@ pub(super) const SPRITE: Amplification = Amplification {
     varyings: shader_file!("primitives/sprites.wgsl"),
     writes_depths: true,
     // A corner has three times as many numbers as one on a surface.
+    // The vertex stage computes it once anyway: `compute` draws sprites as `storage` does.
     compute_amplifies: false,
     ..DISK
 };

@@ -37,6 +37,8 @@ pub(super) fn drawable<'a>(voxels: &'a Voxels, style: &DrawSettings) -> Drawable
         (&[&SOLID], None)
     };
     let normals = voxels.normals.as_ref();
+    // Lit by the mean normal of its points, the three faces of a cube have one shade, and the image shows the surface.
+    // Light on the faces is for frames whose voxel normals are not ready.
     let amplification = match normals {
         Some(_) => &LIT_BY_NORMALS,
         None => &LIT_BY_FACES,

@@ -38,6 +38,7 @@ impl Sizes {
     }
 
     fn sums(&self) -> u64 {
+        // All sums at once, not by bands as on the CPU: a GPU has the memory, and would gain nothing from bands.
         self.pixels * self.labels / 2 * WORD_BYTES
     }
 

@@ -54,6 +54,7 @@ impl Curve {
 
 /// The slope at a value between two secants over these times.
 fn inner_slope([before, after]: [f64; 2], [arriving, leaving]: [f64; 2]) -> f64 {
+    // Monotone: with Catmull–Rom a resting camera would not rest, and an elevation could swing over a pole.
     if arriving * leaving <= 0.0 {
         return 0.0;
     }

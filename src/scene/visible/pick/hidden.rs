@@ -35,6 +35,7 @@ pub fn hidden(packet: &ScenePacket, places: &[(DVec3, DVec2)]) -> Vec<bool> {
 }
 
 fn is_behind(packet: &ScenePacket, place: DVec3, px: DVec2) -> bool {
+    // A ray against the packet, as for a click: right for every primitive without reading back a depth buffer.
     let ray = Ray::new(packet, px.to_array());
     let depth = ray.depth_of(place);
     // The eye of parallel rays is far away, whatever the cloud's size.

@@ -134,6 +134,8 @@ pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], rad
                 let sprites = Sprites::new(packet, &surfels.points, Some(&surfels.shapes));
                 ray.choose(&sprites, radius_px)?
             } else {
+                // The blended surfel with the largest weight, which an index buffer could not hold: it has one surfel
+                // per pixel.
                 ray.choose(&Disks::new(surfels, &packet.style), radius_px)?
             };
             if packet.style.has_screen_normals() {
@@ -155,6 +157,8 @@ pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], rad
             nearest_drawn(packet, frame, chosen.place, |place| cell.contains(place))
         }
         Content::Mesh(mesh) => {
+            // A point of the frame, not the place on the triangle: measuring, trails and the point panel work on
+            // points.
             let chosen = ray.choose(&Triangles::new(mesh, packet), radius_px)?;
             nearest_drawn(packet, frame, chosen.place, |_| true)
         }

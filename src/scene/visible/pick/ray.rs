@@ -6,6 +6,8 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Most records of a block.
+// With boxes, 1,000,000 points take 2.0 to 2.7 ms, surfels 3.5 to 5.0; one read of all positions takes 1.7 (development
+// build, two busy cores).
 const BLOCK: usize = 64;
 
 /// Blocks that are worth handing to another thread.

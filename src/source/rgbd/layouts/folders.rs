@@ -54,6 +54,7 @@ fn is_likely(folder: &Folder) -> bool {
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     // Arrays of numpy may be cameras and poses.
+    // A folder `depth` alone does not identify a recording: with clouds in it, the folder is opened as clouds.
     let has_clouds = folder.clouds().iter().any(|name| !sidecars::is_known(name));
     let Some(depth) = folder.sub(DEPTH).filter(|_| !has_clouds) else {
         return match stack(folder) {

@@ -20,6 +20,8 @@ use glam::{Mat3, Vec2, Vec3};
 use rayon::prelude::*;
 
 /// Number of subpixel positions distinguished along each axis.
+// 16 positions: the median of five views 4° apart is off by 0.71 ‰ (0.56 if every plane is warped). 64 positions: 0.60
+// ‰ in three times the time.
 const PHASES: usize = 4;
 
 /// In the bits of a place that the view does not show: the census has 62.
@@ -44,6 +46,7 @@ const ONE: f64 = (1_u64 << FRACTION) as f64;
 const MAX_PLACES: f32 = 16_777_216.0;
 
 /// Shares of the two places around one.
+// Rounded to a quarter of a pixel, not interpolated, the median error is 0.75 instead of 0.71 ‰.
 const SHARES: u32 = 16;
 
 /// Another view before its picture is laid.

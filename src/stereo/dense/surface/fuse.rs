@@ -16,6 +16,8 @@ use std::sync::Arc;
 const COARSER: f64 = 1.3;
 
 /// Radius of a disk in pixels, and the least cosine it is stretched by.
+// 0.9, 1.0, 1.1, 1.3 px: 19.05, 19.26, 19.41, 19.66 dB over the whole image, as cracks close, and 23.63, 23.59, 23.47,
+// 23.21 over the drawn part, as outlines grow thicker (room).
 const RADIUS_PX: f64 = 1.0;
 const MIN_COSINE: f64 = 0.3;
 
@@ -59,12 +61,15 @@ fn disk(maps: &[Map<'_>], index: usize, at: usize, origin: DVec3) -> Option<(Poi
                 return None;
             }
         } else if is_before {
+            // Moved back along its ray instead, it costs 0.7 dB (room, 22.97) and 2.4 dB (temple, 19.39).
             if other.is_measured[there] && !is_measured {
                 return None;
             }
             against += 1;
         }
     }
+    // Requiring one other image that agrees: 23.07 dB, 0.82 drawn instead of 23.09, 0.90 (room), 20.37, 0.33 instead of
+    // 21.26, 0.42 (temple); two: 22.82, 0.75 and 20.18, 0.28.
     if !is_measured && against > for_it {
         return None;
     }

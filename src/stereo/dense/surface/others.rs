@@ -15,6 +15,7 @@ pub(super) const BEFORE: f64 = 0.02;
 const MAX_AGAINST: f64 = 0.25;
 
 /// Maximum difference of the colour channels of one position in two images.
+// With 20 of 255: 23.31 dB instead of 23.63 (room) and 21.70 instead of 21.74 (temple), 0.92 and 0.42 drawn with both.
 const ALIKE: u8 = 8;
 
 /// Forgets what was measured where more views look through it than [`MAX_AGAINST`] of those that have it as well: a

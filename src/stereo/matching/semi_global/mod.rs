@@ -48,6 +48,8 @@ pub(in crate::stereo) fn semi_global<T: Send>(
     let [width, height] = costs.size();
     let count = costs.count();
     debug_assert!(out.len() == width * height && guide.width() == width && guide.height() == height);
+    // By bands, three of eight paths and the matching costs are computed twice, but the process takes 160 MB, not 640
+    // for the sums alone (1.4 megapixels), and all sums stay in the caches.
     let band = height.isqrt().max(1);
     check_memory(width, height, count, band)?;
 

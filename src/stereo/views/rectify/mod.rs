@@ -73,6 +73,7 @@ impl Rectified {
         }
         let size = [width as u32 + 1, height as u32 + 1];
         // Whole pixels, so that disparities differ from angles by whole numbers.
+        // One principal point each: with a common one, converging views would share only half of their images.
         let left = [first, second].map(|[min, max]| f64::midpoint(min.x, max.x - width).round());
         let rectified = |index: usize| {
             let principal = DVec2::new(-left[index], -top);

@@ -61,6 +61,8 @@ impl Model {
             azimuth_deg: 0.0,
             height_m: height_mm / 1000.0,
         };
+        // The manuals give the heights of lasers for the VLP-16 alone. The drawings of the others show where beams
+        // meet, from which heights follow.
         // Beams that meet before the axis cross it above and below the origin.
         let meeting = |focus_mm: f64, elevation_deg: f64, azimuth_deg: f64| Laser {
             elevation_deg,

