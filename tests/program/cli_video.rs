@@ -46,10 +46,7 @@ fn a_turntable_turns_while_the_sequence_plays() {
     // The demo has 24 frames a second: one a picture here, every other one there.
     let common = ["--turntable", "6", "--video", video, "--stats", stats_file];
     let said = succeeds(&[&common[..], &["--fps", "24"]].concat());
-    assert!(
-        said.contains("6 frames written to") && said.contains("a.gif"),
-        "{said}"
-    );
+    assert!(said.contains("6 frames written to") && said.contains("a.gif"), "{said}");
     assert_eq!(shown(&stats), [0, 1, 2, 3, 4, 5]);
     let reader = BufReader::new(File::open(video).unwrap());
     let frames = GifDecoder::new(reader).unwrap().into_frames().collect_frames().unwrap();
