@@ -3,7 +3,7 @@
 
 #import common/blended_surface.wgsl
 #import common/fullscreen.wgsl
-#import common/posed_images.wgsl
+#import common/photos.wgsl
 #import generated/constants
 
 struct Answers {

@@ -388,7 +388,7 @@ fn animations_move_nodes_between_their_keys() {
     assert_eq!(io::list(&path, &options).unwrap().len(), 100_000);
     let short = moving("CUBICSPLINE", &[[0.0; 3], [2.0, 0.0, 0.0]]);
     assert!(
-        short.refused().contains("expected 3 for each of 2 moments"),
+        short.refused().contains("expected 3 for each of 2 keyframes"),
         "{}",
         short.refused()
     );

@@ -68,7 +68,7 @@ fn a_camera_that_stands_still_shows_each_frame_once() {
     let output = pattern.to_str().unwrap();
     let said = succeeds(&["--video", output, "--frame", "4..8", "--stats", stats.to_str().unwrap()]);
     assert!(
-        said.contains("5 pictures") && said.contains("24.00000 a second"),
+        said.contains("5 frames") && said.contains("24.00000 per second"),
         "{said}"
     );
     assert_eq!(shown(&stats), [4, 5, 6, 7, 8]);

@@ -180,7 +180,7 @@ fn names_of_formats_that_are_not_written_are_refused() {
     );
     refused(root, &["convert", "gt", "all.ply"], &["one file, but 5 frames"]);
     fs::write(root.join("file"), "mine").unwrap();
-    refused(root, &["convert", "gt", "file"], &["file is a file"]);
+    refused(root, &["convert", "gt", "file"], &["file is an existing file"]);
     fs::remove_file(root.join("file")).unwrap();
     assert_eq!(contents(root), before);
     // A folder: without extension, with a slash, or there already.

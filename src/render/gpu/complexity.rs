@@ -187,7 +187,7 @@ mod tests {
                 | Permutation::DepthImages
                 | Permutation::Stereo => continue,
             };
-            let counted = of_pass(pass, permutation).unwrap();
+            let counted = of_pass(pass, permutation).unwrap_or_else(|| panic!("{}", permutation.label()));
             assert!(counted.vertex.operations > 0, "{}", permutation.label());
             assert_eq!(
                 counted.vertex.texture_reads > 0,

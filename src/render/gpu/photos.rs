@@ -1,4 +1,4 @@
-//! Input images as textures, for the passes of view-dependent texturing (`shaders/common/posed_images.wgsl`).
+//! Input images as textures, for the passes of view-dependent texturing (`shaders/common/photos.wgsl`).
 //!
 //! All of them are layers of one texture, each in the upper left corner, with mip levels of their own: shaders read
 //! texels and filter them themselves, as the CPU does. Depths are drawn by the CPU, once for each frame. A small table

@@ -7,7 +7,7 @@
 //! curved. Between texels, the normals of the four around a position are blended. Nothing is stored: a rendered frame
 //! asks for some 16 normals per pixel, which are fewer than those of all maps.
 //!
-//! The same arithmetic: `shaders/common/posed_images.wgsl`.
+//! The same arithmetic: `shaders/common/photos.wgsl`.
 
 use crate::render::constants::PHOTO_MIN_FACING;
 use crate::scene::{DepthMap, PhotoView};
