@@ -1,5 +1,5 @@
 // Surfaces have the colours that photographs show, and, where these tell them, the normals of their depths. What
-// photographs say: `posed_images.wgsl`, `photo_answers.wgsl`.
+// photographs say: `photos.wgsl`, `photo_answers.wgsl`.
 
 #import common/blended_surface.wgsl
 #import common/photo_table.wgsl

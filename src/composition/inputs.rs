@@ -95,7 +95,7 @@ struct NoFrames;
 impl Frames for NoFrames {}
 
 impl<'a> Inputs<'a> {
-    /// Creates the inputs of [`Lane::Photos`](super::Lane::Photographs), for a frame whose images are there.
+    /// Creates the inputs of [`Lane::Photos`](super::Lane::Photos), for a frame whose images are there.
     pub fn of_photos(pose: &'a PreparedFrame, style: &'a Style, frames: &'a dyn Frames) -> Self {
         Self {
             pose,

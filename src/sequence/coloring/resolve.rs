@@ -322,8 +322,8 @@ fn is_skewed(sample: &ValueSample, name: &str) -> bool {
     at(0.5) - at(0.01) < SKEWED * (at(0.99) - at(0.01))
 }
 
-/// Returns the likely up axis of the points: depth cameras look along +Z with Y down, LiDARs stand among what they see
-/// with Z up, surveys are wide and flat along Z, and everything else is taken for a model with Y up.
+/// Returns the likely up axis of the points: depth cameras look along +Z with Y down, LiDAR sensors stand among what
+/// they see with Z up, surveys are wide and flat along Z, and everything else is taken for a model with Y up.
 fn likely_up(sample: &ValueSample) -> Vec3 {
     match sample.sensor {
         Some(_) if is_seen_in_front(sample) => Vec3::NEG_Y,

@@ -129,7 +129,7 @@ impl PreparedFrame {
 
     /// Returns a copy with posed images, which are projected onto it where it is drawn: onto the surface that was
     /// reconstructed from them, if there is one. Otherwise outliers hide nothing of them, and disks are
-    /// [curved](Self::bent).
+    /// [curved](Self::curved).
     #[must_use]
     pub fn with_photos(&self, posed_images: Arc<PosedImages>) -> Self {
         let mut textured = Self {

@@ -61,7 +61,7 @@ pub(super) fn array_shape(path: &Path) -> Option<Vec<usize>> {
 /// A shape and numbers.
 type Array = (Vec<usize>, Vec<f64>);
 
-/// Reads the numeric arrays in a NumPy archive, with their names; others are skipped.
+/// Reads the numeric arrays in a `NumPy` archive, with their names; others are skipped.
 pub(super) fn arrays(path: &Path) -> Result<Vec<(String, Array)>, RgbdError> {
     let bytes = read_bytes(path, MAX_BYTES)?;
     let members = raster::members_of_npz(&bytes, MAX_BYTES).map_err(|reason| RgbdError::Image {
