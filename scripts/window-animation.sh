@@ -39,7 +39,7 @@ export DISPLAY=$display
     echo 'set primitive voxel'
     echo 'wait 2'
     echo 'set primitive surfel'
-    echo 'Play or pause'
+    echo 'play'
     # Scrubbed, there and back.
     for frame in 2 4 6 8 10 12 10 8 6 4 2; do
         echo "frame $frame"
@@ -48,7 +48,7 @@ export DISPLAY=$display
     echo 'open example:lidar'
     echo 'wait shown'
     echo 'wait 2.5'
-    echo 'set colors scalar:intensity'
+    echo 'colours scalar:intensity'
     echo 'wait 2'
     echo 'open example:depth'
     echo 'wait shown'
@@ -56,13 +56,14 @@ export DISPLAY=$display
     echo 'quit'
 } >"$work/tour.txt"
 
-ffmpeg -loglevel error -f x11grab -draw_mouse 0 -framerate 12 -video_size "$size" -i "$display" \
+ffmpeg -loglevel error -f x11grab -draw_mouse 0 -framerate 10 -video_size "$size" -i "$display" \
     -c:v libx264rgb -preset ultrafast -qp 0 "$work/window.mkv" &
 recorder=$!
 "$program" view demo: --fullscreen --script "$work/tour.txt"
 kill -INT "$recorder"
 wait "$recorder" || true
 # The screen is black until the window is there and after it has closed.
-ffmpeg -loglevel error -y -ss "${POINTREEL_SKIP_SECONDS:-1.5}" -i "$work/window.mkv" -vf 'scale=840:-1:flags=lanczos' \
-    -c:v libwebp_anim -loop 0 -quality 55 -compression_level 6 "$output"
+seconds=$(ffprobe -loglevel error -show_entries format=duration -of csv=p=0 "$work/window.mkv")
+ffmpeg -loglevel error -y -ss 1.5 -t "$(awk "BEGIN { print $seconds - 2.5 }")" -i "$work/window.mkv" -vf 'scale=840:-1:flags=lanczos' \
+    -c:v libwebp_anim -loop 0 -quality 45 -compression_level 6 "$output"
 echo "$output: $(stat -c %s "$output") bytes"
