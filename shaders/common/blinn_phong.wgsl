@@ -1,4 +1,4 @@
-// Light after Lambert, with the highlights of Blinn 1977. The lights: scene/lights.rs.
+// Light after Lambert, with the highlights of Blinn 1977. The lights: scene/light/lights.rs.
 
 #import effects/shadow.wgsl
 #import generated/constants

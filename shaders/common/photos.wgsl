@@ -1,5 +1,5 @@
 // Surfaces have their colours from photographs (Yang et al. 2006 §3.2-3.4), and, where they are lit anew, normals from
-// depths of these (§4.1): scene/photographs.rs, render/cpu/photographs.
+// depths of these (§4.1): scene/photos, render/cpu/photos.
 
 #import common/blended_surface.wgsl
 #import common/photo_table.wgsl
@@ -88,7 +88,7 @@ fn cubic_weights(t: f32) -> vec4f {
 }
 
 // On cubics through the 16 texels of a photograph around a place, between the least and the largest of the four next to
-// it: photos/texture.rs.
+// it: photos/images/texture.rs.
 fn photo_on_cubics(photo: u32, finest: vec2f, texel: vec2f) -> vec4f {
     let last = vec2i(finest) - 1;
     let at = clamp(texel - 0.5, vec2f(0.0), vec2f(last));
@@ -181,7 +181,7 @@ fn share_seen(facing_eye: f32, facing: f32) -> f32 {
     return share * share;
 }
 
-// How much a photograph is to be believed beside others: render/cpu/photographs/mod.rs.
+// How much a photograph is to be believed beside others: render/cpu/photos/mod.rs.
 fn trust(angle2: f32, is_near_step: bool) -> f32 {
     return select(1.0, mix(PHOTO_TRUST_NEAR_STEPS, 1.0, exp(-angle2 * PHOTO_PER_STEP_ANGLE2)), is_near_step);
 }
@@ -214,7 +214,7 @@ fn is_near_depth(other: vec3f, center: vec3f, tolerance: f32) -> bool {
 }
 
 // The normal of a texel of a depth map in the space of the camera, by the places around it: zero beside steps and where
-// it is seen from the side. render/cpu/photographs/normals.rs.
+// it is seen from the side. render/cpu/photos/normals.rs.
 fn depth_normal(map: DepthMap, texel: vec2i) -> vec3f {
     let center = depth_place(map, texel);
     let left = depth_place(map, texel - vec2i(1, 0));
@@ -267,7 +267,7 @@ struct PhotoShown {
 }
 
 // The mean of what photographs show of a place, where those that disagree with the others count little:
-// render/cpu/photographs/agreement.rs.
+// render/cpu/photos/agreement.rs.
 fn photo_agreed(all: array<PhotoShown, PHOTO_MAX_BLENDED>, count: u32) -> vec3f {
     var shown = all;
     var mean = vec3f(0.0);

@@ -1,4 +1,4 @@
-// Metallic–roughness shading with an environment. The formulas: scene/physical_light.rs.
+// Metallic–roughness shading with an environment. The formulas: scene/light/physical_light.rs.
 
 #import effects/shadow.wgsl
 #import generated/constants

@@ -1,5 +1,5 @@
-// The colour behind rims of splats (scene/rims.rs). A pass that includes this says what it knows of a pixel: `sum_at`,
-// sums of colours and weights, and `depth_at`, a reversed depth.
+// The colour behind rims of splats (scene/effects/rims.rs). A pass that includes this says what it knows of a pixel:
+// `sum_at`, sums of colours and weights, and `depth_at`, a reversed depth.
 
 #import common/view.wgsl
 #import generated/constants

@@ -1,4 +1,4 @@
-// Ambient occlusion (volumetric obscurance, Loos and Sloan 2010). The formula: scene/ambient_occlusion.rs.
+// Ambient occlusion (volumetric obscurance, Loos and Sloan 2010). The formula: scene/effects/ambient_occlusion.rs.
 
 #import common/view.wgsl
 

@@ -1,5 +1,5 @@
 // Eye-dome lighting (Boucheny 2009): what stands behind its neighbours gets darker. Multiplies what is drawn, or its
-// sums, before the background is put behind them. The formula: scene/eye_dome.rs.
+// sums, before the background is put behind them. The formula: scene/effects/eye_dome.rs.
 
 #import common/fullscreen.wgsl
 #import common/view.wgsl

@@ -1,5 +1,5 @@
 // Fast approximate antialiasing (Lottes 2009): edges are found in the finished picture, and pixels beside them get as
-// much of their neighbour as the edge covers of them. How: render/cpu/fxaa.rs.
+// much of their neighbour as the edge covers of them. How: render/effects/fxaa.
 
 #import common/fullscreen.wgsl
 #import common/view.wgsl

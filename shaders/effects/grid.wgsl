@@ -1,4 +1,4 @@
-// The grid on the ground, hidden by what is before it. The plane and its lines: scene/ground.rs.
+// The grid on the ground, hidden by what is before it. The plane and its lines: scene/view/ground.rs.
 
 #import common/fullscreen.wgsl
 #import common/view.wgsl

@@ -1,4 +1,4 @@
-// The shadow of the key light (Williams 1978; Reeves et al. 1987). How: scene/shadow.rs.
+// The shadow of the key light (Williams 1978; Reeves et al. 1987). How: scene/light/shadow.rs.
 
 // How much of the key light reaches a place in view space; the cosine between its normal and the way to the lamp is
 // `facing`.

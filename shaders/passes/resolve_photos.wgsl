@@ -1,5 +1,5 @@
 // Resolve of a surface with photographs: as `resolve.wgsl` has it, and gaps in the surface are closed before. What a
-// gap is: scene/gaps.rs.
+// gap is: scene/effects/gaps.rs.
 
 #import common/blended_surface.wgsl
 #import common/fullscreen.wgsl

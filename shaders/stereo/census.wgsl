@@ -1,4 +1,4 @@
-// Whether each of the neighbours is darker. Twin of stereo/census.rs.
+// Whether each of the neighbours is darker. Twin of stereo/matching/census.rs.
 
 #import stereo/pair.wgsl
 

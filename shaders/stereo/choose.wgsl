@@ -1,4 +1,5 @@
-// Which winners stay, and their places by a parabola. Twin of stereo/winner.rs and stereo/contrast.rs.
+// Which winners stay, and their places by a parabola. Twin of stereo/matching/winner.rs and
+// stereo/matching/contrast.rs.
 
 #import stereo/exact_share.wgsl
 #import stereo/pair.wgsl

@@ -1,4 +1,4 @@
-// The median of the 3 × 3 pixels that have a label, as a disparity. Twin of stereo/filters.rs.
+// The median of the 3 × 3 pixels that have a label, as a disparity. Twin of stereo/matching/filters.rs.
 
 #import stereo/pair.wgsl
 

@@ -1,5 +1,5 @@
 // Costs of one path, added to the sums: a workgroup goes along it, and its lanes share the labels of a pixel. Twin of
-// stereo/semi_global.
+// stereo/matching/semi_global.
 
 #import stereo/pair.wgsl
 

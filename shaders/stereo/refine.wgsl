@@ -1,4 +1,4 @@
-// Labels between whole ones, and on the planes of their surfaces. Twin of stereo/refine.rs.
+// Labels between whole ones, and on the planes of their surfaces. Twin of stereo/matching/refine.rs.
 
 #import stereo/exact_share.wgsl
 #import stereo/pair.wgsl

@@ -1,5 +1,5 @@
 // Costs summed over squares: over columns first, then over the sums of columns, each with one added and one taken away
-// from pixel to pixel. Beyond the border costs are those of the border. Twin of stereo/local.rs.
+// from pixel to pixel. Beyond the border costs are those of the border. Twin of stereo/matching/local.rs.
 
 #import stereo/pair.wgsl
 

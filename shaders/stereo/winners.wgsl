@@ -1,5 +1,5 @@
 // The first of the cheapest labels of each pixel of both images; a workgroup has one pixel of each. Twin of
-// stereo/winner.rs.
+// stereo/matching/winner.rs.
 
 #import stereo/pair.wgsl
 

@@ -41,7 +41,7 @@ pub trait Frames: fmt::Debug {
         None
     }
 
-    /// Returns the parameters for drawing the depth maps of images ahead; otherwise whoever draws the packet does that
+    /// Returns the parameters for drawing the depth maps of images ahead; otherwise the renderer does that
     /// first.
     fn depths_ahead(&self) -> Option<DepthsAhead> {
         None

@@ -3,7 +3,7 @@
 //! **How it works.** A picture of all points that took longer than a smooth motion allows is remembered with its frame,
 //! which then gets an octree on a thread if it has none. While the camera moves, as many cells are drawn as there is
 //! time for ([`in_cells`]); once it has rested, all points. Frames that play have fewer points instead
-//! (`sequence/effort.rs`): an octree for each would take the time of the points that it saves.
+//! (`sequence/effort`): an octree for each would take the time of the points that it saves.
 
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::composition::{Coarse, can_draw, has_moving_levels, in_cells};

@@ -15,7 +15,7 @@
 //! textures of ours; the second paints all of it.
 //!
 //! **The same image.** Corners are rounded to 256ths of a pixel, edges belong to shapes by the top-left rule, colours
-//! are blended in 8 bits, textures are sampled as in `egui.wgsl`: `tests/pictures/painters.rs` compares it with
+//! are blended in 8 bits, textures are sampled as in `egui.wgsl`: `tests/pictures/painters` compares it with
 //! `egui-wgpu`.
 
 mod band;

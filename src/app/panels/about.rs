@@ -1,4 +1,4 @@
-//! About panel: the program, where it runs, and where it keeps its data: for who asks, and for who reports something.
+//! About panel: the program, where it runs, and where it stores its data: for help and for bug reports.
 
 use crate::app::widgets::tool_window::tool_window;
 use crate::app::work::files::picture_folder;

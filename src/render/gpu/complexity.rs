@@ -48,7 +48,7 @@ pub fn passes_of(packet: &ScenePacket) -> Vec<PassComplexity> {
         .collect()
 }
 
-/// `None` for what is no WGSL, which no permutation is (`tests/pictures/shaders.rs`).
+/// `None` for what is no WGSL, which no permutation is (`tests/pictures/shaders/mod.rs`).
 fn of_pass(pass: &'static str, permutation: Permutation) -> Option<PassComplexity> {
     // Naga's representation: instructions differ from driver to driver, and querying a driver for them needs its own
     // tools.

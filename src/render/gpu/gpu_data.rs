@@ -1,5 +1,5 @@
 //! Structures that Rust and WGSL share, declared once: WGSL imports them (`shader_library.rs`), but for the records of
-//! clouds and trees. `tests/pictures/shaders.rs` holds their layouts against the shaders by reflection.
+//! clouds and trees. `tests/pictures/shaders/mod.rs` holds their layouts against the shaders by reflection.
 
 pub use crate::cloud::{PointRecord, ShapeRecord, TexturePlace, TriangleRecord, VertexRecord, VoxelRecord};
 pub use crate::levels::NodeBounds;

@@ -1,5 +1,5 @@
 //! View-dependent texturing of all pixels, where what the input images do not show is filled from around (push–pull:
-//! Gortler et al. 1996, *The Lumigraph*, §3.5; how it works: `render/cpu/posed_images/push_pull.rs`).
+//! Gortler et al. 1996, *The Lumigraph*, §3.5; how it works: `render/cpu/photos/push_pull.rs`).
 //!
 //! A pass writes the sampled results; then there is a pass for each level of half the size, up to a single pixel, and
 //! one for each level down again. Levels are textures of their own, since mip levels are rounded down, and a pass that

@@ -11,12 +11,12 @@
 //! What lies in the gap is taken to be flat: along the shortest of the four lines through the pixel, the reversed depth
 //! of a plane goes from one end to the other in even steps. Where the ends are of two things, one behind the other, it
 //! is that of the farther: between them one looks past the nearer one. The input images are sampled at that position,
-//! as they are at others (`scene/posed_images/mod.rs`). What they see through, and what none of them sees, stays open:
+//! as they are at others (`scene/photos/mod.rs`). What they see through, and what none of them sees, stays open:
 //! a handle is a handle still. But along outlines, where input images and points are a pixel apart, specks remain. Each
 //! pixel of one has the mean colour of what is closed around it along the four lines, if the ends of none are farther
 //! apart than a tenth of the width of gaps.
 //!
-//! Done after lighting, over the whole image: `render/cpu/posed_images/gaps.rs`,
+//! Done after lighting, over the whole image: `render/cpu/photos/gaps.rs`,
 //! `shaders/passes/resolve_photos.wgsl`.
 
 use crate::scene::{PhotoRelight, ScenePacket};

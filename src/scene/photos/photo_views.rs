@@ -10,7 +10,7 @@
 //! Weights are taken relative to that of the first view that is not blended any more ([`PhotoViews::blended`]), so that
 //! none of them appears or vanishes at once while the eye moves (Buehler et al. 2001).
 //!
-//! Surfaces can be relit with depth-map normals of what the images see (§4.1): `render/cpu/posed_images/normals.rs`.
+//! Surfaces can be relit with depth-map normals of what the images see (§4.1): `render/cpu/photos/normals.rs`.
 
 use crate::photos::PosedImage;
 use crate::scene::style::Primitive;

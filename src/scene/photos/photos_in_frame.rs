@@ -14,7 +14,7 @@ pub struct PhotosInFrame {
     pub origin: DVec3,
     /// Complete surface, whatever of it is drawn: what the posed images see of it does not change with the view.
     pub surface: Option<Surfels>,
-    /// Depth maps of the surface as the posed images see it, if they were drawn ahead; otherwise whoever draws the
+    /// Depth maps of the surface as the posed images see it, if they were drawn ahead; otherwise the renderer of the
     /// packet does that first.
     pub depths: Option<Arc<PhotoDepths>>,
 }

@@ -1,5 +1,5 @@
 //! View-dependent texturing: surfaces get their colours from images (Yang et al. 2006 §3.2–3.4); for the definition see
-//! `scene/posed_images/mod.rs`.
+//! `scene/photos/mod.rs`.
 //!
 //! How it works: when all splats of a tile are summed up, each pixel of the surface is projected into all images, eight
 //! of them at a time. The images that see it are then visited, the nearest to the eye's direction first, skipping those
