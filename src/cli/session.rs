@@ -94,7 +94,8 @@ pub(super) struct SessionInfo {
 struct TrailsInfo {
     of_picked: bool,
     /// Points whose trails stay.
-    kept: usize,
+    #[serde(rename = "kept")]
+    pinned: usize,
     /// Points that are spread over the frame.
     spread: usize,
 }
@@ -121,7 +122,7 @@ impl SessionInfo {
             labels: session.labels.iter().map(|label| label.text.clone()).collect(),
             trails: TrailsInfo {
                 of_picked: session.trails.of_picked,
-                kept: session.trails.stored.len(),
+                pinned: session.trails.pinned.len(),
                 spread: session.trails.spread.map_or(0, |spread| spread.points),
             },
             keyframes: session.path.keyframes().len(),
@@ -189,7 +190,7 @@ impl SessionInfo {
                 "trails",
                 [
                     trails.of_picked.then(|| "of picked points".to_owned()),
-                    counted(trails.kept, "kept"),
+                    counted(trails.pinned, "kept"),
                     counted(trails.spread, "spread over the frame"),
                 ]
                 .into_iter()

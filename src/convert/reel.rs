@@ -41,7 +41,8 @@ struct Ledger {
     group: usize,
     /// Frames of the sequence that are not in the file, as they cannot be read; known before the group is written
     /// after them.
-    left_out: Vec<usize>,
+    #[serde(rename = "left_out")]
+    skipped: Vec<usize>,
 }
 
 /// An unfinished file and its ledger, under hidden names.
@@ -184,7 +185,7 @@ pub(super) fn convert(
             record,
             part: [part.index, part.count],
             group: group_length(sequence, frames, options),
-            left_out: Vec::new(),
+            skipped: Vec::new(),
         };
         until_a_group.extend([&unfinished.file, &unfinished.ledger].map(|path| Temporary::file(path)));
         // Before the file: of whatever is left behind it is known what it is.
@@ -219,7 +220,7 @@ fn write_frames(work: &Work<'_>, open: Open<'_>, converted: &mut Converted) -> R
         mut ledger,
         mut until_a_group,
     } = open;
-    let readable = |frame: &usize| !ledger.left_out.contains(frame);
+    let readable = |frame: &usize| !ledger.skipped.contains(frame);
     let rest: Vec<usize> = frames.iter().copied().filter(readable).skip(converted.left).collect();
     progress.set(frames.len() - rest.len(), frames.len());
     let groups: Vec<&[usize]> = rest.chunks(ledger.group).collect();
@@ -236,7 +237,7 @@ fn write_frames(work: &Work<'_>, open: Open<'_>, converted: &mut Converted) -> R
                 }
                 return Ok(());
             }
-            ledger.left_out.extend(made.failed.iter().map(|(frame, _)| frame));
+            ledger.skipped.extend(made.failed.iter().map(|(frame, _)| frame));
             converted.failed.extend(made.failed);
             converted.warnings.extend(made.warnings);
             converted.losses.merge(made.losses);

@@ -188,7 +188,7 @@ fn check_counts(file: &Path, written: &Written) -> Result<(), SessionError> {
     let counts = [
         ("labels", written.labels.len()),
         ("measurements", written.measurements.len()),
-        ("trails", written.trails.0.stored.len()),
+        ("trails", written.trails.0.pinned.len()),
     ];
     match counts.into_iter().find(|(_, count)| *count > MAX_MARKS) {
         Some((what, count)) => Err(SessionError::TooMany {
@@ -210,7 +210,7 @@ fn check_frames(file: &Path, written: &Written) -> Result<(), SessionError> {
     let labels = labels.flat_map(|label| of_range(label.frames).into_iter().chain([Some(label.frame)]));
     let measured = written.measurements.iter();
     let measured = measured.flat_map(|written::WrittenMeasured(measured, _)| &measured.points);
-    let measured = measured.chain(&written.trails.0.stored).map(|point| Some(point.frame));
+    let measured = measured.chain(&written.trails.0.pinned).map(|point| Some(point.frame));
     let mut frames = named.chain(markers).chain(labels).chain(measured).flatten();
     match frames.find(|&frame| frame > LAST_FRAME) {
         Some(frame) => Err(SessionError::Frame {

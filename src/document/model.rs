@@ -65,7 +65,7 @@ pub struct ShownTrails {
     /// Visibility of the trails of the picked points.
     pub of_picked: bool,
     /// Points whose trails stay when others are picked.
-    pub stored: Vec<MeasuredPoint>,
+    pub pinned: Vec<MeasuredPoint>,
     /// Trails of points that are spread over the frame.
     pub spread: Option<SpreadTrails>,
 }
@@ -141,7 +141,7 @@ pub struct Marker {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     /// Kind of measurement.
-    pub measurement_kind: MeasurementKind,
+    pub kind: MeasurementKind,
     /// Its points, as many as the gauge takes.
     pub points: Vec<MeasuredPoint>,
 }

@@ -209,7 +209,7 @@ fn are_same_measured(one: &[Measured], other: &[Measured]) -> bool {
 }
 
 fn are_same_trails(one: &ShownTrails, other: &ShownTrails) -> bool {
-    (one.of_picked, one.spread) == (other.of_picked, other.spread) && are_same_points(&one.stored, &other.stored)
+    (one.of_picked, one.spread) == (other.of_picked, other.spread) && are_same_points(&one.pinned, &other.pinned)
 }
 
 fn are_same_points(one: &[MeasuredPoint], other: &[MeasuredPoint]) -> bool {
@@ -220,7 +220,7 @@ impl Measured {
     /// Returns true if both measurements are of the same kind and of the same points, wherever these are in the shown
     /// frame.
     pub fn is_of_same(&self, other: &Self) -> bool {
-        self.measurement_kind == other.measurement_kind && are_same_points(&self.points, &other.points)
+        self.kind == other.kind && are_same_points(&self.points, &other.points)
     }
 }
 
@@ -240,13 +240,10 @@ mod tests {
     }
 
     fn measured(indices: [u32; 2], frame: usize) -> Document {
-        let measurement_kind = MeasurementKind::Distance;
+        let kind = MeasurementKind::Distance;
         let points = indices.map(|index| point(index, frame)).to_vec();
         Document {
-            measurements: vec![Measured {
-                measurement_kind,
-                points,
-            }],
+            measurements: vec![Measured { kind, points }],
             ..Document::default()
         }
     }
@@ -262,7 +259,7 @@ mod tests {
         assert!(!before.is_same_work(&measured([2, 4], 0)));
         let trail = |frame| Document {
             trails: ShownTrails {
-                stored: vec![point(5, frame)],
+                pinned: vec![point(5, frame)],
                 ..ShownTrails::default()
             },
             ..Document::default()

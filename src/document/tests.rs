@@ -74,13 +74,10 @@ fn label() -> impl Strategy<Value = Label> {
 fn measured() -> impl Strategy<Value = Measured> {
     let point =
         (0usize..1000, followed(), place()).prop_map(|(frame, point, place)| MeasuredPoint { frame, point, place });
-    (0usize..3, prop::array::uniform3(point)).prop_map(|(measurement_kind, points)| {
-        let measurement_kind = MeasurementKind::ALL[measurement_kind].0;
-        let points = points[..measurement_kind.point_count()].to_vec();
-        Measured {
-            measurement_kind,
-            points,
-        }
+    (0usize..3, prop::array::uniform3(point)).prop_map(|(kind, points)| {
+        let kind = MeasurementKind::ALL[kind].0;
+        let points = points[..kind.point_count()].to_vec();
+        Measured { kind, points }
     })
 }
 
@@ -93,9 +90,9 @@ fn trails() -> impl Strategy<Value = ShownTrails> {
         prop::collection::vec(point, 0..3),
         prop::option::of(spread),
     );
-    parts.prop_map(|(of_picked, stored, spread)| ShownTrails {
+    parts.prop_map(|(of_picked, pinned, spread)| ShownTrails {
         of_picked,
-        stored,
+        pinned,
         spread,
     })
 }
@@ -344,7 +341,7 @@ fn a_session_is_text_that_a_person_can_write() {
     assert_eq!((door.place, door.point), (Some(DVec3::new(1.0, 2.5, -3.0)), None));
     let distance = &session.measurements[0];
     let places: Vec<DVec3> = distance.points.iter().map(|point| point.place).collect();
-    assert_eq!(distance.measurement_kind.value(&places, DVec3::Y), Some(5.0));
+    assert_eq!(distance.kind.value(&places, DVec3::Y), Some(5.0));
     assert_eq!(session.markers[0].name, "turn");
 }
 

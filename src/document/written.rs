@@ -320,7 +320,8 @@ pub(super) struct WrittenMeasured(pub(super) Measured, pub(super) Vec<String>);
 
 #[derive(Debug, Serialize, Deserialize)]
 struct MeasuredFields {
-    gauge: MeasurementKind,
+    #[serde(rename = "gauge")]
+    kind: MeasurementKind,
     points: Vec<PointFields>,
     #[serde(flatten)]
     unknown: Fields,
@@ -329,9 +330,9 @@ struct MeasuredFields {
 impl<'de> Deserialize<'de> for WrittenMeasured {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         checked(deserializer, |fields: MeasuredFields| {
-            let (gauge, count) = (fields.gauge, fields.points.len());
-            if count != gauge.point_count() {
-                let (name, takes) = (gauge.name(), gauge.point_count());
+            let (kind, count) = (fields.kind, fields.points.len());
+            if count != kind.point_count() {
+                let (name, takes) = (kind.name(), kind.point_count());
                 return Err(format!("{count} points: the gauge {name} takes {takes}"));
             }
             let mut unknown: Vec<String> = fields.unknown.keys().cloned().collect();
@@ -343,13 +344,7 @@ impl<'de> Deserialize<'de> for WrittenMeasured {
                 };
                 points.push(point);
             }
-            Ok(Self(
-                Measured {
-                    measurement_kind: gauge,
-                    points,
-                },
-                unknown,
-            ))
+            Ok(Self(Measured { kind, points }, unknown))
         })
     }
 }
@@ -358,7 +353,7 @@ impl<'de> Deserialize<'de> for WrittenMeasured {
 pub(super) fn measured_fields(measured: &Measured) -> impl Serialize + use<> {
     let points = measured.points.iter();
     MeasuredFields {
-        gauge: measured.measurement_kind,
+        kind: measured.kind,
         points: points
             .map(|point| PointFields::new(point.frame, Some(point.point), Some(point.place)))
             .collect(),
@@ -432,8 +427,8 @@ pub(super) struct WrittenTrails(pub(super) ShownTrails);
 struct TrailFields {
     #[serde(default)]
     picked: bool,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    kept: Vec<PointFields>,
+    #[serde(rename = "kept", default, skip_serializing_if = "Vec::is_empty")]
+    pinned: Vec<PointFields>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     spread: Option<SpreadTrails>,
 }
@@ -441,13 +436,13 @@ struct TrailFields {
 impl<'de> Deserialize<'de> for WrittenTrails {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         checked(deserializer, |fields: TrailFields| {
-            let kept = fields.kept.iter().map(|point| {
+            let pinned = fields.pinned.iter().map(|point| {
                 let told = || "a point of `trails` has a `point`, `of` how many, and a place (`at`)".to_owned();
                 point.followed()?.ok_or_else(told)
             });
             Ok(Self(ShownTrails {
                 of_picked: fields.picked,
-                stored: kept.collect::<Result<_, String>>()?,
+                pinned: pinned.collect::<Result<_, String>>()?,
                 spread: fields.spread,
             }))
         })
@@ -456,10 +451,10 @@ impl<'de> Deserialize<'de> for WrittenTrails {
 
 /// Trails as they are written; `None` if there are none.
 pub(super) fn trail_fields(trails: &ShownTrails) -> Option<impl Serialize + use<>> {
-    let kept = trails.stored.iter();
+    let pinned = trails.pinned.iter();
     (*trails != ShownTrails::default()).then(|| TrailFields {
         picked: trails.of_picked,
-        kept: kept
+        pinned: pinned
             .map(|point| PointFields::new(point.frame, Some(point.point), Some(point.place)))
             .collect(),
         spread: trails.spread,

@@ -109,12 +109,12 @@ fn work_on(harness: &mut Harness<'_, State>) {
         place: DVec3::splat(2.0),
     };
     document.measurements = vec![pointreel::document::Measured {
-        measurement_kind: MeasurementKind::Distance,
+        kind: MeasurementKind::Distance,
         points: vec![point(0), point(7)],
     }];
     document.trails = ShownTrails {
         of_picked: true,
-        stored: vec![point(3)],
+        pinned: vec![point(3)],
         spread: Some(SpreadTrails { points: 4, frames: 2 }),
     };
     document.notes.push_str("from the north");

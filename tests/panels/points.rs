@@ -146,10 +146,9 @@ fn distances_angles_and_heights_are_measured() {
     click(&mut harness, "Height");
     take(&mut harness, &[5, 7]);
     let measurements = &harness.state().features.inspection.measurements;
-    let measurement_kinds: Vec<MeasurementKind> =
-        measurements.iter().map(|measured| measured.measurement_kind).collect();
+    let kinds: Vec<MeasurementKind> = measurements.iter().map(|measured| measured.kind).collect();
     assert_eq!(
-        measurement_kinds,
+        kinds,
         [
             MeasurementKind::Distance,
             MeasurementKind::Angle,
@@ -169,7 +168,7 @@ fn distances_angles_and_heights_are_measured() {
     click(&mut harness, "Delete measurement 2");
     let measurements = &harness.state().features.inspection.measurements;
     assert_eq!(measurements.len(), 2);
-    assert_eq!(measurements[1].measurement_kind, MeasurementKind::Height);
+    assert_eq!(measurements[1].kind, MeasurementKind::Height);
     // They grow with the cube.
     press(&mut harness, Modifiers::SHIFT, Key::ArrowRight);
     harness.state_mut().update(Duration::ZERO);

@@ -215,15 +215,15 @@ fn trails_are_undone() {
     assert!(harness.state().features.trails.is_on);
     until_found(&mut harness);
     let anchor = harness.state().features.inspection.point.as_ref().unwrap().anchor;
-    harness.state_mut().features.trails.toggle_retained(anchor);
+    harness.state_mut().features.trails.toggle_pinned(anchor);
     // Past the time within which it would be the same change.
     harness.run_steps(120);
     harness.state_mut().run(Command::UNDO);
     let trails = &harness.state().features.trails;
-    assert!(trails.is_on && trails.retained.is_empty());
+    assert!(trails.is_on && trails.pinned.is_empty());
     harness.state_mut().run(Command::REDO);
     let trails = &harness.state().features.trails;
-    assert_eq!(trails.retained, [anchor]);
+    assert_eq!(trails.pinned, [anchor]);
     harness.state_mut().run(Command::UNDO);
     harness.state_mut().run(Command::UNDO);
     assert!(!harness.state().features.trails.is_on);

@@ -33,9 +33,7 @@ impl MeasurementKind {
 
     /// Its name.
     pub fn name(self) -> &'static str {
-        let known = Self::ALL
-            .iter()
-            .find(|(measurement_kind, ..)| *measurement_kind == self);
+        let known = Self::ALL.iter().find(|(kind, ..)| *kind == self);
         known.map_or("", |&(_, name, _)| name)
     }
 
@@ -77,8 +75,7 @@ mod tests {
         let places = [DVec3::new(3.0, 0.0, 0.0), DVec3::ZERO, DVec3::new(0.0, 4.0, 0.0)];
         for origin in [DVec3::ZERO, FAR] {
             let places = places.map(|place| place + origin);
-            let value =
-                |measurement_kind: MeasurementKind, places: &[DVec3]| measurement_kind.value(places, DVec3::Y).unwrap();
+            let value = |kind: MeasurementKind, places: &[DVec3]| kind.value(places, DVec3::Y).unwrap();
             assert_eq!(value(MeasurementKind::Distance, &[places[0], places[2]]), 5.0);
             assert!((value(MeasurementKind::Angle, &places) - 90.0).abs() < 1e-12);
             assert_eq!(value(MeasurementKind::Height, &[places[0], places[2]]), 4.0);
@@ -104,8 +101,8 @@ mod tests {
         assert_eq!(MeasurementKind::Distance.value(&[DVec3::X], up), None);
         assert_eq!(MeasurementKind::Angle.value(&[DVec3::X, DVec3::X, DVec3::Y], up), None);
         assert_eq!(MeasurementKind::Distance.value(&[DVec3::X; 2], up), Some(0.0));
-        for (measurement_kind, name, _) in MeasurementKind::ALL {
-            assert_eq!(measurement_kind.name(), name);
+        for (kind, name, _) in MeasurementKind::ALL {
+            assert_eq!(kind.name(), name);
         }
     }
 }

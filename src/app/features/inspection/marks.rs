@@ -11,20 +11,20 @@ use egui::{Color32, Stroke, vec2};
 /// Paints measurements with lengths in `unit`, what is begun of one, and the point whose values are shown.
 pub(in crate::app) fn paint_inspection(canvas: &PictureOverlay<'_>, inspection: &Inspection, unit: Option<LengthUnit>) {
     for measurement in &inspection.measurements {
-        let text = value_text(measurement.measurement_kind, measurement.value(canvas.up()), unit);
-        paint_measurement(canvas, measurement.measurement_kind, &measurement.points, &text);
+        let text = value_text(measurement.kind, measurement.value(canvas.up()), unit);
+        paint_measurement(canvas, measurement.kind, &measurement.points, &text);
     }
-    paint_measurement(canvas, inspection.measurement_kind, &inspection.begun, "");
+    paint_measurement(canvas, inspection.kind, &inspection.begun, "");
     if let Some(point) = &inspection.point {
         canvas.ring(point.anchor.place, ACCENT);
     }
 }
 
-fn paint_measurement(canvas: &PictureOverlay<'_>, measurement_kind: MeasurementKind, points: &[Anchor], text: &str) {
+fn paint_measurement(canvas: &PictureOverlay<'_>, kind: MeasurementKind, points: &[Anchor], text: &str) {
     for pair in points.windows(2) {
         let [from, to] = [pair[0].place, pair[1].place];
         canvas.line([from, to], Stroke::new(1.5, ODD));
-        if measurement_kind == MeasurementKind::Height {
+        if kind == MeasurementKind::Height {
             // The height itself, from the first point upwards, and level from there.
             let up = canvas.up();
             let corner = from + up * (to - from).dot(up);
@@ -35,7 +35,7 @@ fn paint_measurement(canvas: &PictureOverlay<'_>, measurement_kind: MeasurementK
     for point in points {
         canvas.ring(point.place, ODD);
     }
-    let label = match (measurement_kind, points) {
+    let label = match (kind, points) {
         (MeasurementKind::Angle, &[_, corner, ..]) => corner.place,
         (_, &[from, to, ..]) => from.place.midpoint(to.place),
         _ => return,

@@ -9,9 +9,9 @@ use crate::scene::MeasurementKind;
 use glam::DVec3;
 use std::fmt::Write as _;
 
-/// A value of `measurement_kind` as a person reads it, lengths in `unit`.
-pub(super) fn value_text(measurement_kind: MeasurementKind, value: Option<f64>, unit: Option<LengthUnit>) -> String {
-    match (measurement_kind, value) {
+/// A value of `kind` as a person reads it, lengths in `unit`.
+pub(super) fn value_text(kind: MeasurementKind, value: Option<f64>, unit: Option<LengthUnit>) -> String {
+    match (kind, value) {
         (_, None) => "none".to_owned(),
         (MeasurementKind::Angle, Some(value)) => format!("{value:.3}°"),
         (_, Some(value)) => with_unit(value, unit),
@@ -22,7 +22,7 @@ pub(super) fn value_text(measurement_kind: MeasurementKind, value: Option<f64>, 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
     /// Kind of measurement.
-    pub measurement_kind: MeasurementKind,
+    pub kind: MeasurementKind,
     /// Its points, as many as the gauge takes.
     pub points: Vec<Anchor>,
 }
@@ -31,7 +31,7 @@ impl Measurement {
     /// The measurement of the open sequence that a document has.
     pub(in crate::app) fn of(measured: &Measured) -> Self {
         Self {
-            measurement_kind: measured.measurement_kind,
+            kind: measured.kind,
             points: measured.points.iter().map(Anchor::of).collect(),
         }
     }
@@ -39,7 +39,7 @@ impl Measurement {
     /// The measurement as a document has it; `None` if it is not of the open sequence alone.
     pub(in crate::app) fn measured(&self) -> Option<Measured> {
         Some(Measured {
-            measurement_kind: self.measurement_kind,
+            kind: self.kind,
             points: self.points.iter().map(Anchor::measured).collect::<Option<_>>()?,
         })
     }
@@ -47,13 +47,13 @@ impl Measurement {
     /// Returns the current value of the measurement.
     pub fn value(&self, up: DVec3) -> Option<f64> {
         let places: Vec<DVec3> = self.points.iter().map(|point| point.place).collect();
-        self.measurement_kind.value(&places, up)
+        self.kind.value(&places, up)
     }
 
     /// One line with all digits: the value, and each point with its frame (from 1), its index in the file (from 0) and
     /// where it is.
     pub fn line(&self, up: DVec3) -> String {
-        let mut line = self.measurement_kind.name().to_lowercase();
+        let mut line = self.kind.name().to_lowercase();
         match self.value(up) {
             Some(value) => _ = write!(line, "\t{value}"),
             None => line.push_str("\tnone"),

@@ -26,7 +26,7 @@ pub(in crate::app) fn measuring_ui(
         .pivot(Align2::LEFT_BOTTOM)
         .default_pos(corner + vec2(12.0, -12.0))
         .show(ui, |ui| {
-            measurement_kinds(ui, inspection);
+            kinds(ui, inspection);
             if !inspection.measurements.is_empty() {
                 list(ui, &mut inspection.measurements, up, unit);
             }
@@ -36,17 +36,17 @@ pub(in crate::app) fn measuring_ui(
     }
 }
 
-fn measurement_kinds(ui: &mut Ui, inspection: &mut Inspection) {
+fn kinds(ui: &mut Ui, inspection: &mut Inspection) {
     ui.horizontal(|ui| {
-        for (measurement_kind, name, tooltip) in MeasurementKind::ALL {
-            let button = Button::selectable(inspection.measurement_kind == measurement_kind, name);
+        for (kind, name, tooltip) in MeasurementKind::ALL {
+            let button = Button::selectable(inspection.kind == kind, name);
             if ui.add(button).on_hover_text(tooltip).clicked() {
-                inspection.measure(measurement_kind);
+                inspection.measure(kind);
             }
         }
     });
     let begun = inspection.begun.len();
-    let count = inspection.measurement_kind.point_count();
+    let count = inspection.kind.point_count();
     ui.weak(format!("Click on point {} of {count}. Esc ends.", begun + 1));
 }
 
@@ -56,8 +56,8 @@ fn list(ui: &mut Ui, measurements: &mut Vec<Measurement>, up: DVec3, unit: Optio
     ScrollArea::vertical().max_height(height).show(ui, |ui| {
         Grid::new("measurements").num_columns(3).striped(true).show(ui, |ui| {
             for (index, measurement) in measurements.iter().enumerate() {
-                let value = value_text(measurement.measurement_kind, measurement.value(up), unit);
-                ui.label(measurement.measurement_kind.name());
+                let value = value_text(measurement.kind, measurement.value(up), unit);
+                ui.label(measurement.kind.name());
                 ui.label(RichText::new(value).monospace()).on_hover_text(
                     "Lengths in the units of the file, angles in degrees; points are followed through frames with \
                         the same number of points",

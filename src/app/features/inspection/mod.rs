@@ -47,7 +47,7 @@ pub struct Inspection {
     /// The point whose values are shown.
     pub point: Option<Inspected>,
     /// Kind of the next measurement.
-    pub measurement_kind: MeasurementKind,
+    pub kind: MeasurementKind,
     /// Points of a measurement that has not enough of them yet.
     pub begun: Vec<Anchor>,
     /// Finished measurements, oldest first.
@@ -89,22 +89,22 @@ impl Inspection {
     /// The points of the last angle that was measured.
     pub(in crate::app) fn last_angle(&self) -> Option<[DVec3; 3]> {
         let mut angles = self.measurements.iter().rev();
-        let angle = angles.find(|measurement| measurement.measurement_kind == MeasurementKind::Angle)?;
+        let angle = angles.find(|measurement| measurement.kind == MeasurementKind::Angle)?;
         let places: Vec<DVec3> = angle.points.iter().map(|point| point.place).collect();
         places.try_into().ok()
     }
 
     /// Chooses what is measured.
-    pub fn measure(&mut self, measurement_kind: MeasurementKind) {
+    pub fn measure(&mut self, kind: MeasurementKind) {
         self.begun.clear();
-        self.measurement_kind = measurement_kind;
+        self.kind = kind;
     }
 
     /// Forgets what was clicked on; what the next click does stays.
     pub(in crate::app) fn forget_points(&mut self) {
         *self = Self {
             tool: self.tool,
-            measurement_kind: self.measurement_kind,
+            kind: self.kind,
             ..Self::default()
         };
     }
@@ -149,9 +149,9 @@ impl Inspection {
             }
             Tool::Measure => {
                 self.begun.push(anchor);
-                if self.begun.len() >= self.measurement_kind.point_count() {
+                if self.begun.len() >= self.kind.point_count() {
                     self.measurements.push(Measurement {
-                        measurement_kind: self.measurement_kind,
+                        kind: self.kind,
                         points: std::mem::take(&mut self.begun),
                     });
                 }

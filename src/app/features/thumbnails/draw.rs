@@ -79,7 +79,7 @@ impl Thumbnail {
 }
 
 impl ThumbnailJob {
-    /// Runs the job. Errors are reported by whoever shows the frame; here they are a mark.
+    /// Runs the job. Errors are reported by the viewport that shows the frame; here they are a mark.
     pub(super) fn run(self) -> Thumbnail {
         let made = catch_unwind(AssertUnwindSafe(|| self.made()));
         made.ok().flatten().unwrap_or(Thumbnail::Broken)

@@ -67,7 +67,7 @@ pub struct Trails {
     /// True if the trails of the picked points are shown.
     pub is_on: bool,
     /// Points whose trails stay when others are picked.
-    pub retained: Vec<Anchor>,
+    pub pinned: Vec<Anchor>,
     /// Trails of other points.
     pub field: TrailField,
     /// The frame whose points [`Trails::field`] is of, and how many its file has.
@@ -80,7 +80,7 @@ impl Default for Trails {
     fn default() -> Self {
         Self {
             is_on: false,
-            retained: Vec::new(),
+            pinned: Vec::new(),
             field: TrailField {
                 is_on: false,
                 points: 100,
@@ -101,7 +101,7 @@ impl Trails {
 
     /// Returns true if trails are drawn, or are to be.
     pub(in crate::app) fn are_shown(&self) -> bool {
-        self.is_on || self.field.is_on || !self.retained.is_empty()
+        self.is_on || self.field.is_on || !self.pinned.is_empty()
     }
 
     /// Frames that were looked at, of how many, while trails are being found.
@@ -146,11 +146,11 @@ impl Trails {
     }
 
     /// Keeps the trail of a point, or lets it go.
-    pub fn toggle_retained(&mut self, anchor: Anchor) {
-        let is_same = |retained: &Anchor| retained.index_in_file == anchor.index_in_file;
-        match self.retained.iter().position(is_same) {
-            Some(place) => _ = self.retained.remove(place),
-            None => self.retained.push(anchor),
+    pub fn toggle_pinned(&mut self, anchor: Anchor) {
+        let is_same = |pinned: &Anchor| pinned.index_in_file == anchor.index_in_file;
+        match self.pinned.iter().position(is_same) {
+            Some(place) => _ = self.pinned.remove(place),
+            None => self.pinned.push(anchor),
         }
     }
 
@@ -171,7 +171,7 @@ impl Trails {
     pub(in crate::app) fn shown(&self) -> ShownTrails {
         ShownTrails {
             of_picked: self.is_on,
-            stored: self.retained.iter().filter_map(Anchor::measured).collect(),
+            pinned: self.pinned.iter().filter_map(Anchor::measured).collect(),
             spread: self.field.is_on.then_some(SpreadTrails {
                 points: self.field.points,
                 frames: self.field.length,
@@ -182,12 +182,12 @@ impl Trails {
     /// Asks for the trails of a document. Points that are known already stay as they were picked.
     pub(in crate::app) fn show(&mut self, shown: &ShownTrails) {
         self.is_on = shown.of_picked;
-        let before = std::mem::take(&mut self.retained);
+        let before = std::mem::take(&mut self.pinned);
         let anchor = |point: &MeasuredPoint| {
             let known = before.iter().find(|anchor| anchor.point() == point.point);
             known.copied().unwrap_or_else(|| Anchor::of(point))
         };
-        self.retained = shown.stored.iter().map(anchor).collect();
+        self.pinned = shown.pinned.iter().map(anchor).collect();
         self.field.is_on = shown.spread.is_some();
         if let Some(SpreadTrails { points, frames }) = shown.spread {
             self.field.points = points.clamp(1, TrailField::MAX_POINTS);
@@ -198,7 +198,7 @@ impl Trails {
     /// Forgets the points, as another sequence is opened.
     pub(in crate::app) fn forget_points(&mut self) {
         self.stop();
-        self.retained.clear();
+        self.pinned.clear();
         self.field_of = None;
         self.found = None;
     }
@@ -237,7 +237,7 @@ impl Trails {
         }
         let picked: Vec<Anchor> = if self.is_on {
             let points = inspection.picked();
-            self.retained.iter().copied().chain(points).collect()
+            self.pinned.iter().copied().chain(points).collect()
         } else {
             Vec::new()
         };

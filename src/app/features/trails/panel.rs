@@ -29,22 +29,22 @@ pub(in crate::app) fn trail_ui(ui: &mut Ui, trails: &mut Trails, anchor: Anchor)
         if !trails.is_on {
             return;
         }
-        let mut retained = trails.retained.iter();
-        let is_retained = retained.any(|retained| retained.index_in_file == anchor.index_in_file);
-        let keep = Button::selectable(is_retained, "Keep trail");
+        let mut pinned = trails.pinned.iter();
+        let is_pinned = pinned.any(|pinned| pinned.index_in_file == anchor.index_in_file);
+        let keep = Button::selectable(is_pinned, "Keep trail");
         let tooltip = "The trail stays when another point is picked";
         if ui.add(keep).on_hover_text(tooltip).clicked() {
-            trails.toggle_retained(anchor);
+            trails.toggle_pinned(anchor);
         }
         let forget = Button::new("Forget kept trails");
-        let has_retained = !trails.retained.is_empty();
-        if has_retained
+        let has_pinned = !trails.pinned.is_empty();
+        if has_pinned
             && ui
                 .add(forget)
                 .on_hover_text("Keeps only the trail of the picked point")
                 .clicked()
         {
-            trails.retained.clear();
+            trails.pinned.clear();
         }
     });
     if trails.is_on {
