@@ -12,7 +12,10 @@ program=${1:-target/release/pointreel}
 output=${2:-assets/readme/window.webp}
 size=1120x700
 for tool in "$program" Xvfb ffmpeg; do
-    command -v "$tool" >/dev/null || { echo "$0: $tool is missing: expected a release build, and xvfb and ffmpeg" >&2; exit 2; }
+    command -v "$tool" >/dev/null || {
+        echo "$0: $tool is missing: expected a release build, xvfb and ffmpeg" >&2
+        exit 2
+    }
 done
 
 work=$(mktemp -d)
@@ -64,6 +67,6 @@ kill -INT "$recorder"
 wait "$recorder" || true
 # The screen is black until the window is there and after it has closed.
 seconds=$(ffprobe -loglevel error -show_entries format=duration -of csv=p=0 "$work/window.mkv")
-ffmpeg -loglevel error -y -ss 1.5 -t "$(awk "BEGIN { print $seconds - 2.5 }")" -i "$work/window.mkv" -vf 'scale=840:-1:flags=lanczos' \
-    -c:v libwebp_anim -loop 0 -quality 45 -compression_level 6 "$output"
+ffmpeg -loglevel error -y -ss 1.5 -t "$(awk "BEGIN { print $seconds - 2.5 }")" -i "$work/window.mkv" \
+    -vf 'scale=840:-1:flags=lanczos' -c:v libwebp_anim -loop 0 -quality 45 -compression_level 6 "$output"
 echo "$output: $(stat -c %s "$output") bytes"

@@ -215,47 +215,45 @@ const TOPICS: &[Topic] = &[
 
 /// A line with the names of all topics.
 pub(super) fn line() -> String {
-    let names: Vec<_> = TOPICS.iter().map(|topic| topic.name).collect();
-    format!("More: pointreel help TOPIC, with one of {}", names.join(", "))
+    format!("More: pointreel help TOPIC, with one of {}", names().join(", "))
 }
 
-/// The name in `words`, a command line with the name of the program: `pointreel help NAME`.
-fn asked(words: &[OsString]) -> Option<&str> {
+fn names() -> Vec<String> {
+    TOPICS.iter().map(|topic| topic.name.to_owned()).collect()
+}
+
+/// The name in `words`, a command line with the name of the program, if it is not that of a command: `pointreel help
+/// NAME`.
+fn asked<'a>(words: &'a [OsString], command: &Command) -> Option<&'a str> {
     match words {
-        [_, help, name] if help == "help" => name.to_str(),
+        [_, help, name] if help == "help" => name.to_str().filter(|name| command.find_subcommand(name).is_none()),
         _ => None,
     }
 }
 
 /// The page that `words` ask for, if their name is a topic: `pointreel help TOPIC`.
 pub(super) fn page(words: &[OsString], command: &Command) -> Option<String> {
-    let topic = topic(asked(words)?, command)?;
-    Some(topic.page(command))
+    Some(topic(asked(words, command)?)?.page(command))
 }
 
 /// Returns an error message if `words` ask for help about neither a command nor a topic, with the names of both.
 pub(super) fn unknown(words: &[OsString], command: &Command) -> Option<String> {
-    let name = asked(words)?;
-    let is_known = name == "help" || name.starts_with('-') || command.find_subcommand(name).is_some();
-    if is_known || topic(name, command).is_some() {
+    let name = asked(words, command)?;
+    if name == "help" || name.starts_with('-') || topic(name).is_some() {
         return None;
     }
     let commands: Vec<_> = command
         .get_subcommands()
         .map(|command| command.get_name().to_owned())
         .collect();
-    let topics: Vec<_> = TOPICS.iter().map(|topic| topic.name.to_owned()).collect();
     Some(format!(
         "no help for `{name}`: expected a command ({}) or a topic ({})",
         listed(&commands, "or"),
-        listed(&topics, "or")
+        listed(&names(), "or")
     ))
 }
 
-fn topic(name: &str, command: &Command) -> Option<&'static Topic> {
-    if command.find_subcommand(name).is_some() {
-        return None;
-    }
+fn topic(name: &str) -> Option<&'static Topic> {
     let is_asked = |topic: &&Topic| {
         let mut names = topic.synonyms.iter().chain([&topic.name]);
         names.any(|it| is_same_word(it, name))
