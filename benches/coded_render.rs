@@ -41,7 +41,8 @@ fn frame() -> PreparedFrame {
     raw.attributes.colors = Some(colors);
     let normals = shapes::bumpy_torus_normals(COUNT);
     raw.attributes.normals = Some(normals.iter().map(Vec3::to_array).collect());
-    // The torus has an area of some 16; disks of the spacing close it but for a few holes between random points.
+    // The torus has an area of about 16; disks whose radius is the spacing cover it except for a few holes between
+    // random points.
     raw.attributes.radii = Some(vec![(16.0 / COUNT as f32).sqrt(); COUNT]);
     let frame = Frame::from_raw(raw, DVec3::ZERO).expect("finite numbers");
     let needs = Scene::needs(&style(Footprint::Masks, NormalBits::Thirteen));
@@ -128,7 +129,7 @@ fn print_table(frame: &PreparedFrame, place: &str, distance: f64) {
     let truth = entries[0].2.image().clone();
     println!("{place}: ms, millions a second, dB beside exact disks");
     for (name, _, renderer, times) in &mut entries {
-        // The first picture makes boxes and tables.
+        // The first frame creates boxes and tables.
         times.remove(0);
         times.sort_by(f64::total_cmp);
         let median_ms = times[times.len() / 2];

@@ -60,7 +60,7 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
             color: colors[index],
         })
         .collect();
-    // The torus has an area of some 16.
+    // The torus has an area of about 16.
     let spacing = (16.0 / count as f32).sqrt();
     let ellipses = match primitive {
         Primitive::Ellipse => splat_ellipses(&positions, &normals),

@@ -49,7 +49,7 @@ const MEASURED: Duration = Duration::from_secs(4);
 
 #[expect(clippy::print_stdout, reason = "the table is what this program is for")]
 fn main() {
-    // `cargo bench` has arguments of its own.
+    // `cargo bench` passes arguments of its own.
     let wanted: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
     let folder = tempfile::tempdir().expect("a folder for files that are read");
     let pools = [1, 2].map(|threads| {

@@ -55,7 +55,7 @@ fn neighbours(criterion: &mut Criterion) {
 fn by_kiddo(positions: &[Vec3]) -> Vec<u32> {
     let points: &[[f32; 3]] = bytemuck::cast_slice(positions);
     let tree: ImmutableKdTree<f32, 3> = ImmutableKdTree::new_from_slice_parallel(points).expect("positions are finite");
-    // A point is its own nearest, or one of several at distance 0.
+    // A point is its own nearest neighbour, or one of several at distance 0.
     let with_self = NonZero::new(NEIGHBOURS + 1).expect("it is not 0");
     let mut lists = vec![0; NEIGHBOURS * points.len()];
     lists

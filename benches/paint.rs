@@ -45,10 +45,10 @@ impl Window {
             ctx,
             state,
             painter: SoftwarePainter::new(),
-            // A row more, for a window that is a pixel higher.
+            // One extra row, for a window that is one pixel taller.
             pixels: vec![0; (SIZE_PX[0] * (SIZE_PX[1] + 1)) as usize],
         };
-        // Panels settle, and popups have faded in.
+        // Lets panels settle and popups finish fading in.
         for _ in 0..20 {
             window.run("1.0 ms");
         }
@@ -88,7 +88,7 @@ fn painting(criterion: &mut Criterion) {
     let mut window = Window::open();
     let shapes = window.run("1.0 ms");
     let other = window.run("1.1 ms");
-    // Both galleys are kept, as by a label that goes to and fro.
+    // Both galleys stay cached, as for a label that moves back and forth.
     let [width, height] = window.state.viewport.size_px;
     let pixel = |x: u32, y: u32| image::Rgba([x as u8, y as u8, (x + y) as u8, 255]);
     let picture = RgbaImage::from_fn(width, height, pixel);

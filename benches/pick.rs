@@ -24,7 +24,7 @@ fn prepared() -> PreparedFrame {
     let (positions, _) = shapes::bumpy_torus(POINTS);
     let positions: Vec<[f32; 3]> = positions.iter().map(Vec3::to_array).collect();
     let mut raw = RawCloud::from_positions(Positions::F32(positions.clone()));
-    // The radius that closes the surface is of no concern here, nor is the normal.
+    // Neither the radius that closes the surface nor the normal matters here.
     raw.attributes.normals = Some(positions);
     raw.attributes.radii = Some(vec![0.003; POINTS]);
     let frame = Arc::new(Frame::from_raw(raw, DVec3::ZERO).expect("arrays of one length"));

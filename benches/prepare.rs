@@ -165,7 +165,7 @@ fn bench(criterion: &mut Criterion) {
     ] {
         let folder = write_sequence(100, attributes);
         group.bench_function(name, |bencher| {
-            // Dropping the loader waits for its workers and is no part of the time.
+            // Dropping the loader waits for its workers and is not part of the measured time.
             bencher.iter_batched(|| (), |()| first_frame(folder.path()), BatchSize::PerIteration);
         });
     }

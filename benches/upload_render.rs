@@ -110,7 +110,7 @@ fn reordered(packet: &ScenePacket, order: &[u32]) -> ScenePacket {
 
 fn upload(renderer: &mut GpuRenderer, packet: &ScenePacket) {
     renderer.prepare(packet).expect("the packet can be uploaded");
-    // Copies out of mapped memory are carried out with the next submission.
+    // Copies from mapped memory are executed with the next submission.
     renderer.context().queue.submit([]);
     renderer.context().wait().expect("the adapter answers");
 }

@@ -170,7 +170,7 @@ const fn row(
 impl Subject {
     fn row(self) -> &'static Row {
         let row = SUBJECTS.iter().find(|row| row.subject == self);
-        // A test holds that every subject has its row.
+        // A test ensures that every subject has a row.
         row.unwrap_or(&SUBJECTS[0])
     }
 
@@ -290,7 +290,7 @@ impl Assumptions {
     pub fn add(&mut self, assumption: &Assumption) {
         let place = self.entries.iter().position(|entry| entry.is_of_same(assumption));
         match place {
-            // The larger count, whichever frame was read first.
+            // The larger count, regardless of which frame was read first.
             Some(place) if assumption.has_longer_why_than(&self.entries[place]) => {
                 self.entries[place] = assumption.clone();
             }
@@ -320,7 +320,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn subjects_are_rows_in_their_order() {
+    fn subjects_match_table_rows_in_order() {
         for (place, row) in SUBJECTS.iter().enumerate() {
             assert_eq!(row.subject as usize, place, "{}", row.key);
             assert_eq!(row.subject.key(), row.key);
@@ -329,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_ones_of_many_frames_are_one() {
+    fn equal_assumptions_of_many_frames_are_merged() {
         let of = |value: &str| Assumption::new(Subject::Columns, value, "by statistics", Evidence::Statistics);
         let up = Assumption::new(Subject::UpAxis, "+Z", "the format says so", Evidence::Convention);
         let mut all = Assumptions::default();
@@ -338,7 +338,7 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_count_of_a_no_data_value_is_told() {
+    fn the_largest_count_of_a_no_data_value_is_reported() {
         let of = |value: &str, count: usize| {
             Assumption::new(Subject::NoData, value, format!("{count} points"), Evidence::Statistics)
         };

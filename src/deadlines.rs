@@ -65,7 +65,7 @@ impl Default for ClientDeadlines {
         Self {
             connect: Duration::from_secs(2),
             silence: Duration::from_secs(5),
-            // The slowest modem: what is slower shows no frame.
+            // The slowest modem: anything slower cannot show a frame.
             transfer: MinRate {
                 grace: Duration::from_secs(10),
                 bytes_per_s: 1024.0,
@@ -103,7 +103,7 @@ impl Default for ServerDeadlines {
                 grace: Duration::from_secs(10),
                 bytes_per_s: 1024.0,
             },
-            // A frame that is on the way is in memory.
+            // A frame in transit occupies memory.
             message: MinRate {
                 grace: Duration::from_secs(10),
                 bytes_per_s: 16384.0,

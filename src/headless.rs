@@ -205,8 +205,7 @@ impl Headless {
         if self.labels.is_empty() {
             return Vec::new();
         }
-        // It was drawn a moment ago, so it is in memory.
-        // The plain frame: ghosts and trails introduce other indices.
+        // It has just been drawn, so it is in memory. The plain frame: ghosts and trails introduce other indices.
         let Ok(pose) = self.second_frame(index, style) else {
             return Vec::new();
         };
@@ -227,7 +226,7 @@ impl Headless {
         if let Some(look) = self.look.get() {
             return Ok(Arc::clone(look));
         }
-        // Whatever is needed for the picture is known only when this is.
+        // What else the image needs is only known after this.
         let needs = Needs {
             colors: ColorSource::Uniform.into(),
             ..Needs::default()

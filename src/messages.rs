@@ -69,7 +69,7 @@ pub(crate) fn listed(names: &[String], last: &str) -> String {
 pub(crate) fn kind_of(message: &str) -> String {
     let mut kind = String::with_capacity(message.len());
     for (place, part) in message.split('`').enumerate() {
-        // Every second part stands between two accents.
+        // Every second part is between two backticks.
         if place % 2 == 1 {
             kind.push_str("``");
             continue;
@@ -135,7 +135,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_have_one_number_for_people_and_one_for_options() {
+    fn frames_have_a_number_for_display_and_an_index_for_options() {
         assert_eq!(frame_place(2, 24), "frame 3 of 24");
         assert_eq!(frame_with_index(2, 24), "frame 3 of 24 (index 2)");
         assert_eq!(frame_by_index(2), "frame 3 (index 2)");
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_beyond_the_last_are_refused_with_those_that_are_there() {
+    fn frames_beyond_the_last_are_rejected_naming_the_valid_ones() {
         for (first, last, count) in [(0, 0, 1), (0, 11, 12), (11, 11, 12), (3, 7, 12)] {
             assert_eq!(missing_frames("--frames", first, last, count), None, "{first}..{last}");
         }
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_files_and_quotes_do_not_part_messages() {
+    fn numbers_files_and_quotes_do_not_distinguish_messages() {
         for (one, other) in [
             (
                 "/data/a_1.ply, vertex 12: the file ends here (ply file)",
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_said_parts_them() {
+    fn wording_distinguishes_messages() {
         for (one, other) in [
             ("a.ply is empty", "a.ply cannot be read"),
             ("a.ply, vertex 1: the file ends", "a.ply, face 1: the file ends"),
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_of_each_kind_stays_in_its_order() {
+    fn the_first_of_each_kind_is_retained_in_order() {
         let messages = ["b 1", "a 1", "b 2", "c", "b 3", "a 2"];
         assert_eq!(by_kind(messages), [("b 1", 2), ("a 1", 1), ("c", 0)]);
         assert_eq!(by_kind([]), []);

@@ -69,7 +69,7 @@ fn compare_names(left: &str, right: &str) -> Ordering {
                 let order = match (left, right) {
                     (NamePiece::Digits(left), NamePiece::Digits(right)) => compare_digits(left, right),
                     (NamePiece::Text(left), NamePiece::Text(right)) => compare_text(left, right),
-                    // A number comes before any other character.
+                    // A number sorts before any other character.
                     (NamePiece::Digits(_), NamePiece::Text(_)) => Ordering::Less,
                     (NamePiece::Text(_), NamePiece::Digits(_)) => Ordering::Greater,
                 };
@@ -112,7 +112,7 @@ impl<'a> Iterator for Runs<'a> {
 
     fn next(&mut self) -> Option<NamePiece<'a>> {
         let is_digits = self.0.bytes().next()?.is_ascii_digit();
-        // Digits are single bytes, so a cut beside one never splits a character.
+        // Digits are single bytes, so splitting next to one never cuts a character.
         let end = self
             .0
             .bytes()
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_count_whatever_their_padding() {
+    fn numbers_are_compared_regardless_of_padding() {
         assert_eq!(
             sorted(&["f10.ply", "f9.ply", "f1.ply", "f011.ply", "f100.ply"]),
             ["f1.ply", "f9.ply", "f10.ply", "f011.ply", "f100.ply"]
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn case_and_extension_do_not_part_a_sequence() {
+    fn case_and_extension_do_not_split_a_sequence() {
         assert_eq!(
             sorted(&["Scan_3.PLY", "scan_2.xyz", "SCAN_1.ply", "scan_10.pcd"]),
             ["SCAN_1.ply", "scan_2.xyz", "Scan_3.PLY", "scan_10.pcd"]
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bare_name_comes_before_its_numbered_followers() {
+    fn a_bare_name_comes_before_numbered_ones() {
         assert_eq!(
             sorted(&["scan 1.ply", "scan-2.ply", "scan.ply"]),
             ["scan.ply", "scan 1.ply", "scan-2.ply"]
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_after_the_dot_counts() {
+    fn numbers_after_the_dot_count() {
         assert_eq!(
             sorted(&["scan.10", "scan.9", "scan.0008"]),
             ["scan.0008", "scan.9", "scan.10"]
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn folders_count_too() {
+    fn folders_are_compared_too() {
         assert_eq!(
             sorted(&["take10/f1.ply", "take2/f2.ply", "take2/f1.ply"]),
             ["take2/f1.ply", "take2/f2.ply", "take10/f1.ply"]

@@ -14,7 +14,7 @@ fn is_acting(c: char) -> bool {
         c,
         '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
     );
-    // Other breaks of lines.
+    // Other line breaks.
     let is_break = matches!(c, '\u{2028}' | '\u{2029}');
     c.is_control() || is_direction || is_break
 }
@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_terminals_obey_is_shown() {
+    fn control_characters_are_escaped() {
         for (given, shown) in [
             ("scan_01.ply", "scan_01.ply"),
             ("größe ΔΩ 点群 🚗", "größe ΔΩ 点群 🚗"),
@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn json_stays_json() {
+    fn escaped_json_stays_valid() {
         let value = serde_json::json!({ "name": "\u{1b}[31m\u{9b}\u{202e}\n\u{7f}" });
         let shown = text(&value.to_string()).into_owned();
         assert_eq!(serde_json::from_str::<serde_json::Value>(&shown).unwrap(), value);

@@ -12,8 +12,8 @@ const BEHIND_DRAWING: u8 = 25;
 /// Lowers the priority of the current thread below other threads of the program: it prepares what is drawn later. A
 /// rendered frame that waits for threads which prepare others is late; those have until they are due.
 pub(crate) fn go_behind_drawing() {
-    // Not SCHED_IDLE: it yields at once, not after a time slice of 4 ms, but a compiler next to the window would stop
-    // the loader altogether, and a thread cannot leave that class without privileges.
+    // Not SCHED_IDLE: it yields at once, not after a time slice of 4 ms, but a compiler running next to the window
+    // would stop the loader altogether, and a thread cannot leave that class without privileges.
     let lowered = ThreadPriorityValue::try_from(BEHIND_DRAWING)
         .ok()
         .map(|value| set_current_thread_priority(ThreadPriority::Crossplatform(value)));
@@ -28,12 +28,12 @@ pub(crate) fn go_behind_drawing() {
 pub(crate) fn work_with_this_thread() {
     let threads = rayon::ThreadPoolBuilder::new()
         .thread_name(|number| format!("helper {number}"))
-        // While it slept until helpers had drawn all, surfels of 100,000 points had 58.9 and 59.3 of 60 fps: in the
-        // first half second, with both cores busy, frames took 12 to 24 ms instead of 6.
+        // When this thread slept until helpers had drawn everything, surfels of 100,000 points had 58.9 and 59.3 of 60
+        // fps: in the first half second, with both cores busy, frames took 12 to 24 ms instead of 6.
         .use_current_thread()
         .build();
     match threads {
-        // They last as long as this one.
+        // The pool lives as long as this thread.
         Ok(threads) => std::mem::forget(threads),
         Err(reason) => log::debug!("a thread leaves its work to others: {reason}"),
     }
@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_thread_does_its_part() {
+    fn the_current_thread_joins_the_pool() {
         let shares = std::thread::Builder::new().spawn(|| {
             work_with_this_thread();
             let threads = rayon::current_num_threads();
@@ -57,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn the_system_knows_of_it() {
+    fn the_priority_is_set_in_the_system() {
         // Field 19 of the thread's line in /proc, 17 after the name in brackets.
         let niceness = || -> i32 {
             let line = std::fs::read_to_string("/proc/thread-self/stat").unwrap();

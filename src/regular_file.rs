@@ -94,7 +94,7 @@ pub(crate) fn sync_folder_of(file: &Path) {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    // Folders cannot be opened everywhere; the names are there for all but a machine that stops at once.
+    // Folders cannot be opened on every system; without this, the names are only lost if the machine crashes.
     if cfg!(unix) {
         let _ = File::open(folder).and_then(|folder| folder.sync_all());
     }
@@ -125,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn folders_are_named() {
+    fn folders_are_reported_as_such() {
         let folder = tempfile::tempdir().unwrap();
         let reason = open(folder.path()).unwrap_err();
         assert_eq!(reason.kind(), ErrorKind::IsADirectory);

@@ -100,7 +100,7 @@ fn receive(signal: Signal) {
             thread::sleep(patience);
             die(signal);
         };
-        // Without a thread a second signal still ends it.
+        // If no thread can be started, a second signal still ends it.
         let _ = thread::Builder::new().name("end of patience".to_owned()).spawn(waits);
     }
 }
@@ -130,10 +130,10 @@ mod system {
         let is_ignored = |signal: Raw| ignored >> (signal as u32 - 1) & 1 == 1;
         let raw = ALL.iter().map(|(_, raw)| *raw);
         watched.extend(raw.filter(|&signal| !is_ignored(signal)));
-        // Blocked before other threads start, which inherit it: no code ever runs inside a signal handler.
+        // Blocked before other threads start, which inherit the mask: no code ever runs inside a signal handler.
         watched.thread_block()?;
         let waits = move || {
-            // A thread that waits (`sigwait`) learns which signal came.
+            // A waiting thread (`sigwait`) learns which signal arrived.
             while let Ok(raw) = watched.wait() {
                 if let Some((signal, _)) = ALL.iter().find(|(_, known)| *known == raw) {
                     receive(*signal);
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn codes_are_those_of_shells() {
+    fn exit_codes_are_those_of_shells() {
         let signals = [Signal::Hangup, Signal::Interrupt, Signal::Terminate];
         assert_eq!(signals.map(Signal::exit_code), [128 + 1, 128 + 2, 128 + 15]);
     }

@@ -15,7 +15,7 @@ const SPELLINGS: [(&str, &str); 7] = [
 pub(crate) fn british(word: &str) -> String {
     let mut word = word.to_owned();
     for (american, british) in SPELLINGS {
-        // Most words have none of them, and a replacement is a copy.
+        // Most words contain none of them, and replacing makes a copy.
         if word.contains(american) {
             word = word.replace(american, british);
         }
@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn spellings_of_one_word_are_the_same() {
+    fn spellings_of_one_word_are_equal() {
         for (left, right) in [
             ("grey", "gray"),
             ("colour-map", "color-map"),

@@ -47,7 +47,7 @@ enum Entry {
 
 impl Entry {
     fn remove(&self) {
-        // What is not there any more needs no removal, and nobody could be told of what cannot be removed.
+        // A file that is gone needs no removal, and there is no one to report a failed removal to.
         let _ = match self {
             Self::File(path) => fs::remove_file(path),
             Self::Folder(path) => fs::remove_dir(path),
@@ -114,7 +114,7 @@ pub(crate) fn remove_all_without_memory() {
     for _ in 0..LOCK_TRIES {
         if let Ok(mut list) = LISTED.try_lock() {
             list.remove_from_disk();
-            // Another thread may have listed a file and be about to make it.
+            // Another thread may have listed a file and be about to create it.
             thread::sleep(LOOK_INTERVAL);
             list.remove_all();
             std::mem::forget(list);
@@ -161,7 +161,7 @@ impl Temporary {
     /// Renames the file to `target`, replacing any existing file of that name: it is temporary no longer.
     pub(crate) fn rename(&self, target: &Path) -> io::Result<()> {
         let mut list = locked(&LISTED);
-        // Under the lock of the list: a signal finds either the hidden file or the finished one.
+        // While the list is locked: a signal finds either the hidden file or the finished one.
         fs::rename(&self.path, target)?;
         list.entries.remove(&self.listed.0);
         Ok(())
@@ -211,7 +211,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_dropped_is_removed_and_what_is_named_or_kept_stays() {
+    fn dropped_files_are_removed_and_renamed_or_retained_ones_stay() {
         let folder = tempfile::tempdir().unwrap();
         let [dropped, hidden, named, retained] =
             ["dropped", ".hidden", "named", "kept"].map(|name| folder.path().join(name));
@@ -222,7 +222,7 @@ mod tests {
         });
         let [at_dropped, at_hidden, at_retained] = temporaries;
         at_hidden.rename(&named).unwrap();
-        // Somebody else's file by now.
+        // By now it is someone else's file.
         fs::write(&hidden, "of others").unwrap();
         at_retained.keep();
         drop((at_dropped, at_hidden));
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_with_a_file_in_it_stays() {
+    fn a_folder_with_a_file_in_it_is_not_removed() {
         let folder = tempfile::tempdir().unwrap();
         let [empty, full, whole] = ["empty", "full", "whole"].map(|name| folder.path().join(name));
         let temporaries = (
@@ -250,7 +250,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_helper_ends_with_its_owner() {
+    fn a_helper_process_ends_with_its_owner() {
         let helper = Helper::spawn(Command::new("sleep").arg("600")).unwrap();
         let child = Arc::clone(&helper.child);
         assert!(locked(&child).try_wait().unwrap().is_none());

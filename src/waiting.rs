@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_waited_for_is_known_until_it_has_come() {
+    fn waits_are_listed_until_they_end() {
         let is_there = |at_least| waits(at_least).iter().any(|wait| wait.what == "the test");
         let waiting = Waiting::for_("the test");
         assert!(is_there(Duration::ZERO) && !is_there(Duration::from_hours(1)));

@@ -237,12 +237,12 @@ fn assert_named_only_in(allowed: &[(&str, &str)], is_the_crate: impl Fn(&str) ->
 }
 
 #[test]
-fn wgpu_is_named_by_the_renderer_and_the_windows_own_graphics() {
+fn wgpu_is_only_named_by_the_renderer_and_the_window_graphics() {
     assert_named_only_in(MAY_NAME_WGPU, |name| name == "wgpu");
 }
 
 #[test]
-fn nothing_that_draws_names_an_open_choice() {
+fn drawing_code_does_not_name_automatic_choices() {
     let is_in = |file: &str, places: &[&str]| places.iter().any(|place| file.starts_with(place));
     let files = rust_files();
     let drawing: Vec<_> = files
@@ -259,12 +259,12 @@ fn nothing_that_draws_names_an_open_choice() {
 }
 
 #[test]
-fn egui_is_named_by_the_window_alone() {
+fn egui_is_only_named_by_the_window() {
     assert_named_only_in(MAY_NAME_EGUI, |name| name == "egui" || name.starts_with("egui_"));
 }
 
 #[test]
-fn parts_of_a_room_import_those_before_them() {
+fn parts_of_a_module_only_import_earlier_parts() {
     let imports = &*IMPORTS;
     let mut wrong = BTreeSet::new();
     for (room, rows) in PARTS {
@@ -297,7 +297,7 @@ fn parts_of_a_room_import_those_before_them() {
 
 #[test]
 #[expect(clippy::print_stdout, reason = "sizes are asked for with --nocapture")]
-fn no_knot_of_files_grows() {
+fn no_import_cycle_grows() {
     let imports = &*IMPORTS;
     let mut sizes: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for knot in knots::knots(imports) {
@@ -335,7 +335,7 @@ fn foreign_features(imports: &knots::Imports) -> BTreeMap<&str, BTreeSet<&str>> 
 }
 
 #[test]
-fn a_feature_is_named_in_its_folder_and_in_the_table() {
+fn features_are_only_named_in_their_folder_and_the_table() {
     let imports = &*IMPORTS;
     let foreign = foreign_features(imports);
     let known: BTreeMap<&str, BTreeSet<&str>> = FEATURES_NAMED_ELSEWHERE
@@ -372,7 +372,7 @@ fn spoken_files() -> BTreeMap<String, String> {
 /// Counts of the words that `docs/glossary.md` replaces, as `words.tsv` has them. They may shrink, never grow: with
 /// `POINTREEL_UPDATE_WORDS` set, smaller ones are written.
 #[test]
-fn words_that_the_glossary_replaces_only_shrink() {
+fn uses_of_words_replaced_by_the_glossary_only_decrease() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let stored = root.join("tests/architecture/words.tsv");
     let glossary = words::Glossary::read(&fs::read_to_string(root.join("docs/glossary.md")).unwrap());

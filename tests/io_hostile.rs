@@ -19,24 +19,24 @@ static LARGEST_REQUEST: AtomicUsize = AtomicUsize::new(0);
 unsafe impl GlobalAlloc for Watched {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         LARGEST_REQUEST.fetch_max(layout.size(), Ordering::Relaxed);
-        // SAFETY: the caller keeps the contract of `alloc`.
+        // SAFETY: the caller upholds the contract of `alloc`.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller keeps the contract of `dealloc`.
+        // SAFETY: the caller upholds the contract of `dealloc`.
         unsafe { System.dealloc(pointer, layout) }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         LARGEST_REQUEST.fetch_max(layout.size(), Ordering::Relaxed);
-        // SAFETY: the caller keeps the contract of `alloc_zeroed`.
+        // SAFETY: the caller upholds the contract of `alloc_zeroed`.
         unsafe { System.alloc_zeroed(layout) }
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
         LARGEST_REQUEST.fetch_max(new_size, Ordering::Relaxed);
-        // SAFETY: the caller keeps the contract of `realloc`.
+        // SAFETY: the caller upholds the contract of `realloc`.
         unsafe { System.realloc(pointer, layout, new_size) }
     }
 }
@@ -278,7 +278,7 @@ fn wrong_texts() -> Vec<Case> {
 }
 
 #[test]
-fn what_is_wrong_is_said_with_file_and_place() {
+fn errors_name_the_file_and_location() {
     for (what, name, bytes, expected) in [wrong_plys(), wrong_pcds(), wrong_texts()].concat() {
         let message = match read(name, &bytes) {
             Ok(cloud) => panic!("{what}: read {} points", cloud.positions.len()),
@@ -291,14 +291,14 @@ fn what_is_wrong_is_said_with_file_and_place() {
 }
 
 #[test]
-fn what_cannot_be_read_is_said() {
+fn unreadable_files_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let missing = io::read(&folder.path().join("missing.ply")).unwrap_err();
     assert!(matches!(missing, IoError::Io { .. }), "{missing}");
     assert!(missing.to_string().contains("missing.ply"), "{missing}");
     let folder = io::read(folder.path()).unwrap_err();
     assert!(matches!(folder, IoError::NotAFile { .. }), "{folder}");
-    // Would never end.
+    // Would never return.
     #[cfg(unix)]
     {
         let device = io::read(Path::new("/dev/zero")).unwrap_err();
@@ -340,7 +340,7 @@ fn valid_files() -> Vec<(&'static str, Vec<u8>)> {
 }
 
 #[test]
-fn files_cut_at_any_byte_are_answered() {
+fn files_truncated_at_any_byte_are_handled() {
     for (name, bytes) in valid_files() {
         for length in 0..bytes.len() {
             let _ = read(name, &bytes[..length]);
@@ -352,7 +352,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(3000))]
 
     #[test]
-    fn damaged_files_are_answered(
+    fn damaged_files_are_handled(
         file in 0..9usize,
         damages in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
         insert in any::<bool>(),
@@ -370,7 +370,7 @@ proptest! {
     }
 
     #[test]
-    fn digits_replaced_in_headers_are_answered(
+    fn digits_replaced_in_headers_are_handled(
         file in 0..9usize,
         place in any::<prop::sample::Index>(),
         number in prop::sample::select(vec!["0", "-1", "4294967295", "1000000000000", "18446744073709551616", "1e308",
@@ -385,7 +385,7 @@ proptest! {
     }
 
     #[test]
-    fn noise_is_answered(name in prop::sample::select(vec!["a.ply", "a.pcd", "a.xyz", "a.csv", "a"]),
+    fn noise_is_handled(name in prop::sample::select(vec!["a.ply", "a.pcd", "a.xyz", "a.csv", "a"]),
         bytes in prop::collection::vec(any::<u8>(), 0..400)) {
         let _ = read(name, &bytes);
     }

@@ -149,7 +149,7 @@ fn clock<'a>(harness: &'a Harness<'_, State>) -> &'a pointreel::timeline::Clock 
 }
 
 #[test]
-fn what_a_person_chose_is_how_the_next_window_begins() {
+fn choices_apply_to_the_next_window() {
     let mut harness = window();
     click(&mut harness, "Next frame");
     press(&mut harness, Modifiers::NONE, Key::L);
@@ -173,7 +173,7 @@ fn what_a_person_chose_is_how_the_next_window_begins() {
     assert!(!next.state().panels.has(PanelId::HELP), "the list of keys is not kept");
     assert!(next.query_by_label("Background").is_none());
 
-    // Played backward when it was left: the next begins forward.
+    // Played backward when it was closed: the next one starts forward.
     let mut harness = window();
     harness.state_mut().run(Command::REVERSE);
     assert_eq!(harness.state().preferences().speed, 1.0);

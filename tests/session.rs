@@ -83,7 +83,7 @@ fn open_play_scrub_draw_otherwise_measure_and_export(painter: &str) {
     }
     screen.move_to(ASIDE);
     screen.wait_for("what is measured is not marked", is_other);
-    // The first of the two marks is another picture already.
+    // After the first of the two marks the image has already changed.
     screen.wait_for_rest("measuring does not end");
     screen.click(DELETE_ALL);
     screen.key(ESCAPE);
@@ -109,7 +109,7 @@ fn new_picture(folder: &Path, count: usize) -> RgbaImage {
         let newest = files
             .iter()
             .max_by_key(|file| file.metadata().and_then(|data| data.modified()).ok());
-        // The name may be there before the last byte.
+        // The name may appear before the last byte is written.
         if files.len() == count
             && let Some(picture) = newest.and_then(|file| image::open(file).ok())
         {

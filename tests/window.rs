@@ -34,7 +34,7 @@ const F11: u32 = 0xffc8;
 #[cfg(target_os = "linux")]
 fn cpu_ticks(child: &Child) -> u64 {
     let stat = std::fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap();
-    // The name in parentheses may have spaces; user and system time are fields 14 and 15.
+    // The name in parentheses may contain spaces; user and system time are fields 14 and 15.
     let fields: Vec<&str> = stat.rsplit_once(')').unwrap().1.split_whitespace().collect();
     fields[11].parse::<u64>().unwrap() + fields[12].parse::<u64>().unwrap()
 }
@@ -55,7 +55,7 @@ fn the_demo_plays_pauses_and_is_photographed(painter: &str) {
 
     screen.wait_for_keyboard(screen.window());
     screen.key(SPACE);
-    // Thumbnails are made when nothing plays; they are no idleness.
+    // Thumbnails are made while nothing plays, so this is not idle yet.
     screen.wait_for_rest_of_all("the demo does not pause");
     let paused = screen.picture();
     std::thread::sleep(Duration::from_secs(1));
@@ -77,7 +77,7 @@ fn the_demo_plays_pauses_and_is_photographed(painter: &str) {
         assert!(begin.elapsed() < PATIENCE, "no picture was saved");
         std::thread::sleep(Duration::from_millis(50));
     }
-    // The name is there before the last byte.
+    // The name appears before the last byte is written.
     std::thread::sleep(Duration::from_millis(300));
     let saved = image::open(&pngs(home.path())[0]).unwrap().to_rgba8();
     assert!(saved.width() > 400 && saved.height() > 300);
@@ -113,7 +113,7 @@ fn a_window_of_any_size_goes_on(painter: &str) {
     let before = screen.wait_for_rest("the paused window does not rest");
     assert!(has_a_cloud(&before));
 
-    // Nobody carries out full screen here; asking for it and back must do no harm.
+    // There is no window manager to switch to full screen; requesting it and back must do no harm.
     for _ in 0..2 {
         screen.key(F11);
         std::thread::sleep(Duration::from_millis(400));
@@ -128,7 +128,7 @@ fn settings_are_kept_for_the_next_window(painter: &str) {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
     let file = home.path().join("config/pointreel/settings.json");
-    // From looping on: the second window goes on where the first one was left.
+    // Starting from looping: the second window continues where the first one was left.
     for expected in ["ping-pong", "off"] {
         let program = server
             .view(home.path(), painter)
@@ -141,7 +141,7 @@ fn settings_are_kept_for_the_next_window(painter: &str) {
         screen.wait_for_keyboard(screen.window());
         screen.key(L);
         let begin = Instant::now();
-        // Half a file would not be read.
+        // A half-written file could not be parsed.
         let loop_mode = || {
             let text = std::fs::read(&file).ok()?;
             let stored: serde_json::Value = serde_json::from_slice(&text).unwrap();
@@ -206,7 +206,7 @@ fn what_was_covered_is_shown_again(painter: &str) {
     screen.wait_for("the window stays without a picture", has_a_cloud);
     screen.wait_for_keyboard(screen.window());
     let before = screen.wait_for_rest_of_all("the paused window does not rest");
-    // Over the picture and over the panel beside it; the server keeps nothing of what is below.
+    // Over the image and over the panel next to it; the server does not store what is covered.
     screen.cover_for_a_moment([300, 150], [500, 300]);
     let begin = Instant::now();
     while screen.pixels() != before {
@@ -259,7 +259,7 @@ fn both_painters_show_the_same_window() {
         let pixels = gpu.chunks_exact(4).zip(cpu.chunks_exact(4));
         let is_other = |(a, b): &(&[u8], &[u8])| a[..3].iter().zip(&b[..3]).any(|(a, b)| a.abs_diff(*b) > 1);
         let others = pixels.clone().filter(is_other).count();
-        // Edges of triangles fall on the other side of a pixel's middle; the panel names the painter's adapter nowhere.
+        // Edges of triangles fall on the other side of a pixel centre; the panel does not name the painter's adapter.
         assert!(1000 * others <= pixels.count(), "{theme}: {others} pixels differ");
     }
 }
@@ -268,7 +268,7 @@ fn both_painters_show_the_same_window() {
 fn a_machine_without_vulkan_has_a_window() {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
-    // The first library of that name on the way is none.
+    // The first library with that name on the search path is not one.
     let hidden = home.path().join("hidden");
     std::fs::create_dir(&hidden).unwrap();
     std::fs::write(hidden.join("libvulkan.so.1"), "").unwrap();
@@ -290,7 +290,7 @@ fn a_machine_without_vulkan_has_a_window() {
         let (code, said, picture) = run(painter, renderer);
         assert_eq!(code, Some(0), "{painter} {renderer}: {said}");
         assert!(has_a_cloud(picture.unwrap().as_raw()), "{painter} {renderer}");
-        // Who wants a GPU is told that there is none.
+        // A user who requested a GPU is told that there is none.
         assert_eq!(said.contains("The CPU draws now"), renderer == "gpu", "{said}");
     }
     let (code, said, _) = run("gpu", "auto");
@@ -314,7 +314,7 @@ fn measured_window(arguments: &[&str]) -> Vec<serde_json::Value> {
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
     let report: serde_json::Value = serde_json::from_slice(&std::fs::read(file).unwrap()).unwrap();
-    // How it was opened is another matter.
+    // Opening is covered elsewhere.
     let rows = report["rows"].as_array().unwrap().iter();
     rows.filter(|row| row["action"] != "open").cloned().collect()
 }
@@ -340,7 +340,7 @@ fn a_window_measures_itself(painter: &str) {
             }
             _ => assert!(number(row, "latency_ms_median") > 0.0, "{row}"),
         }
-        // Nobody else paints where the processor does.
+        // When the CPU paints, no driver is involved.
         if painter == "cpu" {
             assert_eq!(number(row, "driver_cpu_ms"), 0.0, "{row}");
         }
@@ -349,20 +349,20 @@ fn a_window_measures_itself(painter: &str) {
 
 /// What a picture asks of a graphics card does not depend on which one it is.
 #[test]
-fn a_picture_and_its_panels_are_one_submission() {
+fn an_image_and_its_panels_are_one_submission() {
     for row in measured_window(&["--present", "gpu", "--renderer", "gpu", "--frames", "72"]) {
         assert_eq!(row["gpu_submissions"], 1.0, "{row}");
-        // With the background and the window. Points have eye-dome lighting by themselves.
+        // Including the background and the window. Points have eye-dome lighting by default.
         let passes = match row["primitive"].as_str().unwrap() {
             "surfel" => 5.0,
             "point" => 4.0,
             _ => 3.0,
         };
-        // Where another cut of surfels is drawn, one more pass gathers them among those that are on the card.
+        // When a different cut of surfels is drawn, one more pass gathers them among those resident on the GPU.
         let gathering = if row["primitive"] == "surfel" { 1.0 } else { 0.0 };
         let found = row["gpu_passes"].as_f64().unwrap();
         assert!((passes..=passes + gathering).contains(&found), "{row}");
-        // The points of a frame at rest, 130 KiB, are there already; the panels are new whenever egui has run.
+        // The points of a frame at rest, 130 KiB, are already there; the panels are new whenever egui has run.
         if row["primitive"] == "point" && row["action"] == "turn" {
             let uploaded_kib = row["gpu_uploaded_kib"].as_f64().unwrap();
             assert!(uploaded_kib < 130.0, "{row}");
@@ -445,7 +445,7 @@ fn a_lost_device_is_opened_again() {
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{renderer}: {said}");
         assert!(said.contains("device was lost"), "{renderer}: {said}");
-        // Who drew with the graphics card goes on with the processor, and is told.
+        // A window that drew with the GPU continues with the CPU, and reports it.
         let falls_back = said.contains("The CPU draws now");
         assert_eq!(falls_back, renderer == "gpu", "{renderer}: {said}");
         let picture = image::open(file).unwrap().to_rgba8();
@@ -454,7 +454,7 @@ fn a_lost_device_is_opened_again() {
 }
 
 #[test]
-fn what_cannot_be_shown_ends_with_a_sentence() {
+fn failures_to_show_end_with_an_error_message() {
     let server = Xvfb::start();
     let home = tempfile::tempdir().unwrap();
     let missing = server

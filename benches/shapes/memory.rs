@@ -14,7 +14,7 @@ static PEAK_BYTES: AtomicUsize = AtomicUsize::new(0);
 
 fn took(bytes: usize) {
     let held = HELD_BYTES.fetch_add(bytes, Relaxed) + bytes;
-    // Read first: a peak is rare, and writing to one place from two threads is slow.
+    // Read first: a new peak is rare, and writing to one location from two threads is slow.
     if held > PEAK_BYTES.load(Relaxed) {
         PEAK_BYTES.fetch_max(held, Relaxed);
     }
@@ -28,19 +28,19 @@ fn took(bytes: usize) {
 unsafe impl GlobalAlloc for Counted {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         took(layout.size());
-        // SAFETY: the caller keeps the contract of `alloc`.
+        // SAFETY: the caller upholds the contract of `alloc`.
         unsafe { Allocator::new().alloc(layout) }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         took(layout.size());
-        // SAFETY: the caller keeps the contract of `alloc_zeroed`.
+        // SAFETY: the caller upholds the contract of `alloc_zeroed`.
         unsafe { Allocator::new().alloc_zeroed(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
         HELD_BYTES.fetch_sub(layout.size(), Relaxed);
-        // SAFETY: the caller keeps the contract of `dealloc`.
+        // SAFETY: the caller upholds the contract of `dealloc`.
         unsafe { Allocator::new().dealloc(pointer, layout) }
     }
 }

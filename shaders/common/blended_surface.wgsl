@@ -1,18 +1,18 @@
-// What the passes over records summed up at a pixel: the blended surface, on which light falls, and of which
-// photographs are asked.
+// What the passes over records have accumulated at a pixel: the blended surface, which is lit and for which the input
+// images are sampled.
 
 #import common/view.wgsl
 
 struct BlendedSurface {
-    // Of all splats; 0 where nothing is, and nothing else is known.
+    // Total over all splats; 0 where there is none, and then the other fields are unknown.
     weight: f32,
     // Display-referred.
     color: vec3f,
     // In view space.
     place: vec3f,
-    // Of length 1.
+    // Unit length.
     to_eye: vec3f,
-    // Towards the eye, of length 1; zero where nobody knows it.
+    // Towards the eye, unit length; zero where unknown.
     normal: vec3f,
 }
 
@@ -24,7 +24,7 @@ fn blended_surface(position: vec2f) -> BlendedSurface {
     if (sum.a == 0.0) {
         return surface;
     }
-    // Sums are relative to each other: half floats have no squares of small ones.
+    // Divided by the weight first: the squares of small values are not representable in half floats.
     let per_weight = 1.0 / sum.a;
     let mean_normal = textureLoad(normals, pixel, 0).xyz * per_weight;
     let length2 = dot(mean_normal, mean_normal);
@@ -33,7 +33,7 @@ fn blended_surface(position: vec2f) -> BlendedSurface {
     let ray = ray_through(position);
     let to_eye = -normalize(ray);
     let unit = select(mean_normal / sqrt(length2), vec3f(0.0), length2 == 0.0);
-    // Surfaces have two sides.
+    // Surfaces are two-sided.
     let normal = select(unit, -unit, dot(unit, to_eye) < 0.0);
     return BlendedSurface(sum.a, sum.rgb * per_weight, ray * distance, to_eye, normal);
 }

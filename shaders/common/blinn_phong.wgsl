@@ -1,9 +1,9 @@
-// Light after Lambert, with the highlights of Blinn 1977. The lights: scene/light/lights.rs.
+// Lambertian shading with the highlights of Blinn 1977. The lights: scene/light/lights.rs.
 
 #import effects/shadow.wgsl
 #import generated/constants
 
-// Linear light: what colours are multiplied with, and what is added.
+// Linear light: the factor on the colour, and what is added to it.
 struct Light {
     diffuse: vec3f,
     specular: vec3f,
@@ -14,15 +14,15 @@ fn highlight(cosine: f32) -> f32 {
     return pow(cosine, f32(SHININESS));
 }
 
-// All lights together on a place in view space; directions have unit length.
+// All lights together at a position in view space; directions have unit length.
 fn light_on(position: vec3f, normal: vec3f, to_eye: vec3f) -> Light {
     let facing = dot(normal, to_eye);
-    // The half vector of the head light is the way to the eye.
+    // The half vector of the headlight is the direction to the eye.
     let head = parts.lights.head * parts.lights.specular * highlight(facing);
     var light = Light(vec3f(parts.lights.ambient + parts.lights.head * facing), vec3f(head));
     for (var index = 0u; index < MAX_LAMPS; index++) {
         let way = parts.lights.lamp_places[index].xyz - parts.lights.lamp_places[index].w * position;
-        // A surface at the place of a lamp gets no light of it.
+        // A surface at the position of a lamp gets no light from it.
         let to_lamp = way * inverseSqrt(max(dot(way, way), 1e-37));
         let lamp_facing = max(dot(normal, to_lamp), 0.0);
         var color = parts.lights.lamp_colors[index].rgb;
@@ -38,8 +38,8 @@ fn light_on(position: vec3f, normal: vec3f, to_eye: vec3f) -> Light {
     return light;
 }
 
-// Linear light that comes from a place of view space with a linear colour; the share `open` of the light from around
-// reaches it.
+// Linear light reflected at a position in view space by a surface with a linear colour; the fraction `open` of the
+// ambient light reaches it.
 fn lit(albedo: vec3f, position: vec3f, normal: vec3f, to_eye: vec3f, open: f32) -> vec3f {
     let light = light_on(position, normal, to_eye);
     return albedo * light.diffuse * open + light.specular;

@@ -1,8 +1,8 @@
-// Double floats in integers, as IEEE 754 has them: what a processor works out, bit for bit, on adapters without
+// Double-precision floats (IEEE 754) emulated with integers: bit for bit what a CPU computes, on adapters without
 // doubles.
 //
-// A number is its two words, the lower one in x. Sums, products, quotients and roots are rounded to the nearest, ties
-// to the even one. Zero is known; numbers below the least normal one, infinities and NaN are not.
+// A number is two words, the lower one in x. Sums, products, quotients and roots are rounded to nearest, ties to even.
+// Zero is supported; subnormal numbers, infinities and NaN are not.
 
 // 64-bit integers, the lower word in x.
 fn add_u64(a: vec2u, b: vec2u) -> vec2u {
@@ -33,7 +33,7 @@ fn shifted_left(a: vec2u, bits: u32) -> vec2u {
     return vec2u(a.x << bits, (a.y << bits) | (a.x >> (32u - bits)));
 }
 
-// The lowest bit is set where any bit is lost.
+// Sticky: the lowest bit is set if any set bit is shifted out.
 fn shifted_right(a: vec2u, bits: u32) -> vec2u {
     if (bits == 0u) {
         return a;
@@ -67,7 +67,7 @@ fn product_u32(a: u32, b: u32) -> vec2u {
     );
 }
 
-// A significand has its first bit at 62.
+// A significand has its leading bit at 62.
 fn significand(a: vec2u) -> vec2u {
     if (is_zero_u64(vec2u(a.x, a.y & 0x7fffffffu))) {
         return vec2u(0u);
@@ -85,7 +85,7 @@ fn rounded(sign: u32, exponent: i32, significand: vec2u) -> vec2u {
     if (rest > 0x200u || (rest == 0x200u && (number.x & 1u) == 1u)) {
         number = add_u64(number, vec2u(1u, 0u));
     }
-    // The first bit adds one to the exponent.
+    // The leading bit adds one to the exponent.
     return add_u64(vec2u(0u, (u32(exponent - 1) << 20u) | sign), number);
 }
 
@@ -103,7 +103,7 @@ fn normalized_f64(sign: u32, exponent: i32, significand: vec2u) -> vec2u {
     return rounded(sign, exponent - i32(zeros - 1u), shifted_left(significand, zeros - 1u));
 }
 
-// Of a number whose bits these are.
+// `bits` is the bit pattern of the number.
 fn f64_of_f32(bits: u32) -> vec2u {
     let sign = bits & 0x80000000u;
     let fraction = bits & 0x7fffffu;

@@ -1,31 +1,31 @@
-// A flat patch in space as functions of rays: where the ray through a pixel meets it, without vertices on it. How, and
-// why this way: render/cpu/facet.rs.
+// A flat patch in space as functions of rays: where the ray through a pixel hits it, without vertices on it. How it
+// works, and why: render/cpu/facet.rs.
 
 #import common/view.wgsl
 
-// A patch as it is seen. The ray d with d.z = -1 meets it at the middle + p·u + q·v with p = P/W and q = Q/W.
+// A patch in view. The ray d with d.z = -1 hits it at the centre + p·u + q·v with p = P/W and q = Q/W.
 struct Facet {
-    // What rays are multiplied with to give P, Q and W; W is positive in front of the eye.
+    // Dot products with the ray give P, Q and W; W is positive in front of the eye.
     p: vec3f,
     q: vec3f,
     w: vec3f,
-    // Reversed depth for each unit of W; 0 where nothing can be seen: edge on, or of no size.
+    // Reversed depth per unit of W; 0 where nothing is visible: edge-on, or of zero size.
     depth_per_w: f32,
 }
 
-// The outline of the disk of a patch, whose half axes are u and v.
+// The outline of the disk of a patch whose half axes are u and v.
 struct Outline {
-    // Least and largest slopes, right and up.
+    // Minimum and maximum slopes, right and up.
     low: vec2f,
     high: vec2f,
-    // Of the nearest place of the disk, along the view.
+    // Distance along the view direction to the nearest position on the disk.
     nearest: f32,
-    // Whether the slopes are not those, since the patch reaches behind the eye.
+    // Whether the slopes are invalid, because the patch extends behind the eye.
     is_around_eye: bool,
 }
 
-// A middle and two half edges in view space, in a unit of which the largest number is 1: so products of small or large
-// ones are numbers.
+// A centre and two half edges in view space, scaled so that the largest component is 1: products of small or large
+// values neither underflow nor overflow.
 struct Patch {
     c: vec3f,
     u: vec3f,
@@ -54,7 +54,7 @@ fn facet_of(it: Patch) -> Facet {
     return Facet(side * cross(it.v, it.c), side * cross(it.c, it.u), side * normal, depth_per_w);
 }
 
-// Whether the front of a patch is away from the eye.
+// Whether the front of a patch faces away from the eye.
 fn faces_away(it: Patch) -> bool {
     return dot(cross(it.u, it.v), it.c) > 0.0;
 }

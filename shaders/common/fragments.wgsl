@@ -1,4 +1,4 @@
-// What fragments leave, whatever they are of.
+// Fragment outputs, for all kinds of primitives.
 
 #import common/view.wgsl
 #import generated/constants
@@ -8,7 +8,7 @@ fn is_outside_splat(in: Varyings) -> bool {
     return dot(place, place) > 1.0;
 }
 
-// How much of a splat there is: usually by the circular Gaussian mask of the 4D media paper §V; 0 outside the disk.
+// The weight of a splat, by default the circular Gaussian mask of the 4D media paper §V; 0 outside the disk.
 fn mask_weight(place: vec2f) -> f32 {
     let radius2 = dot(place, place);
     if (radius2 > 1.0) {
@@ -21,19 +21,20 @@ fn mask_weight(place: vec2f) -> f32 {
     }
 }
 
-// What fragments leave for deferred shading: times a weight, and the weight.
+// Fragment outputs for deferred shading: values times a weight, and the weight.
 struct Surface {
     // Display-referred.
     @location(0) color: vec4f,
     // In view space.
     @location(1) normal: vec4f,
-    // The usual distance over that of the fragment, less 1: half floats are densest at 0, and surfaces near there, in
-    // orthographic views most of all. Blending takes the weight from the fourth number of each target.
+    // The reference distance over that of the fragment, less 1: half floats are most precise near 0, and surfaces lie
+    // close to it, in orthographic views most of all. Blending takes the weight from the fourth component of each
+    // target.
     @location(2) nearness: vec4f,
 }
 
 fn surface(in: Varyings, normal: vec3f, weight: f32) -> Surface {
-    // Half floats end at 65504.
+    // The largest half float is 65504.
     let nearness = min(depth_of(in) * view.usual_distance / view.near - 1.0, 6e4);
     return Surface(
         vec4f(albedo(in), 1.0) * weight,

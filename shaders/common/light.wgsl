@@ -1,10 +1,10 @@
-// A head light: it shines from the eye, so that every surface that can be seen is lit (the 4D media paper §V-B: per
-// instance, per vertex or per fragment).
+// A headlight: it shines from the eye, so that every visible surface is lit (the 4D media paper §V-B: per instance, per
+// vertex or per fragment).
 
 #import common/view.wgsl
 #import generated/constants
 
-// The exponent of the multiplications below.
+// The exponent computed by the multiplications below.
 const_assert HEADLIGHT_SHININESS == 3u * 8u;
 
 // x: factor on the colour; y: white added by the highlight. `to_eye` need not have unit length.
@@ -20,7 +20,7 @@ fn headlight(normal: vec3f, to_eye: vec3f) -> vec2f {
     );
 }
 
-// All in the same axes.
+// All vectors are in the same axes.
 fn light_at_vertex(normal: vec3f, center_from_eye: vec3f, corner_from_eye: vec3f) -> vec2f {
     switch view.lighting {
         case LIGHTING_PER_SURFEL: { return headlight(normal, -center_from_eye); }

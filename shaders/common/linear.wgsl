@@ -1,4 +1,4 @@
-// Display-referred channels and linear light, after the curves of sRGB (IEC 61966-2-1).
+// Conversion between display-referred channels and linear light by the curves of sRGB (IEC 61966-2-1).
 
 fn to_linear(channels: vec3f) -> vec3f {
     let powers = pow((channels + 0.055) / 1.055, vec3f(2.4));

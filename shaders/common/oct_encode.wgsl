@@ -1,5 +1,5 @@
-// Packs a unit vector as `oct_decode` unpacks it. Twin of `oct_encode` in cloud/record.rs: halves are rounded away from
-// zero, where `pack2x16snorm` leaves it to the adapter.
+// Packs a unit vector for `oct_decode`. Twin of `oct_encode` in cloud/record.rs: halves are rounded away from zero,
+// where `pack2x16snorm` leaves rounding to the adapter.
 fn oct_encode(unit: vec3f) -> u32 {
     let length = abs(unit.x) + abs(unit.y) + abs(unit.z);
     if (length == 0.0) {

@@ -1,4 +1,4 @@
-// Surfaces have the colours and normals of their points.
+// Surfaces take the colours and normals of their points.
 
 #import common/blended_surface.wgsl
 

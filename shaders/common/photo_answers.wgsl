@@ -1,5 +1,5 @@
-// What photographs have said of each pixel (`passes/photo_answers.wgsl`), where what they do not show is filled from
-// around (`passes/push.wgsl`).
+// The image samples of each pixel (`passes/photo_answers.wgsl`), where what no image shows is filled in from the
+// surroundings (`passes/push.wgsl`).
 
 #import common/blended_surface.wgsl
 #import common/photo_table.wgsl

@@ -1,18 +1,18 @@
-// What is common to the passes that ask photographs, and to those that read what these have said.
+// Shared by the passes that sample input images and those that read the results.
 
 #import generated/constants
 
-// Row 0 of `photo_table`: number of photographs, how many are blended, 1/σ², and PHOTO_* flags: what becomes of what
-// they do not show. And in the first of its next texel: how wide gaps are that are closed, in pixels.
-// Then a row for each photograph.
+// Row 0 of `photo_table`: number of images, how many are blended, 1/σ², and PHOTO_* flags, which say how what no image
+// shows is drawn. The first component of its next texel: the width of the gaps that are closed, in pixels. Then one row
+// per image.
 
-// What photographs say of a place.
+// What the images show at a position.
 struct PhotoAnswer {
-    // Display-referred; of what they show alone.
+    // Display-referred; blended from the images alone.
     color: vec3f,
     // ANSWER_*.
     kind: f32,
-    // In view space, of length 1, if it is not to be the points' own; else zero.
+    // In view space, unit length, if it replaces the points' own normal; else zero.
     normal: vec3f,
 }
 

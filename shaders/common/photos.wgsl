@@ -1,18 +1,20 @@
-// Surfaces have their colours from photographs (Yang et al. 2006 §3.2-3.4), and, where they are lit anew, normals from
-// depths of these (§4.1): scene/photos, render/cpu/photos.
+// Surfaces take their colours from input images (Yang et al. 2006 §3.2-3.4), and, when relit, normals from the depth
+// maps of these (§4.1): scene/photos, render/cpu/photos.
 
 #import common/blended_surface.wgsl
 #import common/photo_table.wgsl
 #import common/view.wgsl
 #import generated/constants
 
-// Where a place is in a photograph: texels from the upper left corner of its finest level, and along its axis.
+// The projection of a position into an image: texels from the upper left corner of its finest level, and the distance
+// along its axis.
 struct InPhoto {
     texel: vec2f,
     distance: f32,
-    // Of the angle between the ways to the camera and to the eye; below all cosines where it does not look.
+    // Of the angle between the directions to the camera and to the eye; below all cosines where the camera does not see
+    // it.
     cosine: f32,
-    // Between the way to the camera and the normal.
+    // Cosine between the direction to the camera and the normal.
     facing: f32,
 }
 
@@ -36,14 +38,14 @@ fn in_photo(photo: u32, place: vec3f, to_eye: vec3f, normal: vec3f) -> InPhoto {
     return InPhoto(texel, distance, select(PHOTO_NOT_LOOKING, cosine, looks), facing);
 }
 
-// What a photograph shows where a place is: 0 that place, 1 what hides it, 2 what is behind it, 3 that place near a
-// step.
+// What an image shows at the projection of a position: 0 that position, 1 something that occludes it, 2 something
+// behind it, 3 that position near a depth discontinuity.
 fn seen_there(photo: u32, at: InPhoto) -> u32 {
     let size = photo_entry(photo, 5u).xy;
     let map = photo_entry(photo, 7u);
     let texel = min(vec2u(at.texel / size * map.xy), vec2u(map.xy) - 1u);
     let there = textureLoad(photo_depths, texel, photo, 0).r;
-    // Nothing is known where no distance is.
+    // Without a depth nothing is known.
     if (there == 0.0) {
         return 0u;
     }
@@ -57,7 +59,7 @@ fn seen_there(photo: u32, at: InPhoto) -> u32 {
     return select(0u, 3u, there < 0.0);
 }
 
-// Between the four texels of a level around a place; red, green and blue times alpha.
+// Bilinear between the four texels of a level around a position; red, green and blue premultiplied by alpha.
 fn photo_bilinear(photo: u32, level: u32, finest: vec2f, texel: vec2f) -> vec4f {
     let size = max(vec2u(finest) >> vec2u(level), vec2u(1u));
     let at = clamp(texel * (vec2f(size) / finest) - 0.5, vec2f(0.0), vec2f(size) - 1.0);
@@ -75,7 +77,7 @@ fn photo_bilinear(photo: u32, level: u32, finest: vec2f, texel: vec2f) -> vec4f 
     return sum;
 }
 
-// Shares of four texels at a place `t` of the way from the second to the third (Catmull and Rom 1974).
+// Weights of four texels at the fraction `t` between the second and the third (Catmull and Rom 1974).
 fn cubic_weights(t: f32) -> vec4f {
     let t2 = t * t;
     let t3 = t2 * t;
@@ -87,8 +89,8 @@ fn cubic_weights(t: f32) -> vec4f {
     );
 }
 
-// On cubics through the 16 texels of a photograph around a place, between the least and the largest of the four next to
-// it: photos/images/texture.rs.
+// Bicubic over the 16 texels of an image around a position, clamped between the minimum and maximum of the nearest
+// four: photos/images/texture.rs.
 fn photo_on_cubics(photo: u32, finest: vec2f, texel: vec2f) -> vec4f {
     let last = vec2i(finest) - 1;
     let at = clamp(texel - 0.5, vec2f(0.0), vec2f(last));
@@ -129,8 +131,8 @@ fn photo_trilinear(photo: u32, levels: u32, finest: vec2f, texel: vec2f, lod: f3
     return mix(fine, photo_bilinear(photo, finer + 1u, finest, texel), share);
 }
 
-// What a pixel covers of a photograph, several times along its long axis. `per_px` has how far the texel moves for a
-// pixel to the right and for one downwards.
+// The footprint of a pixel in an image, with several taps along its long axis. `per_px` has how far the texel moves per
+// pixel to the right and per pixel down.
 fn photo_sample(photo: u32, texel: vec2f, per_px: mat2x2f) -> vec4f {
     let sizes = photo_entry(photo, 5u);
     let lengths = vec2f(length(per_px[0]), length(per_px[1]));
@@ -147,14 +149,14 @@ fn photo_sample(photo: u32, texel: vec2f, per_px: mat2x2f) -> vec4f {
     return sum / taps;
 }
 
-// How far the surface at a place moves for a pixel along x and y.
+// How far the surface point moves per pixel along x and y.
 fn steps_on_surface(distance: f32, to_eye: vec3f, normal: vec3f) -> mat2x3f {
     let right = vec3f(distance / view.px_per_slope.x, 0.0, 0.0);
     let down = vec3f(0.0, -distance / view.px_per_slope.y, 0.0);
     if (all(normal == vec3f(0.0))) {
         return mat2x3f(right, down);
     }
-    // Along the ray, down to the plane through the place.
+    // Along the ray, onto the tangent plane.
     let per_cosine = 1.0 / max(dot(normal, to_eye), PHOTO_MIN_COSINE);
     return mat2x3f(
         right - to_eye * (dot(normal, right) * per_cosine),
@@ -175,24 +177,24 @@ fn photo_per_px(photo: u32, at: InPhoto, steps: mat2x3f) -> mat2x2f {
     return per_px;
 }
 
-// What a photograph shows of a surface beside what the eye sees of it.
+// How much an image shows of a surface compared with what the eye sees of it.
 fn share_seen(facing_eye: f32, facing: f32) -> f32 {
     let share = select(1.0, min(facing / max(facing_eye, PHOTO_MIN_COSINE), 1.0), facing_eye > 0.0);
     return share * share;
 }
 
-// How much a photograph is to be believed beside others: render/cpu/photos/mod.rs.
+// How far an image is trusted compared with others: render/cpu/photos/mod.rs.
 fn trust(angle2: f32, is_near_step: bool) -> f32 {
     return select(1.0, mix(PHOTO_TRUST_NEAR_STEPS, 1.0, exp(-angle2 * PHOTO_PER_STEP_ANGLE2)), is_near_step);
 }
 
-// Photographs fade towards their borders.
+// Images fade towards their borders.
 fn photo_rim(texel: vec2f, size: vec2f) -> f32 {
     let inwards = min(texel, size - texel) / (PHOTO_RIM * size);
     return clamp(min(inwards.x, inwards.y), 1e-3, 1.0);
 }
 
-// A depth map with the lens that it was seen through, in its own texels.
+// A depth map with the intrinsics of its lens, in its own texels.
 struct DepthMap {
     photo: u32,
     last_texel: vec2i,
@@ -201,8 +203,8 @@ struct DepthMap {
     tolerance: f32,
 }
 
-// What is at a texel of a depth map, in the space of the camera; at the camera where nothing is known. Beyond the
-// border is what is at the border.
+// The position at a texel of a depth map, in camera space; at the camera where unknown. Texels beyond the border repeat
+// the border.
 fn depth_place(map: DepthMap, texel: vec2i) -> vec3f {
     let there = clamp(texel, vec2i(0), map.last_texel);
     let distance = abs(textureLoad(photo_depths, there, map.photo, 0).r);
@@ -213,8 +215,8 @@ fn is_near_depth(other: vec3f, center: vec3f, tolerance: f32) -> bool {
     return other.z > 0.0 && abs(other.z - center.z) <= tolerance;
 }
 
-// The normal of a texel of a depth map in the space of the camera, by the places around it: zero beside steps and where
-// it is seen from the side. render/cpu/photos/normals.rs.
+// The normal at a texel of a depth map in camera space, from the positions around it: zero next to depth
+// discontinuities and at grazing angles. render/cpu/photos/normals.rs.
 fn depth_normal(map: DepthMap, texel: vec2i) -> vec3f {
     let center = depth_place(map, texel);
     let left = depth_place(map, texel - vec2i(1, 0));
@@ -236,8 +238,8 @@ fn depth_normal(map: DepthMap, texel: vec2i) -> vec3f {
     return select(normal * sign(facing), vec3f(0.0), abs(facing) < PHOTO_MIN_FACING);
 }
 
-// The normal of what a photograph shows, in view space, between the four texels of its depth map around a place; zero
-// where depths do not tell it.
+// The normal of what an image shows, in view space, interpolated between the four texels of its depth map around a
+// position; zero where depths do not determine it.
 fn photo_normal(photo: u32, texel: vec2f) -> vec3f {
     let of_map = photo_entry(photo, 7u);
     let lens = photo_entry(photo, 4u);
@@ -257,16 +259,16 @@ fn photo_normal(photo: u32, texel: vec2f) -> vec3f {
     return rows * (sum / sqrt(max(dot(sum, sum), 1e-37)));
 }
 
-// What a photograph shows of a place.
+// What one image shows at a position.
 struct PhotoShown {
     color: vec3f,
-    // Its weight beside the others.
+    // Its weight relative to the others.
     share: f32,
-    // A factor on that where they disagree.
+    // A factor on that where the images disagree.
     nearness: f32,
 }
 
-// The mean of what photographs show of a place, where those that disagree with the others count little:
+// The mean colour that the images show at a position, where those that disagree with the others get little weight:
 // render/cpu/photos/agreement.rs.
 fn photo_agreed(all: array<PhotoShown, PHOTO_MAX_BLENDED>, count: u32) -> vec3f {
     var shown = all;
@@ -288,7 +290,7 @@ fn photo_agreed(all: array<PhotoShown, PHOTO_MAX_BLENDED>, count: u32) -> vec3f 
     return mean;
 }
 
-// What they say of the blended surface.
+// Image sample of the blended surface.
 fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
     let place = blended.place;
     let to_eye = blended.to_eye;
@@ -302,7 +304,7 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
     let clips_by_any = (flags & PHOTO_CLIPS_BY_ANY) != 0u;
     let relights = (flags & PHOTO_RELIGHTS) != 0u;
     let is_white = (flags & PHOTO_IS_WHITE) != 0u;
-    // The nearest to the eye's direction, nearest first.
+    // The images nearest to the eye's direction, nearest first.
     var nearest: array<u32, PHOTO_MAX_ASKED>;
     var cosines: array<f32, PHOTO_MAX_ASKED>;
     var count = 0u;
@@ -321,7 +323,7 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
         nearest[slot] = photo;
         count = min(count + 1u, PHOTO_MAX_ASKED);
     }
-    // Those that see the place, one more than is blended: weights are relative to that of the last.
+    // The images that see the position, one more than is blended: weights are relative to that of the last.
     var seeing: array<u32, PHOTO_MAX_BLENDED + 1u>;
     var weights: array<f32, PHOTO_MAX_BLENDED + 1u>;
     var angles2: array<f32, PHOTO_MAX_BLENDED + 1u>;
@@ -359,7 +361,7 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
         return unseen;
     }
     var beyond = select(0.0, weights[max_value] / weights[0], found > max_value);
-    // Where that is as near as the nearest, all count alike.
+    // Where the last is as near as the nearest, all have the same weight.
     beyond = select(0.0, beyond, beyond < 0.999);
     let steps = steps_on_surface(-place.z, to_eye, normal);
     var shown: array<PhotoShown, PHOTO_MAX_BLENDED>;

@@ -1,30 +1,28 @@
-// Metallic–roughness shading with an environment. The formulas: scene/light/physical_light.rs.
+// Metallic–roughness shading with an environment map. The formulas: scene/light/physical_light.rs.
 
 #import effects/shadow.wgsl
 #import generated/constants
 
-// The environment as the roughness mirrors it, and the curve of what is mirrored and lost in one more row.
+// The environment prefiltered for the roughness, and one more row with the curve of reflected and lost light.
 
-// Linear light, by what the surface makes of it.
-// Four sums by interaction with the surface: colours are multiplied in once, not for each light.
+// Linear light, by interaction with the surface: four sums, so that colours are multiplied in once, not for each light.
 struct Light {
-    // What is mirrored for each unit of the reflectance at right angles, and beside that.
+    // Reflected per unit of reflectance at normal incidence, and in addition to that.
     mirrored: vec3f,
     grazing: vec3f,
-    // What goes to further bounces, and what is let in.
+    // Light lost to further bounces, and light transmitted into the surface.
     lost: vec3f,
     let_in: vec3f,
 }
 
-// A lamp as a place sees it: the way to it, its cosine with the normal, its light there.
+// A lamp seen from a position: the direction to it, its cosine with the normal, its light there.
 struct Toward {
     to_lamp: vec3f,
     facing: f32,
     color: vec3f,
 }
 
-// The entry of the curve between two that are stored: what is mirrored for each unit of reflectance, and beside that;
-// what is lost; what is let in.
+// The interpolated entry of the curve: reflected per unit of reflectance, and in addition to that; lost; transmitted.
 fn entry_at(cosine: f32) -> vec4f {
     let place = min(cosine, 1.0) * f32(ALBEDO_ENTRIES - 1u);
     let first = min(u32(place), ALBEDO_ENTRIES - 2u);
@@ -40,7 +38,7 @@ fn in_environment(direction: vec3f) -> vec3f {
         + parts.physical.environment_from_view_z.xyz * direction.z;
 }
 
-// What a matt white surface with this normal sends back of the environment.
+// What a matt white surface with this normal reflects of the environment.
 fn harmonics_at(n: vec3f) -> vec3f {
     let c = parts.physical.harmonics;
     let light = c[0] + c[1] * n.y + c[2] * n.z + c[3] * n.x + c[4] * (n.x * n.y) + c[5] * (n.y * n.z)
@@ -48,13 +46,13 @@ fn harmonics_at(n: vec3f) -> vec3f {
     return max(light.rgb, vec3f(0.0));
 }
 
-// What is mirrored from a direction: between the middles of four texels of the unfolded octahedron.
+// What is reflected from a direction: bilinear between the centres of four texels of the unfolded octahedron.
 fn environment_at(direction: vec3f) -> vec3f {
     let on_octahedron = direction / max(dot(abs(direction), vec3f(1.0)), 1e-37);
     let above = on_octahedron.xz;
     let below = (1.0 - abs(above.yx)) * select(vec2f(-1.0), vec2f(1.0), above >= vec2f(0.0));
     let square = select(above, below, on_octahedron.y < 0.0);
-    // With the border of a texel, less half of one.
+    // Adds the border of one texel, less half a texel.
     let place = (square * 0.5 + 0.5) * f32(ENVIRONMENT_EDGE) + 0.5;
     let first = floor(place);
     let beyond = place - first;
@@ -77,11 +75,11 @@ fn smith(first: f32, second: f32, alpha2: f32) -> f32 {
     return first * sqrt(second * second * (1.0 - alpha2) + alpha2);
 }
 
-// What a lamp adds; `facing` is the cosine between normal and eye.
+// The contribution of a lamp; `facing` is the cosine between normal and eye.
 fn of_lamp(toward: Toward, normal: vec3f, to_eye: vec3f, facing: f32, open: f32) -> Light {
     let alpha2 = parts.physical.alpha * parts.physical.alpha;
     let half = normalize(toward.to_lamp + to_eye);
-    // 1 - cos², from the way between two directions: cosines near 1 have too few digits.
+    // 1 - cos², from the difference of two directions: cosines near 1 have too few digits.
     let between = half - normal;
     let short = 0.5 * dot(between, between);
     let sine2 = short * (2.0 - short);
@@ -93,7 +91,7 @@ fn of_lamp(toward: Toward, normal: vec3f, to_eye: vec3f, facing: f32, open: f32)
     let squared = grazing * grazing;
     let fresnel = squared * squared * grazing;
     let entry = entry_at(toward.facing);
-    // Ambient occlusion dims what is not specular of a lamp: its highlight stays.
+    // Ambient occlusion dims a lamp's light except for its specular part: the highlight stays.
     let soft = light * open;
     return Light(highlight * (1.0 - fresnel), highlight * fresnel, soft * entry.z, soft * entry.w);
 }
@@ -102,7 +100,7 @@ fn sum(a: Light, b: Light) -> Light {
     return Light(a.mirrored + b.mirrored, a.grazing + b.grazing, a.lost + b.lost, a.let_in + b.let_in);
 }
 
-// All light on a place in view space; `of_eye` is the entry of the curve for the cosine `facing`.
+// All light at a position in view space; `of_eye` is the entry of the curve for the cosine `facing`.
 fn light_on(position: vec3f, normal: vec3f, to_eye: vec3f, facing: f32, of_eye: vec4f, open: f32) -> Light {
     let mirrored = open * environment_at(in_environment(2.0 * facing * normal - to_eye));
     let matt = open * harmonics_at(in_environment(normal));
@@ -124,7 +122,7 @@ fn light_on(position: vec3f, normal: vec3f, to_eye: vec3f, facing: f32, of_eye: 
             continue;
         }
         let way = parts.lights.lamp_places[index].xyz - parts.lights.lamp_places[index].w * position;
-        // A surface at the place of a lamp gets no light of it.
+        // A surface at the position of a lamp gets no light from it.
         let to_lamp = way * inverseSqrt(max(dot(way, way), 1e-37));
         let lamp_facing = max(dot(normal, to_lamp), 0.0);
         if (index == 0u) {
@@ -135,15 +133,15 @@ fn light_on(position: vec3f, normal: vec3f, to_eye: vec3f, facing: f32, of_eye: 
     return light;
 }
 
-// The share of the light of further bounces that a surface keeps of its own colour.
+// The fraction of the light of further bounces that takes on the surface's own colour.
 fn of_more_bounces(reflectance: vec3f) -> vec3f {
-    // The mean of Schlick's formula by the cosine.
+    // The mean of Schlick's formula weighted by the cosine.
     let mean = reflectance * (20.0 / 21.0) + 1.0 / 21.0;
     return mean * mean * (1.0 - parts.physical.mean_loss) / (1.0 - mean * parts.physical.mean_loss);
 }
 
-// Linear light that comes from a place of view space with a linear colour; the share `open` of the light from around
-// reaches it.
+// Linear light reflected at a position in view space by a surface with a linear colour; the fraction `open` of the
+// ambient light reaches it.
 fn lit(albedo: vec3f, position: vec3f, normal: vec3f, to_eye: vec3f, open: f32) -> vec3f {
     let facing = max(dot(normal, to_eye), 0.0);
     let of_eye = entry_at(facing);

@@ -1,13 +1,13 @@
 // Amplification: one record becomes the corners of quads or of a triangle (`shaders/primitives/`). Shared by the vertex
 // stage of the instanced strategies and by the compute pass of the amplifying one, so that all of them draw the same
-// picture.
+// image.
 
 #import common/view.wgsl
 #import generated/amplification
 #import generated/constants
 #import generated/splat_vertex
 
-// A corner of what is not drawn: all are at one place outside of the view.
+// A corner of something that is not drawn: all are at one position outside the view.
 fn nowhere() -> SplatVertex {
     return SplatVertex(vec4f(2.0, 2.0, 2.0, 1.0), 0u, 0u, 0u, 0.0);
 }
@@ -23,7 +23,7 @@ fn triangle_corner(corner: u32) -> vec2f {
     return select(neighbor, vec2f(0.0, 2.0), corner == 2u);
 }
 
-// Where a vertex is in the plane of what carries a record, of which the unit disk or square is drawn.
+// The position of a vertex in the plane of the quad or triangle, in which the unit disk or square is drawn.
 fn corner_of(vertex: u32) -> vec2f {
     if (VERTICES_PER_RECORD == VERTICES_PER_TRIANGLE) {
         return triangle_corner(vertex % VERTICES_PER_TRIANGLE);
@@ -31,8 +31,8 @@ fn corner_of(vertex: u32) -> vec2f {
     return quad_corner(vertex % VERTICES_PER_QUAD);
 }
 
-// Whether a place in the square of a point is beside the disk in it; the pixel that the point is in is not. Points that
-// are larger than the least have it in their disk.
+// Whether a position in the square of a point is outside its disk; the pixel that contains the point never is. Points
+// larger than the minimum have that pixel inside their disk.
 fn is_outside_disk(quad: vec2f) -> bool {
     let aside_px = abs(quad) * 0.5 * view.point_min_px;
     return dot(quad, quad) > 1.0 && max(aside_px.x, aside_px.y) > 0.5;
@@ -44,7 +44,7 @@ fn sphere_may_be_seen(position: vec3f, radius: f32) -> bool {
     // Slopes of the side planes, times the focal length.
     let right_top = 1.0 - view.center_ndc;
     let left_bottom = 1.0 + view.center_ndc;
-    // A little more than the radius, for the rounding of these few operations.
+    // Slightly more than the radius, to cover the rounding of these few operations.
     let reach = radius * 1.001 + 1e-5 * length(center);
     // Distances to the side planes, times the length of their normals.
     let along = center.xy * view.focal;

@@ -1,4 +1,4 @@
-// The two 16-byte streams of a cloud. Mirrors: cloud/record.rs.
+// The two 16-byte streams of a cloud. Mirrors cloud/record.rs.
 
 struct PointRecord {
     position: vec3f,

@@ -1,5 +1,5 @@
-// The colour behind rims of splats (scene/effects/rims.rs). A pass that includes this says what it knows of a pixel:
-// `sum_at`, sums of colours and weights, and `depth_at`, a reversed depth.
+// The colour behind soft edges of splats (scene/effects/rims.rs). A pass that includes this defines two functions of a
+// pixel: `sum_at`, sums of colours and weights, and `depth_at`, a reversed depth.
 
 #import common/view.wgsl
 #import generated/constants
@@ -13,7 +13,8 @@ fn color_at(pixel: vec2i) -> vec3f {
     return sum.rgb / sum.a;
 }
 
-// Steps to the first opaque pixel from another one on; 0 if none is within reach, or an open one is before it.
+// Steps from a pixel to the first opaque one along a line; 0 if none is within reach, or a transparent one comes before
+// it.
 fn steps_to_opaque(pixel: vec2i, step: vec2i, max_value: i32) -> i32 {
     let size = vec2i(view.viewport_px);
     for (var steps = 1; steps <= max_value; steps++) {
@@ -32,21 +33,21 @@ fn steps_to_opaque(pixel: vec2i, step: vec2i, max_value: i32) -> i32 {
     return 0;
 }
 
-// The colour behind a pixel between two ends of a line, so many steps from each.
+// The colour behind a pixel between two ends of a line, at the given number of steps from each.
 fn color_between(pixel: vec2i, line: vec2i, steps: i32, other_steps: i32) -> vec3f {
     let end = pixel - steps * line;
     let other_end = pixel + other_steps * line;
     let depth = depth_at(end);
     let other_depth = depth_at(other_end);
     var to_other = select(1.0, 0.0, depth < other_depth);
-    // On one surface, which end is farther would be a matter of rounding, and the two renderers would differ.
+    // On a single surface, which end is farther would depend on rounding, and the two renderers would differ.
     if (min(depth, other_depth) >= GAP_ONE_SURFACE * max(depth, other_depth)) {
         to_other = f32(steps) / f32(steps + other_steps);
     }
     return mix(color_at(end), color_at(other_end), to_other);
 }
 
-// The colour behind the rim that a pixel is at; the fourth is 0 if it is at none.
+// The colour behind the soft edge at a pixel; the fourth component is 0 if there is none.
 fn behind_rim(pixel: vec2i) -> vec4f {
     let opacity = opacity_at(pixel);
     var found = vec4f(0.0);
@@ -56,7 +57,7 @@ fn behind_rim(pixel: vec2i) -> vec4f {
     let max_value = i32(parts.resolving.rim_px);
     var lines = PIXEL_LINES;
     var shortest = 1e30;
-    // One of the four lines is enough, unlike for gaps: along a straight edge, a line never ends.
+    // One of the four lines is enough, unlike for gaps: along a straight edge, one line never ends.
     for (var line = 0; line < 4; line++) {
         let one = steps_to_opaque(pixel, -lines[line], max_value - 1);
         if (one == 0) {
@@ -72,7 +73,7 @@ fn behind_rim(pixel: vec2i) -> vec4f {
     return found;
 }
 
-// What a pixel holds, over what lies behind the rim that it is at, if it is at one.
+// The colour of a pixel, composited over what lies behind its soft edge, if there is one.
 fn over_rim(pixel: vec2i) -> vec4f {
     let opacity = opacity_at(pixel);
     let behind = behind_rim(pixel);

@@ -1,10 +1,10 @@
-// Sums over the records before each one, within a workgroup of GROUP_RECORDS.
+// Prefix sums over the records within a workgroup of GROUP_RECORDS.
 
 #import generated/constants
 
 var<workgroup> retained: array<u32, GROUP_RECORDS>;
 
-// Runs in uniform control flow: number of kept records in the workgroup up to and with this one.
+// Runs in uniform control flow: number of selected records in the workgroup up to and including this one.
 fn inclusive_scan(local: u32, keep: u32) -> u32 {
     retained[local] = keep;
     for (var reach = 1u; reach < GROUP_RECORDS; reach *= 2u) {

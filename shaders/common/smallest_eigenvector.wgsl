@@ -1,9 +1,9 @@
-// The direction of least spread of a covariance, by Jacobi's rotations.
+// The direction of least variance of a covariance matrix, by Jacobi rotations.
 //
-// **How it works.** Each rotation makes one entry beside the diagonal zero. They take turns by renaming the axes, so
-// all are the same few lines, and no variable is indexed by another. The processor has the roots of the characteristic
-// polynomial instead (math/symmetric_eigen.rs), in double floats: in single ones, two that are close lose half of
-// their digits, as rotations never do (Golub and Van Loan, Matrix Computations, 8.5).
+// **How it works.** Each rotation zeroes one off-diagonal entry. The axes are renamed after each rotation, so that all
+// rotations are the same few lines, and no variable is indexed by another. The CPU uses the roots of the characteristic
+// polynomial instead (math/symmetric_eigen.rs), in double precision: in single precision, two close roots lose half of
+// their digits, which rotations never do (Golub and Van Loan, Matrix Computations, 8.5).
 
 struct Symmetric {
     xx: f32,
@@ -19,7 +19,7 @@ fn smallest_eigenvector(covariance: Symmetric) -> vec3f {
     var x = vec3f(1.0, 0.0, 0.0);
     var y = vec3f(0.0, 1.0, 0.0);
     var z = vec3f(0.0, 0.0, 1.0);
-    // Five times all three entries, and as they take turns, all axes have their own names again.
+    // Five sweeps over all three entries; since the count is a multiple of three, all axes have their own names again.
     for (var turn = 0u; turn < 15u; turn++) {
         let apart = m.yy - m.xx;
         let sum = abs(apart) + sqrt(apart * apart + 4.0 * m.xy * m.xy);

@@ -1,5 +1,5 @@
-// Surfaces have the colours that photographs show, and, where these tell them, the normals of their depths. What
-// photographs say: `photos.wgsl`, `photo_answers.wgsl`.
+// Surfaces take the colours that images show, and, where available, the normals of their depth maps. Sampling the
+// images: `photos.wgsl`, `photo_answers.wgsl`.
 
 #import common/blended_surface.wgsl
 #import common/photo_table.wgsl
@@ -18,7 +18,7 @@ fn surface_at(blended: BlendedSurface, pixel: vec2u) -> Surface {
     if (all(answer.normal == vec3f(0.0))) {
         return Surface(answer.color, PHOTO_OPACITY, blended.normal);
     }
-    // Surfaces have two sides.
+    // Surfaces are two-sided.
     let is_turned = dot(answer.normal, blended.to_eye) < 0.0;
     return Surface(answer.color, PHOTO_OPACITY, select(answer.normal, -answer.normal, is_turned));
 }

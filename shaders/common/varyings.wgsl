@@ -1,4 +1,4 @@
-// What geometry passes hand from their vertex to their fragment stage where records become quads of one colour.
+// Varyings of geometry passes in which records become quads of one colour.
 
 #import common/light.wgsl
 #import common/quads.wgsl
@@ -13,7 +13,7 @@ struct Varyings {
     @location(2) @interpolate(flat) color: u32,
     // In view space. Unpacked here: a splat has four vertices and hundreds of fragments.
     @location(3) @interpolate(flat) normal: vec3f,
-    // Factor on the mask, of splats.
+    // Factor on the mask of splats.
     @location(4) @interpolate(flat) weight: f32,
 }
 
@@ -24,12 +24,12 @@ fn varyings(instance: Instance) -> Varyings {
     return Varyings(vertex.clip, quad, unpack2x16unorm(vertex.light), vertex.color, normal, vertex.weight);
 }
 
-// Where a fragment is on its splat: half axes are 1 long.
+// The position of a fragment on its splat, in units of the half axes.
 fn place_on_splat(in: Varyings) -> vec2f {
     return in.quad;
 }
 
-// All of a quad is on its surface, corners too.
+// All of a quad is on its surface, including the corners.
 fn is_outside_surface(in: Varyings) -> bool {
     return false;
 }

@@ -1,5 +1,5 @@
-// The global bind group: the camera and the settings of one pass. Declared in render/gpu/gpu_data.rs, `ViewUniform`, as
-// constants that Rust knows too are in render/gpu/constants.rs: both become WGSL that is imported.
+// The global bind group: the camera and the settings of one pass. Declared in render/gpu/gpu_data.rs, `ViewUniform`;
+// constants shared with Rust are in render/gpu/constants.rs: both are turned into WGSL that is imported.
 
 #import generated/constants
 #import generated/view
@@ -16,7 +16,7 @@ fn rotate_to_view(offset: vec3f) -> vec3f {
     return view.rotation_x.xyz * offset.x + view.rotation_y.xyz * offset.y + view.rotation_z.xyz * offset.z;
 }
 
-// The ray through a pixel, in view space: as long as makes its depth 1. `pixel` is @builtin(position).xy.
+// The ray through a pixel, in view space, scaled to depth 1. `pixel` is @builtin(position).xy.
 fn ray_through(pixel: vec2f) -> vec3f {
     let ndc = vec2f(2.0, -2.0) * pixel / view.viewport_px + vec2f(-1.0, 1.0) - view.center_ndc;
     return vec3f(ndc / view.focal, -1.0);

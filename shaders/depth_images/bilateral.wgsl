@@ -1,4 +1,4 @@
-// The mean of the neighbours that are at a similar depth. Twin of rgbd/filters/bilateral.rs.
+// The mean of the neighbours at a similar depth. Twin of rgbd/filters/bilateral.rs.
 
 #import depth_images/image.wgsl
 
@@ -31,7 +31,7 @@ fn bilateral(
     let sigma = sigma_at(center);
     let exponent_per_m2 = -0.5 * LOG2_E / (sigma * sigma);
     var weights = 0.0;
-    // Of differences: a plane of one depth comes back exactly.
+    // A sum of differences: a plane of constant depth is reproduced exactly.
     var sum = 0.0;
     for (var row = 0u; row <= 2u * BILATERAL_REACH; row++) {
         for (var column = 0u; column <= 2u * BILATERAL_REACH; column++) {

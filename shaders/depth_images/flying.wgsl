@@ -1,12 +1,12 @@
-// Pixels between a surface and what is behind it. Twin of rgbd/filters/flying.rs.
+// Removes flying pixels, those between a surface and what is behind it. Twin of rgbd/filters/flying.rs.
 
 #import depth_images/image.wgsl
 
-// How many of the eight pixels around one are at its depth. Precondition: something was measured there.
+// How many of a pixel's eight neighbours are at its depth. Precondition: the pixel has a measured depth.
 fn near_neighbours(corner: u32, edge: u32) -> f32 {
     let center = tile[corner + edge + 1u];
     let max_value = max(center * imaging.flying_share, imaging.flying_m);
-    // The middle itself is one too many.
+    // The centre itself is counted too.
     var count = -1.0;
     for (var row = 0u; row < 3u; row++) {
         for (var column = 0u; column < 3u; column++) {
@@ -17,7 +17,7 @@ fn near_neighbours(corner: u32, edge: u32) -> f32 {
     return count;
 }
 
-// Keeps the pixels of a workgroup that are among at least so many at their depth.
+// Retains the pixels of a workgroup that have at least `min_value` neighbours at their depth.
 fn keep_flying(min_value: f32, pixel: vec2u, local: vec2u, local_index: u32, group: vec2u) {
     read_tile(1u, group, local_index);
     if (!is_in_image(pixel)) {
@@ -40,7 +40,7 @@ fn flying(
     keep_flying(imaging.min_neighbours, id.xy, local.xy, local_index, group.xy);
 }
 
-// The same of pixels that are not among eight at their depth: one more along every edge.
+// Also removes pixels without eight neighbours at their depth: one more pixel along every edge.
 @compute @workgroup_size(DEPTH_TILE_PX, DEPTH_TILE_PX)
 fn erode(
     @builtin(global_invocation_id) id: vec3u,

@@ -1,16 +1,16 @@
 // Filters of depth images, and the points of their pixels. Twin of rgbd/filters and rgbd/cloud.rs, whose files have the
-// names of these and say why.
+// same names as these and give the reasons.
 //
-// Passes one after the other: `near` turns the numbers of a camera into metres and drops what is too near or too far,
-// `median`, `bilateral`, `flying` and `erode` read one image and write another, `mean_over_time` goes on with the image
-// that is left of the frames before, and `reproject` makes a point of every pixel. Depths are metres, 0 where nothing
-// was measured; there are no infinities and nothing that is no number.
+// Passes in order: `near` converts the raw values of a camera into metres and drops what is too near or too far,
+// `median`, `bilateral`, `flying` and `erode` read one image and write another, `mean_over_time` updates the running
+// image of the preceding frames, and `reproject` makes a point of every pixel. Depths are in metres, 0 where nothing
+// was measured; there are no infinities or NaNs.
 
 #import common/records.wgsl
 #import generated/bindings
 #import generated/depth_images
 
-// The pixels of a workgroup with those around them that it reads.
+// The pixels of a workgroup with the surrounding ones that it reads.
 var<workgroup> tile: array<f32, DEPTH_TILE_VALUES>;
 
 fn is_in_image(pixel: vec2u) -> bool {
@@ -21,12 +21,12 @@ fn index_of(pixel: vec2u) -> u32 {
     return pixel.y * imaging.size_px.x + pixel.x;
 }
 
-// Edge of a tile that has so many pixels around those of its workgroup.
+// Edge of a tile with `reach` pixels around those of its workgroup.
 fn tile_edge(reach: u32) -> u32 {
     return DEPTH_TILE_PX + 2u * reach;
 }
 
-// Reads the tile of a workgroup; beside the image nothing was measured.
+// Reads the tile of a workgroup; outside the image nothing was measured.
 fn read_tile(reach: u32, group: vec2u, local: u32) {
     let edge = tile_edge(reach);
     let corner = vec2i(group * DEPTH_TILE_PX) - i32(reach);

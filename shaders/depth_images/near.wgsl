@@ -1,4 +1,4 @@
-// Numbers of a camera → metres that are neither too near nor too far. Twin of rgbd/filters/range.rs.
+// Raw camera values → metres, within the depth range. Twin of rgbd/filters/range.rs.
 
 #import depth_images/image.wgsl
 

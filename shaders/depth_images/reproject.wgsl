@@ -1,5 +1,5 @@
-// A point of every pixel, X = z · ray(u, v). Twin of rgbd/cloud.rs. Holes are points of no colour, which nothing draws:
-// those of images are opaque.
+// One point per pixel, X = z · ray(u, v). Twin of rgbd/cloud.rs. Holes are points with colour 0, which are never drawn:
+// the colours of images are opaque.
 
 #import depth_images/image.wgsl
 

@@ -1,5 +1,5 @@
-// The mean with the images before. Twin of rgbd/filters/temporal.rs. Of the first image mean and ages are zeros: before
-// it nothing was measured.
+// The running mean with the preceding images. Twin of rgbd/filters/temporal.rs. For the first image, means and ages are
+// zero: nothing was measured before it.
 
 #import depth_images/image.wgsl
 

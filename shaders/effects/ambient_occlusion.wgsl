@@ -2,20 +2,20 @@
 
 #import common/view.wgsl
 
-// The share of the light from around that reaches what a pixel shows. `normal` is in view space and towards the eye.
+// The fraction of the ambient light that reaches the surface at a pixel. `normal` is in view space and towards the eye.
 fn openness(depths: texture_depth_2d, pixel: vec2i, normal: vec3f) -> f32 {
-    // A branch of the shading pass: a separate pass would write what that one reads.
+    // A branch of the shading pass: a separate pass would have to write what this one reads.
     if (parts.occlusion.strength == 0.0) {
         return 1.0;
     }
     // Not blended distances: sums of half floats are accurate to 1/2000 of the distance, a hundredth of a radius or
-    // more. In two-pass modes all of the depth buffer is pushed back by a splat radius, so heights are unaffected.
+    // more. In two-pass modes the whole depth buffer is pushed back by a splat radius, so heights are unaffected.
     let depth = textureLoad(depths, pixel, 0);
     if (depth == 0.0) {
         return 1.0;
     }
     let radius_px = min(parts.occlusion.near_radius_px * depth, parts.occlusion.max_radius_px);
-    // From relative distances to heights in radii.
+    // Converts relative distances to heights in radii.
     let heights = 0.5 * view.focal.y * view.viewport_px.y / radius_px;
     let facing = dot(normal, ray_through(vec2f(pixel) + 0.5));
     let last = vec2i(view.viewport_px) - 1;
@@ -26,7 +26,7 @@ fn openness(depths: texture_depth_2d, pixel: vec2i, normal: vec3f) -> f32 {
         let place = clamp(pixel + vec2i(floor(lines[index] * radius_px + 0.5)), vec2i(0), last);
         let aside = vec2f(place - pixel) / radius_px;
         let top = sqrt(max(1.0 - dot(aside, aside), 0.0));
-        // Where the plane is not seen from the eye, it is far behind the ball.
+        // Where the plane is not visible from the eye, it is far behind the ball.
         let facing_there = min(dot(normal, ray_through(vec2f(place) + 0.5)), -1e-6);
         let bottom = clamp(heights * (1.0 - facing / facing_there), -top, top);
         let depth_there = max(textureLoad(depths, place, 0), 1e-30);

@@ -1,10 +1,10 @@
-// Eye-dome lighting (Boucheny 2009): what stands behind its neighbours gets darker. Multiplies what is drawn, or its
-// sums, before the background is put behind them. The formula: scene/effects/eye_dome.rs.
+// Eye-dome lighting (Boucheny 2009): darkens what lies behind its neighbours. Multiplies the drawn colours, or their
+// sums, before the background is composited behind them. The formula: scene/effects/eye_dome.rs.
 
 #import common/fullscreen.wgsl
 #import common/view.wgsl
 
-// x: what a neighbour before the pixel adds; y: 1 where nothing is.
+// x: what a neighbour in front of the pixel adds; y: 1 where there is nothing.
 fn neighbour(pixel: vec2i, offset: vec2i, per_depth: f32, gain: f32) -> vec2f {
     let last = vec2i(view.viewport_px) - 1;
     let depth = textureLoad(depths, clamp(pixel + offset, vec2i(0), last), 0);

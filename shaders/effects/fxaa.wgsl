@@ -1,5 +1,5 @@
-// Fast approximate antialiasing (Lottes 2009): edges are found in the finished picture, and pixels beside them get as
-// much of their neighbour as the edge covers of them. How: render/effects/fxaa.
+// Fast approximate antialiasing (Lottes 2009): finds edges in the finished image, and blends pixels next to them with
+// their neighbour by the area that the edge covers. How: render/effects/fxaa.
 
 #import common/fullscreen.wgsl
 #import common/view.wgsl
@@ -17,8 +17,8 @@ fn luma_at(pixel: vec2i) -> f32 {
     return luma(color_at(pixel));
 }
 
-// How many pixels from `pixel` an edge between it and the one at `neighbor` ends; and how much lighter both sides are
-// there.
+// The distance in pixels from `pixel` to the end of the edge between it and the one at `neighbor`; and how much lighter
+// both sides are there.
 fn end_of_edge(pixel: vec2i, neighbor: vec2i, along: vec2i, border: f32, limit: f32) -> vec2f {
     var difference = 0.0;
     var steps = 0;
@@ -70,12 +70,12 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let nearest = select(ahead, back, back.x < ahead.x);
     // The edge turns towards this pixel where its nearer end has the luma of the other side.
     let turns_here = (nearest.y < 0.0) != (center < border);
-    // Lengths between the centres of pixels cover straight edges by their area: 0.06 of a pixel off on average on the
-    // outline of a cube, with four samples per pixel 0.09, without antialiasing 0.25.
+    // Lengths between pixel centres approximate the area coverage of straight edges: the error on the outline of a cube
+    // is 0.06 of a pixel on average, 0.09 with four samples per pixel, 0.25 without antialiasing.
     let share = select(0.0, 0.5 - (nearest.x - 0.5) / (back.x + ahead.x - 1.0), turns_here);
     let smooth_edge = mix(own, color_at(pixel + neighbor), share);
 
-    // Details smaller than a pixel are blended with all that is around.
+    // Details smaller than a pixel are blended with their surroundings.
     let detail = abs(0.25 * (north + south + west + east) - center) / contrast - FXAA_DETAIL;
     let blended = clamp(detail / (1.0 - FXAA_DETAIL), 0.0, FXAA_MAX_BLENDED);
     let sides = color_at(pixel + vec2i(0, -1)) + color_at(pixel + vec2i(0, 1)) + color_at(pixel + vec2i(-1, 0))

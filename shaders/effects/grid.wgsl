@@ -1,4 +1,4 @@
-// The grid on the ground, hidden by what is before it. The plane and its lines: scene/view/ground.rs.
+// The grid on the ground, occluded by what is in front of it. The plane and its lines: scene/view/ground.rs.
 
 #import common/fullscreen.wgsl
 #import common/view.wgsl
@@ -8,7 +8,8 @@ struct GridPixel {
     @builtin(frag_depth) depth: f32,
 }
 
-// How much of a pixel lines cover. `place` is along both axes, and grows by `per_px` with each pixel across the lines.
+// The fraction of a pixel that lines cover. `place` is along both axes, and grows by `per_px` per pixel across the
+// lines.
 fn lines(place: vec2f, per_px: vec2f, spacing: f32) -> f32 {
     let cells = place / spacing;
     let cell_px = spacing / per_px;
@@ -21,12 +22,12 @@ fn lines(place: vec2f, per_px: vec2f, spacing: f32) -> f32 {
 
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> GridPixel {
-    // Lines are as wide as pixels that are shown.
+    // Lines are as wide as the pixels of the displayed image.
     let slope_per_px = parts.grid.samples_per_edge * vec2f(2.0, -2.0) / (view.viewport_px * view.focal);
     let ray = ray_through(position.xy);
     let facing = dot(parts.grid.normal.xyz, ray);
     let distance = parts.grid.normal.w / facing;
-    // Along the plane, behind the eye and too near.
+    // Parallel to the plane, behind the eye or too near.
     if (abs(facing) < 1e-6 || distance <= view.near) {
         discard;
     }

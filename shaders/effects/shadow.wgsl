@@ -1,7 +1,7 @@
 // The shadow of the key light (Williams 1978; Reeves et al. 1987). How: scene/light/shadow.rs.
 
-// How much of the key light reaches a place in view space; the cosine between its normal and the way to the lamp is
-// `facing`.
+// The fraction of the key light that reaches a position in view space; `facing` is the cosine between its normal and
+// the direction to the lamp.
 fn light_of_key(shadow_map: texture_depth_2d, position: vec3f, normal: vec3f, facing: f32) -> f32 {
     if (parts.shadow.texel == 0.0 || facing <= 0.0) {
         return 1.0;
@@ -13,8 +13,7 @@ fn light_of_key(shadow_map: texture_depth_2d, position: vec3f, normal: vec3f, fa
     let aside = vec2f(dot(parts.shadow.lamp_from_view_x, place), dot(parts.shadow.lamp_from_view_y, place));
     let ndc = parts.shadow.focal * per_distance * aside;
     let depth = parts.shadow.near * per_distance;
-    // The corner of a square of 3×3 texels.
-    // It can begin between texels, so that shadow borders are continuous.
+    // The corner of a square of 3×3 texels. It may start between texels, so that shadow edges are continuous.
     let corner = (0.5 + vec2f(0.5, -0.5) * ndc) * SHADOW_EDGE_PX - 1.5;
     let first = floor(corner);
     let beyond = corner - first;

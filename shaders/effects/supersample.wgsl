@@ -1,4 +1,4 @@
-// The picture that is shown: each pixel is the mean of those that were drawn for it, as they are displayed.
+// The displayed image: each pixel is the mean of its display-referred samples.
 
 #import common/fullscreen.wgsl
 
@@ -9,9 +9,9 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     var sum = vec4f(0.0);
     for (var row = 0u; row < samples; row++) {
         for (var column = 0u; column < samples; column++) {
-            // Display-referred: averages of linear light would make bright sides of edges wider. As it is, edges look
-            // like those that splats blend, alpha can be found by drawing on black and on white, and flat areas keep
-            // their bytes.
+            // Display-referred: averaging linear light would widen the bright sides of edges. This way, edges match
+            // those blended by splats, alpha can be recovered by drawing on black and on white, and flat areas keep
+            // their exact bytes.
             sum += textureLoad(picture, first + vec2u(column, row), 0);
         }
     }

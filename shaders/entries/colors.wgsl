@@ -1,4 +1,4 @@
-// Fragments leave a colour.
+// Fragments write a colour.
 
 @vertex
 fn vertex(instance: Instance) -> Varyings {

@@ -1,4 +1,4 @@
-// Fragments leave a colour, and are at depths of their own.
+// Fragments write a colour and their own depth.
 
 @vertex
 fn vertex(instance: Instance) -> Varyings {

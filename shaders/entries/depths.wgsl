@@ -1,4 +1,4 @@
-// Fragments leave nothing beside depths of their own.
+// Fragments write only their own depth.
 
 @vertex
 fn vertex(instance: Instance) -> Varyings {

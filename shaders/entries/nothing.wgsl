@@ -1,4 +1,4 @@
-// Fragments leave nothing beside the depths of their quads.
+// Fragments write only the depths of their quads.
 
 @vertex
 fn vertex(instance: Instance) -> Varyings {

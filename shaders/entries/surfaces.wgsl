@@ -1,4 +1,4 @@
-// Fragments leave what deferred shading needs.
+// Fragments write the inputs of deferred shading.
 
 #import common/fragments.wgsl
 

@@ -1,4 +1,4 @@
-// Fragments leave what deferred shading needs, and are at depths of their own.
+// Fragments write the inputs of deferred shading and their own depth.
 
 #import common/fragments.wgsl
 

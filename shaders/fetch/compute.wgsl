@@ -1,4 +1,4 @@
-// Strategy `compute`: the corners were written by passes/amplify.wgsl; the vertex stage only hands them on.
+// Strategy `compute`: the corners were written by passes/amplify.wgsl; the vertex stage only passes them on.
 
 #import common/quads.wgsl
 #import generated/constants

@@ -1,11 +1,11 @@
-// Meshes, whatever the strategy: the vertex stage pulls triangles by index, and the vertices that they name.
+// Meshes, for all strategies: the vertex stage pulls triangles by index, and the vertices that they refer to.
 
 #import generated/amplification
 #import generated/constants
 
-// Mirrors: cloud/record.rs.
+// Mirrors cloud/record.rs.
 struct TriangleRecord {
-    // Three times the same vertex is a point.
+    // Three times the same vertex means a point.
     corners: vec3u,
     // Octahedral unit normal of the face, snorm16 x 2.
     normal: u32,
@@ -22,7 +22,7 @@ struct VertexRecord {
     texture: u32,
 }
 
-// Mirror: cloud/textures.rs.
+// Mirrors cloud/textures.rs.
 struct TexturePlace {
     first: u32,
     width: u32,

@@ -1,4 +1,4 @@
-// Strategy `uniform`: batches of BATCH_RECORDS and one draw for each.
+// Strategy `uniform`: batches of BATCH_RECORDS with one draw call each.
 
 #import common/records.wgsl
 #import generated/amplification

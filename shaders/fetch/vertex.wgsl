@@ -1,5 +1,5 @@
-// Strategy `vertex`: the hardware hands the record over as per-instance attributes. Packed colours and normals come as
-// integers and are unpacked like everywhere else, so that no adapter's own conversion changes the picture.
+// Strategy `vertex`: the hardware supplies the record as per-instance attributes. Packed colours and normals arrive as
+// integers and are unpacked as everywhere else, so that no adapter's own conversion changes the image.
 
 #import common/records.wgsl
 

@@ -1,4 +1,4 @@
-// Strategy `vertex` for primitives that need no shape: the second vertex buffer is neither uploaded nor bound.
+// Strategy `vertex` for primitives without a shape: the second vertex buffer is neither uploaded nor bound.
 
 #import common/records.wgsl
 

@@ -1,4 +1,5 @@
-// Attribute pass: sums colour times weight, and weight, of what lies at the surface. Additive blending, no depth write.
+// Attribute pass: sums colour times weight, and weight, of what lies on the visible surface. Additive blending, no
+// depth write.
 
 #import common/fragments.wgsl
 

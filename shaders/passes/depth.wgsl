@@ -1,3 +1,3 @@
-// Only depths, of whole quads.
+// Depth only, of whole quads.
 
 fn left(in: Varyings) {}

@@ -1,4 +1,4 @@
-// The picture of the visibility pass, Fig. 3 (c): near is light, far is dark, nothing is background.
+// Displays the depths of the visibility pass, Fig. 3 (c): near is light, far is dark, empty pixels show the background.
 
 #import common/fullscreen.wgsl
 #import common/view.wgsl

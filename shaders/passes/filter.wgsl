@@ -1,12 +1,12 @@
-// Brings the candidates of a sequential point tree together and marks those that are not drawn in a view. The rule is
-// that of levels/spheres/rule.rs. It is worked out in single floats with a bound on their error, and where that leaves
-// it open, in the double floats of the processor, so that both find the same nodes (Shewchuk 1997).
+// Gathers the candidates of a sequential point tree and marks those that are not drawn in a view. The rule is that of
+// levels/spheres/rule.rs. It is evaluated in single precision with an error bound, and where that is inconclusive, in
+// emulated double precision, so that GPU and CPU select the same nodes (Shewchuk 1997).
 
 #import common/f64.wgsl
 #import generated/bindings
 #import generated/constants
 
-// Mirror: levels/spheres/filter.rs. Numbers of which all bits count.
+// Mirrors levels/spheres/filter.rs. Floats that are needed bit for bit.
 struct NodeBounds {
     center: vec3u,
     sphere_radius: u32,
@@ -60,8 +60,8 @@ fn has_cone(node: NodeBounds) -> bool {
     return bitcast<f32>(node.cone_cosine) != -1.0 && (filtering.is_oriented == 1u || filtering.culls_back_faces == 1u);
 }
 
-// What single floats tell for certain. Errors are a few units in the last place (6e-8) of what is added up; roots of
-// numbers near 0 make 6e-8 to 2.5e-4.
+// The class as far as single precision determines it with certainty. Errors are a few units in the last place (6e-8) of
+// the summed terms; square roots of numbers near 0 turn 6e-8 into 2.5e-4.
 fn rough_node_class(node: NodeBounds) -> u32 {
     let center = bitcast<vec3f>(node.center);
     let radius = bitcast<f32>(node.sphere_radius);

@@ -1,4 +1,4 @@
-// Brings the records of selected nodes together, so that strategies draw them as they draw all records of a cloud.
+// Gathers the records of selected nodes, so that strategies draw them like all records of a cloud.
 
 #import generated/bindings
 #import generated/constants

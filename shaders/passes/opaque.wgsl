@@ -1,4 +1,4 @@
-// Hard disks, not blended.
+// Hard disks without blending.
 
 #import common/fragments.wgsl
 

@@ -1,5 +1,5 @@
-// What photographs say of each pixel, for the passes that look beyond it: colours with how sure they are, all or
-// nothing, and normals with what is known. As `fill_holes` has it: render/cpu/photos/push_pull.rs.
+// The image samples of each pixel, for the passes that look at its neighbourhood: colours with their confidence, all or
+// nothing, and normals with the kind of sample. Works like `fill_holes`: render/cpu/photos/push_pull.rs.
 
 #import common/blended_surface.wgsl
 #import common/fullscreen.wgsl

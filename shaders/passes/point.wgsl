@@ -1,4 +1,4 @@
-// Plain points: colours as they are, whatever the lighting.
+// Plain points: unlit colours, whatever the lighting.
 
 fn left(in: Varyings) -> vec4f {
     return vec4f(albedo(in), 1.0);

@@ -1,5 +1,5 @@
-// A level of half the size (Gortler et al. 1996, §3.5): the mean colour of four pixels, weighted by how sure they are,
-// as sure as all of them together, at most 1.
+// A level of half the size (Gortler et al. 1996, §3.5): the mean colour of four pixels, weighted by their confidence;
+// its confidence is their sum, at most 1.
 
 #import common/fullscreen.wgsl
 

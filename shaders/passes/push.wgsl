@@ -1,6 +1,6 @@
-// What is not quite sure takes the rest from between the pixels of the next coarser level (Gortler et al. 1996, §3.5):
-// blending leaves as much of this as is missing. The middle of a pixel lies a quarter of a coarser one from the middle
-// of the one that it is in, towards one on each axis.
+// Pixels of less than full confidence take the rest from the interpolated next coarser level (Gortler et al. 1996,
+// §3.5): blending adds exactly the missing fraction. The centre of a pixel is a quarter of a coarser pixel away from
+// the centre of the coarser pixel that contains it, towards one neighbour on each axis.
 
 #import common/fullscreen.wgsl
 

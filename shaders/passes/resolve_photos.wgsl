@@ -1,5 +1,5 @@
-// Resolve of a surface with photographs: as `resolve.wgsl` has it, and gaps in the surface are closed before. What a
-// gap is: scene/effects/gaps.rs.
+// Resolve of a surface textured from images: like `resolve.wgsl`, after closing the gaps in the surface. Definition of
+// a gap: scene/effects/gaps.rs.
 
 #import common/blended_surface.wgsl
 #import common/fullscreen.wgsl
@@ -7,11 +7,11 @@
 #import common/rims.wgsl
 #import generated/constants
 
-// The first pixel of the surface from another one on, or of what is beyond the picture.
+// The first pixel of the surface along a line from a pixel, or the first one outside the image.
 struct GapEnd {
     // 0: neither is within reach.
     steps: i32,
-    // Reversed; 0 beyond the picture.
+    // Reversed; 0 outside the image.
     depth: f32,
 }
 
@@ -19,7 +19,7 @@ fn sum_at(pixel: vec2i) -> vec4f {
     return textureLoad(lit_colors, pixel, 0);
 }
 
-// Reversed. That of the depth buffer is pushed back.
+// Reversed. The depth buffer has depths that are pushed back.
 fn depth_at(pixel: vec2i) -> f32 {
     return view.near / -blended_surface(vec2f(pixel) + 0.5).place.z;
 }
@@ -38,12 +38,12 @@ fn gap_end(pixel: vec2i, step: vec2i, max_value: i32) -> GapEnd {
     return GapEnd(0, 0.0);
 }
 
-// The reversed depth of what lies in the gap that a pixel is in; 0 if it is in none.
+// The reversed depth of the gap at a pixel; 0 if there is none.
 fn depth_in_gap(pixel: vec2i, widest: i32) -> f32 {
     var lines = PIXEL_LINES;
     var found = 0.0;
     var shortest = 1e30;
-    // The one that a slit is open along.
+    // The line along which a slit is open.
     var open_lines = 0;
     var is_at_border = false;
     for (var line = 0; line < 4; line++) {
@@ -75,7 +75,7 @@ fn depth_in_gap(pixel: vec2i, widest: i32) -> f32 {
     return select(0.0, found, open_lines == 0 || is_slit);
 }
 
-// What a pixel holds when gaps are closed, before specks are filled.
+// The colour of a pixel after gaps are closed, before specks are filled.
 struct Resolved {
     color: vec4f,
     is_in_gap: bool,
@@ -113,7 +113,8 @@ fn resolved(pixel: vec2i) -> Resolved {
     return Resolved(over_rim(pixel), is_in_gap);
 }
 
-// The first opaque pixel from another one on: its colour, and how many steps away it is; 0 if none is within reach.
+// The first opaque pixel along a line from a pixel: its colour, and how many steps away it is; 0 if none is within
+// reach.
 fn opaque_end(pixel: vec2i, step: vec2i, max_value: i32) -> vec4f {
     let size = vec2i(view.viewport_px);
     for (var steps = 1; steps <= max_value; steps++) {
@@ -129,8 +130,8 @@ fn opaque_end(pixel: vec2i, step: vec2i, max_value: i32) -> vec4f {
     return vec4f(0.0);
 }
 
-// The mean colour of the opaque pixels on both sides of one along each line, in shares by how near they are; the fourth
-// is 0 unless all of these pairs are no more than `widest` steps apart.
+// The mean colour of the opaque pixels on both sides of a pixel along each line, weighted by their nearness; the fourth
+// component is 0 unless each of these pairs is at most `widest` steps apart.
 fn mean_around(pixel: vec2i, widest: i32) -> vec4f {
     var lines = PIXEL_LINES;
     var sum = vec4f(0.0);

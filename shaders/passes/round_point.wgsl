@@ -1,4 +1,4 @@
-// Round points: the disk in the square, and in any case the pixel that the point is in.
+// Round points: the disk in the square, and always the pixel that contains the point.
 
 #import common/quads.wgsl
 

@@ -1,4 +1,4 @@
-// Opaque geometry among which points are round.
+// Opaque geometry with round points.
 
 #import common/quads.wgsl
 

@@ -1,19 +1,19 @@
-// Deferred shading (Hofer et al. 2018 §3.6): light falls on the blended surface, once for each pixel. Leaves sums of
-// lit colours and weights, as the attribute pass does without it. What light is: `blinn_phong.wgsl`, `physical.wgsl`.
-// What colours and normals are: `own_colors.wgsl`, `textured.wgsl`.
+// Deferred shading (Hofer et al. 2018 §3.6): lights the blended surface once per pixel. Writes sums of lit colours and
+// weights, like the attribute pass when there is no shading. Lighting: `blinn_phong.wgsl`, `physical.wgsl`. Colours and
+// normals: `own_colors.wgsl`, `textured.wgsl`.
 
 #import common/blended_surface.wgsl
 #import common/fullscreen.wgsl
 #import common/linear.wgsl
 #import effects/ambient_occlusion.wgsl
 
-// What light falls on.
+// The surface to be lit.
 struct Surface {
     // Display-referred.
     color: vec3f,
     // A factor on its opacity.
     opacity: f32,
-    // Towards the eye, of length 1; zero where nobody knows it: no light falls there.
+    // Towards the eye, unit length; zero where unknown: it is then left unlit.
     normal: vec3f,
 }
 
@@ -30,7 +30,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     }
     let open = openness(depths, vec2i(pixel), surface.normal);
     let light = lit(to_linear(surface.color), blended.place, surface.normal, blended.to_eye, open);
-    // Encoded again, and a sum again: blending with the background stays display-referred, so edges do not depend on
-    // the lighting, and resolve, eye-dome lighting and transparent backgrounds work as without it.
+    // Encoded again, and as a sum again: blending with the background stays display-referred, so edges do not depend on
+    // the lighting, and resolve, eye-dome lighting and transparent backgrounds work as they do without shading.
     return vec4f(to_display(min(light, vec3f(1.0))), 1.0) * (blended.weight * surface.opacity);
 }

@@ -1,5 +1,5 @@
 // One-pass splatting, Fig. 3 (a) and (b): the mask is the opacity. Corners of quads on surfaces are not discarded, so
-// with depth writing on they hide what is behind them: the square artefacts that the paper shows.
+// with depth writes on they hide what is behind them: the square artefacts shown in the paper.
 
 #import common/fragments.wgsl
 

@@ -1,4 +1,4 @@
-// Opaque geometry among which points are round, for deferred shading.
+// Opaque geometry with round points, for deferred shading.
 
 #import common/fragments.wgsl
 #import common/quads.wgsl

@@ -1,4 +1,4 @@
-// Splats for deferred shading: what they leave at the surface is summed up, or blended, by the masks. As in
+// Splats for deferred shading: their contributions at the surface are summed up, or blended, by the masks. As in
 // `splat.wgsl`, corners are not discarded.
 
 #import common/fragments.wgsl
@@ -8,7 +8,7 @@ fn left(in: Varyings) -> Surface {
     if (is_outside_surface(in)) {
         discard;
     }
-    // Surfaces have two sides: normals that are summed up must not cancel each other.
+    // Surfaces are two-sided: normals that are summed up must not cancel each other.
     let towards_eye = select(1.0, -1.0, dot(in.normal, ray_through(in.position.xy)) > 0.0);
     return surface(in, in.normal * towards_eye, mask_weight(place_on_splat(in)) * in.weight);
 }

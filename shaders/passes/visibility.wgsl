@@ -3,7 +3,7 @@
 #import common/fragments.wgsl
 
 fn left(in: Varyings) {
-    // The 4D media paper draws squares here; the mode `regular` keeps them, for the artefacts of its Fig. 3a.
+    // The 4D media paper draws squares here; the mode `regular` does too, for the artefacts of its Fig. 3a.
     if (is_outside_splat(in)) {
         discard;
     }

@@ -8,7 +8,7 @@ fn filtered(splat: Splat, center: vec3f) -> Splat {
     let per_distance = 1.0 / max(-midpoint.z, view.near);
     let u = px_along(splat.axes[0] * splat.scale, midpoint, per_distance);
     let v = px_along(splat.axes[1] * splat.scale, midpoint, per_distance);
-    // At least as of splats that are seen almost edge-on.
+    // At least as large as for splats that are seen almost edge-on.
     let min_value = pow2(MIN_COSINE * splat.scale * per_distance * view.px_per_slope.x);
     let uu = dot(u, u) + min_value * dot(splat.axes[0], splat.axes[0]);
     let vv = dot(v, v) + min_value * dot(splat.axes[1], splat.axes[1]);
@@ -29,13 +29,13 @@ fn pow2(value: f32) -> f32 {
     return value * value;
 }
 
-// How many pixels an edge reaches from a middle, as if it were short.
+// The extent in pixels of an edge from a midpoint, to first order.
 fn px_along(edge: vec3f, midpoint: vec3f, per_distance: f32) -> vec2f {
     let in_view = rotate_to_view(edge);
     return (in_view.xy + midpoint.xy * (in_view.z * per_distance)) * per_distance * view.px_per_slope;
 }
 
-// In the unit of the weight that hides the background.
+// In units of the weight at which the background is hidden.
 fn ewa_weight(height: f32) -> f32 {
     return height * OPAQUE_WEIGHT / mix(EWA_MEAN_WEIGHT, OPAQUE_WEIGHT, height);
 }

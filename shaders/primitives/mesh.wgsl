@@ -1,5 +1,5 @@
-// A triangle is half a quad: the fourth corner is the third once more. A vertex that belongs to no triangle is the
-// square of a point. So both are drawn by one call, in their order.
+// A triangle is half a quad: the fourth corner repeats the third. A vertex that belongs to no triangle is the square of
+// a point. So both are drawn by one call, in their order.
 
 #import common/light.wgsl
 #import common/linear.wgsl
@@ -15,7 +15,7 @@ struct Varyings {
     @location(0) quad: vec2f,
     @location(1) light: vec2f,
     @location(2) color: vec3f,
-    // In view space, of any length; zero for points, which get no light.
+    // In view space, of any length; zero for points, which are unlit.
     @location(3) normal: vec3f,
     @location(4) texture_place: vec2f,
     @location(5) @interpolate(flat) texture: u32,
@@ -45,7 +45,7 @@ fn varyings(instance: Instance) -> Varyings {
         center = center_from_eye(triangle.corners);
     }
     let light = light_at_vertex(lit_normal, center, offset);
-    // The picture of the first corner: the others have the same.
+    // The texture of the first corner: the others have the same.
     let texture = vertices[triangle.corners.x].texture;
     return Varyings(clip, vec2f(0.0), light, color, rotate_to_view(normal), vertex.texture_place, texture);
 }
@@ -57,8 +57,8 @@ fn center_from_eye(corners: vec3u) -> vec3f {
     return (a + b + c) / 3.0;
 }
 
-// The texels along an axis before and behind a coordinate, and how far it is from the first to the second. A coordinate
-// of 1 is the size, beyond which the picture repeats.
+// The texels along an axis on both sides of a coordinate, and the interpolation weight between them. A coordinate of 1
+// is the size of the texture, beyond which it repeats.
 fn between_texels(coordinate: f32, size: u32) -> vec3f {
     let last = f32(size) - 1.0;
     let at = fract(coordinate) * f32(size) - 0.5;
@@ -71,8 +71,8 @@ fn texel(picture: TexturePlace, column: f32, row: f32) -> vec3f {
     return unpack4x8unorm(texels[picture.first + u32(row) * picture.width + u32(column)]).rgb;
 }
 
-// Display-referred, between the four texels around a place.
-// Not a sampler: both renderers interpolate with the same arithmetic (`cloud/textures.rs`), without mip levels.
+// Display-referred, bilinear between the four texels around a position. Not a sampler: both renderers interpolate with
+// the same arithmetic (`cloud/textures.rs`), without mip levels.
 fn texture_color(picture: TexturePlace, place: vec2f) -> vec3f {
     let x = between_texels(place.x, picture.width);
     let y = between_texels(place.y, picture.height);
@@ -81,7 +81,7 @@ fn texture_color(picture: TexturePlace, place: vec2f) -> vec3f {
     return mix(upper, lower, y.z);
 }
 
-// Nothing of a mesh is a splat.
+// Meshes contain no splats.
 fn place_on_splat(in: Varyings) -> vec2f {
     return in.quad;
 }
@@ -96,7 +96,7 @@ fn albedo(in: Varyings) -> vec3f {
         return in.color;
     }
     let color = texture_color(texture_places[in.texture], in.texture_place);
-    // As light is.
+    // Multiplied in linear light.
     return to_display(to_linear(color) * to_linear(in.color));
 }
 

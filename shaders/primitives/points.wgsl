@@ -1,5 +1,5 @@
-// A point is a square that faces the screen; one of a pixel is one vertex of a point list. What is known of it beside
-// its place and its colour: `points_*.wgsl`.
+// A point is a square that faces the screen; one-pixel points are single vertices of a point list. Attributes beyond
+// position and colour: `points_*.wgsl`.
 
 #import common/quads.wgsl
 #import common/view.wgsl
@@ -23,7 +23,7 @@ fn amplified_vertex(instance: Instance) -> SplatVertex {
         let half = max(half_edge * view.focal, min_value);
         place += vec3f(corner * half / view.focal, 0.0);
         clip += vec4f(corner * half, 0.0, 0.0);
-        // ε-z, as of surfels.
+        // ε-z, as for surfels.
         clip.z /= 1.0 + view.depth_slack * (half.y / view.focal.y) / max(length(center), view.near);
     }
     let light = point_light(shape, center, place);

@@ -1,4 +1,4 @@
-// Nothing else is known of a point.
+// Points without further attributes.
 
 #import common/records.wgsl
 

@@ -1,6 +1,5 @@
-// A surfel is a square of pixels around its picture, which faces the screen (Sainz and Pajarola 2004 §5.1). Where on
-// its disk a fragment is, and how far away, is worked out there: exact in every pixel, without vertices on the disk
-// between which anything is interpolated.
+// A surfel is a screen-aligned square around its projection (Sainz and Pajarola 2004 §5.1). The position on its disk
+// and the depth are computed per fragment: exact in every pixel, without interpolation between vertices on the disk.
 
 #import common/facet.wgsl
 #import common/fragments.wgsl
@@ -13,7 +12,7 @@
 
 struct Varyings {
     @builtin(position) position: vec4f,
-    // The functions of the facet; the fourth number of W is the depth for each unit of it.
+    // The functions of the facet; the fourth component of W is the depth per unit of it.
     @location(0) @interpolate(flat) p: vec3f,
     @location(1) @interpolate(flat) q: vec3f,
     @location(2) @interpolate(flat) w: vec4f,
@@ -23,7 +22,7 @@ struct Varyings {
     @location(5) @interpolate(flat) normal: vec3f,
     // Factor on the mask.
     @location(6) @interpolate(flat) weight: f32,
-    // The pixel that the middle is in, and its reversed depth; 0 where it is not in front of the eye.
+    // The pixel that contains the centre, and its reversed depth; 0 where it is not in front of the eye.
     @location(7) @interpolate(flat) midpoint: vec3f,
 }
 
@@ -46,7 +45,7 @@ fn varyings(instance: Instance) -> Varyings {
     let facet = facet_of(seen);
     let slack = slack_of(splat, center);
     let clip = sprite_corner(seen, facet, slack, quad_corner(vertex_of_record(instance)));
-    // There is no other vertex on the disk than its middle.
+    // The centre is the only vertex on the disk.
     let light = light_at_vertex(n, center, center);
     let color = side_color(point.color, dot(n, center));
     let w = vec4f(facet.w, facet.depth_per_w / slack);
@@ -63,8 +62,8 @@ fn center_of(seen: Patch) -> vec3f {
     return vec3f((0.5 + vec2f(0.5, -0.5) * ndc) * view.viewport_px, seen.near / -seen.c.z);
 }
 
-// A corner of the square at the nearest depth of the disk: no fragment is nearer, so that what lies behind other
-// splats can be left out before it is worked out.
+// A corner of the square at the nearest depth of the disk: no fragment is nearer, so that what lies behind other splats
+// is rejected before it is shaded.
 fn sprite_corner(seen: Patch, facet: Facet, slack: f32, corner: vec2f) -> vec4f {
     let outline = outline_of(seen);
     let is_culled = view.back_faces == BACK_FACES_CULLED && faces_away(seen);
@@ -88,8 +87,8 @@ fn sprite_corner(seen: Patch, facet: Facet, slack: f32, corner: vec2f) -> vec4f 
     return vec4f(place, min(depth, 1.0), 1.0);
 }
 
-// Where a fragment is on its disk, half axes being 1 long; beside it where the disk is nearer than the near plane, or
-// behind the eye.
+// The position of a fragment on its disk, in units of the half axes; outside it where the disk is nearer than the near
+// plane, or behind the eye.
 fn place_on_disk(in: Varyings) -> vec2f {
     let ray = ray_through(in.position.xy);
     let w = dot(in.w.xyz, ray);
@@ -99,7 +98,7 @@ fn place_on_disk(in: Varyings) -> vec2f {
     return vec2f(dot(in.p, ray), dot(in.q, ray)) / w;
 }
 
-// Where a fragment is in the least splat, whose radius is some pixels.
+// The position of a fragment on the minimum splat, whose radius is in pixels.
 fn place_on_min_splat(in: Varyings) -> vec2f {
     if (view.clamp_radius_px == 0.0 || in.midpoint.z == 0.0) {
         return vec2f(2.0);
@@ -107,7 +106,7 @@ fn place_on_min_splat(in: Varyings) -> vec2f {
     return (in.position.xy - in.midpoint.xy) / view.clamp_radius_px;
 }
 
-// Whether the least splat is stronger there than the disk.
+// Whether the minimum splat has more weight there than the disk.
 fn is_on_min_splat(in: Varyings) -> bool {
     let on_disk = place_on_disk(in);
     let on_min = place_on_min_splat(in);
@@ -118,13 +117,12 @@ fn place_on_splat(in: Varyings) -> vec2f {
     return select(place_on_disk(in), place_on_min_splat(in), is_on_min_splat(in));
 }
 
-// Of the square only the disk is on the surface.
+// Only the disk within the square is on the surface.
 fn is_outside_surface(in: Varyings) -> bool {
     return is_outside_splat(in);
 }
 
-// Reversed.
-// At most that of the square: the early depth test relies on no fragment being nearer than that.
+// Reversed. At most that of the square: the early depth test relies on no fragment being nearer.
 fn depth_of(in: Varyings) -> f32 {
     let on_plane = dot(in.w.xyz, ray_through(in.position.xy)) * in.w.w;
     return min(select(on_plane, in.midpoint.z, is_on_min_splat(in)), in.position.z);

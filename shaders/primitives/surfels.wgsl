@@ -38,16 +38,16 @@ fn surfel_vertex(point: PointRecord, shape: ShapeRecord, corner: u32) -> SplatVe
     return SplatVertex(clip, color, shape.normal, pack2x16unorm(light), splat.weight);
 }
 
-// Back-face culling: true unless the whole surfel faces away. Errs towards true: the rasteriser has the last word, and
-// where a surfel of a pixel or so is seen nearly edge on, that may turn it around. It rounds corners to a grid, of 1/16
-// pixel on the coarsest adapters: half a cell along both axes changes the area of a triangle as if the disk was 0.08
-// pixels thicker or thinner.
+// Back-face culling: true unless the whole surfel faces away. Errs on the side of true: the rasteriser decides, and may
+// flip a surfel of about one pixel that is seen nearly edge-on. It snaps corners to a grid, of 1/16 pixel on the
+// coarsest adapters: half a cell along both axes changes the area of a triangle as if the disk were 0.08 pixels thicker
+// or thinner.
 fn surfel_may_face_eye(point: PointRecord, shape: ShapeRecord, reach: f32) -> bool {
     let to_eye = -offset_from_eye(point.position);
     let distance = length(to_eye);
     let facing = dot(oct_decode(shape.normal), to_eye);
     let px_per_slope = min(view.px_per_slope.x, view.px_per_slope.y);
-    // As thick as its disk is seen where it is farthest, beside 1/8 pixel.
+    // The projected thickness of the disk at its farthest, compared with 1/8 pixel.
     let is_thin = -facing * reach * px_per_slope < 0.125 * SQUARE_REACH_RADII * distance * (distance + reach);
     return view.back_faces != BACK_FACES_CULLED || facing > -1e-3 * distance || is_thin;
 }

@@ -1,4 +1,4 @@
-// Light falls on the faces of a voxel.
+// Lights the faces of a voxel.
 
 #import common/records.wgsl
 #import primitives/voxels.wgsl

@@ -1,4 +1,4 @@
-// Light falls on the surface in a voxel instead of on its faces.
+// Lights the surface inside a voxel instead of its faces.
 
 #import common/records.wgsl
 #import primitives/voxels.wgsl

@@ -1,13 +1,13 @@
-// Visible points in cells of the picture, in a pyramid of them. Twin of analysis/screen/cells.rs.
+// Visible points in a pyramid of screen cells. Twin of analysis/screen/cells.rs.
 
 #import screen_normals/view.wgsl
 
-// Cells of a level.
+// Number of cells of a level along both axes.
 fn level_size(level: u32) -> vec2u {
     return (screening.size_px >> vec2u(level)) + 1u;
 }
 
-// Levels lie one behind the other.
+// Levels are stored one after the other.
 fn cell_at(level: u32, place: vec2u) -> u32 {
     var start = 0u;
     for (var finer = 0u; finer < level; finer++) {
@@ -17,7 +17,7 @@ fn cell_at(level: u32, place: vec2u) -> u32 {
     return start + place.y * level_size(level).x + place.x;
 }
 
-// The level whose windows hold a radius.
+// The level whose windows cover a radius.
 fn level_of(radius_px: f32) -> u32 {
     let cells_reached = radius_px / MAX_REACH_CELLS;
     var level = 0u;
@@ -27,26 +27,26 @@ fn level_of(radius_px: f32) -> u32 {
     return level;
 }
 
-// The radius in which neighbours of a point are looked for, in pixels.
+// The search radius for neighbours of a point, in pixels.
 fn radius_px_at(depth: f32) -> f32 {
     return max(screening.radius * px_per_unit() / depth, MIN_RADIUS_PX);
 }
 
-// Of the nearest points of the finest cells, the first.
+// Chooses the first of the nearest points of each of the finest cells.
 @compute @workgroup_size(GROUP_RECORDS)
 fn choose(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= found.visible) {
         return;
     }
     let cell = places[places[screening.point_count + id.x]];
-    // WGSL has no atomics of 64 bits: `compact` found the nearest depth of each cell, and this pass finds the first
-    // point of that depth. Depths and cells are the stored ones: computed again, they might be fused differently.
+    // WGSL has no 64-bit atomics: `compact` found the nearest depth of each cell, and this pass finds the first point
+    // at that depth. Depths and cells are the stored ones: recomputed, they might be fused differently.
     if (atomicLoad(&cell_keys[3u * cell]) == ~bitcast<u32>(seen_points[id.x].w)) {
         atomicMax(&cell_keys[3u * cell + 1u], ~id.x);
     }
 }
 
-// The cells of a level: of the finest one as they are, of each other one from four finer ones.
+// The cells of a level: the finest one is taken as is, each other one is built from four finer cells.
 @compute @workgroup_size(GROUP_RECORDS)
 fn coarsen(@builtin(global_invocation_id) id: vec3u) {
     let level = screening.level;

@@ -1,4 +1,4 @@
-// Occlusion culling: points that others hide. Twin of analysis/screen/cull.rs.
+// Occlusion culling: drops points that others hide. Twin of analysis/screen/cull.rs.
 
 #import common/scan.wgsl
 #import screen_normals/cells.wgsl
@@ -8,7 +8,7 @@
 var<workgroup> group_nearest: atomic<u32>;
 var<workgroup> group_farthest: atomic<u32>;
 
-// Every point leaves its depth at the pixel of its middle.
+// Every point writes its depth at the pixel of its centre.
 @compute @workgroup_size(GROUP_RECORDS)
 fn draw(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
     if (id.x < screening.point_count) {
@@ -17,14 +17,13 @@ fn draw(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_inde
         let is_hole = screening.has_holes != 0u && point.color == 0u;
         var depth = 0u;
         if (is_in_picture(seen) && !is_hole) {
-            // Positive f32 are ordered as their bits are.
+            // Positive f32 have the same order as their bits.
             depth = bitcast<u32>(seen.depth);
             let pixel = vec2u(seen.place_px);
             atomicMax(&nearest[pixel.y * screening.size_px.x + pixel.x], ~depth);
             atomicMax(&group_nearest, ~depth);
         }
-        // Stored for `cull`: computed again it might be fused differently, and a point would not be found in its own
-        // pixel.
+        // Stored for `cull`: recomputed it might be fused differently, and a point would not be found in its own pixel.
         places[id.x] = depth;
     }
     workgroupBarrier();
@@ -37,7 +36,7 @@ fn stride() -> u32 {
     return screening.size_px.x + 2u * BORDER_PX;
 }
 
-// Puts a border around the picture.
+// Adds a border around the image.
 @compute @workgroup_size(GROUP_RECORDS)
 fn frame(@builtin(global_invocation_id) id: vec3u) {
     let size = screening.size_px;
@@ -45,7 +44,7 @@ fn frame(@builtin(global_invocation_id) id: vec3u) {
     if (place.y >= size.y + 2u * BORDER_PX) {
         return;
     }
-    // Beside the picture they are too large.
+    // Outside the image they wrap around to large values.
     let pixel = place - BORDER_PX;
     var depth = NO_DEPTH;
     if (all(pixel < size)) {
@@ -93,7 +92,7 @@ fn first_sum() -> u32 {
     return 2u * screening.point_count;
 }
 
-// Turns sums of workgroups into places of their first points, and tells which cells there are.
+// Turns sums of workgroups into the indices of their first points, and determines which levels of cells exist.
 @compute @workgroup_size(GROUP_RECORDS)
 fn scan(@builtin(local_invocation_index) local: u32) {
     let groups = (screening.point_count + GROUP_RECORDS - 1u) / GROUP_RECORDS;
@@ -120,8 +119,8 @@ fn scan(@builtin(local_invocation_index) local: u32) {
     }
 }
 
-// What is nearer than this covers a pixel so many steps away: a point is as wide as the diagonal of a square of the
-// spacing.
+// Anything nearer than this covers a pixel at this number of steps: a point is as wide as the diagonal of a square of
+// the spacing.
 fn covers_below(steps: vec2u) -> vec2f {
     let half_width_px = 0.5 * sqrt(2.0) * screening.spacing * abs(screening.px_per_slope);
     let reach = half_width_px / max(vec2f(steps) - 0.5, vec2f(0.5));
@@ -135,7 +134,7 @@ fn is_hidden(place_px: vec2f, depth: f32) -> bool {
     let own = depths[center];
     let smallest = covers_below(vec2u(1u));
     if (own < depth && depth > min(smallest.x, smallest.y)) {
-        // Of points that are smaller than a pixel, the nearest one survives.
+        // Of points smaller than a pixel, the nearest one survives.
         return true;
     }
     if (own >= limit && !is_covered(center, limit)) {
@@ -144,12 +143,12 @@ fn is_hidden(place_px: vec2f, depth: f32) -> bool {
     return !is_on_plane_of_nearer(center, place_px - vec2f(pixel) - 0.5, depth);
 }
 
-// Whether what is nearer than `limit` covers the pixel in the middle.
+// Whether anything nearer than `limit` covers the pixel at the centre.
 fn is_covered(center: u32, limit: f32) -> bool {
     let nearest_depth = bitcast<f32>(~atomicLoad(&found.nearest));
     for (var row = 0u; row <= MAX_REACH_PX; row++) {
         if (row > 0u) {
-            // As far as the nearest of all points reaches.
+            // Up to the reach of the nearest of all points.
             let reach = covers_below(vec2u(row));
             if (nearest_depth >= max(reach.x, reach.y)) {
                 break;
@@ -172,7 +171,7 @@ fn is_covered(center: u32, limit: f32) -> bool {
     return false;
 }
 
-// Lists the visible points in their order, and leaves their depths in the finest cells.
+// Lists the visible points in their order, and writes their depths to the finest cells.
 @compute @workgroup_size(GROUP_RECORDS)
 fn compact(@builtin(global_invocation_id) id: vec3u, @builtin(workgroup_id) group: vec3u) {
     if (id.x >= screening.point_count) {
@@ -185,7 +184,7 @@ fn compact(@builtin(global_invocation_id) id: vec3u, @builtin(workgroup_id) grou
     let place = places[first_sum() + group.x] + rank;
     let seen = see(points[id.x].position);
     places[screening.point_count + place] = id.x;
-    // Depth, and the cell below, are stored for `choose`: computed again there, they might be fused differently.
+    // Depth, and the cell below, are stored for `choose`: recomputed there, they might be fused differently.
     seen_points[place] = vec4f(seen.offset, seen.depth);
     let finest = found.finest;
     let cell = cell_at(finest, min(vec2u(seen.place_px), screening.size_px - 1u) >> vec2u(finest));

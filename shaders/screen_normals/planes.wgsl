@@ -1,4 +1,4 @@
-// Planes through the neighbours of points in a picture, and the records that are drawn. Twin of
+// Planes fitted to the neighbours of points on the screen, and the records that are drawn. Twin of
 // analysis/screen/planes.rs.
 
 #import common/oct_encode.wgsl
@@ -9,14 +9,14 @@
 // The neighbours of a point within a radius.
 struct Neighbourhood {
     radius: f32,
-    // How many cells have one.
+    // How many cells contain a neighbour.
     found: f32,
-    // How many points there are.
+    // The total number of points.
     points: f32,
     covariance: Symmetric,
 }
 
-// Writes the records of some visible points, and those of nothing where there are no more.
+// Writes the records of a range of visible points, and empty records after the last one.
 @compute @workgroup_size(GROUP_RECORDS)
 fn surface(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= screening.count) {
@@ -44,8 +44,8 @@ fn surface(@builtin(global_invocation_id) id: vec3u) {
     normals[place] = select(NO_NORMAL, shape.normal, is_plane(around));
 }
 
-// Gives points that have no plane the normal of the nearest neighbour that has one, in the smallest neighbourhood that
-// has such.
+// Gives points without a plane the normal of the nearest neighbour that has one, in the smallest neighbourhood with
+// such a neighbour.
 @compute @workgroup_size(GROUP_RECORDS)
 fn lend(@builtin(global_invocation_id) id: vec3u) {
     let place = screening.first + id.x;
@@ -80,20 +80,20 @@ fn lend(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-// Cells of a level.
+// A window of cells in a level.
 struct Window {
     // The first cell of the level.
     start: u32,
-    // Cells of a row of the level.
+    // Cells per row of the level.
     width: i32,
     first: vec2i,
     last: vec2i,
-    // The radius that it holds.
+    // The radius that it covers.
     radius: f32,
 }
 
-// The cells within a radius, or within the largest one that there are cells for: a window of `eights` times eight cells
-// at most, of the finest level that holds it.
+// The cells within a radius, or within the largest one that the cells cover: a window of at most `eights` times eight
+// cells, of the finest level that covers it.
 fn window_of(seen: Seen, wanted_radius: f32, eights: u32) -> Window {
     let px = px_per_unit() / seen.depth;
     let radius_px = min(wanted_radius * px, MAX_REACH_CELLS * f32(1u << found.coarsest));
@@ -102,7 +102,7 @@ fn window_of(seen: Seen, wanted_radius: f32, eights: u32) -> Window {
     let reach = min(radius_px * per_px, MAX_REACH_CELLS * f32(eights));
     let size = vec2i(level_size(level));
     let cells_px = seen.place_px * per_px;
-    // Places are rounded towards zero, so all are made positive first.
+    // Conversion to integers rounds towards zero, so all values are made positive first.
     let before = f32(CELLS_BEFORE);
     let begin = vec2i(max(cells_px - reach + before, vec2f(0.0))) - i32(CELLS_BEFORE);
     let edge = i32(eights * CELLS_OF_WINDOW);
@@ -162,7 +162,7 @@ fn shape_of(seen: Seen, around: Neighbourhood) -> ShapeRecord {
     return shape_with_normal(seen, normal, min(radius, usual_radius), around.radius);
 }
 
-// A shape with a plane, whose normal is turned, and whose radius closes rows of pixels.
+// A shape with a plane: its normal is oriented, and its radius closes rows of pixels.
 fn shape_with_normal(seen: Seen, normal: vec3f, radius: f32, neighbourhood_radius: f32) -> ShapeRecord {
     let px = seen.depth / px_per_unit();
     let outwards = select(vec3f(0.0), screening.sensor, screening.has_sensor == 1u) - seen.offset;
@@ -170,7 +170,7 @@ fn shape_with_normal(seen: Seen, normal: vec3f, radius: f32, neighbourhood_radiu
     if (0.5 * sqrt(2.0) * screening.spacing > 0.5 * px) {
         return ShapeRecord(oct_encode(turned), radius, 0u, 0.0);
     }
-    // One point a pixel is left, and it closes its row.
+    // Only one point per pixel is left, and it closes its row.
     let cosine = max(abs(dot(normal, seen.offset)) / length(seen.offset), MIN_POSITIVE);
     let closing = min(CLOSING_ROWS_PX * px / cosine, 2.0 * neighbourhood_radius);
     return ShapeRecord(oct_encode(turned), max(radius, closing), 0u, 0.0);

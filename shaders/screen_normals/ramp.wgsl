@@ -1,9 +1,10 @@
-// Surfaces that are seen from the side: what is nearer there covers nothing, it is the same surface. Twin of
+// Surfaces seen at grazing angles: nearer points there occlude nothing, they belong to the same surface. Twin of
 // analysis/screen/ramp.rs.
 
 #import screen_normals/view.wgsl
 
-// Sums over the nearer pixels of a window: how many, of columns and rows and their products, of the values and theirs.
+// Sums over the nearer pixels of a window: their count, columns and rows and their products, the values and their
+// products with these.
 struct RampSums {
     count: f32,
     column: f32,
@@ -16,7 +17,7 @@ struct RampSums {
     value_row: f32,
 }
 
-// Whether a point that something covers lies on the plane of what is nearer than itself by more than the spacing.
+// Whether an occluded point lies on the plane of the points that are nearer than itself by more than the spacing.
 fn is_on_plane_of_nearer(center: u32, place_px: vec2f, depth: f32) -> bool {
     if (is_enclosed(center, depth - screening.radius)) {
         return false;
@@ -31,7 +32,7 @@ fn is_on_plane_of_nearer(center: u32, place_px: vec2f, depth: f32) -> bool {
     let columns = sums.count * sums.columns - sums.column * sums.column;
     let rows = sums.count * sums.rows - sums.row * sums.row;
     let mixed = sums.count * sums.mixed - sums.column * sums.row;
-    // Of whole numbers, so a line has no spread at all.
+    // Integer arithmetic, so a line has exactly zero spread.
     let spread = columns * rows - mixed * mixed;
     if (spread < 1.0) {
         return false;
@@ -45,7 +46,7 @@ fn is_on_plane_of_nearer(center: u32, place_px: vec2f, depth: f32) -> bool {
     return before - 0.5 * (abs(column_slope) + abs(row_slope)) <= screening.radius / depth;
 }
 
-// Whether a point is covered on all sides, as most are that are hidden: known without a plane.
+// Whether a point is covered on all sides, as most hidden points are: decided without fitting a plane.
 fn is_enclosed(center: u32, limit: f32) -> bool {
     let above = center - MAX_REACH_PX * stride();
     let under = center + MAX_REACH_PX * stride();
@@ -55,7 +56,7 @@ fn is_enclosed(center: u32, limit: f32) -> bool {
     return max(max(before, after), neighbor) < limit;
 }
 
-// Of the inverse depths, in units of the point's own, less one; in a window that reaches so many pixels.
+// Sums of inverse depths, in units of the point's own, less one; in a window that extends `reach` pixels.
 fn ramp_sums(center: u32, depth: f32, reach: i32) -> RampSums {
     let limit = depth - screening.spacing;
     var sums = RampSums();

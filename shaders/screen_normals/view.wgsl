@@ -1,28 +1,28 @@
-// Surfels of the screen: what a picture shows of a cloud, and the surface around each of those points. Twin of
-// analysis/screen, whose files have the names of these and say why.
+// Screen-space surfels: what an image shows of a cloud, and the surface around each of those points. Twin of
+// analysis/screen, whose files have the same names as these and give the reasons.
 //
-// Passes one after the other: `draw` and `frame` make the picture of depths, `cull` and `scan` tell which points it
-// shows, `compact` lists them in their order, `choose` and `coarsen` put them into cells, `surface` writes the records
-// that are drawn, and `lend` gives normals to those without. What a pass has worked out is read by those after it and
-// not worked out again: adapters may fuse the same operations differently in two programs.
+// Passes in order: `draw` and `frame` make the depth image, `cull` and `scan` determine which points it shows,
+// `compact` lists them in their order, `choose` and `coarsen` sort them into cells, `surface` writes the records that
+// are drawn, and `lend` gives normals to those without. The result of a pass is read by later ones and not recomputed:
+// adapters may fuse the same operations differently in two programs.
 
 #import common/records.wgsl
 #import generated/bindings
 #import generated/constants
 #import generated/screen_normals
 
-// What is known of all points. It begins with zeros, so of depths that are to be small it has the inverted bits.
+// Results over all points. Zero-initialised, so depths that are minimised are stored with their bits inverted.
 struct Found {
     nearest: atomic<u32>,
     nearest_visible: atomic<u32>,
     farthest_visible: atomic<u32>,
     visible: u32,
-    // Levels of cells that there are.
+    // Range of the levels of cells.
     finest: u32,
     coarsest: u32,
 }
 
-// A point in the picture.
+// A point on the screen.
 struct Seen {
     offset: vec3f,
     depth: f32,
@@ -40,14 +40,14 @@ fn seen_from_eye(offset: vec3f) -> Seen {
     return Seen(offset, depth, in_view.xy / depth * screening.px_per_slope + screening.center_px);
 }
 
-// Whether a point is behind the near plane and its middle in the picture; nothing that is no number is.
+// Whether a point is beyond the near plane and its centre in the image; false for NaN.
 fn is_in_picture(seen: Seen) -> bool {
     let is_before_end = seen.depth >= screening.near && seen.depth > 0.0 && seen.depth < NO_DEPTH;
     let size = vec2f(screening.size_px);
     return is_before_end && all(seen.place_px >= vec2f(0.0)) && all(seen.place_px < size);
 }
 
-// Pixels that a length covers at a distance of 1, along the axis where these are most.
+// Pixels covered by a unit length at distance 1, along the axis with more pixels.
 fn px_per_unit() -> f32 {
     let px = abs(screening.px_per_slope);
     return max(px.x, px.y);

@@ -1,4 +1,4 @@
-// Whether each of the neighbours is darker. Twin of stereo/matching/census.rs.
+// Census transform: whether each of the neighbours is darker. Twin of stereo/matching/census.rs.
 
 #import stereo/pair.wgsl
 
@@ -8,7 +8,7 @@ fn census(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= size.x || id.y >= 2u * size.y) {
         return;
     }
-    // The right image is below the left one.
+    // The right image is stored below the left one.
     let is_right = id.y >= size.y;
     let first = select(0u, pixel_count(), is_right);
     let pixel = vec2u(id.x, id.y - select(0u, size.y, is_right));

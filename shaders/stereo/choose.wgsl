@@ -1,4 +1,4 @@
-// Which winners stay, and their places by a parabola. Twin of stereo/matching/winner.rs and
+// Selects which winners are retained, and refines their positions by a parabola. Twin of stereo/matching/winner.rs and
 // stereo/matching/contrast.rs.
 
 #import stereo/exact_share.wgsl
@@ -8,7 +8,7 @@ fn winner_at(index: u32) -> u32 {
     return winners[index] & (IS_UNIQUE - 1u);
 }
 
-// Whether the partner's own partner is at most 1 px away.
+// Whether the match is consistent with the reverse match to within 1 px.
 fn agrees(pixel: vec2u, label: u32) -> bool {
     let partner = partner_of(pixel.x, label);
     if (partner < 0 || partner >= i32(matching.size_px.x)) {
@@ -18,7 +18,7 @@ fn agrees(pixel: vec2u, label: u32) -> bool {
     return abs(i32(of_partner) - i32(label)) <= 1;
 }
 
-// Whether the window of the census shows nothing.
+// Whether the census window has no contrast.
 fn is_even(pixel: vec2u) -> bool {
     let reach = vec2i(CENSUS_HALF_WIDTH, CENSUS_HALF_HEIGHT);
     let first = max(vec2i(pixel) - reach, vec2i(0));
@@ -35,12 +35,12 @@ fn is_even(pixel: vec2u) -> bool {
     return max_value - min_value <= EVEN_WINDOW;
 }
 
-// The sum of a label of a pixel.
+// The summed cost of a label at a pixel.
 fn sum_at(index: u32, label: u32) -> u32 {
     return (sums[index * word_count() + label / 2u] >> (16u * (label % 2u))) & 0xffffu;
 }
 
-// The lowest place of a parabola through sums of the pixels beside this one.
+// The minimum of a parabola through the summed costs of the neighbouring pixels in the row.
 fn lowest(pixel: vec2u, label: u32) -> f32 {
     if (label == 0u || label + 1u == matching.count) {
         return 0.0;

@@ -1,7 +1,7 @@
-// Quotients as processors have them. Adapters may divide with an error of some units in the last place; then neighbours
-// that are exactly a pixel apart would be near one another on one adapter and not on the other.
+// Quotients rounded as on CPUs. Adapters may divide with an error of some units in the last place; then neighbours that
+// are exactly a pixel apart would count as near one another on one adapter and not on another.
 
-// `part` of `whole`, from -1 to 1, rounded to the nearest number. Preconditions: 0 < whole < 2^24.
+// `part` of `whole`, from -1 to 1, rounded to the nearest number. Precondition: 0 < whole < 2^24.
 fn exact_share(part: i32, whole: i32) -> f32 {
     let size = u32(abs(part));
     let divisor = u32(whole);
@@ -11,8 +11,8 @@ fn exact_share(part: i32, whole: i32) -> f32 {
     if (size >= divisor) {
         return f32(sign(part));
     }
-    // Long division until there are 24 digits and one more, which says where to round: no quotient of such numbers is
-    // in the middle between two of 24 digits.
+    // Long division to 24 digits and one more, which decides the rounding: no quotient of such numbers is halfway
+    // between two of 24 digits.
     var rest = size;
     var digits = 0u;
     var exponent = 0;
@@ -26,7 +26,7 @@ fn exact_share(part: i32, whole: i32) -> f32 {
         }
     }
     let rounded = (digits >> 1u) + (digits & 1u);
-    // A power of 2 by its bits: adapters may work it out with an error, too.
+    // A power of 2 from its bit pattern: adapters may compute it with an error, too.
     let unit = bitcast<f32>(u32(exponent + 1 + 127) << 23u);
     return f32(sign(part)) * f32(rounded) * unit;
 }

@@ -1,4 +1,4 @@
-// The median of the 3 × 3 pixels that have a label, as a disparity. Twin of stereo/matching/filters.rs.
+// The median of the labelled pixels among 3 × 3, as a disparity. Twin of stereo/matching/filters.rs.
 
 #import stereo/pair.wgsl
 
@@ -14,7 +14,7 @@ fn median(@builtin(global_invocation_id) id: vec3u) {
     }
     let first = max(vec2i(id.xy) - 1, vec2i(0));
     let last = min(vec2i(id.xy) + 1, vec2i(matching.size_px) - 1);
-    // In order.
+    // Sorted.
     var around: array<f32, 9>;
     var count = 0;
     for (var y = first.y; y <= last.y; y++) {

@@ -1,9 +1,9 @@
-// Disparities of rectified pairs. Twin of `stereo`, whose files say why: census.rs, semi_global and local.rs, winner.rs
-// and contrast.rs, refine.rs, filters.rs.
+// Disparities of rectified pairs. Twin of `stereo`, whose files give the reasons: census.rs, semi_global and local.rs,
+// winner.rs and contrast.rs, refine.rs, filters.rs.
 //
-// Passes one after the other: `census` of both images; `along_path` eight times, or `sum_columns` and `sum_squares`;
-// `find_winners`, `choose`; `meet` and `lay_on_planes` where places between labels are those of lines; `median`. Costs
-// are worked out where they are asked for. Sums and labels are the processor's to the bit.
+// Passes in order: `census` of both images; `along_path` eight times, or `sum_columns` and `sum_squares`;
+// `find_winners`, `choose`; `meet` and `lay_on_planes` where positions between labels come from lines; `median`. Costs
+// are computed where they are needed. Sums and labels match the CPU bit for bit.
 
 #import generated/bindings
 #import generated/stereo
@@ -20,12 +20,12 @@ fn pixel_count() -> u32 {
     return matching.size_px.x * matching.size_px.y;
 }
 
-// Words of a pixel's labels.
+// Words per pixel that hold its labels.
 fn word_count() -> u32 {
     return matching.count / 2u;
 }
 
-// Of a pixel of either image.
+// Brightness of a pixel of either image.
 fn brightness(index: u32) -> u32 {
     return (pixels[index / 4u] >> (8u * (index % 4u))) & 0xffu;
 }
@@ -35,12 +35,12 @@ fn right_line(y: u32) -> u32 {
     return pixel_count() + y * matching.size_px.x;
 }
 
-// Column of the right image that a label leads to. It may be beside the image.
+// Column of the right image that a label points to. It may be outside the image.
 fn partner_of(x: u32, label: u32) -> i32 {
     return i32(x) - matching.min_px - i32(label);
 }
 
-// How many bits differ. Beyond the other image is its border.
+// Hamming distance. Columns outside the other image repeat its border.
 fn cost(own: vec2u, line: u32, partner: i32) -> u32 {
     let column = clamp(partner, 0, i32(matching.size_px.x) - 1);
     let differ = countOneBits(own ^ census_bits[line + u32(column)]);

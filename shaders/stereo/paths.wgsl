@@ -1,20 +1,20 @@
-// Costs of one path, added to the sums: a workgroup goes along it, and its lanes share the labels of a pixel. Twin of
+// Costs of one path, added to the sums: a workgroup follows it, and its lanes share the labels of a pixel. Twin of
 // stereo/matching/semi_global.
 
 #import stereo/pair.wgsl
 
-// Costs at two pixels of the path in turn, each with a label before the first one and behind the last that are never
-// taken.
+// Costs at two pixels of the path, alternating, each with a label before the first one and after the last that are
+// never chosen.
 var<workgroup> path: array<u32, STEREO_PATH_VALUES>;
-// The smallest of three pixels in turn: before, now, and the one that is made ready for the next.
+// The minima of three pixels, in rotation: the previous one, the current one, and the one being prepared for the next.
 var<workgroup> min_value: array<atomic<u32>, 3>;
 
-// Where a path begins and how many pixels it has. Along lines and columns there are as many as lines and columns; along
-// diagonals one from each pixel of two borders.
+// Where a path begins and how many pixels it has. Horizontal and vertical paths are as many as rows and columns;
+// diagonal ones start at each pixel of two borders.
 fn begin_of_path(number: i32) -> vec3i {
     let size = vec2i(matching.size_px);
     let way = matching.path_step;
-    // Counted from the corner that is left behind.
+    // Counted from the corner that the path moves away from.
     var begin = vec2i(number, 0);
     if (way.y == 0) {
         begin = vec2i(0, number);

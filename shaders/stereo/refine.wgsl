@@ -1,15 +1,15 @@
-// Labels between whole ones, and on the planes of their surfaces. Twin of stereo/matching/refine.rs.
+// Sub-label refinement, and fitting to the planes of surfaces. Twin of stereo/matching/refine.rs.
 
 #import stereo/exact_share.wgsl
 #import stereo/pair.wgsl
 
-// First and last pixel of the square around one.
+// First and last pixel of the square around a pixel.
 fn square_around(pixel: vec2u) -> vec4i {
     let first = max(vec2i(pixel) - REFINE_REACH, vec2i(0));
     return vec4i(first, min(vec2i(pixel) + REFINE_REACH, vec2i(matching.size_px) - 1));
 }
 
-// Costs of a label and of both beside it at a pixel; false in `w` where the other image does not have them all.
+// Costs of a label and its two neighbours at a pixel; 0 in `w` where the other image does not have them all.
 fn costs_around(pixel: vec2u, label: i32) -> vec4i {
     let partner = i32(pixel.x) - matching.min_px - label;
     if (partner < 1 || partner + 1 >= i32(matching.size_px.x)) {
@@ -21,7 +21,7 @@ fn costs_around(pixel: vec2u, label: i32) -> vec4i {
     return vec4i(vec4u(below, cost(own, line, partner), cost(own, line, partner - 1), 1u));
 }
 
-// Where two lines of one slope through the costs of a square meet.
+// Where two lines of opposite slope through the costs of a square meet.
 @compute @workgroup_size(STEREO_TILE_PX, STEREO_TILE_PX)
 fn meet(@builtin(global_invocation_id) id: vec3u) {
     if (!is_in_image(id.xy)) {
@@ -66,9 +66,9 @@ fn lay_on_planes(@builtin(global_invocation_id) id: vec3u) {
     }
     let square = square_around(id.xy);
     var count = 0.0;
-    // Of x, y and the step from this pixel.
+    // Sums of x, y and the step from this pixel.
     var first = vec3f(0.0);
-    // Of x · x, x · y and y · y.
+    // Sums of x · x, x · y and y · y.
     var squares = vec3f(0.0);
     var products = vec2f(0.0);
     for (var y = square.y; y <= square.w; y++) {

@@ -1,5 +1,6 @@
-// Costs summed over squares: over columns first, then over the sums of columns, each with one added and one taken away
-// from pixel to pixel. Beyond the border costs are those of the border. Twin of stereo/matching/local.rs.
+// Costs summed over squares: over columns first, then over the sums of columns, each as a running sum that adds one
+// value and subtracts another per pixel. Costs outside the image repeat those of the border. Twin of
+// stereo/matching/local.rs.
 
 #import stereo/pair.wgsl
 

@@ -1,9 +1,9 @@
-// The first of the cheapest labels of each pixel of both images; a workgroup has one pixel of each. Twin of
+// The first of the cheapest labels of each pixel of both images; a workgroup handles one pixel of each. Twin of
 // stereo/matching/winner.rs.
 
 #import stereo/pair.wgsl
 
-// A sum and behind it its label: the smallest of these is the first of the cheapest.
+// A sum in the upper bits and its label in the lower ones: the smallest of these is the first of the cheapest.
 var<workgroup> cheapest: atomic<u32>;
 var<workgroup> cheapest_of_right: atomic<u32>;
 // The smallest sum of the labels that are not next to the winner.
@@ -14,7 +14,7 @@ fn two_sums(index: u32, word: u32) -> vec2u {
     return vec2u(both & 0xffffu, both >> 16u);
 }
 
-// Of a pixel of the right image: the sum of its partner in the left one.
+// For a pixel of the right image: the sum of its partner in the left one.
 fn right_key(pixel: vec2u, label: u32) -> u32 {
     let column = i32(pixel.x) + matching.min_px + i32(label);
     if (column < 0 || column >= i32(matching.size_px.x)) {

@@ -190,8 +190,8 @@ fn surface_of_distinct(
 fn orientation_of(points: usize, sensor: Option<Vec3>) -> Orientation {
     match sensor {
         Some(_) => Orientation::Sensor,
-        // Beyond, the forest over all points took four fifths of the time, and its result is invisible where back faces
-        // are drawn.
+        // Above this size, the forest over all points took four fifths of the time, and its result is invisible where
+        // back faces are drawn.
         None if points <= MAX_JOINED => Orientation::Neighbours,
         None => Orientation::Representatives,
     }
@@ -209,8 +209,8 @@ fn estimated_surface(
         (!progress.is_cancelled()).then_some(())
     };
     let mut tree = PointTree::new(positions);
-    // Surfaces of single points on demand (`LazySurface`) were removed: any search needs this tree over all points
-    // first, which is a quarter to a third of the whole estimation.
+    // Computing surfaces of single points on demand (`LazySurface`) was removed: any search needs this tree over all
+    // points first, which is a quarter to a third of the whole estimation.
     goes_on(TREE_STEPS)?;
     let mut by_slot = if orientation == Orientation::Neighbours {
         let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);
@@ -240,7 +240,7 @@ fn estimated_surface(
     let without_plane = tree.to_file_indices(&by_slot.without_plane);
     let SlotSurface { normals, radii, .. } = by_slot;
     let order = tree.into_file_order();
-    // Each gives its memory back before the next is rearranged.
+    // Each frees its memory before the next is reordered.
     let in_file_order = |normals: Vec<Vec3>| order.of(&normals);
     let normals = in_file_order(normals);
     Some(Surface {

@@ -39,7 +39,7 @@ impl NormalErrors {
         let pairs = shapes.par_iter().zip(slots).with_min_len(POINTS_PER_TASK);
         let errors = pairs.map(|(shape, &slot)| {
             let [normal, known] = [shape.normal, truth[slot as usize].normal].map(oct_decode);
-            // Unlike the arc cosine, it is exact for small angles.
+            // Unlike the arc cosine, this is exact for small angles.
             normal.cross(known).length().atan2(normal.dot(known).abs()).to_degrees()
         });
         let mut errors: Vec<f32> = errors.collect();
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_have_their_shares_and_colours() {
+    fn errors_have_the_expected_shares_and_colors() {
         let truth = [tilted(0.0), tilted(180.0), tilted(90.0)];
         let shapes = [tilted(0.0), tilted(10.0), tilted(190.0), tilted(60.0)];
         let (errors, colors) = NormalErrors::of(&shapes, &truth, &[0, 0, 1, 2]);
@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn of_nothing_there_are_no_errors() {
+    fn empty_input_has_no_errors() {
         let (errors, colors) = NormalErrors::of(&[], &[], &[]);
         assert_eq!((errors, colors.len()), (NormalErrors::default(), 0));
     }

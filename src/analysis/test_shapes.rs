@@ -73,7 +73,7 @@ pub(crate) fn torus(count: usize, tube: f32, random: &mut Random) -> Sampled {
             random.unit() * std::f32::consts::TAU,
             random.unit() * std::f32::consts::TAU,
         );
-        // The outer side has more area.
+        // The outer side has a larger area.
         if random.unit() * (1.0 + tube) > 1.0 + tube * turn.cos() {
             continue;
         }

@@ -48,7 +48,7 @@ fn neighbours_where_distances_tie() {
     let lattice: Vec<Vec3> = (0..12 * 12 * 12)
         .map(|i| Vec3::new((i % 12) as f32, (i / 12 % 12) as f32, (i / 144) as f32))
         .collect();
-    // In a shuffled order, so that index and place have nothing to do with each other.
+    // In shuffled order, so that index and position are unrelated.
     let mut shuffled = lattice.clone();
     for i in (1..shuffled.len()).rev() {
         shuffled.swap(i, random.next_bits() as usize % (i + 1));
@@ -64,7 +64,7 @@ fn neighbours_where_distances_tie() {
 }
 
 #[test]
-fn neighbours_beside_outliers_and_at_extreme_scales() {
+fn neighbours_with_outliers_and_at_extreme_scales() {
     let mut random = Random(3);
     let cloud: Vec<Vec3> = (0..800).map(|_| random.cube()).collect();
     let outlier: Vec<Vec3> = cloud.iter().copied().chain([Vec3::splat(1e6)]).collect();
@@ -73,8 +73,7 @@ fn neighbours_beside_outliers_and_at_extreme_scales() {
         let scaled: Vec<Vec3> = cloud.iter().map(|&p| p * scale).collect();
         check_neighbours(&scaled, 12);
     }
-    // Beyond the square root of f32::MAX plain squared distances are infinite; the answer is that of the unscaled
-    // cloud.
+    // Above the square root of f32::MAX plain squared distances are infinite; the result is that of the unscaled cloud.
     let huge = 2f32.powi(120);
     let scaled: Vec<Vec3> = cloud.iter().map(|&p| p * huge).collect();
     assert_eq!(nearest_neighbours(&scaled, 12), nearest_neighbours(&cloud, 12));
@@ -91,7 +90,7 @@ fn degenerate_clouds_are_not_quadratic() {
         .collect();
     let equal = vec![Vec3::new(1.0, 2.0, 3.0); count];
     let two_places: Vec<Vec3> = (0..count).map(|i| Vec3::splat((i % 2) as f32)).collect();
-    // Squared distances in the cluster underflow beside the outlier: all equal to 0.
+    // Squared distances in the cluster underflow compared with the outlier: all equal to 0.
     let underflow: Vec<Vec3> = (0..count)
         .map(|_| random.cube() * 1e-30)
         .chain([Vec3::splat(1e30)])
@@ -198,7 +197,7 @@ fn assert_outwards(shape: &Sampled, mean_degrees: f32, max_degrees: f32) {
 }
 
 #[test]
-fn closed_shapes_come_out_outward() {
+fn normals_of_closed_shapes_point_outward() {
     let mut random = Random(6);
     let sphere = test_shapes::sphere(10_000, &mut random);
     let torus = test_shapes::torus(20_000, 0.4, &mut random);
@@ -208,7 +207,7 @@ fn closed_shapes_come_out_outward() {
         .clone()
         .and(test_shapes::sphere(3_000, &mut random).moved(Vec3::new(5.0, 1.0, 0.0)));
     assert_outwards(&far, 1.5, 15.0);
-    // A sphere within a sphere: two components, each outward of itself.
+    // A sphere within a sphere: two components, each oriented outwards.
     let mut inner = test_shapes::sphere(3_000, &mut random);
     inner.positions.iter_mut().for_each(|position| *position *= 0.5);
     assert_outwards(&sphere.and(inner), 1.5, 15.0);
@@ -231,7 +230,7 @@ fn orientation_crosses_sharp_edges_and_keeps_thin_sheets_apart() {
 }
 
 #[test]
-fn noise_does_not_turn_patches_over() {
+fn noise_does_not_flip_patches() {
     let mut random = Random(8);
     let mut sphere = test_shapes::sphere(20_000, &mut random);
     for position in &mut sphere.positions {
@@ -301,7 +300,8 @@ fn details_survive_a_shift_of_the_file() {
         by_file
     };
     let (near, far) = (normals_at(0.0), normals_at(1e6));
-    // A position in f64 at 10⁶ is rounded by 10⁻¹⁰, an f32 offset of 1 by 10⁻⁷: of the mean spacing of 0.016.
+    // A position in f64 at 10⁶ is rounded by 10⁻¹⁰, an f32 offset of 1 by 10⁻⁷, compared with the mean spacing of
+    // 0.016.
     let (_, largest) = angles(&near, &far);
     assert!(largest < 0.05, "{largest} degrees");
     let truth: Vec<Vec3> = places
@@ -332,7 +332,7 @@ fn without_plane_by_brute_force(points: &[[i8; 3]], k: usize) -> Vec<u32> {
 }
 
 proptest! {
-    // Few different coordinates, so that many points coincide or line up.
+    // Few distinct coordinates, so that many points coincide or are collinear.
     #[test]
     fn points_without_a_plane_are_reported(
         points in prop::collection::vec(prop::array::uniform3(-2i8..3), 0..60),
@@ -351,7 +351,7 @@ proptest! {
 }
 
 #[test]
-fn lines_and_single_places_have_no_plane() {
+fn lines_and_coincident_points_have_no_plane() {
     let mut random = Random(17);
     let all = |count: u32| (0..count).collect::<Vec<u32>>();
     let without = |cloud: &[Vec3]| estimate_surface(cloud, None).without_plane;
@@ -361,7 +361,7 @@ fn lines_and_single_places_have_no_plane() {
         assert_eq!(without(&cloud), expected);
     }
     assert_eq!(without(&[Vec3::new(0.1, -7.0, 3e8); 50]), all(50));
-    // Rounding moves the points of these lines away from them, the more the farther from the origin.
+    // Rounding moves the points off these lines, and more so the farther they are from the origin.
     for shift in [0.0, 1.0, 1e3, 1e6] {
         for _ in 0..20 {
             let (start, direction) = (random.cube() + shift, random.cube());
@@ -369,7 +369,7 @@ fn lines_and_single_places_have_no_plane() {
             assert_eq!(without(&line), all(50), "from {start} along {direction}");
         }
     }
-    // A lattice beside a line: only the line is reported, and the lattice has its normal to the last bits.
+    // A lattice next to a line: only the line is reported, and the lattice has its normal down to the last bits.
     let lattice = (0..400).map(|i| Vec3::new((i % 20) as f32, (i / 20) as f32, 0.0));
     let line = (0..50).map(|i| Vec3::new(1000.0, 0.0, 3.0 * i as f32));
     let both: Vec<Vec3> = lattice.chain(line).collect();
@@ -378,7 +378,7 @@ fn lines_and_single_places_have_no_plane() {
     for normal in &surface.normals[..400] {
         assert!(normal.abs_diff_eq(Vec3::Z, 1e-6));
     }
-    // Copies of three places are as good as three points.
+    // Copies of three positions count as three points.
     for copies in [13, 5] {
         let places = [Vec3::ZERO, Vec3::X, Vec3::new(0.2, 0.7, 0.0)];
         let cloud: Vec<Vec3> = places.iter().flat_map(|&place| vec![place; copies]).collect();
@@ -466,11 +466,11 @@ fn sparse_regions_keep_their_large_disks() {
 }
 
 #[test]
-fn radii_alone_agree_with_those_of_the_surface() {
+fn radii_alone_match_those_of_the_full_estimate() {
     let mut random = Random(13);
     let torus = test_shapes::torus(3_000, 0.4, &mut random);
     let surface = estimate_surface(&torus.positions, None);
-    // Some are given with the other sign, which does not matter, and some are to be estimated.
+    // Some are given with the opposite sign, which does not matter, and some have to be estimated.
     let some_missing: Vec<Vec3> = surface
         .normals
         .iter()
@@ -487,7 +487,7 @@ fn radii_alone_agree_with_those_of_the_surface() {
 }
 
 #[test]
-fn threads_do_not_change_a_bit() {
+fn results_do_not_depend_on_thread_count() {
     let torus = test_shapes::torus(30_000, 0.4, &mut Random(14));
     let with_threads = |count| {
         rayon::ThreadPoolBuilder::new()
@@ -506,7 +506,7 @@ fn threads_do_not_change_a_bit() {
 }
 
 #[test]
-fn the_steps_of_a_surface_add_up_and_end_when_nobody_wants_them() {
+fn progress_steps_add_up_and_cancelling_stops_after_the_first_stage() {
     let torus = test_shapes::torus(500, 0.4, &mut Random(8)).positions;
     for sensor in [None, Some(Vec3::Z)] {
         let progress = Progress::default();

@@ -37,7 +37,7 @@ pub(in crate::app) fn sources(
         .map(|(title, name)| (title.as_str(), ColorSource::Scalar(Some(*name)), tooltip));
     let mut listed = Vec::new();
     for (source, word) in ColorSource::ALL.into_iter().zip(coloring::SOURCES.list) {
-        // A frame has its fields by their names.
+        // A frame lists its fields by name.
         let is_named = matches!(source, ColorSource::Scalar(_)) && !named.is_empty();
         let is_detailed = matches!(source, ColorSource::Height(_) | ColorSource::Distance(_));
         let source = if is_detailed && source.name() == chosen.name() {
@@ -62,7 +62,7 @@ pub(in crate::app) fn fields(frame: Option<&Frame>) -> Vec<(String, FieldName)> 
     let mut named: Vec<(String, FieldName)> = fields
         .map(|field| (field_title(&field.name), FieldName::new(&field.name)))
         .collect();
-    // Titles are told apart by what they were made from.
+    // Identical titles are disambiguated by what they were derived from.
     let is_twice = |title: &str, all: &[(String, FieldName)]| {
         let is_taken = |word: &Word| word.title == title && word.word != "scalar";
         let of_sources = coloring::SOURCES.list.iter().any(is_taken);

@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_look_at_a_half_written_frame_is_mended_by_its_new_content_or_another_frame() {
+    fn settings_from_a_half_written_frame_are_corrected_by_new_content_or_another_frame() {
         let mut look = SequenceLook {
             first: Some((0, 7)),
             ..SequenceLook::default()

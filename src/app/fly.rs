@@ -48,7 +48,7 @@ impl Fly {
                     let Some(index) = DIRECTIONS.iter().position(|(key, _)| *key == place) else {
                         continue;
                     };
-                    // A first key with Ctrl is a shortcut (Ctrl+Q); Ctrl while flying is the slow pace.
+                    // A first key with Ctrl is a shortcut (Ctrl+Q); while flying, Ctrl means slow.
                     let shortcut = (modifiers.ctrl || modifiers.command) && !self.is_flying();
                     self.held[index] = *pressed && !typing && !shortcut;
                 }
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn the_place_of_the_key_counts_not_its_letter() {
+    fn keys_are_matched_by_position_not_by_letter() {
         let mut fly = Fly::default();
         // The key above S is labelled Z on a French keyboard.
         fly.note(&[key(Key::Z, Some(Key::W), true, Modifiers::NONE)], false);

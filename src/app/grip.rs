@@ -127,7 +127,7 @@ mod tests {
         /// Wherever passes cut the events, the picture is dragged from where the button went down to where it was let
         /// go.
         #[test]
-        fn nothing_of_a_drag_is_lost(
+        fn no_part_of_a_drag_is_lost(
             path in prop::collection::vec((0f32..500.0, 0f32..500.0), 0..12),
             pass_length in 1usize..15,
         ) {
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn a_click_that_trembles_is_no_drag() {
+    fn a_shaky_click_is_not_a_drag() {
         let mut grip = None;
         let at = pos2(50.0, 50.0);
         let tremble = [
@@ -153,14 +153,14 @@ mod tests {
             release(at + vec2(1.0, 1.0)),
         ];
         assert_eq!(follow(&mut grip, &tremble), Vec2::ZERO);
-        // Slowly away: nothing is lost of the way that was held back.
+        // Moving away slowly: none of the motion held back is lost.
         assert_eq!(follow(&mut grip, &[press(at)]), Vec2::ZERO);
         let steps = (1..=20).map(|step| follow(&mut grip, &[Event::PointerMoved(at + vec2(step as f32, 0.0))]));
         assert_eq!(steps.fold(Vec2::ZERO, |sum, by| sum + by), vec2(20.0, 0.0));
     }
 
     #[test]
-    fn only_a_button_that_went_down_on_the_picture_holds_it() {
+    fn only_a_button_pressed_on_the_image_drags_it() {
         let mut grip = None;
         let far = pos2(200.0, 0.0);
         let elsewhere = pos2(-10.0, 0.0);
@@ -170,7 +170,7 @@ mod tests {
         );
         assert_eq!(follow(&mut grip, &[Event::PointerMoved(elsewhere)]), Vec2::ZERO);
 
-        // A second button neither takes over nor lets go.
+        // Another button neither takes over the drag nor releases it.
         let second = |pressed| button(far, PointerButton::Secondary, pressed);
         let pulls = Grip::follow(
             &mut grip,
@@ -184,7 +184,7 @@ mod tests {
             (PointerButton::Primary, vec2(200.0, 0.0))
         );
 
-        // Nobody tells a window without focus that the button was let go.
+        // A window without focus is not notified that the button was released.
         assert_eq!(
             follow(&mut grip, &[press(far), Event::WindowFocused(false)]),
             Vec2::ZERO

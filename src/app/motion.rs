@@ -55,7 +55,7 @@ impl Glide {
             *camera = self.to;
             return false;
         }
-        // Slow at both ends.
+        // Ease in and out.
         let part = part * part * (3.0 - 2.0 * part);
         let closer = (self.to.distance / self.from.distance).powf(part);
         *camera = Camera {
@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn a_glide_begins_and_ends_where_it_should_within_its_time() {
+    fn a_glide_starts_and_ends_where_and_when_it_should() {
         let from = camera();
         let to = Camera {
             target_in_world: DVec3::X,
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_glide_leaves_the_camera_to_whoever_takes_it() {
+    fn a_glide_ends_when_the_user_moves_the_camera() {
         let from = camera();
         let to = Camera { distance: 0.1, ..from };
         let mut now = from;
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turntable_turns_at_its_pace_and_does_not_make_up_for_pauses() {
+    fn a_turntable_turns_at_its_speed_and_does_not_catch_up_after_pauses() {
         let mut turntable = Turntable {
             is_on: true,
             deg_per_sec: -40.0,

@@ -76,7 +76,7 @@ impl Notices {
         }
         let kind = kind_of(&text);
         let same_kind = self.notices.iter_mut().find(|notice| {
-            // Confirmations are of another thing each time.
+            // Each confirmation is about something different.
             !severity.is_brief() && notice.severity == severity && notice.kind == kind
         });
         if let Some(known) = &same_kind
@@ -189,7 +189,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_said_of_a_frame_is_taken_back_when_it_is_read_anew() {
+    fn notices_of_a_frame_are_withdrawn_when_it_is_read_again() {
         let mut notices = Notices::default();
         notices.error("Frame 1 of 1 is skipped. /a/f_0.ply is empty");
         notices.error("Frame 11 of 12 is skipped. /a/f_10.ply is empty");
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn confirmations_go_and_errors_stay() {
+    fn confirmations_expire_and_errors_stay() {
         let mut notices = Notices::default();
         notices.error("broken");
         notices.info("saved");
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_true_no_longer_goes_and_others_of_its_kind_stay() {
+    fn outdated_notices_are_removed_and_others_of_their_kind_stay() {
         let mut notices = Notices::default();
         notices.warn("part 1 is missing");
         notices.warn("part 2 is missing");
@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn old_notices_make_room_and_ids_stay_apart() {
+    fn old_notices_are_evicted_and_ids_stay_distinct() {
         let mut notices = Notices::default();
         for number in 0..20 {
             notices.info(format!("saved {number}"));

@@ -81,14 +81,14 @@ mod tests {
     }
 
     #[test]
-    fn what_is_due_is_drawn_and_what_is_not_is_waited_for() {
+    fn due_frames_are_drawn_and_others_are_waited_for() {
         let due = |seconds| Agenda {
             draw_at: Some(at(seconds)),
             ..Agenda::default()
         };
         let early = due(7).pace(at(5));
         assert_eq!((early.redraw, early.wake_at), (false, Some(at(7))));
-        // Drawing says anew when to draw next.
+        // Drawing again determines when to draw next.
         let late = due(5).pace(at(5));
         assert_eq!((late.redraw, late.wake_at), (true, None));
         let changed = Agenda {
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn what_comes_too_early_for_the_screen_waits_for_it() {
+    fn redraws_too_early_for_the_screen_wait() {
         let agenda = |is_changed, draw_at| Agenda {
             is_changed,
             draw_at,
@@ -113,12 +113,12 @@ mod tests {
         }
         let later = agenda(false, Some(at(9))).pace(at(5));
         assert_eq!((later.redraw, later.wake_at), (false, Some(at(9))));
-        // Nothing to draw is nothing to wait for.
+        // With nothing to draw there is nothing to wait for.
         assert_eq!(agenda(false, None).pace(at(5)).wake_at, None);
     }
 
     #[test]
-    fn a_window_is_seen_when_it_is_neither_covered_nor_minimised() {
+    fn a_window_is_visible_when_neither_covered_nor_minimised() {
         let mut sight = Sight::default();
         assert!(!sight.is_hidden());
         sight.note_size([0, 0]);
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hidden_window_neither_draws_nor_wakes() {
+    fn a_hidden_window_neither_draws_nor_wakes_up() {
         let hidden = Agenda {
             is_changed: true,
             draw_at: Some(at(1)),
@@ -140,7 +140,7 @@ mod tests {
         };
         let pace = hidden.pace(at(5));
         assert_eq!((pace.redraw, pace.wake_at), (false, None), "it would spin");
-        // Settings are still written.
+        // Settings are still saved.
         let unseen = Agenda {
             unseen_at: Some(at(6)),
             ..hidden

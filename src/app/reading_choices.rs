@@ -70,7 +70,7 @@ impl ReadingChoices {
             return Ok(());
         }
         let mut usual = OpenOptions::default();
-        // Where nobody chose, the window filters depth images.
+        // Unless the user chose otherwise, the window filters depth images.
         usual.rgbd.filters = Filters::USUAL;
         let mut open = self.of(inputs).map_or(usual.clone(), |reading| reading.over(&usual));
         change(&mut open);
@@ -88,7 +88,7 @@ impl ReadingChoices {
         let stored_entry = entry.map(serde_json::to_value).transpose();
         let stored_entry = stored_entry.map_err(|reason| reason.to_string())?;
         let entries = &mut self.entries;
-        // Other windows may have chosen for other inputs meanwhile.
+        // Other windows may have stored choices for other inputs in the meantime.
         let written = persist::update(file, WHAT, |stored, unread| {
             persist::note_later_version(stored, VERSION, unread);
             let mut listed = persist::readable_entries(stored, LIST, unread, |entry| Entry::deserialize(entry).is_ok());
@@ -158,7 +158,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn choices_are_kept_by_inputs_and_an_automatic_one_is_forgotten() {
+    fn choices_are_stored_per_input_and_automatic_ones_are_removed() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("deeper/reading.json");
         let (mut choices, problem) = ReadingChoices::load_from(&file);
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn one_entry_that_cannot_be_read_takes_no_other_with_it() {
+    fn an_unreadable_entry_does_not_affect_others() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("reading.json");
         let text = r#"{"version": 1, "choices": [

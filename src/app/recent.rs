@@ -79,7 +79,7 @@ impl Recent {
     fn forget_picture(&self, inputs: &[PathBuf]) {
         let folder = self.file.as_ref().and_then(|file| file.parent());
         if let Some(folder) = folder {
-            // There may be none.
+            // The file may not exist.
             let _ = std::fs::remove_file(folder.join("recent").join(format!("{:016x}.png", hash(inputs))));
         }
     }
@@ -156,7 +156,7 @@ mod tests {
     use std::fs;
 
     #[test]
-    fn the_list_is_bounded_latest_first_and_survives() {
+    fn the_list_is_bounded_latest_first_and_persistent() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("deeper/recent.json");
         let (mut recent, problem) = Recent::load_from(&file);
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn two_windows_have_one_list() {
+    fn two_windows_share_one_list() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("recent.json");
         fs::write(&file, r#"{"recent": [["/a"]], "of later": 1}"#).unwrap();
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_list_is_said_copied_and_replaced() {
+    fn a_damaged_list_is_reported_backed_up_and_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("recent.json");
         for damaged in ["", "{", "[1,2]", r#"{"recent":[[7]]}"#, "\0\u{1}"] {
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn one_entry_that_cannot_be_read_takes_no_other_with_it() {
+    fn an_unreadable_entry_does_not_affect_others() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("recent.json");
         fs::write(&file, r#"{"recent": [["/a"], 7, ["/b", "/c"]], "of later": 1}"#).unwrap();
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_belong_to_entries_and_go_with_them() {
+    fn thumbnails_belong_to_entries_and_are_removed_with_them() {
         let folder = tempfile::tempdir().unwrap();
         let (mut recent, _) = Recent::load_from(&folder.path().join("recent.json"));
         let inputs = |number: usize| vec![PathBuf::from(format!("/scans/{number}"))];
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn relative_inputs_are_kept_absolute() {
+    fn relative_inputs_are_stored_as_absolute_paths() {
         let mut recent = Recent::default();
         recent.add(&["scans".into()]).unwrap();
         assert!(recent.entries()[0][0].is_absolute());

@@ -96,7 +96,7 @@ impl Script {
         let mut has_run = false;
         while let Some((line, step)) = self.steps.front() {
             let begun = *self.begun.get_or_insert(now);
-            // What a line asks for is seen by the state at its next update: a wait begins after that.
+            // The state sees the effect of a line at its next update: a wait begins after that.
             let is_over = match step {
                 Step::Wait(length) => now >= begun + *length,
                 Step::WaitShown => !has_run && now > begun && is_shown(state),
@@ -114,7 +114,7 @@ impl Script {
             let is_step = matches!(step, Step::Run(_) | Step::Take(..));
             has_run |= is_step;
             if is_step {
-                // As a person would do it: one change after the other.
+                // As a user would do it: one change after another.
                 state.note_step();
             }
             if let Err(reason) = outcome {
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn titles_words_and_values_are_run_in_their_order() {
+    fn titles_words_and_values_run_in_order() {
         let text =
             "# a tour\nGRID\nopen files\n\nTurntable\nframe 3\nset point-size 4\nlabels\nspeed -2\nsave picture\n";
         let mut script = script(text).unwrap();
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_are_undone_one_by_one() {
+    fn script_lines_are_undone_one_by_one() {
         let mut script = script("turntable\nset point-size 4\nset point-size 6\nundo").unwrap();
         let mut state = demo();
         assert!(script.advance(&mut state, Duration::ZERO).unwrap());
@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wait_holds_what_follows_it() {
+    fn a_wait_delays_what_follows_it() {
         let mut script = script("grid\nwait 1.5\ngrid").unwrap();
         let mut state = demo();
         let at = Duration::from_secs_f64;
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_with_file_and_line() {
+    fn errors_name_the_file_and_line() {
         let wrong = |text: &str| script(text).unwrap_err().to_string();
         assert!(wrong("grid\n\nno such thing").starts_with("tour.txt, line 3: unknown command"));
         assert_eq!(wrong("frame"), "tour.txt, line 1: frame needs a value: frame NUMBER");

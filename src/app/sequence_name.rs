@@ -20,7 +20,7 @@ pub(in crate::app) fn name_of(sequence: &Sequence) -> Option<String> {
 fn name_of_frames(inputs: &[PathBuf], first: &FrameEntry, last: &FrameEntry) -> String {
     let of_all = match inputs {
         _ if first.path == last.path => first.path.file_name(),
-        // The frames of a recording are in folders of it.
+        // The frames of a recording are in subfolders of it.
         [input] if first.path.starts_with(input) && input.file_name().is_some() => input.file_name(),
         _ => first.path.parent().and_then(|folder| folder.file_name()),
     };
@@ -32,7 +32,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sequence_has_the_name_of_what_was_opened() {
+    fn a_sequence_is_named_after_its_input() {
         let named = |input: &str, first: &str, last: &str| {
             name_of_frames(&[input.into()], &FrameEntry::file(first), &FrameEntry::file(last))
         };

@@ -106,7 +106,7 @@ fn light() -> Visuals {
     let text = |level: u8| Stroke::new(1.0, Color32::from_gray(level));
     let widgets = &mut visuals.widgets;
     widgets.noninteractive.fg_stroke = text(45);
-    // Of boxes to tick and of sliders: that of egui is as light as the panel.
+    // For check boxes and sliders: the default of egui is as light as the panel.
     widgets.inactive.bg_fill = Color32::from_rgb(192, 198, 209);
     widgets.inactive.fg_stroke = text(40);
     widgets.hovered.fg_stroke = text(10);
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn text_can_be_read_on_everything_in_light_and_dark() {
+    fn text_is_legible_on_all_backgrounds_in_light_and_dark() {
         let ctx = Context::default();
         apply_theme(&ctx);
         for theme in [Theme::Dark, Theme::Light] {

@@ -93,7 +93,7 @@ impl Header {
     /// The header that `bytes` begin with; they may end anywhere behind it.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self, HeaderError> {
         let Some([major, _]) = bytes.strip_prefix(MAGIC).and_then(|rest| rest.first_chunk()) else {
-            // What `pickle` and `numpy.ndarray.dump` begin with, protocols 2 to 5.
+            // The first bytes that `pickle` and `numpy.ndarray.dump` write, protocols 2 to 5.
             let is_pickle = matches!(bytes, [0x80, 2..=5, ..]);
             return Err(if is_pickle {
                 HeaderError::Pickled
@@ -107,11 +107,11 @@ impl Header {
             (1..=3, _) => return Err(HeaderError::Truncated),
             _ => return Err(HeaderError::Version(*major)),
         };
-        // `npyz` 0.9 allocates the length that a header claims, and parses any Python literal.
+        // `npyz` 0.9 allocates whatever length a header claims, and parses any Python literal.
         let (header, _) = bytes[start..].split_at_checked(length).ok_or(HeaderError::Truncated)?;
         let text = String::from_utf8_lossy(header);
         Dictionary::parse(&text, start + length).ok_or_else(|| {
-            // The type of objects, alone or in a record, with or without the byte order that it does not have.
+            // The object type, alone or in a record, with or without a byte order, which it does not have.
             let is_object = ["'|O'", "'O'", "'<O'", "'>O'"].iter().any(|kind| text.contains(kind));
             let is_word = ["'<U", "'>U", "'|S", "'|V", "'<c", "'<M", "'<m"]
                 .iter()
@@ -198,7 +198,7 @@ impl Dictionary<'_> {
             .find(|sign: char| !sign.is_ascii_digit())
             .unwrap_or(self.rest.len());
         let number = self.rest[..end].parse().ok()?;
-        // Python 2 wrote an L behind long integers.
+        // Python 2 appended an L to long integers.
         self.rest = self.rest[end..].trim_start_matches('L');
         Some(number)
     }
@@ -227,7 +227,7 @@ impl Dictionary<'_> {
         let mut offset = 0usize;
         while self.sign(']').is_none() {
             self.sign('(')?;
-            // A title may come before the name.
+            // A title may precede the name.
             let name = if self.sign('(').is_some() {
                 let _title = self.string()?;
                 self.sign(',')?;
@@ -290,7 +290,7 @@ fn element(name: &str) -> Option<(Option<Number>, usize)> {
                 2,
             ));
         }
-        // Text, raw bytes and complex numbers are stepped over; four bytes are a sign of `U`.
+        // Text, raw bytes and complex numbers are skipped; a character of `U` takes four bytes.
         ('U', _) => return Some((None, size.checked_mul(4)?)),
         ('S' | 'a' | 'V' | 'c' | 'f', _) => return Some((None, size)),
         _ => return None,

@@ -88,7 +88,7 @@ fn absurd_radii(raw: &RawCloud) -> usize {
 
 /// Counts duplicates: finite points at exactly the position of an earlier one.
 fn duplicates(positions: &Positions) -> usize {
-    // Adding zero makes one of the two zeros of floating point.
+    // Adding zero turns negative zero into positive zero.
     let bits = |value: f64| (value + 0.0).to_bits();
     let mut keys: Vec<[u64; 3]> = (0..positions.len())
         .map(|index| positions.get(index))

@@ -75,7 +75,7 @@ impl FindingKind {
     pub fn severity(self) -> Severity {
         match self {
             Self::UnreadableFrame | Self::DamagedFile => Severity::Error,
-            // Scanners write holes, several returns at one place, and classes without colour; what is missing is
+            // Scanners write holes, several returns at one position, and classes without colour; missing attributes are
             // estimated.
             Self::NonFinitePoints
             | Self::DuplicatePoints

@@ -435,7 +435,7 @@ fn changed_up_axes(facts: &Facts) -> Option<Finding> {
         })
         .map(|(index, _)| index)
         .collect();
-    // Guesses waver; a few that differ say nothing.
+    // Guesses vary; a few that differ mean nothing.
     (frames.len() * 4 > facts.len()).then(|| Finding {
         kind: FindingKind::ChangedUpAxis,
         severity: FindingKind::ChangedUpAxis.severity(),

@@ -16,7 +16,7 @@ fn grid(shift: f64) -> RawCloud {
 fn found(clouds: Vec<(&str, RawCloud)>) -> Vec<(FindingKind, Vec<usize>)> {
     let sources = clouds.iter().zip(0..).map(|((name, _), place)| FrameEntry {
         number: name.trim_matches(|c: char| !c.is_ascii_digit()).parse().ok(),
-        // The decoder finds the cloud again by the name.
+        // The decoder looks up the cloud by this name.
         name: format!("{place}"),
         ..FrameEntry::file(*name)
     });
@@ -91,7 +91,7 @@ fn each_fault_is_found_where_it_is() {
 }
 
 #[test]
-fn numbers_that_are_missing_are_gaps_and_strides_are_not() {
+fn missing_numbers_are_gaps_and_strides_are_not() {
     let names = |numbers: &[&'static str]| {
         let clouds = numbers.iter().map(|&number| (number, grid(0.0)));
         found(clouds.collect())
@@ -106,12 +106,12 @@ fn numbers_that_are_missing_are_gaps_and_strides_are_not() {
             (FindingKind::NumberGap, vec![2, 3])
         ]
     );
-    // Times of a sensor: what is between them is not missing.
+    // Timestamps of a sensor: numbers between them are not missing.
     assert_eq!(names(&["142255", "142298", "142341", "142399"]), []);
 }
 
 #[test]
-fn coordinates_that_lose_digits_are_told_of() {
+fn coordinates_that_lose_digits_are_reported() {
     let far: Vec<[f32; 3]> = (0..100).map(|index| [4e6 + index as f32, 5e6, 0.0]).collect();
     let cloud = RawCloud::from_positions(Positions::F32(far));
     assert_eq!(found(vec![("a", cloud)]), [(FindingKind::SuspiciousScale, vec![0])]);
@@ -125,7 +125,7 @@ fn coordinates_that_lose_digits_are_told_of() {
 }
 
 #[test]
-fn pauses_and_stamps_that_go_back_are_found() {
+fn pauses_and_decreasing_timestamps_are_found() {
     let at = |times_ms: &[u64]| {
         let sources = times_ms.iter().map(|&time_ms| FrameEntry {
             time: Some(Duration::from_millis(time_ms)),
@@ -159,7 +159,7 @@ fn a_frame_that_fails_is_a_finding_with_its_reason() {
 }
 
 #[test]
-fn what_is_not_read_is_a_note() {
+fn unread_content_is_a_note() {
     let mut cloud = grid(0.0);
     cloud.dropped = vec![
         Dropped::noted("lists of points are not read: `near`"),

@@ -31,7 +31,7 @@ pub(super) fn spelt(words: Vec<OsString>, command: &Command) -> Vec<OsString> {
     let is_option = |word: &&OsString| word.as_encoded_bytes().starts_with(b"-");
     let first = words.iter().skip(1).find(|word| !is_option(word));
     let of_command = first.and_then(|name| command.find_subcommand(name)).unwrap_or(command);
-    // Of the options without a command only the global ones are those of a command as well.
+    // Of the options without a subcommand, only the global ones also belong to a subcommand.
     let global = command.get_opts().filter(|option| option.is_global_set());
     let options: Vec<&Arg> = of_command.get_opts().chain(global).collect();
     let mut words = words.into_iter().peekable();
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn options_get_the_spelling_of_clap() {
+    fn options_are_normalised_to_the_spelling_of_clap() {
         for (typed, expected) in [
             ("p a.ply --edl on", "p a.ply --edl=on"),
             ("p --edl a.ply", "p --edl a.ply"),
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn a_first_word_that_looks_like_a_command_is_answered_with_it() {
+    fn a_mistyped_command_is_answered_with_a_suggestion() {
         let of = |text: &str| unknown_command(&line(text), &command());
         for (typed, meant) in [
             ("p inof scan", "info"),

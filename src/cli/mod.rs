@@ -99,7 +99,7 @@ pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
     match parsed.and_then(|matches| Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => run_subcommand(arguments),
         Err(usage) if usage.use_stderr() => {
-            // Nobody is left to be told where this fails.
+            // If this fails there is no one left to tell.
             let _ = usage.print();
             ExitCode::from(WRONG_USAGE)
         }
@@ -140,7 +140,8 @@ fn run_subcommand(arguments: Arguments) -> ExitCode {
         Some(Subcommands::CompareFrames(compare)) => commands::compare_frames::run(&compare).map(done),
     };
     terminal::warnings::finish();
-    // A server that was ended has done what it should; a window, or what has failed for a signal, ends by it.
+    // A server that was ended by a signal has done its job; a window, or a command that failed because of a signal,
+    // ends by it.
     let is_ended = has_window || result.is_err();
     let result = result.and_then(|code| check_answers().map(|()| code));
     let code = ended_with(result);
@@ -168,7 +169,7 @@ fn ended_with(result: anyhow::Result<ExitCode>) -> ExitCode {
 /// Starts the log: messages are printed like the warnings of a subcommand, unless the user has requested the log.
 fn start_log() {
     const LEVELS: &str = "RUST_LOG";
-    // What these libraries warn of is nothing that a person could mend.
+    // The user could do nothing about what these libraries warn of.
     let usual = "warn,wgpu_hal=error,wgpu_core=error,winit=error,sctk_adwaita=off,arboard=error,\
         egui_winit=error,rfd=off";
     let mut log = env_logger::Builder::from_env(env_logger::Env::new().filter_or(LEVELS, usual));

@@ -204,7 +204,7 @@ impl SessionInfo {
 
 /// The fields of what is written as an object.
 fn fields_of(value: &impl Serialize) -> BTreeMap<String, Value> {
-    // By text, as files have it: single numbers have the few digits that they need.
+    // Via text, as in files: single-precision numbers have only the digits that they need.
     let text = serde_json::to_string(value).unwrap_or_default();
     serde_json::from_str(&text).unwrap_or_default()
 }

@@ -317,7 +317,7 @@ mod tests {
     use clap::Parser as _;
 
     #[test]
-    fn every_option_and_example_of_a_topic_is_one() {
+    fn every_option_and_example_of_a_topic_exists() {
         let command = command();
         for topic in TOPICS {
             for (name, options) in topic.options {
@@ -336,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn topics_are_found_by_what_people_call_them() {
+    fn topics_are_found_by_common_names() {
         let of = |name: &str| page(&["p", "help", name].map(OsString::from), &command());
         for (name, title) in [
             ("colors", "Colours"),

@@ -17,7 +17,7 @@ pub struct DepthsAhead {
 
 impl DepthsAhead {
     pub(super) fn drawn(mut self, composed: &Composed) -> PhotoDepths {
-        // They depend neither on where the eye is nor on how many photographs are blended.
+        // They depend neither on the eye position nor on how many images are blended.
         self.style.photos.mode = PhotoMode::Vdts;
         let camera = Camera::framing(&composed.frame.frame.bounds(), self.origin, UpAxis::Y);
         let packet = Scene::default().packet(&composed.frame, self.origin, &camera, &self.style, [1; 2]);

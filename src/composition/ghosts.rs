@@ -73,7 +73,7 @@ pub fn with_ghosts(pose: &PreparedFrame, ghosts: &[Ghost], needs: &Needs) -> Res
     raw.attributes.colors = Some(colors);
     if has_shapes {
         let normal = |shape: &ShapeRecord| oct_decode(shape.normal).to_array();
-        // As they are drawn: shapes that once were asked for as ellipses may be drawn as disks now.
+        // As they are drawn: shapes that were prepared as ellipses may now be drawn as disks.
         let ellipse = |shape: &ShapeRecord| {
             let packed = if needs.ellipses { shape.ellipse } else { 0 };
             decode_ellipse(shape.normal, packed)
@@ -91,7 +91,7 @@ pub fn with_ghosts(pose: &PreparedFrame, ghosts: &[Ghost], needs: &Needs) -> Res
         ..*needs
     };
     let counters = PrepareCounters::default();
-    // What a legend says of the pose stays true.
+    // What a legend says about the pose stays true.
     Ok(prepare(pose.index, frame, 0.0, &needs, &counters).painted_as(pose))
 }
 
@@ -123,14 +123,14 @@ mod tests {
                 kind: LevelsKind::Surfels,
                 stop: StopCriterion::default(),
             }),
-            // Black and white say nothing to the automatic choice.
+            // The automatic choice ignores black and white.
             colors: Coloring::of(ColorSource::File),
             ..Needs::default()
         }
     }
 
     #[test]
-    fn the_pose_stays_whole_and_ghosts_are_a_share_in_a_tint() {
+    fn the_pose_stays_complete_and_ghosts_are_a_tinted_sample() {
         let pose_of = |index, start| pose(index, start, 100, &needs());
         let (now, before) = (pose_of(5, 0.0), pose_of(4, 1000.0));
         let ghost = Ghost {
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ghost_without_shapes_is_left_out_of_surfels_alone() {
+    fn a_ghost_without_shapes_is_skipped_only_for_surfels() {
         let now = pose(0, 0.0, 10, &needs());
         let bare = Ghost {
             frame: pose(1, 50.0, 10, &Needs::default()),
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn ellipses_of_a_file_stay_beside_those_that_were_estimated() {
+    fn ellipses_of_a_file_stay_alongside_estimated_ones() {
         let needs = Needs {
             ellipses: true,
             ..needs()
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn shares_are_kept_within_what_there_is() {
+    fn shares_are_clamped_to_the_available_points() {
         for (share, expected) in [(0.0, 0), (0.5, 5), (1.0, 10), (7.0, 10), (f32::NAN, 0)] {
             let ghost = Ghost {
                 frame: pose(0, 0.0, 10, &needs()),

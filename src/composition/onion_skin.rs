@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ghosts_fall_off_on_both_sides_and_end_with_the_sequence() {
+    fn ghosts_fade_on_both_sides_and_stop_at_the_ends() {
         let onion = OnionSkin {
             before: 3,
             after: 2,
@@ -70,7 +70,7 @@ mod tests {
         };
         let found = onion.around(5, 8);
         let shares: Vec<(usize, f32)> = found.iter().map(|&(index, share, _)| (index, share)).collect();
-        // The fourth, 11, and 9 are beyond the end.
+        // The fourth, 11, as well as 9, are past the end.
         assert_eq!(shares, [(3, 0.6), (1, 0.6 * 2.0 / 3.0), (7, 0.6)]);
         assert_eq!(found[0].2, PAST_TINT);
         assert_eq!(found[2].2, FUTURE_TINT);

@@ -74,7 +74,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_other_frame_is_one_of_the_sequence() {
+    fn the_other_frame_is_within_the_sequence() {
         let with = |step| ChangeColors { step, range: None };
         assert_eq!(with(1).other_frame(3, 5), Some(4));
         assert_eq!(with(2).other_frame(3, 5), None);

@@ -48,7 +48,7 @@ pub fn points_in_view(
     let pieces = positions.par_chunks(POINTS_PER_PIECE).enumerate();
     pieces.clone().for_each(|(piece, points)| {
         for (pixel, depth) in points.iter().filter_map(|&position| seen_at(position)) {
-            // Positive f32 are ordered as their bits are.
+            // Positive f32 have the same order as their bits.
             let seen = u64::from(depth.to_bits()) << 32 | piece as u64;
             nearest[pixel].fetch_min(seen, Ordering::Relaxed);
         }
@@ -109,7 +109,7 @@ impl<'a> PixelGrid<'a> {
         let longest = steps(|pixel, width| pixel % width).max(steps(|pixel, width| pixel / width));
         pixels.sort_unstable();
         pixels.dedup();
-        // A square meets one row and one column of pixels more than it is long.
+        // A square crosses one more row and one more column of pixels than it is long.
         let mean_steps = (pixels.len() as f64).sqrt() - 1.0;
         (longest as f64 * mean_steps).max(1.0)
     }

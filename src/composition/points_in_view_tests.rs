@@ -46,14 +46,14 @@ fn retained(positions: &[Vec3], camera: &Camera, clip: Option<&Clip>) -> Vec<Vec
 }
 
 #[test]
-fn what_a_plate_hides_is_left_out_until_the_plate_is_clipped() {
+fn points_hidden_by_a_plate_are_excluded_until_it_is_clipped() {
     let edges = [Vec3::X, Vec3::Y];
     let [front, back] = [0.5, -0.5].map(|z| plate(Vec3::new(0.0, 0.0, z), edges, 300));
-    // Seen from the front plate's middle, the back one is smaller.
+    // Seen from the centre of the front plate, the back one is smaller.
     let positions = in_morton_order(&[front, back].concat());
     let camera = camera(3.0);
     let all = retained(&positions, &camera, None);
-    // Of runs that go over from one plate to the other points of both are kept.
+    // Runs that span both plates retain points of both.
     let hidden = all.iter().filter(|position| position.z < 0.0).count();
     assert!(50 * hidden < all.len(), "{hidden} of {}", all.len());
 
@@ -66,7 +66,7 @@ fn what_a_plate_hides_is_left_out_until_the_plate_is_clipped() {
 }
 
 #[test]
-fn a_dense_plate_keeps_one_to_three_points_a_pixel_and_a_sparse_one_all() {
+fn a_dense_plate_retains_one_to_three_points_per_pixel_and_a_sparse_one_all() {
     let edges = [Vec3::X, Vec3::Y];
     // Its edge in pixels: 2 · 120 / 2 / tan 30° / 3.
     let edge_px = 2.0 * 60.0 / f64::to_radians(30.0).tan() / 3.0;
@@ -82,7 +82,7 @@ fn a_dense_plate_keeps_one_to_three_points_a_pixel_and_a_sparse_one_all() {
 }
 
 #[test]
-fn what_is_kept_of_a_floor_at_a_grazing_angle_defines_its_plane() {
+fn points_retained_at_a_grazing_angle_define_the_plane_of_a_floor() {
     let floor = plate(Vec3::new(0.0, -0.2, 0.0), [2.0 * Vec3::X, 2.0 * Vec3::Z], 900);
     let floor = in_morton_order(&floor);
     let retained = retained(&floor, &camera(3.0), None);
@@ -94,13 +94,13 @@ fn what_is_kept_of_a_floor_at_a_grazing_angle_defines_its_plane() {
 }
 
 #[test]
-fn the_number_of_kept_points_has_a_bound() {
+fn the_number_of_retained_points_is_bounded() {
     let wall = plate(Vec3::ZERO, [2.0 * Vec3::X, 2.0 * Vec3::Y], 2000);
     let wall = in_morton_order(&wall);
     let viewport_px = [4000, 3000];
     let view = camera(3.0).transform(DVec3::ZERO, viewport_px);
     let retained = points_in_view(&wall, &view, viewport_px, None).len() as f64;
-    // Each piece keeps a whole number of points.
+    // Each piece retains a whole number of points.
     let pieces = (wall.len() / POINTS_PER_PIECE) as f64;
     assert!(
         (0.9 * MAX_POINTS..MAX_POINTS + pieces).contains(&retained),
@@ -109,7 +109,7 @@ fn the_number_of_kept_points_has_a_bound() {
 }
 
 #[test]
-fn nothing_is_kept_of_nothing_and_of_what_is_behind_the_eye() {
+fn nothing_is_retained_of_empty_clouds_or_behind_the_eye() {
     assert!(retained(&[], &camera(3.0), None).is_empty());
     let behind = in_morton_order(&plate(Vec3::new(0.0, 0.0, 5.0), [Vec3::X, Vec3::Y], 50));
     assert!(retained(&behind, &camera(3.0), None).is_empty());
@@ -120,7 +120,7 @@ proptest! {
 
     /// By the matrix of the projection, point by point.
     #[test]
-    fn pieces_are_kept_that_have_the_nearest_point_of_a_pixel_and_no_others(
+    fn only_chunks_with_the_nearest_point_of_a_pixel_are_retained(
         places in prop::collection::vec(prop::array::uniform3(-2.0_f32..2.0), 0..4000),
         distance in 1.0_f64..6.0,
     ) {

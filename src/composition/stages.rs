@@ -18,7 +18,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lanes_follow_each_other_and_names_are_those_of_the_table() {
+    fn lanes_are_consecutive_and_names_match_the_table() {
         assert!(STAGES.is_sorted_by_key(|stage| stage.lane), "{STAGES:?}");
         let table = include_str!("mod.rs");
         let mut from = 0;

@@ -129,6 +129,6 @@ pub(super) fn is_finished(output: &Path, entry: &FrameEntry) -> bool {
         return false;
     };
     let mut files = std::iter::once(&entry.path).chain(&entry.normals);
-    // Frames in the program have no file.
+    // Generated frames have no file.
     files.all(|file| modified(file).map_or(true, |input| output >= input))
 }

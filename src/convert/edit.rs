@@ -97,7 +97,7 @@ fn move_by(cloud: &mut RawCloud, transform: &DMat4) -> Result<(), EditError> {
     });
     let moved = Positions::F64(moved.collect());
     cloud.positions = match cloud.positions {
-        // A move by whole numbers, or a turn of the axes, needs no more digits.
+        // A translation by whole numbers, or a permutation of the axes, needs no more digits.
         Positions::F32(_) => moved.narrowed(),
         Positions::F64(_) => moved,
     };
@@ -115,14 +115,14 @@ fn move_by(cloud: &mut RawCloud, transform: &DMat4) -> Result<(), EditError> {
         let turned = of_normals * Vec3::from_array(*normal).as_dvec3();
         *normal = turned.normalize_or_zero().as_vec3().to_array();
     }
-    // Of a scale that differs by axis, the mean that keeps volumes.
+    // For a scale that differs between axes, the mean that preserves volumes.
     let scale = determinant.abs().cbrt() as f32;
     for radius in attributes.radii.iter_mut().flatten() {
         *radius *= scale;
     }
     cloud.sensor = cloud.sensor.map(|sensor| transform.transform_point3(sensor));
     if determinant < 0.0 {
-        // A mirror turns faces inside out.
+        // A reflection turns faces inside out.
         for face in &mut cloud.faces {
             face.swap(1, 2);
         }

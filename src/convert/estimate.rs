@@ -116,7 +116,7 @@ fn other_way(options: &ReelOptions) -> Option<ReelOptions> {
     Some(ReelOptions {
         precision,
         keep_order: false,
-        // Numbers as they are belong to points that are kept.
+        // Unquantised normals belong to points that are retained as they are.
         normal_bits: if options.normal_bits == 0 {
             13
         } else {
@@ -153,7 +153,7 @@ impl SampleFrame {
         };
         let group = index / MAX_FRAMES * MAX_FRAMES;
         let is_whole = count == MAX_FRAMES && group + 2 < sequence.len();
-        // Small frames as they are grouped by the usual options, others behind the one before.
+        // Small frames are grouped as by the default options, others follow their predecessor.
         let first = if is_whole {
             group
         } else {
@@ -270,7 +270,7 @@ impl SampleFrame {
         let frames: Vec<[u64; StreamKind::ALL.len()]> = frames.collect();
         let group = (options.keyframes as usize).clamp(1, self.frame_count.max(1));
         let bytes = std::array::from_fn(|kind| {
-            // Frames of a longer group are like those that follow the first one here.
+            // Frames of a longer group cost as much as those that follow the first one here.
             let following: u64 = frames.iter().skip(1).map(|frame| frame[kind]).sum();
             let like_others = following as f64 / (size - 1).max(1) as f64;
             let bytes_at = |place: usize| match frames.get(place) {
@@ -418,7 +418,7 @@ impl EstimatedErrors {
         let mean = |value: &dyn Fn(&CloudError) -> f64| errors.iter().map(value).sum::<f64>() / count;
         let has_colors = errors.iter().all(|error| error.color_squared.is_some());
         let has_normals = errors.iter().all(|error| error.normals.is_some());
-        // Of means of squares, in relation to the size of each frame.
+        // From means of squares, relative to the size of each frame.
         let relative = mean(&|error| error.geometry.point_to_point.mean_squared() / error.peak.powi(2));
         Some(Self {
             largest: largest(&|error| error.geometry.point_to_point.hausdorff())?,

@@ -46,7 +46,7 @@ fn judged_of(sequence: &Sequence, index: usize, target: &Target) -> SampleEstima
 }
 
 #[test]
-fn an_estimate_is_what_a_file_comes_to() {
+fn an_estimate_matches_the_written_file() {
     let sequence = sequence_of(3);
     for options in [ReelOptions::merged(), ReelOptions::lossless(), ReelOptions::default()] {
         let options = ReelOptions {
@@ -74,7 +74,7 @@ fn an_estimate_is_what_a_file_comes_to() {
 }
 
 #[test]
-fn lossless_has_no_error_and_a_length_keeps_its_bound() {
+fn lossless_has_no_error_and_a_length_respects_its_bound() {
     let lossless = judged(0, &Target::Reel(ReelOptions::lossless()));
     let errors = Estimate::of(&[lossless]).unwrap().errors.unwrap();
     assert_eq!((errors.largest, errors.rms), (0.0, 0.0));
@@ -101,7 +101,7 @@ fn lossless_has_no_error_and_a_length_keeps_its_bound() {
 }
 
 #[test]
-fn a_mean_is_over_frames_and_the_largest_error_is_that_of_the_worst() {
+fn means_are_over_frames_and_the_max_error_is_of_the_worst_frame() {
     let target = Target::Reel(ReelOptions::default());
     let samples = [0, 2, 3].map(|index| judged(index, &target));
     assert_eq!((samples[2].points, samples[2].error), (0, None));
@@ -116,7 +116,7 @@ fn a_mean_is_over_frames_and_the_largest_error_is_that_of_the_worst() {
 }
 
 #[test]
-fn files_are_judged_by_what_a_reader_finds_in_them() {
+fn files_are_estimated_by_reading_them_back() {
     let sequence = sequence();
     let ply = judged(0, &Target::Files(WriteFormat::default()));
     let mut file = Cursor::new(Vec::new());
@@ -124,14 +124,14 @@ fn files_are_judged_by_what_a_reader_finds_in_them() {
     assert_eq!(ply.bytes, file.into_inner().len() as f64);
     assert_eq!((ply.retained_points, ply.bytes_by_stream), (1600, None));
     assert_eq!(ply.error.unwrap().geometry.point_to_point.hausdorff(), 0.0);
-    // LAS keeps whole multiples of a length.
+    // LAS stores integer multiples of a length.
     let las = judged(0, &Target::Files("las".parse().unwrap()));
     let error = las.error.unwrap().geometry.point_to_point.hausdorff();
     assert!(error > 0.0 && error < 0.01, "{error}");
 }
 
 #[test]
-fn a_cancelled_frame_is_not_judged() {
+fn a_cancelled_frame_is_not_estimated() {
     let sample = SampleFrame::read(&sequence(), 0).unwrap();
     let progress = Progress::default();
     progress.cancel();

@@ -37,9 +37,9 @@ pub(super) fn write_frame(
     let write = || {
         let (partial, mut file) = Partial::create(path)?;
         crate::io::write(&mut file, conversion.format, &cloud)?;
-        // On the disk before it has its name: what stands in the folder is finished, whatever happens to the machine.
+        // Flushed to disk before it gets its name: what is in the folder is complete, whatever happens to the machine.
         file.sync_data()?;
-        // The line of the ledger comes before the name: a file of the folder without a line is not of this conversion.
+        // The line in the ledger precedes the name: a file in the folder without a line is not part of this conversion.
         before_named(file.metadata()?.len())?;
         partial.finish()
     };

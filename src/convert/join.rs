@@ -75,7 +75,7 @@ pub fn join(parts: &[PathBuf], output: &Path) -> Result<Joined, ConvertError> {
     }
     let unfinished = Unfinished::of(output);
     let _lock = unfinished.lock(output)?;
-    // Nothing could go on with a part of it.
+    // A partial result could not be continued.
     let _new = Temporary::file(&unfinished.file);
     let mut writer: Option<Writer> = None;
     for file in &files {

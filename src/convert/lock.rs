@@ -106,9 +106,9 @@ pub(super) fn lock(path: &Path, output: &Path) -> Result<Lock, ConvertError> {
     };
     match taken {
         Err(TryLockError::WouldBlock) => return Err(busy(before.as_ref())),
-        // Another process has just ended and removed it, and perhaps a third one has made it again.
+        // Another process has just ended and removed it, and perhaps a third one has created it again.
         Ok(()) if !is_at(&file, path) => return Err(busy(None)),
-        // Where files cannot be locked, what it says counts.
+        // Where files cannot be locked, their content decides.
         Err(TryLockError::Error(_)) if before.as_ref().is_some_and(|holder| !holder.has_ended()) => {
             return Err(busy(before.as_ref()));
         }
@@ -120,7 +120,7 @@ pub(super) fn lock(path: &Path, output: &Path) -> Result<Lock, ConvertError> {
             output.display()
         );
     }
-    // From here on it is this process's.
+    // From here on it belongs to this process.
     let listed = Temporary::file(path);
     Holder::this().write(&mut file).map_err(failed)?;
     Ok(Lock {
@@ -143,7 +143,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_second_is_told_who_the_first_is() {
+    fn the_second_process_learns_which_one_holds_the_lock() {
         let folder = tempfile::tempdir().unwrap();
         let [path, output] = [".walk.reel.lock", "walk.reel"].map(|name| folder.path().join(name));
         let first = lock(&path, &output).unwrap();
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_killed_process_left_is_taken_over() {
+    fn the_lock_of_a_killed_process_is_taken_over() {
         let folder = tempfile::tempdir().unwrap();
         let [path, output] = [".walk.reel.lock", "walk.reel"].map(|name| folder.path().join(name));
         let gone = Holder {
@@ -174,7 +174,7 @@ mod tests {
         let there: Holder = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
         assert_eq!(there.pid, std::process::id());
         drop(held);
-        // An empty or torn one is nobody's.
+        // An empty or truncated lock belongs to no one.
         fs::write(&path, "{\"pid\": 1").unwrap();
         drop(lock(&path, &output).unwrap());
     }

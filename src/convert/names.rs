@@ -115,12 +115,12 @@ fn with_times(stems: &[String], times: &[Option<Duration>], extension: &str) -> 
         .iter()
         .zip(times)
         .map(|(stem, time)| match time {
-            // As long as seconds since 1970, so that it is read as a time and not as a number.
+            // Padded to the length of seconds since 1970, so that it is read as a time and not as a number.
             Some(time) => format!("{stem}_{:010}.{:09}.{extension}", time.as_secs(), time.subsec_nanos()),
             None => format!("{stem}.{extension}"),
         })
         .collect();
-    // Times that do not grow, or that some frames lack, are read from no names.
+    // Times that do not increase, or that some frames lack, cannot be read from names.
     let can_be_told = times.len() > 1 && times.windows(2).all(|pair| pair[0].is_some() && pair[0] < pair[1]);
     (!can_be_told || told(&stamped) == times).then_some(stamped)
 }
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn stems_and_numbers_are_kept() {
+    fn stems_and_numbers_are_retained() {
         for (files, expected) in [
             (
                 ["a/mesh_00000.ply", "a/mesh_00001.ply"],
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_whose_names_collide_or_do_not_sort_are_numbered_and_that_is_said() {
+    fn frames_with_colliding_or_unsortable_names_are_renumbered_with_a_note() {
         let numbered = ["frame_000000.pcd", "frame_000001.pcd"].map(str::to_owned).to_vec();
         for files in [
             ["a/cloud.ply", "b/cloud.ply"],
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn times_that_no_name_tells_are_appended() {
+    fn times_missing_from_names_are_appended() {
         let of = |files: [&str; 2], millis: [u64; 2]| {
             let entries = [0, 1].map(|place| {
                 Arc::new(FrameEntry {

@@ -99,7 +99,7 @@ impl SourceFiles {
         let images = sequence.source().images();
         for file in inputs.iter().chain(of_entries).chain(&images) {
             match regular_file::id(file) {
-                // Device and number, not the path: an output that is an input by another name or link is refused.
+                // Device and inode, not the path: an output that is an input under another name or link is refused.
                 Some(id) => _ = files.ids.insert(id),
                 None if file.is_file() => _ = files.names.insert(real(file)),
                 None => {}
@@ -123,7 +123,7 @@ pub fn source_at(output: &Output, sequence: &Sequence) -> Option<PathBuf> {
     let (Output::File(path) | Output::Folder(path) | Output::Reel(path, _)) = output;
     let place = real(path);
     let is_folder = matches!(output, Output::Folder(_));
-    // Frames of a folder ask for the same again and again.
+    // Frames in one folder ask about the same path again and again.
     let mut looked_at = HashSet::new();
     let mut is_there = |input: &Path| {
         if real(input) == place || regular_file::are_same(input, path) {
@@ -133,7 +133,7 @@ pub fn source_at(output: &Output, sequence: &Sequence) -> Option<PathBuf> {
             return false;
         }
         let folder = |file: &Path| file.parent().map(Path::to_owned);
-        // Both where it is by its name and, if that is a link, where the file is.
+        // Both the location of its name and, if that is a link, the location of the file.
         [folder(&absolute(input).unwrap_or_default()), folder(&real(input))]
             .into_iter()
             .flatten()
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn files_are_free_then_interrupted_then_taken() {
+    fn output_files_are_free_then_interrupted_then_taken() {
         let folder = tempfile::tempdir().unwrap();
         let sequence = sequence(Path::new("/nowhere"));
         let path = folder.path().join("walk.reel");
@@ -202,7 +202,7 @@ mod tests {
         assert_eq!(Place::of(&into(&options), &sequence), Place::Free);
         interrupted(&into(&options), &sequence);
         assert_eq!(Place::of(&into(&options), &sequence), Place::Interrupted);
-        // With other options it begins anew.
+        // With other options it starts over.
         assert_eq!(Place::of(&into(&ReelOptions::lossless()), &sequence), Place::Free);
         convert(&sequence, &into(&options), &Progress::default()).unwrap();
         assert_eq!(Place::of(&into(&options), &sequence), Place::Taken);
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn hard_links_are_the_source() {
+    fn hard_links_count_as_the_source() {
         let folder = tempfile::tempdir().unwrap();
         let [scan, link, other] = ["0.ply", "link.ply", "other.ply"].map(|name| folder.path().join(name));
         fs::write(&scan, "ply").unwrap();
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn folders_are_free_or_of_the_same_conversion() {
+    fn output_folders_are_free_or_belong_to_the_same_conversion() {
         let folder = tempfile::tempdir().unwrap();
         let scans = folder.path().join("scans");
         let sequence = sequence(&scans);

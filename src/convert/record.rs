@@ -152,7 +152,7 @@ fn inputs_of(sequence: &Sequence) -> Vec<String> {
             (FrameBytes::File(Part::Whole | Part::Sole), Some(folder)) if entry.path.is_file() => folder,
             _ => entry.path.as_path(),
         };
-        // Those of one folder follow one another.
+        // Those of one folder are consecutive.
         if places.last().is_none_or(|last| last != place) {
             places.push(place.to_owned());
         }
@@ -311,7 +311,7 @@ impl Ledger {
             state: state.0,
         };
         let Some(file) = &self.file else { return Ok(()) };
-        // Behind half a line of a process that was killed it still is one.
+        // The leading newline completes a partial line of a process that was killed.
         let mut text = b"\n".to_vec();
         serde_json::to_writer(&mut text, &line)?;
         text.push(b'\n');

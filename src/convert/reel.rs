@@ -75,7 +75,7 @@ impl Unfinished {
     /// Removes it: nothing goes on with it. To be called while it is locked.
     fn remove(&self) {
         for path in [&self.file, &self.ledger] {
-            // The next conversion writes over what cannot be removed.
+            // The next conversion overwrites what cannot be removed.
             let _ = fs::remove_file(path);
         }
     }
@@ -157,7 +157,7 @@ pub(super) fn convert(
             },
             error => error,
         })?;
-        // Of a source that has changed since, it is made anew.
+        // If its source has changed since, it is converted again.
         if entries.iter().all(|entry| is_finished(output, entry)) {
             converted.left = left;
             return Ok(converted);
@@ -175,7 +175,7 @@ pub(super) fn convert(
     }
     let known = unfinished.ledger(&record, &entries);
     let known = known.filter(|ledger| !conversion.overwrites && ledger.part == [part.index, part.count]);
-    // Nobody can go on with a file without a group.
+    // A file without a group cannot be continued.
     let mut until_a_group = Vec::new();
     let reopened = known.and_then(|ledger| Some((unfinished.reopened(options)?, ledger)));
     let (writer, ledger) = if let Some(both) = reopened {
@@ -188,7 +188,7 @@ pub(super) fn convert(
             skipped: Vec::new(),
         };
         until_a_group.extend([&unfinished.file, &unfinished.ledger].map(|path| Temporary::file(path)));
-        // Before the file: of whatever is left behind it is known what it is.
+        // Before the file, so that whatever is left over can be identified.
         unfinished.keep(&ledger)?;
         (Writer::create_part(&unfinished.file, options.clone(), part)?, ledger)
     };
@@ -250,7 +250,7 @@ fn write_frames(work: &Work<'_>, open: Open<'_>, converted: &mut Converted) -> R
         }
     }
     if writer.frame_count() == 0 && !frames.is_empty() {
-        // A file that is there is worth more than one without a frame.
+        // An existing file is worth more than one without frames.
         drop(writer);
         unfinished.remove();
         return Ok(());
@@ -327,7 +327,7 @@ fn encoded(work: &Work<'_>, frames: &[usize]) -> Result<ConvertedGroup, ConvertE
         .iter()
         .map(|(cloud, entry)| NewFrame {
             cloud,
-            // Its own name, without that of a file that holds several.
+            // The frame's own name, without that of a multi-frame file.
             name: entry.name.rsplit(": ").next().unwrap_or_default(),
             time: entry.time,
         })
@@ -347,8 +347,7 @@ fn group_length(sequence: &Sequence, frames: &[usize], options: &ReelOptions) ->
 
 /// The share of `frames` that a shard takes: a run of them, as their files are joined one behind the other.
 fn share(frames: &[usize], shard: Shard) -> &[usize] {
-    // Runs, not every n-th frame as in folders: `convert --join` writes their groups one after the other without
-    // re-encoding.
+    // Runs, not every n-th frame as in folders: `convert --join` concatenates their groups without re-encoding.
     &frames[bounds(frames.len(), shard)]
 }
 
@@ -400,7 +399,7 @@ pub(super) fn finish(writer: Writer, output: &Path, unfinished: &Unfinished) -> 
         .finish()?
         .into_inner()
         .map_err(|error| failed(error.into_error()))?;
-    // On the disk before it has its name.
+    // Flushed to disk before it gets its name.
     file.sync_data().map_err(failed)?;
     fs::rename(&unfinished.file, output).map_err(failed)?;
     crate::regular_file::sync_folder_of(output);

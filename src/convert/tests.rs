@@ -81,7 +81,7 @@ fn ellipses_are_stretched_with_their_splats() {
 }
 
 #[test]
-fn cells_join_what_is_in_them() {
+fn cells_merge_their_points() {
     let cloud = edited(&Edit {
         voxel_edge: Some(2.0),
         ..Edit::default()
@@ -102,7 +102,7 @@ fn cells_join_what_is_in_them() {
 }
 
 #[test]
-fn thinning_out_is_even_and_keeps_the_order() {
+fn subsampling_is_even_and_preserves_the_order() {
     let cloud = edited(&Edit {
         sample_count: NonZeroUsize::new(125),
         ..Edit::default()
@@ -191,13 +191,13 @@ fn every_frame_is_written_but_the_one_that_fails() {
 }
 
 #[test]
-fn who_starts_again_does_only_what_is_left() {
+fn a_restarted_conversion_only_does_what_is_left() {
     let folder = tempfile::tempdir().unwrap();
     run(&conversion(folder.path()));
     fs::remove_file(folder.path().join("5.ply")).unwrap();
     let again = run(&conversion(folder.path()));
     assert_eq!((again.written, again.left), (1, 8));
-    // Other options are another conversion.
+    // Other options mean another conversion.
     let other = Conversion {
         format: "ply-ascii".parse().unwrap(),
         ..conversion(folder.path())
@@ -212,7 +212,7 @@ fn who_starts_again_does_only_what_is_left() {
 }
 
 #[test]
-fn files_of_somebody_else_are_not_taken_for_frames() {
+fn foreign_files_are_not_mistaken_for_frames() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("5.ply"), "mine").unwrap();
     let refused = convert(&sequence(), &conversion(folder.path()), &Progress::default());
@@ -221,7 +221,7 @@ fn files_of_somebody_else_are_not_taken_for_frames() {
         "{refused:?}"
     );
     assert_eq!(names(folder.path()), ["5.ply"]);
-    // Nor is a frame whose line in the ledger was cut off when the power went.
+    // Nor is a frame whose line in the ledger was truncated by a power failure.
     let fresh = Conversion {
         overwrites: true,
         ..conversion(folder.path())
@@ -236,13 +236,13 @@ fn files_of_somebody_else_are_not_taken_for_frames() {
         matches!(refused, Err(ConvertError::Exists { more: 0, .. })),
         "{refused:?}"
     );
-    // What is appended behind half a line is a line.
+    // What is appended after a partial line is a complete line.
     assert_eq!(run(&fresh).written, 9);
     assert_eq!(run(&conversion(folder.path())).left, 9);
 }
 
 #[test]
-fn another_frame_of_the_same_name_is_not_finished() {
+fn another_frame_with_the_same_name_does_not_count_as_finished() {
     let folder = tempfile::tempdir().unwrap();
     run(&conversion(folder.path()));
     let other = Sequence::with_decoder(vec![FrameEntry::file("nowhere/deeper/../7.ply")], |_| Ok(cube()));
@@ -251,7 +251,7 @@ fn another_frame_of_the_same_name_is_not_finished() {
 }
 
 #[test]
-fn frames_that_are_not_there_are_an_error() {
+fn missing_frames_are_an_error() {
     let folder = tempfile::tempdir().unwrap();
     for frames in [20..=30, 8..=10, 10..=10] {
         let beyond = Conversion {
@@ -265,7 +265,7 @@ fn frames_that_are_not_there_are_an_error() {
 }
 
 #[test]
-fn a_move_that_needs_no_more_digits_keeps_single_precision() {
+fn a_translation_within_f32_precision_keeps_single_precision() {
     let moved = |transform: DMat4| {
         let mut cloud = RawCloud::from_positions(Positions::F32(vec![[0.1, 2.0, 3.5], [f32::NAN; 3]]));
         let edit = Edit {
@@ -281,7 +281,7 @@ fn a_move_that_needs_no_more_digits_keeps_single_precision() {
 }
 
 #[test]
-fn a_cancelled_conversion_leaves_whole_files_alone() {
+fn a_cancelled_conversion_leaves_only_complete_files() {
     let folder = tempfile::tempdir().unwrap();
     let progress = Progress::told_to(|progress| {
         if progress.done() > 0 {
@@ -303,7 +303,7 @@ fn a_cancelled_conversion_leaves_whole_files_alone() {
 }
 
 #[test]
-fn shards_share_the_frames_out() {
+fn shards_divide_the_frames() {
     let folder = tempfile::tempdir().unwrap();
     let counts: Vec<usize> = (0..3)
         .map(|index| {
@@ -331,7 +331,7 @@ fn times_are_in_the_names() {
 }
 
 #[test]
-fn times_that_were_written_into_names_are_read_again() {
+fn times_in_written_names_are_read_back() {
     let folder = tempfile::tempdir().unwrap();
     let sources = (0..3).map(|place| FrameEntry {
         time: Some(Duration::from_millis([0, 40, 120][place])),

@@ -88,9 +88,9 @@ fn stays_inside(path: &Path, folder: &Path) -> bool {
     }
     let is_pattern = |text: &&str| !path.exists() && text.contains(['*', '?', '[']);
     match path.to_str().filter(is_pattern).map(glob::glob) {
-        // A path that cannot be read is none that is opened.
+        // A path that cannot be read is not opened.
         Some(Ok(matches)) => matches.flatten().all(|path| is_all_inside(&path)),
-        // No pattern, or none that means anything.
+        // Not a pattern, or an invalid one.
         None | Some(Err(_)) => true,
     }
 }
@@ -134,7 +134,7 @@ fn is_inside(path: &Path, folder: &Path) -> bool {
         if let Ok(real) = here.canonicalize() {
             break real;
         }
-        // A link that leads nowhere now may lead elsewhere later.
+        // A dangling link may lead elsewhere later.
         if here.symlink_metadata().is_ok_and(|metadata| metadata.is_symlink()) {
             return false;
         }
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn addresses_are_named_with_the_option() {
+    fn addresses_are_reported_with_the_option() {
         let folder = tempfile::tempdir().unwrap();
         for address in ["tcp://127.0.0.1:1", "udp://:19368", "http://127.0.0.1/a.reel"] {
             let session = read(folder.path(), &format!("[\"{address}\"]"), "");
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn files_outside_are_named_and_those_inside_open() {
+    fn outside_files_are_reported_and_inside_ones_open() {
         let above = tempfile::tempdir().unwrap();
         let folder = above.path().join("walk");
         fs::create_dir_all(folder.join("scans")).unwrap();

@@ -99,7 +99,7 @@ impl Draft {
         let first = before.map_or(0.0, |key| key.time_s + MIN_STEP_S);
         let after = keys.get(index + 1);
         let last = after.map_or(MAX_TIME_S, |key| key.time_s - MIN_STEP_S);
-        // Files may have keyframes that are nearer to each other: those stay.
+        // Files may have keyframes closer together: those stay where they are.
         let time_s = keys[index].time_s;
         first.min(time_s)..=last.max(time_s)
     }
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn keyframes_are_in_order_and_one_at_a_time() {
+    fn keyframes_are_sorted_and_unique_per_time() {
         let mut draft = draft(&[(4.0, 1.0), (0.0, 2.0), (2.0, 3.0)]);
         assert_eq!(frames(&draft), [2.0, 3.0, 1.0]);
         draft.put(key(2.0004, 9.0)).unwrap();
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn times_stay_between_their_neighbours() {
+    fn keyframe_times_stay_between_their_neighbours() {
         let mut draft = draft(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)]);
         for (index, asked, expected) in [(1, 5.0, 1.999), (1, -1.0, 0.001), (0, -1.0, 0.0)] {
             draft.set_time(index, asked);
@@ -215,7 +215,7 @@ mod tests {
         }
         draft.set_time(2, 50.0);
         assert_eq!(draft.times_s(), Some(0.0..=50.0));
-        // Nearer ones, out of a file, stay where they are when they are touched.
+        // Closer ones from a file stay where they are when they are edited.
         let keys = vec![key(0.0, 0.0), key(2e-6, 1.0)];
         let mut near = Draft::of(CameraPath::new(keys, true).unwrap());
         near.set_time(0, 0.0);
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn holds_slow_motion_and_reverse_are_rates_between_two_keyframes() {
+    fn holds_slow_motion_and_reverse_are_rates_between_keyframes() {
         let mut draft = draft(&[(0.0, 10.0), (1.0, 34.0), (3.0, 82.0)]);
         assert_eq!(draft.rate_after(1), Some(24.0));
         assert_eq!(draft.rate_after(2), None);
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_changes_nothing() {
+    fn invalid_edits_change_nothing() {
         let mut draft = draft(&[(0.0, 1.0)]);
         let before = draft.clone();
         let mut other = key(1.0, 1.0);

@@ -112,7 +112,7 @@ impl ReadSession {
             file: file.to_owned(),
             reason,
         };
-        // A later version may have other fields: it is looked at alone.
+        // A later version may have other fields: it is checked separately.
         let Version {
             pointreel_session: version,
         } = serde_json::from_slice(text).map_err(json)?;
@@ -264,13 +264,13 @@ fn settings_of(written: &Fields, notes: &mut Notes) -> (Settings, Fields) {
 
 /// By the names that files have for them. Single numbers have the few digits that they need.
 fn settings_value(settings: &Settings) -> Fields {
-    // Words and numbers alone: nothing of it can fail.
+    // Strings and numbers only: this cannot fail.
     let text = serde_json::to_string(settings).unwrap_or_default();
     serde_json::from_str(&text).unwrap_or_default()
 }
 
 fn value_of(fields: impl Serialize) -> Value {
-    // Numbers and texts alone: nothing of it can fail.
+    // Numbers and strings only: this cannot fail.
     serde_json::to_value(fields).unwrap_or_default()
 }
 
@@ -319,7 +319,7 @@ impl Document {
             ("notes", value_of(Some(&self.notes).filter(|notes| !notes.is_empty()))),
             ("settings", settings.into()),
         ];
-        // What there is none of needs no line.
+        // Absent values need no line.
         let is_there = |value: &Value| match value {
             Value::Null => false,
             Value::Array(list) => !list.is_empty(),

@@ -176,7 +176,7 @@ fn key_of(sequence: &Sequence) -> Option<String> {
     let path = std::path::absolute(&entry.path).unwrap_or_else(|_| entry.path.clone());
     let bytes = fs::metadata(&path).map_or(0, |metadata| metadata.len());
     let mut hashed = path.as_os_str().as_encoded_bytes().to_vec();
-    // So that no two lists of texts are alike.
+    // A separator, so that no two lists of texts hash alike.
     hashed.push(0);
     hashed.extend(format!("{} {bytes}", entry.name).into_bytes());
     Some(hex_hash(&hashed))
@@ -210,7 +210,7 @@ fn merge_into(stored: &mut Fields, unread: &mut Vec<String>, before: &Fields, no
         .map_err(|reason| reason.to_string())
         .and_then(|bytes| ReadSession::of_text(&bytes, file).map_err(|reason| reason.to_string()));
     if let Err(reason) = was_read {
-        // Nothing was there, or nothing that can be merged with.
+        // Nothing was stored, or nothing that could be merged with.
         if !stored.is_empty() {
             unread.push(reason);
         }
@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn sequences_are_told_apart_by_their_first_frame() {
+    fn sequences_are_distinguished_by_their_first_frame() {
         let folder = tempfile::tempdir().unwrap();
         let (documents, of_a) = documents(folder.path());
         let file = |names: &[&str]| documents.file_of(&sequence(names));
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_is_the_text_of_a_session() {
+    fn documents_are_stored_as_session_text() {
         let folder = tempfile::tempdir().unwrap();
         let (documents, file) = documents(folder.path());
         let new = Document::new(Settings::default());
@@ -317,7 +317,7 @@ mod tests {
         let read = ReadSession::read(&file).unwrap();
         assert_eq!((&read.document, read.warnings.len()), (&document, 0));
         assert_eq!(documents.read(&file, &new).document, Some(document.clone()));
-        // A copy in the place of a session is the same one, to the last letter.
+        // A copy in place of a session counts as the same session if its text is identical.
         if cfg!(unix) {
             let text = document.to_text(Path::new("/elsewhere/walk.pointreel")).unwrap();
             assert_eq!(fs::read_to_string(&file).unwrap(), text);
@@ -327,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn marks_from_before_are_read_until_a_document_is_kept() {
+    fn marks_of_older_versions_are_read_until_a_document_is_stored() {
         let folder = tempfile::tempdir().unwrap();
         let (documents, file) = documents(folder.path());
         let timeline = documents.timeline_of(&file);
@@ -353,7 +353,7 @@ mod tests {
     }
 
     #[test]
-    fn two_windows_keep_what_each_has_changed() {
+    fn changes_of_two_windows_are_merged() {
         let folder = tempfile::tempdir().unwrap();
         let (documents, file) = documents(folder.path());
         let new = Document::new(Settings::default());
@@ -374,7 +374,7 @@ mod tests {
     }
 
     #[test]
-    fn two_writers_at_once_leave_a_whole_file() {
+    fn concurrent_writers_leave_a_complete_file() {
         let folder = tempfile::tempdir().unwrap();
         let (documents, file) = documents(folder.path());
         let new = Document::new(Settings::default());
@@ -398,7 +398,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_copied_before_it_is_replaced() {
+    fn unreadable_files_are_backed_up_before_being_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let (documents, file) = documents(folder.path());
         fs::create_dir_all(file.parent().unwrap()).unwrap();
@@ -414,7 +414,7 @@ mod tests {
     }
 
     #[test]
-    fn the_oldest_are_removed_and_what_is_too_large_is_refused() {
+    fn the_oldest_documents_are_removed_and_oversized_ones_rejected() {
         let folder = tempfile::tempdir().unwrap();
         let (documents, file) = documents(folder.path());
         let new = Document::new(Settings::default());

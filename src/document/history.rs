@@ -71,7 +71,7 @@ impl History {
                 name: String::new(),
             });
         }
-        // A gesture is named after all of it.
+        // A gesture is named after everything it changed.
         if let Some(change) = self.past.back_mut() {
             change.name = name_of(&change.document, document);
         }
@@ -141,18 +141,18 @@ mod tests {
     }
 
     #[test]
-    fn a_gesture_is_one_entry() {
+    fn a_gesture_is_one_undo_entry() {
         let mut history = History::default();
         history.note(&scaled(1.0), false, at(0));
-        // A drag of two seconds, with a rest in it.
+        // A drag of two seconds, with a pause in it.
         for (millis, scale) in [(100, 1.1), (200, 1.2), (1900, 1.3), (2000, 1.4)] {
             history.note(&scaled(scale), true, at(millis));
         }
-        // Let go and taken again, it is another one once half a second has passed.
+        // Released and grabbed again, it is another change once half a second has passed.
         history.note(&scaled(1.4), false, at(2100));
         history.note(&scaled(1.5), true, at(2700));
         history.note(&scaled(1.5), false, at(2800));
-        // Keys that repeat are one as well; another field is not.
+        // Repeated keys are one change as well; another field is not.
         history.note(&scaled(2.0), false, at(4000));
         history.note(&scaled(3.0), false, at(4400));
         history.note(&scaled(4.0), false, at(4800));
@@ -166,13 +166,13 @@ mod tests {
     }
 
     #[test]
-    fn a_change_after_undo_forgets_what_was_undone() {
+    fn a_change_after_undo_discards_the_redo_entries() {
         let mut history = History::default();
         for (second, scale) in [1.0, 2.0, 3.0].into_iter().enumerate() {
             history.note(&scaled(scale), false, at(1000 * second as u64));
         }
         assert_eq!(history.undo(), Some(scaled(2.0)));
-        // What undo has set is no change, and what follows at once is one of its own.
+        // What undo has set is not a change, and what follows at once is a change of its own.
         history.note(&scaled(2.0), false, at(2100));
         history.note(&scaled(5.0), false, at(2200));
         assert_eq!(history.redo(), None);
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_changes_of_their_own() {
+    fn steps_are_separate_changes() {
         let mut history = History::default();
         for scale in [1.0, 2.0, 2.0, 3.0] {
             history.note_step(&scaled(scale));
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn labels_are_undone_with_settings() {
+    fn label_changes_are_undone_with_settings() {
         let label = Label {
             text: "knee".to_owned(),
             frame: 0,
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_has_a_name() {
+    fn changes_are_named() {
         use crate::scene::Lighting;
         let name = |change: &dyn Fn(&mut Document)| {
             let mut history = History::default();
@@ -267,7 +267,7 @@ mod tests {
     proptest! {
         /// Held against a list of all settings, each change apart from the others.
         #[test]
-        fn any_way_back_and_forth_is_a_way_along_the_list(
+        fn undo_and_redo_walk_along_the_list(
             scales in prop::collection::vec(1u32..1000, 1..260), moves in prop::collection::vec(any::<bool>(), 0..40),
         ) {
             let mut history = History::default();

@@ -77,7 +77,7 @@ fn name_of_setting(described: &Described, value: Value) -> String {
             None => kinds[place].title.to_owned(),
         },
         (_, Value::Environment(environment)) => environment.to_string(),
-        // Colours have no short words.
+        // Colours have no short names.
         _ => return title.to_owned(),
     };
     format!("{title} {value}")

@@ -102,7 +102,7 @@ pub(super) const PARTS: &[Part] = &[
         name: "compare",
         is_same: |one, other| match (&one.compare, &other.compare) {
             (None, None) => true,
-            // By what frames belong together is as default for the two sequences, or the same by name.
+            // How frames are paired is the default for the two sequences, or has the same name.
             (Some(one), Some(other)) => {
                 (&one.inputs, &one.topic, one.offset_frames) == (&other.inputs, &other.topic, other.offset_frames)
                     && (one.layout, one.line) == (other.layout, other.line)
@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn points_that_move_on_are_the_same_work() {
+    fn moved_points_do_not_count_as_unsaved_work() {
         let before = measured([2, 3], 0);
         let moved = Document {
             frame: 4,
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_undo_takes_back_is_put_back() {
+    fn only_undoable_parts_are_restored() {
         let now = Document {
             frame: 7,
             up: Some(crate::scene::UpAxis::NegY),

@@ -32,10 +32,10 @@ pub(super) fn joined(folder: &Path, text: &str) -> PathBuf {
         return text.into();
     }
     match text {
-        // The folder itself, which may have no name where it is the present one.
+        // The folder itself, which may be empty for the current folder.
         "." if folder.as_os_str().is_empty() => ".".into(),
         "." => folder.to_owned(),
-        // An absolute path replaces what it is joined to.
+        // An absolute path replaces the one that it is joined to.
         text => folder.join(text),
     }
 }
@@ -47,14 +47,14 @@ pub(super) fn is_word(text: &str) -> bool {
 
 /// The names on the way from `folder` to `input`, `..` for each folder up; `None` if they share no folder but the root.
 fn from_folder(input: &Path, folder: &Path) -> Option<Vec<OsString>> {
-    // The folder of a file without one is the present one.
+    // The folder of a bare file name is the current folder.
     let from = if folder.as_os_str().is_empty() {
         std::env::current_dir().ok()?
     } else {
         std::path::absolute(folder).ok()?
     };
     let to = std::path::absolute(input).ok()?;
-    // Where a link leads up to is not told by names.
+    // The parent of a link cannot be determined from names.
     let is_plain = |path: &Path| !path.components().any(|part| part == Component::ParentDir);
     if !is_plain(&from) || !is_plain(&to) {
         return None;
@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_near_the_session_is_told_from_there() {
+    fn paths_near_the_session_are_stored_relative_to_it() {
         for (input, folder, expected) in [
             ("/data/walk/scans", "/data/walk", "scans"),
             ("/data/walk", "/data/walk", "."),
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn relative_inputs_are_found_from_another_folder() {
+    fn relative_inputs_are_resolved_from_another_folder() {
         // From where the test runs.
         let here = std::env::current_dir().unwrap();
         let text = as_text(Path::new("scans/a.ply"), Some(&here.join("sessions"))).unwrap();
@@ -123,7 +123,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_name_that_is_no_text_is_refused() {
+    fn a_non_utf8_name_is_rejected() {
         use std::os::unix::ffi::OsStrExt as _;
         let input = Path::new("/data").join(std::ffi::OsStr::from_bytes(b"scan\xff"));
         let error = as_text(&input, Some(Path::new("/data"))).unwrap_err().to_string();

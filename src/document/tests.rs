@@ -164,7 +164,7 @@ fn compared() -> impl Strategy<Value = Compared> {
 }
 
 #[test]
-fn frames_that_no_sequence_has_are_refused() {
+fn impossible_frame_numbers_are_rejected() {
     let most = usize::MAX;
     for field in [
         format!(r#""frame": {most}"#),
@@ -186,7 +186,7 @@ fn frames_that_no_sequence_has_are_refused() {
 }
 
 #[test]
-fn what_is_beside_is_read_as_a_person_writes_it_and_damage_is_told() {
+fn hand_written_comparisons_are_read_and_errors_reported() {
     let with = |compare: &str| {
         let compare = format!("\"compare\": {compare},\n  \"frame\"");
         read(&BY_HAND.replace("\"frame\": 7", &format!("{compare}: 7")))
@@ -289,21 +289,21 @@ fn session() -> impl Strategy<Value = Document> {
 
 proptest! {
     #[test]
-    fn every_session_survives_to_the_last_bit(session in session()) {
+    fn every_session_round_trips_bit_for_bit(session in session()) {
         let text = session.to_text(Path::new("/data/walk/walk.pointreel")).unwrap();
         let read = read(&text).unwrap();
         prop_assert_eq!(&read.warnings, &Vec::<String>::new());
-        // The text has a path from the folder where one leads there.
+        // The text has relative paths where the folder leads to the input.
         let inputs: Vec<PathBuf> = vec!["/data/walk/scans".into(), "/data/walk/../b.ply".into(), "demo:".into()];
         prop_assert_eq!(&read.document.inputs, &inputs);
         let read = Document { inputs: session.inputs.clone(), ..read.document };
         prop_assert_eq!(&read, &session);
-        // What is written again is the same text.
+        // Writing it again gives the same text.
         prop_assert_eq!(read.to_text(Path::new("/data/walk/walk.pointreel")).unwrap(), text);
     }
 
     #[test]
-    fn no_text_is_a_panic(session in session(), cut in 0usize..4000, letter in any::<u8>(), text in ".{0,60}") {
+    fn no_text_causes_a_panic(session in session(), cut in 0usize..4000, letter in any::<u8>(), text in ".{0,60}") {
         let _ = read(&text);
         let mut bytes = session.to_text(Path::new("/data/walk/walk.pointreel")).unwrap().into_bytes();
         let place = cut % bytes.len();
@@ -315,7 +315,7 @@ proptest! {
 }
 
 #[test]
-fn a_session_is_text_that_a_person_can_write() {
+fn a_session_is_text_that_can_be_written_by_hand() {
     let ReadSession {
         document: session,
         warnings,
@@ -346,7 +346,7 @@ fn a_session_is_text_that_a_person_can_write() {
 }
 
 #[test]
-fn a_label_a_marker_and_a_setting_are_a_line_each() {
+fn labels_markers_and_settings_take_one_line_each() {
     let text = read(BY_HAND).unwrap().document;
     let text = text.to_text(Path::new("/data/walk/walk.pointreel")).unwrap();
     for line in [
@@ -362,7 +362,7 @@ fn a_label_a_marker_and_a_setting_are_a_line_each() {
 }
 
 #[test]
-fn damage_is_told_with_its_line_and_what_was_expected() {
+fn errors_name_the_line_and_the_expected_value() {
     for (from, to, line, message) in [
         (
             "\"point\": 17, \"from\"",
@@ -429,7 +429,7 @@ fn damage_is_told_with_its_line_and_what_was_expected() {
 }
 
 #[test]
-fn what_is_no_session_or_of_a_later_version_is_refused() {
+fn other_files_and_later_versions_are_rejected() {
     let later = BY_HAND.replace("\"pointreel_session\": 1", "\"pointreel_session\": 4");
     let later = later.replace("\"files\"", "\"sources\"");
     let error = read(&later).unwrap_err().to_string();
@@ -463,7 +463,7 @@ fn what_is_no_session_or_of_a_later_version_is_refused() {
 }
 
 #[test]
-fn what_another_version_wrote_is_kept_or_said() {
+fn entries_of_other_versions_are_preserved_or_reported() {
     let text = BY_HAND
         .replace("\"frame\": 7", "\"frame\": 7, \"sound\": {\"volume\": [1, 2]}")
         .replace(
@@ -490,7 +490,7 @@ fn what_another_version_wrote_is_kept_or_said() {
 }
 
 #[test]
-fn a_session_moves_with_its_folder_and_is_replaced_as_a_whole() {
+fn a_session_moves_with_its_folder_and_is_replaced_atomically() {
     let folder = tempfile::tempdir().unwrap();
     let [before, after] = ["before", "after"].map(|name| folder.path().join(name));
     fs::create_dir_all(before.join("scans")).unwrap();
@@ -514,7 +514,7 @@ fn a_session_moves_with_its_folder_and_is_replaced_as_a_whole() {
     assert_eq!(read.document.inputs, [after.join("scans")]);
     assert_eq!(read.document.reading.poses, Some(after.join("poses.txt")));
     assert_eq!(read.document.reading.intrinsics.as_deref(), Some("500,500,320,240"));
-    // Other files are none, nor is a folder of such a name.
+    // Other files are not sessions, nor is a folder with such a name.
     assert_eq!(session_of(&[after.join("scans")]).unwrap(), None);
     fs::create_dir(after.join("folder.pointreel")).unwrap();
     assert_eq!(session_of(&[after.join("folder.pointreel")]).unwrap(), None);
@@ -554,7 +554,7 @@ fn a_session_of_each_version_is_read() {
         (document.settings.primitive, document.settings.surfels.splat_scale),
         (Primitive::Voxel.into(), 1.25)
     );
-    // What it does not know of is as in a new document.
+    // Fields that it does not know have the values of a new document.
     let new = Document::new(Settings::default());
     assert_eq!((document.up, document.notes.as_str()), (new.up, ""));
     assert_eq!(document.trails, new.trails);
@@ -566,7 +566,7 @@ fn a_session_of_each_version_is_read() {
 }
 
 #[test]
-fn looking_around_is_no_work() {
+fn looking_around_does_not_count_as_work() {
     let document = read(OF_VERSION_1).unwrap().document;
     let mut looked = document.clone();
     looked.frame = 7;

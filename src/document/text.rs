@@ -12,15 +12,15 @@ pub(super) fn of_fields<'a>(fields: impl IntoIterator<Item = (&'a str, &'a Value
 }
 
 fn write_object<'a>(text: &mut String, fields: &mut dyn Iterator<Item = (&'a str, &'a Value)>, depth: usize) {
-    // JSON, as settings, presets and paths are: TOML would be friendlier to write, but a second language for the same
-    // values. One entry per line, so that versions can be compared.
+    // JSON, like settings, presets and paths: TOML would be friendlier to write, but a second format for the same
+    // values. One entry per line, so that versions can be diffed.
     text.push('{');
     let mut is_first = true;
     for (name, value) in fields {
         next(text, &mut is_first, depth + 1);
         write_name(text, name);
         match value {
-            // A list of objects: one a line.
+            // A list of objects: one per line.
             Value::Array(list) if list.iter().any(Value::is_object) => {
                 text.push('[');
                 let mut is_first = true;
@@ -91,7 +91,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn lists_of_objects_and_objects_of_the_first_level_are_a_line_an_entry() {
+    fn lists_of_objects_and_top_level_objects_have_one_line_per_entry() {
         let [a, b, c] = [
             json!([{"x": 1, "y": [1, 2.5]}, {"x": "q\"\n"}]),
             json!({"n": {"deep": [true, null]}, "m": []}),
@@ -134,7 +134,7 @@ mod tests {
     proptest! {
         /// Held against the parser: whatever is laid out is the same JSON.
         #[test]
-        fn what_is_laid_out_is_the_same(fields in prop::collection::btree_map(".{0,8}", value(), 0..6)) {
+        fn formatting_preserves_the_values(fields in prop::collection::btree_map(".{0,8}", value(), 0..6)) {
             let text = of_fields(fields.iter().map(|(name, value)| (name.as_str(), value)));
             let read: std::collections::BTreeMap<String, Value> = serde_json::from_str(&text).unwrap();
             prop_assert_eq!(read, fields);

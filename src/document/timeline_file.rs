@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_chosen_is_read() {
+    fn chosen_values_are_read() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("some.json");
         assert_eq!(read(&file), (Document::default(), None));
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn each_mark_is_read_by_itself() {
+    fn each_mark_is_read_independently() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("some.json");
         let copy = folder.path().join("some.json.unreadable");
@@ -183,7 +183,7 @@ mod tests {
             assert_eq!(problem.is_none(), is_whole, "{to}");
             let copied = std::fs::read_to_string(&copy).ok();
             assert_eq!(copied, (!is_whole).then_some(changed), "{to}");
-            // What is no file cannot be removed.
+            // A path that is not a file cannot be removed.
             let _ = std::fs::remove_file(&copy);
         }
     }

@@ -53,7 +53,7 @@ impl DocumentFolder {
             read.unsaved = Unsaved::Restored(Box::new(saved));
             return;
         }
-        // Another program has written the session since: work is never merged without asking.
+        // Another program has written the session since: changes are never merged without asking.
         match set_aside(&file) {
             Ok(aside) => read.unsaved = Unsaved::Outdated(aside),
             Err(reason) => log::warn!("{} stays where it is ({reason})", file.display()),
@@ -94,7 +94,7 @@ mod tests {
     use std::fs;
 
     #[test]
-    fn unsaved_changes_come_back_to_the_text_that_they_were_made_to() {
+    fn unsaved_changes_are_restored_onto_the_text_they_were_based_on() {
         let folder = tempfile::tempdir().unwrap();
         let documents = DocumentFolder::at(folder.path().join("documents"), folder.path().join("timelines"));
         let session = folder.path().join("walk.pointreel");
@@ -125,7 +125,7 @@ mod tests {
         };
         assert_eq!(restored(), expected);
 
-        // Somebody else has written the session: both are there, and nothing is restored twice.
+        // Someone else has written the session: both versions exist, and nothing is restored twice.
         let other = Document {
             notes: "elsewhere".to_owned(),
             ..read.document

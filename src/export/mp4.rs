@@ -49,7 +49,8 @@ impl Mp4File {
             .args(["-s", &format!("{width}x{height}")])
             .args(["-r", &stream.per_second.to_string(), "-i", "pipe:0"])
             .args(["-c:v", "libx264", "-preset", "medium", "-crf", "18"])
-            // What every player takes, with the colours said: else players guess by the size.
+            // A format that every player supports, with explicit colour metadata: otherwise players guess it from the
+            // size.
             .args(["-vf", "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p"])
             .args(["-colorspace", "bt709", "-color_primaries", "bt709"])
             .args(["-color_trc", "bt709", "-color_range", "tv"])
@@ -68,7 +69,7 @@ impl Mp4File {
         let read = move || {
             let mut text = Vec::new();
             if let Some(mut said) = said {
-                // What cannot be read is not there.
+                // Unreadable output is treated as absent.
                 let _ = said.by_ref().take(MAX_MESSAGE_BYTES).read_to_end(&mut text);
                 let _ = std::io::copy(&mut said, &mut std::io::sink());
             }
@@ -88,7 +89,7 @@ impl Mp4File {
 
     /// Returns the error message of the encoder after it has ended.
     fn failure(&mut self) -> ExportError {
-        // A pipe that breaks is no more than the sign of it.
+        // A broken pipe is only a symptom of the failure.
         let _ = self.ffmpeg.wait();
         let messages = self.messages.take().map(JoinHandle::join);
         let reason = match messages {

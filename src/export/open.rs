@@ -17,7 +17,7 @@ impl VideoFormat {
             .extension()
             .map(|extension| extension.to_string_lossy().to_ascii_lowercase());
         match extension.as_deref() {
-            // Elsewhere that is stdout, where no video goes.
+            // Elsewhere `-` means stdout, to which no video is written.
             None if path.as_os_str() == "-" => Err(ExportError::UnknownFormat { path: path.to_owned() }),
             _ if path.is_dir() => Ok(Self::PngFiles),
             None => Ok(Self::PngFiles),
@@ -62,7 +62,7 @@ impl VideoFormat {
         }
         match self {
             Self::PngFiles => size(MAX_EDGE_PX, 1),
-            // Viewers show shorter delays as a tenth of a second.
+            // Viewers replace shorter delays by a tenth of a second.
             Self::Gif => size(65_535, 1).and(at_most(50.0, "at most 50")),
             Self::Webp => size(16_383, 1).and(at_most(1000.0, "at most 1000")),
             Self::Mp4 => size(16_384, 2).and(at_most(1000.0, "at most 1000")),

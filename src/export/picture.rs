@@ -27,7 +27,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 /// Longest edge of a part: its targets take a quarter of a GiB on the GPU.
-// Parts equal the whole to 60 dB, 35 for byte codes as masks, which are made for sectors of the image.
+// Images rendered in parts match the whole image to 60 dB, or 35 dB for byte codes as masks, which are made for sectors
+// of the image.
 const MAX_PART_EDGE_PX: u32 = 4096;
 
 /// Bytes of a strip of parts.
@@ -181,12 +182,12 @@ fn stream_png(
     for_each_strip(headless, picture, take, progress)?;
     png.finish().map_err(io::Error::from).map_err(failed)?;
     encoder.finish().map_err(io::Error::from).map_err(failed)?;
-    // A writer that is dropped keeps to itself that its last bytes found no room.
+    // Dropping a writer would hide the error if its last bytes do not fit on the disk.
     out.flush().map_err(failed)
 }
 
 fn start_png<W: Write>(out: W, [width, height]: [u32; 2]) -> io::Result<png::Writer<W>> {
-    // Strip by strip: the crate `image` wants the whole image.
+    // Strip by strip: the `image` crate needs the whole image.
     let mut encoder = png::Encoder::new(out, width, height);
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
@@ -274,7 +275,7 @@ fn for_each_strip(
         for left in (0..width).step_by(part_width as usize) {
             let columns = part_width.min(width - left);
             let part = PictureTile::with_halo([left, top], [columns, rows], size_px, halo_px);
-            // Only matrix, frustum, light per fragment and gradient depend on the part: records are selected and
+            // Only matrix, frustum, per-fragment light and gradient depend on the part: records are selected and
             // uploaded once.
             let packet = packet.part(part.start, part.size);
             let image = draw_part(headless, &packet, size.is_transparent)?;
@@ -333,7 +334,7 @@ fn draw_part(headless: &mut Headless, packet: &ScenePacket, is_transparent: bool
         packet.style.backdrop.background = Background::solid([gray; 3]);
         draw(&packet)
     };
-    // Two drawings need no support for alpha in any pass, and are right in all of them.
+    // Drawing twice needs no support for alpha in any pass, and is correct in all of them.
     let (mut on_black, on_white) = (on(0)?, on(255)?);
     for (pixel, white) in on_black.pixels_mut().zip(on_white.pixels()) {
         pixel.0 = with_alpha(pixel.0, white.0);
@@ -346,7 +347,7 @@ fn with_alpha(black: [u8; 4], white: [u8; 4]) -> [u8; 4] {
     let shines_through: u32 = (0..3)
         .map(|channel| u32::from(white[channel].saturating_sub(black[channel])))
         .sum();
-    // To the nearest third.
+    // Rounded to the nearest third.
     let alpha = 255 - (shines_through + 1) / 3;
     if alpha == 0 {
         return [0; 4];
@@ -360,15 +361,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn alpha_is_what_does_not_shine_through() {
+    fn alpha_is_computed_from_black_and_white_backgrounds() {
         assert_eq!(with_alpha([0, 0, 0, 255], [255, 255, 255, 255]), [0; 4]);
         assert_eq!(with_alpha([9, 80, 200, 255], [9, 80, 200, 255]), [9, 80, 200, 255]);
-        // Half of a colour: 0.5 · c, and as much plus 0.5 · white.
+        // Half-transparent: 0.5 · c, and the same plus 0.5 · white.
         assert_eq!(with_alpha([50, 100, 0, 255], [178, 228, 128, 255]), [100, 201, 0, 127]);
     }
 
     #[test]
-    fn laid_over_any_colour_it_is_what_was_drawn() {
+    fn compositing_over_any_color_reproduces_the_drawn_image() {
         for alpha in 0..=255u32 {
             for color in [0, 1, 77, 200, 255u32] {
                 let over = |behind: u32| ((color * alpha + behind * (255 - alpha)) as f32 / 255.0).round();

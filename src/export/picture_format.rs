@@ -35,7 +35,7 @@ pub(super) struct Row {
 /// One row per format; its first extension is the usual one.
 pub(super) const FORMATS: [Row; 4] = [
     row(PictureFormat::Png, "PNG", &["png"], MAX_EDGE_PX),
-    // These are in memory as a whole while they are encoded.
+    // These formats are held in memory as a whole while they are encoded.
     row(PictureFormat::Jpeg, "JPEG", &["jpg", "jpeg"], 16_384),
     row(PictureFormat::Webp, "WebP", &["webp"], 16_383),
     row(PictureFormat::Tiff, "TIFF", &["tif", "tiff"], 16_384),
@@ -70,7 +70,7 @@ impl PictureFormat {
     }
 
     pub(super) fn row(self) -> &'static Row {
-        // A test holds that every format has its row.
+        // A test ensures that every format has its row.
         FORMATS.iter().find(|row| row.format == self).unwrap_or(&FORMATS[0])
     }
 }
@@ -112,7 +112,7 @@ fn encode_tiff(image: &RgbaImage, is_opaque: bool, out: impl Write + Seek) -> ti
         return encoder.write_image::<RGB8>(width, height, &opaque(image));
     }
     let mut picture = encoder.new_image::<RGBA8>(width, height)?;
-    // Straight alpha, as drawn; without the tag readers take it for multiplied.
+    // Straight alpha, as drawn; without the tag readers assume premultiplied alpha.
     picture.encoder().write_tag(
         tiff::tags::Tag::ExtraSamples,
         &[ExtraSamples::UnassociatedAlpha.to_u16()][..],
@@ -134,14 +134,14 @@ mod tests {
     use std::io::Cursor;
 
     #[test]
-    fn formats_are_rows_in_their_order() {
+    fn formats_match_table_rows_in_order() {
         for (place, row) in FORMATS.iter().enumerate() {
             assert_eq!(row.format as usize, place, "{}", row.name);
         }
     }
 
     #[test]
-    fn pictures_are_read_back_as_they_were() {
+    fn images_round_trip() {
         let pixel = |x: u32, y: u32, alpha: u8| image::Rgba([10 * x as u8, 20 * y as u8, 90, alpha]);
         let solid = RgbaImage::from_fn(20, 10, |x, y| pixel(x, y, 255));
         let soft = RgbaImage::from_fn(20, 10, |x, y| pixel(x, y, 10 + 12 * x as u8));

@@ -52,7 +52,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_say_the_format() {
+    fn file_names_determine_the_format() {
         for (name, format) in [
             ("a.png", PictureFormat::Png),
             ("a.b.JPG", PictureFormat::Jpeg),
@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_format_cannot_hold_is_refused() {
+    fn content_a_format_cannot_hold_is_rejected() {
         assert!(
             PictureFormat::Jpeg
                 .check([64, 48], true)

@@ -41,11 +41,11 @@ impl PaintedBar {
         let scale = scale as f32;
         let length = bar.length_px as f32;
         let (mut strokes, text_width) = text_strokes(&bar.text(), DIGITS * scale);
-        // In the middles of pixels, so that a thin bar is one row of them.
+        // At pixel centres, so that a thin bar is a single row of them.
         let margin = ((RIM + STROKE) * scale).ceil() + 1.5;
         let baseline = ((DIGITS + ABOVE_BAR) * scale).round();
         for stroke in &mut strokes {
-            // In the middle above the bar.
+            // Centred above the bar.
             for place in stroke {
                 place[0] += 0.5 * (length - text_width);
             }
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_as_long_as_it_says_in_pictures_of_any_size() {
+    fn the_bar_has_the_stated_length_at_any_image_size() {
         for size in [[640, 360], [1280, 720], [3000, 2160]] {
             let scale = f64::from(size[1]) / ROWS;
             let bar = ScaleBar::of(&camera(), f64::from(size[1]), scale, None).unwrap();
@@ -167,7 +167,7 @@ mod tests {
             let mut picture = RgbaImage::from_pixel(size[0], size[1], Rgba([0, 0, 0, 255]));
             painted.paint(&mut picture, 0);
             let length = longest_light_row(&picture) as f64;
-            // Round ends reach half a stroke farther.
+            // Round caps extend by half a stroke.
             let reach = f64::from(STROKE) * scale + 1.0;
             assert!(
                 (length - bar.length_px - reach).abs() <= reach,
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn strips_have_their_rows_of_it_and_transparent_pictures_have_it_opaque() {
+    fn the_bar_is_painted_in_strips_and_opaque_on_transparent_images() {
         let (size, painted) = ([640, 360], PaintedBar::of(&camera(), [640, 360], None).unwrap());
         let mut whole = RgbaImage::new(size[0], size[1]);
         painted.paint(&mut whole, 0);
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn there_is_none_without_room() {
+    fn small_images_have_no_scale_bar() {
         for size in [[1, 1], [90, 720], [1280, 20]] {
             assert!(PaintedBar::of(&camera(), size, None).is_none(), "{size:?}");
         }

@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_letter_of_a_scale_bar_is_there_and_within_its_width() {
+    fn every_letter_of_a_scale_bar_exists_and_fits_its_width() {
         for letter in "0123456789.-cefikmnstuUSµ".chars() {
             let (strokes, width) = text_strokes(&letter.to_string(), 6.0);
             assert!(!strokes.is_empty(), "{letter}");
@@ -80,7 +80,7 @@ mod tests {
             assert!(strokes.iter().flatten().all(|&place| is_inside(place)), "{letter}");
         }
         let (strokes, width) = text_strokes("1 m", 12.0);
-        // 2.4, a gap, a space of 2, a gap and 6, twice as large.
+        // 2.4, a gap, a space of 2, a gap and 6, scaled by two.
         assert!((width - 2.0 * (2.4 + 1.6 + 2.0 + 1.6 + 6.0)).abs() < 1e-4, "{width}");
         assert!(strokes.iter().flatten().any(|place| place[0] > 20.0));
     }

@@ -94,7 +94,7 @@ pub fn render_path(
     tell: &mut dyn FnMut(&PictureDone),
 ) -> Result<Vec<(usize, FrameError)>, ExportError> {
     check(video)?;
-    // One thread draws, one encodes: bounded, so that no more than two images wait.
+    // One thread draws, one encodes: the channel is bounded, so that no more than two images wait.
     let (sender, receiver) = sync_channel(WAITING_PICTURES);
     let (drawn, encoded) = thread::scope(|scope| {
         let encoder = thread::Builder::new()
@@ -109,7 +109,7 @@ pub fn render_path(
         let encoded = encoder.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         (drawn, Some(encoded))
     });
-    // Who draws stops where nobody takes the pictures: the encoder knows why.
+    // Drawing stops when no one receives the images any more: the encoder knows why.
     let sink = encoded.transpose()?;
     let failed = drawn?;
     sink.map_or(Ok(()), FrameSink::finish)?;
@@ -149,7 +149,7 @@ fn draw_pictures(
     progress.set(0, total);
     let mut failed: Vec<(usize, FrameError)> = Vec::new();
     let mut shown: Option<Arc<PreparedFrame>> = None;
-    // What is drawn of the shown frame: made once for all pictures that show it.
+    // What is drawn for the current frame: composed once for all images that show it.
     let mut composed: Option<(Arc<PreparedFrame>, Composed)> = None;
     let at = |picture: usize| {
         let seconds = picture as f64 * video.speed / video.per_second;

@@ -41,7 +41,7 @@ impl WebpFile {
         canvas.extend(three_bytes(width - 1));
         canvas.extend(three_bytes(height - 1));
         chunk(&mut header, *b"VP8X", &[&canvas]);
-        // A transparent background, repeated for ever.
+        // A transparent background, looping forever.
         chunk(&mut header, *b"ANIM", &[&[0; 6]]);
         let create = || {
             let (partial, file) = Partial::create(output)?;
@@ -73,7 +73,7 @@ impl WebpFile {
             (opaque.as_slice(), ExtendedColorType::Rgb8)
         };
         let mut picture = Vec::new();
-        // libwebp packs smaller and could be lossy, but would make a C compiler a condition of building and add a
+        // libwebp compresses better and could be lossy, but would make a C compiler a build requirement and add a
         // parser in C.
         WebPEncoder::new_lossless(&mut picture)
             .encode(pixels, width, height, color_type)
@@ -85,7 +85,7 @@ impl WebpFile {
         }
         place.push(DO_NOT_BLEND);
         let mut written = Vec::new();
-        // What the encoder wrote is a RIFF file; the chunks after its header are wanted.
+        // The encoder writes a RIFF file; only the chunks after its header are needed.
         chunk(&mut written, *b"ANMF", &[&place, &picture[12..]]);
         self.bytes += written.len() as u64;
         if self.bytes > u64::from(u32::MAX) {
@@ -99,7 +99,7 @@ impl WebpFile {
 
 impl FrameSink for WebpFile {
     fn push(&mut self, picture: &RgbaImage) -> Result<(), ExportError> {
-        // Places are stored by halves.
+        // Positions are stored divided by two.
         let part = changed_part(self.before.as_ref(), picture, 2);
         self.write(part, &part.of(picture))?;
         self.index += 1;

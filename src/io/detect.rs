@@ -58,7 +58,7 @@ mod tests {
     use crate::cloud::LengthUnit;
 
     #[test]
-    fn what_formats_say_of_units() {
+    fn formats_declare_their_units() {
         let of = |name: &str| Format::of_extension(Path::new(name)).and_then(Format::unit);
         for name in ["a.glb", "a.e57", "a.ptx", "000.bin", "a.mcap", "a.bag", "a.db3"] {
             assert_eq!(of(name), Some(LengthUnit::Metre), "{name}");
@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn first_bytes_count_more_than_names() {
+    fn first_bytes_override_names() {
         let detect = |name: &str, bytes: &[u8]| Format::detect(Path::new(name), bytes);
         let known = |extension: &str| Format::of_extension(&Path::new("a").with_extension(extension));
         for name in ["a.ply", "a.txt", "a.pcd", "a.las", "a"] {
@@ -83,7 +83,7 @@ mod tests {
             assert_eq!(detect(name, b"# .PCD v.7\n\nVERSION .7\n"), known("pcd"), "{name}");
             assert_eq!(detect(name, b"LASF"), known("las"), "{name}");
         }
-        // Columns of text have no magic; words that only begin like one are text.
+        // Text columns have no magic; words that merely start like one are text.
         assert_eq!(detect("a.XYZ", b"1 2 3"), known("xyz"));
         assert_eq!(detect("a.txt", b"plyometrics\n1 2 3"), known("xyz"));
         assert_eq!(detect("a.txt", b"VERSIONS\n"), known("xyz"));

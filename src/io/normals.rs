@@ -38,7 +38,7 @@ pub(crate) enum RowContents {
 
 /// Returns the contents of the rows of the file at `path`; `None` if its beginning does not determine them.
 pub(crate) fn rows_of(path: &Path) -> Option<RowContents> {
-    // A pipe may never end.
+    // Reading a pipe may never end.
     if !path.metadata().ok()?.is_file() {
         return None;
     }
@@ -82,7 +82,7 @@ pub(crate) fn read_with_normals(
     options: &ReadOptions,
     progress: &Progress,
 ) -> Result<RawCloud, IoError> {
-    // Normals are those of the vertices: a mesh is sampled when it has them.
+    // Normals belong to the vertices: a mesh is sampled once it has them.
     let mut cloud = read_part_observed(path, &Part::Whole, &options.of_meshes(), progress)?;
     if cloud.attributes.normals.is_none() {
         join(&mut cloud, path, normals, options, progress);
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn the_header_tells_what_rows_are() {
+    fn the_header_determines_what_rows_contain() {
         let folder = tempfile::tempdir().unwrap();
         let rows = |name: &str, text: &str| {
             let path = folder.path().join(name);
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn normals_are_joined_whatever_their_format() {
+    fn normals_of_any_format_are_joined() {
         for normals in [PCD, PLY] {
             let cloud = read_pair(POINTS, normals);
             assert_eq!(cloud.attributes.normals.as_deref(), Some(&NORMALS[..]));
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn normals_that_do_not_fit_are_left_out_and_said() {
+    fn mismatched_normals_are_skipped_and_reported() {
         let fewer = PLY.replace("vertex 2", "vertex 1");
         let cut = PLY.replace("0 1 0\n", "0 1");
         for (normals, expected) in [
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn points_with_normals_keep_theirs() {
+    fn points_with_normals_retain_them() {
         let own = POINTS
             .replace(
                 "property float z\n",
@@ -233,7 +233,7 @@ mod tests {
         let options = ReadOptions::default().with_sample_count(NonZeroUsize::new(50));
         let cloud = read_with_normals(&path, &sidecar, &options, &Progress::default()).unwrap();
         assert_eq!((cloud.positions.len(), cloud.faces.len()), (50, 0));
-        // The triangle lies in a plane across Z; the normals of its vertices lean to Y.
+        // The triangle lies in a plane perpendicular to Z; the normals of its vertices lean towards Y.
         assert!(cloud.attributes.normals.unwrap().iter().all(|normal| normal[1] > 0.0));
         assert_eq!(cloud.warnings, [""; 0]);
     }

@@ -67,11 +67,11 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
     if magic.is_empty() {
         return Err(IoError::Empty { path: path.to_owned() });
     }
-    // A file of a kind that is not read may be larger than the memory.
+    // A file of an unsupported type may be larger than memory.
     let Some(format) = Format::detect(path, &magic) else {
         return Err(IoError::unknown(path, &magic));
     };
-    // Archives and recordings may be larger than the memory: their first frame is read alone.
+    // Archives and recordings may be larger than memory: only their first frame is read.
     if matches!(part, Part::Whole | Part::Sole) && format.is_container() {
         let contents = list_format(path, format, None, options)?;
         let count = contents.entries.len();
@@ -89,7 +89,7 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
         };
     }
     if let Some((format, rows)) = fixed_rows(path, &magic) {
-        // Of a header that claims more than there is the reading of whole files has to tell.
+        // If a header claims more than the file holds, the error is reported when the whole file is read.
         let available = std::fs::metadata(path).map_err(failed)?.len();
         let needed = if rows.file_bytes() <= available {
             rows.memory_bytes()
@@ -105,7 +105,7 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
             return Ok(cloud);
         }
     }
-    // Of a file with coarse levels only some points are read.
+    // From a file with coarse levels only some points are read.
     let has_levels = format == las::FORMAT && magic.windows(COPC.len()).any(|bytes| bytes == COPC);
     if has_levels && let Some(cloud) = las::windows::read_levels(path, options, progress)? {
         return finished(Ok(cloud), path, format, options);

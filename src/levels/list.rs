@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn a_threshold_draws_all_points_and_a_level_every_second_of_the_one_below() {
+    fn each_level_draws_every_other_point_of_the_next_finer() {
         let list = list(10);
         assert_eq!(list.depth(), 4);
         let at = |level| drawn(&list, &list.cut(&view(level), CutHints::default()));
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn a_budget_is_kept_and_half_of_it_used() {
+    fn at_least_half_of_a_budget_is_used_and_never_exceeded() {
         for count in [0, 1, 2, 3, 1000, 1024, 1025] {
             let list = list(count);
             for max in [1, 2, 3, 10, 999, 1000, 5000] {

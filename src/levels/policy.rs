@@ -98,10 +98,10 @@ impl Affordable {
         if !ratio.is_finite() || ratio <= 0.0 {
             return;
         }
-        // A picture that could not use what it was given says nothing about more.
+        // An image that could not use its budget says nothing about larger ones.
         let used_up = drawn as f64 >= 0.7 * f64::from(self.voxels());
         if ratio < 0.8 || ratio > 1.25 && used_up {
-            // Half of the way, an octave at most: part of the time does not depend on the voxels.
+            // Half of the way, at most an octave: part of the time does not depend on the voxels.
             let octaves = (0.5 * ratio.log2()).clamp(-1.0, 1.0);
             let steps = (8.0 * octaves).round() as i32;
             let step = self.step
@@ -120,8 +120,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_time_budget_is_reached_from_both_sides_and_then_kept() {
-        // A machine that takes 2 ms and 1 ms more for 10,000 voxels.
+    fn a_time_budget_is_approached_from_both_sides_and_then_held() {
+        // A machine that takes 2 ms, plus 1 ms per 10,000 voxels.
         let time_ms = |voxels: u32| 2.0 + f64::from(voxels) / 10_000.0;
         for (asked_ms, begin) in [(20.0, 60), (20.0, 200), (5.0, 133)] {
             let mut affordable = Affordable { step: begin };
@@ -138,12 +138,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_asked_in_vain_changes_nothing() {
+    fn unusable_measurements_change_nothing() {
         let mut affordable = Affordable::default();
         for measured_ms in [0.0, f64::NAN, f64::INFINITY] {
             affordable.learn(1000, measured_ms, 16.0);
         }
-        // A scene of a thousand voxels is fast whatever is affordable.
+        // A scene of a thousand voxels is fast regardless of the budget.
         affordable.learn(1000, 1.0, 16.0);
         assert_eq!(affordable, Affordable::default());
         for _ in 0..100 {

@@ -141,8 +141,7 @@ impl CachedNodes {
         if self.written.fetch_add(about_to_be_written, Ordering::Relaxed) < node_count {
             return None;
         }
-        // Not inside of `get_or_init`: a thread that waits for its share may take up other work, and come by here
-        // again.
+        // Not inside `get_or_init`: a thread that waits for its share may pick up other work, and end up here again.
         let worked_out = work_out();
         Some(self.records.get_or_init(|| worked_out))
     }
@@ -170,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn records_are_gathered_in_the_order_of_their_places() {
+    fn records_are_gathered_in_index_order() {
         let nodes = nodes(10);
         let scalars = |selection: &Selection| -> Vec<(f32, f32, f32)> {
             let (points, shapes) = selection.gathered(&nodes, Vec::new(), Vec::new());
@@ -193,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn records_are_kept_once_as_many_were_written() {
+    fn records_are_cached_once_the_same_number_has_been_written() {
         let cached = CachedNodes::default();
         assert!(cached.records(6, 10, || panic!("not yet")).is_none());
         assert!(cached.records(6, 10, || panic!("not yet")).is_none());

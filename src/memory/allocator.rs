@@ -29,7 +29,7 @@ static BEFORE_THE_END: OnceLock<fn()> = OnceLock::new();
 
 /// Has a refusal that ends the program call `clean_up` first, which must not wait for other threads.
 pub(crate) fn before_the_end(clean_up: fn()) {
-    // Only the first one counts, and there is one.
+    // Only the first call counts, and there is only one.
     let _ = BEFORE_THE_END.set(clean_up);
 }
 
@@ -56,25 +56,25 @@ impl Allocator {
 }
 
 #[allow(unsafe_code, reason = "an allocator cannot be written otherwise; it forwards")]
-// SAFETY: every call is forwarded unchanged, and what comes back is either returned unchanged or never.
+// SAFETY: every call is forwarded unchanged, and its result is either returned unchanged or not at all.
 unsafe impl<A: GlobalAlloc> GlobalAlloc for Allocator<A> {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the caller keeps the contract of `alloc`.
+        // SAFETY: the caller upholds the contract of `alloc`.
         given(unsafe { self.0.alloc(layout) }, layout.size())
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the caller keeps the contract of `alloc_zeroed`.
+        // SAFETY: the caller upholds the contract of `alloc_zeroed`.
         given(unsafe { self.0.alloc_zeroed(layout) }, layout.size())
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, bytes: usize) -> *mut u8 {
-        // SAFETY: the caller keeps the contract of `realloc`.
+        // SAFETY: the caller upholds the contract of `realloc`.
         given(unsafe { self.0.realloc(pointer, layout, bytes) }, bytes)
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller keeps the contract of `dealloc`.
+        // SAFETY: the caller upholds the contract of `dealloc`.
         unsafe { self.0.dealloc(pointer, layout) }
     }
 }
@@ -93,7 +93,7 @@ fn end(bytes: usize) -> ! {
     static IS_ENDING: AtomicBool = AtomicBool::new(false);
     if IS_ENDING.swap(true, Relaxed) {
         if !IS_CLEANING_UP.get() {
-            // Another thread is at it.
+            // Another thread is already doing it.
             std::thread::sleep(PATIENCE);
         }
     } else {
@@ -104,7 +104,7 @@ fn end(bytes: usize) -> ! {
         }
     }
     #[allow(unsafe_code, reason = "ending without the destructors of libraries is a call of C")]
-    // SAFETY: the function takes a number, returns never, and may be called at any time.
+    // SAFETY: the function takes a number, never returns, and may be called at any time.
     unsafe {
         libc::_exit(1)
     }
@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_refusal_that_is_asked_for_is_an_error() {
+    fn a_refused_try_reserve_is_an_error() {
         let mut bytes = Vec::<u8>::new();
         assert!(try_reserve(&mut bytes, isize::MAX as usize).is_err());
         assert!(!REFUSAL_IS_ASKED_FOR.get());

@@ -28,7 +28,7 @@ fn limit_of(groups: &str, mounts: &Path) -> Option<u64> {
         let groups = Path::new(group).ancestors();
         let limits = groups.filter_map(|group| {
             let group = group.strip_prefix("/").unwrap_or(group);
-            // "max" is no number.
+            // "max" is not a number.
             fs::read_to_string(mount.join(group).join(file))
                 .ok()?
                 .trim()
@@ -51,7 +51,7 @@ mod tests {
     }
 
     #[test]
-    fn the_least_limit_above_a_group_holds() {
+    fn the_smallest_limit_of_a_group_and_its_ancestors_applies() {
         let folder = tempfile::tempdir().unwrap();
         let mounts = folder.path();
         write(mounts, "slurm/job_7/memory.max", "419430400\n");
@@ -64,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_version_has_a_hierarchy_for_memory() {
+    fn version_1_has_a_separate_memory_hierarchy() {
         let folder = tempfile::tempdir().unwrap();
         let mounts = folder.path();
         write(mounts, "memory/jobs/a/memory.limit_in_bytes", "1048576\n");

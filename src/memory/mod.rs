@@ -13,8 +13,8 @@ use std::ffi::c_long;
 
 /// Retention time of freed memory, in milliseconds, before the allocator gives it back to the system, which it does
 /// when it next has something to do. One second, the default, gives back what the next frames need.
-// The system's allocator gives memory back: 350 page faults per octree, 1 to 4 ms, where an octree takes 3. With one
-// second, the default, 70 pages per frame were given back and faulted in again.
+// The system's allocator returns memory to the system: 350 page faults per octree, 1 to 4 ms, where an octree takes 3
+// ms. With one second, the default, 70 pages per frame were returned and faulted in again.
 const RETAINED_MS: c_long = 10_000;
 
 /// `mi_option_purge_delay` of `mimalloc.h`, which the crate does not name.
@@ -23,8 +23,8 @@ const PURGE_DELAY: libmimalloc_sys::mi_option_t = 15;
 /// Sets for how long freed memory is kept. To be called once, when the program starts.
 pub fn keep_freed_pages() {
     #[allow(unsafe_code, reason = "the allocator has options in its environment or in C alone")]
-    // SAFETY: the function stores a number in an array of options that is as long as the library that comes with the
-    // crate says, and may be called at any time.
+    // SAFETY: the function stores a number in an array of options, whose length is that of the library version bundled
+    // with the crate, and may be called at any time.
     unsafe {
         libmimalloc_sys::mi_option_set(PURGE_DELAY, RETAINED_MS);
     }
@@ -42,7 +42,7 @@ pub(crate) fn give_back_freed_pages() {
 /// Bytes of memory that this process may have: the machine's, or those of its control groups if they are fewer; `None`
 /// where the system does not say.
 pub(crate) fn machine_bytes() -> Option<u64> {
-    // The same on every machine, so that a finding is one everywhere.
+    // The same on every machine, so that findings are reproducible everywhere.
     if cfg!(fuzzing) {
         return Some(1 << 30);
     }
@@ -73,7 +73,7 @@ mod tests {
 
     fn option_ms() -> c_long {
         #[allow(unsafe_code, reason = "the allocator has options in its environment or in C alone")]
-        // SAFETY: the function reads a number of an array of options that is longer than this one's place.
+        // SAFETY: the function reads a number from an array of options that is longer than this index.
         unsafe {
             libmimalloc_sys::mi_option_get(PURGE_DELAY)
         }

@@ -147,7 +147,7 @@ pub(crate) fn copy_alongside(file: &Path) -> std::io::Result<PathBuf> {
                 write_whole(&copy, &bytes)?;
                 return Ok(copy);
             }
-            // Something else is there, and stays.
+            // Something else has this name, and is left alone.
             Ok(_) | Err(_) => {}
         }
     }
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn each_field_is_read_by_itself() {
+    fn each_field_is_read_independently() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("few.json");
         for (text, expected, is_whole) in [
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_copied_once() {
+    fn unreadable_files_are_backed_up_once() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("few.json");
         let copies = || fs::read_dir(folder.path()).unwrap().count() - 1;
@@ -224,12 +224,12 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_copied_is_not_written_over() {
+    fn files_that_cannot_be_backed_up_are_not_overwritten() {
         let folder = tempfile::tempdir().unwrap();
         let read = read_few(folder.path());
         assert_eq!(read.file, None);
         assert!(read.problem.unwrap().contains("changes are not kept"));
-        // What is not there loses nothing.
+        // If there is no file, nothing can be lost.
         let file = folder.path().join("deeper/few.json");
         let read = read_few(&file);
         assert_eq!((read.value, read.problem), (few(0, ""), None));
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn a_notice_has_the_first_reasons() {
+    fn the_notice_lists_the_first_reasons() {
         let reasons: Vec<String> = (0..5).map(|number| format!("r{number}")).collect();
         assert_eq!(in_short(&reasons[..2]), "r0; r1");
         assert_eq!(in_short(&reasons), "r0; r1; r2; 2 more");

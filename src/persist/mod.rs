@@ -63,7 +63,7 @@ pub(crate) fn write_whole_with(
 ) -> std::io::Result<()> {
     let (partial, mut new) = Partial::create(file)?;
     write(&mut new)?;
-    // On the disk before it has its name.
+    // Flushed to disk before it gets its name.
     new.sync_data()?;
     drop(new);
     partial.finish()?;
@@ -109,7 +109,7 @@ impl Partial {
     pub(crate) fn create(file: &Path) -> std::io::Result<(Self, File)> {
         regular_file::check_replaceable(file)?;
         let partial = Self::of(file);
-        // A link of this name was put there by somebody else.
+        // A link with this name was put there by someone else.
         let new = regular_file::create(partial.hidden())?;
         Ok((partial, new))
     }
@@ -135,7 +135,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_is_replaced_as_a_whole_and_leaves_nothing_beside_it() {
+    fn a_file_is_replaced_atomically_and_leaves_no_temporary_file() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("new/folder/list.json");
         assert_eq!(read(&file), Ok(None));
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_replaced_leaves_nothing_beside_it() {
+    fn a_failed_replacement_leaves_no_temporary_file() {
         let folder = tempfile::tempdir().unwrap();
         let taken = folder.path().join("taken");
         fs::create_dir_all(taken.join("by a folder")).unwrap();

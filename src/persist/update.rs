@@ -103,7 +103,7 @@ pub(crate) fn merge(stored: &mut Fields, before: &Fields, now: &Fields) {
             }
         }
     }
-    // What is not set any more, as a size of the window that is not known.
+    // Values that are no longer set, such as an unknown window size.
     for name in before.keys().filter(|name| !now.contains_key(*name)) {
         stored.remove(name);
     }
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn what_another_process_changed_stays() {
+    fn changes_of_another_process_are_preserved() {
         let before = fields(&json!({"speed": 1, "light": {"ao": true, "gain": 1}, "size": [1, 2]}));
         let mut stored = fields(&json!({"speed": 2, "light": {"ao": true, "gain": 3, "later": 0}, "of later": 1}));
         let now = fields(&json!({"speed": 1, "light": {"ao": false, "gain": 1}}));
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn processes_at_once_lose_nothing() {
+    fn concurrent_processes_lose_no_changes() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("list.json");
         thread::scope(|scope| {
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_object_is_copied_before_it_is_written_over() {
+    fn non_object_files_are_backed_up_before_being_overwritten() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("list.json");
         fs::write(&file, "[1, 2").unwrap();
@@ -196,7 +196,7 @@ mod tests {
                 values.iter().enumerate().map(|(index, row)| (index.to_string(), value(row).into())).collect()
             };
             let before = of(|row| row.0);
-            // Each setting is changed by one of the two at most.
+            // Each setting is changed by at most one of the two.
             let first = of(|row| if row.2 == 1 { row.1 } else { row.0 });
             let second = of(|row| if row.2 == 2 { row.1 } else { row.0 });
             let expected = of(|row| if row.2 == 0 { row.0 } else { row.1 });

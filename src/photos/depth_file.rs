@@ -92,7 +92,7 @@ mod tests {
     use image::{GrayImage, ImageBuffer, Luma, RgbImage};
 
     #[test]
-    fn grey_values_are_scaled() {
+    fn gray_values_are_scaled() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("depth.png");
         let file = DepthFile {

@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn radii_of_coarse_levels_are_none_of_the_frame() {
+    fn radii_of_coarse_levels_do_not_count_as_attributes_of_the_frame() {
         let mut first = FirstAttributes::default();
         let whole = Frame::from_raw(points(8, false), DVec3::ZERO).unwrap();
         let level = Frame::from_level(points(4, true), DVec3::ZERO, 8, 8).unwrap();

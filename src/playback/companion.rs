@@ -242,7 +242,7 @@ impl Companion {
 
     fn frames_per_frame(&self) -> f64 {
         match &self.times {
-            // Beyond that it is no rate to prepare frames for, and durations have an end.
+            // Frames are never prepared at rates outside this range, and durations are limited.
             Some(times) if self.by == PairBy::Time => times.frames_per_frame().clamp(1e-3, 1e3),
             _ => 1.0,
         }

@@ -115,7 +115,7 @@ fn both_change_together_and_the_slower_disk_sets_the_pace() {
     for costs in [[FAST, slow], [slow, FAST]] {
         let sequences = [sequence(6, None, &[]), sequence(6, None, &[])];
         let mut theatre = Theatre::new(&sequences, costs, 1 << 30);
-        // A frame each 60 ms from the disk; then all are there, and the loop holds its 40 ms.
+        // One frame every 60 ms from the disk; then all are loaded, and the loop achieves its 40 ms.
         let expected = [
             (60, Some(0), Some(0)),
             (120, Some(1), Some(1)),
@@ -132,7 +132,7 @@ fn both_change_together_and_the_slower_disk_sets_the_pace() {
 }
 
 #[test]
-fn frames_belong_together_by_time_by_index_and_with_an_offset() {
+fn frames_are_paired_by_time_by_index_and_with_an_offset() {
     // B: half the rate, and it ends before A.
     let sequences = [sequence(6, Some(40), &[]), sequence(2, Some(80), &[])];
     let mut theatre = Theatre::new(&sequences, [FAST; 2], 1 << 30);
@@ -141,7 +141,7 @@ fn frames_belong_together_by_time_by_index_and_with_an_offset() {
         (0..6)
             .map(|frame| {
                 theatre.player.seek(frame, theatre.now());
-                // Once to ask, once to have it.
+                // Once to request it, once to get it.
                 for _ in 0..10 {
                     theatre.update();
                     theatre.now_ms += 1;
@@ -155,7 +155,7 @@ fn frames_belong_together_by_time_by_index_and_with_an_offset() {
     };
     theatre.play(10);
     theatre.player.toggle(theatre.now());
-    // A at 0, 40, 80 … beside B at 0 and 80: between two, the earlier one; B lasts until 120 and a bit.
+    // A at 0, 40, 80 … next to B at 0 and 80: in between, the earlier one; B lasts until slightly after 120.
     let by_time = [Some(0), Some(0), Some(1), Some(1), None, None];
     assert_eq!(pairs(&mut theatre), by_time);
     theatre.companion.set_offset_frames(-1);
@@ -178,7 +178,7 @@ fn without_times_of_both_the_numbers_decide() {
 }
 
 #[test]
-fn a_copy_that_lacks_files_stays_beside_its_original() {
+fn a_copy_with_missing_files_stays_in_sync_with_its_original() {
     let entries = sequence(4, None, &[]).entries();
     let others = entries.iter().filter(|entry| entry.number != Some(1));
     let lacks_one: Vec<FrameEntry> = others.map(|entry| FrameEntry::clone(entry)).collect();
@@ -212,7 +212,7 @@ fn without_times_and_numbers_of_both_the_index_decides() {
 }
 
 #[test]
-fn a_broken_frame_of_b_stops_nobody_and_is_told_once() {
+fn a_broken_frame_of_b_does_not_stop_playback_and_is_reported_once() {
     let sequences = [sequence(4, None, &[]), sequence(4, None, &[2])];
     let mut theatre = Theatre::new(&sequences, [FAST; 2], 1 << 30);
     let shown_by_a: Vec<_> = theatre.play(300).iter().map(|&(ms, a, _)| (ms, a)).collect();
@@ -227,7 +227,7 @@ fn a_broken_frame_of_b_stops_nobody_and_is_told_once() {
 }
 
 #[test]
-fn scrubbing_shows_what_is_there_and_does_not_wait() {
+fn scrubbing_shows_cached_frames_without_waiting() {
     let slow = Cost {
         decode_ms: 60.0,
         ns_per_point: 0.0,
@@ -240,7 +240,7 @@ fn scrubbing_shows_what_is_there_and_does_not_wait() {
     theatre.update();
     assert_eq!(theatre.shown(), [Some(4), Some(0)]);
     assert_eq!(theatre.companion.waiting_for(), Some(4));
-    // What is in the making is finished first, then the playhead's.
+    // Work in progress is finished first, then the playhead's frame.
     theatre.play(190);
     assert_eq!(theatre.shown(), [Some(4); 2]);
 }
@@ -248,7 +248,7 @@ fn scrubbing_shows_what_is_there_and_does_not_wait() {
 #[test]
 fn frames_ahead_are_prepared_in_the_direction_of_the_clock() {
     let sequences = [sequence(40, None, &[]), sequence(40, None, &[])];
-    // Memory for ten frames of each.
+    // Memory for ten frames each.
     let frame_bytes = frame_bytes();
     let mut theatre = Theatre::new(&sequences, [FAST; 2], 20 * frame_bytes);
     theatre.player.set_loop_mode(LoopMode::Off, theatre.now());
@@ -284,7 +284,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn shares_are_the_whole_budget(budget_bytes in 0usize..=usize::MAX) {
+    fn shares_add_up_to_the_budget(budget_bytes in 0usize..=usize::MAX) {
         let [a, b] = Companion::shares(budget_bytes);
         prop_assert_eq!(a.checked_add(b), Some(budget_bytes));
         prop_assert!(a.abs_diff(b) <= 1);
@@ -293,7 +293,7 @@ proptest! {
     /// Whatever is played, both together stay within the budget, as long as each share holds a few frames: also after
     /// the first sequence has filled all of it alone, and when it is changed.
     #[test]
-    fn both_together_keep_the_budget(
+    fn both_together_stay_within_the_budget(
         frames in 4usize..30,
         later_frames in 4usize..30,
         counts in [1u64..40, 1u64..40],
@@ -307,7 +307,7 @@ proptest! {
         let sequences = counts.map(|count| sequence(count, None, &[]));
         let budget_bytes = 2 * frames * frame_bytes;
         let mut theatre = Theatre::new(&sequences, costs, budget_bytes);
-        // Alone at first.
+        // Without a companion at first.
         theatre.player.loader().set_budget_bytes(budget_bytes);
         for _ in 0..500 {
             let now = theatre.now();
@@ -335,7 +335,8 @@ proptest! {
                 prop_assert!(used[0] + used[1] <= budget_bytes, "{used:?} of {budget_bytes}");
             }
         }
-        // What belongs there is shown, or is about to be: where there was no frame before, it has just been asked for.
+        // The frame that belongs there is shown, or is about to be: if there was none before, it has just been
+        // requested.
         let comes = (0..100).any(|_| {
             theatre.update();
             theatre.now_ms += 1;

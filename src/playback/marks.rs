@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn equal_neighbours_become_one_run() {
+    fn equal_neighbours_are_merged_into_runs() {
         use FrameState::{Absent, Coarse, Failed, Loading, Ready, Stale};
         let run = |start, end, mark| MarkRun { start, end, mark };
         assert_eq!(

@@ -198,32 +198,32 @@ mod tests {
     }
 
     #[test]
-    fn by_index_an_offset_runs_out_of_frames() {
+    fn pairing_by_index_with_an_offset_runs_out_of_frames() {
         let frames = |offset| -> Vec<_> { (0..4).map(|index| Pair::by_index(index, offset, 3).frame()).collect() };
         assert_eq!(frames(0), [Some(0), Some(1), Some(2), None]);
         assert_eq!(frames(2), [Some(2), None, None, None]);
         assert_eq!(frames(-1), [None, Some(0), Some(1), Some(2)]);
         assert_eq!(frames(i64::MIN), [None; 4]);
-        // What is prepared meanwhile is the nearest.
+        // In the meantime, the nearest frame is prepared.
         assert_eq!(Pair::by_index(9, 0, 3).nearest, 2);
         assert_eq!(Pair::by_index(0, -7, 3).nearest, 0);
     }
 
     #[test]
-    fn by_time_every_other_frame_of_a_shares_one_of_b() {
+    fn pairing_by_time_shares_frames_of_b_between_two_of_a() {
         let a = at(&[1000, 1050, 1100, 1150, 1200]);
         let b = at(&[1010, 1110, 1210]);
         let times = PairTimes::of(&a, &b).unwrap();
         assert!(!times.counts_from_first());
-        // 1050 is 40 ms behind the first and 60 before the second.
+        // 1050 is 40 ms after the first and 60 ms before the second.
         assert_eq!(frames(&times, 0), [Some(0), Some(0), Some(1), Some(1), Some(2)]);
         assert_eq!(frames(&times, 1), [Some(1), Some(1), Some(2), Some(2), None]);
         assert!((times.frames_per_frame() - 0.5).abs() < 1e-12);
     }
 
     #[test]
-    fn where_b_has_no_frame_there_is_none() {
-        // B begins later, loses the frame at 500 and ends earlier.
+    fn frames_without_a_counterpart_in_b_have_no_pair() {
+        // B starts later, lacks the frame at 500 and ends earlier.
         let a = at(&[0, 100, 200, 300, 400, 500, 600, 700, 800]);
         let b = at(&[200, 300, 400, 600, 700]);
         let times = PairTimes::of(&a, &b).unwrap();
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn clocks_that_never_meet_count_from_their_first_frames() {
+    fn clocks_that_do_not_overlap_count_from_their_first_frames() {
         let since_1970 = at(&[1_700_000_000_000, 1_700_000_000_100, 1_700_000_000_200]);
         let from_zero = at(&[0, 100, 200]);
         let times = PairTimes::of(&since_1970, &from_zero).unwrap();
@@ -243,24 +243,24 @@ mod tests {
     }
 
     #[test]
-    fn by_number_a_lost_file_shifts_nothing() {
+    fn pairing_by_number_is_not_shifted_by_a_lost_file() {
         let numbers = |numbers: &[u64]| -> Vec<_> { numbers.iter().copied().map(Some).collect() };
-        // 7 and 8 are lost, and B ends earlier.
+        // 7 and 8 are missing, and B ends earlier.
         let pairs = PairNumbers::of(&numbers(&[5, 6, 7, 8, 9, 10, 11]), &numbers(&[4, 5, 6, 9, 10])).unwrap();
         let frames = |offset| -> Vec<_> { (0..7).map(|index| pairs.pair(index, offset).frame()).collect() };
         assert_eq!(frames(0), [Some(1), Some(2), None, None, Some(3), Some(4), None]);
         assert_eq!(frames(-1), [Some(0), Some(1), Some(2), None, None, Some(3), Some(4)]);
         assert_eq!(frames(i64::MAX), [None; 7]);
         assert_eq!(frames(i64::MIN), [None; 7]);
-        // What is prepared meanwhile is the nearest.
+        // In the meantime, the nearest frame is prepared.
         assert_eq!((pairs.pair(2, 0).nearest, pairs.pair(6, 0).nearest), (2, 4));
-        // Every tenth: an offset of one is the next of B.
+        // Every tenth: an offset of one is the next frame of B.
         let tens = PairNumbers::of(&numbers(&[0, 5, 10]), &numbers(&[0, 10, 20])).unwrap();
         assert_eq!((tens.pair(0, 1).frame(), tens.pair(1, 1).frame()), (Some(1), None));
     }
 
     #[test]
-    fn numbers_that_say_nothing_pair_no_frames() {
+    fn meaningless_numbers_pair_no_frames() {
         let some = [Some(1), Some(2)];
         for other in [&[Some(1), None][..], &[Some(2), Some(2)], &[Some(3), Some(4)], &[]] {
             assert_eq!(PairNumbers::of(&some, other), None, "{other:?}");
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn without_times_of_all_frames_there_are_none() {
+    fn pairing_by_time_needs_increasing_times_of_all_frames() {
         let times = at(&[0, 100]);
         let torn = [Some(Duration::ZERO), None];
         let falling = at(&[100, 0]);
@@ -277,7 +277,7 @@ mod tests {
             assert_eq!(PairTimes::of(&times, other), None, "{other:?}");
             assert_eq!(PairTimes::of(other, &times), None, "{other:?}");
         }
-        // One frame each: together.
+        // One frame each: they belong together.
         let one = PairTimes::of(&at(&[5]), &at(&[7])).unwrap();
         assert_eq!(frames(&one, 0), [Some(0)]);
     }
@@ -285,7 +285,7 @@ mod tests {
     proptest! {
         /// A look at all frames of B finds none nearer; even times are paired like indices.
         #[test]
-        fn the_pair_is_the_nearest_of_all(
+        fn pairs_match_a_search_for_the_nearest_time(
             a in prop::collection::btree_set(0u64..2000, 1..20),
             b in prop::collection::btree_set(0u64..2000, 1..20),
             offset in -3i64..=3,

@@ -364,7 +364,8 @@ impl Player {
         self.is_partial = matches!(slot, Slot::Partial(_));
         let frame = match slot {
             Slot::Partial(frame) | Slot::Ready(frame) | Slot::Coarse(frame) => Some(frame),
-            // An older picture of the same pose serves meanwhile; one that cannot be drawn as asked would only flash.
+            // An older version of the same frame is shown in the meantime; one that cannot be drawn as requested would
+            // only flash.
             Slot::Stale(frame) if can_draw(&frame, style) || self.shows(target) => Some(frame),
             Slot::Stale(_) | Slot::Pending => None,
             Slot::Failed(error) => {
@@ -381,7 +382,7 @@ impl Player {
         };
         if let Some(frame) = frame.filter(|_| !must_wait) {
             self.arrive(ahead, now);
-            // A live stream sends points with normals as soon as it knows the view.
+            // A live stream sends points with normals once it knows the view.
             if self.sequence().source().live().is_none() {
                 change.other_attributes = self.attributes.note(frame.index, &frame.frame);
             }
@@ -404,9 +405,9 @@ impl Player {
     /// Stops on the frame that the clock has come to.
     fn wait(&mut self, ahead: Clock, now: Duration) {
         self.clock = ahead;
-        // The clock waits: a disk that is too slow even for samples delays frames and drops none.
+        // The clock waits: a disk too slow even for samples delays frames but drops none.
         self.waiting_for = Some(self.clock.frame());
-        // The first picture has no time at which it is due.
+        // The first image has no due time.
         self.late_frames += u64::from(self.clock.is_playing() && self.shown.is_some());
         self.play_on_arrival |= self.clock.is_playing();
         self.clock.pause(now);
@@ -420,7 +421,7 @@ impl Player {
             self.clock.seek(self.clock.frame(), now);
             let mut playing = self.clock.clone();
             playing.play(now);
-            // At the end of a sequence that does not loop, to play is to start over: that was not asked for here.
+            // At the end of a sequence that does not loop, playing means starting over: that was not requested here.
             if playing.frame() == self.clock.frame() {
                 self.clock = playing;
             }

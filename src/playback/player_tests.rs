@@ -87,7 +87,7 @@ impl Fixture {
 }
 
 #[test]
-fn one_frame_is_at_rest_once_it_is_there() {
+fn a_single_frame_is_at_rest_once_loaded() {
     let mut fixture = Fixture::of_frames(1, true);
     fixture.update(Duration::ZERO);
     assert!(fixture.player.is_playing(), "as far as anybody knows");
@@ -98,7 +98,7 @@ fn one_frame_is_at_rest_once_it_is_there() {
 }
 
 #[test]
-fn playing_begins_with_the_first_picture() {
+fn playing_starts_with_the_first_drawn_frame() {
     let mut fixture = Fixture::new(true);
     assert_eq!(fixture.update(Duration::ZERO), None);
     assert_eq!(fixture.update(Duration::from_secs(7)), None);
@@ -143,7 +143,7 @@ fn a_slow_screen_skips_frames_and_counts_them() {
 }
 
 #[test]
-fn the_rate_held_is_measured() {
+fn the_achieved_rate_is_measured() {
     let mut fixture = Fixture::new(true);
     fixture.update(Duration::ZERO);
     fixture.load(0..10);
@@ -157,7 +157,7 @@ fn the_rate_held_is_measured() {
 }
 
 #[test]
-fn pausing_and_seeking_while_waiting_stay_where_they_were_asked_to() {
+fn pausing_and_seeking_while_waiting_stay_at_the_requested_frame() {
     let mut fixture = Fixture::new(true);
     fixture.update(Duration::ZERO);
     fixture.load(0..1);
@@ -199,7 +199,7 @@ fn waiting_for_the_last_frame_of_a_sequence_that_does_not_loop_ends_there() {
 }
 
 #[test]
-fn what_could_not_be_read_of_a_frame_is_told_once() {
+fn read_warnings_of_a_frame_are_reported_once() {
     let sources = (0..3).map(|number| FrameEntry::file(format!("frame_{number}.ply")));
     let sequence = Sequence::with_decoder(sources.collect(), |source| {
         let mut cloud = RawCloud::from_positions(Positions::F32(vec![[0.0; 3], [1.0; 3]]));
@@ -272,7 +272,7 @@ impl Growth for Arc<LiveFrames> {
 }
 
 #[test]
-fn a_stream_that_is_faster_than_its_frames_are_made_is_seen_all_the_same() {
+fn a_stream_faster_than_frame_preparation_is_still_shown() {
     let stream = Arc::new(LiveFrames::default());
     *stream.frames.lock().unwrap() = 0..1;
     let sequence = Arc::new(Sequence::of(Arc::clone(&stream)));
@@ -281,7 +281,7 @@ fn a_stream_that_is_faster_than_its_frames_are_made_is_seen_all_the_same() {
     let style = Style::default();
     let begin = std::time::Instant::now();
     let mut seen = Vec::new();
-    // Another one has come before each look.
+    // Another frame has arrived before each update.
     for end in 2.. {
         *stream.frames.lock().unwrap() = 0..end;
         player.update(Duration::from_millis(10 * end as u64), &style);
@@ -298,7 +298,7 @@ fn a_stream_that_is_faster_than_its_frames_are_made_is_seen_all_the_same() {
 }
 
 #[test]
-fn of_a_stream_the_newest_is_shown_and_what_is_gone_is_not_played() {
+fn the_newest_stream_frame_is_shown_and_expired_ones_are_not_played() {
     let stream = Arc::new(LiveFrames::default());
     *stream.frames.lock().unwrap() = 0..1;
     let sequence = Arc::new(Sequence::of(Arc::clone(&stream)));
@@ -324,14 +324,14 @@ fn of_a_stream_the_newest_is_shown_and_what_is_gone_is_not_played() {
     assert_eq!(shown(&mut player, 0), (Some(0), None));
     *stream.frames.lock().unwrap() = 7..10;
     assert_eq!(shown(&mut player, 100), (Some(9), None));
-    // Played on, it goes round what there is.
+    // Resumed, playback loops over what is there.
     player.toggle(Duration::from_millis(200));
     let mut seen = Vec::new();
     for step in 1..=4 {
         seen.push(shown(&mut player, 200 + 1000 * step / 24 + 5 * step).0.unwrap());
     }
     assert!(seen.iter().all(|frame| (7..10).contains(frame)), "{seen:?}");
-    // Who goes to a frame that is gone is told so; one that was kept is shown.
+    // Seeking to a frame that is gone reports that; one that is still cached is shown.
     player.toggle(Duration::from_secs(1));
     player.seek(3, Duration::from_secs(1));
     let (_, failed) = shown(&mut player, 1000);

@@ -107,10 +107,10 @@ impl Theatre {
 }
 
 #[test]
-fn what_is_fast_enough_is_shown_when_it_is_due_and_whole() {
+fn fast_frames_are_shown_on_time_with_all_points() {
     let mut theatre = Theatre::new(|_| FAST, &[]);
     let schedule = theatre.play(1000);
-    // Of a machine that nothing is known of few points are asked at first; all of them come 7 ms later.
+    // On an unknown machine only a few points are requested at first; all of them follow 7 ms later.
     assert_eq!(schedule[..2], [(2, 0, FIRST_POINTS), (9, 0, POINTS)]);
     let due = |number: usize| (2 + 40 * number as u64, number % 12, POINTS);
     assert_eq!(schedule[2..], (1..25).map(due).collect::<Vec<_>>());
@@ -118,8 +118,8 @@ fn what_is_fast_enough_is_shown_when_it_is_due_and_whole() {
 }
 
 #[test]
-fn frames_that_take_too_long_to_make_have_fewer_points_and_are_on_time() {
-    // Of 80 ms between two frames 68 are planned: 4 to decode and 64 for 32,000 points of 2 µs.
+fn slow_frames_get_fewer_points_and_are_on_time() {
+    // Of the 80 ms between two frames, 68 are planned: 4 to decode and 64 for 32,000 points at 2 µs.
     let slow = Cost {
         decode_ms: 4.0,
         ns_per_point: 2000.0,
@@ -134,7 +134,7 @@ fn frames_that_take_too_long_to_make_have_fewer_points_and_are_on_time() {
         "{schedule:?}"
     );
 
-    // Paused, the frame gets all its points.
+    // When paused, the frame gets all its points.
     theatre.player.toggle(theatre.now);
     let paused = theatre.play(1400);
     let (_, frame, points) = *schedule.iter().chain(&paused).next_back().unwrap();
@@ -142,7 +142,7 @@ fn frames_that_take_too_long_to_make_have_fewer_points_and_are_on_time() {
 }
 
 #[test]
-fn a_loop_gains_points_from_turn_to_turn() {
+fn a_loop_gains_points_with_each_repetition() {
     let slow = Cost {
         decode_ms: 4.0,
         ns_per_point: 1500.0,
@@ -156,7 +156,7 @@ fn a_loop_gains_points_from_turn_to_turn() {
 }
 
 #[test]
-fn a_slow_screen_gets_fewer_points_instead_of_skipping_frames_for_good() {
+fn slow_drawing_gets_fewer_points_instead_of_skipping_frames() {
     let mut theatre = Theatre::new(|_| FAST, &[]);
     // 67 ms for all points, 34 for half of them.
     theatre.picture_ms = |points| 1.0 + points as f64 / 1000.0;
@@ -186,7 +186,8 @@ fn a_disk_that_is_too_slow_for_anything_delays_frames_and_loses_none() {
     };
     let mut theatre = Theatre::new(move |_| disk, &[]);
     let schedule = theatre.play(1000);
-    // The first alone, then two at a time, 200 ms each and a little for the points; of two the second is on time.
+    // The first alone, then two at a time, 200 ms each plus a little for the points; the second of each pair is on
+    // time.
     let due = [(201, 0), (401, 1), (441, 2), (601, 3), (641, 4), (801, 5), (841, 6)];
     let shown: Vec<(u64, usize)> = schedule.iter().map(|&(ms, frame, _)| (ms, frame)).collect();
     assert_eq!(shown, due);
@@ -195,7 +196,7 @@ fn a_disk_that_is_too_slow_for_anything_delays_frames_and_loses_none() {
 }
 
 #[test]
-fn broken_frames_are_passed_over_in_their_time() {
+fn broken_frames_are_skipped_in_their_time() {
     let mut theatre = Theatre::new(|_| FAST, &[3, 4, 11]);
     let schedule = theatre.play(1000);
     let good = (1..25).filter(|number| ![3, 4, 11].contains(&(number % 12)));
@@ -208,7 +209,7 @@ fn broken_frames_are_passed_over_in_their_time() {
 
 /// Render times measured while paused are known when playback starts: no frame first appears with few points.
 #[test]
-fn playing_after_a_look_at_a_frame_begins_with_all_points() {
+fn playing_after_a_pause_starts_with_all_points() {
     let mut theatre = Theatre::new(|_| FAST, &[]);
     theatre.player.toggle(Duration::ZERO);
     let paused = theatre.play(1000);
@@ -221,7 +222,7 @@ fn playing_after_a_look_at_a_frame_begins_with_all_points() {
 
 /// Frames that are there with all points are not shown with them for want of a copy with more than before.
 #[test]
-fn whole_frames_are_not_drawn_where_that_takes_too_long() {
+fn complete_frames_are_not_drawn_where_that_takes_too_long() {
     let mut theatre = Theatre::new(|_| FAST, &[]);
     // 118 ms for all points, 60 for half of them, 30 for a quarter.
     theatre.picture_ms = |points| 1.0 + points as f64 / 560.0;

@@ -91,7 +91,7 @@ fn seen_of(points: usize) -> Vec<ShownFrame> {
 }
 
 #[test]
-fn a_large_frame_comes_as_some_points_all_points_and_surfels() {
+fn a_large_frame_arrives_as_sample_then_all_points_then_surfels() {
     let expected = [(SAMPLE, false, true), (LARGE, false, true), (LARGE, true, false)];
     assert_eq!(seen_of(LARGE), expected);
 }
@@ -107,16 +107,16 @@ fn nothing_is_read_or_estimated_twice() {
     let sequence = sequence(1, LARGE);
     let mut stage = Stage::new(&sequence, false, LoaderOptions::default());
     stage.watch();
-    // The simulation has the origin decided, for which the frame is decoded and kept.
+    // The simulation determines the origin, for which the frame is decoded and cached.
     let stats = stage.player.loader().stats();
     assert_eq!((stats.decoded, stats.surfaces_estimated), (1, 1));
-    // Records of points of the sample and of all, and of their surfels: heights, which are the colours here, need no
-    // normals.
+    // Records for the points of the sample and of all points, and for their surfels: heights, which are the colours
+    // here, need no normals.
     assert_eq!(stats.records_written, (SAMPLE + 2 * LARGE) as u64);
 }
 
 #[test]
-fn points_that_are_asked_for_alone_have_two_stages() {
+fn point_rendering_has_two_stages() {
     let mut stage = Stage::new(&sequence(1, LARGE), true, LoaderOptions::default());
     stage.style.primitive = Primitive::Point;
     stage.style.colors = crate::sequence::ColorSource::Uniform.into();
@@ -124,11 +124,11 @@ fn points_that_are_asked_for_alone_have_two_stages() {
 }
 
 #[test]
-fn other_frames_wait_until_the_one_that_is_looked_at_is_whole() {
+fn other_frames_wait_until_the_shown_one_is_complete() {
     let mut stage = Stage::new(&sequence(3, LARGE), false, LoaderOptions::default());
     let seen = stage.watch();
     assert_eq!(seen.len(), 3, "{seen:?}");
-    // All are whole in the end, and those that nobody looked at came at once.
+    // All are complete in the end, and those that were not being viewed became so at once.
     let needs = Scene::needs(&stage.style);
     for frame in 0..3 {
         assert!(matches!(stage.player.loader().get(frame, &needs), Slot::Ready(_)));
@@ -137,7 +137,7 @@ fn other_frames_wait_until_the_one_that_is_looked_at_is_whole() {
 }
 
 #[test]
-fn frames_that_play_have_no_stages() {
+fn playing_frames_have_no_stages() {
     let mut stage = Stage::new(&sequence(3, LARGE), true, LoaderOptions::default());
     let seen = stage.watch();
     assert!(
@@ -147,7 +147,7 @@ fn frames_that_play_have_no_stages() {
 }
 
 #[test]
-fn who_wants_one_frame_gets_it_whole() {
+fn waiting_for_one_frame_returns_it_complete() {
     let options = LoaderOptions::default();
     let loader = Loader::new(sequence(1, LARGE), options).unwrap();
     let needs = Scene::needs(&Style::default());
@@ -172,7 +172,7 @@ fn cancel(player: &mut Player, style: &Style, stage: fn(ReadingStage) -> bool) {
 }
 
 #[test]
-fn normals_that_are_cancelled_leave_the_points() {
+fn cancelled_normals_leave_the_points() {
     let options = LoaderOptions {
         shows_stages: true,
         ..LoaderOptions::default()
@@ -189,7 +189,7 @@ fn normals_that_are_cancelled_leave_the_points() {
     assert_eq!((frame.points.len(), frame.shapes.is_some()), (LARGE, false));
     assert!(!player.is_partial(), "nothing more is to come");
     assert!(!player.loader().is_busy());
-    // Other needs are a new start, and so are these when they are asked for again.
+    // Other needs are a new start, and so are these when they are requested again.
     style.primitive = Primitive::Point;
     player.update(Duration::from_secs(101), &style);
     style.primitive = Primitive::Surfel;
@@ -198,7 +198,7 @@ fn normals_that_are_cancelled_leave_the_points() {
 }
 
 #[test]
-fn normals_that_nobody_needs_any_more_are_given_up() {
+fn normals_no_longer_needed_are_cancelled() {
     let options = LoaderOptions {
         shows_stages: true,
         ..LoaderOptions::default()
@@ -215,7 +215,7 @@ fn normals_that_nobody_needs_any_more_are_given_up() {
         assert!(begin.elapsed() < Duration::from_mins(1), "they are never estimated");
         std::thread::yield_now();
     }
-    // As when the first look finds that the points are no surface.
+    // As when the automatic settings find that the points do not form a surface.
     style.primitive = Primitive::Point;
     player.update(begin.elapsed(), &style);
     assert!(!is_estimated(&player));
@@ -227,13 +227,13 @@ fn normals_that_nobody_needs_any_more_are_given_up() {
     assert!(!player.loader().was_cancelled(), "nobody has");
     player.update(Duration::from_secs(100), &style);
     assert!(!player.is_partial() && player.shown().unwrap().shapes.is_none());
-    // Who needs them again gets them.
+    // Requesting them again provides them.
     let frame = player.loader().wait(0, &Scene::needs(&Style::default())).unwrap();
     assert!(frame.shapes.is_some());
 }
 
 #[test]
-fn what_the_machine_has_no_memory_for_stays_points_and_is_said() {
+fn frames_without_memory_for_surfels_stay_points_with_a_warning() {
     let options = LoaderOptions {
         machine_bytes: 60 * LARGE as u64,
         ..LoaderOptions::default()
@@ -244,7 +244,7 @@ fn what_the_machine_has_no_memory_for_stays_points_and_is_said() {
     let frame = stage.player.shown().unwrap();
     let said = frame.frame.warnings().join(" ");
     assert!(said.contains("600000 points") && said.contains("GiB"), "{said}");
-    // Who asks for surfels and nothing else is told that there are none.
+    // A request for surfels only reports that there are none.
     let loader = Loader::new(sequence(1, LARGE), options).unwrap();
     let error = loader.wait(0, &Scene::needs(&Style::default())).unwrap_err();
     assert!(matches!(error, FrameError::TooLarge { points: LARGE, .. }), "{error}");

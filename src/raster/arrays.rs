@@ -24,7 +24,7 @@ pub(super) fn decode_npy(bytes: &[u8], max_bytes: u64) -> Result<Raster, String>
     let shape = Shape::of(bytes)?;
     let [width, height] = checked_size(shape.size_px)?;
     let pixels = width as usize * height as usize;
-    // Each pixel becomes a double on its way.
+    // Each pixel is converted via a double.
     checked_bytes(pixels as u64 * shape.channels as u64 * 8, max_bytes)?;
     let payload = bytes.get(shape.payload_at..).unwrap_or_default();
     let entries = pixels * shape.channels;
@@ -36,7 +36,7 @@ pub(super) fn decode_npy(bytes: &[u8], max_bytes: u64) -> Result<Raster, String>
         ));
     }
     let number = |index: usize| shape.number.read(&payload[index * entry_bytes..]);
-    // The order of Fortran has the rows next to each other.
+    // In Fortran order the row index varies fastest.
     let at = |pixel: usize, channel: usize| {
         let (row, column) = (pixel / width as usize, pixel % width as usize);
         if shape.is_fortran {
@@ -119,7 +119,7 @@ fn samples(scalar: Option<Scalar>, numbers: impl Iterator<Item = f64>) -> Result
         Some(Scalar::U8) => Ok(Samples::Gray8(numbers.map(|number| number as u8).collect())),
         Some(_) => {
             let word = |number: f64| match number {
-                // Below zero nothing was measured.
+                // Nothing was measured below zero.
                 ..0.0 => Ok(0),
                 number if number <= f64::from(u16::MAX) => Ok(number as u16),
                 number => Err(format!(
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn an_archive_has_the_array_that_is_named_after_depths() {
+    fn the_archive_member_named_after_depths_is_read() {
         let array = |value: f32| npy("<f4", false, "(1, 1)", &value.to_le_bytes());
         let archive = |arrays: &[(&str, f32)]| {
             let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_image_says_why() {
+    fn invalid_images_are_rejected_with_a_reason() {
         for (file, expected) in [
             (npy("<f4", false, "(2, 3)", &[0; 20]), "truncated"),
             (npy("<f4", false, "(4, 5, 6)", &[0; 480]), "4 × 5 × 6"),

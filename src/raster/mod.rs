@@ -78,7 +78,7 @@ fn decode_usual(bytes: &[u8], max_bytes: u64) -> Result<Raster, String> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_EDGE_PX);
     limits.max_image_height = Some(MAX_EDGE_PX);
-    // Colours of other kinds are there in their own pixels and in those that are handed over.
+    // Colours of other types exist both as decoded pixels and as converted ones.
     limits.max_alloc = Some(max_bytes / 2);
     reader.limits(limits);
     let image = reader.decode().map_err(|error| match error {
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn planes_of_colours_become_pixels() {
+    fn color_planes_become_pixels() {
         let pixels: Vec<[u8; 3]> = (0..64).map(|at| [at, 100, 255 - at]).collect();
         let planes: Vec<u8> = (0..3)
             .flat_map(|channel| pixels.iter().map(move |pixel| pixel[channel]))
@@ -221,14 +221,14 @@ mod tests {
         let image = ImageBuffer::<Rgb<u8>, _>::from_raw(8, 8, pixels.concat()).unwrap();
         let png = written(&DynamicImage::ImageRgb8(image), ImageFormat::Png);
         assert_eq!(decode(&png, 1 << 20).unwrap().samples, Samples::Rgb8(pixels));
-        // Grey has neither U nor V.
+        // Grey has no chroma.
         let gray: Vec<u8> = [[128; 32].as_slice(), &[77; 64], &[128; 32]].concat();
         let raster = decode(&pclzf("yuv422", [8, 8], &gray), 1 << 20).unwrap();
         assert_eq!(raster.samples, Samples::Rgb8(vec![[77; 3]; 64]));
     }
 
     #[test]
-    fn sizes_that_are_merely_claimed_take_no_memory() {
+    fn declared_sizes_alone_take_no_memory() {
         let mut bytes = pclzf("depth16", [8, 8], &[0; 128]);
         bytes[5..9].copy_from_slice(&30_000_u32.to_le_bytes());
         bytes[9..13].copy_from_slice(&30_000_u32.to_le_bytes());

@@ -78,7 +78,7 @@ pub(super) fn decode(file: &[u8], max_bytes: u64) -> Result<Raster, String> {
             Samples::Gray16(samples.map(|&sample| u16::from_le_bytes(sample)).collect())
         }
         "rgb24" => {
-            // All of red, all of green, all of blue.
+            // All of red, then all of green, then all of blue.
             let (red, rest) = bytes.split_at(pixels as usize);
             let (green, blue) = rest.split_at(pixels as usize);
             let pixels = red.iter().zip(green).zip(blue);

@@ -98,7 +98,7 @@ impl Nibbles<'_> {
 /// The bytes of an image of `depths`. Precondition: they are as many as it has pixels.
 pub(crate) fn encode(size_px: [u32; 2], depths: &[u16]) -> Vec<u8> {
     let mut written = WrittenNibbles {
-        // Neighbours are mostly near each other: a nibble or two each.
+        // Neighbours are usually similar: one or two nibbles each.
         bytes: Vec::with_capacity(depths.len() + 16),
         word: 0,
         count: 0,
@@ -161,7 +161,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn images_come_back(
+        fn images_round_trip(
             depths in prop::collection::vec(prop_oneof![Just(0u16), 900u16..1100, any::<u16>()], 1..400),
         ) {
             let size = [depths.len() as u32, 1];
@@ -171,15 +171,15 @@ mod tests {
         }
 
         #[test]
-        fn damage_is_an_error_and_no_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        fn damage_is_an_error_and_never_panics(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
             let _ = decode(&bytes, 1 << 16);
         }
     }
 
     /// Worked out by hand: two holes, three depths 5, 4 and 12.
     #[test]
-    fn a_line_by_hand() {
-        // Runs 2 and 3; differences +5, -1, +8 are 10, 1, 16: nibbles 2, 3, a 1, 1, 8 2.
+    fn a_hand_written_line_is_decoded() {
+        // Runs 2 and 3; differences +5, -1, +8 become 10, 1, 16: nibbles 2, 3, a 1, 1, 8 2.
         let bytes = [5u32, 1, 0x23a1_1820].map(u32::to_le_bytes).concat();
         let raster = decode(&bytes, 1 << 16).unwrap();
         assert_eq!(raster.samples, Samples::Gray16(vec![0, 0, 5, 4, 12]));

@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// Describes how much of a truncated frame is present, and which levels of it are drawn.
 pub(super) fn share_there(frame: &FrameRecord, cut: FrameCut) -> String {
-    // Never rounded up to all.
+    // Never rounded up to 100 %.
     let percent = (100 * cut.bytes_there).checked_div(cut.bytes).unwrap_or(0).min(99);
     let (levels, all) = (frame.counts_there().len(), frame.counts.len());
     let of_levels = if levels == all {

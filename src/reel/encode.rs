@@ -75,7 +75,7 @@ pub fn encode_group(frames: &[NewFrame<'_>], options: &ReelOptions) -> Result<En
         records.push(record(frame, coded, place, schema));
     }
     let mut data = Vec::new();
-    // The first sections of all frames stand together: they are read for scrubbing.
+    // The first sections of all frames are stored together: they are read while scrubbing.
     for is_first in [true, false] {
         for (record, coded) in records.iter_mut().zip(&coded) {
             let (first, rest) = coded.sections.split_at(coded.sections.len().min(1));

@@ -222,7 +222,7 @@ impl ReelFile {
                     offset = next;
                     self.end = next;
                 }
-                // The last chunk, which is not whole.
+                // The last chunk, which is incomplete.
                 Ok(None) => break,
                 Err(error) => {
                     self.damage.push(error.to_string());
@@ -258,7 +258,7 @@ impl ReelFile {
                 let (_, directory) = self.read_directory(offset)?;
                 self.index.push(offset, &directory);
             }
-            // What is to be written next goes in its place.
+            // The next chunk to be written replaces it.
             ChunkKind::Index => return Ok(None),
             ChunkKind::Head | ChunkKind::Unknown(_) => {}
         }

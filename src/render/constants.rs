@@ -40,8 +40,8 @@ const _: () = assert!(EWA_REACH_PX > SplatFilter::CLAMP_RADIUS_PX);
 
 /// Summed weight from which a surface of splats hides the background that are much smaller than a pixel: its mean where
 /// their disks cover a square lattice with least overlap.
-// Compared with this mean instead of 0.22, the minimum between three splats, an edge of far points covers the pixels
-// that it should to 0.05 pixels (`tests/pictures/ewa.rs`), without a second sum.
+// Relative to this mean instead of 0.22, the minimum between three splats, an edge of far points covers the expected
+// pixels to within 0.05 pixels (`tests/pictures/ewa.rs`), without a second sum.
 pub(super) const EWA_MEAN_WEIGHT: f32 = 0.5;
 
 /// Pixels of a filtered splat to the fourth power are not taken for less, so that quotients are numbers.

@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn as_many_are_kept_as_there_is_room_for() {
+    fn pass_times_are_stored_up_to_capacity() {
         let time = |gpu_ms: f64| PassTime {
             pass: "x",
             gpu_ms: Some(gpu_ms),

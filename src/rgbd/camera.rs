@@ -94,7 +94,7 @@ impl Camera {
             return None;
         }
         let at = point.truncate() / point.z;
-        // Polynomials turn back outside of the image that they were fitted to: without this limit a colour camera would
+        // Polynomials fold back outside the image that they were fitted to: without this limit a colour camera would
         // show a point far off to the side in the centre.
         let is_within = at.length_squared() <= self.reach * self.reach;
         is_within.then(|| self.focal_px * self.distortion.distort(at) + self.principal_px)
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pinhole_is_a_division() {
+    fn pinhole_projection_is_a_division() {
         let camera = &cameras()[0];
         assert_eq!(camera.pixel(DVec3::new(0.0, 0.0, 2.0)), Some(DVec2::new(319.5, 239.5)));
         assert_eq!(
@@ -205,7 +205,7 @@ mod tests {
 
     /// Beyond the turn of its polynomial, a lens of negative k₁ would show the same pixel twice.
     #[test]
-    fn what_a_lens_would_fold_back_is_not_seen() {
+    fn rays_beyond_the_fold_of_a_lens_are_not_projected() {
         let lens = Distortion::Brown {
             k: [-0.3, 0.0, 0.0],
             p: [0.0; 2],
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_no_camera_are_refused() {
+    fn invalid_camera_parameters_are_rejected() {
         let of = |size, focal: f64, center: f64, distortion| {
             Camera::new(size, DVec2::splat(focal), DVec2::splat(center), distortion).unwrap_err()
         };
@@ -255,7 +255,7 @@ mod tests {
     proptest! {
         /// Of any lens: directions within its reach come back, up to where its tangential part turns.
         #[test]
-        fn directions_come_back_from_their_pixels(
+        fn directions_and_pixels_round_trip(
             distortion in distortions(),
             share in 0.0..0.9_f64,
             angle in 0.0..std::f64::consts::TAU,

@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_and_metres_that_are_no_distances_are_holes() {
+    fn invalid_depth_values_are_holes() {
         let odd = [f32::NAN, f32::INFINITY, -1.0, 0.0, 2.5];
         let metres = DepthSamples::metres(odd.to_vec());
         assert_eq!(metres.image([5, 1]).unwrap().metres(), [0.0, 0.0, 0.0, 0.0, 2.5]);
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn images_of_another_size_are_no_frame() {
+    fn images_of_different_sizes_do_not_form_a_frame() {
         let image = |pixels: usize| Arc::new(DepthSamples::metres(vec![1.0; pixels]));
         let new = |before: usize, depth: usize, colors: usize| {
             let colors = Some(vec![[1, 2, 3]; colors]);
@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn images_before_count_with_a_temporal_filter() {
+    fn previous_images_count_with_a_temporal_filter() {
         let image = |depth: f32| Arc::new(DepthSamples::metres(vec![depth; 6]));
         let filters: Filters = "temporal".parse().unwrap();
         let frame = DepthFrame::new(vec![image(1.0)], image(1.01), rays([3, 2]), None, filters).unwrap();

@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_distance_is_none() {
+    fn invalid_distances_are_holes() {
         let raw = vec![1.0, 0.0, -1.0, f32::NAN, f32::INFINITY, 0.25];
         let image = DepthImage::new([3, 2], raw).unwrap();
         assert_eq!(image.metres(), [1.0, 0.0, 0.0, 0.0, 0.0, 0.25]);
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_between_pixels_are_mixed() {
+    fn colors_between_pixels_are_interpolated() {
         let image = ColorImage::new([2, 2], vec![[0; 3], [100, 0, 0], [0, 200, 0], [100, 200, 0]]).unwrap();
         for (at, expected) in [
             ([0.0, 0.0], [0, 0, 0]),

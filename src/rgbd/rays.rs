@@ -16,7 +16,7 @@ impl RayTable {
     pub fn of(camera: &Camera) -> Self {
         let [width, height] = camera.size_px();
         let ray = |column: u32, row: u32| {
-            // Newton steps with halvings: once per pixel and camera, not once per frame.
+            // Newton steps with halving: once per pixel and camera, not once per frame.
             let ray = camera.ray(DVec2::new(f64::from(column), f64::from(row)));
             ray.map_or([f32::NAN; 2], |ray| [ray.x as f32, ray.y as f32])
         };

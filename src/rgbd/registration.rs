@@ -90,8 +90,8 @@ impl ColorCamera {
         if !(z > 0.0 && x.is_finite()) {
             return None;
         }
-        // The lens model in double precision bounds the time: 24 ms for 640 × 480 pixels (one thread, AMD EPYC), where
-        // range, median, bilateral filter and flying pixels together take 10.1.
+        // The lens model in double precision dominates the time: 24 ms for 640 × 480 pixels (one thread, AMD EPYC),
+        // where range, median, bilateral filter and flying pixels together take 10.1 ms.
         let point = f64::from(z) * DVec3::new(f64::from(x), f64::from(y), 1.0);
         let point = self.color_from_depth.transform_point3(point);
         let pixel = self.camera.pixel(point)?;
@@ -112,7 +112,7 @@ struct NearestDepth {
 
 impl NearestDepth {
     fn of(seen: &[Option<ProjectedPoint>], width: usize, camera: &Camera) -> Self {
-        // Finer cells would leave gaps, and what is behind a gap would take the colour of what is in front of it.
+        // Finer cells would leave gaps, and surfaces behind a gap would take the colour of those in front of them.
         let cell_px = step_px(seen, width);
         let cells_along = |pixels: u32| (f64::from(pixels) / cell_px).ceil() as usize + 2;
         let [columns, rows] = camera.size_px().map(cells_along);
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_camera_gives_every_pixel_its_own_colour() {
+    fn the_same_camera_gives_every_pixel_its_own_color() {
         let depth_camera = camera([64, 48], 50.0);
         let rays = RayTable::of(&depth_camera);
         let metres = (0..64 * 48).map(|at| {
@@ -216,20 +216,20 @@ mod tests {
     /// A wall with a bar before it, seen from the side: behind the bar the wall has no colour, and nowhere that of the
     /// bar.
     #[test]
-    fn what_is_hidden_has_no_colour() {
+    fn hidden_points_have_no_color() {
         let depth_camera = camera([64, 48], 50.0);
         let rays = RayTable::of(&depth_camera);
         let is_bar = |at: usize| (24..32).contains(&(at % 64));
         let metres = (0..64 * 48).map(|at| if is_bar(at) { 1.0 } else { 2.0 }).collect();
         let depth = DepthImage::new([64, 48], metres).unwrap();
-        // Three times as fine as the depth image, 10 cm to the right.
+        // Three times the resolution of the depth image, 10 cm to the right.
         let size = [192, 144];
         let baseline = DVec3::new(-0.1, 0.0, 0.0);
         let color = ColorCamera {
             camera: camera(size, 150.0),
             color_from_depth: DAffine3::from_translation(baseline),
         };
-        // What the colour camera sees: the bar is red, the wall blue.
+        // The view of the colour camera: the bar is red, the wall blue.
         let bar_at = |column: f64| {
             let [low, high] = [23.5, 31.5].map(|u| 150.0 * ((u - 31.5) / 50.0 + baseline.x) + 95.5);
             (low..high).contains(&column)
@@ -249,7 +249,7 @@ mod tests {
             match column {
                 24 | 31 => {}
                 25..31 => assert!(r > 190 && b < 10, "bar at {column}: {color:?}"),
-                // The bar is 2.5 pixels further left in its place than the wall behind it.
+                // Compared with the wall behind it, the bar is shifted by 2.5 pixels to the left.
                 _ if *color == UNSEEN_COLOR => {
                     assert!((20..24).contains(&column) || column < 3, "no colour at {column}");
                 }
@@ -262,10 +262,10 @@ mod tests {
 
     /// A slanted wall with a post before it, at which a camera with a wider lens looks from beside.
     #[test]
-    fn depths_are_those_that_the_other_camera_would_take() {
+    fn depths_match_those_the_other_camera_would_measure() {
         let depth_camera = camera([128, 96], 117.0);
         let rays = RayTable::of(&depth_camera);
-        // z = 2 + x / 5 of the wall, of which z = 2 / (1 - rx / 5); the post is one away.
+        // The wall is z = 2 + x / 5, hence z = 2 / (1 - rx / 5); the post is at a distance of one.
         let wall = |[x, _]: [f32; 2]| 2.0 / (1.0 - 0.2 * x);
         let metres = rays
             .rays()
@@ -279,7 +279,7 @@ mod tests {
                 color_from_depth: DAffine3::from_translation(baseline),
             };
             let found = color.depths(&depth, &rays);
-            // As many pixels as the depth camera has of the wall, not as many as the colour camera.
+            // As many pixels of the wall as the depth camera has, not as many as the colour camera.
             assert!((100..=150).contains(&found.size_px()[0]), "{:?}", found.size_px());
             let step = 128.0 / found.width() as f32;
             let row = &found.metres()[found.width() * (found.size_px()[1] as usize / 2)..][..found.width()];
@@ -293,7 +293,7 @@ mod tests {
                     assert!((z - 1.0).abs() < 1e-4, "post at {column}: {z}");
                     on_post += 1;
                 } else if at_post > 0.09 && column > 12 && column + 12 < row.len() {
-                    // The nearest of those around, which differ by the slope.
+                    // The nearest of the surrounding ones, which differ by the slope.
                     assert!((z - expected).abs() < 0.02, "wall at {column}: {z} for {expected}");
                     on_wall += 1;
                 }

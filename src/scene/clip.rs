@@ -45,7 +45,7 @@ impl ClipShape {
     pub fn through([a, b, c]: [DVec3; 3]) -> Option<Self> {
         let [u, v] = [b - a, c - a].map(DVec3::try_normalize);
         let normal = u?.cross(v?);
-        // Three picked points are never exactly on a line.
+        // Three picked points are never exactly collinear.
         let normal = (normal.length() > 1e-6).then(|| normal.normalize())?;
         let offset = normal.dot(a);
         Some(Self::Plane { normal, offset })

@@ -82,7 +82,7 @@ fn shape() -> impl Strategy<Value = ClipShape> {
 
 proptest! {
     #[test]
-    fn clipped_packets_have_what_a_test_of_every_record_leaves(
+    fn clipped_packets_match_testing_every_record(
         places in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 0..300),
         shape in shape(),
         keeps_outside: bool,
@@ -93,7 +93,7 @@ proptest! {
         let frame = frame(&places, origin);
         let in_world = shape.relative_to(-origin);
         let clip = Clip { keeps_outside, ..Clip::to(in_world) };
-        // An oracle of its own, on the world's coordinates.
+        // An independent oracle, in world coordinates.
         let is_drawn = |place: [f32; 3]| {
             let place = origin + Vec3::from_array(place).as_dvec3();
             let is_inside = match in_world {
@@ -117,7 +117,7 @@ proptest! {
                 prop_assert_eq!(&retained, &*clipped.records);
                 continue;
             }
-            // What would be drawn from a code is drawn from all points.
+            // With a clip, whatever a code would draw is drawn from all points.
             let points = all.content.points().unwrap_or(&frame.points);
             let retained: Vec<usize> = (0..points.len()).filter(|&slot| is_drawn(points[slot].position)).collect();
             let points: Vec<_> = retained.iter().map(|&slot| points[slot]).collect();
@@ -132,7 +132,7 @@ proptest! {
     }
 
     #[test]
-    fn nothing_that_is_clipped_is_picked(
+    fn clipped_points_are_not_picked(
         places in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 1..200),
         shape in shape(),
         px in (0..SIZE[0], 0..SIZE[1]),
@@ -149,7 +149,7 @@ proptest! {
             let Some(slot) = pick(&packet, &frame, at, 20.0) else { continue };
             let place = Vec3::from_array(frame.points[slot].position).as_dvec3();
             prop_assert!(clip.keeps(origin + place), "{} {:?}", way.primitive, way.codes.footprint);
-            // Of whole points it is the one that is drawn there: the same as where there are no others.
+            // For points, it is the one that is drawn there: the same as if there were no others.
             if way.primitive == Primitive::Point {
                 let alone: Vec<Vec3> =
                     places.iter().copied().filter(|place| clip.keeps(origin + place.as_dvec3())).collect();
@@ -164,7 +164,7 @@ proptest! {
 }
 
 #[test]
-fn the_same_clip_is_the_same_allocation() {
+fn an_unchanged_clip_reuses_its_allocation() {
     let places: Vec<Vec3> = (0..100).map(|index| Vec3::splat(index as f32 / 50.0 - 1.0)).collect();
     let frame = frame(&places, DVec3::ZERO);
     let mut scene = Scene::default();
@@ -190,7 +190,7 @@ fn the_same_clip_is_the_same_allocation() {
 }
 
 #[test]
-fn planes_go_through_three_places_unless_these_are_on_a_line() {
+fn planes_pass_through_three_points_unless_these_are_collinear() {
     let places = [DVec3::X, DVec3::Y, DVec3::Z].map(|place| ECEF + place);
     let Some(ClipShape::Plane { normal, offset }) = ClipShape::through(places) else {
         panic!("a plane was expected");

@@ -161,7 +161,7 @@ impl Scene {
 
     /// Returns the data that a frame must have for an image with these settings.
     pub fn needs(style: &Style) -> Needs {
-        // Where errors of normals of the screen are shown, others are held to be true.
+        // To show the errors of screen-space normals, other normals serve as the reference.
         let is_of_screen = style.has_screen_normals() && !style.shows_normal_errors();
         Needs {
             shapes: style.draws_surfels() && !is_of_screen
@@ -424,7 +424,7 @@ impl Scene {
             Lod::Budget(max) => max as usize,
             Lod::ThresholdPx(_) | Lod::Level(_) | Lod::FrameTimeMs(_) => usize::MAX,
         };
-        // In the memory of the last records, unless a packet still holds them.
+        // Reuses the memory of the last records, unless a packet still holds them.
         let mut buffers = last.map_or_else(RecordBuffers::default, |last| last.content.into_buffers());
         let selected = from.may_select.then(|| levels.select(&cut, &mut buffers)).flatten();
         let records = selected.unwrap_or_else(|| levels.write(&cut, max_records, buffers));

@@ -53,7 +53,7 @@ impl ScenePacket {
         drawn.viewport_px = self.viewport_px.map(|edge| edge * samples);
         drawn.view.pixels_per_unit_at_1 *= samples as f32;
         drawn.style.points.size_px *= samples as f32;
-        // Other cuts of levels of detail are those of the final image.
+        // Other cuts of levels of detail are selected for the final image.
         if let Content::Coded(cells) = &mut drawn.content {
             cells.lod_px *= samples as f32;
         }

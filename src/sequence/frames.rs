@@ -205,7 +205,7 @@ impl Sequence {
     /// Zero unless the coordinates are large against the extent of the cloud; decided by the first frame that can be
     /// read and has a finite point. The first call decodes that frame, and keeps it for whoever loads it next.
     pub fn origin(&self) -> DVec3 {
-        // Nobody can cancel it.
+        // It cannot be cancelled.
         let never = Progress::default();
         self.origin.origin(self, &never).unwrap_or_default()
     }
@@ -252,7 +252,7 @@ impl Sequence {
         let mut decoder = take_idle(idle, index, |frame| self.source.group(frame)).unwrap_or_else(decoder);
         let mut decoded = catch_panic(index, &path, || {
             let decoded = decoder.decode(index, &entry, detail.max_points(), progress);
-            // One that has panicked is not used again.
+            // A decoder that has panicked is not used again.
             lock(idle).push((index, decoder));
             decoded.map_err(|reason| FrameError::Decode {
                 index,
@@ -265,7 +265,7 @@ impl Sequence {
         }
         progress.set(0, 0);
         if let Ok(decoded) = &mut decoded {
-            // A user's word holds for every command, statistics for pictures alone.
+            // The user's choice applies to every command, statistics only to images.
             if let NoData::Value(_) | NoData::Place(_) = self.no_data {
                 self.drop_missing(&mut decoded.cloud, None);
             }
@@ -281,7 +281,7 @@ impl Sequence {
         assumptions.extend(&lock(&self.assumptions).sorted());
         let mut assumptions = assumptions.sorted();
         match self.fps {
-            // What a person says is no assumption.
+            // What the user says is not an assumption.
             Some(_) => assumptions.retain(|assumption| assumption.subject != Subject::FrameTimes),
             None => assumptions.extend(self.assumed_fps()),
         }
@@ -381,7 +381,7 @@ impl Sequence {
         Ok(LoadedFrame {
             frame,
             decode_ms: decoder_ms + milliseconds_since(start) as f32,
-            // What grows with the points is no cost of its own.
+            // A cost that grows with the points is not a fixed cost.
             decoder_ms: if has_levels { 0.0 } else { decoder_ms },
         })
     }
@@ -394,8 +394,8 @@ impl Sequence {
     pub(crate) fn load_mesh(&self, index: usize, progress: &Progress) -> Result<Mesh, FrameError> {
         let origin = self.origin.origin(self, progress);
         let origin = origin.ok_or_else(|| self.cancelled(index))?;
-        // A decoder of its own: opening a mesh as points costs nothing more, at the price that a frame drawn as
-        // triangles is decoded twice.
+        // A separate decoder: opening a mesh as points costs nothing more, at the price that a frame drawn as triangles
+        // is decoded twice.
         let decoder = || self.source.mesh_decoder();
         let decoded = self.decode_with(&self.mesh_decoders, decoder, index, Detail::Full, progress)?;
         Mesh::from_raw(decoded.cloud, origin).map_err(|reason| self.invalid(index, reason))
@@ -409,8 +409,9 @@ impl Sequence {
             None => self.no_data,
         };
         let missing = MissingPoints::of(cloud, rule);
-        // Here, so that no image, octree or estimate has them: one 0 0 0 in a survey moved the origin by thousands of
-        // kilometres, and f32 became coarser than the point spacing. `decode` leaves them in, for `info` and `convert`.
+        // Here, so that they affect no image, octree or estimate: one 0 0 0 in a survey moved the origin by thousands
+        // of kilometres, and f32 became coarser than the point spacing. `decode` leaves them in, for `info` and
+        // `convert`.
         make_holes(&mut cloud.positions, &missing.indices);
         let found_in = FoundIn {
             point_count: cloud.positions.len(),
@@ -431,7 +432,7 @@ impl Sequence {
     pub(crate) fn load_sample(&self, index: usize, max_points: usize, min_points: usize) -> Option<LoadedFrame> {
         let start = Instant::now();
         let entry = self.entry(index);
-        // What is wrong is said when all of it is read.
+        // Errors are reported when the whole frame is read.
         let sampled = catch_panic(index, &entry.path, || {
             let sample = self.source.sample(index, max_points, min_points);
             sample.map_err(|reason| FrameError::Decode {
@@ -443,7 +444,7 @@ impl Sequence {
         let (mut sample, point_count) = sampled.ok().flatten()?;
         let present = self.drop_missing(&mut sample.cloud, Some(point_count)).bounds;
         let origin = match index {
-            // The sample determines the origin already, so that the camera stays in place when all points are there.
+            // The sample already determines the origin, so that the camera stays in place when all points have arrived.
             0 => self.origin.decided_by(present)?,
             _ => self.origin.known()?,
         };
@@ -481,8 +482,8 @@ fn validated(decoded: DecodedFrame, origin: DVec3, detail: Detail) -> Result<Fra
         }) if cloud.positions.len() < points_in_frame => {
             Frame::from_level(cloud, origin, points_in_frame, points_of_finer)
         }
-        // Before sorting, colouring and estimation, so that all stages have less work. Levels of the octree look a
-        // little better, but need the whole frame sorted first, and the time does not allow that.
+        // Before sorting, colouring and estimation, so that all stages have less work. Levels of the octree look
+        // slightly better, but need the whole frame sorted first, and the time does not allow that.
         _ => Frame::from_raw_sample(cloud, origin, detail.max_points()),
     }
 }
@@ -498,7 +499,7 @@ fn take_idle(
 ) -> Option<Box<dyn Decoder>> {
     let mut idle = lock(idle);
     let group = group_of(index);
-    // Frames of files have no groups, but one may begin where the one before ends.
+    // Frames of files have no groups, but one may start where the previous one ends.
     let knows = |last: usize| (group.start..=index).contains(&last) || last + 1 == index;
     let nearest = (0..idle.len()).filter(|&place| knows(idle[place].0));
     let nearest = nearest.max_by_key(|&place| idle[place].0);

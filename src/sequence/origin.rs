@@ -91,8 +91,8 @@ impl OriginFinder {
             let given_up = || self.given_up.load(Ordering::Relaxed);
             let before = given_up();
             let _turn = lock(&self.deciding);
-            // Somebody else may have decided it meanwhile; what was cancelled is not done again by all who waited for
-            // it.
+            // Another thread may have determined it in the meantime; after a cancellation not every waiting thread
+            // tries again.
             self.known().or_else(|| {
                 if given_up() != before {
                     return None;
@@ -103,7 +103,7 @@ impl OriginFinder {
                         self.given_up.fetch_add(1, Ordering::Relaxed);
                         None
                     }
-                    // The first frame of a folder may still be being written: a later one decides then.
+                    // The first frame of a folder may still be being written: then a later one decides.
                     Some(Decided::ByNone) if frames.may_grow() => Some(DVec3::ZERO),
                     Some(Decided::ByNone) => Some(*self.origin.get_or_init(|| DVec3::ZERO)),
                     Some(Decided::ByFrame(origin)) => Some(*self.origin.get_or_init(|| origin)),
@@ -169,7 +169,7 @@ impl OriginFinder {
                     lock(&self.cached).insert(index, decoded);
                     return Some(Decided::ByFrame(origin));
                 }
-                // A frame without a finite point decides nothing; keeping many of them could fill the memory.
+                // A frame without a finite point decides nothing; retaining many of them could fill the memory.
                 Ok((None, _)) => {}
                 Err(FrameError::Cancelled { .. }) => return None,
                 Err(_) => {
@@ -243,7 +243,7 @@ fn is_near(origin: DVec3, min: DVec3, max: DVec3, far_in_extents: f64) -> bool {
     let (center, extent) = center_and_extent(min, max);
     let away = center - origin;
     if extent == 0.0 {
-        // All points are one: f32 can say where it is, or not.
+        // All points coincide: f32 can represent the position, or not.
         return away.as_vec3().as_dvec3() == away;
     }
     away.length() <= far_in_extents * extent
@@ -272,7 +272,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn coordinates_around_zero_stay_as_they_are() {
+    fn coordinates_around_zero_are_unchanged() {
         assert_eq!(
             origin_of_bounds(DVec3::new(-1.0, 0.0, 2.0), DVec3::new(1.0, 2.0, 3.0)),
             DVec3::ZERO
@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn points_of_a_half_written_frame_are_renewed() {
+    fn samples_of_a_half_written_frame_are_refreshed() {
         let sample = |z: f32| {
             let raw = RawCloud::from_positions(Positions::F32(vec![[0.0, 0.0, z]]));
             ValueSample::of_raw(&raw, &[], DVec3::ZERO)
@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn some_points_of_the_first_frame_decide_for_all() {
+    fn a_sample_of_the_first_frame_determines_the_origin() {
         let cloud = |places: Vec<usize>| {
             let far = |index: usize| [1e6 + index as f64 / 128.0, 0.0, 0.0];
             let positions = places.into_iter().map(far).collect();
@@ -350,17 +350,17 @@ mod tests {
         };
         let survey = DVec3::new(4.5e6, 5.0e5, 100.0);
         let a = corners(survey, 64.0);
-        // A part of it has an origin of its own, on a finer grid, and takes that of the whole.
+        // A part of it has its own origin, on a finer grid, and takes that of the whole.
         let part = corners(survey + DVec3::splat(9.0), 10.0);
         let alone = corners(survey + DVec3::splat(9.0), 10.0);
         part.share_origin_with(&a);
         assert_ne!(alone.origin(), a.origin());
         assert_eq!(part.origin(), a.origin());
-        // As f32 from there, millimetres would be lost.
+        // In f32 relative to that origin, millimetres would be lost.
         let far = corners(survey + DVec3::new(1e5, 0.0, 0.0), 10.0);
         far.share_origin_with(&a);
         assert_ne!(far.origin(), a.origin());
-        // With itself: nobody waits for an answer of its own.
+        // Shared with itself: does not wait for its own result.
         a.share_origin_with(&a);
         part.share_origin_with(&part);
         assert_eq!(part.origin(), a.origin());

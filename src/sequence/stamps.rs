@@ -72,7 +72,7 @@ mod tests {
     use std::cell::RefCell;
 
     #[test]
-    fn a_stream_is_asked_for_each_stamp_once_and_has_the_pace_of_all() {
+    fn each_timestamp_is_requested_once_and_the_pace_is_that_of_all() {
         let asked = RefCell::new(Vec::new());
         // Every fifth frame takes three times as long.
         let times: Vec<Duration> = (0..400_u64)
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stamp_that_is_missing_or_early_ends_the_pace() {
+    fn a_missing_or_decreasing_timestamp_ends_the_pace() {
         for wrong in [None, Some(Duration::ZERO), Some(Duration::from_secs(2))] {
             let time_of = |index: usize| match index {
                 3 => wrong,

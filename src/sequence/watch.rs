@@ -27,14 +27,14 @@ fn look(sequence: &Weak<Sequence>, wake: &Arc<dyn Fn() + Send + Sync>) {
     let (begun, mut connection) = (Instant::now(), ConnectionWatch::default());
     let mut changes = 0;
     loop {
-        // A sequence that is closed meanwhile is not kept.
+        // A sequence that is closed in the meantime is not kept alive.
         let Some(source) = sequence.upgrade().map(|sequence| Arc::clone(sequence.source())) else {
             return;
         };
         match source.wait_for_more(INTERVAL) {
             Ok(0) => {}
             Ok(_) => wake(),
-            // A folder on a network comes and goes; what is open stays.
+            // A network folder comes and goes; what is open stays.
             Err(error) => log::debug!("{error}"),
         }
         let changed = source.changed_since(changes).len();

@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pauses_grow_where_descriptors_are_used_up_and_end_with_a_connection() {
+    fn back_off_grows_while_descriptors_are_exhausted_and_resets_on_success() {
         let mut back_off = AcceptBackOff::default();
         // EMFILE, on all systems that have it.
         let used_up = io::Error::from_raw_os_error(24);

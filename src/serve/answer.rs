@@ -46,7 +46,7 @@ impl Served<'_> {
     /// True if the file is the one that `If-Range` names (RFC 9110 §13.1.5): else it is sent whole.
     fn is_same(&self, if_range: &str) -> bool {
         if if_range.contains('"') {
-            // A weak tag, W/"…", is no tag of ours either.
+            // Nor is a weak tag, W/"…", one of ours.
             return self.etag().is_some_and(|etag| etag == if_range);
         }
         let Some(modified) = self.modified else {
@@ -156,7 +156,7 @@ impl Answer {
 
     pub(super) fn head(&self) -> String {
         let mut head = format!("HTTP/1.1 {}\r\n", self.status);
-        // RFC 9110 §8.6: none where there can be no content.
+        // RFC 9110 §8.6: no length where there can be no content.
         if !self.status.starts_with("204") {
             // Writing to a String cannot fail.
             let _ = write!(head, "Content-Length: {}\r\n", self.length);
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn a_range_is_a_part_and_one_that_is_outside_says_how_long_the_file_is() {
+    fn a_range_gets_partial_content_and_one_outside_the_file_length() {
         let part = answer(&get("Range: bytes=10-19\r\n"));
         assert_eq!((part.body.clone(), part.length), (Some(10..20), 10));
         assert!(part.head().contains("206 Partial Content") && part.head().contains("Content-Range: bytes 10-19/100"));
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn another_file_than_a_range_was_asked_of_is_sent_whole() {
+    fn a_changed_file_is_sent_completely_despite_a_range() {
         let whole = answer(&get(""));
         let field = |name: &str| {
             let found = whole.fields.iter().find(|(found, _)| *found == name);
@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_was_written_just_now_has_no_date_that_tells_it() {
+    fn a_file_just_written_has_no_date_as_validator() {
         let modified = UNIX_EPOCH + MODIFIED;
         let served = Served {
             target: "/a.reel",
@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn pages_of_others_may_read_only_where_that_was_asked_for() {
+    fn other_origins_may_only_read_where_allowed() {
         let request = get("Origin: https://a\r\n");
         assert!(!answer(&request).head().contains("Access-Control"));
         let options = "OPTIONS /a.reel HTTP/1.1\r\nHost: x\r\nOrigin: https://a\r\n\r\n";

@@ -70,7 +70,7 @@ impl Running {
     /// The answer to `request`, up to the end of the connection.
     fn answer(&self, request: &[u8]) -> String {
         let mut stream = self.connect();
-        // It may have been refused before its end.
+        // It may have been refused before it was complete.
         let _ = stream.write_all(request);
         rest_of(stream)
     }
@@ -113,12 +113,12 @@ fn assert_left(mut stream: TcpStream) {
 }
 
 #[test]
-fn slow_clients_keep_nobody_out() {
+fn slow_clients_do_not_block_others() {
     let server = Running::new(FILE);
     let slow: Vec<TcpStream> = (0..MAX_CONNECTIONS + 8)
         .map(|number| {
             let mut stream = server.connect();
-            // Some say nothing, some begin and never end.
+            // Some say nothing, some start and never finish.
             if number % 2 == 0 {
                 let _ = stream.write_all(b"GET /a.reel HTTP/1.1\r\nX: ");
             }
@@ -130,8 +130,8 @@ fn slow_clients_keep_nobody_out() {
 }
 
 #[test]
-fn clients_that_never_read_keep_nobody_out() {
-    // More than buffers of the network hold.
+fn clients_that_never_read_do_not_block_others() {
+    // More than network buffers hold.
     let server = Running::within(&[FILE, &vec![7; 64 << 20]].concat(), ServerDeadlines::default());
     let stuck: Vec<TcpStream> = (0..MAX_CONNECTIONS)
         .map(|_| {
@@ -145,13 +145,13 @@ fn clients_that_never_read_keep_nobody_out() {
 }
 
 #[test]
-fn who_says_too_little_for_too_long_is_left() {
+fn clients_that_send_too_slowly_are_disconnected() {
     let server = Running::new(FILE);
     let silent = server.connect();
     let mut head = server.connect();
     let dripping = thread::Builder::new().name("dripping".to_owned()).spawn(move || {
         let begun = Instant::now();
-        // A byte now and then is no silence; the whole head has its time.
+        // Sending a byte from time to time is not silence; the whole head has a time limit.
         while head.write_all(b"X").is_ok() {
             assert!(begun.elapsed() < LONG, "it may go on for ever");
             thread::sleep(Duration::from_millis(20));
@@ -163,8 +163,8 @@ fn who_says_too_little_for_too_long_is_left() {
 }
 
 #[test]
-fn who_takes_too_little_for_too_long_is_left() {
-    // More than buffers of the network hold.
+fn clients_that_read_too_slowly_are_disconnected() {
+    // More than network buffers hold.
     let server = Running::new(&[FILE, &vec![7; 64 << 20]].concat());
     let streams: Vec<TcpStream> = (0..4)
         .map(|_| {
@@ -184,7 +184,7 @@ fn who_takes_too_little_for_too_long_is_left() {
 }
 
 #[test]
-fn requests_that_hide_others_are_refused_and_the_connection_ends() {
+fn smuggled_requests_are_rejected_and_the_connection_closed() {
     let server = Running::new(FILE);
     let hidden = "GET /a.reel HTTP/1.1\r\nHost: x\r\n\r\n";
     for begin in [
@@ -211,7 +211,7 @@ fn requests_that_hide_others_are_refused_and_the_connection_ends() {
 }
 
 #[test]
-fn requests_that_do_not_wait_are_answered_in_their_order() {
+fn pipelined_requests_are_answered_in_order() {
     let server = Running::new(FILE);
     let one = "HEAD /a.reel HTTP/1.1\r\nHost: x\r\n\r\nGET /b HTTP/1.1\r\nHost: x\r\n\r\n";
     let last = "GET /a.reel HTTP/1.1\r\nHost: x\r\nRange: bytes=-1\r\nConnection: close\r\n\r\n";
@@ -227,12 +227,12 @@ fn requests_that_do_not_wait_are_answered_in_their_order() {
 }
 
 #[test]
-fn floods_resets_and_half_closed_connections_leave_the_server_as_it_was() {
+fn floods_resets_and_half_closed_connections_do_not_harm_the_server() {
     let server = Running::new(FILE);
     for round in 0..300_u32 {
         let mut stream = server.connect();
         match round % 4 {
-            // Closed with an answer unread is a reset.
+            // Closing with an unread answer causes a reset.
             0 => drop(stream.write_all(b"GET /a.reel HTTP/1.1\r\nHost: x\r\n\r\n")),
             1 => drop(stream.write_all(&round.to_le_bytes().repeat(99))),
             2 => drop(stream.shutdown(Shutdown::Both)),
@@ -252,7 +252,7 @@ fn floods_resets_and_half_closed_connections_leave_the_server_as_it_was() {
 }
 
 #[test]
-fn a_file_that_is_gone_is_said_and_one_that_is_cut_ends_the_connection() {
+fn a_missing_file_is_reported_and_a_truncated_one_closes_the_connection() {
     let server = Running::new(FILE);
     std::fs::remove_file(&server.server.shared.path).unwrap();
     let answer = server.answer(b"GET /a.reel HTTP/1.1\r\nHost: x\r\n\r\n");

@@ -19,7 +19,7 @@ impl FromStr for CorsOrigin {
             return Ok(Self::Any);
         }
         let authority = text.split_once("://").map(|(_, authority)| authority);
-        // It becomes a line of an answer.
+        // It becomes a line of a response.
         let is_plain = |text: &str| text.bytes().all(|byte| byte.is_ascii_graphic() && byte != b'/');
         match authority {
             Some(authority) if !authority.is_empty() && is_plain(authority) && text.is_ascii() => {
@@ -43,7 +43,7 @@ pub(super) fn cors_fields(allowed: &[CorsOrigin], origin: Option<&str>) -> Vec<(
     };
     let found = if is_any { Some("*") } else { origin.filter(is_one) };
     if !allowed.is_empty() && !is_any {
-        // Caches keep answers of several origins apart.
+        // Caches keep responses for different origins apart.
         fields.push(("Vary", "Origin".to_owned()));
     }
     if let Some(origin) = found {
@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn origins_are_named_and_nothing_else_gets_into_an_answer() {
+    fn origins_are_validated_before_entering_a_response() {
         assert_eq!("*".parse(), Ok(CorsOrigin::Any));
         let local = CorsOrigin::One("http://localhost:3000".to_owned());
         assert_eq!("http://localhost:3000".parse(), Ok(local));
@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn only_those_that_are_named_may_read() {
+    fn only_listed_origins_may_read() {
         let one = [CorsOrigin::One("https://a".to_owned())];
         assert_eq!(cors_fields(&[], Some("https://a")), []);
         let allowed = cors_fields(&one, Some("https://a"));

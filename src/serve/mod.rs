@@ -87,7 +87,7 @@ struct Shared {
 impl FileServer {
     /// Listens at `address` for requests of the file at `path`; nothing is answered before [`FileServer::run`].
     pub fn bind(path: &Path, address: SocketAddr, options: FileServerOptions) -> io::Result<Self> {
-        // That it can be read is known before anybody asks.
+        // Ensures that it can be read before the first request.
         regular_file::open(path)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         Ok(Self {
@@ -212,7 +212,7 @@ impl Shared {
                 self.sent_bytes.fetch_add(sent as u64, Ordering::Relaxed);
             })?;
         }
-        // A file that was cut meanwhile: who waits for the rest would wait in vain.
+        // The file was truncated in the meantime: a client waiting for the rest would wait forever.
         Ok(answer.keeps_open && left.limit() == 0)
     }
 

@@ -117,7 +117,7 @@ impl Taken {
         let chosen = self.places.iter_mut().find(|held| Some(held.number) == chosen);
         if let Some(held) = chosen {
             held.is_over = true;
-            // It may have left already.
+            // It may have disconnected already.
             let _ = held.stream.shutdown(Shutdown::Both);
         }
     }

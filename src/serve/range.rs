@@ -50,7 +50,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn ranges_are_those_of_the_standard() {
+    fn ranges_follow_the_standard() {
         for (range, expected) in [
             ("bytes=0-0", 0..1),
             ("bytes=10-19", 10..20),
@@ -83,7 +83,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_text_is_a_range_within_the_file_or_none(text in "(bytes=)?[-0-9, +a]{0,30}", len: u64) {
+        fn any_text_gives_a_range_within_the_file_or_none(text in "(bytes=)?[-0-9, +a]{0,30}", len: u64) {
             if let ParsedRange::Bytes(range) = parsed_range(&text, len) {
                 prop_assert!(range.start < range.end && range.end <= len);
             }

@@ -38,7 +38,7 @@ impl Request {
     /// The request that `bytes` begin with and where it ends; `None` if it has not ended yet.
     pub(super) fn parse(bytes: &[u8]) -> Result<Option<(Self, usize)>, NoRequest> {
         let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
-        // A server crate would bring an executor of tasks for one file and two methods.
+        // A server crate would add an async executor for one file and two methods.
         let mut parsed = httparse::Request::new(&mut headers);
         let status = parsed.parse(bytes).map_err(|_| NoRequest)?;
         let head = match status {
@@ -54,7 +54,7 @@ impl Request {
         let fields = Fields(parsed.headers);
         fields.check()?;
         let is_one_one = parsed.version == Some(1);
-        // RFC 9112 §3.2: which site is meant has to be said once.
+        // RFC 9112 §3.2: the host must be given exactly once.
         if fields.count("host") > 1 || (is_one_one && fields.count("host") == 0) {
             return Err(NoRequest);
         }
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn what_could_be_read_in_two_ways_is_refused() {
+    fn ambiguous_requests_are_rejected() {
         let with = |field: &str| format!("GET /a.reel HTTP/1.1\r\nHost: x\r\n{field}\r\n\r\n");
         for field in [
             "Content-Length: 5",
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn a_whole_address_is_its_path() {
+    fn an_absolute_url_is_reduced_to_its_path() {
         for (target, path) in [
             ("/a.reel", "/a.reel"),
             ("http://x/a.reel", "/a.reel"),
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn connections_stay_open_as_long_as_both_want() {
+    fn connections_stay_open_as_long_as_both_sides_want() {
         let keeps_open = |request: &str| parsed(request).unwrap().unwrap().keeps_open;
         assert!(keeps_open("GET / HTTP/1.1\r\nHost: x\r\n\r\n"));
         assert!(!keeps_open("GET / HTTP/1.0\r\n\r\n"));
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn requests_that_follow_one_another_are_told_apart() {
+    fn consecutive_requests_are_separated() {
         let one = b"GET /a HTTP/1.1\r\nHost: x\r\n\r\n";
         let bytes = [&one[..], b"HEAD /b HTTP/1.1\r\nHost: x\r\n\r\n"].concat();
         let (first, end) = Request::parse(&bytes).unwrap().unwrap();
@@ -244,7 +244,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_bytes_are_a_request_or_none(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        fn any_bytes_give_a_request_or_an_error(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
             let mut request = b"GET / HTTP/1.1\r\n".to_vec();
             request.extend(&bytes);
             for bytes in [bytes, request] {

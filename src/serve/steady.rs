@@ -37,7 +37,7 @@ impl<'a> SteadyWriter<'a> {
             let Some(left) = self.min.time_left(self.sent_bytes, elapsed) else {
                 return Err(self.too_slow(elapsed));
             };
-            // Zero would be for ever.
+            // Zero would mean forever.
             self.stream
                 .set_write_timeout(Some(left.max(Duration::from_millis(1))))?;
             match self.stream.write(&bytes[..bytes.len().min(PIECE_BYTES)]) {

@@ -58,12 +58,13 @@ impl Source for AsReel {
             damage,
         } = self.source.about();
         About {
-            // Nobody opened these frames: a session that names the inputs would open the original in their place.
+            // These frames were not opened by the user: a session that names the inputs would open the original
+            // instead.
             inputs: &[],
             fps,
-            // The one that is open is not the one that would be written.
+            // The open file is not the one that would be written.
             reel: None,
-            // Another topic is chosen by opening the inputs again.
+            // To choose another topic, the inputs have to be opened again.
             recordings: &[],
             assumptions,
             notes,
@@ -85,9 +86,10 @@ impl Source for AsReel {
         } = self.source.capabilities();
         Capabilities {
             groups,
-            // A sequence file holds points, and no faces.
+            // A sequence file holds points, but no faces.
             meshes: None,
-            // What is read of a frame alone has not gone through a file, and levels of a file are made of the whole.
+            // A sample read from a frame alone has not been encoded, and the levels of a file are made from the whole
+            // frame.
             samples: None,
             growth,
             live,
@@ -162,7 +164,7 @@ mod tests {
     use std::path::{Path, PathBuf};
 
     #[test]
-    fn frames_are_those_that_a_file_would_give() {
+    fn frames_match_those_of_a_written_file() {
         let retained = |precision| {
             let options = ReelOptions {
                 precision,
@@ -343,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn all_that_the_frames_keep_in_a_file_can_still_be_asked() {
+    fn capabilities_that_survive_a_file_are_retained() {
         let inner = able(Filters::NONE);
         let whole = format!("{:?}", inner.capabilities());
         let reel: &dyn Source = &AsReel::new(Arc::new(inner), ReelOptions::default());

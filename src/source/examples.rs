@@ -100,7 +100,7 @@ impl Example {
     pub fn source(self) -> Arc<dyn Source> {
         match Reel::embedded(&self.input(), self.bytes()) {
             Ok(reel) => Arc::new(reel),
-            // A program that was built of a damaged file says so, as of any other.
+            // A program built with a damaged file reports that as for any other file.
             Err(error) => {
                 let problem = error.to_string();
                 let entry = FrameEntry::embedded(self.input(), self.bytes());
@@ -116,7 +116,7 @@ mod tests {
     use crate::progress::Progress;
 
     #[test]
-    fn every_example_can_be_read_is_small_and_has_a_picture() {
+    fn every_example_can_be_read_is_small_and_has_a_thumbnail() {
         for example in Example::ALL {
             assert!(example.bytes().len() <= 500 << 10, "{example:?}");
             assert!(example.picture().len() <= 48 << 10, "{example:?}");
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn words_tell_examples_apart() {
+    fn example_names_are_unique() {
         for example in Example::ALL {
             let same = Example::ALL.into_iter().filter(|other| other.name() == example.name());
             assert_eq!(same.count(), 1);

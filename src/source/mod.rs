@@ -74,7 +74,7 @@ const OPENERS: &[Opener] = &[
     Opener::Any(photo_sets::open_unless_depth),
     Opener::Any(|asked| rgbd::open(asked.inputs, asked.options)),
     Opener::Any(photo_sets::open_one_below),
-    // Whatever nothing else is.
+    // Everything else.
     Opener::Any(|asked| {
         Ok(Some(Arc::new(Files::open(
             asked.inputs,
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn words_before_a_colon_are_sources() {
+    fn words_before_a_colon_select_sources() {
         for (input, first) in [
             ("demo:", "demo/frame_0000.ply"),
             ("example:lidar", "example:lidar"),
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_after_the_colon_is_said() {
+    fn errors_after_the_colon_are_reported() {
         for wrong in [
             "sphere:0",
             "sphere:many",

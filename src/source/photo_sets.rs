@@ -69,9 +69,9 @@ pub(super) fn open_one_below(asked: Asked<'_>) -> Result<Option<Arc<dyn Source>>
         Ok(below) => return Ok(below),
         Err(error) => error,
     };
-    // Photographs in a folder of a recording of clouds are no reason to refuse it.
+    // Images in a folder of a cloud recording are no reason to refuse it.
     match Files::open(asked.inputs, asked.options, asked.progress) {
-        // Lists of numbers next to images are no recording of clouds.
+        // Lists of numbers next to images are not a cloud recording.
         Ok(files) if !files.are_texts() => Ok(Some(Arc::new(files))),
         Err(several @ SequenceError::Several { .. }) => Err(several),
         _ => Err(error),
@@ -91,7 +91,7 @@ fn open_below(input: &Path, options: &OpenOptions) -> Result<Option<Arc<dyn Sour
     let found: Vec<PathBuf> = folders.into_iter().take(MAX_FOLDERS).filter(holds_set).collect();
     match found.as_slice() {
         [] => match photos::unread(input) {
-            // Pictures are next to the parts of many things, which the refusal of the files names.
+            // Images are found next to the parts of many things, which the refusal of the files names.
             Some(error) if !is_foreign(input) => Err(wrong(error)),
             _ => Ok(None),
         },
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn the_one_set_below_is_opened() {
+    fn the_only_image_set_below_is_opened() {
         assert_eq!(
             opened(&["scene/transforms.json", "scene/a.png", "notes/b.md"]),
             Ok(Some(1))
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn of_several_sets_the_message_names_them() {
+    fn several_image_sets_are_named_in_the_error() {
         let several = ["one/transforms.json", "two/transforms.json", "README.txt"];
         let error = opened(&several).unwrap_err();
         assert!(
@@ -193,14 +193,14 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_of_clouds_is_none() {
+    fn a_folder_of_clouds_is_not_an_image_set() {
         assert_eq!(opened(&["a.ply", "scene/transforms.json", "scene/a.png"]), Ok(None));
         assert_eq!(opened(&["notes.md"]), Ok(None));
         assert_eq!(opened(&["scan.rcp", "a.png"]), Ok(None));
     }
 
     #[test]
-    fn sequences_of_a_data_set_are_named() {
+    fn sequences_of_a_data_set_are_listed() {
         let two = [
             "seq-01/frame-000000.depth.png",
             "seq-02/frame-000000.depth.png",
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn photographs_without_cameras_are_called_so() {
+    fn images_without_cameras_are_reported() {
         let error = opened(&["images/a.png"]).unwrap_err();
         assert!(error.contains("images without camera poses"), "{error}");
     }

@@ -106,11 +106,11 @@ impl HasPosedImages for PhotoScene {
 /// Returns the cloud that a dense reconstruction stage computed from the images of the folder `input`, whose model is
 /// at `found`.
 fn dense_cloud(input: &Path, found: &Path) -> Option<PathBuf> {
-    // Whoever opens a file of the model wants its points.
+    // Opening a file of the model means wanting its points.
     if !input.is_dir() {
         return None;
     }
-    // Of several models each has a stage of its own.
+    // With several models each has its own dense folder.
     let number = found.file_name()?.to_str().filter(|name| name.parse::<u32>().is_ok());
     let of_model = number.map(|number| format!("dense/{number}/fused.ply"));
     let names = of_model.iter().map(String::as_str).chain(DENSE_CLOUDS.iter().copied());

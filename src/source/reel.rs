@@ -261,7 +261,7 @@ impl Growth for Reel {
         if !has_changed().unwrap_or(false) {
             return Ok(0);
         }
-        // A file that is just being written anew is left for the next time.
+        // A file that is just being rewritten is left for the next time.
         let Ok(now) = Opened::whole_at(path) else {
             return Ok(0);
         };

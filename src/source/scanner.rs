@@ -191,7 +191,7 @@ impl Ring {
     /// Receives packets until nobody wants them.
     fn listen(&self, socket: &UdpSocket, mut found: LiveTurns) {
         let mut buffer = vec![0; MAX_DATAGRAM_BYTES];
-        // The time of day of the beginning: clocks that are set meanwhile change no order.
+        // The time of day at the start: clock adjustments in the meantime do not change the order.
         let (begun, day) = (Instant::now(), SystemTime::now());
         let day = day.duration_since(UNIX_EPOCH).unwrap_or_default();
         while !self.is_closed.load(Ordering::Relaxed) {
@@ -211,10 +211,10 @@ impl Ring {
     fn take(&self, found: &mut LiveTurns, source: SocketAddr, time: Duration, bytes: &[u8]) {
         match found.add(source, time, bytes) {
             Ok(None) => {}
-            // As packets: points are made by the workers that decode any frame, so a slow machine loses frames and no
-            // packets.
+            // As packets: points are made by the same workers that decode any frame, so a slow machine loses frames but
+            // no packets.
             Ok(Some(turn)) => self.push(turn),
-            // Another sensor may send what can be read.
+            // Another sensor may send readable packets.
             Err(problem) => lock(&self.turns).problem = Some(problem),
         }
         let mut turns = lock(&self.turns);
@@ -282,7 +282,7 @@ fn is_passing(error: &io::Error) -> bool {
 impl Drop for LiveScanner {
     fn drop(&mut self) {
         self.ring.is_closed.store(true, Ordering::Relaxed);
-        // The port is free for whoever opens it next.
+        // Frees the port for whatever opens it next.
         if let Some(thread) = self.thread.take()
             && thread.join().is_err()
         {
@@ -340,7 +340,7 @@ impl Growth for LiveScanner {
     }
 
     fn look_again(&self) -> Result<usize, SequenceError> {
-        // Held first, so that the number never falls.
+        // Locked first, so that the number never decreases.
         let mut told = lock(&self.told);
         let count = lock(&self.ring.turns).count;
         let before = std::mem::replace(&mut *told, count);

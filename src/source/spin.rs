@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_come_by_the_clock_and_the_oldest_go() {
+    fn frames_arrive_by_the_clock_and_the_oldest_expire() {
         let mut spin = Spin::new(Shape::Torus, 10);
         assert_eq!(spin.frames(), 0..1);
         spin.begun -= Duration::from_secs(1);
@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn the_shape_turns_about_the_up_axis_and_comes_back() {
+    fn the_shape_turns_about_the_up_axis_back_to_its_start() {
         let spin = Spin::new(Shape::Torus, 500);
         let [begin, quarter, turn] = [0, 24, 96].map(|index| decoded(&spin, index));
         let positions = |cloud: &RawCloud| -> Vec<Vec3> {
@@ -213,7 +213,7 @@ mod tests {
         };
         assert_eq!(positions(&begin), positions(&turn));
         for (before, after) in positions(&begin).iter().zip(positions(&quarter)) {
-            // A quarter about Y: z goes to x.
+            // A quarter turn about Y: z goes to x.
             assert!(after.abs_diff_eq(Vec3::new(before.z, before.y, -before.x), 1e-5));
         }
         assert_eq!(begin.attributes.colors, quarter.attributes.colors);

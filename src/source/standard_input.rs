@@ -201,7 +201,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_received_is_a_file_until_it_is_dropped() {
+    fn received_data_is_a_file_until_dropped() {
         let received = receive(&b"ply\nformat ascii 1.0\n"[..], &Progress::default()).unwrap();
         let file = received.file.clone();
         assert_eq!(std::fs::read(&file).unwrap(), b"ply\nformat ascii 1.0\n");

@@ -122,7 +122,7 @@ impl Clock {
 
     /// [`Clock::play`] or [`Clock::pause`].
     pub fn toggle(&mut self, now: Duration) {
-        // What is due may end the playing, and then the button means play.
+        // If a due frame ends playback, the button means play.
         self.advance(now);
         if self.playing {
             self.pause(now);
@@ -170,7 +170,7 @@ impl Clock {
         let turned = speed.is_sign_negative() != self.speed.is_sign_negative();
         self.speed = speed.abs().clamp(MIN_SPEED, MAX_SPEED).copysign(speed);
         if turned {
-            // What had passed of the frame is what is left of it the other way.
+            // The elapsed part of the frame is what remains of it in the opposite direction.
             self.direction = self.direction.reversed();
             let duration = self.pace.duration(self.frame);
             let phase = duration - self.anchor.phase;

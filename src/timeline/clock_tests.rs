@@ -50,14 +50,14 @@ fn the_last_frame_lasts_as_long_as_the_others_then_playing_ends() {
     assert_eq!(clock.advance(at(0.3)), 2);
     assert!(!clock.is_playing());
     assert_eq!(clock.next_deadline(), None);
-    // Play at the end means again.
+    // Playing at the end starts over.
     clock.play(at(1.0));
     assert_eq!(clock.frame(), 0);
     assert_eq!(clock.advance(at(1.15)), 1);
 }
 
 #[test]
-fn backward_ends_at_the_first_frame_and_starts_over_from_the_last() {
+fn backward_playback_ends_at_the_first_frame_and_restarts_from_the_last() {
     let mut clock = playing(3, LoopMode::Off);
     clock.seek(2, at(0.0));
     clock.set_speed(-1.0, at(0.0));
@@ -80,7 +80,7 @@ fn ping_pong_shows_each_end_once() {
 }
 
 #[test]
-fn ping_pong_tells_where_it_goes_next() {
+fn ping_pong_reports_its_next_frame() {
     let mut clock = playing(3, LoopMode::PingPong);
     let directions: Vec<Direction> = (0..6)
         .map(|tenth| {
@@ -92,7 +92,7 @@ fn ping_pong_tells_where_it_goes_next() {
 }
 
 #[test]
-fn reverse_loops_too() {
+fn reverse_playback_loops_too() {
     let mut clock = playing(3, LoopMode::Loop);
     clock.set_speed(-1.0, at(0.0));
     assert_eq!(shown(&mut clock, 0, 5), [0, 2, 1, 0, 2]);
@@ -102,7 +102,7 @@ fn reverse_loops_too() {
 }
 
 #[test]
-fn one_frame_never_wakes_anybody() {
+fn a_single_frame_never_sets_a_deadline() {
     for loop_mode in [LoopMode::Loop, LoopMode::PingPong] {
         let mut clock = playing(1, loop_mode);
         assert_eq!(clock.next_deadline(), None);
@@ -119,7 +119,7 @@ fn one_frame_never_wakes_anybody() {
 }
 
 #[test]
-fn no_frames_are_no_trouble() {
+fn an_empty_sequence_is_handled() {
     let mut clock = Clock::new(0);
     for loop_mode in LoopMode::ALL {
         clock.set_loop_mode(loop_mode, at(0.0));
@@ -132,12 +132,12 @@ fn no_frames_are_no_trouble() {
 }
 
 #[test]
-fn late_calls_count_what_nobody_saw() {
+fn late_calls_count_skipped_frames() {
     let mut clock = playing(100, LoopMode::Loop);
     clock.advance(at(0.05));
     assert_eq!(clock.advance(at(0.55)), 5);
     assert_eq!(clock.skipped(), 4);
-    // The end of a sequence that does not loop is no reason to count frames that do not exist.
+    // At the end of a sequence that does not loop, frames that do not exist are not counted.
     let mut clock = playing(4, LoopMode::Off);
     clock.advance(at(0.05));
     assert_eq!(clock.advance(at(9.0)), 3);
@@ -156,7 +156,7 @@ fn seeking_and_stepping_skip_nothing() {
 }
 
 #[test]
-fn steps_go_around_only_where_playing_does() {
+fn steps_wrap_around_only_in_looping_modes() {
     let mut clock = Clock::new(5);
     clock.step(-2, at(0.0));
     assert_eq!(clock.frame(), 3);
@@ -204,7 +204,7 @@ fn another_rate_keeps_the_position() {
 }
 
 #[test]
-fn turning_round_runs_the_frame_back() {
+fn reversing_direction_runs_the_frame_back() {
     let mut clock = playing(10, LoopMode::Loop);
     clock.set_speed(-1.0, at(0.53));
     assert_eq!(clock.frame(), 5);
@@ -214,7 +214,7 @@ fn turning_round_runs_the_frame_back() {
 }
 
 #[test]
-fn values_out_of_range_are_held_or_ignored() {
+fn values_out_of_range_are_clamped_or_ignored() {
     let mut clock = Clock::new(3);
     clock.set_speed(1e9, at(0.0));
     assert_eq!(clock.speed(), MAX_SPEED);
@@ -230,7 +230,7 @@ fn values_out_of_range_are_held_or_ignored() {
 }
 
 #[test]
-fn time_that_runs_backward_changes_nothing() {
+fn time_running_backward_changes_nothing() {
     let mut clock = playing(10, LoopMode::Loop);
     assert_eq!(clock.advance(at(0.55)), 5);
     assert_eq!(clock.advance(at(0.15)), 5);
@@ -243,7 +243,7 @@ fn there_is_no_drift_in_a_day() {
     let mut clock = Clock::new(1_000_000_000);
     clock.set_fps(30.0, at(0.0));
     clock.play(at(0.0));
-    // Asked every 16.7 ms or so for a while, then a day later.
+    // Called about every 16.7 ms for a while, then a day later.
     for call in 0..1000 {
         clock.advance(Duration::from_micros(call * 16_683));
     }
@@ -261,7 +261,7 @@ fn uneven(loop_mode: LoopMode) -> Clock {
 }
 
 #[test]
-fn frames_last_as_long_as_their_times_say() {
+fn frame_durations_follow_their_times() {
     let mut clock = uneven(LoopMode::Loop);
     assert_eq!(shown(&mut clock, 0, 11), [0, 1, 1, 2, 3, 0, 1, 1, 2, 3, 0]);
     assert_eq!(clock.skipped(), 0);
@@ -280,7 +280,7 @@ fn pausing_within_a_long_frame_keeps_its_place() {
     assert_eq!(clock.next_deadline(), Some(at(10.05)));
     assert_eq!(clock.advance(at(10.04)), 1);
     assert_eq!(clock.advance(at(10.06)), 2);
-    // Turned half-way through a long frame, the other half is left.
+    // Reversed halfway through a long frame, the other half remains.
     let mut clock = uneven(LoopMode::Loop);
     clock.set_speed(-1.0, at(0.15));
     assert_eq!(clock.advance(at(0.19)), 1);
@@ -288,7 +288,7 @@ fn pausing_within_a_long_frame_keeps_its_place() {
 }
 
 #[test]
-fn a_sequence_that_grows_plays_on() {
+fn a_growing_sequence_plays_on() {
     let mut clock = playing(2, LoopMode::Off);
     assert_eq!(clock.advance(at(0.15)), 1);
     clock.set_frames(0..4, at(0.15));
@@ -296,7 +296,7 @@ fn a_sequence_that_grows_plays_on() {
 }
 
 #[test]
-fn between_in_and_out_point_it_plays_as_a_sequence_of_its_own() {
+fn playback_between_in_and_out_point_is_a_separate_sequence() {
     let range = PlayRange::default().beginning_at(2).ending_at(4);
     let ranged = |loop_mode, frame| {
         let mut clock = playing(9, loop_mode);
@@ -308,7 +308,7 @@ fn between_in_and_out_point_it_plays_as_a_sequence_of_its_own() {
     assert_eq!(shown(&mut clock, 0, 6), [3, 4, 2, 3, 4, 2]);
     let mut clock = ranged(LoopMode::PingPong, 3);
     assert_eq!(shown(&mut clock, 0, 6), [3, 4, 3, 2, 3, 4]);
-    // From elsewhere it goes to the in point, which is no frame that nobody saw.
+    // From outside the range it jumps to the in point, which does not count as skipped frames.
     let mut clock = ranged(LoopMode::Loop, 7);
     assert_eq!(shown(&mut clock, 0, 4), [7, 2, 3, 4]);
     assert_eq!(clock.skipped(), 0);
@@ -317,12 +317,12 @@ fn between_in_and_out_point_it_plays_as_a_sequence_of_its_own() {
     assert!(!clock.is_playing());
     clock.play(at(1.0));
     assert_eq!(clock.frame(), 2, "again means from the in point");
-    // The end of the sequence is where it was for all else.
+    // For everything else, the end of the sequence is unchanged.
     clock.seek(8, at(1.0));
     assert_eq!(clock.frame(), 8);
     clock.step(-1, at(1.0));
     assert_eq!(clock.frame(), 7);
-    // One frame that plays wakes somebody once, to go there.
+    // A single-frame range needs one wake-up, to jump there.
     let mut clock = playing(9, LoopMode::Loop);
     clock.set_range(PlayRange::default().beginning_at(5).ending_at(5), at(0.0));
     assert_eq!(clock.next_deadline(), Some(at(0.1)));
@@ -331,7 +331,7 @@ fn between_in_and_out_point_it_plays_as_a_sequence_of_its_own() {
 }
 
 #[test]
-fn setting_points_while_playing_keeps_the_place_within_the_frame() {
+fn setting_points_while_playing_keeps_the_position_within_the_frame() {
     let mut clock = playing(9, LoopMode::Loop);
     clock.set_range(PlayRange::default().ending_at(1), at(0.05));
     assert_eq!(clock.advance(at(0.09)), 0);
@@ -348,7 +348,7 @@ fn setting_points_while_playing_keeps_the_place_within_the_frame() {
 proptest! {
     /// A window that sleeps until each deadline sees every frame, once, in order, and never spins.
     #[test]
-    fn every_deadline_moves_on(
+    fn every_deadline_advances_the_clock(
         fps in 0.1f64..1000.0, speed in 0.1f64..10.0, mode in 0usize..3, start in 0.0f64..1e6, count in 2usize..9,
         first in 0usize..8,
     ) {
@@ -356,7 +356,7 @@ proptest! {
         clock.set_fps(fps, at(start));
         clock.set_speed(speed, at(start));
         clock.set_loop_mode(LoopMode::ALL[mode], at(start));
-        // Two frames at least: one frame alone has nothing to wake for.
+        // At least two frames: with a single one there is nothing to wake up for.
         clock.set_range(PlayRange::default().beginning_at(first.min(count - 2)), at(start));
         clock.play(at(start));
         let mut before = clock.frame();
@@ -372,7 +372,7 @@ proptest! {
 
     /// The frame depends on the time alone, not on how often the clock was asked.
     #[test]
-    fn asking_more_often_changes_nothing(mut times in prop::collection::vec(0.0f64..20.0, 1..30), mode in 0usize..3) {
+    fn more_frequent_calls_change_nothing(mut times in prop::collection::vec(0.0f64..20.0, 1..30), mode in 0usize..3) {
         times.sort_by(f64::total_cmp);
         let mut often = playing(7, LoopMode::ALL[mode]);
         let mut last = 0;

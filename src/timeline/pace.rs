@@ -33,7 +33,7 @@ impl Pace {
         let durations = spacings_s
             .iter()
             .map(|spacing_s| (spacing_s / median_s).min(LONGEST_FRAME));
-        // Nobody knows when the last frame ended.
+        // The end of the last frame is unknown.
         let durations = durations.chain([1.0]).collect();
         Some((Self { durations }, (1.0 / median_s).max(SLOWEST_FPS)))
     }
@@ -55,7 +55,7 @@ impl Pace {
             return elapsed.floor() as u64;
         }
         if !travel.plays(start) {
-            // What comes back is the way from the beginning of what plays.
+            // Counted from the first frame of the range.
             let rest = elapsed - self.duration(start);
             return if rest < 0.0 || travel.frame_count == 0 {
                 0
@@ -74,7 +74,7 @@ impl Pace {
         loop {
             let arrival = travel.after(start, direction, steps);
             let duration = self.duration(arrival.index);
-            // Where the way ends before, one step too many says so.
+            // If the range ends earlier, one extra step shows that.
             if left < duration || arrival.steps < steps {
                 return steps;
             }
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn stamps_say_how_long_frames_last() {
+    fn timestamps_determine_frame_durations() {
         let (pace, fps) = Pace::of_times(&millis(&[100, 200, 300, 600, 700, 99_700])).unwrap();
         assert_eq!(fps, 10.0);
         let durations: Vec<f64> = (0..6).map(|frame| pace.duration(frame)).collect();
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn stamps_that_do_not_grow_are_none() {
+    fn timestamps_that_do_not_increase_give_no_pace() {
         for times in [&[5, 5][..], &[5, 4], &[1], &[]] {
             assert_eq!(Pace::of_times(&millis(times)), None, "{times:?}");
         }

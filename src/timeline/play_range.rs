@@ -63,7 +63,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn points_push_each_other_out() {
+    fn setting_one_point_beyond_the_other_removes_the_other() {
         let range = PlayRange::default().beginning_at(3).ending_at(7);
         assert_eq!((range.first(), range.last()), (Some(3), Some(7)));
         assert_eq!(range.of(100), 3..8);
@@ -76,13 +76,13 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_plays_is_there_and_is_not_nothing(
+        fn the_played_range_exists_and_is_not_empty(
             first in prop::option::of(0usize..20), last in prop::option::of(0usize..20), count in 1usize..12,
         ) {
             let range = PlayRange { first, last };
             let frames = range.of(count);
             prop_assert!(!frames.is_empty() && frames.end <= count, "{frames:?}");
-            // Points that are there and in order are kept to the frame.
+            // In and out points that exist and are in order are applied to the frame.
             if range.is_sound() && first.max(last).is_none_or(|max| max < count) {
                 prop_assert_eq!(frames, first.unwrap_or(0)..last.map_or(count, |last| last + 1));
             }

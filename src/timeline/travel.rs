@@ -83,7 +83,7 @@ impl Travel {
     pub(crate) fn frames(&self) -> Range<usize> {
         let Range { start, end } = self.range.of(self.frame_count);
         if end <= self.first {
-            // All that was to play is gone.
+            // All frames of the range are gone.
             return self.first.min(self.frame_count.saturating_sub(1))..self.frame_count;
         }
         start.max(self.first)..end
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn a_range_is_a_sequence_of_its_own_that_a_playhead_enters() {
+    fn a_range_is_played_on_its_own_once_entered() {
         use Direction::{Backward, Forward};
         let walk = |loop_mode, start, direction| -> Vec<usize> {
             let range = PlayRange::default().beginning_at(3).ending_at(5);
@@ -285,13 +285,13 @@ mod tests {
         assert_eq!(walk(LoopMode::Loop, 4, Backward), [4, 3, 5, 4, 3, 5]);
         assert_eq!(walk(LoopMode::PingPong, 4, Forward), [4, 5, 4, 3, 4, 5]);
         assert_eq!(walk(LoopMode::Off, 4, Forward), [4, 5, 5, 5, 5, 5]);
-        // From outside it begins at the end that the direction leaves behind.
+        // From outside, playback starts at the end that the direction moves away from.
         assert_eq!(walk(LoopMode::Loop, 8, Forward), [8, 3, 4, 5, 3, 4]);
         assert_eq!(walk(LoopMode::Off, 1, Backward), [1, 5, 4, 3, 3, 3]);
     }
 
     #[test]
-    fn frames_that_are_gone_do_not_play() {
+    fn removed_frames_do_not_play() {
         let ring = |range| Travel {
             first: 6,
             range,
@@ -300,18 +300,18 @@ mod tests {
         let all = PlayRange::default();
         assert_eq!(ring(all).frames(), 6..9);
         assert_eq!(ring(all.beginning_at(2).ending_at(7)).frames(), 6..8);
-        // All that was to play is gone.
+        // All frames of the range are gone.
         assert_eq!(ring(all.beginning_at(2).ending_at(5)).frames(), 6..9);
         let walk: Vec<usize> = (0..5)
             .map(|steps| ring(all).after(7, Direction::Forward, steps).index)
             .collect();
         assert_eq!(walk, [7, 8, 6, 7, 8]);
-        // A playhead that is on a frame that is gone goes to the oldest there is.
+        // If the playhead is on a frame that is gone, it moves to the oldest available one.
         assert_eq!(ring(all).after(1, Direction::Forward, 1).index, 6);
     }
 
     #[test]
-    fn each_mode_goes_its_way() {
+    fn each_loop_mode_visits_frames_in_its_order() {
         use Direction::{Backward, Forward};
         assert_eq!(walk(LoopMode::Off, 1, Forward, 5), [1, 2, 3, 3, 3]);
         assert_eq!(walk(LoopMode::Off, 1, Backward, 4), [1, 0, 0, 0]);
@@ -355,7 +355,7 @@ mod tests {
 
         /// Frames are planned in the order in which a playhead meets them first.
         #[test]
-        fn the_plan_is_the_walk((travel, start, direction) in any_travel()) {
+        fn the_plan_matches_the_visited_frames((travel, start, direction) in any_travel()) {
             let mut met = Vec::new();
             for steps in 0..40 {
                 let index = travel.after(start, direction, steps).index;
@@ -369,12 +369,12 @@ mod tests {
             for (rank, &index) in planned.iter().enumerate() {
                 prop_assert_eq!(travel.rank(start, direction, index), rank);
             }
-            // Nothing but the playhead lies outside of the range.
+            // Only the playhead may lie outside the range.
             prop_assert!(planned[1..].iter().all(|index| travel.frames().contains(index)));
         }
 
         #[test]
-        fn what_is_needed_last_is_found_first(
+        fn frames_needed_last_come_first(
             (travel, playhead, direction) in any_travel(), held in prop::collection::btree_set(0usize..12, 0..12),
         ) {
             let held: BTreeSet<usize> = held.into_iter().filter(|&i| i < travel.frame_count).collect();

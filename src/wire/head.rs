@@ -56,7 +56,7 @@ impl StreamHead {
         const WITHIN: &str = "its head";
         let mut magic = [0; MAGIC.len()];
         let mut count = 0;
-        // What is something else is told by what there is of it: it may say no more.
+        // Something else is recognised by the bytes it has sent: it may send no more.
         while count < magic.len() && magic[..count] == MAGIC[..count] {
             match reader.read(&mut magic[count..]) {
                 Ok(0) => break,

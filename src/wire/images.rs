@@ -286,7 +286,7 @@ impl ReceivedImages {
     pub(crate) fn raw(&self, max_bytes: u64) -> Result<RawImages, String> {
         let raw_color = |image: &PackedImage| match image.jpeg() {
             Some(bytes) => Some(RawColor::Jpeg(image.size_px(), bytes.to_vec())),
-            // Broken colours are left out.
+            // Broken colours are skipped.
             None => image.raster(max_bytes).ok().map(RawColor::Pixels),
         };
         Ok(RawImages {

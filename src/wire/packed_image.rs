@@ -93,7 +93,7 @@ impl PackedImage {
             Packing::Rgb8 => Samples::Rgb8(bytes.as_chunks().0.to_vec()),
             Packing::Rvl => return self.of_its_size(rvl::decode(bytes, max_bytes)?),
             Packing::Jpeg => {
-                // The size is looked at before anything is unpacked.
+                // The size is checked before anything is unpacked.
                 let size_px = raster::size_px(bytes)?;
                 self.check_size(size_px)?;
                 return self.of_its_size(raster::decode(bytes, max_bytes)?);

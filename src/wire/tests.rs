@@ -62,7 +62,7 @@ fn depths() -> Vec<u16> {
 }
 
 fn colors() -> Raster {
-    // As smooth as photographs mostly are.
+    // As smooth as most photographs.
     let pixel = |at: u8| [100 + at, 120 + at / 2, 200 - at];
     Raster {
         size_px: [10, 4],
@@ -84,7 +84,7 @@ fn received(images: &RawImages, coding: ImageCoding) -> ReceivedImages {
 }
 
 #[test]
-fn images_come_back_as_they_were() {
+fn images_round_trip() {
     let raw = ImageCoding {
         depth: DepthCoding::Raw,
         color: ColorCoding::Raw,
@@ -110,7 +110,7 @@ fn images_come_back_as_they_were() {
 }
 
 #[test]
-fn jpeg_is_near_and_a_jpeg_stays_as_it_is() {
+fn jpeg_is_close_and_existing_jpegs_are_unchanged() {
     let sent = images(Samples::Gray16(depths()), Some(RawColor::Pixels(colors())));
     let came = received(&sent, ImageCoding::default());
     let jpeg = came.color.unwrap();
@@ -131,7 +131,7 @@ fn jpeg_is_near_and_a_jpeg_stays_as_it_is() {
 }
 
 #[test]
-fn an_image_without_colours_pose_or_second_camera_says_so() {
+fn an_image_without_colors_pose_or_second_camera_says_so() {
     let mut sent = images(Samples::Gray16(depths()), None);
     sent.world_from_camera = None;
     let rig = Rig {
@@ -181,7 +181,7 @@ fn text(cloud: &RawCloud) -> String {
 }
 
 #[test]
-fn points_come_back_as_they_were() {
+fn points_round_trip() {
     let single = cloud(6, |at| [at as f64, 0.5, f64::NAN], false);
     assert_eq!(text(&received_points(&single)), text(&single));
     let empty = RawCloud::from_positions(Positions::F32(Vec::new()));
@@ -189,7 +189,7 @@ fn points_come_back_as_they_were() {
 }
 
 #[test]
-fn large_coordinates_keep_their_detail() {
+fn large_coordinates_retain_their_detail() {
     let utm = cloud(
         100,
         |at| [4.5e5 + at as f64 * 1e-3, 5.4e6 + at as f64 * 0.01, 300.0],
@@ -215,7 +215,7 @@ fn large_coordinates_keep_their_detail() {
 
 /// The bytes of ARCHITECTURE.md, "Live streams over TCP".
 #[test]
-fn the_test_vector_of_the_document() {
+fn the_documented_test_vector_matches() {
     let stream_head = StreamHead {
         session: 1,
         clock_ns: 2,
@@ -248,7 +248,7 @@ fn the_test_vector_of_the_document() {
 }
 
 #[test]
-fn small_messages_come_back() {
+fn small_messages_round_trip() {
     let now = Now {
         clock_ns: 5,
         newest: None,
@@ -272,7 +272,7 @@ fn small_messages_come_back() {
 }
 
 #[test]
-fn what_is_no_stream_is_told_from_one_that_breaks_off() {
+fn other_data_is_distinguished_from_a_truncated_stream() {
     let head = |bytes: &[u8]| StreamHead::read(&mut &bytes[..]).unwrap_err();
     let http = head(b"HTTP/1.1 400 Bad Request\r\n");
     assert!(http.is_final() && http.to_string().contains("`HTTP/1.1`"), "{http}");
@@ -304,7 +304,7 @@ fn what_is_no_stream_is_told_from_one_that_breaks_off() {
 }
 
 #[test]
-fn a_length_that_is_merely_claimed_takes_no_memory() {
+fn a_declared_length_alone_takes_no_memory() {
     let mut bytes = frame_message(Kind::Points, &[0; 80]).encode();
     bytes[4..8].copy_from_slice(&u32::MAX.to_le_bytes());
     let error = read_message(&mut bytes.as_slice(), u64::MAX).unwrap_err();
@@ -319,10 +319,10 @@ fn a_length_that_is_merely_claimed_takes_no_memory() {
 }
 
 #[test]
-fn images_of_claimed_sizes_are_refused() {
+fn images_with_invalid_dimensions_are_rejected() {
     let sent = images(Samples::Gray16(depths()), Some(RawColor::Pixels(colors())));
     let (body, _) = images_body(&sent, ImageCoding::default(), MAX).unwrap();
-    // Width and height of the depth camera stand behind layout, codes, flags, units and pose.
+    // Width and height of the depth camera come after layout, codes, flags, units and pose.
     for (size, field) in [
         ([30_000u32, 30_000], "30000 × 30000"),
         ([0, 6], "0 × 6"),
@@ -334,7 +334,7 @@ fn images_of_claimed_sizes_are_refused() {
         let error = Frame::of(frame_message(Kind::Images, &body)).unwrap_err().to_string();
         assert!(error.contains(field), "{error}");
     }
-    // RVL of another size than the camera's.
+    // RVL with a different size from the camera's.
     let mut body = body;
     body[448..452].copy_from_slice(&4096u32.to_le_bytes());
     body[452..456].copy_from_slice(&4096u32.to_le_bytes());
@@ -383,13 +383,13 @@ fn stream_of(messages: &[Message]) -> Vec<u8> {
 
 proptest! {
     #[test]
-    fn depths_come_back_whatever_they_are(depths in prop::collection::vec(any::<u16>(), 48..49)) {
+    fn any_depths_round_trip(depths in prop::collection::vec(any::<u16>(), 48..49)) {
         let sent = images(Samples::Gray16(depths), None);
         prop_assert_eq!(received(&sent, ImageCoding::default()).depth.raster(MAX), Ok(sent.depth));
     }
 
     #[test]
-    fn any_bytes_are_a_stream_or_an_error(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+    fn any_bytes_give_a_stream_or_an_error(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
         take(&bytes);
         take(&[stream_of(&[]), bytes.clone()].concat());
         for kind in [Kind::Images, Kind::Points] {
@@ -399,7 +399,7 @@ proptest! {
 
     /// Single fields that are changed, with checksums that are right all the same; and streams that are cut.
     #[test]
-    fn changed_frames_are_frames_or_errors(
+    fn changed_frames_give_frames_or_errors(
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
         cut in any::<prop::sample::Index>(),
         has_points: bool,

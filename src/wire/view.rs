@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn a_view_reads_back_and_what_is_behind_it_is_passed_over() {
+    fn a_view_round_trips_and_trailing_bytes_are_ignored() {
         let message = view().message();
         assert_eq!((message.kind, message.payload.len()), (Kind::View, LAYOUT_BYTES));
         assert_eq!(View::parse(&message.payload).unwrap(), view());
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn views_that_no_camera_has_are_refused() {
+    fn impossible_views_are_rejected() {
         type Change = fn(&mut View);
         let changes: [(Change, &str); 8] = [
             (|view| view.size_px = [0, 10], "0 × 10 pixels"),
@@ -152,7 +152,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_bytes_are_a_view_or_an_error(
+        fn any_bytes_give_a_view_or_an_error(
             mut bytes in prop::collection::vec(any::<u8>(), 0..200), length in 90u32..110,
         ) {
             if let Some(head) = bytes.first_chunk_mut() {

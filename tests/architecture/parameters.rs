@@ -47,7 +47,7 @@ fn step_into(tree: &TokenTree, follows_dash: bool) -> i32 {
 fn tuple_in(parameter: &[TokenTree]) -> Option<usize> {
     let mut sides = split(parameter.iter().cloned().collect(), ':').into_iter();
     let pattern = sides.next().and_then(|pattern| parts_of_tuple(&pattern));
-    // Of a path only what is before its first `::` is looked at: it is no tuple.
+    // Of a path only the part before its first `::` is examined: it is not a tuple.
     let of_type = sides.next().and_then(|of_type| parts_of_tuple(&of_type));
     pattern.max(of_type)
 }

@@ -47,7 +47,7 @@ fn nested_braces_are_read_to_their_end() {
 }
 
 #[test]
-fn a_tree_may_stand_on_many_lines_with_globs_self_and_other_names() {
+fn use_trees_may_span_lines_with_globs_self_and_renames() {
     let text = "
         pub(crate) use crate::{
             cloud::{self, Frame as Cloud}, // a comment, with a brace }
@@ -58,7 +58,7 @@ fn a_tree_may_stand_on_many_lines_with_globs_self_and_other_names() {
 }
 
 #[test]
-fn a_use_is_known_by_its_other_name() {
+fn a_renamed_import_is_known_by_its_new_name() {
     let sources = read(&[(
         "lib.rs",
         "use x::{y::{self as z}, Frame as Cloud, w}; pub use v; pub(super) use u; use t::*;",
@@ -127,13 +127,13 @@ fn comments_link_to_modules_as_code_does() {
 }
 
 #[test]
-fn strings_name_nothing() {
+fn paths_in_strings_are_ignored() {
     let text = "const TEXT: &str = \"use crate::app;\"; const RAW: &str = r#\"\"crate::cli\"#;";
     assert_eq!(named(text), [""; 0]);
 }
 
 #[test]
-fn super_is_the_module_around_and_in_braces_the_file_itself() {
+fn super_is_the_parent_module_and_in_inline_modules_the_file_itself() {
     let text = "
         use super::c;
         use super::super::d::D;
@@ -178,7 +178,7 @@ fn tests_are_found_by_their_attribute_wherever_their_file_is() {
 }
 
 #[test]
-fn what_a_parent_exports_again_counts_for_the_sibling_that_defines_it() {
+fn re_exports_of_a_parent_count_for_the_defining_sibling() {
     let files = [
         ("lib.rs", "mod a;"),
         ("a/mod.rs", "mod b; mod c; mod d; pub use b::{B, deeper::*}; use d::d;"),
@@ -203,7 +203,7 @@ fn what_a_parent_exports_again_counts_for_the_sibling_that_defines_it() {
 }
 
 #[test]
-fn what_a_macro_makes_is_where_the_path_leads() {
+fn items_made_by_a_macro_are_where_their_path_leads() {
     let of = |text| {
         imports(&[
             ("lib.rs", "mod a; mod b;"),
@@ -216,7 +216,7 @@ fn what_a_macro_makes_is_where_the_path_leads() {
 }
 
 #[test]
-fn a_parent_imports_what_it_exports_where_it_names_it_itself() {
+fn a_parent_imports_its_re_exports_where_it_uses_them_itself() {
     let parent = |text| {
         imports(&[
             ("lib.rs", "mod a;"),
@@ -231,7 +231,7 @@ fn a_parent_imports_what_it_exports_where_it_names_it_itself() {
 }
 
 #[test]
-fn tests_and_comments_import_nothing_for_knots() {
+fn tests_and_comments_do_not_count_for_import_cycles() {
     let files = [
         ("lib.rs", "mod a; mod b;"),
         (
@@ -256,7 +256,7 @@ fn circle() -> Imports {
 }
 
 #[test]
-fn a_knot_is_the_files_that_can_be_reached_from_each_other() {
+fn an_import_cycle_is_the_files_reachable_from_each_other() {
     let knots: Vec<Vec<String>> = knots::knots(&circle()).into_iter().map(Vec::from_iter).collect();
     assert_eq!(knots, [["a.rs", "b.rs", "c.rs"]]);
     assert_eq!(
@@ -266,7 +266,7 @@ fn a_knot_is_the_files_that_can_be_reached_from_each_other() {
 }
 
 #[test]
-fn the_list_of_knots_says_what_was_tied_and_what_was_untied() {
+fn the_list_of_cycles_shows_added_and_removed_imports() {
     let wrong = |known: &[&[&str]]| knots::differences(&circle(), known);
     assert_eq!(wrong(&[&["a.rs", "b.rs", "c.rs"]]), [""; 0]);
     assert_eq!(wrong(&[]).len(), 3, "a new knot");
@@ -289,7 +289,7 @@ fn the_list_of_knots_says_what_was_tied_and_what_was_untied() {
 }
 
 #[test]
-fn a_knot_that_has_come_apart_is_two_in_the_list() {
+fn a_cycle_that_has_split_is_two_in_the_list() {
     let imports = knots::imports(&read(&[
         ("lib.rs", "mod a; mod b; mod c; mod d;"),
         ("a.rs", "use crate::b::B; pub struct A;"),
@@ -308,7 +308,7 @@ fn a_knot_that_has_come_apart_is_two_in_the_list() {
 }
 
 #[test]
-fn what_stands_in_for_a_module_is_read_by_its_own_name() {
+fn a_replacement_for_a_module_is_read_by_its_own_name() {
     let sources = read(&[
         (
             "lib.rs",

@@ -210,7 +210,7 @@ impl Reader<'_> {
                     self.module(scope).declared.insert((*name).into());
                     after
                 }
-                // Ranges; then fields and methods, and lifetimes, which name nothing of a module.
+                // Ranges; then fields and methods, and lifetimes, which name no module item.
                 [".", ".", after @ ..] | ["." | "'", _, after @ ..] => after,
                 [name, ..] if is_name(name) => {
                     let (path, after) = read_path(rest);

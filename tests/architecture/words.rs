@@ -279,7 +279,7 @@ fn listen(tokens: TokenStream, spoken: &mut Spoken) {
         if let TokenTree::Punct(sign) = &token
             && sign.as_char() == '#'
         {
-            // Comments of the file have a `!` before their brackets.
+            // Inner doc comments have a `!` before their brackets.
             if matches!(tokens.peek(), Some(TokenTree::Punct(sign)) if sign.as_char() == '!') {
                 tokens.next();
             }

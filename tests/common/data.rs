@@ -20,7 +20,7 @@ pub(crate) fn shared(name: &str) -> Option<PathBuf> {
         "{test} needs {path}, which is not there. With CI=true the data of the tests has to be in the folder \
          shared/data beside that of the project; without, it is passed over"
     );
-    // Not by `eprintln!`: the harness keeps what a passing test prints. Should nobody read it, the test goes on.
+    // Not by `eprintln!`: the harness captures the output of passing tests. If stderr is closed, the test continues.
     let _ = writeln!(std::io::stderr(), "{test} skips {path}: it is not there");
     None
 }

@@ -86,7 +86,7 @@ pub(crate) fn pose(azimuth_deg: f64, elevation_deg: f64) -> DAffine3 {
 /// A camera of square pictures that holds all of the scene.
 pub(crate) fn pinhole(edge_px: u32) -> Camera {
     let focal = DVec2::splat(1.28 * f64::from(edge_px));
-    // Not quite in the middle, as with real ones.
+    // Not quite at the centre, as in real ones.
     let principal = DVec2::new(0.503, 0.494) * f64::from(edge_px) - 0.5;
     Camera::new([edge_px; 2], focal, principal, Distortion::None).unwrap()
 }

@@ -34,7 +34,7 @@ pub(crate) fn options() -> StateOptions {
         preferences: Preferences {
             thumbnails: false,
             advanced: true,
-            // What `auto` makes of a handful of points is not what these tests are about.
+            // The automatic choice for a handful of points is not the subject of these tests.
             settings: Settings {
                 primitive: Primitive::Surfel.into(),
                 ..Settings::default()
@@ -52,7 +52,7 @@ pub(crate) fn state_on(sequence: Arc<Sequence>, options: StateOptions) -> State 
     state.open(sequence);
     load_all(&mut state);
     state.update(Duration::ZERO);
-    // The view does not change by itself any more.
+    // From now on the view does not change by itself.
     let is_shown = |state: &State| state.player.as_ref().is_some_and(|player| player.shown().is_some());
     let begin = std::time::Instant::now();
     while is_shown(&state) && !state.has_looked() && begin.elapsed() < Duration::from_secs(20) {
@@ -68,7 +68,7 @@ pub(crate) fn load_all(state: &mut State) {
     let needs = Scene::needs(&state.style.decided());
     let loader = state.player.as_ref().unwrap().loader();
     for index in 0..FRAMES {
-        // A broken frame is an answer as well.
+        // A broken frame counts as well.
         let _ = loader.wait(index, &needs);
     }
     state.update(state.now());

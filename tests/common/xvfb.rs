@@ -24,7 +24,7 @@ pub(crate) struct Process(pub(crate) Child);
 
 impl Drop for Process {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // It may already have ended by itself.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
@@ -47,7 +47,8 @@ impl Xvfb {
                 "1000x700x24",
                 "-nolisten",
                 "tcp",
-                // Without it the server begins anew when its last client leaves, and refuses who comes meanwhile.
+                // Without it the server restarts when its last client disconnects, and refuses new clients in the
+                // meantime.
                 "-noreset",
             ])
             .stdout(Stdio::piped())
@@ -316,7 +317,7 @@ impl Screen {
     /// Moves the mouse along `places` while the left button is down.
     pub(crate) fn drag(&self, places: &[[i16; 2]]) {
         const LEFT: u8 = 1;
-        // A person takes a few pictures for a click, and egui sees what changes from one to the next.
+        // For a user, a click takes a few frames, and egui sees what changes from one to the next.
         let beat = || std::thread::sleep(Duration::from_millis(120));
         let (first, last) = (places[0], places[places.len() - 1]);
         self.move_to(first);

@@ -190,9 +190,9 @@ fn try_case(case: &str, scratch: &Path, before: &Files) -> (usize, Vec<String>) 
     for (kind, &count) in Kind::ALL.iter().zip(&sound.counts) {
         for place in places(count) {
             for how in [How::Once, How::FromThere] {
-                // The program ends with the first allocation that is refused.
+                // The first refused allocation ends the program.
                 if *kind != Kind::Allocation || how == How::Once {
-                    // Allocations vary by a few from run to run.
+                    // The number of allocations varies slightly from run to run.
                     let last = count.saturating_sub(if *kind == Kind::Allocation { count / 20 } else { 0 });
                     one(&format!("{}:{place}:{}", kind.name(), how.name()), place < last);
                 }

@@ -131,12 +131,12 @@ unsafe impl GlobalAlloc for Failing {
         if fails(Kind::Allocation) {
             return std::ptr::null_mut();
         }
-        // SAFETY: the caller keeps the contract of `alloc`.
+        // SAFETY: the caller upholds the contract of `alloc`.
         unsafe { MiMalloc.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller keeps the contract of `dealloc`.
+        // SAFETY: the caller upholds the contract of `dealloc`.
         unsafe { MiMalloc.dealloc(pointer, layout) }
     }
 }
@@ -155,7 +155,7 @@ mod calls {
     pub(super) fn tell() {
         let Some([_, report]) = PATHS.get() else { return };
         let flags = libc::O_CREAT | libc::O_WRONLY | libc::O_CLOEXEC;
-        // SAFETY: the path is a string of C, and the descriptor is closed at once.
+        // SAFETY: the path is a C string, and the descriptor is closed at once.
         unsafe {
             let file = libc::syscall(libc::SYS_openat, libc::AT_FDCWD, report.as_ptr(), flags, 0o600);
             libc::syscall(libc::SYS_close, file);
@@ -163,7 +163,7 @@ mod calls {
     }
 
     fn refuse(error: c_int) -> c_int {
-        // SAFETY: the place of the thread's error number is always there.
+        // SAFETY: the location of the thread's error number is always valid.
         unsafe { *libc::__errno_location() = error };
         -1
     }
@@ -182,7 +182,7 @@ mod calls {
     /// `path` is a string of C.
     unsafe fn is_inside(path: *const c_char) -> bool {
         let Some([folder, _]) = PATHS.get() else { return false };
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         let path = unsafe { CStr::from_ptr(path) }.to_bytes();
         IS_ARMED.load(Relaxed) && (!path.starts_with(b"/") || path.starts_with(folder.to_bytes()))
     }
@@ -203,7 +203,7 @@ mod calls {
 
     macro_rules! forward {
         ($call:ident, $($argument:expr),*) => {
-            // SAFETY: the arguments are the caller's, who keeps the contract of the system's call.
+            // SAFETY: the arguments come from the caller, who upholds the contract of the system call.
             unsafe { libc::syscall(libc::$call, $($argument),*) }
         };
     }
@@ -212,7 +212,7 @@ mod calls {
     /// As the function of C; what it takes for a file that is made is given always.
     #[unsafe(no_mangle)]
     pub(super) unsafe extern "C" fn open64(path: *const c_char, flags: c_int, mode: mode_t) -> c_int {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         let is_inside = unsafe { is_inside(path) };
         if is_inside && fails(Kind::Open) {
             return refuse(if flags & libc::O_CREAT == 0 {
@@ -308,7 +308,7 @@ mod calls {
     /// As the function of C.
     #[unsafe(no_mangle)]
     pub(super) unsafe extern "C" fn rename(from: *const c_char, to: *const c_char) -> c_int {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         if unsafe { is_inside(to) } && fails(Kind::Write) {
             return refuse(libc::ENOSPC);
         }
@@ -319,7 +319,7 @@ mod calls {
     /// As the function of C.
     #[unsafe(no_mangle)]
     pub(super) unsafe extern "C" fn mkdir(path: *const c_char, mode: mode_t) -> c_int {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         if unsafe { is_inside(path) } && fails(Kind::Write) {
             return refuse(libc::ENOSPC);
         }

@@ -63,7 +63,7 @@ fn differences(cloud: &RawCloud, expected: &Value, points: &str, finite: &str) -
             cloud.attributes.scalars.iter().any(|field| field.name == "intensity"),
         ),
     ] {
-        // What the other readers know no name for (upper-case fields, columns of text) is no mistake of ours.
+        // Fields that the other readers do not recognise (upper-case fields, text columns) are not errors of ours.
         if expected[name] == true && !found {
             differences.push(format!("{name} is false, expected true"));
         }
@@ -72,7 +72,7 @@ fn differences(cloud: &RawCloud, expected: &Value, points: &str, finite: &str) -
 }
 
 #[test]
-fn the_corpus_reads_as_other_readers_read_it() {
+fn the_corpus_reads_like_other_readers() {
     let Some(corpus) = shared("corpus") else {
         return;
     };
@@ -107,7 +107,7 @@ fn the_corpus_reads_as_other_readers_read_it() {
 }
 
 #[test]
-fn other_formats_are_refused_with_a_reason() {
+fn other_formats_are_rejected_with_a_reason() {
     let Some(picture) = shared("models/Fox/Texture.png") else {
         return;
     };
@@ -119,7 +119,7 @@ fn other_formats_are_refused_with_a_reason() {
 }
 
 #[test]
-fn the_sequences_read_as_other_readers_read_them() {
+fn the_sequences_read_like_other_readers() {
     let Some(folder) = shared("sequences") else {
         return;
     };

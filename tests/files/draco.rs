@@ -49,7 +49,7 @@ fn mesh() -> Mesh {
     let colors: Vec<u8> = (0..POINTS).flat_map(color).collect();
     mesh.add_attribute(attribute(GeometryAttributeType::Color, DataType::Uint8, &colors));
     for start in 0..POINTS - 2 {
-        // Every other one is turned, so that all have the same side up.
+        // Every other one is reversed, so that all face the same side.
         let (second, third) = (start + 1 + start % 2, start + 2 - start % 2);
         let corners = [start, second, third].map(|point| point as u32);
         mesh.add_face(corners.map(draco_core::PointIndex));

@@ -143,7 +143,7 @@ fn three_scans() -> Vec<u8> {
 }
 
 #[test]
-fn scans_are_read_together_or_alone() {
+fn scans_are_read_together_or_individually() {
     let bytes = three_scans();
     let cloud = read(&bytes).unwrap();
     assert_eq!(cloud.positions.len(), 5001);
@@ -279,7 +279,7 @@ fn damaged_files_are_refused() {
 }
 
 #[test]
-fn changed_bytes_under_right_sums_never_panic() {
+fn changed_bytes_with_valid_checksums_never_panic() {
     let bytes = small();
     let mut resealed = bytes.clone();
     seal(&mut resealed);
@@ -299,7 +299,7 @@ fn changed_bytes_under_right_sums_never_panic() {
 }
 
 #[test]
-fn claims_of_the_description_are_held_against_the_file() {
+fn declared_sizes_are_checked_against_the_file() {
     let with = |from: &str, to: &str| read(&replace(small(), from, to));
     let error = with("recordCount=\"2\"", "recordCount=\"9\"").unwrap_err();
     assert!(error.to_string().contains("points end before the last one"), "{error}");
@@ -320,7 +320,7 @@ fn claims_of_the_description_are_held_against_the_file() {
 }
 
 #[test]
-fn a_description_nested_deeply_is_answered() {
+fn a_deeply_nested_description_is_handled() {
     const DEPTH: usize = 200_000;
     let mut bytes = Cursor::new(Vec::new());
     let mut writer = E57Writer::new(&mut bytes, "file").unwrap();

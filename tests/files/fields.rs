@@ -72,7 +72,7 @@ fn every_property_of_a_ply_is_a_scalar() {
         assert_eq!(field(&cloud, name).values, [-4.5, 2.5]);
         assert_eq!(field(&cloud, "extra").values, [7.0, 8.0]);
     }
-    // Known names come first, and nothing is lost where there are dozens.
+    // Known names come first, and nothing is lost even with dozens of fields.
     let many: Vec<String> = (0..80).map(|number| format!("float own_{number}")).collect();
     let many = many.iter().map(String::as_str);
     let properties: Vec<&str> = ["float x", "float y", "float z"]
@@ -88,7 +88,7 @@ fn every_property_of_a_ply_is_a_scalar() {
 }
 
 #[test]
-fn fields_of_the_shared_files_are_there() {
+fn fields_of_the_shared_files_are_read() {
     if let (Some(ply), Some(npy)) = (meaning("SC_ply_velocity.ply"), meaning("SC_npy_struct.npy")) {
         assert_eq!(names(&ply), ["velocity"]);
         assert_eq!(field(&ply, "velocity").values.len(), 19_998);
@@ -108,7 +108,7 @@ fn fields_of_the_shared_files_are_there() {
 }
 
 #[test]
-fn headers_of_pcd_that_other_programs_write() {
+fn pcd_headers_of_other_programs_are_read() {
     if let Some(cloud) = meaning("D01_count_zero.pcd") {
         assert_eq!(cloud.positions.len(), 6000);
         for name in ["intensity", "t", "reflectivity", "ring", "noise", "range"] {
@@ -121,12 +121,12 @@ fn headers_of_pcd_that_other_programs_write() {
     }
     let file =
         |fields: &str, rest: &str| format!("VERSION .7\n{fields}\nWIDTH 2\nHEIGHT 1\nPOINTS 2\n{rest}").into_bytes();
-    // A field of several numbers, in text.
+    // A field with several values, in text.
     let several = "FIELDS x y z hist\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 3";
     let cloud = read("a.pcd", &file(several, "DATA ascii\n1 2 3 4 5 6\n7 8 9 10 11 12\n"));
     assert_eq!(names(&cloud), ["hist_0", "hist_1", "hist_2"]);
     assert_eq!(field(&cloud, "hist_2").values, [6.0, 12.0]);
-    // Fields of no numbers take no bytes, unless one of each is there.
+    // Fields with zero values take no bytes, unless the file has one value for each.
     let none = "FIELDS x y z a b\nSIZE 1 1 1 1 1\nTYPE U U U U U\nCOUNT 1 1 1 0 1";
     let cloud = read(
         "a.pcd",
@@ -136,7 +136,7 @@ fn headers_of_pcd_that_other_programs_write() {
     assert_eq!(field(&cloud, "b").values, [4.0, 8.0]);
     let cloud = read("a.pcd", &file(none, "DATA ascii\n1 2 3 4 5\n6 7 8 9 10\n"));
     assert_eq!(field(&cloud, "a").values, [4.0, 9.0]);
-    // Lines of their own are skipped with a warning.
+    // Unknown header lines are skipped with a warning.
     let own = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nUNITS m";
     let cloud = read("a.pcd", &file(own, "DATA ascii\n1 2 3\n4 5 6\n"));
     assert!(
@@ -147,7 +147,7 @@ fn headers_of_pcd_that_other_programs_write() {
 }
 
 #[test]
-fn a_property_that_is_there_twice_is_named() {
+fn a_duplicate_property_is_reported() {
     if let Some(cloud) = meaning("P20_same_property_twice.ply") {
         assert_eq!(cloud.positions.len(), 500);
         assert_eq!(names(&cloud), ["quality", "quality_2"]);
@@ -187,15 +187,15 @@ fn splats(more: &[&str], rows: &[&str]) -> RawCloud {
 }
 
 #[test]
-fn splats_of_several_programs() {
-    // 8-bit colours; others are fields still.
+fn splats_of_several_programs_are_read() {
+    // 8-bit colours; other types stay fields.
     let rgb = ["uchar red", "uchar green", "uchar blue", "float uncertainty"];
     let cloud = splats(&rgb, &["1 2 3 0 -1 -2 -3 1 0 0 0 255 128 0 0.5"]);
     assert_eq!(cloud.attributes.colors, Some(vec![[255, 128, 0, 128]]));
     assert!((cloud.attributes.radii.as_ref().unwrap()[0] - (-1.5f32).exp()).abs() < 1e-6);
     assert_eq!(names(&cloud), ["uncertainty"]);
     assert!(cloud.warnings.is_empty(), "{:?}", cloud.warnings);
-    // Harmonics: what is made into colours is not a field.
+    // Spherical harmonics: whatever is converted to colours is not a field.
     let harmonics = [
         "float f_dc_0",
         "float f_dc_1",
@@ -213,7 +213,7 @@ fn splats_of_several_programs() {
 }
 
 #[test]
-fn moving_splats_are_shown_at_one_moment() {
+fn moving_splats_are_shown_at_one_time() {
     let moving = [
         "float trbf_center",
         "float trbf_scale",
@@ -247,7 +247,7 @@ fn moving_splats_are_shown_at_one_moment() {
     assert_eq!(places, [[1.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, -2.0, 0.0]]);
     let colors = cloud.attributes.colors.as_ref().unwrap();
     assert_eq!(colors[0], [255, 128, 0, 255]);
-    // exp(-0.25²) of an opaque one.
+    // exp(-0.25²) for an opaque one.
     assert_eq!(colors[1], [51, 51, 51, 240]);
     assert!(
         cloud.warnings[0].contains("moving splats") && cloud.warnings[0].contains("t = 0.5"),
@@ -262,7 +262,7 @@ fn moving_splats_are_shown_at_one_moment() {
 }
 
 #[test]
-fn splats_that_cannot_be_drawn_are_counted() {
+fn undrawable_splats_are_counted() {
     let colors = ["float f_dc_0", "float f_dc_1", "float f_dc_2"];
     for (row, expected) in [
         (
@@ -299,7 +299,7 @@ fn splats_that_cannot_be_drawn_are_counted() {
 }
 
 #[test]
-fn every_format_that_is_written_keeps_fields_by_their_names() {
+fn every_written_format_preserves_fields_by_name() {
     let mut cloud = read("a.xyz", b"1 2 3\n4 5 6\n7 8 9\n");
     let own = NAMES.into_iter().enumerate();
     cloud.attributes.scalars = own
@@ -335,7 +335,7 @@ const DC: &str = "f_dc_0 f_dc_1 f_dc_2";
 const SHAPE: &str = "scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3";
 
 #[test]
-fn splats_that_lack_one_group_are_splats_and_say_so() {
+fn splats_missing_one_group_of_properties_are_read_with_a_warning() {
     for (names, expected) in [
         (format!("{DC} {SHAPE}"), "no `opacity`"),
         (format!("{DC} opacity scale_0 scale_1 scale_2"), "no rotation"),
@@ -347,13 +347,13 @@ fn splats_that_lack_one_group_are_splats_and_say_so() {
         assert!(cloud.attributes.radii.is_some(), "{names}");
         assert!(cloud.warnings[0].contains(expected), "{:?}", cloud.warnings);
     }
-    // Points with a field of one of these names are none.
+    // Points with a field of one of these names are not splats.
     let cloud = named_splat("opacity scale_0", &[]);
     assert!(cloud.attributes.radii.is_none() && cloud.warnings.is_empty());
 }
 
 #[test]
-fn splats_of_other_methods_are_named() {
+fn splats_of_other_methods_are_reported() {
     let splat = format!("{DC} opacity {SHAPE}");
     for (more, expected) in [
         ("t scale_t rot_r_0", "`scale_t`"),
@@ -368,18 +368,18 @@ fn splats_of_other_methods_are_named() {
             "{more}: {warning}"
         );
     }
-    // A rotor of eight numbers is no quaternion.
+    // A rotor of eight numbers is not a quaternion.
     let cloud = named_splat(&format!("{splat} rot_4 rot_5 rot_6 rot_7 scale_3 t"), &[("rot_0", 1.0)]);
     assert!(cloud.attributes.ellipses.is_none() && cloud.attributes.radii.is_some());
     assert!(cloud.warnings[0].contains("`rot_7`"), "{:?}", cloud.warnings);
-    // Anchors of a network are places alone.
+    // Anchors of a network are only positions.
     let cloud = named_splat(&format!("f_offset_0 f_anchor_feat_0 opacity {SHAPE}"), &[]);
     assert_eq!(cloud.point_names(), ["position"]);
     assert!(cloud.warnings[0].contains("Scaffold-GS"), "{:?}", cloud.warnings);
 }
 
 #[test]
-fn colours_and_opacities_of_splats_that_are_not_seen_are_counted() {
+fn out_of_range_colors_and_opacities_of_splats_are_counted() {
     let splat = format!("{DC} opacity {SHAPE}");
     let cloud = named_splat(&splat, &[("rot_0", 1.0), ("opacity", 9.0), ("f_dc_1", f32::NAN)]);
     assert_eq!(cloud.attributes.colors, Some(vec![[128, 128, 128, 255]; 2]));
@@ -393,7 +393,7 @@ fn colours_and_opacities_of_splats_that_are_not_seen_are_counted() {
 }
 
 #[test]
-fn fields_that_are_renamed_are_named() {
+fn renamed_fields_are_reported() {
     let properties = [
         "float x",
         "float y",
@@ -407,7 +407,7 @@ fn fields_that_are_renamed_are_named() {
 }
 
 #[test]
-fn files_without_points_are_refused_with_what_they_have() {
+fn files_without_points_are_rejected_stating_their_contents() {
     let file = "ply\nformat ascii 1.0\nelement vertices 1\nproperty float x\nproperty float y\nend_header\n1 2\n";
     let error = io::read_bytes(Path::new("a.ply"), file.as_bytes())
         .unwrap_err()

@@ -68,7 +68,7 @@ fn check(path: &Path) {
 }
 
 #[test]
-fn archives_of_every_packing_list_their_frames() {
+fn archives_of_every_compression_list_their_frames() {
     let folder = tempfile::tempdir().unwrap();
     for (name, bytes) in [
         ("store.zip", zipped(&FILES, CompressionMethod::Stored)),
@@ -77,7 +77,7 @@ fn archives_of_every_packing_list_their_frames() {
         ("plain.tar", tarred(&FILES)),
         ("packed.tar.gz", gzipped(&tarred(&FILES))),
         ("packed.tgz", gzipped(&tarred(&FILES))),
-        // The first bytes count more than the name.
+        // The first bytes take precedence over the name.
         ("zip.tar", zipped(&FILES, CompressionMethod::Deflated)),
     ] {
         let path = folder.path().join(name);
@@ -96,7 +96,7 @@ fn archives_of_every_packing_list_their_frames() {
 }
 
 #[test]
-fn text_beside_clouds_is_no_frame() {
+fn text_files_next_to_clouds_are_not_frames() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.zip");
     let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float \
@@ -109,7 +109,7 @@ fn text_beside_clouds_is_no_frame() {
 }
 
 #[test]
-fn members_without_an_extension_are_told_by_their_first_bytes() {
+fn members_without_an_extension_are_recognised_by_their_first_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.zip");
     let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float \
@@ -140,7 +140,7 @@ fn a_damaged_member_is_a_failing_frame() {
 }
 
 #[test]
-fn bombs_and_encrypted_members_are_refused() {
+fn bombs_and_encrypted_members_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let options = ReadOptions::default().with_max_memory(1 << 20);
     let zeros = vec![b'0'; 8 << 20];
@@ -159,7 +159,7 @@ fn bombs_and_encrypted_members_are_refused() {
             .to_string();
         assert!(error.contains("of memory"), "{name}: {error}");
     }
-    // The claim is a lie: one byte is said, eight million come out.
+    // The claim is false: one byte is claimed, eight million are unpacked.
     let mut bytes = zipped(&[("a.xyz", text)], CompressionMethod::Deflated);
     let size = (8u32 << 20).to_le_bytes();
     while let Some(at) = bytes.windows(4).position(|four| four == size) {
@@ -172,7 +172,7 @@ fn bombs_and_encrypted_members_are_refused() {
         error.contains("more than 1 bytes") || error.contains("not understood"),
         "{error}"
     );
-    // The bit that says encrypted, in both headers.
+    // The bit for encryption, in both headers.
     let mut bytes = zipped(&[("a.xyz", "1 2 3\n")], CompressionMethod::Stored);
     for (signature, flags) in [(b"PK\x03\x04", 6), (b"PK\x01\x02", 8)] {
         let starts: Vec<usize> = (0..bytes.len() - 4)
@@ -189,7 +189,7 @@ fn bombs_and_encrypted_members_are_refused() {
 }
 
 #[test]
-fn damage_at_any_byte_is_answered() {
+fn damage_at_any_byte_is_handled() {
     let folder = tempfile::tempdir().unwrap();
     let files = &FILES[..3];
     for (name, bytes) in [
@@ -239,7 +239,7 @@ fn ten_thousand_members_are_listed_at_once() {
 }
 
 #[test]
-fn tar_archives_that_are_cut_are_found_at_any_byte() {
+fn truncated_tar_archives_are_detected_at_any_byte() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scans.tar");
     let files: Vec<(String, &str)> = (0..4)
@@ -247,7 +247,7 @@ fn tar_archives_that_are_cut_are_found_at_any_byte() {
         .collect();
     let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (name.as_str(), *text)).collect();
     let whole = tarred(&files);
-    // Four heads and four contents of a block each, then the end mark.
+    // Four headers and four contents of one block each, then the end mark.
     let mark = 8 * 512;
     for cut in (513..whole.len()).step_by(128).chain([mark - 1, mark, mark + 511]) {
         std::fs::write(&path, &whole[..cut]).unwrap();

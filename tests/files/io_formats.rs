@@ -60,7 +60,7 @@ fn plys(properties: &[(&str, &str)], rows: &[Vec<f64>]) -> [(&'static str, Vec<u
 }
 
 #[test]
-fn ply_coordinates_of_every_type_and_encoding() {
+fn ply_coordinates_of_every_type_and_encoding_are_read() {
     let signed = [
         "char", "int8", "short", "int16", "int", "int32", "float", "float32", "double", "float64",
     ];
@@ -93,7 +93,7 @@ fn ply_doubles_keep_their_digits() {
 }
 
 #[test]
-fn ply_attributes_in_any_order() {
+fn ply_attributes_are_read_in_any_order() {
     let properties = [
         ("uchar", "blue"),
         ("float", "nz"),
@@ -121,7 +121,7 @@ fn ply_attributes_in_any_order() {
 }
 
 #[test]
-fn ply_colors_of_every_depth() {
+fn ply_colors_of_every_depth_are_read() {
     let cases: [(&str, [f64; 3], [u8; 4]); 4] = [
         ("uchar", [255.0, 128.0, 0.0], [255, 128, 0, 255]),
         ("float", [1.0, 0.5, 0.0], [255, 128, 0, 255]),
@@ -149,7 +149,7 @@ fn ply_colors_of_every_depth() {
 }
 
 #[test]
-fn ply_lists_and_other_elements_are_stepped_over() {
+fn ply_lists_and_other_elements_are_skipped() {
     let header = |encoding| {
         format!(
             "ply\r\nformat {encoding} 1.0\r\ncomment a b c\r\nobj_info made by a test\r\n\
@@ -187,7 +187,7 @@ fn ply_lists_and_other_elements_are_stepped_over() {
 }
 
 #[test]
-fn ply_is_told_by_its_magic_whatever_its_name() {
+fn ply_is_recognised_by_its_magic_whatever_its_name() {
     let (_, file) = &plys(
         &[("float", "x"), ("float", "y"), ("float", "z")],
         &[vec![1.0, 2.0, 3.0]],
@@ -210,7 +210,7 @@ fn pcd_header(fields: &str, sizes: &str, types: &str, counts: &str, points: usiz
 }
 
 #[test]
-fn pcd_in_all_encodings() {
+fn pcd_is_read_in_all_encodings() {
     let header = |data| {
         pcd_header(
             "x y z rgb _ normal_x normal_y normal_z",
@@ -267,7 +267,7 @@ fn pcd_in_all_encodings() {
 }
 
 #[test]
-fn pcd_colors_in_the_bits_of_a_float() {
+fn pcd_colors_are_read_from_the_bits_of_a_float() {
     let bits = f32::from_bits(0x00ff_8000);
     let mut file = pcd_header("x y z rgb", "4 4 4 4", "F F F F", "1 1 1 1", 1, "ascii");
     file.extend(format!("1 2 3 {bits:e}\n").bytes());
@@ -275,7 +275,7 @@ fn pcd_colors_in_the_bits_of_a_float() {
 }
 
 #[test]
-fn pcd_of_a_camera_knows_where_it_stood() {
+fn pcd_viewpoints_give_the_sensor_position() {
     let organised = b"VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 2\n\
         VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4\nDATA ascii\n0 0 1\nnan nan nan\n0 1 1\n1 1 1\n";
     let cloud = read("a.pcd", organised);
@@ -292,7 +292,7 @@ fn pcd_of_a_camera_knows_where_it_stood() {
 }
 
 #[test]
-fn text_in_the_layouts_that_programs_write() {
+fn text_is_read_in_the_layouts_of_many_programs() {
     let at = |text: &str| read("a.xyz", text.as_bytes());
     for text in [
         "1 -2 3\n4 5 -6\n",
@@ -330,7 +330,7 @@ fn text_in_the_layouts_that_programs_write() {
 }
 
 #[test]
-fn clouds_of_no_and_of_one_point() {
+fn clouds_of_no_and_of_one_point_are_read() {
     let xyz = [("float", "x"), ("float", "y"), ("float", "z")];
     for (encoding, file) in plys(&xyz, &[]) {
         assert_eq!(read("a.ply", &file).positions.len(), 0, "{encoding}");
@@ -346,7 +346,7 @@ fn clouds_of_no_and_of_one_point() {
 }
 
 #[test]
-fn files_of_every_format_hold_the_same_cube() {
+fn files_of_every_format_contain_the_same_cube() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
     let signs = || (0..8).map(|corner| [0, 1, 2].map(|axis| f32::from((corner >> axis & 1) as u8)));
     let corners: Vec<[f64; 3]> = signs()
@@ -389,7 +389,7 @@ fn files_of_every_format_hold_the_same_cube() {
 }
 
 #[test]
-fn names_of_cloudcompare_and_white_space_in_headers_do_no_harm() {
+fn cloudcompare_names_and_white_space_in_headers_do_no_harm() {
     let file = "ply\r\nformat ascii 1.0\r\n\r\n  element vertex 1\r\nproperty float x\r\n\
                 property float scalar_C2C_distances_(mm)\r\nproperty float y\r\nproperty float z\r\n end_header\r\n\
                 1 99 2 3\r\n";

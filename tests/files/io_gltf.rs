@@ -126,7 +126,7 @@ fn square() -> Model {
 }
 
 #[test]
-fn shapes_stand_where_their_nodes_put_them() {
+fn meshes_are_placed_by_their_nodes() {
     let mut model = square();
     model.json["nodes"] = json!([
         {"mesh": 0, "scale": [2.0, 1.0, 1.0]},
@@ -152,7 +152,7 @@ fn shapes_stand_where_their_nodes_put_them() {
     );
     assert_eq!(cloud.faces, [[0, 1, 2], [2, 1, 3], [4, 5, 6], [6, 5, 7]]);
     assert!(cloud.attributes.colors.is_none() && cloud.attributes.normals.is_none());
-    // A mirror turns the order of the corners round, not the side that is seen.
+    // Mirroring reverses the order of the corners, not the visible side.
     model.json["nodes"] = json!([{"mesh": 0, "scale": [-1.0, 1.0, 1.0]}]);
     model.json["scenes"] = json!([]);
     model.json["scene"] = Value::Null;
@@ -183,7 +183,7 @@ fn shapes_stand_where_their_nodes_put_them() {
 }
 
 #[test]
-fn triangles_strips_fans_and_points() {
+fn triangles_strips_fans_and_points_are_read() {
     for (mode, faces) in [
         (4, vec![[0, 1, 2]]),
         (5, vec![[0, 1, 2], [2, 1, 3]]),
@@ -197,7 +197,7 @@ fn triangles_strips_fans_and_points() {
         let cloud = model.read();
         assert_eq!((cloud.positions.len(), &cloud.faces), (4, &faces), "mode {mode}");
     }
-    // Vertices that no index names belong to other shapes.
+    // Vertices that no index refers to belong to other shapes.
     let mut model = Model::new();
     model.attribute("POSITION", "VEC3", &CORNERS);
     let indices = model.accessor("SCALAR", 5121, 3, &[3, 1, 0]);
@@ -211,7 +211,7 @@ fn triangles_strips_fans_and_points() {
 }
 
 #[test]
-fn sparse_quantised_and_absent_numbers() {
+fn sparse_quantised_and_absent_accessors_are_read() {
     let mut model = Model::new();
     let indices = model.view(&[1, 3]);
     let values: Vec<u8> = [7f32, 8.0, 9.0, -1.0, -2.0, -3.0]
@@ -246,7 +246,7 @@ fn sparse_quantised_and_absent_numbers() {
 }
 
 #[test]
-fn colors_of_vertices_materials_and_textures() {
+fn colors_come_from_vertices_materials_and_textures() {
     let mut model = square();
     // Half of the light is 188 of 255.
     model.attribute("COLOR_0", "VEC4", &[[0.5, 1.0, 0.0, 0.5]; 4]);
@@ -301,7 +301,7 @@ fn colors_of_vertices_materials_and_textures() {
     let transform = json!({"KHR_texture_transform": {"offset": [0.5, 0.0], "scale": [1.0, 1.0]}});
     model.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] = transform;
     assert_eq!(model.read().attributes.colors.unwrap()[0], texels[1]);
-    // For those who draw faces, the picture is apart, and colours are those of the material alone.
+    // When faces are drawn, the texture is separate, and colours are those of the material alone.
     model.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = json!([1.0, 0.5, 1.0, 1.0]);
     let mesh = model.pose(0.0, &ReadOptions::default().of_meshes());
     assert_eq!(mesh.attributes.colors.unwrap(), [[255, 188, 255, 255]; 4]);
@@ -310,7 +310,7 @@ fn colors_of_vertices_materials_and_textures() {
     assert_eq!(texturing.places[0], [0.6, 0.1]);
     assert_eq!(texturing.textures.texels(), texels);
     model.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = json!([1.0, 1.0, 1.0, 1.0]);
-    // Without the picture there is the shape still.
+    // Without the image the shape is still there.
     for image in [
         json!({"uri": "missing.png"}),
         json!({"uri": "../a.png"}),
@@ -337,12 +337,12 @@ fn moving(interpolation: &str, keys: &[[f32; 3]]) -> Model {
 }
 
 #[test]
-fn animations_move_nodes_between_their_keys() {
+fn animations_interpolate_nodes_between_keyframes() {
     let options = ReadOptions::default();
     let place = |model: &Model, seconds: f64| positions(&model.pose(seconds, &options))[0][0];
     let linear = moving("LINEAR", &[[2.0, 0.0, 0.0], [6.0, 0.0, 0.0]]);
     let step = moving("STEP", &[[2.0, 0.0, 0.0], [6.0, 0.0, 0.0]]);
-    // Leaves with a speed of 8 a second and arrives with none: 2 + 4 * 0.5 + 2 * 8 * 0.125 halfway.
+    // Starts with a speed of 8 per second and arrives with none: 2 + 4 * 0.5 + 2 * 8 * 0.125 halfway.
     let cubic = moving(
         "CUBICSPLINE",
         &[
@@ -395,7 +395,7 @@ fn animations_move_nodes_between_their_keys() {
 }
 
 #[test]
-fn what_frames_share_is_read_once() {
+fn data_shared_by_frames_is_read_once() {
     let options = ReadOptions::default();
     let model = moving("LINEAR", &[[2.0, 0.0, 0.0], [6.0, 0.0, 0.0]]);
     let folder = tempfile::tempdir().unwrap();
@@ -412,7 +412,7 @@ fn what_frames_share_is_read_once() {
         })
         .collect();
     assert_eq!(read(&alone[0].0).unwrap(), alone[0].1);
-    // The file is not needed any more.
+    // The file is no longer needed.
     std::fs::remove_file(&path).unwrap();
     for (part, cloud) in &alone {
         assert_eq!(read(part).unwrap(), *cloud);
@@ -435,7 +435,7 @@ fn a_damaged_animation_fails_once() {
     assert_eq!(sequence.len(), 1);
     let error = sequence.frame(0).unwrap_err().to_string();
     assert!(error.contains("expected 3 for each"), "{error}");
-    // Whoever has listed it before it was damaged is told the same of each frame, and does not wait for it.
+    // A reader that listed it before it was damaged gets the same error for each frame, without waiting.
     let shared = SharedFile::default();
     let time_step = |seconds| Part::TimeStep(Duration::from_secs(seconds));
     let read = |seconds| {
@@ -454,7 +454,7 @@ fn rotations_take_the_short_way_and_morphs_add_up() {
     let mut model = square();
     let half = 0.5f32.sqrt();
     let times = model.floats("SCALAR", &[[0.0], [1.0]]);
-    // No turn, then a quarter about z by the other sign of the same rotation.
+    // No rotation, then a quarter turn about z with the opposite sign of the same quaternion.
     let values = model.floats("VEC4", &[[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, -half, -half]]);
     let deltas = model.floats("VEC3", &[[0.0, 0.0, 4.0]; 4]);
     let weights = model.floats("SCALAR", &[[0.0], [0.5], [1.0], [0.5]]);
@@ -497,7 +497,7 @@ fn skins_follow_their_bones() {
     let mut back = identity;
     back[12] = -1.0;
     let bound = model.floats("MAT4", &[identity, back]);
-    // The node of a skinned mesh does not move it; one without bones' weight stays with it.
+    // The node of a skinned mesh does not move it; a vertex without bone weights stays with it.
     model.json["nodes"] = json!([{"mesh": 0, "skin": 0, "translation": [100.0, 0.0, 0.0]},
         {"translation": [0.0, 2.0, 0.0]}, {"translation": [5.0, 0.0, 0.0]}]);
     model.json["skins"] = json!([{"joints": [1, 2], "inverseBindMatrices": bound}]);
@@ -559,7 +559,7 @@ fn only_files_within_the_folder_are_read() {
 }
 
 #[test]
-fn damaged_files_are_answered() {
+fn damaged_files_are_handled() {
     let model = moving("LINEAR", &[[2.0, 0.0, 0.0], [6.0, 0.0, 0.0]]);
     let file = model.glb();
     assert_eq!(io::read_bytes(Path::new("a.glb"), &file).unwrap(), model.read());
@@ -589,7 +589,7 @@ fn damaged_files_are_answered() {
 }
 
 #[test]
-fn a_sampled_point_is_the_same_place_in_every_frame() {
+fn a_sampled_point_is_the_same_surface_point_in_every_frame() {
     let model = moving("LINEAR", &[[2.0, 0.0, 0.0], [6.0, 8.0, 0.0]]);
     let options = ReadOptions::default().with_sample_count(NonZeroUsize::new(500));
     let [first, last] = [0.0, 3.0].map(|seconds| model.pose(seconds, &options));
@@ -629,7 +629,7 @@ fn nearest(point: DVec3, [a, b, c]: [DVec3; 3]) -> (DVec3, f64) {
 
 /// Points that another program put on the surface of each pose lie on it as this one poses the model, all of them.
 #[test]
-fn a_walking_man_is_posed_as_another_program_posed_him() {
+fn a_walking_man_has_the_pose_of_another_program() {
     /// Of the points of a frame: one in so many.
     const STEP: usize = 50;
     const FRAMES: [usize; 5] = [0, 5, 11, 17, 23];
@@ -675,12 +675,12 @@ fn a_walking_man_is_posed_as_another_program_posed_him() {
     );
     assert_eq!(poses[0].len(), 1000);
     assert!(farthest < TOLERANCE, "{farthest}");
-    // Standing still would not do.
+    // Not moving at all would not pass.
     assert!(moved > 0.2, "{moved}");
 }
 
 #[test]
-fn a_fox_is_read_with_its_files() {
+fn a_fox_is_read_with_its_external_files() {
     let Some(path) = shared("models/Fox/Fox.gltf") else {
         return;
     };

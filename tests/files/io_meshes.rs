@@ -81,7 +81,7 @@ fn ply(encoding: &str, index: &str, is_early: bool) -> Vec<u8> {
 }
 
 #[test]
-fn ply_faces_of_every_index_type_and_encoding() {
+fn ply_faces_of_every_index_type_and_encoding_are_read() {
     for encoding in ["ascii", "binary_little_endian", "binary_big_endian"] {
         for index in ["char", "uchar", "short", "ushort", "int", "uint", "int32"] {
             for is_early in [false, true] {
@@ -108,7 +108,7 @@ fn warning_of_square(file: &[u8]) -> String {
 }
 
 #[test]
-fn ply_points_are_there_whatever_is_wrong_with_the_faces() {
+fn ply_points_are_read_whatever_is_wrong_with_the_faces() {
     let ascii = String::from_utf8(ply("ascii", "int", false)).unwrap();
     for (found, replaced, expected) in [
         ("4 0 1 2 3", "4 0 1 2 4", "face 0: it names vertex 4"),
@@ -155,13 +155,13 @@ fn ply_points_are_there_whatever_is_wrong_with_the_faces() {
 }
 
 #[test]
-fn ply_faces_before_the_points_cost_the_points_only_where_these_are_lost() {
+fn broken_ply_faces_before_the_points_only_lose_unreachable_points() {
     // An index is wrong: the points are where the header says.
     let mut file = ply("binary_little_endian", "int", true);
     let vertices = file.len() - 4 * 12;
     file[vertices - 4] = 99;
     assert!(warning_of_square(&file).contains("face 1: it names vertex 99"));
-    // A length is wrong: nobody knows where the points begin.
+    // A length is wrong: the start of the points is unknown.
     let mut file = ply("binary_little_endian", "int", true);
     file[vertices - 9] = 255;
     let message = refused("a.ply", &file);
@@ -169,7 +169,7 @@ fn ply_faces_before_the_points_cost_the_points_only_where_these_are_lost() {
 }
 
 #[test]
-fn ply_points_are_there_whatever_is_wrong_between_them_and_the_faces() {
+fn ply_points_are_read_whatever_is_wrong_between_them_and_the_faces() {
     let file = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
                 element edge 1\nproperty int a\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
                 1 2 3\noops\n3 0 0 0\n";
@@ -184,7 +184,7 @@ fn ply_points_are_there_whatever_is_wrong_between_them_and_the_faces() {
 }
 
 #[test]
-fn ply_strips_with_a_wrong_vertex_are_left_out() {
+fn ply_strips_with_an_invalid_vertex_are_skipped() {
     let file = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
                 element tristrips 1\nproperty list int int vertex_indices\nend_header\n\
                 0 0 0\n1 0 0\n0 1 0\n7 0 1 2 -1 0 1 3\n";
@@ -194,7 +194,7 @@ fn ply_strips_with_a_wrong_vertex_are_left_out() {
 }
 
 #[test]
-fn ply_strips_restart_and_keep_their_side() {
+fn ply_strips_restart_and_keep_their_winding() {
     let header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
                   element tristrips 1\nproperty list int int vertex_indices\nend_header\n";
     let vertices = "0 0 0\n1 0 0\n1 2 0\n0 2 0\n";
@@ -291,7 +291,7 @@ fn ply_gaussian_splats_are_disks() {
 }
 
 #[test]
-fn voxelised_sequences_read_as_they_are() {
+fn voxelised_sequences_are_read_unchanged() {
     let file = "ply\nformat ascii 1.0\ncomment Version 2, Copyright 2017, 8i Labs, Inc.\ncomment frame_to_world_scale \
         0.181985\ncomment frame_to_world_translation -39.1528 3.75652 -46.6228\ncomment width 1023\nelement vertex \
         2\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty \
@@ -302,7 +302,7 @@ fn voxelised_sequences_read_as_they_are() {
 }
 
 #[test]
-fn obj_in_the_layouts_that_programs_write() {
+fn obj_is_read_in_the_layouts_of_many_programs() {
     let corners = "v 0 0 0.5\nv 1 0 0.5\nv 1 2 0.5 \nv 0 2 0.5\n";
     for faces in [
         "f 1 2 3 4\n",
@@ -341,7 +341,7 @@ fn obj_in_the_layouts_that_programs_write() {
 }
 
 #[test]
-fn off_in_the_layouts_that_programs_write() {
+fn off_is_read_in_the_layouts_of_many_programs() {
     for (header, tail) in [
         ("OFF\n4 1 0\n", ""),
         ("OFF 4 1 0\n", ""),
@@ -389,7 +389,7 @@ fn stl(header: &[u8], extra: &[u8]) -> Vec<u8> {
         for axis in face.iter().flat_map(|&corner| SQUARE[corner as usize]) {
             file.extend((axis as f32).to_le_bytes());
         }
-        // Red, as VisCAM has it.
+        // Red, in the VisCAM encoding.
         file.extend(0xfc00u16.to_le_bytes());
     }
     file.extend(extra);
@@ -397,7 +397,7 @@ fn stl(header: &[u8], extra: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn stl_of_both_kinds_shares_its_vertices() {
+fn stl_vertices_are_merged_in_both_encodings() {
     for (header, extra) in [
         (&b"made by"[..], &b""[..]),
         (b"solid but binary", b""),
@@ -430,7 +430,7 @@ fn stl_of_both_kinds_shares_its_vertices() {
 }
 
 #[test]
-fn meshes_are_sampled_where_asked() {
+fn meshes_are_sampled_on_request() {
     let file = ply("ascii", "int", false);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.ply");
@@ -472,7 +472,7 @@ fn row_of_triangles(head: &str, places: std::ops::Range<usize>) -> String {
 }
 
 #[test]
-fn one_broken_face_costs_no_other_face() {
+fn one_broken_face_does_not_affect_others() {
     const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 10\nproperty float x\nproperty float y\n\
                        property float z\nelement face 7\nproperty list uchar int vertex_indices\nend_header\n";
     for (name, head) in [("a.ply", PLY), ("a.off", "OFF\n10 7 0\n"), ("b.off", "OFF10 7 0\n")] {
@@ -485,7 +485,7 @@ fn one_broken_face_costs_no_other_face() {
             warning.contains("face 6: it names vertex 66") && warning.contains("1 of 7 faces are skipped"),
             "{warning}"
         );
-        // The file ends in the faces.
+        // The file ends among the faces.
         let cloud = read(name, row_of_triangles(head, 0..4).as_bytes());
         assert_eq!(cloud.faces.len(), 4, "{name}");
         assert!(

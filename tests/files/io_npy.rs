@@ -48,7 +48,7 @@ fn bytes_of(kind: &str, value: f64) -> Vec<u8> {
         "u8" => (value as u64).to_le_bytes().to_vec(),
         "f4" => (value as f32).to_le_bytes().to_vec(),
         "f8" => value.to_le_bytes().to_vec(),
-        // 1 to 6 as half precision.
+        // 1 to 6 in half precision.
         "f2" => [0x3c00u16, 0x4000, 0x4200, 0x4400, 0x4500, 0x4600][value as usize - 1]
             .to_le_bytes()
             .to_vec(),
@@ -62,7 +62,7 @@ fn bytes_of(kind: &str, value: f64) -> Vec<u8> {
 }
 
 #[test]
-fn tables_of_every_type_and_order() {
+fn tables_of_every_type_and_order_are_read() {
     for kind in [
         "|i1", "|u1", "<i2", ">i2", "<u2", ">u2", "<i4", ">i4", "<u4", ">u4", "<i8", ">i8", "<u8", ">u8", "<f2", ">f2",
         "<f4", ">f4", "<f8", ">f8",
@@ -90,7 +90,7 @@ fn tables_of_every_type_and_order() {
 }
 
 #[test]
-fn columns_mean_what_they_mean_in_text() {
+fn columns_are_interpreted_as_in_text() {
     let table = |row: &[f64]| {
         let payload: Vec<u8> = row.iter().flat_map(|&value| bytes_of("<f8", value)).collect();
         read(
@@ -115,7 +115,7 @@ fn columns_mean_what_they_mean_in_text() {
 }
 
 #[test]
-fn records_are_read_by_their_names() {
+fn records_are_read_by_field_name() {
     let mut payload = Vec::new();
     for row in 0u8..2 {
         for axis in 0..3 {
@@ -284,7 +284,7 @@ fn an_array_with_layers_is_a_sequence() {
                 cloud.attributes.colors.as_ref().unwrap()[0],
                 [first, first + 1, first + 2, 255]
             );
-            // What is not of each frame is of all of them.
+            // Arrays without a frame axis apply to all frames.
             assert_eq!(cloud.attributes.normals.as_ref().unwrap()[2], [1.0, 0.0, 0.0]);
             let intensity = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]][t];
             assert_eq!(cloud.attributes.scalars[0].values, intensity);
@@ -407,7 +407,7 @@ fn an_array_of_images_of_points_is_a_sequence_of_organised_clouds() {
 }
 
 #[test]
-fn layers_that_are_only_claimed_are_no_frames() {
+fn layers_only_declared_are_not_frames() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.npz");
     let options = io::ReadOptions::default();
@@ -430,7 +430,7 @@ fn layers_that_are_only_claimed_are_no_frames() {
         .unwrap_err()
         .to_string();
     assert!(error.contains("2 × 3 × 2"), "{error}");
-    // Whatever is wrong with a file, it is one frame that says so.
+    // Whatever is wrong with a file, it is one frame that reports it.
     for damaged in [&b"PK\x03\x04"[..], b"", b"no archive"] {
         std::fs::write(&path, damaged).unwrap();
         assert_eq!(io::list(&path, &options).map_or(1, |entries| entries.len()), 1);
@@ -447,7 +447,7 @@ fn layers_that_are_only_claimed_are_no_frames() {
 }
 
 #[test]
-fn what_is_no_table_is_refused_with_advice() {
+fn arrays_that_are_not_tables_are_rejected_with_advice() {
     let message = |shape: &str, values: usize| refused("a.npy", &floats(shape, &vec![0.0; values]));
     assert!(
         message("(2, 2, 3)", 12).contains("2 × 2 × 3") && message("(2, 2, 3)", 12).contains("save each of its frames")

@@ -88,7 +88,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 }
 
 #[test]
-fn in_the_end_all_is_done() {
+fn progress_is_complete_at_the_end() {
     let folder = tempfile::tempdir().unwrap();
     for path in files(folder.path()) {
         let part = io::list(&path, &ReadOptions::default()).unwrap()[0].part.clone();
@@ -103,7 +103,7 @@ fn in_the_end_all_is_done() {
 }
 
 #[test]
-fn what_is_cancelled_ends_with_that_and_decodes_nothing() {
+fn cancelled_reads_end_as_cancelled_and_decode_nothing() {
     let folder = tempfile::tempdir().unwrap();
     for path in files(folder.path()) {
         let part = io::list(&path, &ReadOptions::default()).unwrap()[0].part.clone();
@@ -114,7 +114,7 @@ fn what_is_cancelled_ends_with_that_and_decodes_nothing() {
         assert!(matches!(&error, IoError::Cancelled { path: of } if *of == path));
         assert!(error.to_string().contains("open it again"), "{error}");
         assert_eq!(progress.done(), 0, "{}", path.display());
-        // A whole file is read all the same when it is wanted.
+        // A whole file can still be read when requested.
         assert!(io::read_part(&path, &Part::Whole, &ReadOptions::default()).is_ok());
     }
 }

@@ -78,7 +78,7 @@ fn spz_header(version: u32, count: u32) -> Vec<u8> {
     let mut file = b"NGSP".to_vec();
     file.extend(version.to_le_bytes());
     file.extend(count.to_le_bytes());
-    // No harmonics but the constant one; coordinates in 4096ths.
+    // No spherical harmonics except the constant one; coordinates in 4096ths.
     file.extend([0, 12, 0, 0]);
     file
 }
@@ -116,7 +116,7 @@ fn spz_of_streams() -> Vec<u8> {
     let streams = [&spz_arrays(4)[..], &[harmonics]].concat();
     let vendor = [&0xadbe_0002u32.to_le_bytes()[..], &4u32.to_le_bytes(), &[1, 2, 3, 4]].concat();
     let mut file = spz_header(4, 2);
-    // Harmonics of the first degree, and the flag of extensions; then the number of streams.
+    // First-degree harmonics, and the flag for extensions; then the number of streams.
     (file[12], file[14], file[15]) = (1, 2, 6);
     file.extend((32 + vendor.len() as u32).to_le_bytes());
     file.extend([0; 12]);
@@ -134,7 +134,7 @@ fn spz_of_streams() -> Vec<u8> {
 }
 
 #[test]
-fn spz_of_every_version() {
+fn spz_of_every_version_is_read() {
     for version in 1..=4 {
         let file = match version {
             4 => spz_of_streams(),
@@ -144,7 +144,7 @@ fn spz_of_every_version() {
         let places = places(&cloud);
         near(places[0], Vec3::new(1.0, -2.5, 0.25), 1e-6);
         near(places[1], Vec3::new(-100.0, 0.0, 7.5), 1e-6);
-        // 153 is 0.6: a tenth above the middle over 0.15, times the constant term of 0.2821.
+        // 153 is 0.6: a tenth above the centre over 0.15, times the constant term of 0.2821.
         assert_eq!(
             cloud.attributes.colors.as_ref().unwrap(),
             &[[128, 255, 0, 255], [175, 128, 128, 64]]
@@ -156,7 +156,7 @@ fn spz_of_every_version() {
         survives_damage("scene.spz", &spz(version, 2));
         survives_damage("scene.spz", &file);
     }
-    // Signs of parts: a quarter turn about −z takes x to −y.
+    // Signs of components: a quarter turn about −z takes x to −y.
     let mut file = spz(3, 2);
     let at = file.len() - 4;
     let word = (3u32 << 30) | (1 << 9) | 511;
@@ -166,7 +166,7 @@ fn spz_of_every_version() {
 }
 
 #[test]
-fn spz_that_claims_too_much_is_refused() {
+fn spz_declaring_too_much_is_rejected() {
     assert!(refused("a.spz", &gzip(&spz(3, 3))).contains("of 3 splats are claimed"));
     assert!(refused("a.spz", &gzip(&spz(3, u32::MAX))).contains("claimed"));
     assert!(refused("a.spz", &gzip(&spz(4, 2))).contains("packed as a whole and says that it is of version 4"));
@@ -184,7 +184,7 @@ fn spz_that_claims_too_much_is_refused() {
 }
 
 #[test]
-fn spz_of_streams_is_refused_where_its_table_lies() {
+fn spz_streams_with_an_invalid_table_are_rejected() {
     let file = spz_of_streams();
     let table = 32 + 12;
     let with = |at: usize, bytes: &[u8]| {
@@ -193,7 +193,7 @@ fn spz_of_streams_is_refused_where_its_table_lies() {
         refused("a.spz", &wrong)
     };
     assert!(with(4, &[5]).contains("version 5 is not read, expected 1 to 4"));
-    // More splats than there are bytes for, and more than fit into the memory.
+    // More splats than there are bytes for, and more than fit into memory.
     assert!(with(8, &[3]).contains("the positions of 3 splats are 18 bytes, expected 27"));
     assert!(
         with(8, &[255; 4]).contains("splats are 18 bytes, expected") || with(8, &[255; 4]).contains("--max-memory")
@@ -209,20 +209,20 @@ fn spz_of_streams_is_refused_where_its_table_lies() {
         "{said}"
     );
     assert!(refused("a.spz", &file[..31]).contains("truncated"));
-    // Of nothing there are no streams.
+    // An empty file has no streams.
     let mut empty = file[..32].to_vec();
     (empty[8], empty[15]) = (0, 0);
     assert_eq!(read("a.spz", &empty).positions.len(), 0);
 }
 
 #[test]
-fn trained_splats_have_y_down_where_nothing_says_otherwise() {
+fn trained_splats_have_y_down_unless_stated_otherwise() {
     let cloud = read("a.splat", &[0; 32]);
     assert_eq!(cloud.convention, Some(AxisConvention::UsuallyYDown));
 }
 
 #[test]
-fn bare_records() {
+fn bare_splat_records_are_read() {
     let mut file = Vec::new();
     let mut record = |place: [f32; 3], sizes: [f32; 3], color: [u8; 4], rotation: [f32; 4]| {
         for number in place.into_iter().chain(sizes) {
@@ -282,10 +282,10 @@ fn packed(count: usize, has_colors: bool, word: impl Fn(usize) -> [u32; 4]) -> V
 }
 
 #[test]
-fn splats_of_compressed_ply() {
+fn splats_of_compressed_ply_are_read() {
     let identity = (512 << 20) | (512 << 10) | 512;
     let first = [
-        // x at its end, y in the middle, z at its beginning.
+        // x at its end, y at the centre, z at its start.
         (2047 << 21) | (512 << 11),
         identity,
         // e, e⁻² and 1.
@@ -353,7 +353,7 @@ fn archive(members: &[(&str, Vec<u8>)]) -> Vec<u8> {
 }
 
 #[test]
-fn splats_of_numpy_in_half_precision() {
+fn half_precision_numpy_splats_are_read() {
     let means = [1.0, -2.5, 0.25, 4.0, 5.0, 6.0];
     let quats = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 2.0];
     let logs = [1.0, 0.0, -2.0, 1.0, 0.0, -2.0];
@@ -383,7 +383,7 @@ fn splats_of_numpy_in_half_precision() {
         is_ellipse(&cloud, 0, (e, 1.0), (Vec3::X, Vec3::Z));
         is_ellipse(&cloud, 1, (e, 1.0), (Vec3::X, Vec3::Y));
     }
-    // Lengths in place of logarithms, harmonics with a layer of one, logits.
+    // Lengths instead of logarithms, harmonics with a layer of one, logits.
     let file = archive(&[
         ("means3d", array("(1, 2, 3)", &means)),
         ("quats", array("(2, 4)", &quats)),
@@ -397,7 +397,7 @@ fn splats_of_numpy_in_half_precision() {
         cloud.attributes.colors.as_ref().unwrap(),
         &[[128, 255, 0, 128], [128, 128, 128, 255]]
     );
-    // Balls face nowhere.
+    // Balls have no orientation.
     let file = archive(&[
         ("means3d", array("(2, 3)", &means)),
         ("log_scales", array("(2, 1)", &[0.0, 1.0])),
@@ -409,7 +409,7 @@ fn splats_of_numpy_in_half_precision() {
 }
 
 #[test]
-fn what_no_format_is_for_is_said_without_a_command() {
+fn unsupported_data_is_reported_without_a_command() {
     let error = refused("a.jpg", b"\xff\xd8");
     assert!(
         error.contains("a.jpg is an image: a single image has no depth") && !error.contains("--help"),

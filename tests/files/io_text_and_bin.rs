@@ -15,7 +15,7 @@ fn points(cloud: &RawCloud) -> Vec<[f64; 3]> {
 }
 
 #[test]
-fn separators_commas_and_names_of_all_kinds() {
+fn separators_commas_and_names_of_all_kinds_are_read() {
     for text in [
         "1.5 2.5 3.5\n",
         "1.5\t2.5\t3.5\r\n",
@@ -73,7 +73,7 @@ fn scans_are_placed_by_their_poses() {
 }
 
 #[test]
-fn the_columns_of_a_scan_are_the_lines_of_its_image() {
+fn the_columns_of_a_scan_become_image_rows() {
     let header = SCAN.replacen("2\n1\n", "2\n3\n", 1);
     let text = format!("{header}{}", "1 2 3 0.25\n".repeat(6));
     let grid = read("a.ptx", text.as_bytes()).unwrap().grid.unwrap();
@@ -83,7 +83,7 @@ fn the_columns_of_a_scan_are_the_lines_of_its_image() {
 }
 
 #[test]
-fn wrong_scans_are_refused_with_their_line() {
+fn invalid_scans_are_rejected_with_their_line() {
     for (text, expected) in [
         (format!("{SCAN}1 2 3 4\n"), "the scan before it has 2 points"),
         (format!("{SCAN}1 2 3 4\n1 2 x 4\n"), "line 12: found `x`"),
@@ -112,12 +112,12 @@ fn records(rows: &[&[f32]]) -> Vec<u8> {
 }
 
 #[test]
-fn bare_records_are_told_by_size_and_values() {
+fn bare_records_are_recognised_by_size_and_values() {
     let kitti = records(&[&[1.0, -2.0, 3.0, 0.5], &[4.0, 5.0, -6.0, 0.25]]);
     let cloud = read("000001.bin", &kitti).unwrap();
     assert_eq!(points(&cloud), [[1.0, -2.0, 3.0], [4.0, 5.0, -6.0]]);
     assert_eq!(cloud.attributes.scalars[0].values, [0.5, 0.25]);
-    // Four records of five are twenty numbers, as five of four.
+    // Four records of five are twenty numbers, like five of four.
     let rows: Vec<[f32; 5]> = (0..4).map(|i| [10.5 + i as f32, -7.25, -1.5, 30.0, i as f32]).collect();
     let rows: Vec<&[f32]> = rows.iter().map(<[f32; 5]>::as_slice).collect();
     for name in ["a.pcd.bin", "a.bin"] {
@@ -162,7 +162,7 @@ fn street(is_shuffled: bool) -> Vec<[f32; 6]> {
 }
 
 #[test]
-fn statistics_tell_how_many_numbers_a_point_has() {
+fn statistics_determine_the_numbers_per_point() {
     for is_shuffled in [false, true] {
         for width in 3..=6 {
             let rows = street(is_shuffled);
@@ -195,12 +195,12 @@ fn a_few_coordinates_that_are_nearly_zero_change_nothing() {
         "{:?}",
         cloud.assumptions
     );
-    // Integers that are read as floats are tiny, all of them.
+    // Integers that are read as floats are all tiny.
     assert!(read_with_tiny(0..12_000).is_err());
 }
 
 #[test]
-fn a_person_says_how_many_numbers_a_point_has() {
+fn the_user_can_set_the_numbers_per_point() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("scan.bin");
     let rows: Vec<[f32; 6]> = street(false);
@@ -213,7 +213,7 @@ fn a_person_says_how_many_numbers_a_point_has() {
 }
 
 #[test]
-fn other_data_is_no_bare_record() {
+fn other_data_is_not_read_as_bare_records() {
     let mut state = 1u32;
     let noise: Vec<u8> = (0..4800)
         .map(|_| {

@@ -93,7 +93,7 @@ fn depth_in_text(colors: &[[u8; 4]]) -> ColorDepth {
 
 proptest! {
     #[test]
-    fn ply_holds_all_but_the_sensor(cloud in clouds()) {
+    fn ply_stores_everything_but_the_sensor(cloud in clouds()) {
         let expected = RawCloud { sensor: None, ..cloud.clone() };
         prop_assert_eq!(&read_back("ply", "a.ply", &cloud), &expected);
         let mut text = read_back("ply-ascii", "a.ply", &cloud);
@@ -102,13 +102,13 @@ proptest! {
     }
 
     #[test]
-    fn pcd_holds_all_but_faces(cloud in clouds()) {
+    fn pcd_stores_everything_but_faces(cloud in clouds()) {
         let mut expected = RawCloud {
             faces: Vec::new(),
             convention: Some(AxisConvention::UsuallyZUp),
             ..cloud.clone()
         };
-        // Its readers take all zeros for no alpha.
+        // Its readers treat an alpha of all zeros as no alpha.
         let colors = expected.attributes.colors.as_mut();
         if let Some(colors) = colors.filter(|colors| colors.iter().all(|color| color[3] == 0)) {
             for color in colors { color[3] = 255; }
@@ -117,7 +117,7 @@ proptest! {
     }
 
     #[test]
-    fn text_holds_all_but_faces_and_the_sensor(cloud in clouds()) {
+    fn text_stores_everything_but_faces_and_the_sensor(cloud in clouds()) {
         let expected = RawCloud {
             sensor: None,
             faces: Vec::new(),
@@ -126,9 +126,9 @@ proptest! {
             ..cloud.clone()
         };
         let mut text = read_back("xyz", "a.xyz", &cloud);
-        // A column of times may be one of frames: that each point has its own is said.
+        // A column of times may be interpreted as frames: the note that each point has its own time is expected.
         let mut assumed = std::mem::take(&mut text.assumptions);
-        // So is that names say which columns are what.
+        // So is the note that names identify the columns.
         assumed.retain(|assumption| assumption.subject != Subject::Columns);
         let has_times = cloud.attributes.scalars.iter().any(|field| field.name == "gps_time");
         prop_assert_eq!(assumed.len(), usize::from(has_times && cloud.positions.len() > 1));
@@ -143,7 +143,7 @@ proptest! {
     }
 
     #[test]
-    fn tables_hold_positions_colors_unit_normals_and_fields(
+    fn tables_store_positions_colors_unit_normals_and_fields(
         mut cloud in clouds(),
         normal in prop_oneof![
             (0.1f32..1.5).prop_map(|angle| [angle.cos(), -angle.sin(), 0.0]),
@@ -159,7 +159,7 @@ proptest! {
             field.values.fill(f32::from(whole));
         }
         let read = read_back("npy", "a.npy", &cloud);
-        // A scalar of times makes all numbers double.
+        // A scalar with times makes all numbers double precision.
         prop_assert!(wide || matches!((&read.positions, &cloud.positions),
             (Positions::F64(_), _) | (Positions::F32(_), Positions::F32(_))));
         prop_assert_eq!(as_precise(&read.positions, &cloud.positions), cloud.positions);
@@ -171,7 +171,7 @@ proptest! {
 }
 
 #[test]
-fn files_look_as_other_programs_expect() {
+fn files_have_the_layout_other_programs_expect() {
     let mut cloud = RawCloud::from_positions(Positions::F64(vec![[0.1, 1e-7, 4_000_000.125]]));
     cloud.attributes.colors = Some(vec![[1, 2, 255, 255]]);
     cloud.attributes.scalars = vec![ScalarField::new("a b,c", vec![0.1]), ScalarField::new("x", vec![1e20])];
@@ -206,7 +206,7 @@ fn files_look_as_other_programs_expect() {
         String::from_utf8_lossy(&npy)
     );
     assert_eq!((npy.len() - 8 * 8) % 64, 0);
-    // What the number of columns tells is a bare table.
+    // If the number of columns identifies them, a bare table is written.
     cloud.attributes.scalars = vec![ScalarField::new("scalar", vec![0.1])];
     let npy = written("npy", &cloud);
     assert!(String::from_utf8_lossy(&npy).contains("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 7), }"));
@@ -214,7 +214,7 @@ fn files_look_as_other_programs_expect() {
 }
 
 #[test]
-fn a_pcd_keeps_the_lines_of_an_image_that_was_seen_from_somewhere() {
+fn a_pcd_preserves_the_rows_and_viewpoint_of_an_organised_cloud() {
     let mut cloud = RawCloud::from_positions(Positions::F32(vec![[1.0; 3], [2.0; 3], [f32::NAN; 3], [4.0; 3]]));
     cloud.grid = ImageGrid::of(2, 2, 4);
     assert_eq!(
@@ -232,7 +232,7 @@ fn a_pcd_keeps_the_lines_of_an_image_that_was_seen_from_somewhere() {
 }
 
 #[test]
-fn empty_clouds_are_files_too() {
+fn empty_clouds_are_written_as_valid_files() {
     let cloud = RawCloud::from_positions(Positions::F32(Vec::new()));
     for (format, name) in [
         ("ply", "a.ply"),

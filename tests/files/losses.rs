@@ -92,7 +92,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn what_is_not_in_the_file_is_said_and_what_is_said_is_not_in_it(cloud in clouds()) {
+    fn exactly_the_content_missing_from_the_file_is_reported(cloud in clouds()) {
         for format in WriteFormat::all() {
             let losses = format.losses(&cloud);
             let read = read_back(format, &cloud);
@@ -118,7 +118,7 @@ proptest! {
                     let bare = |name: &str| name.strip_prefix("scalar_").unwrap_or(name).to_owned();
                     bare(&read.name) == bare(&name)
                 });
-                // A table of numpy has no names: its one scalar is read as the intensity.
+                // A NumPy table has no names: its only scalar is read as the intensity.
                 let is_unnamed = format.to_string() == "npy" && read_of.scalars.len() == 1;
                 let is_said = loses_field(&losses, &[&name, &field.name]);
                 prop_assert!(is_read || is_unnamed || is_said, "{}: {} {:?}", format, field.name, losses);
@@ -136,7 +136,7 @@ proptest! {
 }
 
 #[test]
-fn rounded_coordinates_and_values_are_said() {
+fn rounded_coordinates_and_values_are_reported() {
     let las: WriteFormat = "las".parse().unwrap();
     let mut cloud = RawCloud::from_positions(Positions::F64(vec![[0.123_456_789_123, 0.0, 0.0], [5e6, 1.0, 1.0]]));
     cloud.attributes.scalars = vec![ScalarField::new("classification", vec![1.5, 300.0])];
@@ -150,7 +150,7 @@ fn rounded_coordinates_and_values_are_said() {
 }
 
 #[test]
-fn losses_of_many_frames_are_a_line_per_kind() {
+fn losses_of_many_frames_take_one_line_per_kind() {
     let mut all = Losses::default();
     for frame in 0..10 {
         let mut losses = Losses::default();
@@ -180,7 +180,7 @@ fn dropped(name: &str, file: &str, format: &str) -> String {
 }
 
 #[test]
-fn what_was_not_read_is_said_when_it_is_lost() {
+fn unread_content_is_reported_when_it_is_lost() {
     let ply = |properties: &str, rows: &str| {
         format!(
             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\

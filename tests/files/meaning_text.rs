@@ -67,14 +67,14 @@ fn assert_first(cloud: &RawCloud, count: usize) {
 }
 
 #[test]
-fn names_decide_and_not_places() {
+fn names_decide_not_positions() {
     for (file, colored, guessed) in [
         ("T10_veloview.csv", false, None),
         ("T10a_points_first.csv", false, None),
         ("T15a_pandas_index_only_xyz.csv", false, None),
         ("T15m_pos_x.csv", false, None),
         ("T01d_rf_gf_bf.txt", true, None),
-        // Its clock starts again every 60 points: these are neither frames nor tracks, which only the values tell.
+        // Its clock restarts every 60 points: these are neither frames nor tracks, which only the values show.
         ("T15g_text_column_first.csv", false, Some((Subject::Frames, "one"))),
         ("T15e_text_column_last.csv", false, None),
         ("T15i_empty_cells.csv", false, None),
@@ -99,7 +99,7 @@ fn names_decide_and_not_places() {
 }
 
 #[test]
-fn values_of_other_columns_are_kept() {
+fn values_of_other_columns_are_retained() {
     let Some(path) = shared("meaning/T01d_rf_gf_bf.txt") else {
         return;
     };
@@ -137,7 +137,7 @@ fn values_of_other_columns_are_kept() {
 }
 
 #[test]
-fn headers_of_many_programs() {
+fn headers_of_many_programs_are_read() {
     for header in [
         "\"Points_m_XYZ:0\",\"Points_m_XYZ:1\",\"Points_m_XYZ:2\",i",
         "Points:0,Points:1,Points:2,i",
@@ -177,7 +177,7 @@ fn headers_of_many_programs() {
 }
 
 #[test]
-fn the_user_says_which_columns_are_coordinates() {
+fn the_user_can_choose_the_coordinate_columns() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.csv");
     std::fs::write(&path, "alpha,beta,gamma,delta\n1,2,3,4\n5,6,7,8\n").unwrap();
@@ -199,7 +199,7 @@ fn the_user_says_which_columns_are_coordinates() {
 }
 
 #[test]
-fn longitude_and_latitude_are_projected_and_said() {
+fn longitude_and_latitude_are_projected_and_reported() {
     let text = "lon,lat,alt\n8.5,47.0,400\n8.5,47.0009,401\n8.5012,47.0,402\n";
     let cloud = read("a.csv", text);
     let [origin, north, east] = points(&cloud)[..] else {
@@ -226,7 +226,7 @@ fn longitude_and_latitude_are_projected_and_said() {
 }
 
 #[test]
-fn one_odd_line_spoils_one_line() {
+fn one_odd_line_only_affects_itself() {
     let mut text = String::from("x,y,z,i\n");
     for i in 0..50 {
         let _ = writeln!(text, "{i},2,3,4");
@@ -261,7 +261,7 @@ fn one_odd_line_spoils_one_line() {
 }
 
 #[test]
-fn encodings_and_numbers_of_spreadsheets() {
+fn encodings_and_numbers_of_spreadsheets_are_read() {
     let text = "x;y;z;Größe\r\n1.234,5;2,25;3,5;1\r\n-1,5;0,5;;2\r\n";
     let units = |mark: fn(u16) -> [u8; 2]| -> Vec<u8> {
         std::iter::once(0xfeff)
@@ -285,7 +285,7 @@ fn encodings_and_numbers_of_spreadsheets() {
 }
 
 #[test]
-fn names_of_files_do_not_say_what_columns_are() {
+fn file_names_do_not_determine_columns() {
     let normals = "1 2 3 0 0.6 0.8\n1 2 4 1 0 0\n";
     let colors = "1 2 3 255 128 0\n1 2 4 0 1 2\n";
     for name in ["a.xyzn", "a.xyzrgb", "a.xyz", "a.txt", "a.asc"] {
@@ -370,7 +370,7 @@ fn columns_of_frames_and_times_are_sequences() {
         );
         assert!(assumed(cloud, Subject::Frames).is_some());
     }
-    // Times of points are not frames, and the user has the last word.
+    // Per-point times are not frames, and the user has the last word.
     let mut text = String::from("x,y,z,time\n");
     for (i, row) in rows(0, 400).iter().enumerate() {
         let _ = writeln!(text, "{row},{}", 0.001 * i as f64);
@@ -383,7 +383,7 @@ fn columns_of_frames_and_times_are_sequences() {
         frames("a.csv", &text.replace("frame,", "batch,"), Some("frame=batch")).len(),
         4
     );
-    // Whoever reads one cloud is told of the others.
+    // Reading a single cloud reports the others.
     let cloud = read("a.csv", &text);
     assert_eq!(cloud.positions.len(), 100);
     assert!(
@@ -415,7 +415,7 @@ fn blocks_of_rows_are_sequences() {
         .concat();
     let found = frames("a.txt", &commented, None);
     assert_eq!((found.len(), found[2].0.as_str()), (4, "frame 3 (frame 2)"));
-    // Scans of a survey are one cloud, and so are the lines of a surface.
+    // Scans of a survey form one cloud, and so do the lines of a surface.
     let scans = (0..4)
         .map(|scan| format!("60\n{}\n", joined(scan)))
         .collect::<Vec<_>>()

@@ -106,7 +106,7 @@ fn visible(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn a_sequence_becomes_one_file_and_comes_back() {
+fn a_sequence_round_trips_through_one_file() {
     let folder = tempfile::tempdir().unwrap();
     let reel = folder.path().join("demo.reel");
     let done = pointreel(&[
@@ -137,7 +137,7 @@ fn a_sequence_becomes_one_file_and_comes_back() {
     assert!(back.status.success(), "{}", String::from_utf8_lossy(&back.stderr));
     assert_eq!(contents(&opened(&plys)), contents(&Sequence::demo()));
 
-    // Its first bytes decide, whatever its name is.
+    // Its first bytes decide, whatever its name.
     let renamed = folder.path().join("demo.ply");
     fs::copy(&reel, &renamed).unwrap();
     assert_eq!(opened(&renamed).len(), 24);
@@ -151,7 +151,7 @@ fn a_sequence_becomes_one_file_and_comes_back() {
 }
 
 #[test]
-fn what_cannot_be_meant_is_said() {
+fn impossible_arguments_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let reel = folder.path().join("a.reel");
     converted(&sheets(2, &[]), &reel, 2);
@@ -174,7 +174,7 @@ fn what_cannot_be_meant_is_said() {
 }
 
 #[test]
-fn frames_that_cannot_be_read_are_left_out_and_said() {
+fn unreadable_frames_are_skipped_and_reported() {
     let folder = tempfile::tempdir().unwrap();
     let reel = folder.path().join("a.reel");
     let done = converted(&sheets(7, &[0, 3, 6]), &reel, 3);
@@ -186,7 +186,7 @@ fn frames_that_cannot_be_read_are_left_out_and_said() {
 }
 
 #[test]
-fn an_interrupted_conversion_goes_on_where_it_ended() {
+fn an_interrupted_conversion_resumes_where_it_ended() {
     let folder = tempfile::tempdir().unwrap();
     let (whole, broken_off) = (folder.path().join("whole.reel"), folder.path().join("again.reel"));
     let sequence = sheets(24, &[5]);
@@ -213,12 +213,12 @@ fn an_interrupted_conversion_goes_on_where_it_ended() {
         "{left:?}"
     );
     assert_eq!(fs::read(&whole).unwrap(), fs::read(&broken_off).unwrap());
-    // What is there already is not written again.
+    // What already exists is not written again.
     assert_eq!(converted(&sequence, &whole, 2).left, 23);
 }
 
 #[test]
-fn shards_are_joined_to_what_one_would_have_written() {
+fn joined_shards_match_a_single_conversion() {
     let folder = tempfile::tempdir().unwrap();
     let sequence = sheets(12, &[]);
     let whole = folder.path().join("whole.reel");
@@ -238,7 +238,7 @@ fn shards_are_joined_to_what_one_would_have_written() {
 }
 
 #[test]
-fn a_file_that_grows_is_followed() {
+fn a_growing_file_is_followed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("live.reel");
     let mut writer = ReelWriter::create(&path, lossless(1)).unwrap();
@@ -265,7 +265,7 @@ fn a_file_that_grows_is_followed() {
 }
 
 #[test]
-fn a_file_that_ends_early_draws_what_is_there_and_says_so() {
+fn a_truncated_file_is_shown_as_far_as_possible_with_a_warning() {
     let folder = tempfile::tempdir().unwrap();
     let (whole, cut) = (folder.path().join("whole.reel"), folder.path().join("cut.reel"));
     let done = pointreel(&["convert", "torus:20000", text(&whole)]);
@@ -367,7 +367,7 @@ fn breaking_proxy(address: String, max_bytes: usize) -> String {
 }
 
 #[test]
-fn a_connection_that_breaks_loses_nothing() {
+fn a_broken_connection_loses_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.reel");
     converted(&sheets(6, &[]), &path, 3);
@@ -387,7 +387,7 @@ fn a_connection_that_breaks_loses_nothing() {
 }
 
 #[test]
-fn no_more_is_read_a_second_than_is_allowed() {
+fn reading_respects_the_rate_limit_per_second() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.reel");
     converted(&sheets(4, &[]), &path, 1);
@@ -399,12 +399,12 @@ fn no_more_is_read_a_second_than_is_allowed() {
     let start = std::time::Instant::now();
     let sequence = Sequence::open(&[served(&path).into()], &options).unwrap();
     contents(&sequence);
-    // Everything is asked for at least once, the end of the file before its groups.
+    // Everything is requested at least once, the end of the file before its groups.
     assert!(start.elapsed().as_secs_f64() >= 0.2, "{:?}", start.elapsed());
 }
 
 #[test]
-fn coarse_levels_are_those_that_are_asked_for() {
+fn coarse_levels_match_the_requested_ones() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("torus.reel");
     let options = ReelOptions {

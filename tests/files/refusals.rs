@@ -22,7 +22,7 @@ fn expect(message: &str, words: &[&str]) {
 }
 
 #[test]
-fn files_of_bug_reports_are_named() {
+fn files_of_bug_reports_are_recognised() {
     for (name, words) in [
         ("S03_scene.sog", &["SOG", "SuperSplat", "splat-transform"][..]),
         ("S03_a.splatv", &["SPLATV", "splaTV", "PLY"]),
@@ -42,7 +42,7 @@ fn files_of_bug_reports_are_named() {
 }
 
 #[test]
-fn content_overrules_the_extension() {
+fn content_overrides_the_extension() {
     let folder = tempfile::tempdir().unwrap();
     for (name, bytes, words) in [
         (
@@ -87,7 +87,7 @@ fn zip(path: &Path, names: &[&str]) {
 }
 
 #[test]
-fn archives_are_named_by_their_files() {
+fn archives_are_recognised_by_their_files() {
     let folder = tempfile::tempdir().unwrap();
     for (name, members, words) in [
         ("a.sog", &["meta.json", "means_l.webp"][..], "SOG"),
@@ -114,7 +114,7 @@ fn archives_are_named_by_their_files() {
 }
 
 #[test]
-fn folders_are_named_by_their_files() {
+fn folders_are_recognised_by_their_files() {
     for (names, words) in [
         (&["metadata.json", "octree.bin", "hierarchy.bin"][..], &["Potree 2"][..]),
         (&["cloud.js", "sources.json"], &["Potree 1"]),
@@ -148,7 +148,7 @@ fn folders_of_frames_next_to_other_files_open() {
 }
 
 #[test]
-fn files_of_the_corpus_that_are_read_are_not_refused_by_name() {
+fn readable_corpus_files_are_not_rejected_by_name() {
     let Some(root) = shared("corpus") else {
         return;
     };

@@ -48,7 +48,7 @@ fn noise(index: usize) -> f64 {
 }
 
 #[test]
-fn trajectories_are_no_clouds() {
+fn trajectories_are_not_clouds() {
     let mut stamped = String::new();
     let mut matrices = String::new();
     for index in 0..20 {
@@ -70,7 +70,7 @@ fn trajectories_are_no_clouds() {
 }
 
 #[test]
-fn names_behind_the_mark_of_a_comment_are_names() {
+fn names_after_a_comment_mark_are_column_names() {
     let text = b"# range azimuth elevation power\n5 9 1 1\n6 3 4 1\n";
     refused("a.txt", text, "0 range, 1 azimuth, 2 elevation, 3 power");
     let colmap = b"# 3D point list\n#   POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n\
@@ -102,7 +102,7 @@ fn extended_xyz_names_its_columns() {
     let two = [text.as_slice(), text].concat();
     assert_eq!(frames("a.xyz", &two).len(), 2);
     refused("a.xyz", b"1\nProperties=pos:R:3:q:R:1\n1 2 3\n", "names 4 columns");
-    // Atomic numbers, and types as LAMMPS writes them.
+    // Atomic numbers, and types as written by LAMMPS.
     for comment in ["", "Atoms. Timestep: 0"] {
         let text = format!("2\n{comment}\n8 0.5 1 2\n1 3.5 4 5\n");
         let cloud = read("a.xyz", text.as_bytes());
@@ -112,7 +112,7 @@ fn extended_xyz_names_its_columns() {
 }
 
 #[test]
-fn grids_without_a_header_are_no_tables() {
+fn grids_without_a_header_are_not_tables() {
     let mut text = String::new();
     for row in 0..20 {
         let value = |column: usize| {
@@ -130,7 +130,7 @@ fn grids_without_a_header_are_no_tables() {
 }
 
 #[test]
-fn numbers_and_lines_of_all_machines() {
+fn numbers_and_line_endings_of_all_platforms_are_read() {
     let expected = [[1.5, -2.25, 3.0], [4.0, 5.5, 6.0]];
     let utf16: Vec<u8> = "1.5 -2.25 3\n4 5.5 6\n"
         .encode_utf16()
@@ -170,12 +170,12 @@ fn numbers_and_lines_of_all_machines() {
         b"x,y,z,i\n#N/A,#N/A,#N/A,1\n1,2,3,4\n#N/A,#N/A,#N/A,2\n5,6,7,8\n",
     );
     assert_eq!(missing.positions.len(), 4);
-    // A text of which nothing was understood is no empty cloud.
+    // A text that was not understood at all is not an empty cloud.
     refused("a.csv", b"x,y,z\nnothing here\nbut words\n", "no line has numbers");
 }
 
 #[test]
-fn times_of_points_are_no_frames() {
+fn point_times_are_not_frames() {
     let mut text = String::from("X,Y,Z,GpsTime\n");
     let mut rounded = String::from("x,y,z,time\n");
     for index in 0..2000 {
@@ -197,7 +197,7 @@ fn times_of_points_are_no_frames() {
 }
 
 #[test]
-fn columns_before_the_coordinates_are_none() {
+fn columns_before_the_coordinates_are_not_coordinates() {
     let mut index = String::new();
     let mut grid = String::new();
     for row in 0..30 {
@@ -223,7 +223,7 @@ fn columns_before_the_coordinates_are_none() {
 }
 
 #[test]
-fn colors_are_found_as_programs_write_them() {
+fn colors_are_found_in_the_notation_of_many_programs() {
     for text in [
         "x,y,z,color\n1,2,3,#ff0009\n4,5,6,#000000\n",
         "x,y,z,rgb\n1,2,3,0xFF0009\n4,5,6,0x000000\n",
@@ -253,7 +253,7 @@ fn rows_of_markers_are_frames() {
 }
 
 #[test]
-fn one_bad_row_costs_one_point() {
+fn one_bad_row_only_loses_one_point() {
     let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
                   end_header\n";
     let pcd =
@@ -263,7 +263,7 @@ fn one_bad_row_costs_one_point() {
         let found = points(&cloud);
         assert!(found[1][0].is_nan() && found[2] == [7.0, 8.0, 9.0], "{found:?}");
         assert!(cloud.warnings[0].contains("missing"), "{:?}", cloud.warnings);
-        // A line more than there are points is none.
+        // If there is one line more than points, it is not a point.
         let cloud = read(name, format!("{header}1 2 3\noops\n4 5 6\n7 8 9\n").as_bytes());
         assert_eq!(points(&cloud)[1], [4.0, 5.0, 6.0]);
         assert!(cloud.warnings[0].contains("skipped"), "{:?}", cloud.warnings);

@@ -17,7 +17,7 @@ pub(crate) struct Case {
 impl Case {
     /// Writes it into a folder that is made anew. Returns what is to be opened.
     pub(crate) fn write(&self, folder: &Path) -> PathBuf {
-        // It may not be there.
+        // It may not exist.
         let _ = std::fs::remove_dir_all(folder);
         for (name, bytes) in &self.files {
             let path = folder.join(name);
@@ -72,7 +72,7 @@ pub(crate) fn retained_in(folder: &Path) -> Vec<Case> {
     }
     for case in &mut cases {
         let set = case.set.clone();
-        // What has an extension of the set is what is opened.
+        // The file with an extension of the set is the one that is opened.
         case.files.sort_by_key(|(name, _)| kind_of(&set, name).set != set);
     }
     cases

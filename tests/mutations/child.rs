@@ -130,12 +130,12 @@ fn try_case(case: &Case, number: u64, scratch: &Path, report: &Report) {
     for way in Way::of_set(&case.set) {
         let _ = std::fs::remove_dir_all(&outputs);
         std::fs::create_dir_all(&outputs).unwrap();
-        // Verbs may leave something next to their input.
+        // Commands may leave something next to their input.
         let input = case.write(&scratch.join("case"));
         machine::forget_peak();
         let before = machine::computed(std::process::id());
         report.say(&format!("start {number} {} {}", way.name(), case.set));
-        // The hook has said it.
+        // The panic hook has reported it.
         let _ = catch_unwind(AssertUnwindSafe(|| way.go(&input, &outputs, number)));
         let after = machine::computed(std::process::id());
         let took_ms = after

@@ -98,7 +98,7 @@ fn subcommand(name: &str, input: &Path, rest: &[&Path]) {
     let memory = MAX_MEMORY_BYTES.to_string();
     let line = ["pointreel", name, "--max-memory", &memory].map(OsString::from);
     let paths = [input].into_iter().chain(rest.iter().copied()).map(OsString::from);
-    // Any answer but a panic is fine.
+    // Any result but a panic is fine.
     let _ = pointreel::cli::run(line.into_iter().chain(paths));
 }
 
@@ -150,7 +150,7 @@ fn connect(input: &Path) {
     let address = listener.local_addr().unwrap();
     let serve = move || {
         if let Ok((mut client, _)) = listener.accept() {
-            // It may have left.
+            // It may have disconnected.
             let _ = client.write_all(&bytes);
             std::thread::sleep(Duration::from_millis(20));
         }
@@ -169,7 +169,7 @@ fn connect(input: &Path) {
         state.update(now);
     }
     play(&mut state, now);
-    // A client that never came would be waited for.
+    // The server would wait for a client that never connected.
     let _ = TcpStream::connect(address);
     server.join().unwrap();
 }

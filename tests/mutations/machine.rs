@@ -8,7 +8,7 @@ const TICKS_PER_S: u64 = 100;
 /// Time that a process has computed: unlike that of a clock, it does not count what other programs do.
 pub(crate) fn computed(pid: u32) -> Option<Duration> {
     let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
-    // The name of the program, in parentheses, may have spaces.
+    // The name of the program, in parentheses, may contain spaces.
     let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks: u64 = fields.get(11)?.parse::<u64>().ok()? + fields.get(12)?.parse::<u64>().ok()?;
     Some(Duration::from_millis(1000 / TICKS_PER_S * ticks))
@@ -33,6 +33,6 @@ pub(crate) fn peak_bytes() -> Option<u64> {
 
 /// From now on [`peak_bytes`] counts anew.
 pub(crate) fn forget_peak() {
-    // Without it the peak is that of all cases before: a finding comes with the case that made it all the same.
+    // Without it the peak includes all previous cases: a finding is still reported with the case that caused it.
     let _ = std::fs::write("/proc/self/clear_refs", "5");
 }

@@ -57,7 +57,7 @@ fn assert_nothing_is_found(order: &Order, min_executions: u64) {
 }
 
 #[test]
-fn what_was_found_before_is_refused_or_shown() {
+fn earlier_findings_are_rejected_or_shown() {
     let scratch = tempfile::tempdir().unwrap();
     let count = retained_in(&corpus()).len() as u64;
     assert!(count > 0, "the corpus is not there");
@@ -73,7 +73,7 @@ fn what_was_found_before_is_refused_or_shown() {
 
 /// Without it the other tests would pass with a watch that sees nothing.
 #[test]
-fn faults_are_found_and_the_cases_behind_them_tried() {
+fn faults_are_found_and_remaining_cases_still_tried() {
     let scratch = tempfile::tempdir().unwrap();
     let folder = scratch.path().join("kept");
     std::fs::create_dir_all(folder.join(kinds::FAULTS)).unwrap();
@@ -101,7 +101,7 @@ fn faults_are_found_and_the_cases_behind_them_tried() {
 }
 
 #[test]
-fn new_mutations_of_every_set_are_refused_or_shown() {
+fn new_mutations_of_every_set_are_rejected_or_shown() {
     let scratch = tempfile::tempdir().unwrap();
     let seeds = scratch.path().join("seeds");
     seeds::gather(&seeds, &[]);
@@ -123,7 +123,7 @@ fn new_mutations_of_every_set_are_refused_or_shown() {
 
 /// A repair that does not know its format makes every case one of a wrong checksum.
 #[test]
-fn repairs_leave_what_is_right_and_mend_what_is_not() {
+fn checksum_repairs_fix_only_what_is_wrong() {
     let scratch = tempfile::tempdir().unwrap();
     seeds::gather(scratch.path(), &[]);
     let mut tried = std::collections::BTreeSet::new();
@@ -132,10 +132,10 @@ fn repairs_leave_what_is_right_and_mend_what_is_not() {
         let kind = kinds::kind_of(&seed.set, name);
         let mut repaired = bytes.clone();
         repair_all(kind.repair, &mut repaired);
-        // Checksums of chunks that are packed are taken out.
+        // Checksums of packed chunks are removed.
         let is_packed = kind.repair == Repair::Mcap && !name.starts_with("none");
         assert!(repaired == *bytes || is_packed, "{name} was right before");
-        // Checksums that are all wrong are all found.
+        // If all checksums are wrong, all are found.
         let mut spoilt = bytes.clone();
         if kind.repair == Repair::Reel {
             for place in reel_checksums(bytes) {

@@ -144,7 +144,7 @@ impl Rounds {
     /// The case with as few changes as still come to the same finding.
     fn smaller(&self, seed: &Case, case: Case, finding: &Finding) -> Case {
         let mut small = case;
-        // Each try of these takes its ten seconds.
+        // Each attempt with these takes ten seconds.
         if finding.reason.starts_with("slow") || finding.reason.starts_with("hangs") {
             return small;
         }
@@ -237,6 +237,6 @@ fn differences(before: &[u8], after: &[u8]) -> Vec<std::ops::Range<usize>> {
 /// A line for the person who waits, past the harness.
 fn say(text: &str) {
     use std::io::Write as _;
-    // Should nobody read it, the run goes on.
+    // If stderr is closed, the run continues.
     let _ = writeln!(std::io::stderr(), "{text}");
 }

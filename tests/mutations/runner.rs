@@ -68,14 +68,14 @@ pub(crate) fn carry_out(order: &Order) -> Outcome {
     let mut outcome = Outcome::default();
     let mut order = order.clone();
     while !order.numbers.is_empty() {
-        // The first of a run has none.
+        // There is none before the first case of a run.
         let _ = std::fs::remove_file(order.report());
         let mut watched = Watched::start(&order);
         watched.watch(&order, &mut outcome);
         if watched.has_ended {
             break;
         }
-        // What it died of is not tried again.
+        // The case that killed it is not tried again.
         let number = watched.way.map_or(order.numbers.start, |(number, ..)| number);
         order.numbers.start = number + 1;
     }
@@ -88,7 +88,7 @@ impl Watched {
         let child = Command::new(std::env::current_exe().unwrap())
             .args(["--exact", "child", "--ignored", "--nocapture", "--test-threads=1"])
             .env(ORDER, order.to_json())
-            // As for somebody without a display and without settings.
+            // As for a user without a display and without settings.
             .env("HOME", &order.scratch)
             .env_remove("XDG_CONFIG_HOME")
             .env_remove("XDG_CACHE_HOME")

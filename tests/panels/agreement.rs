@@ -82,7 +82,7 @@ fn assert_same(name: &str, wanted: &ComposeOptions, change: impl Fn(&mut Setting
 }
 
 #[test]
-fn the_window_draws_what_is_drawn_without_one() {
+fn the_window_draws_the_same_as_headless_rendering() {
     let plain = ComposeOptions::NONE;
     let change = ComposeOptions {
         change: Some(ChangeColors { step: 2, range: None }),

@@ -107,7 +107,7 @@ fn point_count(harness: &Harness<'_, State>) -> usize {
 }
 
 #[test]
-fn the_chip_has_the_number_of_assumptions_and_opens_their_list() {
+fn the_chip_shows_the_number_of_assumptions_and_opens_their_list() {
     let entries = vec![FrameEntry::file("/scans/0.bin"), FrameEntry::file("/scans/1.bin")];
     let sequence = Sequence::with_decoder(entries, |_| {
         let corners = (0..8).map(|corner| [0, 1, 2].map(|axis| (corner >> axis & 1) as f32));
@@ -132,7 +132,7 @@ fn the_chip_has_the_number_of_assumptions_and_opens_their_list() {
     assert_eq!(chip(&harness), None, "nothing is open");
     harness.state_mut().open(Arc::new(sequence));
     until(&mut harness, "it is shown", is_looked_at);
-    // Up axis, primitive and colours, and one each of both frames that are equal.
+    // Up axis, primitive and colours, and two that both frames share.
     assert_eq!(chip(&harness).as_deref(), Some("5 assumptions"));
     open_list(&mut harness);
     for text in [
@@ -144,7 +144,7 @@ fn the_chip_has_the_number_of_assumptions_and_opens_their_list() {
     ] {
         assert!(has(&harness, text), "{text}");
     }
-    // What was not read from files cannot be opened again.
+    // Sequences that were not read from files cannot be opened again.
     assert!(!has(&harness, "Apply camera") && has(&harness, "up axis: +Z"));
     assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
     open_list(&mut harness);
@@ -152,7 +152,7 @@ fn the_chip_has_the_number_of_assumptions_and_opens_their_list() {
 }
 
 #[test]
-fn an_up_axis_and_a_primitive_are_chosen_remembered_and_taken_back() {
+fn the_up_axis_and_primitive_can_be_chosen_remembered_and_reset() {
     let folder = tempfile::tempdir().unwrap();
     let inputs = [slab(folder.path())];
     let mut harness = window_of(folder.path(), &inputs);
@@ -182,7 +182,7 @@ fn an_up_axis_and_a_primitive_are_chosen_remembered_and_taken_back() {
 }
 
 #[test]
-fn other_columns_open_the_file_again_and_are_remembered_for_it() {
+fn other_columns_reopen_the_file_and_are_remembered_for_it() {
     let folder = tempfile::tempdir().unwrap();
     let inputs = [slab(folder.path())];
     let mut harness = window_of(folder.path(), &inputs);
@@ -203,10 +203,10 @@ fn other_columns_open_the_file_again_and_are_remembered_for_it() {
 }
 
 #[test]
-fn a_choice_that_no_frame_can_be_read_with_changes_nothing() {
+fn a_choice_that_makes_every_frame_unreadable_changes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("odd.bin");
-    // No whole number of points of 5 floats.
+    // Not a whole number of points of 5 floats.
     write_slab(&file, 13, 4);
     let inputs = [file.clone()];
     let mut harness = window_of(folder.path(), &inputs);
@@ -218,7 +218,7 @@ fn a_choice_that_no_frame_can_be_read_with_changes_nothing() {
     assert_eq!(source_of(harness.state()), before);
     assert_eq!(harness.state().stored.reading_choices.of(&inputs), None);
 
-    // A file that was written again does not fit the choice that was made for it before: it is opened all the same.
+    // A rewritten file does not fit the choice that was made for it before: it is opened nonetheless.
     click_and_reopen(&mut harness, "columns: 4 values per point");
     write_slab(&file, 81, 3);
     let again = window_of(folder.path(), &inputs);
@@ -231,7 +231,7 @@ fn a_choice_that_no_frame_can_be_read_with_changes_nothing() {
 }
 
 #[test]
-fn a_number_is_typed_and_said_to_be_wrong() {
+fn a_wrong_number_typed_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let frames: Vec<PathBuf> = (0..2)
         .map(|number| {

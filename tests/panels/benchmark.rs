@@ -155,7 +155,7 @@ fn points() -> Vec<Arc<LabPoint>> {
 }
 
 #[test]
-fn ways_appear_while_they_are_measured_and_a_click_draws_as_one() {
+fn variants_appear_while_measured_and_a_click_applies_one() {
     let mut harness = window();
     harness.state_mut().style.backdrop.background = Background::solid([1, 2, 3]);
     let (go_on, gate) = sync_channel::<()>(0);
@@ -201,7 +201,7 @@ fn ways_appear_while_they_are_measured_and_a_click_draws_as_one() {
 }
 
 #[test]
-fn the_window_stays_where_it_is_and_keeps_what_was_measured() {
+fn the_window_does_not_move_and_retains_measured_results() {
     let mut harness = window();
     let (go_on, gate) = sync_channel::<()>(0);
     let (reached, next) = sync_channel::<()>(0);
@@ -244,7 +244,7 @@ fn the_window_stays_where_it_is_and_keeps_what_was_measured() {
         "it stays"
     );
 
-    // In a small window it is squeezed, and as before when that is large again.
+    // A small window squeezes it, and it is restored when the window is large again.
     harness.set_size(egui::vec2(500.0, 320.0));
     harness.run();
     let squeezed = harness.state().appearance.benchmark_place.unwrap();
@@ -252,7 +252,7 @@ fn the_window_stays_where_it_is_and_keeps_what_was_measured() {
     harness.set_size(egui::vec2(1280.0, 800.0));
     harness.run();
     assert_eq!(harness.state().appearance.benchmark_place, Some(place));
-    // The next one begins there.
+    // The next one starts there.
     let preferences = harness.state().preferences();
     let mut next = window_on(
         super::sequence(&[]),
@@ -269,7 +269,7 @@ fn the_window_stays_where_it_is_and_keeps_what_was_measured() {
 }
 
 #[test]
-fn a_measured_way_is_that_of_its_sequence_alone() {
+fn measured_variants_apply_only_to_their_sequence() {
     let mut harness = window();
     let before = harness.state().style;
     let mut measured = before;
@@ -278,7 +278,7 @@ fn a_measured_way_is_that_of_its_sequence_alone() {
         measured = harness.state().style;
         assert_eq!(measured.drawing.renderer, RendererChoice::Cpu);
     }
-    // What is changed by hand is the person's.
+    // A manual change belongs to the user.
     harness.state_mut().style.light.eye_dome_strength = 0.25;
     assert_ne!(measured.drawing.resolution, before.drawing.resolution);
     let retained = harness.state().preferences().settings;
@@ -308,14 +308,14 @@ fn the_fastest_strategy_is_offered() {
 }
 
 #[test]
-fn a_slider_leads_from_fast_to_exact() {
+fn a_slider_goes_from_fast_to_exact() {
     let mut harness = window();
     assert!(harness.query_by_label("Measure…").is_some());
     let points: Vec<LabPoint> = points().iter().map(|point| (**point).clone()).collect();
     harness.state_mut().features.quality.known = Quality::of(&points);
     harness.run();
     assert!(harness.query_by_label("Custom settings").is_some());
-    // The slider's arrow keys, as a person without a mouse has them.
+    // The slider's arrow keys, as used without a mouse.
     let slider = harness.get_by_role_and_label(egui::accesskit::Role::Slider, "Fast to exact");
     slider.focus();
     harness.run();
@@ -356,7 +356,7 @@ fn rate(bits: u8) -> Arc<RatePoint> {
 }
 
 #[test]
-fn rates_appear_while_they_are_measured_and_a_click_shows_the_frame_beside_the_original() {
+fn rates_appear_while_measured_and_a_click_compares_with_the_original() {
     let entries = (0..super::FRAMES).map(|_| pointreel::sequence::FrameEntry::file("/scans/walk/corners.ply"));
     let sequence = pointreel::sequence::Sequence::with_decoder(entries.collect(), |_| Ok(corners()));
     let mut harness = window_on(Arc::new(sequence), super::options());

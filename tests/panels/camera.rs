@@ -21,14 +21,14 @@ fn the_projection_is_chosen_by_key_and_in_the_settings() {
     assert_eq!(harness.state().camera.projection, Projection::Orthographic);
     assert!(harness.query_by_label("Field of view").is_none(), "there is none");
     let view = harness.state_mut().next_packet().unwrap().view;
-    // The plane through the target keeps its size: farther away, by as much more of a telephoto lens.
+    // The plane through the target keeps its size: the telephoto lens is farther away in proportion.
     let target = harness.state().camera.target_in_world;
     let size_px = |view: pointreel::scene::ViewTransform| {
         f64::from(view.pixels_per_unit_at_1) / (view.eye_high.as_dvec3() - target).length()
     };
     assert!(view.eye_high.length() > 400.0 * seen_before.eye_high.length());
     assert!((size_px(view) / size_px(seen_before) - 1.0).abs() < 1e-5);
-    // Turning about the eye would be turning about a place far away: the picture stays around the target.
+    // Rotating about the eye would mean rotating about a distant position: the image stays around the target.
     let before = harness.state().camera;
     harness.state_mut().camera.look_around(10.0, 0.0);
     let moved = harness.state().camera.target_in_world - before.target_in_world;
@@ -59,7 +59,7 @@ fn a_reset_keeps_the_projection() {
 }
 
 #[test]
-fn the_turntable_turns_until_the_picture_is_dragged() {
+fn the_turntable_turns_until_the_image_is_dragged() {
     let mut harness = window();
     let begin = harness.state().camera;
     assert_eq!(harness.state().next_deadline(), None);
@@ -123,13 +123,13 @@ fn a_view_is_copied_and_pasted_as_text() {
     harness.event(Event::Paste(format!("{text}\n")));
     harness.run();
     assert_eq!(harness.state().camera, camera);
-    // By the menu the window is asked for the clipboard.
+    // From the menu, the window is asked for the clipboard.
     harness.state_mut().run(Command::PASTE_VIEW);
     assert_eq!(harness.state_mut().take_requests(), [WindowRequest::PasteView]);
 }
 
 #[test]
-fn damaged_text_is_told_and_moves_nothing() {
+fn invalid_view_text_is_reported_and_moves_nothing() {
     let mut harness = window();
     let camera = harness.state().camera;
     let text = camera.to_string();
@@ -152,7 +152,7 @@ fn damaged_text_is_told_and_moves_nothing() {
         assert_eq!(notice.severity, Severity::Error);
         assert!(notice.text.len() < 300, "{} bytes", notice.text.len());
     }
-    // A text field takes what is pasted itself.
+    // A text field handles pasting itself.
     let count = harness.state().notices.list().len();
     harness.get_by_label("Frame rate").click();
     harness.run();
@@ -162,7 +162,7 @@ fn damaged_text_is_told_and_moves_nothing() {
 }
 
 #[test]
-fn a_window_begins_with_the_view_that_was_asked_for() {
+fn a_window_starts_with_the_requested_view() {
     let window_camera = window().state().camera;
     let view = Camera {
         target_in_world: DVec3::new(0.0, 0.25, 0.0),

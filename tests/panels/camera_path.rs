@@ -67,7 +67,7 @@ fn until(harness: &mut Harness<'_, State>, is_done: impl Fn(&State) -> bool) {
 }
 
 #[test]
-fn k_sets_keyframes_of_what_is_shown_and_the_time_moves_on() {
+fn k_sets_a_keyframe_of_the_current_view_and_advances_the_time() {
     let mut harness = with_path();
     assert!(
         harness.state().panels.has(PanelId::CAMERA_PATH),
@@ -80,7 +80,7 @@ fn k_sets_keyframes_of_what_is_shown_and_the_time_moves_on() {
     };
     assert!((turned(1) - 40.0).abs() < 1e-9 && (turned(2) - 80.0).abs() < 1e-9);
 
-    // A click on a keyframe shows it; K replaces it then, and the time stays.
+    // Clicking a keyframe shows it; K then replaces it, and the time stays.
     click(&mut harness, "Go to keyframe 2");
     assert_eq!(value(&harness, "Time"), 2.0);
     assert_eq!(frame(&harness), 5);
@@ -107,14 +107,14 @@ fn k_sets_keyframes_of_what_is_shown_and_the_time_moves_on() {
 }
 
 #[test]
-fn times_frames_and_paces_are_set_in_the_list() {
+fn times_frames_and_speeds_are_set_in_the_list() {
     let mut harness = with_path();
     set(&mut harness, "Time of keyframe 2", 2.5);
     set(&mut harness, "Time of keyframe 3", 1.0);
     set(&mut harness, "Frame of keyframe 1", 3.0);
     assert_eq!(keys(&harness), [(0.0, 2.0), (2.5, 5.0), (2.501, 5.0)]);
     set(&mut harness, "Time of keyframe 3", 4.5);
-    // 24 frames a second for two and a half seconds, then two seconds back at half of that.
+    // 24 frames per second for two and a half seconds, then two seconds back at half that rate.
     choose_after(&mut harness, 1, "Plays");
     choose_after(&mut harness, 2, "Backward, × 0.5");
     assert_eq!(keys(&harness), [(0.0, 2.0), (2.5, 62.0), (4.5, 38.0)]);
@@ -126,7 +126,7 @@ fn times_frames_and_paces_are_set_in_the_list() {
 }
 
 #[test]
-fn every_change_can_be_undone_in_order_with_those_of_settings() {
+fn path_changes_are_undone_in_order_with_setting_changes() {
     let mut harness = with_path();
     let splat_scale = harness.state().style.surfels.splat_scale;
     press(&mut harness, NONE, Key::Plus);
@@ -166,7 +166,7 @@ fn the_preview_plays_the_path_at_its_speed_until_it_is_stopped() {
     harness.state_mut().update(Duration::from_secs(3));
     assert_eq!(harness.state().camera, stopped);
 
-    // It goes on from there to the end.
+    // It continues from there to the end.
     press(&mut harness, Modifiers::SHIFT, Key::K);
     harness.state_mut().update(Duration::from_secs(4));
     assert!(harness.state().features.path.is_playing());
@@ -176,7 +176,7 @@ fn the_preview_plays_the_path_at_its_speed_until_it_is_stopped() {
     assert!(!harness.state().features.path.is_playing());
     assert_eq!(harness.state().camera, path.at(4.0).0);
 
-    // Whoever takes the camera has it.
+    // When the user moves the camera, playback gives way.
     press(&mut harness, Modifiers::SHIFT, Key::K);
     harness.state_mut().update(Duration::from_secs(41));
     harness.state_mut().camera.orbit(5.0, 5.0);
@@ -198,7 +198,7 @@ fn the_sequence_that_played_before_the_preview_plays_after_it() {
 }
 
 #[test]
-fn a_view_of_another_kind_is_no_keyframe_of_this_path() {
+fn a_view_of_another_projection_cannot_be_a_keyframe_of_the_path() {
     let mut harness = with_path();
     harness.state_mut().camera.projection = Projection::Orthographic;
     press(&mut harness, NONE, Key::K);
@@ -208,7 +208,7 @@ fn a_view_of_another_kind_is_no_keyframe_of_this_path() {
 }
 
 #[test]
-fn a_path_is_saved_as_the_command_line_reads_it_and_opened_again() {
+fn a_path_is_saved_in_the_command_line_format_and_reopened() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("flight.json");
     let mut harness = with_path();
@@ -235,7 +235,7 @@ fn a_path_is_saved_as_the_command_line_reads_it_and_opened_again() {
 }
 
 #[test]
-fn an_unsaved_path_is_not_lost_without_a_question() {
+fn an_unsaved_path_is_not_lost_without_asking() {
     let mut harness = with_path();
     click(&mut harness, "New camera path");
     assert_eq!(keys(&harness).len(), 3);
@@ -246,7 +246,7 @@ fn an_unsaved_path_is_not_lost_without_a_question() {
     assert_eq!(harness.state_mut().take_requests(), []);
     press(&mut harness, NONE, Key::Escape);
     assert!(harness.query_by_label("Quit anyway").is_none());
-    // The window's own button: the second time it closes.
+    // The window's own button: the second click closes it.
     assert!(!harness.state_mut().may_close());
     assert!(harness.state_mut().may_close());
     harness.run();

@@ -9,7 +9,7 @@ use pointreel::app::{Presets, State, StateOptions};
 use pointreel::scene::Primitive;
 
 #[test]
-fn the_palette_finds_chooses_and_runs() {
+fn the_palette_finds_selects_and_runs_commands() {
     let mut harness = window();
     press(&mut harness, Modifiers::COMMAND, Key::P);
     let field = || (Role::TextInput, "Find a command");
@@ -17,7 +17,7 @@ fn the_palette_finds_chooses_and_runs() {
     harness.get_by_role_and_label(role, label).type_text("frm");
     harness.run();
     assert!(harness.query_by_role_and_label(Role::Button, "Turntable").is_none());
-    // Next, previous: the second of those found.
+    // Next, previous: the second of the results.
     press(&mut harness, Modifiers::NONE, Key::ArrowDown);
     press(&mut harness, Modifiers::NONE, Key::ArrowUp);
     press(&mut harness, Modifiers::NONE, Key::Enter);
@@ -40,7 +40,7 @@ fn the_palette_brings_the_row_of_a_setting_into_view() {
             .type_text(text);
         harness.run();
         press(harness, Modifiers::NONE, Key::Enter);
-        // Scrolling takes some pictures.
+        // Scrolling takes several frames.
         for _ in 0..60 {
             harness.step();
         }
@@ -52,7 +52,7 @@ fn the_palette_brings_the_row_of_a_setting_into_view() {
     assert!(!is_seen(&harness, "Clip"));
     choose(&mut harness, "clip to a box");
     assert!(is_seen(&harness, "Clip"));
-    // One of those that are folded away.
+    // One of those in a collapsed section.
     assert!(!is_seen(&harness, "Painted by"));
     choose(&mut harness, "painted by");
     assert!(is_seen(&harness, "Painted by"));

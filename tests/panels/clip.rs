@@ -30,7 +30,7 @@ fn cube(edge: f32) -> Clip {
 }
 
 #[test]
-fn a_box_is_cut_to_and_comes_back_as_it_was() {
+fn a_clip_box_is_applied_and_restored_unchanged() {
     let mut harness = window();
     choose(&mut harness, "Clipping", "To a box");
     // Around the largest cube, that of the last frame.
@@ -61,7 +61,7 @@ fn a_box_is_cut_to_and_comes_back_as_it_was() {
 }
 
 #[test]
-fn a_plane_stands_across_an_axis() {
+fn a_clip_plane_is_perpendicular_to_an_axis() {
     let mut harness = window();
     choose(&mut harness, "Clipping", "At a plane");
     choose(&mut harness, "Plane across", "Z");
@@ -84,7 +84,7 @@ fn a_plane_stands_across_an_axis() {
 fn pull(harness: &mut Harness<'_, State>, handle: &str, place: DVec3) {
     let from = harness.get_by_role_and_label(Role::Slider, handle).rect().center();
     let to = in_window(harness, place);
-    // Not quite in the middle, and not quite on the line.
+    // Not quite at the centre, and not quite on the line.
     let slack = egui::vec2(2.0, -1.0);
     harness.drag_at(from + slack);
     harness.run();
@@ -97,7 +97,7 @@ fn pull(harness: &mut Harness<'_, State>, handle: &str, place: DVec3) {
 }
 
 #[test]
-fn edges_of_the_box_are_dragged_in_the_picture() {
+fn edges_of_the_box_are_dragged_in_the_image() {
     let mut harness = window();
     choose(&mut harness, "Clipping", "To a box");
     tap(&mut harness, "This frame");
@@ -110,7 +110,7 @@ fn edges_of_the_box_are_dragged_in_the_picture() {
     assert!((max - DVec3::new(0.2, 0.5, 0.5)).length() < 0.01, "{max}");
     assert!((min - DVec3::new(-0.5, -0.1, -0.5)).length() < 0.01, "{min}");
     assert_eq!(harness.state().camera, camera, "the picture was not dragged");
-    // One edge does not go beyond the other.
+    // One edge does not cross the other.
     pull(&mut harness, "X to in the view", DVec3::new(-0.9, 0.2, 0.0));
     let ClipShape::Box { min, max } = harness.state().style.clip.unwrap().shape else {
         panic!("it is a box");

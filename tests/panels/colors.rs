@@ -48,7 +48,7 @@ fn color_of(harness: &Harness<'_, State>, index_in_file: u32) -> [u8; 4] {
 }
 
 #[test]
-fn a_field_is_shown_through_a_map_over_a_range() {
+fn a_field_is_shown_with_a_color_map_over_a_range() {
     let mut harness = window(false);
     assert_eq!(color_of(&harness, 50), [50, 9, 9, 255]);
     assert!(
@@ -79,7 +79,7 @@ fn a_field_is_shown_through_a_map_over_a_range() {
         panic!("a field has a ramp");
     };
     assert_eq!((map, ticks[0].1.as_str()), (ColorMap::Turbo, "5"));
-    // Numbers of one source mean nothing for another.
+    // Numbers of one source have no meaning for another.
     choose(&mut harness, "Colours", "Height");
     assert_eq!(harness.state().style.colors.range, ColorRange::USUAL);
     choose(&mut harness, "Along", "-Z");
@@ -104,7 +104,7 @@ fn bottom_of(harness: &Harness<'_, State>, text: &str) -> Option<f32> {
 }
 
 #[test]
-fn the_legend_of_a_small_window_leaves_the_axes_their_room() {
+fn the_legend_of_a_small_window_does_not_cover_the_axes() {
     let mut harness = window(false);
     choose(&mut harness, "Colours", "Heat");
     settle(&mut harness);
@@ -141,7 +141,7 @@ fn classes_are_listed_in_a_legend_that_can_be_hidden() {
 }
 
 #[test]
-fn the_list_has_what_the_file_has() {
+fn the_list_has_the_fields_of_the_file() {
     let mut harness = window(true);
     harness.get_by_role_and_label(Role::ComboBox, "Colours").scroll_to_me();
     harness.run();
@@ -164,7 +164,7 @@ fn the_list_has_what_the_file_has() {
 }
 
 #[test]
-fn a_scalar_that_is_not_there_is_grey_and_says_why() {
+fn a_missing_scalar_is_gray_with_a_reason() {
     let mut harness = super::window();
     harness.get_by_role_and_label(Role::ComboBox, "Colours").scroll_to_me();
     harness.run();
@@ -176,7 +176,7 @@ fn a_scalar_that_is_not_there_is_grey_and_says_why() {
     harness.hover_at(place);
     harness.run_steps(60);
     assert!(harness.query_by_label_contains("The file has no scalar").is_some());
-    // Chosen for another file before, it is not passed over in silence.
+    // If it was chosen for another file before, it is not ignored in silence.
     let mut harness = super::window();
     harness.state_mut().style.colors.source = ColorSource::Scalar(None);
     settle(&mut harness);

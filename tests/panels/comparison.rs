@@ -8,13 +8,13 @@ use pointreel::scene::{Primitive, Splatting};
 use std::time::{Duration, Instant};
 
 #[test]
-fn each_side_keeps_its_settings_and_draws_its_picture() {
+fn each_side_has_its_own_settings_and_image() {
     let mut harness = window();
     assert!(harness.state_mut().next_packet().is_some());
     assert!(harness.state_mut().next_other_packet().is_none(), "one picture");
     harness.state_mut().run(Command::TOGGLE_COMPARISON);
     harness.run();
-    // The right side is edited first; the left one stays as it was.
+    // The right side is edited first; the left one does not change.
     harness.state_mut().style.primitive = Primitive::Point.into();
     let other = harness.state_mut().next_other_packet().unwrap();
     assert_eq!(other.style.primitive, Primitive::Surfel);
@@ -30,7 +30,7 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
         (comparison.edited, comparison.other.primitive),
         (Side::A, Primitive::Point.into())
     );
-    // What one side needs of the frame is there for it alone.
+    // Data of the frame that only one side needs is there for it.
     harness
         .state_mut()
         .features
@@ -41,7 +41,7 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
         .primitive = Primitive::Voxel.into();
     let packet = harness.state_mut().next_other_packet().unwrap();
     assert!(!packet.content.voxels().unwrap().records.is_empty());
-    // Both are seen from one camera.
+    // Both are viewed with the same camera.
     harness.state_mut().camera.azimuth_deg += 10.0;
     let packets = [
         harness.state_mut().next_packet(),
@@ -54,7 +54,7 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
 }
 
 #[test]
-fn closing_keeps_a_and_b_is_a_choice() {
+fn closing_retains_a_by_default_and_b_by_choice() {
     for (button, retained) in [("Close", Primitive::Surfel), ("Use B", Primitive::Point)] {
         for edited in ["A (left)", "B (right)"] {
             let mut harness = window();
@@ -67,7 +67,7 @@ fn closing_keeps_a_and_b_is_a_choice() {
             assert_eq!(harness.state().style.primitive, retained, "{button} with {edited}");
         }
     }
-    // The key closes as well.
+    // The key also closes it.
     let mut harness = window();
     harness.state_mut().run(Command::TOGGLE_COMPARISON);
     harness.state_mut().style.surfels.splat_scale = 3.0;
@@ -82,7 +82,7 @@ fn closing_keeps_a_and_b_is_a_choice() {
 }
 
 #[test]
-fn pictures_that_rest_are_compared() {
+fn images_at_rest_are_compared() {
     let mut harness = window();
     harness.state_mut().run(Command::TOGGLE_COMPARISON);
     harness.state_mut().style.surfels.splatting = Splatting::TwoPass;
@@ -95,7 +95,7 @@ fn pictures_that_rest_are_compared() {
     assert_eq!(harness.state_mut().take_requests(), []);
     harness.state_mut().update(at(400));
     assert_eq!(harness.state_mut().take_requests(), [WindowRequest::Compare]);
-    // What the window does then.
+    // What the window does in response.
     let [edited, other] = [40, 90].map(|level| RgbaImage::from_pixel(32, 24, Rgba([level, level, level, 255])));
     harness.state_mut().compare_pictures(edited, other);
     let begin = Instant::now();
@@ -112,7 +112,7 @@ fn pictures_that_rest_are_compared() {
     harness.get_by_label("Error map").click();
     harness.run();
     assert!(harness.state().pictures().unwrap().shows_difference);
-    // The next change makes the numbers old.
+    // The next change makes the numbers outdated.
     harness.state_mut().style.surfels.splat_scale = 2.0;
     assert!(harness.state_mut().next_packet().is_some());
     harness.run();
@@ -120,7 +120,7 @@ fn pictures_that_rest_are_compared() {
 }
 
 #[test]
-fn the_line_is_dragged_and_the_camera_stays() {
+fn dragging_the_line_does_not_move_the_camera() {
     let mut harness = window();
     harness.state_mut().run(Command::TOGGLE_COMPARISON);
     harness.run();

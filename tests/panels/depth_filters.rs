@@ -49,7 +49,7 @@ fn points(harness: &Harness<'_, State>) -> usize {
 }
 
 #[test]
-fn filters_that_are_set_decode_the_frames_anew_and_nothing_else_changes() {
+fn changing_filters_decodes_the_frames_again_and_changes_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
     recording(folder.path());
     let sequence = Sequence::discover(&[folder.path().to_owned()]).unwrap();

@@ -168,7 +168,7 @@ fn each_sequence_has_its_own_document() {
     assert!(style.backdrop.grid && style.primitive == Primitive::Surfel);
     close(&mut harness);
 
-    // The next window has it all as well; what was only opened leaves nothing behind.
+    // The next window has everything as well; a sequence that was only opened leaves nothing behind.
     let c = scans(folder.path(), "c");
     let mut next = window_of(retained_in(folder.path()), &c);
     close(&mut next);
@@ -179,7 +179,7 @@ fn each_sequence_has_its_own_document() {
 }
 
 #[test]
-fn what_is_kept_is_a_session() {
+fn documents_are_stored_as_sessions() {
     let folder = tempfile::tempdir().unwrap();
     let a = scans(folder.path(), "a");
     let mut harness = window_of(retained_in(folder.path()), &a);
@@ -190,7 +190,7 @@ fn what_is_kept_is_a_session() {
     let read = ReadSession::read(&file).unwrap();
     assert_eq!(read.warnings, [""; 0]);
     assert_eq!(read.document.notes, "from the north");
-    // As a session it opens the same.
+    // Opened as a session it is the same.
     let copy = folder.path().join("copy.pointreel");
     fs::copy(&file, &copy).unwrap();
     let mut harness = window_of(options(), &copy);
@@ -200,7 +200,7 @@ fn what_is_kept_is_a_session() {
 }
 
 #[test]
-fn two_windows_on_one_sequence_lose_nothing_of_each_other() {
+fn two_windows_on_one_sequence_do_not_lose_each_others_changes() {
     let folder = tempfile::tempdir().unwrap();
     let a = scans(folder.path(), "a");
     let [mut one, mut other] = [0, 1].map(|_| window_of(retained_in(folder.path()), &a));
@@ -214,7 +214,7 @@ fn two_windows_on_one_sequence_lose_nothing_of_each_other() {
 }
 
 #[test]
-fn unsaved_is_what_is_in_no_session() {
+fn changes_are_unsaved_until_in_a_session() {
     let folder = tempfile::tempdir().unwrap();
     let a = scans(folder.path(), "a");
     let mut harness = window_of(retained_in(folder.path()), &a);
@@ -238,7 +238,7 @@ fn unsaved_is_what_is_in_no_session() {
 }
 
 #[test]
-fn a_document_is_begun_again() {
+fn a_document_can_be_reset() {
     let folder = tempfile::tempdir().unwrap();
     let a = scans(folder.path(), "a");
     let mut harness = window_of(retained_in(folder.path()), &a);
@@ -250,7 +250,7 @@ fn a_document_is_begun_again() {
     let begun = harness.state().current_document();
     assert!(begun.is_stored_same(&new), "{begun:#?} is not {new:#?}");
     assert_eq!(harness.state().camera, first_view);
-    // What can be undone comes back, with its own name.
+    // Undone changes come back, under their own names.
     harness.state_mut().run(Command::UNDO);
     assert_eq!(harness.state().features.labels.list.len(), 1);
     assert_eq!(harness.state().document.notes, "from the north");
@@ -262,7 +262,7 @@ fn a_document_is_begun_again() {
 }
 
 #[test]
-fn a_fresh_window_begins_from_defaults_and_takes_nothing_away() {
+fn a_fresh_window_starts_from_defaults_and_deletes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let [a, b] = ["a", "b"].map(|name| scans(folder.path(), name));
     let mut harness = window_of(retained_in(folder.path()), &a);
@@ -278,7 +278,7 @@ fn a_fresh_window_begins_from_defaults_and_takes_nothing_away() {
     let mut harness = window_of(retained_in(folder.path()), &a);
     assert_eq!(harness.state().features.labels.list.len(), 1, "it is kept still");
     close(&mut harness);
-    // What is made in it goes before what was.
+    // Changes made in it take precedence over earlier ones.
     let mut harness = window_of(fresh(), &a);
     harness.state_mut().document.notes.push_str("anew");
     open(&mut harness, &b);
@@ -288,7 +288,7 @@ fn a_fresh_window_begins_from_defaults_and_takes_nothing_away() {
 }
 
 #[test]
-fn what_the_command_line_says_goes_before_what_is_kept_and_is_not_kept() {
+fn command_line_options_override_stored_values_and_are_not_stored() {
     let folder = tempfile::tempdir().unwrap();
     let a = scans(folder.path(), "a");
     let mut harness = window_of(retained_in(folder.path()), &a);
@@ -312,7 +312,7 @@ fn what_the_command_line_says_goes_before_what_is_kept_and_is_not_kept() {
 }
 
 #[test]
-fn marks_and_choices_from_before_documents_are_read() {
+fn marks_and_choices_of_versions_before_documents_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let a = scans(folder.path(), "a");
     let mut harness = window_of(retained_in(folder.path()), &a);
@@ -339,7 +339,7 @@ fn marks_and_choices_from_before_documents_are_read() {
 }
 
 #[test]
-fn a_look_is_made_that_of_new_files() {
+fn current_settings_can_become_the_defaults_for_new_files() {
     let folder = tempfile::tempdir().unwrap();
     let [a, b] = ["a", "b"].map(|name| scans(folder.path(), name));
     let mut harness = window_of(retained_in(folder.path()), &a);

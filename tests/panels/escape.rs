@@ -13,7 +13,7 @@ fn escape(harness: &mut Harness<'_, State>) {
 }
 
 #[test]
-fn menus_lists_and_colour_pickers_go_before_the_tool() {
+fn escape_closes_menus_lists_and_color_pickers_before_the_tool() {
     let mut harness = window();
     press(&mut harness, Modifiers::NONE, Key::M);
     let tool = |harness: &Harness<'_, State>| harness.state().features.inspection.tool;
@@ -39,7 +39,7 @@ fn menus_lists_and_colour_pickers_go_before_the_tool() {
 }
 
 #[test]
-fn a_key_that_opens_a_window_closes_the_menu() {
+fn opening_a_window_by_key_closes_the_menu() {
     let mut harness = window();
     click(&mut harness, "Help");
     press(&mut harness, Modifiers::NONE, Key::F1);
@@ -48,7 +48,7 @@ fn a_key_that_opens_a_window_closes_the_menu() {
 }
 
 #[test]
-fn windows_close_from_the_topmost_down_then_the_screen_is_left() {
+fn escape_closes_windows_top_down_then_leaves_full_screen() {
     let mut harness = window();
     harness.state_mut().appearance.full_screen = true;
     let has = |harness: &Harness<'_, State>| {
@@ -59,7 +59,7 @@ fn windows_close_from_the_topmost_down_then_the_screen_is_left() {
         harness.state_mut().run(Command::panel(panel));
         harness.run();
     }
-    // A click brings the lowest to the top.
+    // A click brings the bottom window to the top.
     let of_help = harness.get_by_label("Orbit").rect().center();
     super::points::click_on(&mut harness, of_help, 1);
     for left in [[true, false, true], [false, false, true], [false; 3]] {

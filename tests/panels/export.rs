@@ -72,7 +72,7 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn a_turntable_becomes_a_gif_while_the_window_lives() {
+fn a_turntable_is_exported_as_gif_while_the_window_stays_responsive() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = exporting(folder.path());
     choose(&mut harness, "What", "Turntable");
@@ -80,7 +80,7 @@ fn a_turntable_becomes_a_gif_while_the_window_lives() {
     assert!(harness.query_by_label("6 images of 48 × 32, 0.2 s").is_some());
     click(&mut harness, "Export");
     assert!(!harness.state().panels.has(PanelId::EXPORT));
-    // It draws what was chosen when it began.
+    // It draws with the settings chosen when it started.
     harness.state_mut().style.drawing.renderer = RendererChoice::Gpu.into();
     harness.state_mut().camera.orbit(90.0, 0.0);
     let said = finish(&mut harness);
@@ -96,7 +96,7 @@ fn a_turntable_becomes_a_gif_while_the_window_lives() {
 }
 
 #[test]
-fn the_sequence_becomes_png_files_from_in_to_out_point() {
+fn the_sequence_is_exported_as_png_files_from_in_to_out_point() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = exporting(folder.path());
     let state = harness.state_mut();
@@ -123,7 +123,7 @@ fn the_sequence_becomes_png_files_from_in_to_out_point() {
     assert_eq!(picture.get_pixel(0, 0).0, [0; 4]);
     assert!(picture.pixels().any(|pixel| pixel.0[3] == 255));
 
-    // The same again would replace them, and says so.
+    // Exporting again would replace them, and says so.
     press(&mut harness, Modifiers::SHIFT, Key::P);
     assert!(harness.query_by_label_contains("it is replaced").is_some());
 }
@@ -146,7 +146,7 @@ fn the_camera_path_is_offered_once_it_has_keyframes() {
 }
 
 #[test]
-fn what_a_format_has_not_is_not_offered() {
+fn unsupported_options_of_a_format_are_not_offered() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = exporting(folder.path());
     choose(&mut harness, "What", "Turntable");
@@ -173,7 +173,7 @@ fn what_a_format_has_not_is_not_offered() {
 }
 
 #[test]
-fn a_picture_is_what_is_on_the_screen() {
+fn an_exported_image_matches_the_screen() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = exporting(folder.path());
     assert_eq!(harness.state().features.export.subject, ExportSubject::Picture);
@@ -197,10 +197,10 @@ fn gated(gate: std::sync::mpsc::Receiver<()>) -> Arc<Sequence> {
         .collect();
     let seen = Mutex::new(std::collections::HashSet::new());
     Arc::new(Sequence::with_decoder(sources, move |source| {
-        // The window reads every frame once; the export is who comes again.
+        // The window reads every frame once; the second read is the export's.
         let is_again = !seen.lock().unwrap().insert(source.number);
         if is_again && source.number == Some(3) {
-            // A gate that is gone is open.
+            // A dropped gate counts as open.
             let _ = gate.lock().unwrap().recv();
         }
         let corners = (0..8).map(|corner| [0, 1, 2].map(|axis| (corner >> axis & 1) as f32));
@@ -216,7 +216,7 @@ fn a_cancelled_export_leaves_nothing() {
     harness.state_mut().choose_export(ExportSubject::Sequence);
     harness.run();
     click(&mut harness, "Export");
-    // Three pictures are drawn, the fourth waits for its frame.
+    // Three images are drawn, the fourth waits for its frame.
     let patience = Instant::now();
     while harness.state().shared.works.list()[0].progress().done() < 3 {
         assert!(patience.elapsed() < Duration::from_mins(1));
@@ -240,7 +240,7 @@ fn a_cancelled_export_leaves_nothing() {
 }
 
 #[test]
-fn what_cannot_be_written_is_said_and_leaves_nothing() {
+fn failed_writes_are_reported_and_leave_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = exporting(&folder.path().join("missing"));
     click(&mut harness, "Export");
@@ -251,7 +251,7 @@ fn what_cannot_be_written_is_said_and_leaves_nothing() {
 }
 
 #[test]
-fn frames_that_cannot_be_read_are_named() {
+fn unreadable_frames_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = exporting_of(sequence(&[2]), folder.path());
     harness.state_mut().choose_export(ExportSubject::Sequence);
@@ -288,7 +288,7 @@ fn every_control_of_the_export_has_a_name() {
 }
 
 #[test]
-fn videos_show_the_ghosts_and_colours_that_the_picture_shows() {
+fn videos_show_the_same_ghosts_and_colors_as_the_image() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = exporting(folder.path());
     let state = harness.state_mut();
@@ -311,7 +311,7 @@ fn videos_show_the_ghosts_and_colours_that_the_picture_shows() {
         let id = harness.state().notices.list()[0].id;
         harness.state_mut().notices.dismiss(id);
     };
-    // The player is at the last frame that plays.
+    // The player is at the last frame of the range.
     export(ExportSubject::Picture, "single", true);
     export(ExportSubject::Sequence, "with", true);
     export(ExportSubject::Sequence, "without", false);

@@ -112,13 +112,13 @@ fn nothing_is_drawn_while_nothing_is_under_way() {
     driven.settle();
     assert!(driven.pictures() > 0, "it has been drawn");
     assert_eq!(driven.of_five_seconds(), (0, 0));
-    // A wake without news draws nothing either.
+    // A wake-up without news draws nothing either.
     driven.woken.store(true, Ordering::Relaxed);
     assert_eq!(driven.of_five_seconds(), (0, 0));
 }
 
 #[test]
-fn coarse_copies_draw_no_picture_but_move_the_marks_of_the_timeline() {
+fn coarse_copies_redraw_no_image_but_update_the_timeline_marks() {
     let mut driven = Driven::on(sequence(), 12 << 20);
     driven.settle();
     let state = driven.harness.state();

@@ -7,7 +7,7 @@ use pointreel::app::{GESTURES, PanelId, WindowRequest, commands};
 use pointreel::timeline::LoopMode;
 
 #[test]
-fn keys_do_what_the_table_says() {
+fn keys_match_the_table() {
     const SHIFT: Modifiers = Modifiers::SHIFT;
     const NONE: Modifiers = Modifiers::NONE;
     let mut harness = window();
@@ -66,7 +66,7 @@ fn keys_do_what_the_table_says() {
 }
 
 #[test]
-fn a_text_field_keeps_its_keys() {
+fn a_text_field_receives_its_keys() {
     let mut harness = window();
     let camera = harness.state().camera;
     harness.get_by_label("Frame rate").click();

@@ -17,7 +17,7 @@ fn labelled(text: &str) -> Harness<'static, State> {
     press(&mut harness, NONE, Key::N);
     let place = in_window(&harness, corner(6));
     click_on(&mut harness, place, 1);
-    // The text is written at once.
+    // The text is entered at once.
     harness
         .get_by_role_and_label(Role::TextInput, "Text of label 1")
         .type_text(text);
@@ -40,7 +40,7 @@ fn painted(harness: &Harness<'_, State>, text: &str) -> Option<Pos2> {
         }
     }
     let shapes = harness.output().shapes.iter();
-    // Fields are in windows, labels on the picture below all of them.
+    // Text fields are in windows, labels on the image below all of them.
     let picture = harness.state().viewport.rect;
     shapes
         .filter(|clipped| clipped.clip_rect.width() > 0.9 * picture.width())
@@ -48,7 +48,7 @@ fn painted(harness: &Harness<'_, State>, text: &str) -> Option<Pos2> {
 }
 
 #[test]
-fn a_click_puts_a_label_whose_text_is_written_at_once() {
+fn a_click_adds_a_label_whose_text_is_edited_at_once() {
     let mut harness = in_squares(window());
     press(&mut harness, NONE, Key::N);
     assert_eq!(harness.state().features.inspection.tool, Tool::Label);
@@ -65,7 +65,7 @@ fn a_click_puts_a_label_whose_text_is_written_at_once() {
     );
     assert!((label.place.unwrap() - corner(6)).length() < 1e-6);
     assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
-    // Esc leaves the field, closes the list, and ends putting.
+    // Esc leaves the field, closes the list, and ends label placement.
     for _ in 0..3 {
         press(&mut harness, NONE, Key::Escape);
     }
@@ -74,7 +74,7 @@ fn a_click_puts_a_label_whose_text_is_written_at_once() {
 }
 
 #[test]
-fn a_label_is_painted_at_its_point_and_goes_with_it() {
+fn a_label_is_painted_at_its_point_and_follows_it() {
     let mut harness = labelled("knee");
     let expected = |harness: &Harness<'_, State>, scale: f64| in_window(harness, scale * corner(6));
     let offset = painted(&harness, "knee").unwrap() - expected(&harness, 1.0);
@@ -83,7 +83,7 @@ fn a_label_is_painted_at_its_point_and_goes_with_it() {
         "{offset:?}"
     );
     press(&mut harness, Modifiers::SHIFT, Key::ArrowRight);
-    // The keys go to the field first: it was left by the click on the picture below.
+    // Keys still go to the text field first: a click on the image below has to leave it.
     let aside = harness.state().viewport.rect.left_bottom() + egui::vec2(20.0, -20.0);
     click_on(&mut harness, aside, 1);
     press(&mut harness, Modifiers::SHIFT, Key::ArrowRight);
@@ -98,7 +98,7 @@ fn a_label_is_painted_at_its_point_and_goes_with_it() {
 }
 
 #[test]
-fn saved_pictures_have_the_labels_of_the_window() {
+fn saved_images_have_the_labels_of_the_window() {
     let mut harness = labelled("knee");
     let gray = image::Rgba([90, 90, 90, 255]);
     let saved = |harness: &Harness<'_, State>| {
@@ -108,7 +108,7 @@ fn saved_pictures_have_the_labels_of_the_window() {
     let picture = saved(&harness);
     let place = harness.state().camera.to_px(corner(6), [640, 480]).unwrap();
     assert_ne!(picture.get_pixel(place.x as u32, place.y as u32), &gray, "the dot");
-    // The text is to the right of it, above.
+    // The text is to its upper right.
     let changed = picture.enumerate_pixels().filter(|(_, _, pixel)| **pixel != gray);
     let of_text = changed.filter(|(x, y, _)| f64::from(*x) > place.x + 8.0 && f64::from(*y) < place.y - 4.0);
     assert!(of_text.count() > 100);
@@ -118,7 +118,7 @@ fn saved_pictures_have_the_labels_of_the_window() {
 }
 
 #[test]
-fn labels_have_times_and_are_gone_to_deleted_and_undone() {
+fn labels_have_times_and_can_be_jumped_to_deleted_and_undone() {
     let mut harness = labelled("knee");
     let set = |harness: &mut Harness<'_, State>, label: &str, value: f64| {
         harness
@@ -145,7 +145,7 @@ fn labels_have_times_and_are_gone_to_deleted_and_undone() {
         "the sequence may grow"
     );
 
-    // Changes of a moment are one step of undo.
+    // Changes in quick succession are one undo step.
     harness.run_steps(60);
     click(&mut harness, "Delete label 1");
     assert_eq!(texts(&harness), [""; 0]);
@@ -154,7 +154,7 @@ fn labels_have_times_and_are_gone_to_deleted_and_undone() {
     press(&mut harness, Modifiers::COMMAND, Key::Y);
     assert_eq!(texts(&harness), [""; 0]);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    // Another sequence has none of them, nor does undo bring them there.
+    // Another sequence has none of them, and undo does not bring them there.
     harness.state_mut().open(super::sequence(&[]));
     harness.run();
     assert_eq!(texts(&harness), [""; 0]);

@@ -10,7 +10,7 @@ use pointreel::document::DocumentFolder;
 use std::time::Duration;
 
 #[test]
-fn playing_stays_between_in_and_out_point() {
+fn playback_stays_between_in_and_out_point() {
     let mut harness = window();
     harness.state_mut().step_frames(3);
     press(&mut harness, Modifiers::SHIFT, Key::I);
@@ -32,7 +32,7 @@ fn playing_stays_between_in_and_out_point() {
 }
 
 #[test]
-fn markers_are_set_named_jumped_to_and_kept() {
+fn markers_are_set_named_jumped_to_and_stored() {
     let folder = tempfile::tempdir().unwrap();
     let retained = || StateOptions {
         documents: Some(DocumentFolder::at(
@@ -55,7 +55,7 @@ fn markers_are_set_named_jumped_to_and_kept() {
     assert_eq!(frame(&harness), 4);
     press(&mut harness, Modifiers::SHIFT, Key::I);
 
-    // The second click of two names it.
+    // The second click of a double click renames it.
     let flag = harness.get_by_role_and_label(Role::Button, "Marker at frame 5");
     let place = flag.rect().center();
     click_on(&mut harness, place, 2);
@@ -74,14 +74,14 @@ fn markers_are_set_named_jumped_to_and_kept() {
         .collect();
     assert_eq!(known, [(4, "turn"), (10, "")]);
     assert_eq!(clock(&next).range().first(), Some(4));
-    // Taken away as they were set.
+    // Removed in the same way as they were set.
     harness.state_mut().run(Command::TOGGLE_MARKER);
     harness.run();
     assert!(harness.query_by_label("Marker turn").is_none());
 }
 
 #[test]
-fn a_curve_is_chosen_and_tells_a_value() {
+fn a_curve_can_be_chosen_and_shows_values() {
     let mut harness = window();
     assert!(harness.query_by_label("Curve: Points").is_none());
     for quantity in Quantity::ALL {
@@ -95,7 +95,7 @@ fn a_curve_is_chosen_and_tells_a_value() {
     let curve = harness.get_by_role_and_label(Role::Image, "Curve: Points");
     harness.hover_at(curve.rect().center());
     harness.run();
-    // The tooltip comes after a rest.
+    // The tooltip appears after a delay.
     for _ in 0..60 {
         harness.step();
     }

@@ -9,7 +9,7 @@ use pointreel::app::{Command, Recent, State, StateOptions, WindowRequest};
 use std::time::{Duration, Instant};
 
 #[test]
-fn menus_open_close_and_list_what_was_opened() {
+fn menus_open_close_and_list_recent_files() {
     let mut recent = Recent::default();
     recent.add(&["/nowhere/at/all".into()]).unwrap();
     let mut harness = window_on(sequence(&[]), StateOptions { recent, ..options() });
@@ -45,11 +45,11 @@ fn menus_open_close_and_list_what_was_opened() {
 }
 
 #[test]
-fn what_there_is_nothing_to_do_for_is_grey() {
+fn unavailable_menu_items_are_gray() {
     let mut harness = window_on(sequence(&[]), options());
     let can_choose = |harness: &mut Harness<'_, State>, menu: &str, label: &str| {
         click(harness, menu);
-        // The keys of an item are part of its name.
+        // The shortcut of an item is part of its name.
         let is_it = |text: String| text.starts_with(label);
         let is_grey = harness
             .get_all_by_role(Role::Button)
@@ -72,7 +72,7 @@ fn what_there_is_nothing_to_do_for_is_grey() {
 }
 
 #[test]
-fn the_theme_is_chosen_and_kept() {
+fn the_theme_is_chosen_and_stored() {
     let mut harness = window_on(sequence(&[]), options());
     let is_dark = |harness: &Harness<'_, State>| harness.ctx.global_style().visuals.dark_mode;
     assert!(is_dark(&harness), "the system does not say");
@@ -89,7 +89,7 @@ fn the_theme_is_chosen_and_kept() {
         assert_eq!(harness.state().preferences().theme, theme);
     }
 
-    // The next window begins as this one was left; that the system is light does not matter.
+    // The next window starts as this one was closed, even though the system theme is light.
     harness.state_mut().run(Command::DARK_THEME);
     let preferences = harness.state().preferences();
     let mut next = window_on(
@@ -151,7 +151,7 @@ fn recording(path: &std::path::Path) {
 }
 
 #[test]
-fn another_topic_of_a_recording_is_chosen_in_the_menu() {
+fn another_topic_of_a_recording_can_be_chosen_in_the_menu() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drive.mcap");
     recording(&path);
@@ -180,7 +180,7 @@ fn another_topic_of_a_recording_is_chosen_in_the_menu() {
     wait_for(&mut harness, 1);
     assert!(harness.state().notices.list().is_empty());
 
-    // The one beside it has a choice of its own.
+    // The sequence next to it has its own choice.
     let begin = Instant::now();
     let wait_for_b = |harness: &mut Harness<'_, State>, count: usize| {
         let count_of_b = |state: &State| {

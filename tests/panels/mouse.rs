@@ -21,7 +21,7 @@ fn drag(
     };
     harness.hover_at(from);
     harness.event_modifiers(event(from, true), modifiers);
-    // Within one step egui sees only the last place.
+    // Within one step egui only sees the last position.
     for part in [0.5, 1.0] {
         harness.event_modifiers(egui::Event::PointerMoved(from + part * by), modifiers);
     }
@@ -30,7 +30,7 @@ fn drag(
 }
 
 #[test]
-fn the_mouse_moves_the_camera_on_the_picture_only() {
+fn the_mouse_moves_the_camera_over_the_image_only() {
     let mut harness = window();
     let picture = harness.state().viewport.rect.center();
     let before = harness.state().camera;
@@ -87,7 +87,7 @@ fn the_mouse_moves_the_camera_on_the_picture_only() {
 }
 
 #[test]
-fn a_drag_between_two_passes_moves_the_camera_as_a_slow_one_does() {
+fn a_fast_drag_between_two_updates_moves_the_camera_like_a_slow_one() {
     let by = vec2(100.0, 30.0);
     for button in [PointerButton::Primary, PointerButton::Middle, PointerButton::Secondary] {
         let (mut slow, mut fast) = (window(), window());
@@ -120,7 +120,7 @@ fn a_drag_between_two_passes_moves_the_camera_as_a_slow_one_does() {
 }
 
 #[test]
-fn a_drag_on_a_window_above_the_picture_is_not_the_camera_s() {
+fn dragging_a_window_above_the_image_does_not_move_the_camera() {
     let mut harness = window();
     press(&mut harness, Modifiers::NONE, Key::F1);
     let before = harness.state().camera;
@@ -149,7 +149,7 @@ fn scroll(harness: &mut Harness<'_, State>, at: egui::Pos2, delta: f32) {
 }
 
 #[test]
-fn the_wheel_zooms_on_the_picture_only() {
+fn the_wheel_zooms_over_the_image_only() {
     let mut harness = window();
     let picture = harness.state().viewport.rect.center();
     let before = harness.state().camera;
@@ -173,7 +173,7 @@ fn the_wheel_zooms_toward_the_pointer() {
     let pointer = picture.center() + vec2(120.0, -80.0);
     let state = harness.state();
     let size_px = state.viewport.size_px;
-    // The place at the depth of the target that is seen there.
+    // The position under the pointer at the depth of the target.
     let before = state.camera;
     let px = glam::DVec2::new(
         f64::from((pointer - picture.min).x),

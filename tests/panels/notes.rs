@@ -8,7 +8,7 @@ use pointreel::sequence::Sequence;
 use std::sync::Arc;
 
 #[test]
-fn notes_are_kept_with_their_sequence_and_left_with_it() {
+fn notes_are_stored_with_their_sequence_and_not_shown_for_others() {
     let mut harness = window();
     click(&mut harness, "View");
     click(&mut harness, "Notes…");

@@ -18,7 +18,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 #[test]
-fn frames_that_have_less_are_told_of_once() {
+fn frames_with_fewer_attributes_are_reported_once() {
     let sources = (0..FRAMES).map(|index| FrameEntry::file(format!("/scans/{index}.ply")));
     let sequence = Sequence::with_decoder(sources.collect(), |source| {
         let mut cloud = RawCloud::from_positions(Positions::F32(vec![[0.0; 3], [1.0; 3]]));
@@ -48,7 +48,7 @@ fn frames_that_have_less_are_told_of_once() {
 }
 
 #[test]
-fn a_broken_frame_is_marked_told_once_and_played_over() {
+fn a_broken_frame_is_marked_reported_once_and_skipped() {
     let mut harness = window_on(sequence(&[5]), options());
     harness.run();
     let runs = harness.state().player.as_ref().unwrap().runs().to_vec();
@@ -98,7 +98,7 @@ fn a_broken_frame_is_marked_told_once_and_played_over() {
 }
 
 #[test]
-fn notices_are_copied_and_dismissed() {
+fn notices_can_be_copied_and_dismissed() {
     let mut harness = window();
     harness.state_mut().notices.error("the disk is gone");
     harness.run();
@@ -126,7 +126,7 @@ impl Serving {
             max_bytes: 1 << 28,
         };
         let begin = Instant::now();
-        // A port that was just left may be busy for a moment.
+        // A port that was just released may be busy for a while.
         let server = loop {
             let source = Arc::clone(sequence(&[]).source());
             let schedule = Schedule::new(FRAMES, 50.0, |_| 1.0);
@@ -156,7 +156,7 @@ impl Drop for Serving {
 }
 
 #[test]
-fn a_stream_that_breaks_is_told_of_until_it_is_back() {
+fn an_interrupted_stream_is_reported_until_it_is_back() {
     let serving = Serving::at("127.0.0.1:0".parse().unwrap());
     let url = serving.server.url().unwrap();
     let address = url.trim_start_matches("tcp://").parse().unwrap();
@@ -179,6 +179,6 @@ fn a_stream_that_breaks_is_told_of_until_it_is_back() {
     assert!(notice.text.starts_with(&url), "{}", notice.text);
     let _serving = Serving::at(address);
     let (notice, shown) = wait_for("connected again, after");
-    // What was broken is not said any more.
+    // The notice about the broken connection is gone.
     assert_eq!((notice.severity, shown), (Severity::Info, 1));
 }

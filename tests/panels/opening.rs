@@ -49,7 +49,7 @@ fn a_sequence_of_broken_files_is_one_as_well_and_one_good_frame_is_enough() {
 }
 
 #[test]
-fn a_single_frame_has_its_name_and_nothing_to_play_with() {
+fn a_single_frame_has_its_name_and_no_playback_controls() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("alone.xyz");
     std::fs::write(&file, "0 0 0\n1 0 0\n0 1 0\n").unwrap();
@@ -73,7 +73,7 @@ fn a_single_frame_has_its_name_and_nothing_to_play_with() {
 }
 
 #[test]
-fn what_was_shown_is_listed_as_opened_lately() {
+fn shown_inputs_are_listed_as_recent() {
     let folder = tempfile::tempdir().unwrap();
     let whole = folder.path().join("whole.xyz");
     std::fs::write(&whole, "0 0 0\n1 0 0\n0 1 0\n").unwrap();
@@ -83,7 +83,7 @@ fn what_was_shown_is_listed_as_opened_lately() {
         !state.stored.recent.entries().is_empty()
     });
     assert_eq!(harness.state().stored.recent.entries(), [vec![whole]]);
-    // Beside it, one that is not there, and one that is broken.
+    // In addition, one that does not exist, and one that is broken.
     let broken = folder.path().join("broken.ply");
     std::fs::write(&broken, "ply\n").unwrap();
     harness.state_mut().compare_paths(vec![broken]);
@@ -97,7 +97,7 @@ fn what_was_shown_is_listed_as_opened_lately() {
 }
 
 #[test]
-fn without_a_sequence_a_path_that_is_missing_is_said_in_the_middle() {
+fn without_a_sequence_a_missing_path_is_reported_in_the_center() {
     let state = State::new(StateOptions::default());
     let mut harness = Harness::builder()
         .with_size([640.0, 480.0])
@@ -122,7 +122,7 @@ fn without_a_sequence_a_path_that_is_missing_is_said_in_the_middle() {
 }
 
 #[test]
-fn what_was_opened_lately_is_offered_with_its_picture() {
+fn recent_inputs_are_offered_with_thumbnails() {
     let folder = tempfile::tempdir().unwrap();
     let scan = folder.path().join("scan.xyz");
     let rows: Vec<String> = (0..400)
@@ -182,7 +182,7 @@ fn examples_are_opened_by_a_click_and_can_be_in_a_session() {
 }
 
 #[test]
-fn what_the_program_is_can_be_copied() {
+fn program_information_can_be_copied() {
     let mut harness = window();
     click(&mut harness, "Help");
     choose_item(&mut harness, "About pointreel");

@@ -73,7 +73,7 @@ fn drawn_frame(harness: &mut Harness<'_, State>) -> Option<(usize, [u8; 4])> {
 }
 
 #[test]
-fn playing_waits_for_the_photographs_of_each_frame() {
+fn playback_waits_for_the_images_of_each_frame() {
     let folder = tempfile::tempdir().unwrap();
     write_multiview_video(folder.path());
     let mut harness = window();
@@ -122,7 +122,7 @@ fn until_drawn(harness: &mut Harness<'_, State>, posed_images: usize) {
 
 /// A few hundred disks as large as the gaps between them would be the first that anybody sees of a set.
 #[test]
-fn points_are_points_until_photographs_are_on_a_surface() {
+fn points_are_drawn_until_images_are_projected_onto_a_surface() {
     let folder = tempfile::tempdir().unwrap();
     write_set(folder.path());
     for chosen in [Choice::Auto, Primitive::Surfel.into()] {
@@ -134,7 +134,7 @@ fn points_are_points_until_photographs_are_on_a_surface() {
             let now = harness.state().now();
             harness.state_mut().update(now);
             harness.state_mut().forget_picture();
-            // A window of the tests opens what it opens as surfels.
+            // Test windows draw whatever they open as surfels.
             harness.state_mut().style.primitive = chosen;
             let Some(packet) = harness.state_mut().next_packet() else {
                 continue;
@@ -144,7 +144,7 @@ fn points_are_points_until_photographs_are_on_a_surface() {
                 assert_eq!(drawn, Primitive::Surfel);
                 break;
             }
-            // Whoever has chosen disks has them once their radii are known.
+            // A user who has chosen disks gets them once their radii are known.
             assert!(drawn == Primitive::Point || chosen == Primitive::Surfel, "{drawn}");
         }
         assert!(harness.query_by_label_contains("Reconstructing the surface").is_none());
@@ -152,7 +152,7 @@ fn points_are_points_until_photographs_are_on_a_surface() {
 }
 
 #[test]
-fn photographs_are_put_on_points_left_out_and_stood_at() {
+fn images_can_be_projected_excluded_and_viewed_from() {
     let folder = tempfile::tempdir().unwrap();
     write_set(folder.path());
     let mut harness = window();
@@ -164,12 +164,12 @@ fn photographs_are_put_on_points_left_out_and_stood_at() {
     let used = harness.get_by_role_and_label(Role::CheckBox, "Use right.png");
     used.click();
     harness.run();
-    // Until the frame is made with one photograph, it is drawn with both.
+    // Until the frame is built with one image, it is drawn with both.
     assert!(drawn(&mut harness) > 0);
     until_drawn(&mut harness, 1);
     click(&mut harness, "Use all");
     until_drawn(&mut harness, 2);
-    // The first view is that of the first photograph.
+    // The initial view is that of the first image.
     let first = harness.state().camera;
     harness.get_by_label("right.png").click();
     harness.run();
@@ -180,7 +180,7 @@ fn photographs_are_put_on_points_left_out_and_stood_at() {
         .get_by_role_and_label(Role::CheckBox, "Show camera frusta")
         .click();
     harness.run();
-    // From behind both of them, without the list over the picture.
+    // From behind both of them, without the list covering the image.
     harness.state_mut().panels.set(PanelId::new("photographs"), false);
     harness.state_mut().camera.zoom(2.0);
     harness.run();

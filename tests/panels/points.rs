@@ -77,7 +77,7 @@ fn a_click_shows_the_values_of_a_point_and_escape_clears_them() {
 
     press(&mut harness, Modifiers::NONE, Key::I);
     assert!(harness.query_by_label_contains("Click on a point").is_some());
-    // Some pixels beside the corner.
+    // A few pixels next to the corner.
     click_on(&mut harness, place + egui::vec2(7.0, -3.0), 1);
     let values = harness.state().features.inspection.point.clone().unwrap().values;
     assert_eq!((values.index_in_file, values.frame), (7, 0));
@@ -92,7 +92,7 @@ fn a_click_shows_the_values_of_a_point_and_escape_clears_them() {
     assert!(all.contains("Frame\t1\nIndex\t7\nx\t0.5\n"), "{all}");
     assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
 
-    // Beside the cube nothing is picked, and what is shown stays.
+    // Next to the cube nothing is picked, and what is shown stays.
     let aside = harness.state().viewport.rect.left_bottom() + egui::vec2(30.0, -30.0);
     click_on(&mut harness, aside, 1);
     assert_eq!(
@@ -132,7 +132,7 @@ fn distances_angles_and_heights_are_measured() {
         for &index in indices {
             let place = in_window(harness, corner(index));
             click_on(harness, place, 1);
-            // Two clicks at one place within a moment would be a double click.
+            // Two clicks at the same position in quick succession would be a double click.
             harness.run_steps(10);
         }
     };
@@ -176,7 +176,7 @@ fn distances_angles_and_heights_are_measured() {
     assert!(harness.query_by_label("1.556").is_some());
     click(&mut harness, "Delete all");
     assert_eq!(harness.state().features.inspection.measurements, []);
-    // What was begun goes first.
+    // A measurement in progress is discarded first.
     take(&mut harness, &[]);
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert_eq!(harness.state().features.inspection.tool, Tool::Camera);
@@ -213,7 +213,7 @@ fn a_double_click_glides_to_the_point_or_frames_the_cloud() {
 }
 
 #[test]
-fn the_key_focuses_on_what_the_pointer_is_over() {
+fn the_key_focuses_on_the_point_under_the_pointer() {
     let mut harness = cube();
     let before = harness.state().camera;
     let place = in_window(&harness, corner(2));
@@ -223,7 +223,7 @@ fn the_key_focuses_on_what_the_pointer_is_over() {
     harness.state_mut().update(Duration::from_millis(300));
     let focused = harness.state().camera;
     assert!((focused.target_in_world - corner(2)).length() < 1e-6);
-    // Off the picture it is over nothing.
+    // Outside the image the pointer is over nothing.
     harness.state_mut().camera = before;
     harness.hover_at(pos2(500.0, 5.0));
     harness.run();
@@ -233,7 +233,7 @@ fn the_key_focuses_on_what_the_pointer_is_over() {
 }
 
 #[test]
-fn measurements_are_undone_where_their_points_are_now() {
+fn undone_measurements_use_the_current_positions_of_their_points() {
     let mut harness = cube();
     let count = |harness: &Harness<'_, State>| harness.state().features.inspection.measurements.len();
     harness.run();
@@ -246,7 +246,7 @@ fn measurements_are_undone_where_their_points_are_now() {
     assert_eq!(count(&harness), 1);
     let measured = harness.state().features.inspection.measurements.clone();
 
-    // What moves on with the frames is no change.
+    // Points that move with the frames are not a change.
     harness.state_mut().step_frames(5);
     load_all(harness.state_mut());
     harness.run();

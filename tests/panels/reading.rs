@@ -92,7 +92,7 @@ fn bar(harness: &Harness<'_, State>, label: &str) -> bool {
 }
 
 #[test]
-fn a_first_frame_that_takes_long_has_a_bar_and_is_given_up() {
+fn a_slow_first_frame_has_a_progress_bar_and_can_be_cancelled() {
     let (sequence, gate) = sequence(3, &[0, 1, 2]);
     let mut harness = window_on(sequence);
     until(&mut harness, |state| !state.shared.works.list().is_empty());
@@ -106,7 +106,7 @@ fn a_first_frame_that_takes_long_has_a_bar_and_is_given_up() {
     assert!(bar(&harness, "30 %, 0:07 left"));
     show(&mut harness, &gate, 5, 2.5);
     assert!(bar(&harness, "50 %, 0:04 left"));
-    // The window looks again by itself.
+    // The window checks again by itself.
     assert_eq!(harness.state().next_deadline(), Some(at(2.6)));
 
     click(&mut harness, "Cancel");
@@ -124,8 +124,8 @@ fn a_first_frame_that_takes_long_has_a_bar_and_is_given_up() {
 }
 
 #[test]
-fn a_later_frame_that_is_given_up_is_left_out() {
-    // The first look takes frames 3, 6, 8 and 11: nobody else waits for the second.
+fn a_later_frame_that_is_cancelled_is_skipped() {
+    // The automatic settings use frames 3, 6, 8 and 11: nothing else waits for the second.
     let (sequence, gate) = sequence(11, &[1]);
     let mut harness = window_on(sequence);
     let shown = |state: &State| {
@@ -147,7 +147,7 @@ fn a_later_frame_that_is_given_up_is_left_out() {
 }
 
 #[test]
-fn a_sequence_that_is_replaced_is_read_no_further() {
+fn a_replaced_sequence_is_not_read_further() {
     let (slow, gate) = sequence(1, &[0]);
     let mut harness = window_on(slow);
     until(&mut harness, |state| !state.shared.works.list().is_empty());

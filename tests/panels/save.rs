@@ -130,7 +130,7 @@ fn sizes_and_errors_are_shown_before_a_sequence_file_is_written() {
     assert_eq!(said, format!("Saved 24 frames: {}", file.display()));
     let reel = ReelFile::open_path(&file).unwrap();
     assert_eq!(reel.frame_count(), 24);
-    // Some hundred bytes say which conversion wrote the file, as many for small frames as for large ones.
+    // Some hundred bytes describe which conversion wrote the file, the same number for small frames as for large ones.
     let described = reel.part().map_or(0, |part| part.made_of.len());
     let written = reel.byte_size() as f64 - described as f64;
     let expected = 24.0 * estimate.frame_bytes;
@@ -139,7 +139,7 @@ fn sizes_and_errors_are_shown_before_a_sequence_file_is_written() {
         "{written} bytes, {expected} were expected"
     );
 
-    // The same again would replace it, and says so.
+    // Saving again would replace it, and says so.
     press(&mut harness, SAVE, Key::S);
     assert!(harness.query_by_label_contains("it is replaced").is_some());
     choose(&mut harness, "Positions", "Lossless");
@@ -147,7 +147,7 @@ fn sizes_and_errors_are_shown_before_a_sequence_file_is_written() {
     let (lossless, _) = harness.state().features.save.estimates.estimate().unwrap();
     assert_eq!(lossless.errors.unwrap().largest, 0.0);
     assert!(lossless.bits_per_point() > 2.0 * estimate.bits_per_point());
-    // Neither positions nor normals.
+    // For neither positions nor normals.
     assert_eq!(harness.query_all_by_label("none").count(), 2);
     click(&mut harness, "Replace");
     finish(&mut harness);
@@ -156,7 +156,7 @@ fn sizes_and_errors_are_shown_before_a_sequence_file_is_written() {
 }
 
 #[test]
-fn a_change_of_the_choices_cancels_the_estimate_and_shows_the_one_before() {
+fn changing_options_cancels_the_estimate_and_shows_the_previous_one() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = saving_of(waves(&[]), folder.path());
     wait_for_estimate(&mut harness, 5);
@@ -165,7 +165,7 @@ fn a_change_of_the_choices_cancels_the_estimate_and_shows_the_one_before() {
     harness.state_mut().features.save.bits = 4;
     let now = harness.state().now();
     harness.state_mut().update(now);
-    // Nothing begins before the choices have rested.
+    // Nothing starts before the choices have been unchanged for a while.
     assert_eq!(harness.state().features.save.estimates.estimate(), Some((before, true)));
     assert!(
         harness
@@ -176,7 +176,7 @@ fn a_change_of_the_choices_cancels_the_estimate_and_shows_the_one_before() {
     wait_for_estimate(&mut harness, 5);
     let (coarse, _) = harness.state().features.save.estimates.estimate().unwrap();
     assert!(coarse.retained_points < 500.0, "{coarse:?}");
-    // Frames that were decoded for the choices before are not decoded again.
+    // Frames that were decoded for the previous choices are not decoded again.
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(!harness.state().panels.has(PanelId::SAVE));
     harness.state_mut().update(now);
@@ -184,7 +184,7 @@ fn a_change_of_the_choices_cancels_the_estimate_and_shows_the_one_before() {
 }
 
 #[test]
-fn frames_become_files_of_a_folder() {
+fn frames_are_saved_as_files_in_a_folder() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = saving_of(waves(&[2]), folder.path());
     choose(&mut harness, "Format", "Files: ply");
@@ -216,7 +216,7 @@ fn frames_become_files_of_a_folder() {
     );
     let written = folder.path().join("walk/frame_0005.ply");
     assert_eq!(fs::metadata(&written).unwrap().len() as f64, estimate.frame_bytes);
-    // Another format has no business among them.
+    // Another format is not mixed with them.
     press(&mut harness, SAVE, Key::S);
     choose(&mut harness, "Format", "Files: pcd");
     assert!(harness.query_by_label_contains("other files in this folder").is_some());
@@ -224,9 +224,9 @@ fn frames_become_files_of_a_folder() {
 }
 
 #[test]
-fn a_cancelled_file_goes_on_from_where_it_was() {
+fn a_cancelled_file_resumes_where_it_stopped() {
     let folder = tempfile::tempdir().unwrap();
-    // Groups of 30 frames are encoded by all threads at the same time; what is behind them waits.
+    // Groups of 30 frames are encoded by all threads at the same time; what comes after them waits.
     let threads = std::thread::available_parallelism().unwrap().get() as u64;
     let whole = 30 * threads;
     let (open, gate) = sync_channel::<()>(0);
@@ -235,7 +235,7 @@ fn a_cancelled_file_goes_on_from_where_it_was() {
     let closed = Arc::clone(&is_closed);
     let sequence = visited_waves(whole + 5, &[], move |number| {
         if number == whole + 2 && closed.load(Ordering::Relaxed) {
-            // A gate that is gone is open.
+            // A dropped gate counts as open.
             let _ = gate.lock().unwrap().recv();
         }
     });
@@ -269,7 +269,7 @@ fn a_cancelled_file_goes_on_from_where_it_was() {
 }
 
 #[test]
-fn what_cannot_be_saved_says_why() {
+fn impossible_saves_say_why() {
     let folder = tempfile::tempdir().unwrap();
     let live = Arc::new(Sequence::of(Spin::new(Shape::Torus, 500)));
     let mut state = State::new(options());
@@ -292,7 +292,7 @@ fn what_cannot_be_saved_says_why() {
 }
 
 #[test]
-fn a_file_that_came_meanwhile_is_not_replaced() {
+fn a_file_created_meanwhile_is_not_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = saving_of(waves(&[]), folder.path());
     let file = folder.path().join("walk.reel");
@@ -301,7 +301,7 @@ fn a_file_that_came_meanwhile_is_not_replaced() {
     assert_eq!(harness.state().notices.list()[0].severity, Severity::Error);
     assert!(!harness.state().shared.works.has(WorkKind::Save));
     assert_eq!(fs::read(&file).unwrap(), b"mine");
-    // Now it is said.
+    // Now it is reported.
     dismiss_all(&mut harness);
     harness.run();
     assert!(harness.query_by_label_contains("it is replaced").is_some());
@@ -311,7 +311,7 @@ fn a_file_that_came_meanwhile_is_not_replaced() {
 }
 
 #[test]
-fn what_would_be_written_is_shown_beside_what_is_open() {
+fn the_result_is_previewed_next_to_the_open_sequence() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = saving_of(waves(&[]), folder.path());
     choose(&mut harness, "Positions", "Bits");
@@ -331,7 +331,7 @@ fn what_would_be_written_is_shown_beside_what_is_open() {
 }
 
 #[test]
-fn merging_is_a_choice_that_says_its_price_before() {
+fn merging_shows_its_cost_before_it_is_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = saving_of(waves(&[]), folder.path());
     wait_for_estimate(&mut harness, 5);
@@ -347,7 +347,7 @@ fn merging_is_a_choice_that_says_its_price_before() {
     assert!(harness.query_by_label_contains(&price).is_some(), "{price}");
     harness.get_by_role_and_label(Role::CheckBox, "Merging").click();
     harness.run();
-    // The dialog asks for an estimate of what it offers once it is drawn with the choice.
+    // The dialog requests an estimate for its choices once it has been drawn with them.
     harness.run();
     let now = harness.state().now() + Duration::from_millis(10);
     harness.state_mut().update(now);

@@ -87,7 +87,7 @@ fn save(harness: &mut Harness<'_, State>, file: &Path) {
 }
 
 #[test]
-fn a_session_is_taken_up_again_as_it_was_left() {
+fn a_session_is_restored_as_it_was_left() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("walk.pointreel");
     let mut left = worked_on(folder.path());
@@ -113,14 +113,14 @@ fn a_session_is_taken_up_again_as_it_was_left() {
     assert_eq!(of(state), (1, PlayRange::default().beginning_at(1), false));
     assert_eq!(state.session_file(), Some(&file));
     assert!(state.notices.list().is_empty(), "{:?}", state.notices.list());
-    // What was taken up and saved again is the same text.
+    // Opening and saving again gives the same text.
     assert_eq!(state.session().unwrap(), ReadSession::read(&file).unwrap().document);
     let text = fs::read(&file).unwrap();
     taken.state_mut().run(Command::SAVE_SESSION);
     until(&mut taken, "it is not saved", |state| !state.notices.list().is_empty());
     assert_eq!(fs::read(&file).unwrap(), text);
 
-    // Others are drawn as before, and nothing of it is kept for them.
+    // Others are drawn as before, and inherit nothing from it.
     open(&mut taken, &folder.path().join("scans/a1.xyz"));
     let style = taken.state().style;
     assert_eq!((style.points.size_px, style.clip), (usual.points.size_px, None));
@@ -128,7 +128,7 @@ fn a_session_is_taken_up_again_as_it_was_left() {
 }
 
 #[test]
-fn what_is_beside_is_opened_again_as_it_was_laid_out() {
+fn a_comparison_is_reopened_with_its_layout() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("walk.pointreel");
     let mut left = worked_on(folder.path());
@@ -166,11 +166,11 @@ fn what_is_beside_is_opened_again_as_it_was_laid_out() {
         taken.state().session().unwrap(),
         ReadSession::read(&file).unwrap().document
     );
-    // Who closes it has closed it.
+    // Closing the comparison removes it.
     taken.state_mut().run(Command::CLOSE_COMPARISON);
     assert_eq!(taken.state().session().unwrap().compare, None);
 
-    // What cannot be opened is said, and stays in the session.
+    // A failure to open is reported, and the entry stays in the session.
     fs::remove_dir_all(folder.path().join("smooth")).unwrap();
     let mut without = window();
     open(&mut without, &file);
@@ -180,7 +180,7 @@ fn what_is_beside_is_opened_again_as_it_was_laid_out() {
     assert!(without.state().notices.list()[0].text.contains("smooth"));
     assert!(without.state().features.split_view.is_none());
     assert!(without.state().session().unwrap().compare.is_some());
-    // A session without anything beside closes what was.
+    // A session without a second sequence closes the previous one.
     let other = folder.path().join("alone.pointreel");
     fs::write(&other, r#"{"pointreel_session": 1, "files": ["scans"]}"#).unwrap();
     open(&mut left, &other);
@@ -188,7 +188,7 @@ fn what_is_beside_is_opened_again_as_it_was_laid_out() {
 }
 
 #[test]
-fn measurements_and_the_demo_are_in_sessions() {
+fn measurements_and_the_demo_are_stored_in_sessions() {
     use super::points::{click_on, in_squares, in_window};
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("demo.pointreel");
@@ -220,7 +220,7 @@ fn measurements_and_the_demo_are_in_sessions() {
 }
 
 #[test]
-fn what_is_wrong_with_a_session_is_said_and_nothing_of_it_is_lost() {
+fn session_errors_are_reported_and_no_content_is_lost() {
     let folder = tempfile::tempdir().unwrap();
     scans(&folder.path().join("scans"));
     let file = folder.path().join("walk.pointreel");
@@ -232,7 +232,7 @@ fn what_is_wrong_with_a_session_is_said_and_nothing_of_it_is_lost() {
     assert!(said.contains("walk.pointreel") && said.contains("line 3"), "{said}");
     assert!(harness.state().session_file().is_none());
 
-    // A setting that cannot be read is as by default, and the file is copied before it is replaced.
+    // An unreadable setting becomes the default, and the file is copied before it is replaced.
     let text = r#"{"pointreel_session": 1, "files": ["scans"], "settings": {"primitive": "cone"}, "of later": 7}"#;
     fs::write(&file, text).unwrap();
     let mut harness = window();
@@ -251,7 +251,7 @@ fn what_is_wrong_with_a_session_is_said_and_nothing_of_it_is_lost() {
     assert_eq!(fs::read_to_string(copy).unwrap(), text);
     assert!(fs::read_to_string(&file).unwrap().contains("\"of later\": 7"));
 
-    // A window on what is no file has no session.
+    // A window whose sequence is not a file has no session.
     let mut harness = window();
     harness.state_mut().save_session_to(file);
     harness.run();
@@ -340,7 +340,7 @@ fn unsaved_changes_of_a_session_are_restored_until_they_are_saved_or_reverted() 
     assert_eq!(harness.state().document.notes, "later");
     let notice = "Unsaved changes of walk.pointreel were restored: Notes, Grid on.";
     assert!(told(harness.state()).contains(notice), "{}", told(harness.state()));
-    // As it was saved, in one step that can be undone.
+    // Reverts to the saved state, in one step that can be undone.
     harness.state_mut().run(Command::REVERT_SESSION);
     harness.run();
     assert!(harness.state().current_document().is_same_work(&saved) && !harness.state().is_unsaved());
@@ -355,7 +355,7 @@ fn unsaved_changes_of_a_session_are_restored_until_they_are_saved_or_reverted() 
     let mut harness = window_of(retained_in(folder.path()), &file);
     assert!(!harness.state().is_unsaved() && harness.state().document.notes.is_empty());
     assert_eq!(told(harness.state()), "", "nothing is left to restore");
-    // Once they are saved there are none either.
+    // Once they are saved there are none left, either.
     harness.state_mut().document.notes.push_str("kept");
     harness.run();
     let before = harness.state().current_document();
@@ -370,7 +370,7 @@ fn unsaved_changes_of_a_session_are_restored_until_they_are_saved_or_reverted() 
 }
 
 #[test]
-fn a_session_that_others_have_written_goes_before_unsaved_changes_and_both_stay() {
+fn an_externally_changed_session_overrides_unsaved_changes_and_both_are_retained() {
     let folder = tempfile::tempdir().unwrap();
     scans(&folder.path().join("scans"));
     let file = folder.path().join("walk.pointreel");
@@ -394,7 +394,7 @@ fn a_session_that_others_have_written_goes_before_unsaved_changes_and_both_stay(
 }
 
 #[test]
-fn where_nothing_can_be_kept_unsaved_changes_of_a_session_are_asked_about() {
+fn unsaved_changes_are_asked_about_where_nothing_can_be_stored() {
     let folder = tempfile::tempdir().unwrap();
     scans(&folder.path().join("scans"));
     let file = folder.path().join("walk.pointreel");

@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// Opens the list called `list` and chooses `entry`.
 pub(super) fn choose(harness: &mut Harness<'_, State>, list: &str, entry: &str) {
-    // The panel is longer than the window is high.
+    // The panel is longer than the window is tall.
     harness.get_by_role_and_label(Role::ComboBox, list).scroll_to_me();
     harness.run();
     harness.get_by_role_and_label(Role::ComboBox, list).click();
@@ -65,7 +65,7 @@ fn long_texts_do_not_widen_the_panel() {
 }
 
 #[test]
-fn a_mesh_is_offered_where_there_are_triangles_and_else_it_is_said_why_not() {
+fn meshes_are_offered_where_triangles_exist_and_otherwise_a_reason_is_shown() {
     let square = |faces: &'static [[u32; 3]]| {
         let sequence = Sequence::with_decoder(vec![FrameEntry::file("square.ply")], move |_| {
             let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
@@ -85,7 +85,7 @@ fn a_mesh_is_offered_where_there_are_triangles_and_else_it_is_said_why_not() {
     let mut without = square(&[]);
     let button = without.get_by_role_and_label(Role::Button, "Mesh");
     assert!(button.accesskit_node().is_disabled());
-    // It may be chosen already: as the settings had it for another sequence.
+    // It may already be chosen: carried over from the settings of another sequence.
     without.state_mut().style.primitive = Primitive::Mesh.into();
     without.run();
     assert_ne!(without.state().drawn_style().primitive, Primitive::Mesh);
@@ -170,7 +170,7 @@ fn every_setting_can_be_changed_and_reset() {
     assert!(harness.state().style.decided().lights_points());
     tap(&mut harness, "Surfels");
     assert_eq!(harness.state().style.primitive, Primitive::Surfel);
-    // A word for surfels with a filter: nothing else is chosen, and nothing of it stays.
+    // A shorthand for surfels with a filter: nothing else is chosen, and nothing of it remains.
     for (word, primitive, filter) in [
         ("EWA", Primitive::Surfel, SplatFilter::Ewa),
         ("Surfels", Primitive::Surfel, SplatFilter::Off),
@@ -193,7 +193,7 @@ fn every_setting_can_be_changed_and_reset() {
 }
 
 #[test]
-fn footprints_are_for_the_processor_and_for_modes_with_a_visibility_pass() {
+fn footprints_are_offered_for_the_cpu_and_modes_with_a_visibility_pass() {
     let mut harness = window();
     let is_offered = |harness: &Harness<'_, State>| {
         let list = harness.get_by_role_and_label(Role::ComboBox, "Footprint");
@@ -215,7 +215,7 @@ fn footprints_are_for_the_processor_and_for_modes_with_a_visibility_pass() {
     assert_eq!(style.codes.normal_bits, NormalBits::Seventeen);
     assert_eq!(style.codes.offset_bits, OffsetBits::None);
     assert!(style.decided().draws_codes());
-    // How finely codes are drawn is a level of detail.
+    // The resolution of codes is a level-of-detail setting.
     slide(&mut harness, "Smallest cell (τ)", 8.0);
     assert_eq!(harness.state().style.levels.lod, Lod::ThresholdPx(8.0));
 }
@@ -231,7 +231,7 @@ fn an_untouched_slider_changes_no_setting() {
 }
 
 #[test]
-fn controls_tell_their_term_and_unit() {
+fn controls_show_their_term_and_unit() {
     let mut harness = window();
     let label = harness
         .get_by_role_and_label(Role::Label, "Splat scale")
@@ -247,7 +247,7 @@ fn controls_tell_their_term_and_unit() {
 }
 
 #[test]
-fn what_few_have_a_use_for_is_closed_and_opens_as_it_was_left() {
+fn advanced_sections_start_closed_and_reopen_as_left() {
     let mut preferences = options().preferences;
     preferences.advanced = false;
     let begin = StateOptions {
@@ -269,7 +269,7 @@ fn what_few_have_a_use_for_is_closed_and_opens_as_it_was_left() {
 
 /// The panel is as wide with trails and ghosts as without them.
 #[test]
-fn rows_that_come_do_not_widen_the_panel() {
+fn rows_that_appear_do_not_widen_the_panel() {
     let mut harness = window();
     harness.run();
     let width = harness.state().viewport.rect.width();

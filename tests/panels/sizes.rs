@@ -128,7 +128,7 @@ fn faults_of_tools(harness: &Harness<'_, State>) -> Vec<String> {
 }
 
 #[test]
-fn nothing_is_cut_or_lies_over_something_else() {
+fn nothing_is_clipped_or_overlaps() {
     for size_px in SIZES {
         for pixels_per_point in [1.0, 2.0] {
             let mut harness = window_of(size_px, pixels_per_point);
@@ -141,7 +141,7 @@ fn nothing_is_cut_or_lies_over_something_else() {
 }
 
 #[test]
-fn no_panel_is_cut_or_printed_over_itself() {
+fn no_panel_is_clipped_or_overlaps_itself() {
     let panels = [
         PanelId::SETTINGS,
         PanelId::STATISTICS,
@@ -194,7 +194,7 @@ fn side_faults(harness: &Harness<'_, State>) -> Vec<String> {
 }
 
 #[test]
-fn a_narrow_window_keeps_room_for_the_picture() {
+fn a_narrow_window_leaves_space_for_the_image() {
     for size_px in SIZES {
         let mut harness = window_of(size_px, 1.0);
         let picture = harness.state().viewport.rect;
@@ -203,7 +203,7 @@ fn a_narrow_window_keeps_room_for_the_picture() {
             "{size_px:?}: {picture:?}"
         );
         if size_px[0] < 400.0 {
-            // Over the picture, and closed by its own button.
+            // Over the image, and closed by its own button.
             assert!(harness.state().panels.has(PanelId::SETTINGS));
             click(&mut harness, "Close window");
             assert!(!harness.state().panels.has(PanelId::SETTINGS));
@@ -212,7 +212,7 @@ fn a_narrow_window_keeps_room_for_the_picture() {
 }
 
 #[test]
-fn menus_stay_inside_of_a_low_window() {
+fn menus_stay_inside_a_low_window() {
     let mut harness = window_of([640.0, 480.0], 1.0);
     click(&mut harness, "View");
     let window = harness.ctx.content_rect();
@@ -226,7 +226,7 @@ fn menus_stay_inside_of_a_low_window() {
         }
         item.rect()
     };
-    // Below the window at first, and scrolled to.
+    // Below the window at first, and then scrolled to.
     assert!(!window.contains_rect(theme(&harness, true)));
     harness.run();
     let rect = theme(&harness, false);

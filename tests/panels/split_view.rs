@@ -71,7 +71,7 @@ fn load_both(harness: &mut Harness<'_, State>) {
     let state = harness.state();
     let loader = state.features.split_view.as_ref().unwrap().companion.loader();
     for index in 0..loader.sequence().len() {
-        // A broken frame is an answer as well.
+        // A broken frame counts as well.
         let _ = loader.wait(index, &Scene::needs(&state.style.decided()));
     }
     harness.state_mut().update(now);
@@ -152,7 +152,7 @@ fn a_second_sequence_is_found_shown_and_closed() {
         assert!(harness.query_by_role_and_label(role, label).is_some(), "{label}");
     }
     assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
-    // C is for two ways to draw, and does not throw the sequence away.
+    // C compares two styles, and does not discard the sequence.
     press(&mut harness, Modifiers::NONE, Key::C);
     assert!(harness.state().features.split_view.is_some() && harness.state().features.comparison.is_none());
     click(&mut harness, "Close comparison");
@@ -162,7 +162,7 @@ fn a_second_sequence_is_found_shown_and_closed() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_said() {
+fn incomparable_sequences_are_reported() {
     let mut harness = window_on(cubes("left", DVec3::ZERO, FRAMES, None, &[]), options());
     harness.state_mut().compare_paths(vec!["/nowhere/at/all".into()]);
     let begin = Instant::now();
@@ -177,7 +177,7 @@ fn what_cannot_be_compared_is_said() {
 }
 
 #[test]
-fn menus_and_keys_lead_there() {
+fn the_split_view_is_reached_by_menus_and_keys() {
     let b = cubes("right", DVec3::ZERO, 3, None, &[]);
     let mut harness = split_view(&b);
     click(&mut harness, "File");
@@ -213,7 +213,7 @@ fn menus_and_keys_lead_there() {
 }
 
 #[test]
-fn both_are_seen_by_one_camera_in_halves_of_their_own_or_over_each_other() {
+fn one_camera_shows_both_side_by_side_or_overlaid() {
     let b = cubes("right", DVec3::ZERO, 3, None, &[]);
     let mut harness = split_view(&b);
     let packets = |harness: &mut Harness<'_, State>| {
@@ -225,7 +225,7 @@ fn both_are_seen_by_one_camera_in_halves_of_their_own_or_over_each_other() {
     let whole = harness.state().viewport.rect.union(harness.state().viewport.other_rect);
     assert_eq!(a.viewport_px[0] + b.viewport_px[0], whole.width() as u32);
     assert!(a.viewport_px[0].abs_diff(b.viewport_px[0]) <= 1);
-    // The line goes, and no view is squeezed: the same height of view in any width.
+    // The divider moves, and no view is squeezed: the vertical extent is the same at any width.
     let place = |share: f32| egui::pos2(whole.left() + share * whole.width(), whole.center().y);
     drag(&mut harness, place(0.5), place(0.25));
     let [a, b] = packets(&mut harness);
@@ -238,7 +238,7 @@ fn both_are_seen_by_one_camera_in_halves_of_their_own_or_over_each_other() {
         assert!((aspect - width / height).abs() < 1e-4);
     }
     assert_eq!(a.view.eye_high, b.view.eye_high);
-    // A drag in either half turns both.
+    // A drag in either half rotates both.
     for share in [0.1, 0.7] {
         let before = harness.state().camera;
         drag(&mut harness, place(share), place(share + 0.1));
@@ -256,8 +256,8 @@ fn both_are_seen_by_one_camera_in_halves_of_their_own_or_over_each_other() {
 }
 
 #[test]
-fn frames_belong_together_by_time_by_index_and_with_an_offset() {
-    // Half the rate of A, and six of its frames long.
+fn frames_are_paired_by_time_by_index_and_with_an_offset() {
+    // Half the rate of A, and as long as six of its frames.
     let b = cubes("right", DVec3::ZERO, 3, Some(80), &[]);
     let mut harness = split_view(&b);
     let by = |harness: &Harness<'_, State>| {
@@ -289,7 +289,7 @@ fn frames_belong_together_by_time_by_index_and_with_an_offset() {
     click(&mut harness, "Time");
     assert_eq!(by(&harness), PairBy::Time);
 
-    // Without times the numbers of the names decide.
+    // Without times the numbers in the names decide.
     let b = cubes("right", DVec3::ZERO, 3, None, &[]);
     let mut harness = split_view(&b);
     assert_eq!(by(&harness), PairBy::Number);
@@ -302,7 +302,7 @@ fn frames_belong_together_by_time_by_index_and_with_an_offset() {
 }
 
 #[test]
-fn a_broken_frame_of_b_is_told_and_named() {
+fn a_broken_frame_of_b_is_reported_by_name() {
     let b = cubes("right", DVec3::ZERO, FRAMES, None, &[1]);
     let mut harness = split_view(&b);
     go_to(&mut harness, 1);
@@ -314,7 +314,7 @@ fn a_broken_frame_of_b_is_told_and_named() {
 }
 
 #[test]
-fn the_distances_of_a_known_shift_are_known() {
+fn a_known_shift_has_known_distances() {
     let b = cubes("right", DVec3::new(0.25, 0.0, 0.0), 3, None, &[]);
     let mut harness = split_view(&b);
     click(&mut harness, "Measure distances");
@@ -330,20 +330,20 @@ fn the_distances_of_a_known_shift_are_known() {
     let expected = format!("A→B  {way}   B→A  {way}   Hausdorff 0.25");
     assert!(harness.query_by_label(&expected).is_some());
     assert!(harness.query_by_label("Measure distances").is_none());
-    // Of other frames nothing is known yet.
+    // For other frames nothing is known yet.
     go_to(&mut harness, 1);
     assert!(harness.query_by_label_contains("Hausdorff").is_none());
     assert!(harness.query_by_label("Measure distances").is_some());
 }
 
 #[test]
-fn clicks_tell_which_sequence_a_point_is_of() {
+fn clicks_show_which_sequence_a_point_belongs_to() {
     let b = cubes("right", DVec3::new(0.0, 2.0, 0.0), 3, None, &[]);
     let mut harness = split_view(&b);
     harness.state_mut().run(Command::RESET_VIEW);
     harness.run();
     draw(&mut harness);
-    // Where a place is in the half of one.
+    // The window position of a point in one of the halves.
     let place = |harness: &Harness<'_, State>, side: Side, place: DVec3| {
         let (state, viewport) = (harness.state(), harness.state().viewport);
         let (rect, size_px) = match side {
@@ -365,7 +365,7 @@ fn clicks_tell_which_sequence_a_point_is_of() {
                 if side == Side::A {
                     press(&mut harness, Modifiers::SHIFT, Key::C);
                 }
-                // All of the picture is on one side of the line.
+                // The whole image is on one side of the divider.
                 let split = if side == Side::A { 1.0 } else { 0.0 };
                 harness.state_mut().features.split_view.as_mut().unwrap().pictures.split = split;
                 harness.run();
@@ -388,13 +388,13 @@ fn clicks_tell_which_sequence_a_point_is_of() {
     press(&mut harness, Modifiers::SHIFT, Key::C);
     draw(&mut harness);
     harness.state_mut().features.inspection.toggle(Tool::Point);
-    // A double click in B's half comes closer to its point.
+    // A double click in B's half moves the camera towards its point.
     let at = place(&harness, Side::B, corner(Side::B));
     click_on(&mut harness, at, 2);
     harness.state_mut().update(Duration::from_secs(5));
     let target = harness.state().camera.target_in_world;
     assert!(target.distance(corner(Side::B)) < 1e-6, "{target}");
-    // Points of B go with it.
+    // Picked points of B are removed with it.
     harness.run();
     draw(&mut harness);
     harness.state_mut().features.inspection.toggle(Tool::Point);
@@ -406,7 +406,7 @@ fn clicks_tell_which_sequence_a_point_is_of() {
 }
 
 #[test]
-fn clouds_that_do_not_meet_are_told_of_and_one_key_shows_both() {
+fn disjoint_clouds_are_reported_and_one_key_shows_both() {
     let b = cubes("right", DVec3::new(4.0, 5.0, 0.0), 3, None, &[]);
     let harness = split_view(&b);
     let texts: Vec<&str> = harness
@@ -428,13 +428,13 @@ fn clouds_that_do_not_meet_are_told_of_and_one_key_shows_both() {
     let off_center = camera.target_in_world - DVec3::new(2.0, 2.5, 0.0);
     assert!(off_center.length() < 1.0, "{off_center}");
     assert!(camera.distance > radius);
-    // Those that meet are nobody's news.
+    // Clouds that overlap need no notice.
     let b = cubes("right", DVec3::new(0.9, 0.0, 0.0), 3, None, &[]);
     assert!(split_view(&b).state().notices.list().is_empty());
 }
 
 #[test]
-fn pictures_are_compared_over_each_other_alone() {
+fn images_are_only_compared_when_overlaid() {
     let b = cubes("right", DVec3::ZERO, 3, None, &[]);
     let mut harness = split_view(&b);
     let compares_at = |harness: &mut Harness<'_, State>, millis| {
@@ -502,13 +502,13 @@ fn a_drop_opens_and_with_shift_compares() {
     let (left, dropped) = (Some("left".to_owned()), Some("dropped.xyz".to_owned()));
     let names = drop_with(&mut harness, Modifiers::SHIFT);
     assert_eq!(names, [left, dropped.clone()]);
-    // Opened in place of both.
+    // Opened instead of both.
     let names = drop_with(&mut harness, Modifiers::NONE);
     assert_eq!(names, [dropped, None]);
 }
 
 #[test]
-fn another_document_has_nothing_beside_it() {
+fn another_document_has_no_comparison() {
     let far = DVec3::new(5e5, 0.0, 0.0);
     let b = cubes("right", far + DVec3::X, FRAMES, Some(40), &[]);
     let mut harness = split_view(&b);

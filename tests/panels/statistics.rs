@@ -11,7 +11,7 @@ use pointreel::scene::RendererChoice;
 use std::time::Duration;
 
 #[test]
-fn statistics_tell_points_octree_and_budget() {
+fn statistics_show_points_octree_and_budget() {
     let mut harness = window();
     press(&mut harness, Modifiers::NONE, Key::F3);
     assert!(harness.query_by_label("Leaves").is_none());
@@ -50,10 +50,10 @@ fn has_row(harness: &Harness<'_, State>, name: &str, value: &str) -> bool {
 }
 
 #[test]
-fn parts_of_a_redraw_are_no_more_than_the_whole_and_unknown_times_are_not_shown() {
+fn parts_of_a_redraw_do_not_exceed_the_total_and_unknown_times_are_hidden() {
     let mut harness = window();
     let state = harness.state_mut();
-    // It has the same words.
+    // The settings panel contains the same words.
     state.panels.set(PanelId::SETTINGS, false);
     state.style.drawing.renderer = RendererChoice::Cpu.into();
     state.graphics.frame_ms = 3.03;
@@ -68,7 +68,7 @@ fn parts_of_a_redraw_are_no_more_than_the_whole_and_unknown_times_are_not_shown(
     };
     press(&mut harness, Modifiers::NONE, Key::F3);
     assert!(has_row(&harness, "CPU", "3.03 ms") && has_row(&harness, "  panels", "2.03 ms"));
-    // A picture that took longer than the redraw was of an earlier one: it is no part of this one.
+    // An image that took longer than the redraw belongs to an earlier one: it is not part of this one.
     assert!(harness.query_by_label("Time of the last render").is_some());
     assert!(has_row(&harness, "Drawing", "8.67 ms"));
     assert!(harness.query_by_label("  encoding").is_none());

@@ -59,11 +59,11 @@ fn until_measured(harness: &mut Harness<'_, State>) {
 }
 
 #[test]
-fn the_change_is_measured_shown_and_can_be_copied() {
+fn the_change_map_is_measured_shown_and_can_be_copied() {
     let mut harness = window();
     check(&mut harness, "Change map");
     until_measured(&mut harness);
-    // A cube of edge 1 grows by a hundredth a frame: every corner moves by half of that along three axes.
+    // A cube of edge 1 grows by a hundredth per frame: every corner moves by half of that along three axes.
     let moved = |frames: f64| f64::from(3f32.sqrt()) * 0.005 * frames;
     let pose = harness.state().player.as_ref().unwrap().shown().unwrap().clone();
     let (mean, share) = {
@@ -91,7 +91,7 @@ fn the_change_is_measured_shown_and_can_be_copied() {
 }
 
 #[test]
-fn changes_are_the_colours_of_the_picture_until_they_are_put_away() {
+fn the_change_map_colors_the_image_until_closed() {
     let mut harness = window();
     harness.state_mut().style.light.lighting = Lighting::Unlit.into();
     let before = until_points(&mut harness, 8);
@@ -99,7 +99,7 @@ fn changes_are_the_colours_of_the_picture_until_they_are_put_away() {
     until_measured(&mut harness);
     let colors = until_points(&mut harness, 8);
     assert_ne!(colors, before);
-    // All corners have moved as far, which is the end of the map.
+    // All corners have moved equally far, which is the end of the map.
     assert!(
         colors
             .iter()
@@ -110,7 +110,7 @@ fn changes_are_the_colours_of_the_picture_until_they_are_put_away() {
 }
 
 #[test]
-fn ghosts_are_a_share_of_the_poses_around() {
+fn ghosts_are_a_sample_of_neighbouring_poses() {
     let mut harness = window();
     check(&mut harness, "Onion skin");
     for (label, value) in [
@@ -123,7 +123,7 @@ fn ghosts_are_a_share_of_the_poses_around() {
     }
     let onion = harness.state().features.temporal.onion;
     assert_eq!((onion.before, onion.after, onion.step, onion.strength), (3, 1, 2, 1.0));
-    // At the first frame there is nothing before.
+    // The first frame has no predecessor.
     until_points(&mut harness, 8 + 8);
     harness.key_press(egui::Key::ArrowRight);
     harness.run();
@@ -135,7 +135,7 @@ fn ghosts_are_a_share_of_the_poses_around() {
 }
 
 #[test]
-fn a_frame_that_cannot_be_read_is_no_change() {
+fn an_unreadable_frame_has_no_change_map() {
     let mut harness = window_on(sequence(&[1]), options());
     check(&mut harness, "Change map");
     let patience = Instant::now();

@@ -40,7 +40,7 @@ fn pictures(harness: &Harness<'_, State>) -> usize {
 }
 
 #[test]
-fn the_strip_shows_frames_where_they_are_and_a_click_goes_there() {
+fn the_strip_shows_frames_in_place_and_a_click_seeks() {
     let mut harness = window_on(sequence(&[7]), with_thumbnails());
     harness.run();
     assert!(
@@ -53,7 +53,7 @@ fn the_strip_shows_frames_where_they_are_and_a_click_goes_there() {
     let cells = until_made(&mut harness);
     assert!((15..24).contains(&cells), "{cells} fit the window");
     let pictures = pictures(&harness);
-    // Frame 8, the broken one, may lie between two cells.
+    // Frame 8, the broken one, may fall between two cells.
     let broken = harness.query_by_label("Frame 8 cannot be read");
     assert_eq!(pictures + usize::from(broken.is_some()), cells);
     assert!(harness.state().features.thumbnails.byte_size() <= 16 << 20);
@@ -72,12 +72,12 @@ fn the_strip_shows_frames_where_they_are_and_a_click_goes_there() {
 }
 
 #[test]
-fn a_larger_picture_is_in_the_tooltip_of_the_bar() {
+fn the_tooltip_of_the_bar_has_a_larger_thumbnail() {
     let mut harness = window_on(sequence(&[]), with_thumbnails());
     until_made(&mut harness);
     let bar = harness.get_by_role_and_label(Role::Slider, "Timeline").rect();
     let bytes = harness.state().features.thumbnails.byte_size();
-    // Each frame in turn, those that are not on the strip too.
+    // Each frame in turn, including those that are not on the strip.
     for number in 0..super::FRAMES {
         let x = bar.left() + bar.width() * (number as f32 + 0.5) / super::FRAMES as f32;
         harness.hover_at(pos2(x, bar.center().y));
@@ -101,7 +101,7 @@ fn a_larger_picture_is_in_the_tooltip_of_the_bar() {
 }
 
 #[test]
-fn pictures_come_one_by_one_and_then_nothing_is_drawn() {
+fn thumbnails_arrive_one_by_one_and_then_nothing_is_redrawn() {
     let wakes = Arc::new(AtomicU64::new(0));
     let counted = Arc::clone(&wakes);
     let mut harness = window_on(
@@ -114,12 +114,12 @@ fn pictures_come_one_by_one_and_then_nothing_is_drawn() {
         },
     );
     let cells = until_made(&mut harness);
-    // The loader's last wake may come a moment after its frame.
+    // The loader's last wake-up may come slightly after its frame.
     std::thread::sleep(Duration::from_millis(50));
     let state = harness.state_mut();
     let loader = state.player.as_ref().unwrap().loader().stats();
     assert_eq!((loader.decoded, loader.cancelled), (super::FRAMES as u64 + 4, 0));
-    // The loader wakes for each frame. The first look decodes four more, and wakes once.
+    // The loader wakes for each frame. The automatic settings decode four more, and wake once.
     let expected = (super::FRAMES + cells + 1) as u64;
     assert_eq!(wakes.load(Ordering::Relaxed), expected);
     let now = state.now();
@@ -131,7 +131,7 @@ fn pictures_come_one_by_one_and_then_nothing_is_drawn() {
 }
 
 #[test]
-fn another_up_axis_and_a_command_make_them_anew() {
+fn another_up_axis_or_a_command_regenerates_thumbnails() {
     let mut harness = window_on(sequence(&[]), with_thumbnails());
     let cells = until_made(&mut harness);
     harness.state_mut().camera.up = UpAxis::Z;
@@ -144,7 +144,7 @@ fn another_up_axis_and_a_command_make_them_anew() {
 }
 
 #[test]
-fn they_are_switched_off_in_the_settings_and_by_name_and_stay_off() {
+fn thumbnails_can_be_switched_off_and_stay_off() {
     let mut harness = window_on(sequence(&[]), with_thumbnails());
     until_made(&mut harness);
     harness
@@ -163,18 +163,18 @@ fn they_are_switched_off_in_the_settings_and_by_name_and_stay_off() {
     press(&mut harness, Modifiers::NONE, Key::Enter);
     assert!(harness.state().preferences().thumbnails);
     assert!(pictures(&harness) > 0);
-    // A window whose preferences say so begins without.
+    // A window whose preferences disable it starts without.
     let other = window();
     let cells = other.query_all_by_label_contains("thumbnail");
     assert_eq!(cells.count(), 0);
 }
 
 #[test]
-fn nothing_is_made_while_playing_falls_behind() {
+fn no_thumbnails_are_made_while_playback_falls_behind() {
     let mut harness = window();
     click(&mut harness, "Play");
     harness.state_mut().features.thumbnails.is_on = true;
-    // 24 frames a second are asked for, twelve are shown.
+    // 24 frames per second are requested, twelve are shown.
     let play = |harness: &mut Harness<'_, State>, seconds: f64| {
         harness.state_mut().update(Duration::from_secs_f64(seconds));
         harness.run();
@@ -185,7 +185,7 @@ fn nothing_is_made_while_playing_falls_behind() {
         std::thread::sleep(Duration::from_millis(5));
     }
     assert_eq!(play(&mut harness, 1.0), 0);
-    // In time: pictures come, ten a second at most.
+    // On time: thumbnails are made, at most ten per second.
     for step in 1..=2400 {
         let seconds = f64::from(step) / 24.0;
         let made = play(&mut harness, 1.0 + seconds);
@@ -199,7 +199,7 @@ fn nothing_is_made_while_playing_falls_behind() {
 }
 
 #[test]
-fn frames_that_are_not_in_memory_are_read_when_nothing_plays() {
+fn uncached_frames_are_read_when_nothing_plays() {
     let mut harness = window_on(
         sequence(&[]),
         StateOptions {

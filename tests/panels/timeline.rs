@@ -16,7 +16,7 @@ fn the_play_button_plays_and_pauses() {
     let mut harness = window();
     click(&mut harness, "Play");
     assert!(is_playing(&harness));
-    // 24 frames a second: the third frame is due after 2/24 s.
+    // 24 frames per second: the third frame is due after 2/24 s.
     assert!(harness.state_mut().update(Duration::from_millis(85)).is_visible());
     assert_eq!(frame(&harness), 2);
     assert_eq!(harness.state().player.as_ref().unwrap().shown().unwrap().index, 2);
@@ -44,7 +44,7 @@ fn buttons_step_and_jump() {
 }
 
 #[test]
-fn the_timeline_scrubs_and_playing_goes_on_after() {
+fn playback_continues_after_scrubbing() {
     let mut harness = window();
     click(&mut harness, "Play");
     let bar = harness.get_by_role_and_label(Role::Slider, "Timeline").rect();
@@ -87,7 +87,7 @@ fn speed_rate_and_loop_mode_are_set_on_the_timeline() {
 }
 
 #[test]
-fn in_and_out_point_are_dragged_and_the_playhead_stays() {
+fn dragging_in_and_out_points_does_not_move_the_playhead() {
     let mut harness = window();
     let bar = harness.get_by_role_and_label(Role::Slider, "Timeline").rect();
     let border = |frame: usize| pos2(bar.left() + bar.width() * frame as f32 / FRAMES as f32, bar.center().y);
@@ -101,7 +101,7 @@ fn in_and_out_point_are_dragged_and_the_playhead_stays() {
     let range = clock(&harness).range();
     assert_eq!((range.first(), range.last()), (Some(8), Some(19)));
     assert_eq!(frame(&harness), 15, "that was not the playhead");
-    // Neither goes beyond the other.
+    // Neither crosses the other.
     drag(&mut harness, border(20), border(2));
     let range = clock(&harness).range();
     assert_eq!((range.first(), range.last()), (Some(8), Some(8)));
@@ -116,7 +116,7 @@ fn in_and_out_point_are_dragged_and_the_playhead_stays() {
 }
 
 #[test]
-fn the_rate_is_said_while_it_plays() {
+fn the_rate_is_shown_while_playing() {
     let mut harness = window();
     assert!(harness.query_by_label_contains(" fps").is_none(), "it rests");
     click(&mut harness, "Play");
@@ -130,7 +130,7 @@ fn the_rate_is_said_while_it_plays() {
 }
 
 #[test]
-fn the_wheel_shows_fewer_frames_around_the_pointer() {
+fn the_wheel_zooms_in_around_the_pointer() {
     let mut harness = window();
     let bar = harness.get_by_role_and_label(Role::Slider, "Timeline").rect();
     let wheel = |harness: &mut Harness<'_, State>, at: egui::Pos2, by: f32| {
@@ -163,7 +163,7 @@ fn the_wheel_shows_fewer_frames_around_the_pointer() {
 }
 
 #[test]
-fn numbers_that_are_missing_are_marked() {
+fn missing_numbers_are_marked() {
     let numbers = [1, 2, 3, 6, 7, 9];
     let entries = numbers.map(|number| FrameEntry {
         number: Some(number),

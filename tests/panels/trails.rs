@@ -23,7 +23,7 @@ fn picking(sequence: Arc<Sequence>) -> Harness<'static, State> {
 fn pick(harness: &mut Harness<'_, State>, index: u32) {
     let at = in_window(harness, corner(index));
     click_on(harness, at, 1);
-    // Two clicks within a moment would be a double click.
+    // Two clicks in quick succession would be a double click.
     harness.run_steps(10);
     let picked = harness.state().features.inspection.point.clone().unwrap();
     assert_eq!(picked.values.index_in_file, index);
@@ -46,7 +46,7 @@ fn until_found(harness: &mut Harness<'_, State>) {
 }
 
 #[test]
-fn the_button_shows_the_way_of_the_point_its_length_and_its_speed() {
+fn the_button_shows_the_trail_of_the_point_with_length_and_speed() {
     let mut harness = picking(sequence(&[]));
     pick(&mut harness, 6);
     assert!(harness.query_by_label("Travelled").is_none());
@@ -54,7 +54,8 @@ fn the_button_shows_the_way_of_the_point_its_length_and_its_speed() {
     until_found(&mut harness);
     let trails = harness.state().features.trails.found().unwrap();
     assert_eq!((trails.frames(), trails.trail_count()), (0..FRAMES, 1));
-    // The cube grows by a hundredth a frame: its corners move by half of that along three axes, 24 frames a second.
+    // The cube grows by a hundredth per frame: its corners move by half of that along three axes, at 24 frames per
+    // second.
     let step = 0.005 * 3f64.sqrt();
     for frame in 0..FRAMES {
         let half = 0.5 * (1.0 + frame as f32 / 100.0);
@@ -71,7 +72,7 @@ fn the_button_shows_the_way_of_the_point_its_length_and_its_speed() {
     }
     assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
 
-    // From in to out point alone.
+    // Only from the in point to the out point.
     harness.state_mut().step_frames(3);
     harness.state_mut().run(Command::SET_IN);
     harness.state_mut().step_frames(2);
@@ -104,7 +105,7 @@ fn trails_of_several_points_are_shown_together() {
     assert!(measured(&harness, 7) && !measured(&harness, 6));
     click(&mut harness, "Keep trail");
     pick(&mut harness, 5);
-    // Those of points that are spread over the file are none of them.
+    // Trails of points sampled over the whole file are not among them.
     harness.state_mut().features.trails.field.is_on = true;
     harness.state_mut().features.trails.field.points = 4;
     harness.run();
@@ -135,7 +136,7 @@ fn varying() -> Arc<Sequence> {
 }
 
 #[test]
-fn where_indices_do_not_stay_with_the_points_the_panel_says_so() {
+fn unstable_point_indices_are_reported_in_the_panel() {
     let mut harness = picking(varying());
     pick(&mut harness, 7);
     click(&mut harness, "Trail");
@@ -208,7 +209,7 @@ fn finding_trails_can_be_cancelled() {
 }
 
 #[test]
-fn trails_are_undone() {
+fn trails_can_be_undone() {
     let mut harness = picking(sequence(&[]));
     pick(&mut harness, 6);
     press(&mut harness, Modifiers::SHIFT, Key::T);
@@ -216,7 +217,7 @@ fn trails_are_undone() {
     until_found(&mut harness);
     let anchor = harness.state().features.inspection.point.as_ref().unwrap().anchor;
     harness.state_mut().features.trails.toggle_pinned(anchor);
-    // Past the time within which it would be the same change.
+    // Past the time within which it would count as the same change.
     harness.run_steps(120);
     harness.state_mut().run(Command::UNDO);
     let trails = &harness.state().features.trails;

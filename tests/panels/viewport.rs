@@ -9,7 +9,7 @@ use pointreel::scene::{Primitive, ScaleBar};
 use std::time::Duration;
 
 #[test]
-fn the_picture_follows_the_scale_factor() {
+fn the_image_follows_the_scale_factor() {
     let mut harness = window();
     let [width, height] = harness.state().viewport.size_px;
     assert!(harness.state_mut().next_packet().is_some());
@@ -18,7 +18,7 @@ fn the_picture_follows_the_scale_factor() {
         root.or_default().native_pixels_per_point = Some(scale);
         harness.run();
         let size_px = harness.state().viewport.size_px;
-        // As many points of the window, more pixels.
+        // The same number of window points, but more pixels.
         for (edge, before) in size_px.iter().zip([width, height]) {
             let expected = f64::from(before) * factor;
             assert!((f64::from(*edge) - expected).abs() <= 2.0, "{scale}: {size_px:?}");
@@ -31,7 +31,7 @@ fn the_picture_follows_the_scale_factor() {
 }
 
 #[test]
-fn a_window_without_room_draws_nothing() {
+fn a_window_without_space_draws_nothing() {
     let mut harness = window();
     assert!(harness.state_mut().next_packet().is_some());
     let pictures = harness.state().shared.counters.pictures;
@@ -67,7 +67,7 @@ fn a_paused_untouched_window_does_nothing() {
         (counters, scene)
     );
     assert!(!harness.ctx.has_requested_repaint());
-    // A panel that is run again, as for a moved mouse, is no new picture.
+    // Running a panel again, as for a moved mouse, does not make a new image.
     harness.hover_at(pos2(100.0, 100.0));
     harness.run();
     assert!(harness.state_mut().next_packet().is_none());
@@ -77,7 +77,7 @@ fn a_paused_untouched_window_does_nothing() {
 }
 
 #[test]
-fn the_picture_stays_until_the_new_primitive_is_there() {
+fn the_old_image_stays_until_the_new_primitive_is_ready() {
     let mut harness = window();
     assert_eq!(
         harness.state_mut().next_packet().unwrap().style.primitive,
@@ -97,7 +97,7 @@ fn the_picture_stays_until_the_new_primitive_is_there() {
 }
 
 #[test]
-fn the_picture_has_a_scale_bar_that_follows_the_camera() {
+fn the_image_has_a_scale_bar_that_follows_the_camera() {
     let mut harness = window();
     let expected = |harness: &Harness<'_, State>| {
         let state = harness.state();

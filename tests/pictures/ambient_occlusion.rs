@@ -85,7 +85,7 @@ fn linear(byte: u8) -> f32 {
 }
 
 #[test]
-fn planes_keep_their_light() {
+fn planes_are_not_darkened() {
     let slopes = [0.0, 20.0, 45.0, 70.0f32];
     for (&splatting, projection) in [
         (&Splatting::Opaque, Projection::Perspective),
@@ -159,7 +159,7 @@ fn a_corner_is_as_dark_as_the_volume_behind_its_walls() {
             let light = light_along_corner(&pictures, &packet);
             assert!(light.len() > 20, "{}", light.len());
             for (place, left) in light {
-                // Disks of the other wall reach over its edge.
+                // Disks of the other wall extend beyond its edge.
                 if place < 0.1 {
                     continue;
                 }
@@ -174,7 +174,7 @@ fn a_corner_is_as_dark_as_the_volume_behind_its_walls() {
 }
 
 #[test]
-fn what_stands_far_before_a_plane_does_not_darken_it() {
+fn objects_far_in_front_of_a_plane_do_not_darken_it() {
     let mut cloud = plane([Vec3::X, Vec3::Y], 3.0);
     let sheet = plane([Vec3::X, Vec3::Y], 1.0).into_iter();
     cloud.extend(sheet.map(|surfel| Surfel {
@@ -208,7 +208,7 @@ fn highlights_and_the_background_are_not_darkened() {
 }
 
 #[test]
-fn strength_is_a_factor_on_what_is_lost() {
+fn strength_scales_the_occluded_light() {
     let cloud = corner();
     let light_with = |strength: f32| {
         let mut style = style(Lighting::Lambert, Splatting::Opaque);

@@ -121,7 +121,7 @@ fn flat(picture: &RgbaImage) -> Vec<[u32; 2]> {
 }
 
 #[test]
-fn flat_areas_stay_what_they_are() {
+fn flat_areas_are_unchanged() {
     let mut packet = cube();
     packet.style.backdrop.background = Background::solid([30, 61, 97]);
     for antialiasing in [Antialiasing::Fxaa, Antialiasing::Supersample] {
@@ -168,7 +168,7 @@ fn both_renderers_smooth_every_primitive_alike() {
 }
 
 #[test]
-fn points_and_lines_of_the_grid_stay_as_large() {
+fn points_and_grid_lines_keep_their_size() {
     let style = plain().with(|style| {
         style.primitive = Primitive::Point;
         style.points.size_px = 5.0;
@@ -193,7 +193,7 @@ fn points_and_lines_of_the_grid_stay_as_large() {
 
 /// FLIP beside the ray-traced truth of the same disks; the figures of `benches/README.md`.
 #[test]
-fn pictures_are_nearer_to_the_truth() {
+fn antialiased_images_are_closer_to_the_ground_truth() {
     for splatting in [Splatting::TwoPass, Splatting::Opaque] {
         let style = plain().with(|style| style.surfels.splatting = splatting);
         let packet = sphere_in(style, 2000);

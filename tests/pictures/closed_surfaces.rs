@@ -90,7 +90,7 @@ impl Shape {
             let (u, v) = (random.unit(), random.unit());
             let is_retained = match self {
                 Self::Sphere => true,
-                // The outer side has more area.
+                // The outer side has a larger area.
                 Self::Torus => random.unit() * (1.0 + TUBE) < 1.0 + TUBE * (v * TAU).cos(),
             };
             if is_retained {
@@ -124,8 +124,8 @@ impl Shape {
 
 /// Shares of rays through `places` that hit no disk of each of `scales` times its radius.
 fn open_shares<const N: usize>(positions: &[Vec3], surface: &Surface, places: &[Place], scales: [f32; N]) -> [f64; N] {
-    // The nearest points of each place, as its neighbours among points and places: places are few beside those asked
-    // for.
+    // Finds the nearest points of each position as its neighbours among points and positions: there are few positions
+    // compared with the requested neighbours.
     let mut holes = [0u32; N];
     for chunk in places.chunks(places.len().div_ceil(PARTS)) {
         let both: Vec<Vec3> = positions
@@ -211,7 +211,7 @@ fn regular_points_leave_no_hole() {
 }
 
 #[test]
-fn random_points_leave_next_to_none() {
+fn random_points_leave_almost_no_holes() {
     let mut random = Random(1);
     for shape in SHAPES {
         for count in COUNTS {
@@ -224,7 +224,7 @@ fn random_points_leave_next_to_none() {
 
 /// Points up to a tenth of their mean distance off the surface.
 #[test]
-fn noisy_points_leave_next_to_none() {
+fn noisy_points_leave_almost_no_holes() {
     let mut random = Random(2);
     for shape in SHAPES {
         for count in COUNTS {
@@ -249,7 +249,7 @@ fn noisy_points_leave_next_to_none() {
 /// The count of holes is itself checked: one disk over a plane is hit within its radius, from its edge and beyond it is
 /// not.
 #[test]
-fn rays_know_a_disk_from_a_hole() {
+fn rays_distinguish_disks_from_holes() {
     let surface = Surface {
         normals: vec![Vec3::Z],
         orientation: Orientation::Neighbours,

@@ -112,7 +112,7 @@ fn sequences() -> Vec<(String, Sequence)> {
 }
 
 #[test]
-fn voxels_cover_what_surfels_cover_and_look_like_them() {
+fn voxels_cover_the_same_pixels_as_surfels_and_look_like_them() {
     let mut beyond = Vec::new();
     for (name, sequence) in sequences() {
         let frame = Arc::new(sequence.frame(0).unwrap());
@@ -149,7 +149,7 @@ fn voxels_cover_what_surfels_cover_and_look_like_them() {
 
 /// What the test above measures tells closed surfaces from dots, and light on surfaces from light on cubes.
 #[test]
-fn the_cells_of_the_paper_are_dots_and_light_on_faces_is_that_of_cubes() {
+fn cells_sized_as_in_the_paper_are_dots_and_faces_are_lit_like_cubes() {
     let sequence = Sequence::of(Shape::Torus.frame(20_000));
     let frame = Arc::new(sequence.frame(0).unwrap());
     let needs = Scene::needs(&Style::default());

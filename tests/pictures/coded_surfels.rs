@@ -61,7 +61,7 @@ fn ball(count: u32, radius: f32, is_white: bool, style: &Style) -> PreparedFrame
 /// By the processor, from the byte code.
 fn coded() -> Style {
     plain().with(|style| {
-        // White alone would not be taken for colours.
+        // Pure white would not be recognised as colours.
         style.colors = pointreel::sequence::ColorSource::File.into();
         style.levels.lod = Lod::ThresholdPx(0.0);
         style.codes.footprint = Footprint::Masks;
@@ -112,8 +112,8 @@ fn ball_camera([azimuth_deg, elevation_deg]: [f64; 2], distance: f64) -> Camera 
 #[test]
 fn offsets_close_the_gaps_of_quantised_positions() {
     let style = coded().with(|style| {
-        // Neither enlarged in the second pass nor with what lies behind rims, which hide gaps. Scaled, radii are about
-        // a cell edge, as in the paper.
+        // Without enlargement in the second pass and without the fill behind soft edges, which hide gaps. Scaled, radii
+        // are about a cell edge, as in the paper.
         style.surfels.splatting = Splatting::TwoPass;
         style.surfels.rims = OnOff::Off;
         style.surfels.splat_scale = 1.4;
@@ -138,7 +138,7 @@ fn offsets_close_the_gaps_of_quantised_positions() {
             "{view:?}: {two} gaps with 2 bits, {without} without"
         );
         assert_eq!(three, 0, "{view:?}");
-        // Enlarged, splats of the attribute pass reach over what is left.
+        // Enlarged, splats of the attribute pass cover what remains.
         let enlarged = style.with(|style| {
             style.surfels.splatting = Splatting::TwoPassEnlarged;
             style.surfels.splat_scale = 1.0;
@@ -154,7 +154,7 @@ fn offsets_close_the_gaps_of_quantised_positions() {
 const BALL_DB: [(f64, f64, f64); 3] = [(8.0, 34.0, 43.0), (2.4, 26.0, 35.5), (1.3, 52.0, 48.0)];
 
 #[test]
-fn masks_beside_exact_disks_on_a_sphere() {
+fn masks_are_close_to_exact_disks_on_a_sphere() {
     for count in [5000, 40_000] {
         let frame = ball(count, 1.3 * (4.0 / count as f32).sqrt(), false, &coded());
         for &normal_bits in NormalBits::ALL {
@@ -192,7 +192,7 @@ const REAL_DB: [(&str, f64, f64, f64); 3] = [
 ];
 
 #[test]
-fn masks_beside_exact_disks_on_real_frames() {
+fn masks_are_close_to_exact_disks_on_real_frames() {
     let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/demo");
     let man = shared("sequences/cesiumman_24fps");
     for folder in [demo].into_iter().chain(man) {
@@ -225,7 +225,7 @@ fn masks_beside_exact_disks_on_real_frames() {
                 let found_db = psnr(&masks, &disks);
                 println!("{name}, {place}, light {lighting}: {found_db:.1} dB");
                 let min_db = if lighting == Lighting::Unlit { unlit_db } else { lit_db };
-                // Once a normal, light comes from elsewhere.
+                // When lighting is computed per normal, the light direction differs.
                 let is_same_light = lighting != Lighting::PerSurfel;
                 assert!(
                     !is_same_light || found_db >= min_db,
@@ -237,7 +237,7 @@ fn masks_beside_exact_disks_on_real_frames() {
 }
 
 #[test]
-fn pictures_do_not_depend_on_threads() {
+fn images_do_not_depend_on_thread_count() {
     let frame = ball(20_000, 0.02, false, &coded());
     let camera = camera_at(1.7);
     for footprint in [Footprint::Masks, Footprint::Pixels] {
@@ -271,7 +271,7 @@ fn culling_changes_no_pixel_of_a_closed_shape() {
         let not_culled = culled.with(|style| style.surfels.back_faces = BackFaces::Drawn);
         let a = draw(&frame, &camera, &culled, SIZE);
         let b = draw(&frame, &camera, &not_culled, SIZE);
-        // At the outline what is just behind it is within ε of it.
+        // At the outline, surfaces just behind it are within ε of it.
         let differs = a.enumerate_pixels().zip(b.pixels()).filter(|((x, y, a), b)| {
             let [right, down] = [(x, 0), (y, 1)].map(|(px, axis)| f64::from(*px) + 0.5 - 0.5 * f64::from(SIZE[axis]));
             let outline = 0.96 / (distance * distance - 0.96 * 0.96).sqrt() * 0.5 * f64::from(SIZE[1]);

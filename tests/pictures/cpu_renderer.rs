@@ -64,9 +64,9 @@ fn surfel_scene(style: Style, distance: f64) -> ScenePacket {
 /// Least decibels and most differing pixels.
 fn agreement(splatting: Splatting) -> (f64, f64) {
     match splatting {
-        // A GPU rounds to bytes whenever it blends: hundreds of layers may be some steps apart.
+        // A GPU rounds to bytes whenever it blends: hundreds of layers may add up to a few steps.
         Splatting::Regular | Splatting::NoDepth => (50.0, 5e-4),
-        // A pixel where two hard disks cut each other shows either.
+        // A pixel where two hard disks intersect shows either.
         Splatting::Opaque => (60.0, 5e-5),
         Splatting::Visibility | Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => (60.0, 1e-5),
     }
@@ -145,7 +145,7 @@ fn splats_of_every_kernel() {
                 style.surfels.splatting = splatting;
             });
             let (min_psnr_db, max_differing) = agreement(splatting);
-            // Half floats round sums of many weights that are all 1 more than those of bells.
+            // Half floats round sums of many weights that are all 1 more coarsely than Gaussian ones.
             assert_same_picture(&surfel_scene(style, 1.9), min_psnr_db.min(57.0), max_differing);
         }
     }
@@ -197,7 +197,7 @@ fn surfaces_with_ambient_occlusion() {
                 style.light.ao_radius = radius;
             });
             let (min_psnr_db, _) = agreement(splatting);
-            // A pixel on the other side of an edge is on a line of 24 others.
+            // A pixel on the other side of an edge is on the sampling lines of 24 others.
             assert_same_picture(&surfel_scene(style, distance), min_psnr_db.min(55.0), 5e-4);
         }
     }
@@ -214,7 +214,7 @@ fn surfaces_with_shadows() {
                 style.light.shadows = OnOff::On;
             });
             let (min_psnr_db, max_differing) = agreement(splatting);
-            // At the borders of shadows both ask nearly the same texels of nearly the same maps.
+            // At shadow borders both sample nearly the same texels of nearly the same maps.
             assert_same_picture(
                 &surfel_scene(style, 1.9),
                 min_psnr_db.min(50.0),
@@ -237,7 +237,7 @@ fn points_of_one_pixel_and_of_many() {
                 },
                 ..Style::default()
             };
-            // A software adapter rounds to a 256th of a pixel before it asks which one a point is in.
+            // A software adapter rounds to a 256th of a pixel before it determines which one contains a point.
             assert_same_picture(&surfel_scene(style, 1.9), 38.0, 2e-3);
             assert_same_picture(&surfel_scene(style, 0.7), 38.0, 2e-3);
         }
@@ -245,7 +245,7 @@ fn points_of_one_pixel_and_of_many() {
 }
 
 #[test]
-fn points_that_are_sized_in_the_scene() {
+fn points_sized_in_scene_units() {
     for sizing in [PointSizing::Projected, PointSizing::Adaptive] {
         for &shape in PointShape::ALL {
             let style = Style::default().with(|style| {
@@ -253,7 +253,7 @@ fn points_that_are_sized_in_the_scene() {
                 style.points.sizing = sizing;
                 style.points.shape = shape;
             });
-            // From near to so far that most are as small as points get.
+            // From near to so far that most points have the minimum size.
             for distance in [0.7, 1.9, 30.0] {
                 let mut packet = surfel_scene(style, distance);
                 packet.params.point_spacing = 0.05;
@@ -276,7 +276,7 @@ fn points_of_every_shape_in_every_light() {
                     style.points.light = PointLight::Normals;
                     crate::common::set_lighting(style, lighting);
                 });
-                // What is blended has no edges that rounding moves.
+                // Blended points have no hard edges that rounding could move.
                 let bounds = match shape {
                     PointShape::Gaussian => (55.0, 1e-4),
                     PointShape::Square | PointShape::Disk => (38.0, 2e-3),
@@ -326,7 +326,7 @@ fn round_point(size_px: f32, aside_px: f32) -> Vec<String> {
 }
 
 #[test]
-fn a_round_point_is_the_pixels_whose_middles_are_in_its_circle() {
+fn a_round_point_covers_pixels_with_centers_in_its_circle() {
     let seven = [
         ".........",
         "...###...",
@@ -339,7 +339,7 @@ fn a_round_point_is_the_pixels_whose_middles_are_in_its_circle() {
         ".........",
     ];
     assert_eq!(round_point(7.0, 0.0), seven);
-    // No middle is in the circle: the pixel that the point is in is drawn in any case.
+    // No pixel centre is in the circle: the pixel that contains the point is always drawn.
     let own = [
         ".........",
         ".........",
@@ -352,7 +352,7 @@ fn a_round_point_is_the_pixels_whose_middles_are_in_its_circle() {
         ".........",
     ];
     assert_eq!(round_point(1.2, 0.45), own);
-    // Four middles are in it.
+    // Four pixel centres are inside it.
     let four = [
         ".........",
         ".........",
@@ -380,7 +380,7 @@ fn voxels_in_every_light_from_outside_and_from_within() {
         }
     });
     let cells: Vec<VoxelRecord> = cells.filter(|cell| cell.color[1] % 4 != 0).collect();
-    // Directions that have nothing to do with the faces.
+    // Directions unrelated to the faces.
     let normals = common::shapes_towards(cells.iter().map(|cell| cell.center));
     let lights = Lighting::ALL
         .iter()
@@ -405,7 +405,7 @@ fn voxels_in_every_light_from_outside_and_from_within() {
 }
 
 #[test]
-fn pictures_do_not_depend_on_threads() {
+fn images_do_not_depend_on_thread_count() {
     let packet = surfel_scene(Style::default(), 1.9);
     let expected = draw_on_cpu(&packet);
     for threads in [1, 3] {
@@ -415,7 +415,7 @@ fn pictures_do_not_depend_on_threads() {
 }
 
 #[test]
-fn what_is_not_there_is_background() {
+fn empty_content_shows_the_background() {
     let mut packet = surfel_scene(Style::default(), 1.9);
     packet.content = Content::Nothing;
     assert_same_picture(&packet, f64::INFINITY, 0.0);
@@ -425,7 +425,7 @@ fn what_is_not_there_is_background() {
 }
 
 #[test]
-fn nothing_is_drawn_before_it_is_prepared_nor_twice() {
+fn rendering_needs_preparation_and_happens_once_per_packet() {
     let mut renderer = CpuRenderer::new();
     assert!(matches!(renderer.render(), Err(RenderError::NothingPrepared)));
     assert!(matches!(renderer.read_image(), Err(RenderError::NothingPrepared)));
@@ -442,7 +442,7 @@ fn nothing_is_drawn_before_it_is_prepared_nor_twice() {
 
 /// Numbers of all sizes and no size: a picture or nothing, and never a panic.
 #[test]
-fn extreme_records_are_survived() {
+fn extreme_records_are_handled() {
     let extremes = [0.0, 1e-45, -1e-38, 1e-20, 1.0, 1e30, -3e38, f32::MAX];
     let mut scene = sphere(600, 1.0);
     for (index, surfel) in scene.iter_mut().enumerate() {
@@ -489,7 +489,7 @@ fn draw_depths(packet: &ScenePacket) -> DepthImage {
 }
 
 #[test]
-fn depths_and_colors_are_those_of_the_reference_in_double_precision() {
+fn depths_and_colors_match_the_double_precision_reference() {
     let frame = sampled_sphere();
     let camera = Camera {
         azimuth_deg: 20.0,
@@ -516,8 +516,8 @@ fn depths_and_colors_are_those_of_the_reference_in_double_precision() {
     );
     let truth = Truth::of_disks(&disks, &view);
     let depths = draw_depths(&packet);
-    // Where the rim of a disk goes through the middle of a pixel, rounding decides. Elsewhere a thousandth of a splat
-    // is what f32 leaves of planes that are seen nearly edge-on, where pixels are far apart on them.
+    // Where the edge of a disk passes through a pixel centre, rounding decides. Elsewhere a thousandth of a splat is
+    // the precision of f32 for planes seen nearly edge-on, on which pixels are far apart.
     let differing = depths
         .depth
         .iter()
@@ -530,13 +530,13 @@ fn depths_and_colors_are_those_of_the_reference_in_double_precision() {
         })
         .count();
     assert!(differing <= 20, "{differing} pixels of another disk");
-    // A sample in the middle for 64, and weights of 16 bits for f64.
+    // One sample at the centre instead of 64, and 16-bit weights instead of f64.
     let psnr = psnr_db(mean_squared_error(&truth.image, &draw_on_cpu(&packet)).unwrap());
     assert!(psnr > 40.0, "{psnr} dB");
 }
 
 #[test]
-fn depths_of_points_and_voxels_are_their_distances() {
+fn depths_of_points_and_voxels_match_their_distances() {
     let camera = camera_at(3.0);
     let mut packet = surfel_scene(
         Style {
@@ -555,7 +555,7 @@ fn depths_of_points_and_voxels_are_their_distances() {
         cube_edge: 2.0,
     });
     let midpoint = (SIZE[1] / 2 * SIZE[0] + SIZE[0] / 2) as usize;
-    // A cell of edge 1 around the origin is met half a unit before it, seen along an axis.
+    // Along an axis, a cell of edge 1 around the origin is hit half a unit in front of it.
     packet.view = Camera {
         azimuth_deg: 0.0,
         elevation_deg: 0.0,
@@ -603,10 +603,10 @@ proptest! {
         let camera = Camera { azimuth_deg, elevation_deg, ..camera_at(distance) };
         let size_px = [240, 200];
         let focal = 1.0 / (0.5 * camera.fov_deg).to_radians().tan();
-        // The outline of the sphere, less what disks of its rim may be short of.
+        // The outline of the sphere, minus what disks near its silhouette may miss.
         let outline_px = 0.5 * f64::from(size_px[1]) * focal / (distance * distance - 1.0).sqrt();
         let within_px = 0.97 * outline_px - 1.0;
-        // From afar the sphere has fewer than a thousand pixels: then one of them may be an opening.
+        // From afar the sphere has fewer than a thousand pixels: then one of them may be a hole.
         let modes = [(Splatting::TwoPassEnlarged, None), (Splatting::Visibility, Some(1000))];
         for (splatting, pixels_per_hole) in modes {
             let draw = |background: [u8; 3]| {

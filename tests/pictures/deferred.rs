@@ -99,7 +99,7 @@ fn light_of_every_rig_adds_up_as_linear_light() {
 }
 
 #[test]
-fn without_light_colors_are_those_of_the_file() {
+fn without_light_colors_match_the_file() {
     for level in (0..=255).step_by(17) {
         let color = [level, 255 - level, level / 2 + 60];
         let packet = one_surfel(Vec3::new(0.4, 0.2, 0.7).normalize(), color, plain());
@@ -110,7 +110,7 @@ fn without_light_colors_are_those_of_the_file() {
 }
 
 #[test]
-fn what_faces_a_matt_head_light_has_the_color_of_the_file() {
+fn surfaces_facing_a_matt_headlight_have_the_file_color() {
     for level in (0..=255).step_by(17) {
         let color = [level, 255 - level, level / 2 + 60];
         let packet = one_surfel(Vec3::Z, color, lit_by(Lighting::Lambert, LightRig::Head));
@@ -135,7 +135,7 @@ fn on_sphere(x: u32, y: u32, focal: [f32; 2]) -> Option<DVec3> {
 
 /// A sphere of few surfels is round, as the normals in a pixel are blended before light falls on them.
 #[test]
-fn blended_normals_are_nearer_to_those_of_the_surface_than_those_of_splats() {
+fn blended_normals_are_closer_to_the_surface_than_splat_normals() {
     let color = [200; 3];
     let mut cloud = sphere(400, 1.0);
     for surfel in &mut cloud {
@@ -152,7 +152,7 @@ fn blended_normals_are_nearer_to_those_of_the_surface_than_those_of_splats() {
                 continue;
             };
             let normal = position - center;
-            // Towards the rim what is behind it is missing among the splats that are blended.
+            // Towards the silhouette, the blended splats lack those behind it.
             if normal.dot(-position.normalize()) < 0.7 {
                 continue;
             }

@@ -40,7 +40,7 @@ fn facing(style: Style) -> ScenePacket {
 }
 
 #[test]
-fn an_ellipse_covers_what_its_half_axes_say() {
+fn an_ellipse_covers_the_area_of_its_semi_axes() {
     for (turn, ratio) in [(0.0f32, 0.5f32), (0.5, 0.25), (1.9, 0.7), (-0.6, 0.1)] {
         let mut packet = facing(of_ellipses());
         let axis = Vec3::new(turn.cos(), turn.sin(), 0.0);
@@ -61,7 +61,7 @@ fn an_ellipse_covers_what_its_half_axes_say() {
                 let share = |slack_px: f64| (place / (DVec2::from_array(half_axes_px) + slack_px)).length();
                 let is_drawn = pixel.0[..3] != [0; 3];
                 covered += u32::from(is_drawn);
-                // Within a pixel of the rim it may be either.
+                // Within a pixel of the edge it may be either.
                 assert!(
                     !is_drawn || share(1.0) <= 1.0,
                     "{by}: ({x}, {y}) of {turn}, {ratio} is outside"
@@ -117,7 +117,7 @@ fn ellipses_are_estimated_once_and_disks_need_nothing_more() {
 }
 
 #[test]
-fn ellipses_of_a_file_are_drawn_as_they_are_and_disks_have_their_area() {
+fn ellipses_of_a_file_are_drawn_unchanged_and_disks_have_their_area() {
     let ellipse = Ellipse {
         axis: Vec3::Y,
         ratio: 0.25,
@@ -151,7 +151,7 @@ fn ellipses_of_a_file_are_drawn_as_they_are_and_disks_have_their_area() {
 }
 
 #[test]
-fn levels_of_detail_of_ellipses_are_ellipses() {
+fn levels_of_detail_of_ellipses_are_drawn_as_ellipses() {
     let style = of_ellipses().with(|style| style.levels.surfel_lod = true);
     assert_eq!(style.levels_kind(), Some(LevelsKind::Surfels));
     let frame = demo(&style, &PrepareCounters::default());

@@ -46,7 +46,7 @@ fn checkers(points_per_px: f64, square: i32) -> Vec<Surfel> {
 /// The exact mean of the checkers in each pixel: they are the product of two waves, one of each coordinate.
 fn mean_of_checkers(points_per_px: f64, square: i32) -> RgbaImage {
     let square = f64::from(square);
-    // From 0 to a place along a wave that is 1 for the first square, and then -1.
+    // The integral from 0 to a position of a square wave that is 1 for the first square, and then -1.
     let integral = |place: f64| {
         let place = (place + 0.5).rem_euclid(2.0 * square);
         place.min(2.0 * square - place)
@@ -100,7 +100,7 @@ fn clamped(surfels: &[Surfel], points_per_px: f64) -> RgbaImage {
 }
 
 #[test]
-fn far_checkers_are_nearer_to_their_mean_than_disks_and_than_clamped_splats_are() {
+fn distant_checkers_are_closer_to_their_mean_than_disks_or_clamped_splats() {
     let far = [4.0, 8.0, 16.0].into_iter();
     for (points_per_px, square) in far.flat_map(|far| [5, 7, 11].map(|square| (far, square))) {
         let truth = mean_of_checkers(points_per_px, square);
@@ -111,7 +111,7 @@ fn far_checkers_are_nearer_to_their_mean_than_disks_and_than_clamped_splats_are(
         let clamped = error(&clamped(&cloud, points_per_px));
         let [cpu, gpu] = [draw_on_cpu, draw].map(|draw| error(&draw(&packet(SplatFilter::Ewa))));
         for ewa in [cpu, gpu] {
-            // Of squares of a third of a pixel both filters leave a grey, give or take a step of a byte.
+            // From squares of a third of a pixel both filters make a grey, to within one byte step.
             assert!(
                 ewa <= 0.5 * disks && ewa < clamped.max(0.005),
                 "{points_per_px}, {square}: {ewa} for {disks} and {clamped}"
@@ -122,7 +122,7 @@ fn far_checkers_are_nearer_to_their_mean_than_disks_and_than_clamped_splats_are(
 
 /// The filter that is the control for EWA, as both renderers draw it.
 #[test]
-fn clamped_splats_are_as_others_have_them() {
+fn clamped_splats_match_the_common_definition() {
     for (points_per_px, square) in [(1.0, 5), (4.0, 7), (8.0, 11)] {
         let cloud = checkers(points_per_px, square);
         let expected = clamped(&cloud, points_per_px);
@@ -149,8 +149,8 @@ fn light_of(cloud: &[Surfel], camera: &Camera, draw: fn(&ScenePacket) -> RgbaIma
 }
 
 #[test]
-fn a_splat_smaller_than_a_pixel_adds_its_area_wherever_it_is() {
-    // Ten pixels a unit.
+fn a_subpixel_splat_adds_its_area_wherever_it_is() {
+    // Ten pixels per unit.
     let camera = camera_at(0.05 * f64::from(EDGE_PX));
     for (radius_px, tilt_deg) in [(0.2, 0.0), (0.3, 0.0), (0.3, 45.0), (0.3, 60.0)] {
         let tilt = f32::to_radians(tilt_deg);
@@ -167,7 +167,8 @@ fn a_splat_smaller_than_a_pixel_adds_its_area_wherever_it_is() {
                 light_of(&[surfel], &camera, draw_on_cpu, 0..EDGE_PX)
             })
             .collect();
-        // A third of the disk under the mask, and a surface of them hides what is behind it from a half on.
+        // The mask integrates to a third of the disk, and a surface of them hides the background from a weight of one
+        // half.
         let area_px = std::f64::consts::PI * f64::from(radius_px * radius_px * tilt.cos());
         let expected = area_px * (1.0 - (-3.0f64).exp()) / 3.0 / 0.5;
         let mean = lights.iter().sum::<f64>() / lights.len() as f64;
@@ -182,7 +183,7 @@ fn a_splat_smaller_than_a_pixel_adds_its_area_wherever_it_is() {
 }
 
 #[test]
-fn an_edge_of_far_points_covers_the_pixels_that_it_covers() {
+fn an_edge_of_distant_points_covers_pixels_by_area() {
     for points_per_px in [4.0, 8.0, 16.0] {
         let camera = camera(points_per_px);
         let whole: Vec<Surfel> = checkers(points_per_px, 1)
@@ -199,7 +200,7 @@ fn an_edge_of_far_points_covers_the_pixels_that_it_covers() {
                 .copied()
                 .filter(|surfel| f64::from(surfel.position.x) <= last)
                 .collect();
-            // The surface ends half a spacing behind the last points.
+            // The surface ends half a spacing beyond the last points.
             let edge = (last.floor() + 0.5 - camera.target_in_world.x) / points_per_px + 0.5 * f64::from(EDGE_PX);
             for draw in [draw_on_cpu, draw] {
                 let covered = light_of(&half, &camera, draw, 20..21);
@@ -210,7 +211,7 @@ fn an_edge_of_far_points_covers_the_pixels_that_it_covers() {
 }
 
 #[test]
-fn near_splats_stay_as_they_are() {
+fn near_splats_are_unchanged() {
     let cloud = checkers(0.25, 7);
     let packet = |filter| surfels(&cloud, &camera(0.05), style(filter), [EDGE_PX; 2]);
     let [plain, filtered] = [SplatFilter::Off, SplatFilter::Ewa].map(|filter| draw_on_cpu(&packet(filter)));

@@ -85,7 +85,7 @@ fn step(depths: [f32; 2], unit: f32, size: [u32; 2], projection: Projection) -> 
     let mut points = Vec::new();
     for row in -rows / 2..rows / 2 {
         for column in -columns / 2..columns / 2 {
-            // No point is nearer to the axis than its square reaches.
+            // No point is closer to the axis than the extent of its square.
             let right = 2.0 * column as f32 + 1.0 + 0.5 * (2.0 * column as f32 + 1.0).signum();
             let depth = depths[usize::from(column >= 0)];
             let place = Vec3::new(right * px, (2.0 * row as f32 + 0.5) * px, depth);
@@ -122,7 +122,7 @@ fn a_step_is_as_dark_as_the_formula_says() {
             (f32::from(row[edge]) - expected).abs() < 2.0,
             "{by}: {row:?} {expected}"
         );
-        // A single pixel beside the step, on its far side.
+        // A single pixel next to the step, on its far side.
         let dark = row.iter().filter(|&&channel| channel != 200).count();
         assert!(dark == 1 && (31..=33).contains(&edge), "{by}: {row:?}");
     }
@@ -138,17 +138,17 @@ fn a_plane_that_is_seen_face_on_keeps_its_colors() {
 }
 
 #[test]
-fn a_deep_step_keeps_some_color_and_one_without_an_end_is_an_edge() {
+fn a_deep_step_retains_some_color_and_an_infinite_one_is_an_edge() {
     let dark_of = |depth: f32| {
         let packet = step([0.0, depth], 1.0, STEP_SIZE, Projection::Perspective);
         let row = center_row(&draw_on_cpu(&packet));
         *row.iter().min().unwrap()
     };
-    // 6 % of the colour, however deep.
+    // 6 % of the colour, regardless of the depth of the step.
     assert!((10..=14).contains(&dark_of(-0.5)), "{}", dark_of(-0.5));
     assert_eq!(dark_of(-0.5), dark_of(-1.5));
 
-    // Nothing but background at the right.
+    // Only background on the right.
     let mut packet = step([0.0, 0.0], 1.0, STEP_SIZE, Projection::Perspective);
     packet.style.points.size_px = 2.0;
     let points = packet.content.points().unwrap();
@@ -166,7 +166,7 @@ fn a_deep_step_keeps_some_color_and_one_without_an_end_is_an_edge() {
 }
 
 #[test]
-fn a_wide_point_that_stands_alone_has_one_color() {
+fn a_wide_isolated_point_has_one_color() {
     for size_px in [3.0, 6.0, 10.0] {
         let mut packet = step([0.0, 0.0], 1.0, STEP_SIZE, Projection::Perspective);
         packet.style.points.size_px = size_px;
@@ -202,7 +202,7 @@ fn light_does_not_depend_on_the_unit_and_little_on_the_projection() {
 }
 
 #[test]
-fn off_is_as_before_and_so_is_auto_while_nobody_decides() {
+fn off_and_undecided_auto_draw_no_shading() {
     let scene = sphere(2000, 1.0);
     let picture = |eye_dome, eye_dome_strength| {
         let style = lit().with(|style| {
@@ -302,7 +302,7 @@ fn both_renderers_draw_the_same_grid_and_what_is_before_it_hides_it() {
 
     let hides = ball(lit().with(|style| style.light.eye_dome = EyeDome::Off));
     let (plain, lined) = (draw_on_cpu(&hides), draw_on_cpu(&with_grid(hides)));
-    // The middle of the ball is before the plane, which is seen from above.
+    // The centre of the ball is in front of the plane, which is seen from above.
     let midpoint = |picture: &RgbaImage| *picture.get_pixel(150, 111);
     assert_eq!(midpoint(&plain), midpoint(&lined));
     assert!(common::difference(&plain, &lined).0 > 1000);
@@ -324,19 +324,19 @@ fn lines_are_at_multiples_of_the_spacing() {
     let packet = with_grid(packet);
     let ground = packet.ground.unwrap();
     assert_eq!((ground.spacing, ground.point_in_frame), (1.0, Vec3::ZERO));
-    // At a distance of 2 and with 90 degrees, 4 units are 200 px: of lines 50 px apart one is between the two middle
+    // At a distance of 2 and with 90 degrees, 4 units are 200 px: of lines 50 px apart, one is between the two central
     // columns.
     for (by, picture) in [("CPU", draw_on_cpu(&packet)), ("GPU", draw(&packet))] {
         let bright = |x: u32| f32::from(picture.get_pixel(x, 75).0[0]);
         for (line, opacity) in [(50, 0.4), (100, 0.6), (150, 0.4)] {
-            // Half of either pixel, of a line of this opacity; every tenth line is stronger.
+            // It covers half of either pixel, with this opacity; every tenth line is stronger.
             let red = 255.0 * ground.color[0];
             let expected = 30.0 + 0.5 * opacity * (red - 30.0);
             for pixel in [line - 1, line] {
                 let found = bright(pixel);
                 assert!((found - expected).abs() <= 1.5, "{by} {pixel}: {found} {expected}");
             }
-            // Finer lines are five pixels apart, and hardly there.
+            // Finer lines are five pixels apart, and barely visible.
             assert!(bright(line - 3) < 40.0, "{by} {line}: {}", bright(line - 3));
         }
     }

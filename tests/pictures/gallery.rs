@@ -103,11 +103,11 @@ fn check(name: &str, sequence: Sequence) -> Shown {
         "{name}: {} of the trimmed part inside",
         shown.trimmed_inside
     );
-    // Points that are all at one place have no size.
+    // If all points coincide, the cloud has no size.
     if shown.look.trimmed.radius() > 0.0 {
         assert!(shown.filled >= 0.70, "{name}: filled {}", shown.filled);
     }
-    // Between points of a ragged cloud the background shows, if by pixels.
+    // The background shows between points of a ragged cloud, but only in single pixels.
     assert!(shown.drawn >= 0.90, "{name}: {} drawn", shown.drawn);
     let all = shown.inside.min(shown.drawn * shown.trimmed_inside);
     assert!(all >= 0.90, "{name}: {all} inside and drawn");
@@ -174,8 +174,8 @@ fn seen_along_z(points: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
 }
 
 #[test]
-fn outliers_do_not_make_the_person_small() {
-    // A depth camera: Y down, Z forward, what it cannot see saved as 65.535 m.
+fn outliers_do_not_shrink_the_view_of_a_person() {
+    // A depth camera: Y down, Z forward, invisible points saved as 65.535 m.
     let figure = figure(68_000).into_iter().map(|p| [p.x, 0.9 - p.y, 2.4 + p.z]);
     let mut points = seen_along_z(figure.collect());
     let mut random = Random(3);
@@ -191,7 +191,7 @@ fn outliers_do_not_make_the_person_small() {
 }
 
 #[test]
-fn what_stands_on_zero_shows_which_way_is_up() {
+fn objects_standing_on_zero_determine_the_up_axis() {
     for (name, turn, expected) in [
         ("y up", (|p| p) as fn(Vec3) -> Vec3, UpAxis::Y),
         ("y down", |p| Vec3::new(p.x, -p.y, -p.z), UpAxis::NegY),
@@ -261,7 +261,7 @@ fn closed_shapes_are_culled_and_open_ones_are_not() {
         assert!(shown.look.is_closed, "{}", shape.name());
         assert_eq!(shown.look.primitive, Primitive::Surfel);
     }
-    // Half of a sphere, open to the top.
+    // A hemisphere, open at the top.
     let frame = Sequence::of(Shape::Sphere.frame(60_000)).frame(0).unwrap();
     let retained: Vec<usize> = (0..frame.len())
         .filter(|&slot| frame.positions()[slot].y < 0.0)
@@ -301,7 +301,7 @@ fn lines_and_clusters_are_seen_whole() {
 }
 
 #[test]
-fn no_point_one_point_and_equal_points_are_looked_at() {
+fn no_point_one_point_and_equal_points_are_framed() {
     for points in [Vec::new(), vec![[3.0, 4.0, 5.0]], vec![[3.0, 4.0, 5.0]; 500]] {
         let sequence = of_points(points.clone());
         let frame = sequence.frame(0).unwrap();
@@ -315,7 +315,7 @@ fn no_point_one_point_and_equal_points_are_looked_at() {
 
 /// The sets of `../shared/data`, which a clone of the project does not have: what each must be taken for.
 #[test]
-fn every_set_is_seen_at_once_whole_and_right_side_up() {
+fn every_data_set_is_initially_complete_and_upright() {
     use CaptureKind::{CameraFrame, Object, Sweep};
     let Some(data) = shared("") else {
         return;
@@ -369,7 +369,7 @@ fn every_set_is_seen_at_once_whole_and_right_side_up() {
 
 /// Files of other programs that stood on their heads, were giant disks or could not be seen.
 #[test]
-fn foreign_files_stand_upright_and_can_be_seen() {
+fn foreign_files_are_upright_and_visible() {
     let Some(folder) = shared("meaning") else {
         return;
     };
@@ -394,7 +394,7 @@ fn foreign_files_stand_upright_and_can_be_seen() {
 
 /// Constants for missing points decide neither where a cloud is nor how large it is.
 #[test]
-fn missing_points_do_not_decide_the_picture() {
+fn missing_points_do_not_affect_the_image() {
     let Some(folder) = shared("meaning") else {
         return;
     };
@@ -419,7 +419,7 @@ fn missing_points_do_not_decide_the_picture() {
 /// Each kind of missing point with its neighbours: in a survey, near the sensor, one and many, in single and double
 /// precision. What is left is as it would be without them.
 #[test]
-fn generated_missing_points_do_not_decide_the_picture() {
+fn generated_missing_points_do_not_affect_the_image() {
     let constants: [[f64; 3]; 6] = [
         [0.0; 3],
         [-9999.0; 3],
@@ -479,7 +479,7 @@ fn corpus(folder: &Path) {
     files.sort();
     for file in files {
         let name = file.strip_prefix(folder).unwrap().display().to_string();
-        // Whether it can be read is the matter of another test.
+        // Whether it can be read is left to another test.
         let Ok(sequence) = Sequence::discover(&[file]) else {
             continue;
         };

@@ -14,7 +14,7 @@ const SIZE: [u32; 2] = [200, 160];
 /// Whether the ray through the middle of a pixel meets the disk beyond the near plane, for `camera_at(distance)`.
 fn ray_hits_disk(surfel: &Surfel, radius: f64, distance: f64, x: u32, y: u32) -> bool {
     let [width, height] = SIZE.map(f64::from);
-    // 90 degrees high: one unit at distance 1 is half the height.
+    // 90 degrees vertically: one unit at distance 1 is half the height.
     let ray = DVec3::new(
         (f64::from(x) + 0.5 - width / 2.0) / (height / 2.0),
         -(f64::from(y) + 0.5 - height / 2.0) / (height / 2.0),
@@ -158,7 +158,7 @@ fn the_nearer_of_two_surfels_hides_the_other_in_any_order() {
 }
 
 #[test]
-fn without_depth_the_farther_shines_through() {
+fn without_depth_the_farther_one_shows_through() {
     let [red, green] = red_before_green();
     let style = plain().with(|style| style.surfels.splatting = Splatting::NoDepth);
     let image = draw(&surfels(&[red, green], &camera_at(4.0), style, SIZE));
@@ -168,7 +168,7 @@ fn without_depth_the_farther_shines_through() {
         .into_iter()
         .filter(|pixel| red_disk.contains(pixel))
         .count();
-    // At the rims a weight of 5 % of one over the other may round to nothing.
+    // At the edges a weight of 5 % of one over the other may be rounded away.
     assert!(both > overlap * 9 / 10 && both <= overlap, "{both} of {overlap}");
 }
 
@@ -269,7 +269,7 @@ fn a_voxel_seen_from_a_corner_shows_three_faces_with_their_own_light() {
 }
 
 #[test]
-fn nothing_is_seen_of_a_voxel_from_inside() {
+fn a_voxel_is_invisible_from_inside() {
     let record = VoxelRecord {
         center: [0.0; 3],
         color: [200, 200, 200],
@@ -308,7 +308,7 @@ fn the_nearer_voxel_hides_the_other_in_any_order() {
 }
 
 #[test]
-fn points_are_squares_of_their_size_whatever_the_distance() {
+fn points_are_squares_of_their_size_at_any_distance() {
     let point = |x: f32, z: f32| Surfel {
         position: Vec3::new(x, 0.013, z),
         normal: Vec3::NEG_Z,
@@ -332,7 +332,7 @@ fn points_are_squares_of_their_size_whatever_the_distance() {
 }
 
 #[test]
-fn the_head_light_is_full_where_a_surfel_faces_the_eye() {
+fn the_headlight_is_full_where_a_surfel_faces_the_eye() {
     let surfel = Surfel {
         position: Vec3::ZERO,
         normal: Vec3::Z,
@@ -442,7 +442,7 @@ fn a_cloud_far_from_the_world_origin_looks_the_same() {
 }
 
 #[test]
-fn pictures_of_odd_sizes_come_back_whole() {
+fn images_of_odd_sizes_are_complete() {
     for size in [[1, 1], [3, 7], [65, 1], [257, 33]] {
         let style = plain().with(|style| style.backdrop.background = Background::solid([1, 2, 3]));
         let image = draw(&surfels(&[], &camera_at(1.0), style, size));

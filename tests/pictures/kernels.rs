@@ -17,7 +17,7 @@ fn a_lone_splat_falls_off_as_its_kernel_does() {
     };
     for &kernel in Kernel::ALL {
         let style = plain().with(|style| {
-            // Where nothing is summed up the mask is the opacity.
+            // Without accumulation the mask is the opacity.
             style.surfels.splatting = Splatting::NoDepth;
             style.surfels.kernel = kernel;
         });

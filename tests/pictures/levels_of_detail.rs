@@ -24,7 +24,7 @@ fn packet(frame: &PreparedFrame, distance: f64, style: &Style) -> ScenePacket {
 
 /// From afar a fraction of the surfels makes nearly the same picture, and a closed one.
 #[test]
-fn few_surfels_stand_for_many() {
+fn few_surfels_represent_many() {
     let frame = colored_sphere(POINTS, &by_octree(Lod::default()));
     let all = packet(&frame, 4.0, &plain());
     let truth = draw(&all);
@@ -35,7 +35,7 @@ fn few_surfels_stand_for_many() {
         let picture = draw(&few);
         let error = flip(&truth, &picture).unwrap().mean();
         errors.push((few.content.points().unwrap().len(), error));
-        // Coarser disks reach over the outline by their own size; nothing opens.
+        // Coarser disks extend beyond the outline by their own size; no holes open.
         let (expected, found) = (covered(&truth, BLACK), covered(&picture, BLACK));
         assert!(
             found >= expected * 99 / 100 && found <= expected * 125 / 100,
@@ -50,26 +50,26 @@ fn few_surfels_stand_for_many() {
 
 /// What normal cones leave out would not have been drawn.
 #[test]
-fn what_faces_away_is_left_out_and_not_missed() {
+fn back_facing_surfels_are_culled_without_visible_change() {
     let style = by_octree(Lod::ThresholdPx(0.0));
     let frame = colored_sphere(POINTS, &style);
     let two_sided = style.with(|style| style.surfels.back_faces = BackFaces::Drawn);
     let front = packet(&frame, 2.0, &style);
     let both = packet(&frame, 2.0, &two_sided);
     assert_eq!(both.content.points().unwrap().len(), POINTS as usize);
-    // From twice the radius away a quarter of a sphere is seen.
+    // From twice the radius away a quarter of a sphere is visible.
     let share = front.content.points().unwrap().len() as f64 / f64::from(POINTS);
     assert!((0.25..0.45).contains(&share), "{share}");
     let drawn = draw(&front);
     let style = style.painted();
     let culled_by_the_gpu = draw(&ScenePacket { style, ..both });
-    // Sums of weights come in another order.
+    // Weights are summed in a different order.
     let error = mean_squared_error(&culled_by_the_gpu, &drawn).unwrap();
     assert!(psnr_db(error) > 50.0, "{} dB", psnr_db(error));
 }
 
 #[test]
-fn a_frame_without_an_octree_shows_all_of_its_surfels() {
+fn a_frame_without_an_octree_shows_all_its_surfels() {
     let frame = colored_sphere(POINTS, &plain());
     assert!(frame.levels.surfels().is_none());
     let packet = packet(&frame, 4.0, &by_octree(Lod::Level(3)));
@@ -77,7 +77,7 @@ fn a_frame_without_an_octree_shows_all_of_its_surfels() {
 }
 
 #[test]
-fn a_budget_of_surfels_is_kept() {
+fn a_surfel_budget_is_respected() {
     let frame = colored_sphere(POINTS, &by_octree(Lod::default()));
     for budget in [500, 5_000] {
         let drawn = packet(&frame, 3.0, &by_octree(Lod::Budget(budget)))
@@ -94,7 +94,7 @@ fn a_budget_of_surfels_is_kept() {
 
 /// A plain list keeps a budget without an octree: surfels that are fewer and larger still close the surface.
 #[test]
-fn a_list_keeps_a_budget_without_an_octree() {
+fn a_list_respects_a_budget_without_an_octree() {
     let of_list = |lod| {
         let mut style = by_octree(lod);
         style.levels.structure = LevelStructure::None;
@@ -103,7 +103,7 @@ fn a_list_keeps_a_budget_without_an_octree() {
     let frame = colored_sphere(POINTS, &of_list(Lod::default()));
     assert!(frame.levels.octree().is_none());
     let all = packet(&frame, 4.0, &plain());
-    // A list knows no sizes on the screen.
+    // A list has no projected sizes.
     let whole = packet(&frame, 4.0, &of_list(Lod::ThresholdPx(8.0)));
     assert_eq!(draw(&whole), draw(&all));
     let few = packet(&frame, 4.0, &of_list(Lod::Budget(12_000)));

@@ -67,7 +67,7 @@ fn ball(rings: u32, is_smooth: bool, color: impl Fn(u32) -> [u8; 3]) -> MeshReco
         for column in 0..columns {
             let [left, right] = [column, (column + 1) % columns];
             let at = |ring: u32, column: u32| ring * columns + column;
-            // At the poles one of the two has no area.
+            // At the poles one of the two has zero area.
             faces.push([at(ring, left), at(ring, right), at(ring + 1, left)]);
             faces.push([at(ring + 1, left), at(ring, right), at(ring + 1, right)]);
         }
@@ -137,7 +137,7 @@ fn with_points(mesh: &MeshRecords) -> MeshRecords {
 fn both_renderers_draw_the_same_in_every_light_from_far_and_near() {
     for is_smooth in [false, true] {
         for &lighting in Lighting::ALL {
-            // From 0.99 on the near plane cuts triangles, and from 0.5 the eye is within.
+            // From 0.99 on the near plane cuts triangles, and at 0.5 the eye is inside.
             for distance in [3.0, 1.3, 1.01, 0.5] {
                 let style = Style::default().with(|style| crate::common::set_lighting(style, lighting));
                 let mesh = ball(9, is_smooth, many_colors);
@@ -159,7 +159,7 @@ fn points_between_triangles_are_the_same_squares_and_disks() {
                 style.light.eye_dome = EyeDome::On;
             });
             let mesh = with_points(&ball(9, true, many_colors));
-            // Squares are cut out of pixels at a 256th of their places.
+            // Squares are snapped to a 256th of a pixel.
             assert_same_picture(
                 &packet(mesh, &camera(3.0), style),
                 34.0,
@@ -203,7 +203,7 @@ fn nearest(packet: &ScenePacket, x: u32, y: u32) -> Option<(f64, f64)> {
 }
 
 #[test]
-fn depths_are_those_of_rays_in_double_precision() {
+fn depths_match_double_precision_rays() {
     for distance in [3.0, 1.2, 0.5] {
         let packet = packet(ball(9, true, many_colors), &camera(distance), Style::default());
         let mut renderer = CpuRenderer::new();
@@ -217,7 +217,7 @@ fn depths_are_those_of_rays_in_double_precision() {
                 None => differing += usize::from(found.is_finite()),
             }
         }
-        // Silhouettes that go through the middle of a pixel.
+        // Silhouettes that pass through a pixel centre.
         assert!(differing <= 2, "{differing} pixels from {distance}");
     }
 }
@@ -254,7 +254,7 @@ fn every_strategy_draws_the_same_bytes() {
 }
 
 #[test]
-fn a_mesh_in_many_chunks_is_the_same_picture() {
+fn a_mesh_in_many_chunks_gives_the_same_image() {
     let options = ContextOptions {
         max_chunk_records: Some(101),
         ..software()
@@ -303,7 +303,7 @@ fn center(picture: &RgbaImage) -> [u8; 3] {
 }
 
 #[test]
-fn points_and_triangles_hide_each_other_by_their_depths() {
+fn points_and_triangles_hide_each_other_by_depth() {
     for lighting in [Lighting::Unlit, Lighting::Lambert] {
         for (z, expected) in [(-0.1, [200, 100, 50]), (0.1, [1, 2, 3])] {
             let mut vertices = square([200, 100, 50]);
@@ -318,7 +318,7 @@ fn points_and_triangles_hide_each_other_by_their_depths() {
                     style.light.lighting = lighting;
                     style.points.size_px = 4.0;
                 });
-                // Straight from the front a matt surface has the colour of the file; a point has no light anyway.
+                // Seen straight from the front a matt surface has the colour of the file; a point is unlit anyway.
                 for (picture, by) in drawn_by_both(&packet(mesh.clone(), &camera_at(3.0), style)) {
                     let found = center(&picture);
                     let max = found.iter().zip(expected).map(|(a, b)| a.abs_diff(b)).max().unwrap();
@@ -330,8 +330,8 @@ fn points_and_triangles_hide_each_other_by_their_depths() {
 }
 
 #[test]
-fn colors_between_corners_are_those_of_the_plane_and_not_of_the_screen() {
-    // A floor that leads away from the eye: perspective moves its middle far up in the picture.
+fn colors_between_corners_are_perspective_correct() {
+    // A floor that recedes from the eye: perspective moves its centre far up in the image.
     let places = [
         [-1.0, -1.0, 2.0],
         [1.0, -1.0, 2.0],
@@ -353,7 +353,7 @@ fn colors_between_corners_are_those_of_the_plane_and_not_of_the_screen() {
 }
 
 #[test]
-fn textures_are_between_their_texels_and_multiplied_as_light_is() {
+fn textures_are_interpolated_and_multiplied_as_linear_light() {
     let mut picture = RgbaImage::new(2, 2);
     let texels = [
         [255, 0, 0, 255],
@@ -375,7 +375,7 @@ fn textures_are_between_their_texels_and_multiplied_as_light_is() {
         let textures = Textures::of(vec![RgbaImage::new(1, 1), picture.clone()]);
         let mesh = records(vertices, &SQUARE).with_textures(Arc::new(textures));
         let packet = packet(mesh, &camera_at(3.0), plain());
-        // The middles of the texels, the upper left one first.
+        // The texel centres, the upper left one first.
         let places = [[-0.5, 0.5], [0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]];
         for (drawn, by) in drawn_by_both(&packet) {
             for (texel, [x, y]) in texels.iter().zip(places) {
@@ -383,7 +383,7 @@ fn textures_are_between_their_texels_and_multiplied_as_light_is() {
                 let found = drawn.get_pixel(px.x as u32, px.y as u32).0;
                 for channel in 0..3 {
                     let expected = if texel[channel] == 255 { max } else { 0 };
-                    // A pixel is a fiftieth of a texel wide: the next one mixes in so much.
+                    // A pixel is a fiftieth of a texel wide: the next texel contributes that much.
                     assert!(
                         found[channel].abs_diff(expected) <= 60,
                         "{by}: {found:?}, not {texel:?}"
@@ -397,7 +397,7 @@ fn textures_are_between_their_texels_and_multiplied_as_light_is() {
 
 /// Numbers of all sizes and no size: a picture or nothing, and never a panic.
 #[test]
-fn extreme_vertices_are_survived() {
+fn extreme_vertices_are_handled() {
     let extremes = [0.0, 1e-45, -1e-38, 1e-20, 1.0, 1e30, -3e38, f32::MAX];
     let vertices: Vec<VertexRecord> = (0..300usize)
         .map(|index| {

@@ -75,7 +75,7 @@ fn ball(count: usize) -> Vec<Vec3> {
         let z = 1.0 - 2.0 * (index as f32 + 0.5) / count as f32;
         let turn = golden * index as f32;
         let radius = (1.0 - z * z).sqrt();
-        // A fifth each at several depths below the surface.
+        // A fifth of them at each of several depths below the surface.
         let part = 1.0 - 0.2 * (index % 5) as f32;
         part * Vec3::new(radius * turn.cos(), radius * turn.sin(), z)
     };
@@ -99,7 +99,7 @@ fn number_of(pixel: image::Rgba<u8>) -> Option<usize> {
 }
 
 #[test]
-fn points_are_less_than_half_a_pixel_from_where_parallel_rays_put_them() {
+fn points_are_within_half_a_pixel_of_their_parallel_projection() {
     let places = ball(4_000);
     let bounds = Aabb::from_points(&places);
     for origin in [DVec3::ZERO, ECEF] {
@@ -113,7 +113,7 @@ fn points_are_less_than_half_a_pixel_from_where_parallel_rays_put_them() {
                 };
                 let expected = parallel_px(&camera, origin + places[index].as_dvec3());
                 let corner = DVec2::new(f64::from(x), f64::from(y));
-                // From the square of the pixel.
+                // Distance to the square of the pixel.
                 let inside = expected.clamp(corner, corner + 1.0);
                 largest = largest.max(expected.distance(inside));
                 seen += 1;
@@ -133,7 +133,7 @@ fn nearer_points_hide_farther_ones() {
     };
     let camera = camera_around(&bounds, ECEF);
     let eye = (camera.eye_in_world() - ECEF).normalize();
-    // Pairs of which the second is a thousandth of the sphere's radius behind the first.
+    // Pairs whose second point is a thousandth of the sphere's radius behind the first.
     let firsts: Vec<DVec3> = ball(300).iter().map(|place| 0.9 * place.as_dvec3()).collect();
     let mut places = Vec::new();
     for (index, &first) in firsts.iter().enumerate() {
@@ -149,7 +149,7 @@ fn nearer_points_hide_farther_ones() {
             let Some(index) = number_of(pixel) else {
                 continue;
             };
-            // On the border of two pixels both may be seen.
+            // On the border of two pixels both may be visible.
             let place = parallel_px(&camera, ECEF + places[index].as_dvec3());
             let from_border = (place.fract() - 0.5).abs().max_element();
             assert!(is_front(index) || from_border > 0.25, "{by}: {x} {y}");
@@ -160,7 +160,7 @@ fn nearer_points_hide_farther_ones() {
 }
 
 #[test]
-fn surfels_are_drawn_alike_and_as_large_wherever_they_are() {
+fn surfels_are_drawn_identically_wherever_they_are() {
     let mut scene: Vec<Surfel> = common::sphere(3_000, 1.0);
     let positions: Vec<Vec3> = scene.iter().map(|surfel| surfel.position).collect();
     let camera = camera_around(&Aabb::from_points(&positions), DVec3::ZERO);
@@ -171,13 +171,13 @@ fn surfels_are_drawn_alike_and_as_large_wherever_they_are() {
     let [cpu, gpu] = [draw_on_cpu(&packet), draw(&packet)];
     let psnr = psnr_db(mean_squared_error(&cpu, &gpu).unwrap());
     assert!(psnr > 45.0, "{psnr} dB");
-    // A sphere that fills the height, but for a twentieth.
+    // A sphere that fills the height except for a twentieth.
     let radius_px = 0.95 * 0.5 * f64::from(SIZE[1]) / 3f64.sqrt();
     let covered = common::covered(&cpu, [0; 3]) as f64;
     let disk = std::f64::consts::PI * radius_px * radius_px;
     assert!((covered / disk - 1.0).abs() < 0.05, "{covered} of {disk}");
 
-    // Two surfels towards the eye, one far before the other: as many pixels each.
+    // Two surfels facing the eye, one far in front of the other: the same number of pixels each.
     let back = (camera.eye_in_world().normalize()).as_vec3();
     let aside = back.any_orthonormal_vector();
     let surfel = |place: Vec3, color| Surfel {

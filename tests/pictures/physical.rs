@@ -270,9 +270,9 @@ fn expected(packet: &ScenePacket, exact: &Exact, normal: Vec3, color: [u8; 3]) -
 }
 
 #[test]
-fn surfaces_are_those_of_the_formulas_in_double_precision() {
+fn surfaces_match_the_double_precision_formulas() {
     let color = [200, 120, 40];
-    // Looking down from the left, so that no axis of the environment is one of the view.
+    // Looking down from the left, so that no axis of the environment coincides with one of the view.
     let camera = Camera {
         azimuth_deg: -40.0,
         elevation_deg: 25.0,
@@ -319,7 +319,7 @@ fn white_surfaces_in_white_light_from_all_sides_are_white() {
 
 /// The same of lamps: those of all directions together are white light from all sides.
 #[test]
-fn no_light_of_lamps_is_made_or_lost() {
+fn lamp_light_is_conserved() {
     for roughness in [0.3, 0.6, 1.0] {
         let exact = Exact::new(roughness);
         for cosine in [0.1, 0.5, 0.9] {
@@ -327,7 +327,7 @@ fn no_light_of_lamps_is_made_or_lost() {
             let steps = [1200, 480];
             let [mut metal, mut dielectric] = [0.0; 2];
             for i in 0..steps[0] {
-                // Equal solid angles over the half sphere.
+                // Equal solid angles over the hemisphere.
                 let height = (f64::from(i) + 0.5) / f64::from(steps[0]);
                 let aside = (1.0 - height * height).sqrt();
                 for j in 0..steps[1] {
@@ -338,7 +338,7 @@ fn no_light_of_lamps_is_made_or_lost() {
                     dielectric += height * exact.dielectric(1.0, cosines);
                 }
             }
-            // Steps of solid angle are 2π / all, and a π is left out.
+            // Steps of solid angle are 2π / all, with a factor of π omitted.
             let per_step = 2.0 / f64::from(steps[0] * steps[1]);
             for (all, what) in [(metal * per_step, "metal"), (dielectric * per_step, "dielectric")] {
                 assert!((all - 1.0).abs() < 4e-3, "{what}, {roughness}, {cosine}: {all}");
@@ -350,7 +350,7 @@ fn no_light_of_lamps_is_made_or_lost() {
 proptest! {
     /// Eye and lamp may change places.
     #[test]
-    fn light_goes_the_same_way_back(
+    fn reflection_is_reciprocal(
         [a, b] in [[-1.0f64..1.0, -1.0..1.0, 0.02..1.0], [-1.0f64..1.0, -1.0..1.0, 0.02..1.0]],
         metallic in 0.0f64..=1.0,
         color in 0.0f64..=1.0,
@@ -382,10 +382,10 @@ fn gradient_file(folder: &tempfile::TempDir) -> Environment {
 
 /// A mirror shows the environment as it is; matt surfaces show what Lambert says.
 #[test]
-fn mirrors_show_a_picture_of_the_user_and_matt_surfaces_its_mean() {
+fn mirrors_show_the_environment_image_and_matt_surfaces_its_mean() {
     let folder = tempfile::tempdir().unwrap();
     let environment = gradient_file(&folder);
-    // A matt surface that looks up gets 0.5 + 0.5 · 2/3, which is to be white.
+    // A matt surface that faces up receives 0.5 + 0.5 · 2/3, which is to be white.
     let exposure = 1.0 / (0.5 + 1.0 / 3.0);
     let camera = camera_at(DISTANCE);
     for normal in NORMALS {
@@ -420,7 +420,7 @@ fn mirrors_show_a_picture_of_the_user_and_matt_surfaces_its_mean() {
 /// Harmonics and the split sum are approximations. Beside the integrals that they stand for, the light of environments
 /// with sharp lamps is off by so much of white at most, and by so much in the mean.
 #[test]
-fn environments_are_near_their_integrals() {
+fn environment_lighting_is_close_to_its_integral() {
     const MAX: f64 = 0.30;
     const MEAN: f64 = 0.045;
     let camera = camera_at(DISTANCE);
@@ -503,7 +503,7 @@ fn environments_are_near_their_integrals() {
 #[test]
 fn environments_turn_with_the_scene() {
     let style = style_of((1.0, 0.0), LightRig::None, Environment::Sky);
-    // Horizontal mirrors show the zenith from above, whichever axis is up.
+    // Horizontal mirrors reflect the zenith when seen from above, whichever axis is up.
     let zeniths: Vec<[u8; 3]> = [pointreel::scene::UpAxis::Y, pointreel::scene::UpAxis::Z]
         .into_iter()
         .map(|up| {
@@ -517,7 +517,7 @@ fn environments_turn_with_the_scene() {
         .collect();
     assert_eq!(zeniths[0], zeniths[1]);
     assert!(zeniths[0][2] > zeniths[0][0].saturating_add(60), "{zeniths:?}");
-    // The same mirror shows another side of the sky to an eye elsewhere, and both renderers agree.
+    // The same mirror reflects another side of the sky to an eye elsewhere, and both renderers agree.
     let shown = [0.0, 180.0].map(|azimuth_deg| {
         let camera = Camera {
             azimuth_deg,
@@ -538,7 +538,7 @@ fn environments_turn_with_the_scene() {
 #[test]
 fn occlusion_and_shadows_dim_physical_light() {
     let style = style_of((0.0, 0.6), LightRig::ThreePoint, Environment::Studio);
-    // A small disk above a large one, from where the key light comes.
+    // A small disk above a large one, in the direction of the key light.
     let disk = |position, radius| Surfel {
         position,
         normal: Vec3::Z,

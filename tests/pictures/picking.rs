@@ -58,7 +58,7 @@ fn style(primitive: Primitive) -> Style {
         style.primitive = primitive;
         style.colors = Coloring::of(ColorSource::File);
         style.light.lighting = Lighting::Unlit;
-        // Number 0 is one more than none.
+        // Numbers are stored plus one, so that 0 is the background.
         style.backdrop.background = Background::solid([0; 3]);
     })
 }
@@ -133,7 +133,7 @@ fn points_are_picked_as_both_renderers_draw_them() {
         let packet = packet_of(&frame, &style);
         let numbers = slots(&frame);
         assert_eq!(numbers.len(), 30_000);
-        // A GPU rounds places to a 256th of a pixel.
+        // A GPU rounds positions to a 256th of a pixel.
         let pictures = [(draw_on_cpu(&packet), 0.999), (common::draw(&packet), 0.995)];
         for (image, min_share) in pictures {
             let (share, shown) = agreement(
@@ -149,8 +149,8 @@ fn points_are_picked_as_both_renderers_draw_them() {
 }
 
 #[test]
-fn surfels_are_picked_where_one_alone_is_seen() {
-    // Small enough that many do not touch others.
+fn surfels_are_picked_where_only_one_is_visible() {
+    // Small enough that many do not overlap others.
     let style = Style {
         surfels: SurfelStyle {
             splat_scale: 0.6,
@@ -219,7 +219,7 @@ fn surfels_of_closed_surfaces_are_picked_at_the_depth_that_is_drawn() {
 }
 
 #[test]
-fn a_point_inside_the_voxel_that_is_seen_is_picked() {
+fn a_point_inside_the_visible_voxel_is_picked() {
     for lod_px in [0.0, 6.0] {
         let style = Style {
             levels: LevelStyle {
@@ -251,7 +251,7 @@ fn a_point_inside_the_voxel_that_is_seen_is_picked() {
                 let center = Vec3::from_array(record.center);
                 let apart = |place: [f32; 3]| (Vec3::from_array(place) - center).abs().max_element();
                 let is_gap = !frame.points.iter().any(|point| apart(point.position) <= half * 1.001);
-                // A cell that touches a gap has a point, and none that is nearer is farther away than that one may be.
+                // A cell next to a gap has a point, and no nearer point is farther away than that one may be.
                 let max = if is_gap { 5.0 * half } else { half };
                 apart(frame.points[slot].position) <= max * 1.001
             },
@@ -279,7 +279,7 @@ fn parallel_rays_pick_what_they_draw() {
         |px| pick(&packet, &frame, px, 0.0),
         |found, slot| found == slot,
     );
-    // From so far away f32 leaves some hundredths of a pixel.
+    // From that far away f32 has a precision of a few hundredths of a pixel.
     assert!(share > 0.97, "{share}");
     assert!(shown > 1_000, "{shown} pixels");
 }

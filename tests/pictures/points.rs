@@ -51,14 +51,14 @@ fn adaptive_points_of_levels_of_detail_are_fewer_and_leave_no_hole() {
         let holes = pairs.filter(is_hole).count();
         assert_eq!(holes, 0, "of {}", covered(of_all, BLACK));
     }
-    // In pixels, points are all points, whatever is said of surfels.
+    // When sized in pixels, all points are drawn, whatever the surfel settings.
     let in_pixels = coarse.with(|style| style.points.sizing = PointSizing::Pixels);
     assert_eq!(in_pixels.levels_kind(), None);
 }
 
 /// While a frame has no radii yet, points are as far apart as most.
 #[test]
-fn adaptive_points_without_radii_are_projected_ones() {
+fn adaptive_points_without_radii_are_sized_like_projected_ones() {
     let sequence = Sequence::demo();
     let cloud = Arc::new(sequence.frame(0).unwrap());
     let frame = prepare(0, cloud, 0.0, &Needs::default(), &PrepareCounters::default());
@@ -92,14 +92,14 @@ fn drawn_by_both(packet: &ScenePacket) -> [RgbaImage; 2] {
 
 /// 90 degrees are 160 pixels high: a length at a distance is 80 times as many pixels as it is of the distance.
 #[test]
-fn a_point_of_the_scene_is_as_large_as_its_length_is_at_its_distance() {
+fn a_scene_sized_point_is_as_large_as_its_projected_length() {
     for (sizing, spacing, radius) in [
         (PointSizing::Projected, 0.25 / 2f32.sqrt(), 9.0),
         (PointSizing::Adaptive, 9.0, 0.125),
     ] {
         for (distance, edge_px) in [(1.0, 20), (2.0, 10), (5.0, 4), (10.0, 2)] {
             let style = points(|style| style.points.sizing = sizing);
-            // No corner is in the middle of a pixel.
+            // No corner is at a pixel centre.
             let place = Vec3::new(0.003, 0.003, 0.0) * distance;
             let mut packet = surfels(&[point(place, radius)], &camera_at(f64::from(distance)), style, SIZE);
             packet.params.point_spacing = spacing;
@@ -123,11 +123,11 @@ fn a_point_of_the_scene_is_as_large_as_its_length_is_at_its_distance() {
 }
 
 #[test]
-fn no_point_vanishes_however_far_it_is() {
+fn no_point_vanishes_at_any_distance() {
     let places: Vec<Surfel> = (0..1000)
         .map(|index| {
             let (column, row) = ((index % 40) as f32, (index / 40) as f32);
-            // Five pixels apart, and at another place in each.
+            // Five pixels apart, and at a different position within each pixel.
             let x_px = 5.0 * column + 1.5 + (0.618 * index as f32).fract();
             let y_px = 5.0 * row + 1.5 + (0.414 * index as f32).fract();
             let distance = 1e4 * (1.0 + (index % 7) as f32);
@@ -148,7 +148,7 @@ fn no_point_vanishes_however_far_it_is() {
                 style.points.light = light;
                 style.light.lighting = Lighting::Lambert;
             });
-            // The eye is in the origin.
+            // The eye is at the origin.
             let mut packet = surfels(&places, &camera_at(1.0), style, SIZE);
             packet.params.point_spacing = 0.01;
             packet.view.eye_high = [0.0; 3].into();
@@ -189,7 +189,7 @@ fn adaptive_points_are_surfels_that_face_the_screen() {
                 crate::common::set_lighting(style, lighting);
             });
             let as_surfels = as_points.with(|style| style.primitive = Primitive::Surfel);
-            // The background shines through the rims of surfels alone.
+            // The background shines through the soft edges of surfels only.
             let on_white = as_surfels.with(|style| style.backdrop.background = Background::solid([255; 3]));
             let [of_points, of_surfels, of_surfels_on_white] = [as_points, as_surfels, on_white]
                 .map(|style| drawn_by_both(&surfels(&cloud, &camera_at(2.0), style, SIZE)));
@@ -199,7 +199,7 @@ fn adaptive_points_are_surfels_that_face_the_screen() {
                 let opaque = pixels.filter(|((_, on_black), on_white)| on_black == on_white);
                 let steps: Vec<u8> = opaque.map(|((point, surfel), _)| step(*point, *surfel)).collect();
                 assert!(steps.len() > 4_000, "{shape} {lighting}: {}", steps.len());
-                // On edges, corners that are worked out in another order may be rounded to another pixel.
+                // On edges, corners computed in a different order may be rounded to another pixel.
                 let jumps = steps.iter().filter(|&&step| step > 2).count();
                 assert!(jumps <= 3, "{shape} {lighting}: {jumps} of {} differ", steps.len());
             }
@@ -252,7 +252,7 @@ fn gaussian_points_blend_and_others_do_not() {
         for image in drawn_by_both(&surfels(&pair, &camera_at(2.0), style, SIZE)) {
             let [red, green, _, _] = image.get_pixel(SIZE[0] / 2, SIZE[1] / 2).0;
             if shape == PointShape::Gaussian {
-                // As far from the middles of both, as nearly as perspective lets them be.
+                // Equally far from the centres of both, as nearly as perspective permits.
                 assert!(
                     red.abs_diff(125) < 12 && red.abs_diff(250 - green) <= 1,
                     "{red} {green}"
@@ -284,7 +284,7 @@ fn points_without_normals_are_drawn_as_without_light() {
 }
 
 #[test]
-fn depths_of_blended_points_are_those_of_their_disks() {
+fn depths_of_blended_points_match_their_disks() {
     let style = points(|style| {
         style.points.sizing = PointSizing::Adaptive;
         style.points.shape = PointShape::Gaussian;

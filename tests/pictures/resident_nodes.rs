@@ -83,13 +83,13 @@ fn gathered(packet: &ScenePacket) -> ScenePacket {
 }
 
 #[test]
-fn a_moving_view_uploads_four_bytes_a_node_and_a_still_one_nothing() {
+fn a_moving_view_uploads_four_bytes_per_node_and_a_still_one_nothing() {
     for structure in STRUCTURES {
         for &strategy in Strategy::ALL {
             let mut renderer = GpuRenderer::new(common::context()).unwrap();
             let mut moving = Moving::new(style(structure, strategy));
             let name = format!("{} by {strategy}", structure.0);
-            // Views of all sizes bring up all levels of an octree.
+            // Views at all distances select all levels of an octree.
             for distance in [3.0, 1.7, 6.0] {
                 cost(&mut renderer, &moving.at(distance));
             }
@@ -110,7 +110,7 @@ fn a_moving_view_uploads_four_bytes_a_node_and_a_still_one_nothing() {
 }
 
 #[test]
-fn pictures_of_selected_nodes_are_those_of_gathered_ones() {
+fn images_of_selected_nodes_match_those_of_gathered_ones() {
     let mut processor = CpuRenderer::new();
     let mut of_processor = |packet: &ScenePacket| {
         processor.prepare(packet).unwrap();
@@ -120,7 +120,7 @@ fn pictures_of_selected_nodes_are_those_of_gathered_ones() {
     for structure in STRUCTURES {
         let mut by_strategy = Vec::new();
         for &strategy in Strategy::ALL {
-            // Small chunks, too, that places reach across.
+            // Also with small chunks, which node ranges cross.
             let mut renderer = GpuRenderer::new(context_of_small_chunks()).unwrap();
             let mut moving = Moving::new(style(structure, strategy));
             let mut pictures = Vec::new();
@@ -172,7 +172,7 @@ fn selected_nodes_may_be_drawn_as_points() {
 }
 
 #[test]
-fn what_does_not_fit_the_budget_is_gathered_and_looks_the_same() {
+fn nodes_beyond_the_budget_are_gathered_and_look_the_same() {
     for &strategy in Strategy::ALL {
         let mut moving = Moving::new(style(STRUCTURES[4], strategy));
         let packet = moving.at(3.0);

@@ -58,14 +58,14 @@ fn no_background_is_between_two_surfaces() {
     for (name, change) in ways {
         let packet = square_before_wall(&style().with(change), false);
         for picture in [draw_on_cpu(&packet), draw(&packet)] {
-            // The wall has no rim within the picture.
+            // The wall has no edge within the image.
             assert!(max_blue(&picture) <= 2, "{name}: {}", max_blue(&picture));
         }
     }
 }
 
 #[test]
-fn both_renderers_agree_and_outlines_before_the_background_are_smooth() {
+fn both_renderers_agree_and_outlines_against_the_background_are_smooth() {
     let packet = square_before_wall(&style(), true);
     let [cpu, gpu] = [draw_on_cpu(&packet), draw(&packet)];
     let psnr = psnr_db(mean_squared_error(&cpu, &gpu).unwrap());
@@ -83,7 +83,7 @@ fn both_renderers_agree_and_outlines_before_the_background_are_smooth() {
 }
 
 #[test]
-fn parts_of_a_picture_have_what_they_need_around_them() {
+fn image_tiles_include_the_surroundings_they_need() {
     let packet = square_before_wall(&style(), true);
     assert_eq!(halo_px(&packet), EDGE_PX / 50);
     let one_pass = style().with(|style| style.surfels.splatting = pointreel::scene::Splatting::Opaque);

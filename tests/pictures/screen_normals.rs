@@ -42,7 +42,7 @@ fn packet_of(scene: &mut Scene, frame: &PreparedFrame, style: &Style) -> ScenePa
 }
 
 #[test]
-fn a_frame_needs_no_normals_to_be_drawn_lit() {
+fn a_frame_without_normals_can_be_drawn_lit() {
     let (frame, counters) = sphere(8_000, &style(), false);
     assert!(frame.shapes.is_none());
     assert_eq!(counters.surfaces_estimated(), 0);
@@ -53,26 +53,26 @@ fn a_frame_needs_no_normals_to_be_drawn_lit() {
     };
     let stats = scene.screen_stats().unwrap();
     assert_eq!(stats.visible, surfels.points.len());
-    // The half of the sphere that faces the eye, and some of its rim.
+    // The half of the sphere that faces the eye, and some of its silhouette.
     let share = stats.visible as f64 / stats.points as f64;
     assert!((0.2..0.5).contains(&share), "{share}");
     for (point, shape) in surfels.points.iter().zip(&*surfels.shapes) {
         let outwards = Vec3::from_array(point.position).normalize();
         let cosine = oct_decode(shape.normal).dot(outwards);
-        // Rims are seen from the side.
+        // Silhouettes are seen at grazing angles.
         assert!(cosine > 0.8 || outwards.z < 0.45, "{cosine} at {outwards}");
     }
 }
 
 #[test]
-fn both_renderers_draw_the_same_closed_picture() {
+fn both_renderers_draw_the_same_closed_image() {
     let (frame, _) = sphere(8_000, &style(), false);
     let packet = packet_of(&mut Scene::default(), &frame, &style());
     let (cpu, gpu) = (draw_on_cpu(&packet), draw(&packet));
     let differing = cpu.pixels().zip(gpu.pixels());
     let differing = differing.filter(|(a, b)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 3));
     assert!(differing.count() < 100);
-    // No hole inside.
+    // No holes inside.
     for y in 108..132 {
         for x in 148..172 {
             assert_ne!(cpu.get_pixel(x, y).0[..3], [0, 0, 0], "{x} {y}");
@@ -81,7 +81,7 @@ fn both_renderers_draw_the_same_closed_picture() {
 }
 
 #[test]
-fn records_stay_as_long_as_nothing_changes() {
+fn records_are_reused_as_long_as_nothing_changes() {
     let (frame, _) = sphere(5_000, &style(), false);
     let mut scene = Scene::default();
     let first = packet_of(&mut scene, &frame, &style());
@@ -112,8 +112,8 @@ fn white_surfaces_in_white_light_from_all_sides_are_white() {
 }
 
 #[test]
-fn what_is_picked_is_the_point_that_is_drawn() {
-    // The left half, behind which there is no right one.
+fn the_drawn_point_is_picked() {
+    // The left half, without the right one behind it.
     let clip = Clip::to(ClipShape::Box {
         min: DVec3::splat(-9.0),
         max: DVec3::new(0.05, 9.0, 9.0),
@@ -131,7 +131,7 @@ fn what_is_picked_is_the_point_that_is_drawn() {
                 };
                 picked += 1;
                 let position = frame.points[slot].position;
-                // Where the right half is cut away, splats of the back reach beyond the cut and are seen.
+                // Where the right half is cut away, splats of the back extend beyond the cut and are visible.
                 let is_outside_cut = clip.is_some() && position[0] > -0.15;
                 assert!(position[2] > -0.1 || is_outside_cut, "nothing hidden: {position:?}");
                 let drawn = packet.content.points().unwrap();
@@ -143,7 +143,7 @@ fn what_is_picked_is_the_point_that_is_drawn() {
 }
 
 #[test]
-fn errors_of_normals_are_shown_in_their_colours_and_told() {
+fn normal_errors_are_shown_in_color_and_reported() {
     let style = style().with(|style| {
         style.surfels.normals = NormalSource::Neighbours;
         style.surfels.shown = SurfelColors::NormalErrors;
@@ -157,7 +157,7 @@ fn errors_of_normals_are_shown_in_their_colours_and_told() {
     let shares = errors.below_1_deg + errors.below_22_5_deg + errors.above_22_5_deg;
     assert!((shares - 1.0).abs() < 1e-9);
     assert!(errors.mean_deg < 5.0 && errors.above_22_5_deg < 0.1, "{errors:?}");
-    // In the middle they are small: blue.
+    // At the centre they are small: blue.
     let [red, green, blue, _] = draw_on_cpu(&packet).get_pixel(160, 120).0;
     assert!(blue > 180 && red < 80 && green < 130, "{red} {green} {blue}");
 }

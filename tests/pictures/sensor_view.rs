@@ -92,8 +92,8 @@ fn on_cpu(packet: &ScenePacket) -> RgbaImage {
 }
 
 #[test]
-fn the_picture_has_the_colour_of_each_pixel_of_the_image() {
-    // The second stands on its head, the third lies on its side.
+fn the_sensor_view_reproduces_each_pixel_of_the_image() {
+    // The second is upside down, the third lies on its side.
     for up in [UpAxis::NegY, UpAxis::Y, UpAxis::X] {
         let Drawn { packet, .. } = drawn(up);
         for (renderer, picture) in [("cpu", on_cpu(&packet)), ("gpu", common::draw(&packet))] {
@@ -116,7 +116,7 @@ fn a_pick_has_the_depth_of_its_pixel() {
 }
 
 #[test]
-fn a_wider_picture_shows_the_image_in_its_middle() {
+fn a_wider_view_shows_the_image_in_its_center() {
     let Drawn { frame, packet } = drawn(UpAxis::NegY);
     let camera = FirstLook::of(&[&frame.frame], DVec3::ZERO).camera_of_sensor(&sensor(), DVec3::ZERO);
     let wide = [SIZE[0] + 80, SIZE[1]];

@@ -237,7 +237,7 @@ fn shadows_are_where_rays_to_the_lamp_meet_something() {
         let key = lights.key().unwrap();
         let to_frame = packet.view.view_from_frame_rotation.as_dmat3().transpose();
         let to_lamp = to_frame * key.place.truncate().as_dvec3();
-        // What the key light is for a white floor that looks up.
+        // The contribution of the key light to a white floor that faces up.
         let light_of_key = (key.color.as_dvec3() * to_lamp.y).z;
         for ([without, with], by) in without_and_with(&packet) {
             let mut counts = [0; 2];
@@ -290,7 +290,7 @@ fn a_sphere_does_not_shadow_its_lit_side() {
         for ([without, with], by) in without_and_with(&packet) {
             let mut checked = 0;
             for (x, y, pixel) in with.enumerate_pixels() {
-                // Nearly the normal: of parallel rays it would be.
+                // Approximately the normal: exact for parallel rays.
                 let radius_px = packet.view.pixels_per_unit_at_1 / (camera.distance as f32 * packet.view.telephoto);
                 let aside = [
                     (x as f32 + 0.5 - midpoint[0]) / radius_px,
@@ -347,7 +347,7 @@ fn points_on_a_plane_do_not_shadow_each_other() {
 
 /// Points that no light falls on are in no shadow; those of any size cast the shadows of their surfels.
 #[test]
-fn the_size_of_points_in_pixels_is_none_of_their_shadows() {
+fn the_pixel_size_of_points_does_not_affect_shadows() {
     let of_size = |size_px| {
         let style = lit_points(PointShape::Square).with(|style| {
             style.points.sizing = PointSizing::Pixels;
@@ -382,7 +382,7 @@ fn lights_without_a_far_key_light_cast_none() {
 
 /// Zooming and panning leave the lamp where it is in the cloud; turning does not.
 #[test]
-fn the_map_is_drawn_again_when_the_light_or_the_cloud_changes() {
+fn the_shadow_map_is_redrawn_when_the_light_or_the_cloud_changes() {
     let mut renderer = GpuRenderer::new(context()).unwrap();
     let mut packet = box_of_surfels(lit(Lighting::Lambert, Splatting::TwoPass));
     let mut passes = |packet: &ScenePacket| {

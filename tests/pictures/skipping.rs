@@ -10,7 +10,7 @@ use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
 
 #[test]
-fn an_untouched_picture_costs_nothing() {
+fn an_unchanged_image_costs_nothing() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     for &strategy in Strategy::ALL {
         let style = plain().with(|style| style.drawing.strategy = strategy);
@@ -40,7 +40,7 @@ fn a_moved_camera_uploads_nothing() {
 }
 
 #[test]
-fn a_new_visible_set_is_all_that_moving_among_voxels_uploads() {
+fn moving_among_voxels_only_uploads_the_new_visible_set() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let style = Style {
         primitive: Primitive::Voxel,
@@ -60,7 +60,7 @@ fn a_new_visible_set_is_all_that_moving_among_voxels_uploads() {
 }
 
 #[test]
-fn points_do_not_upload_shapes_and_surfels_then_upload_shapes_alone() {
+fn points_do_not_upload_shapes_and_surfels_then_upload_only_shapes() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let as_surfels = surfels(&sphere(500, 1.0), &camera_at(3.0), plain(), [64, 64]);
     let points = ScenePacket {
@@ -90,13 +90,13 @@ fn looping_over_a_sequence_uploads_each_pose_once() {
 }
 
 #[test]
-fn what_is_gone_leaves_the_gpu() {
+fn dropped_data_is_freed_on_the_gpu() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     for _ in 0..20 {
         let packet = surfels(&sphere(1000, 1.0), &camera_at(3.0), plain(), [64, 64]);
         renderer.prepare(&packet).unwrap();
         renderer.render().unwrap();
-        // The renderer itself holds the packets of two pictures: the drawn and the prepared.
+        // The renderer itself holds the packets of two images: the drawn and the prepared one.
         assert!(
             renderer.stats().resident_bytes <= 2 * 2 * 1000 * 16,
             "{}",
@@ -175,7 +175,7 @@ fn a_lost_device_is_an_error_not_a_crash() {
 }
 
 #[test]
-fn what_does_not_fit_makes_all_else_go_and_then_is_an_error() {
+fn data_that_does_not_fit_evicts_everything_else_and_then_is_an_error() {
     let context = common::open(&common::software());
     let mut renderer = GpuRenderer::new(Arc::clone(&context)).unwrap();
     let clouds = [100, 200].map(|count| sphere(count, 1.0));
@@ -211,7 +211,7 @@ fn what_does_not_fit_makes_all_else_go_and_then_is_an_error() {
 }
 
 #[test]
-fn a_budget_for_the_gpu_is_kept() {
+fn a_gpu_budget_is_respected() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let clouds = [100; 3].map(|count| sphere(count, 1.0));
     let packets = clouds
@@ -227,7 +227,7 @@ fn a_budget_for_the_gpu_is_kept() {
 }
 
 #[test]
-fn a_picture_beyond_the_adapter_is_refused() {
+fn an_image_beyond_the_adapter_limit_is_rejected() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let packet = surfels(&[], &camera_at(3.0), plain(), [1, 1_000_000]);
     assert!(matches!(

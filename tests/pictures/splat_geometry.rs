@@ -78,7 +78,7 @@ fn assert_picture_of_quads(packet: &ScenePacket, steps: u8) {
 }
 
 #[test]
-fn pictures_of_all_geometries_are_those_of_quads() {
+fn images_of_all_geometries_match_those_of_quads() {
     let cloud = sphere(1500, 1.0);
     for lighting in [Lighting::PerSurfel, Lighting::PerFragment, Lighting::Lambert] {
         for style in styles(lighting) {
@@ -91,7 +91,7 @@ fn pictures_of_all_geometries_are_those_of_quads() {
 
 /// Light for each vertex is worked out farther from the splat's middle the larger what carries it is.
 #[test]
-fn light_for_each_vertex_differs_little_where_splats_are_small() {
+fn per_vertex_light_differs_little_where_splats_are_small() {
     let cloud = sphere(1500, 1.0);
     for style in styles(Lighting::PerVertex) {
         assert_picture_of_quads(&surfels(&cloud, &camera_at(3.0), style, [EDGE_PX; 2]), 4);
@@ -100,7 +100,7 @@ fn light_for_each_vertex_differs_little_where_splats_are_small() {
 
 /// Its squares are the picture.
 #[test]
-fn the_regular_mode_is_drawn_as_quads_whatever_is_chosen() {
+fn regular_splatting_is_drawn_as_quads_whatever_is_chosen() {
     let style = plain().with(|style| style.surfels.splatting = Splatting::Regular);
     let packet = surfels(&sphere(1500, 1.0), &close_camera(), style, [EDGE_PX; 2]);
     let quads = draw(&packet);
@@ -201,7 +201,7 @@ fn disk(position: Vec3, normal: Vec3, radius: f32, color: [u8; 3]) -> Surfel {
 }
 
 #[test]
-fn oblique_and_grazing_splats_are_the_disks_that_rays_meet() {
+fn oblique_and_grazing_splats_match_ray_traced_disks() {
     for angle_deg in [0.0f32, 40.0, 75.0, 86.0, 89.0] {
         let (sin, cos) = angle_deg.to_radians().sin_cos();
         for across in [Vec3::new(sin, 0.0, cos), Vec3::new(0.3 * sin, 0.95 * sin, cos)] {
@@ -212,7 +212,7 @@ fn oblique_and_grazing_splats_are_the_disks_that_rays_meet() {
 }
 
 #[test]
-fn splats_that_reach_behind_the_eye_are_the_disks_that_rays_meet() {
+fn splats_reaching_behind_the_eye_match_ray_traced_disks() {
     for (what, splat) in [
         (
             "the ground below the eye",
@@ -237,7 +237,7 @@ fn splats_that_reach_behind_the_eye_are_the_disks_that_rays_meet() {
 }
 
 #[test]
-fn splats_that_cut_each_other_are_hidden_where_rays_meet_the_other_first() {
+fn intersecting_splats_hide_each_other_like_ray_traced_disks() {
     let green = disk(Vec3::new(0.1, 0.0, 0.0), Vec3::new(0.7, 0.1, 0.7), 0.8, GREEN);
     for (what, red) in [
         ("crossed", disk(Vec3::ZERO, Vec3::new(-0.6, 0.2, 0.7), 0.8, RED)),

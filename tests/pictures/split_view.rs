@@ -42,10 +42,10 @@ fn window(a: &Arc<Sequence>, b: &Arc<Sequence>, primitive: Primitive, frame: usi
         ..StateOptions::default()
     });
     state.open(Arc::clone(a));
-    // Of the document that is open now.
+    // The style of the document that is now open.
     state.style = Settings::default().with(|style| {
         style.primitive = primitive.into();
-        // Ranges of heights are of each sequence.
+        // Height ranges differ between the sequences.
         style.colors = ColorSource::Uniform.into();
         style.backdrop.background = Background::solid([0; 3]);
     });
@@ -75,7 +75,7 @@ fn drawn_by_each(packets: &[ScenePacket; 2]) -> [[RgbaImage; 2]; 2] {
 }
 
 #[test]
-fn a_sequence_beside_itself_has_equal_halves_and_no_error() {
+fn a_sequence_compared_with_itself_has_equal_halves_and_no_error() {
     const HERE: &[(DVec3, f64)] = &[(SURVEY, 1.0)];
     for primitive in [Primitive::Surfel, Primitive::Voxel, Primitive::Point] {
         let (a, b) = (tori(HERE), tori(HERE));
@@ -123,8 +123,8 @@ fn on_picture(packet: &ScenePacket) -> Vec<DVec2> {
 }
 
 #[test]
-fn the_same_coordinates_are_the_same_place_whatever_a_sequence_begins_with() {
-    // The first frame decides the origin: B begins as a smaller cloud nearby, whose own would be another one.
+fn equal_coordinates_coincide_whatever_the_origin_of_a_sequence() {
+    // The first frame determines the origin: B starts as a smaller cloud nearby, whose own origin would be different.
     let a = tori(const { &[(SURVEY, 1.0), (SURVEY, 1.0)] });
     let (b, alone) = (tori(NEAR), tori(NEAR));
     let mut state = window(&a, &b, Primitive::Point, 1);
@@ -135,15 +135,15 @@ fn the_same_coordinates_are_the_same_place_whatever_a_sequence_begins_with() {
         assert!(covered(&left, [0; 3]) > 1500);
         assert_eq!(difference(&left, &right), (0, 0));
     }
-    // B begins at zero and keeps its origin there, f32 of which are half a unit apart at the survey: to that they
-    // coincide.
+    // B starts at zero and keeps its origin there, relative to which f32 are half a unit apart at the survey: they
+    // coincide up to that.
     let b = tori(const { &[(DVec3::ZERO, 1.0), (SURVEY, 1.0)] });
     let mut state = window(&a, &b, Primitive::Point, 1);
     assert_eq!(b.origin(), DVec3::ZERO);
     let [a, b] = packets(&mut state);
     let pixels_per_unit = f64::from(a.view.pixels_per_unit_at_1) / state.camera.distance;
     let (a, b) = (on_picture(&a), on_picture(&b));
-    // Morton order may differ with the rounding: by the nearest.
+    // Rounding may change the Morton order: match by the nearest.
     let farthest = a.iter().map(|place| {
         let distances = b.iter().map(|other| other.distance(*place));
         distances.fold(f64::INFINITY, f64::min)
@@ -154,7 +154,7 @@ fn the_same_coordinates_are_the_same_place_whatever_a_sequence_begins_with() {
 }
 
 #[test]
-fn what_is_saved_is_what_is_seen() {
+fn the_saved_image_matches_the_shown_one() {
     const HERE: &[(DVec3, f64)] = &[(DVec3::ZERO, 1.0)];
     let mut state = window(&tori(HERE), &tori(HERE), Primitive::Point, 0);
     let [red, blue] = [[200, 0, 0, 255], [0, 0, 200, 255]].map(image::Rgba);

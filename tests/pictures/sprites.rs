@@ -65,7 +65,7 @@ fn some_surfel(seed: u32) -> Surfel {
 }
 
 #[test]
-fn a_sprite_covers_the_pixels_whose_rays_meet_its_disk() {
+fn a_sprite_covers_the_pixels_whose_rays_hit_its_disk() {
     let camera = camera_at(3.0);
     let (mut covered, mut around_eye) = (0, 0);
     for seed in 0..150 {
@@ -77,7 +77,7 @@ fn a_sprite_covers_the_pixels_whose_rays_meet_its_disk() {
                 let is_drawn = pixel.0[0] != 0;
                 covered += u32::from(is_drawn);
                 match meets(&packet, &surfel, x, y) {
-                    // Within rounding of the rim, or of the near plane, it may be either.
+                    // Within the rounding error of the edge, or of the near plane, it may be either.
                     Some([depth, aside])
                         if (aside - 1.0).abs() < 2e-3 || depth < 1.001 * f64::from(packet.view.near) => {}
                     Some([_, aside]) => {
@@ -92,7 +92,7 @@ fn a_sprite_covers_the_pixels_whose_rays_meet_its_disk() {
 }
 
 #[test]
-fn where_disks_cut_each_other_the_nearer_one_is_seen_in_each_pixel() {
+fn intersecting_disks_show_the_nearer_one_per_pixel() {
     let mut seen = [0; 2];
     for seed in 0..60 {
         let colored = |seed: u32, color| Surfel {
@@ -143,7 +143,7 @@ fn both_directions(style: Style) -> [ScenePacket; 2] {
 }
 
 #[test]
-fn sprites_are_the_disks_of_surfels() {
+fn sprites_match_the_disks_of_surfels() {
     let blending = [
         Splatting::TwoPass,
         Splatting::TwoPassEnlarged,
@@ -163,7 +163,7 @@ fn sprites_are_the_disks_of_surfels() {
             });
             let [sprites, disks] = both_directions(style).map(|packet| on_both(&packet));
             let [on_gpu, on_cpu] = [0, 1].map(|by: usize| psnr(&sprites[by].0, &disks[by].0));
-            // The processor works out disks at each pixel, too; of squares on the surface it begins elsewhere.
+            // The CPU computes disks per pixel, too; for squares on the surface it starts elsewhere.
             assert!(on_cpu > 90.0, "{splatting}, {lighting}: {on_cpu} dB");
             assert!(on_gpu > 50.0, "{splatting}, {lighting}: {on_gpu} dB");
         }
@@ -200,7 +200,7 @@ fn sprites_in_one_pass_have_no_square_artefacts() {
         ..white
     };
     let style = hard().with(|style| style.surfels.splatting = Splatting::Regular);
-    // In the order of the cloud: what is near first.
+    // In the order of the cloud: near ones first.
     let packet = surfels(&[white, behind], &camera_at(1.5), style, SIZE);
     for (image, by) in on_both(&packet) {
         for (x, y, pixel) in image.enumerate_pixels() {
@@ -233,7 +233,7 @@ fn sprites_cast_and_receive_shadows_and_are_occluded() {
         style.light.ao = OnOff::On;
         style.surfels.splatting = Splatting::TwoPass;
     });
-    // A ball before a wall.
+    // A ball in front of a wall.
     let mut cloud = sphere(2_000, 0.4);
     for y in -20..20 {
         cloud.extend((-20..20).map(|x| Surfel {
@@ -260,7 +260,7 @@ fn sprites_cast_and_receive_shadows_and_are_occluded() {
 }
 
 #[test]
-fn depths_are_those_of_rays() {
+fn depths_match_rays() {
     let surfel = Surfel {
         position: Vec3::new(0.2, -0.1, 0.0),
         normal: Vec3::new(0.9, 0.1, 0.3).normalize(),

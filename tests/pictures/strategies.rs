@@ -206,11 +206,11 @@ fn surfels_from_both_sides() {
 
 /// What the rasteriser's grid may turn around: of such surfels, compute passes must not drop one that others draw.
 #[test]
-fn small_surfels_that_are_seen_nearly_edge_on() {
+fn small_surfels_seen_nearly_edge_on() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let mut cloud = sphere(4000, 1.0);
     for (i, surfel) in cloud.iter_mut().enumerate() {
-        // In the picture one to four pixels large, and turned by up to 6 degrees away from the eye or to it.
+        // One to four pixels large in the image, and tilted by up to 6 degrees away from the eye or towards it.
         surfel.radius = 0.02 + 0.02 * (i % 4) as f32;
         let across = surfel.normal.with_z(0.0).normalize();
         let away = (surfel.position - 3.0 * Vec3::Z).normalize();
@@ -269,7 +269,7 @@ fn points_of_one_and_of_several_pixels() {
 }
 
 #[test]
-fn points_that_are_sized_in_the_scene() {
+fn points_sized_in_scene_units() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let cloud = sphere(5000, 1.0);
     for sizing in [PointSizing::Projected, PointSizing::Adaptive] {
@@ -312,10 +312,10 @@ fn points_of_every_shape_in_every_light() {
 }
 
 #[test]
-fn many_batches_and_chunks_draw_what_one_draws() {
+fn many_batches_and_chunks_draw_the_same_as_one() {
     let cloud = sphere(10_000, 1.0);
     let mut whole = GpuRenderer::new(common::context()).unwrap();
-    // An odd number, so that neither batches nor workgroups end with a chunk.
+    // Not a multiple, so that neither batches nor workgroups end with a chunk.
     let chunked = common::open(&ContextOptions {
         max_chunk_records: Some(777),
         ..software()
@@ -350,7 +350,7 @@ fn the_compute_strategy_leaves_nothing_of_an_earlier_cloud() {
 }
 
 #[test]
-fn extreme_places_and_sizes_agree_too() {
+fn extreme_positions_and_sizes_agree_too() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let mut cloud = sphere(200, 1.0);
     for (i, surfel) in cloud.iter_mut().enumerate() {

@@ -37,7 +37,7 @@ fn every_pixel_is_on_the_curve() {
 }
 
 #[test]
-fn both_renderers_change_smooth_pictures_alike() {
+fn both_renderers_tone_map_smooth_images_alike() {
     for &antialiasing in Antialiasing::ALL {
         let toned = ball(2.0, antialiasing);
         let (gpu, cpu) = (draw(&toned), draw_on_cpu(&toned));

@@ -73,7 +73,7 @@ fn differing(a: &RgbaImage, b: &RgbaImage) -> usize {
 }
 
 #[test]
-fn pictures_are_those_of_the_processors_surfels() {
+fn images_match_those_of_the_cpu_surfels() {
     let mut renderer = making(context());
     for of in [Shape::Sphere, Shape::Torus] {
         let frame = shape(of);
@@ -135,7 +135,7 @@ fn of_images(filters: Filters) -> PreparedFrame {
         .zip(0_u32..)
         .map(|(&[x, y], at)| {
             let (square, noise) = (x * x + y * y + 1.0, (at.wrapping_mul(2_654_435_761) >> 20) % 5);
-            // The ball has its middle 1.2 m away and a radius of 0.35 m.
+            // The ball has its centre 1.2 m away and a radius of 0.35 m.
             let under_root = 1.44 - square * (1.44 - 0.1225);
             let depth = if under_root > 0.0 {
                 (1.2 - under_root.sqrt()) / square
@@ -189,7 +189,7 @@ fn images_of(packet: &ScenePacket) -> Option<&PointImages> {
 }
 
 #[test]
-fn images_are_uploaded_in_place_of_points_and_drawn_alike() {
+fn depth_images_are_uploaded_instead_of_points_and_drawn_alike() {
     let frame = of_images(Filters::USUAL);
     let pixels = 160 * 121;
     for &strategy in Strategy::ALL {
@@ -200,7 +200,7 @@ fn images_are_uploaded_in_place_of_points_and_drawn_alike() {
             let before = renderer.stats().uploaded_bytes;
             let made = draw_with(&mut renderer, packet);
             let uploaded = renderer.stats().uploaded_bytes - before;
-            // Two bytes of depth and three of colour; once eight of rays, and metres of all numbers.
+            // Two bytes of depth and three of colour; once eight for rays, and the metres of all raw values.
             let expected = if place == 0 { 13 * pixels + 4 * 65536 } else { 0 };
             assert_eq!(uploaded, expected, "{strategy}");
             let mut of_processor = GpuRenderer::new(context()).unwrap();
@@ -216,7 +216,7 @@ fn images_are_uploaded_in_place_of_points_and_drawn_alike() {
 }
 
 #[test]
-fn images_are_not_taken_where_points_are_others() {
+fn depth_images_are_not_used_where_points_differ() {
     let frame = of_images(Filters::NONE);
     let images = |frame: &PreparedFrame, style: &Style| {
         let packets = packets_of_images(frame, style);
@@ -269,7 +269,7 @@ fn the_number_of_visible_points_is_read_back() {
             found.visible,
             surfels.points.len()
         );
-        // Adapters with a clock tell what it took.
+        // Adapters with timestamps report how long it took.
         if renderer.context().has_timestamps {
             assert!(found.cull_ms.is_some() && found.normals_ms.is_some());
         }
@@ -335,7 +335,7 @@ fn a_moving_view_uploads_nothing_and_a_still_one_costs_nothing() {
 }
 
 #[test]
-fn programs_that_draw_take_the_surfels_of_the_processor_unless_they_are_told() {
+fn software_adapters_use_cpu_surfels_unless_told_otherwise() {
     let frame = shape(Shape::Sphere);
     let mut scene = Scene::default();
     let packet = packet(&mut scene, &frame, &style(), 3.0);
@@ -347,7 +347,7 @@ fn programs_that_draw_take_the_surfels_of_the_processor_unless_they_are_told() {
     let drawn = draw_with(&mut renderer, &packet);
     let visible = scene.screen_stats().unwrap().visible as u64;
     assert_eq!(renderer.stats().uploaded_bytes, 32 * visible);
-    // Those are the same records as in a packet of its own.
+    // These are the same records as in a separate packet.
     let surfels = packet.content.gathered().unwrap();
     let of_processor = ScenePacket {
         content: Content::Surfels(surfels),
@@ -367,7 +367,7 @@ fn programs_that_draw_take_the_surfels_of_the_processor_unless_they_are_told() {
 }
 
 #[test]
-fn what_is_picked_is_a_visible_point() {
+fn picking_returns_a_visible_point() {
     let frame = shape(Shape::Sphere);
     let packet = packet(&mut Scene::default(), &frame, &style(), 3.0);
     let slot = pick(&packet, &frame, [160.5, 120.5], 0.0).unwrap();

@@ -174,7 +174,7 @@ fn sprites_in_the_modes_that_close_surfaces_are_white() {
 
 /// Of disks that are not enlarged, three rims sum up to less than what is opaque.
 #[test]
-fn two_pass_surfels_are_white_but_for_corners_between_disks() {
+fn two_pass_surfels_are_white_except_for_corners_between_disks() {
     for (count, max_share) in [(300, 0.05), (3_000, 0.003), (30_000, 0.001)] {
         let frame = white_sphere(count, &white());
         let is_covered = covered_by_disks(&frame.points, frame.shapes.as_ref().unwrap());
@@ -202,7 +202,7 @@ fn inner(is_covered: &[bool]) -> Vec<bool> {
 
 /// The filter reaches less than a pixel beyond outlines, so it takes white from as far inside.
 #[test]
-fn filtered_surfels_in_the_modes_that_close_surfaces_are_white_inside_of_outlines() {
+fn filtered_surfels_in_the_modes_that_close_surfaces_are_white_inside_outlines() {
     for count in [3_000, 30_000, 300_000] {
         let frame = white_sphere(count, &white());
         let is_covered = inner(&covered_by_disks(&frame.points, frame.shapes.as_ref().unwrap()));
@@ -425,13 +425,13 @@ fn for_each_closing_style(change: impl Fn(&mut Style), strategies: &[Strategy]) 
 }
 
 #[test]
-fn all_that_closes_a_surface_is_white_without_light() {
+fn closed_surfaces_are_white_without_light() {
     for_each_closing_style(|_| {}, Strategy::ALL);
 }
 
 /// Under white light from all sides a white surface is white, in every lighting that light from all sides is of.
 #[test]
-fn all_that_closes_a_surface_is_white_in_white_light_from_all_sides() {
+fn closed_surfaces_are_white_in_white_light_from_all_sides() {
     for lighting in [Lighting::Lambert, Lighting::BlinnPhong] {
         let light = |style: &mut Style| {
             style.light.lighting = lighting;
@@ -451,7 +451,7 @@ fn all_that_closes_a_surface_is_white_in_white_light_from_all_sides() {
 }
 
 #[test]
-fn all_that_closes_a_surface_is_white_with_antialiasing() {
+fn closed_surfaces_are_white_with_antialiasing() {
     for antialiasing in [Antialiasing::Fxaa, Antialiasing::Supersample] {
         for_each_closing_style(|style| style.drawing.antialiasing = antialiasing, &[Strategy::Vertex]);
     }

@@ -35,21 +35,21 @@ fn said(input: &Path, more: &[&str]) -> Vec<String> {
 }
 
 #[test]
-fn guesses_are_said_unless_they_are_chosen() {
+fn guesses_are_reported_unless_chosen_by_the_user() {
     let folder = tempfile::tempdir().unwrap();
     let cloud = cloud(folder.path());
     assert_eq!(said(&cloud, &[]), [UP, PRIMITIVE, COLORS]);
     assert_eq!(said(&cloud, &["--up", "y"]), [PRIMITIVE, COLORS]);
     assert_eq!(said(&cloud, &["--primitive", "surfel"]), [UP, COLORS]);
     assert_eq!(said(&cloud, &["--colors", "uniform"]), [UP, PRIMITIVE]);
-    // To let the program decide is no choice.
+    // Leaving the decision to the program is not a choice.
     assert_eq!(said(&cloud, &["--primitive", "auto"]), [UP, PRIMITIVE, COLORS]);
     let all = ["--up", "z", "--primitive", "point", "--colors", "height"];
     assert_eq!(said(&cloud, &all), [""; 0]);
 }
 
 #[test]
-fn the_option_that_an_assumption_names_is_an_option() {
+fn the_option_named_by_an_assumption_exists() {
     let help = Command::new(env!("CARGO_BIN_EXE_pointreel"))
         .args(["view", "--help"])
         .output()
@@ -63,7 +63,7 @@ fn the_option_that_an_assumption_names_is_an_option() {
 }
 
 #[test]
-fn check_and_info_say_where_options_are() {
+fn check_and_info_point_to_the_options() {
     let folder = tempfile::tempdir().unwrap();
     let cloud = cloud(folder.path());
     let output = |subcommand: &str| {
@@ -85,7 +85,7 @@ fn check_and_info_say_where_options_are() {
 }
 
 #[test]
-fn a_session_chooses_as_options_do() {
+fn a_session_chooses_like_options() {
     let folder = tempfile::tempdir().unwrap();
     cloud(folder.path());
     let session = folder.path().join("a.pointreel");

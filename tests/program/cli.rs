@@ -61,7 +61,7 @@ fn help_has_headings_and_short_lines() {
 }
 
 #[test]
-fn info_says_what_is_there() {
+fn info_reports_the_contents() {
     let folder = small_sequence();
     let output = pointreel(&["info", text(folder.path()), "--json"]);
     assert!(output.status.success(), "{}", stderr(&output));
@@ -69,7 +69,7 @@ fn info_says_what_is_there() {
     assert_eq!(info["origin"], serde_json::json!([0.0, 0.0, 0.0]));
     let frames = info["frames"].as_array().unwrap();
     assert_eq!(frames.len(), 3);
-    // f2, f6, f10: by number, not by letter.
+    // f2, f6, f10: by number, not alphabetically.
     assert!(frames[2]["file"].as_str().unwrap().ends_with("f10.ply"));
     assert_eq!(frames[1]["index"], 1);
     assert_eq!(frames[1]["points"], 3);
@@ -92,7 +92,7 @@ fn info_says_what_is_there() {
     assert!(table.contains("position, organised 2 × 2, "), "{table}");
     fs::remove_file(image).unwrap();
 
-    // A frame of bare positions among coloured ones.
+    // A frame with only positions among coloured ones.
     fs::write(folder.path().join("f11.xyz"), "0 0 0\n1 1 1\n").unwrap();
     let table = pointreel(&["info", text(folder.path())]);
     let table = String::from_utf8_lossy(&table.stdout).into_owned();
@@ -244,7 +244,7 @@ fn render_draws_every_primitive_mode_and_strategy() {
 }
 
 #[test]
-fn broken_faces_are_said_by_every_verb_and_cost_no_point() {
+fn broken_faces_are_reported_by_every_command_and_lose_no_point() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("mesh.ply");
     let mesh = HEADER.replace(
@@ -309,7 +309,7 @@ fn a_hundred_warnings_of_one_kind_are_one_line() {
         if subcommand == ["convert"] {
             arguments.push(text(out.path()));
         }
-        // What check finds is its answer.
+        // The findings of `check` are its output.
         let said = |arguments: &[&str]| {
             let output = pointreel(arguments);
             if subcommand == ["check"] {
@@ -337,7 +337,7 @@ fn render_without_session(renderer: &str, variables: &[(&str, &str)]) -> Output 
     let picture = folder.path().join("picture.png");
     let mut command = Command::new(env!("CARGO_BIN_EXE_pointreel"));
     command.args(["render", text(folder.path()), "-o", text(&picture)]);
-    // Guesses would be said.
+    // Guesses would be printed.
     command.args(["--up", "y", "--primitive", "point"]);
     command.args(["--size", "32x32", "--renderer", renderer]);
     for name in ["XDG_RUNTIME_DIR", "DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
@@ -350,7 +350,7 @@ fn render_without_session(renderer: &str, variables: &[(&str, &str)]) -> Output 
 }
 
 #[test]
-fn nothing_complains_where_there_is_no_desktop() {
+fn no_warnings_appear_without_a_desktop() {
     for renderer in ["auto", "cpu", "gpu"] {
         let output = render_without_session(renderer, &[]);
         assert_eq!(stderr(&output), "", "--renderer {renderer}");
@@ -360,12 +360,12 @@ fn nothing_complains_where_there_is_no_desktop() {
 #[test]
 #[cfg(target_os = "linux")]
 #[expect(clippy::print_stderr, reason = "a test that is skipped says so to who runs it")]
-fn no_driver_is_opened_where_no_card_can_be() {
+fn no_driver_is_opened_where_no_gpu_can_exist() {
     if ["/dev/dri", "/dev/nvidiactl", "/dev/dxg", "/dev/kfd"].map(|path| Path::new(path).exists()) != [false; 4] {
         eprintln!("skipped: this machine may have a graphics card, whose driver is opened");
         return;
     }
-    // The loader of Vulkan tells all that it does on stderr, from the first call on.
+    // The Vulkan loader logs everything it does to stderr, from the first call on.
     let loader_tells = [("VK_LOADER_DEBUG", "all")];
     let by_adapter = render_without_session("gpu", &loader_tells);
     assert!(stderr(&by_adapter).contains("Vulkan"), "{}", stderr(&by_adapter));
@@ -490,7 +490,7 @@ fn bench_without_an_input_measures_the_demo() {
     let report: Value = serde_json::from_slice(&fs::read(&json).unwrap()).unwrap();
     assert_eq!(report["suite"], "octree");
     assert_eq!(report["rows"][0]["sequence"], "demo");
-    // A heading and one line for each δ.
+    // A heading and one line per δ.
     assert_eq!(fs::read_to_string(&csv).unwrap().lines().count(), 4);
 }
 
@@ -509,7 +509,7 @@ fn bench_names_its_suites() {
 }
 
 #[test]
-fn a_clipped_picture_shows_what_is_in_the_box_alone() {
+fn a_clipped_image_only_shows_what_is_in_the_box() {
     let folder = tempfile::tempdir().unwrap();
     let render = |name: &str, more: &[&str]| {
         let file = folder.path().join(name);
@@ -537,7 +537,7 @@ fn a_clipped_picture_shows_what_is_in_the_box_alone() {
 }
 
 #[test]
-fn the_ways_of_points_are_drawn_and_where_they_break_is_said() {
+fn trails_are_drawn_and_their_breaks_reported() {
     let folder = small_sequence();
     let picture = folder.path().join("way.png");
     let render = |more: &[&str]| {
@@ -558,7 +558,7 @@ fn the_ways_of_points_are_drawn_and_where_they_break_is_said() {
         ];
         pointreel(&[&input[..], &how[..], more].concat())
     };
-    // Orange is nothing but trails.
+    // Only trails are orange.
     let orange = || {
         let image = image::open(&picture).unwrap().to_rgba8();
         let is_orange = |pixel: &&image::Rgba<u8>| pixel.0 == [255, 190, 60, 255];

@@ -40,7 +40,7 @@ fn sequence() -> tempfile::TempDir {
 }
 
 #[test]
-fn check_exits_with_3_where_something_is_found() {
+fn check_exits_with_3_where_it_finds_something() {
     let folder = sequence();
     let clean = pointreel(&["check", text(folder.path()), "--json"]);
     let report: Value = serde_json::from_slice(&clean.stdout).unwrap();
@@ -60,7 +60,7 @@ fn check_exits_with_3_where_something_is_found() {
         .iter()
         .map(|finding| finding["kind"].as_str().unwrap())
         .collect();
-    // The gravest first.
+    // The most severe first.
     assert_eq!(kinds, ["unreadable_frame", "number_gap"]);
     let severities = [&report["findings"][0]["severity"], &report["findings"][1]["severity"]];
     assert_eq!(severities, ["error", "warning"]);
@@ -81,7 +81,7 @@ fn check_exits_with_3_where_something_is_found() {
 }
 
 #[test]
-fn frames_go_through_every_format() {
+fn frames_round_trip_through_every_format() {
     let folder = sequence();
     for format in ["ply", "ply-ascii", "pcd", "las", "laz", "xyz", "npy"] {
         let out = folder.path().join(format!("as {format}"));
@@ -100,7 +100,7 @@ fn frames_go_through_every_format() {
 }
 
 #[test]
-fn one_frame_goes_to_one_file_moved_and_joined() {
+fn one_frame_is_written_to_one_file_transformed_and_merged() {
     let folder = sequence();
     let one = folder.path().join("one.ply");
     let matrix = folder.path().join("move.txt");
@@ -117,7 +117,7 @@ fn one_frame_goes_to_one_file_moved_and_joined() {
         "10",
     ];
     let output = pointreel(&arguments);
-    // `move.txt` is in the folder too, as a cloud of rows of four numbers.
+    // `move.txt` is in the folder too, as a cloud with rows of four numbers.
     assert!(output.status.success(), "{output:?}");
     let cloud = io::read(&one).unwrap();
     assert_eq!(cloud.positions.len(), 1);
@@ -130,7 +130,7 @@ fn one_frame_goes_to_one_file_moved_and_joined() {
 /// The job file as Slurm runs it: once for each place of the array, in any order, one of them twice.
 #[cfg(unix)]
 #[test]
-fn the_job_file_spreads_a_sequence() {
+fn the_job_file_distributes_a_sequence() {
     let folder = sequence();
     let out = folder.path().join("out");
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/convert-array.sbatch");
@@ -159,7 +159,7 @@ fn the_job_file_spreads_a_sequence() {
     assert!(run("1").starts_with("0 frames written"));
     assert!(run("2").starts_with("2 frames written"));
     assert_eq!(names(&out).len(), 7);
-    // Without an array it says how it is started.
+    // Outside a job array it says how to start it.
     let alone = Command::new("bash").arg(&script).output().unwrap();
     assert!(String::from_utf8_lossy(&alone.stderr).contains("--array"));
 }
@@ -187,7 +187,7 @@ fn shards_of_a_sequence_file_are_parts() {
         })
         .collect();
     for (shard, mut task) in tasks {
-        // The twin may find the other at work, which it says.
+        // The duplicate may find the other one running, and says so.
         assert!(task.wait().unwrap().success() || shard == "2/3");
     }
     let parts = [
@@ -202,7 +202,7 @@ fn shards_of_a_sequence_file_are_parts() {
     );
     let (is_done, said) = run(&["convert", text(folder.path()), text(&walk), "--shard", "2/3"]);
     assert!(is_done && said.contains("0 frames written"), "{said}");
-    // A part that is missing, comes twice, or is another's.
+    // A part that is missing, occurs twice, or belongs to another.
     let part = |index: usize| out.path().join(parts[index]);
     let joined = out.path().join("joined.reel");
     let refused = |inputs: &[&Path], reason: &str| {
@@ -241,7 +241,7 @@ fn shards_of_a_sequence_file_are_parts() {
     fs::write(&cut, &bytes[..bytes.len() - 30]).unwrap();
     refused(&[&part(0), &cut, &part(2)], "not whole");
     fs::remove_file(cut).unwrap();
-    // Another conversion does not take a part for its own.
+    // Another conversion does not mistake a part for its own.
     let (is_done, said) = run(&[
         "convert",
         text(folder.path()),
@@ -275,7 +275,7 @@ fn shards_of_a_sequence_file_are_parts() {
 }
 
 #[test]
-fn merging_says_its_price_before_it_is_done() {
+fn merging_states_its_cost_beforehand() {
     let folder = tempfile::tempdir().unwrap();
     let (every, merged) = (folder.path().join("every.reel"), folder.path().join("merged.reel"));
     let points = |path: &Path| {
@@ -301,7 +301,7 @@ fn merging_says_its_price_before_it_is_done() {
 }
 
 #[test]
-fn examples_are_inputs_as_files_are() {
+fn examples_are_inputs_like_files() {
     for (name, frames, attribute) in [
         ("lidar", 1, "intensity"),
         ("depth", 1, "color"),

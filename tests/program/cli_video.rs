@@ -43,7 +43,7 @@ fn a_turntable_turns_while_the_sequence_plays() {
     let folder = tempfile::tempdir().unwrap();
     let [video, stats] = ["a.gif", "s.json"].map(|name| folder.path().join(name));
     let [video, stats_file] = [&video, &stats].map(|path| path.to_str().unwrap());
-    // The demo has 24 frames a second: one a picture here, every other one there.
+    // The demo has 24 frames per second: one per image here, every other one there.
     let common = ["--turntable", "6", "--video", video, "--stats", stats_file];
     let said = succeeds(&[&common[..], &["--fps", "24"]].concat());
     assert!(said.contains("6 frames written to") && said.contains("a.gif"), "{said}");
@@ -62,7 +62,7 @@ fn a_turntable_turns_while_the_sequence_plays() {
 }
 
 #[test]
-fn a_camera_that_stands_still_shows_each_frame_once() {
+fn a_static_camera_shows_each_frame_once() {
     let folder = tempfile::tempdir().unwrap();
     let [pattern, stats] = ["p/{frame}.png", "s.json"].map(|name| folder.path().join(name));
     let output = pattern.to_str().unwrap();
@@ -72,7 +72,7 @@ fn a_camera_that_stands_still_shows_each_frame_once() {
         "{said}"
     );
     assert_eq!(shown(&stats), [4, 5, 6, 7, 8]);
-    // The first is what the verb draws without a video.
+    // The first is what the command draws without a video.
     let picture = folder.path().join("one.png");
     succeeds(&["-o", picture.to_str().unwrap(), "--frame", "4"]);
     let [one, first] = [picture, folder.path().join("p/0000.png")].map(|file| image::open(file).unwrap().to_rgba8());
@@ -80,7 +80,7 @@ fn a_camera_that_stands_still_shows_each_frame_once() {
 }
 
 #[test]
-fn a_path_of_a_file_is_followed() {
+fn a_camera_path_from_a_file_is_followed() {
     let folder = tempfile::tempdir().unwrap();
     let [path, video, stats] = ["p.json", "a.webp", "s.json"].map(|name| folder.path().join(name));
     let [path, video, stats_file] = [&path, &video, &stats].map(|path| path.to_str().unwrap());
@@ -126,7 +126,7 @@ fn a_path_of_a_file_is_followed() {
 }
 
 #[test]
-fn a_transparent_background_is_alpha() {
+fn a_transparent_background_becomes_alpha() {
     let folder = tempfile::tempdir().unwrap();
     let picture = folder.path().join("a.png");
     succeeds(&["-o", picture.to_str().unwrap(), "--background", "transparent"]);
@@ -142,7 +142,7 @@ fn a_transparent_background_is_alpha() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused() {
+fn meaningless_options_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (gif, png) = (file("a.gif"), file("a.png"));
@@ -206,7 +206,7 @@ fn without_ffmpeg_the_error_says_what_to_install() {
 /// An encoder that dies is a failure with its words, and what was written is gone.
 #[cfg(unix)]
 #[test]
-fn what_ffmpeg_says_is_passed_on() {
+fn ffmpeg_errors_are_passed_on() {
     use std::os::unix::fs::PermissionsExt as _;
     let folder = tempfile::tempdir().unwrap();
     let bin = tempfile::tempdir().unwrap();
@@ -247,7 +247,7 @@ fn an_interrupt_leaves_nothing_that_looks_finished() {
         assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
-    // Not SIGINT, which is ignored in whatever a shell has started in the background.
+    // Not SIGINT, which is ignored by anything that a shell has started in the background.
     let interrupt = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
     assert!(interrupt.unwrap().success());
     assert!(!child.wait().unwrap().success());
@@ -255,7 +255,7 @@ fn an_interrupt_leaves_nothing_that_looks_finished() {
 }
 
 #[test]
-fn videos_show_of_other_poses_what_pictures_show() {
+fn videos_show_the_same_ghosts_and_trails_as_images() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let file = |name: &str, number: usize| {
@@ -281,13 +281,13 @@ fn videos_show_of_other_poses_what_pictures_show() {
             assert!(of_video.to_rgba8() == picture, "{name} {number}");
             drawn.push(picture);
         }
-        // From this side a trail may be hidden in one picture, not in all.
+        // From this side a trail may be hidden in one image, but not in all.
         assert!(drawn != plain, "{name}: nothing is added");
         if name == "plain" {
             plain = drawn;
         }
     }
-    // Beyond the end there is nothing to compare with: said once a frame, however often a loop shows it.
+    // Beyond the end there is nothing to compare with: reported once per frame, however often a loop shows it.
     let video = place("a.gif");
     let arguments = ["--frame", "22..23", "--video", &video, "--change", "1"];
     let output = render(&arguments);

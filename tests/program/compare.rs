@@ -59,7 +59,7 @@ fn answer_in_json(reference: &Path, test: &Path) -> Value {
 }
 
 #[test]
-fn equal_pictures() {
+fn equal_images_have_no_difference() {
     let pictures = Pictures::new();
     let path = pictures.with("a.png", solid([20, 12], 90));
     let answer = answer_in_json(&path, &path);
@@ -82,7 +82,7 @@ fn equal_pictures() {
 }
 
 #[test]
-fn errors_that_are_known() {
+fn known_images_have_known_errors() {
     let pictures = Pictures::new();
     let reference = pictures.with("reference.png", solid([20, 15], 100));
     // Every pixel 10 steps brighter: 20 log10(255 / 10), and SSIM in closed form.
@@ -109,7 +109,7 @@ fn errors_that_are_known() {
 }
 
 #[test]
-fn pictures_without_a_window_have_no_ssim() {
+fn images_smaller_than_the_window_have_no_ssim() {
     let pictures = Pictures::new();
     let path = pictures.with("small.png", solid([10, 40], 7));
     assert_eq!(answer_in_json(&path, &path)["ssim"], Value::Null);
@@ -143,7 +143,7 @@ fn other_channels_and_depths_are_read_as_8_bit_rgba() {
 }
 
 #[test]
-fn a_heatmap_shows_where_pictures_differ() {
+fn a_heatmap_shows_where_images_differ() {
     let pictures = Pictures::new();
     let reference = pictures.with("reference.png", solid([60, 40], 30));
     let mut test = solid([60, 40], 30);
@@ -160,7 +160,7 @@ fn a_heatmap_shows_where_pictures_differ() {
     assert_eq!(map.get_pixel(5, 30).0, [0, 0, 4, 255]);
     let [red, green, _, alpha] = map.get_pixel(45, 15).0;
     assert!(red > 240 && green > 100 && alpha == 255, "{red} {green}");
-    // Nothing is left beside it, and JSON goes to stdout alone.
+    // No other files are left, and only JSON goes to stdout.
     assert_eq!(fs::read_dir(pictures.0.path()).unwrap().count(), 3);
     let output = compare(&[arguments.as_slice(), &["--json"]].concat());
     assert!(serde_json::from_slice::<Value>(&output.stdout).is_ok());
@@ -177,7 +177,7 @@ fn header_alone(width: u32, height: u32) -> Vec<u8> {
     let sum = crc32fast::hash(&chunk);
     file.extend(&chunk);
     file.extend(sum.to_be_bytes());
-    // Decoders look for the first data before they tell the size.
+    // Decoders search for the first data before they report the size.
     file.extend([0, 0, 0, 0]);
     file.extend(b"IDAT");
     file.extend(crc32fast::hash(b"IDAT").to_be_bytes());
@@ -235,11 +235,11 @@ fn failures_name_the_file_and_exit_with_1() {
 }
 
 #[test]
-fn a_heatmap_does_not_take_the_place_of_what_is_compared() {
+fn a_heatmap_does_not_overwrite_the_compared_images() {
     let pictures = Pictures::new();
     let path = pictures.with("a.png", solid([20, 20], 1));
     let before = fs::read(&path).unwrap();
-    // The same file by another name.
+    // The same file under another name.
     let roundabout = pictures.0.path().join("./a.png");
     for (target, expected) in [
         (text(&roundabout), "is compared itself"),

@@ -54,7 +54,7 @@ fn rendered(input: &Path, colors: &str, picture: &Path) -> Output {
 }
 
 #[test]
-fn points_are_coloured_by_any_field() {
+fn points_are_colored_by_any_field() {
     let folder = tempfile::tempdir().unwrap();
     let input = cloud(folder.path());
     let mut pictures = Vec::new();
@@ -73,7 +73,7 @@ fn points_are_coloured_by_any_field() {
 }
 
 #[test]
-fn a_field_that_is_not_there_is_wrong_usage() {
+fn a_missing_field_is_wrong_usage() {
     let folder = tempfile::tempdir().unwrap();
     let input = cloud(folder.path());
     let picture = folder.path().join("a.png");
@@ -88,7 +88,7 @@ fn a_field_that_is_not_there_is_wrong_usage() {
 }
 
 #[test]
-fn conversion_keeps_every_field() {
+fn conversion_preserves_every_field() {
     let folder = tempfile::tempdir().unwrap();
     let input = cloud(folder.path());
     for extension in ["ply", "pcd", "las", "laz", "xyz", "npy"] {

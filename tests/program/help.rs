@@ -30,7 +30,7 @@ fn help(arguments: &[&str]) -> String {
 }
 
 #[test]
-fn the_help_is_as_it_was() {
+fn the_help_is_unchanged() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/program/help");
     let is_update = std::env::var_os("POINTREEL_UPDATE_HELP").is_some();
     let mut pages: Vec<(String, Vec<&str>)> = vec![("pointreel".into(), vec!["-h"])];
@@ -58,7 +58,7 @@ fn the_help_is_as_it_was() {
 }
 
 #[test]
-fn the_help_of_every_day_is_one_screen_of_short_lines() {
+fn the_short_help_is_one_screen_of_short_lines() {
     const MAX_LINES: usize = 60;
     for command in COMMANDS {
         let short = help(&[command, "-h"]);
@@ -71,7 +71,7 @@ fn the_help_of_every_day_is_one_screen_of_short_lines() {
 }
 
 #[test]
-fn help_of_a_command_is_its_help() {
+fn help_command_matches_the_help_option() {
     assert_eq!(help(&["help", "render"]), help(&["render", "--help"]));
     assert_eq!(help(&["help", "colors"]), help(&["help", "colours"]));
 }

@@ -39,7 +39,7 @@ fn sequence_files(folder: &Path) -> Vec<PathBuf> {
 }
 
 #[test]
-fn sequence_files_that_lie_are_refused_by_every_command() {
+fn sequence_files_with_false_declarations_are_rejected_by_every_command() {
     let Some(folder) = super::data::shared("hostile") else {
         return;
     };
@@ -50,13 +50,13 @@ fn sequence_files_that_lie_are_refused_by_every_command() {
         std::fs::copy(&file, &copy).unwrap();
         if name.contains("1TB") {
             let sparse = std::fs::OpenOptions::new().write(true).open(&copy);
-            // Not every file system has files of that size.
+            // Not every file system supports files of that size.
             let _ = sparse.unwrap().set_len(1_099_512_628_255);
         }
         let input = copy.to_str().unwrap();
         let picture = scratch.path().join("picture.png");
         let frames = scratch.path().join(format!("frames of {name}"));
-        // One has a bad name, the other a bad frame beside three good ones.
+        // One has a bad name, the other a bad frame in addition to three good ones.
         let is_fine = name.contains("escapes") || name.contains("1TB");
         for arguments in [
             &["info", input][..],

@@ -87,7 +87,7 @@ const PLY_HEADER: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty floa
                           z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
 
 #[test]
-fn an_output_that_is_the_input_is_refused_by_whatever_name() {
+fn an_output_that_is_the_input_is_rejected_by_any_name() {
     let folder = scans();
     let root = folder.path();
     fs::create_dir(root.join("links")).unwrap();
@@ -133,7 +133,7 @@ fn an_output_that_is_the_input_is_refused_by_whatever_name() {
     }
     for [input, output] in cases {
         for more in [&[][..], &["--overwrite"], &["--format", "pcd"]] {
-            // A file of its own has a format of its own.
+            // A single file determines its own format.
             let is_file = Path::new(output).extension().is_some();
             if is_file && more.contains(&"--format") {
                 continue;
@@ -150,13 +150,13 @@ fn an_output_that_is_the_input_is_refused_by_whatever_name() {
         &["one of the parts"],
     );
     assert_eq!(contents(root), before);
-    // A folder in the folder of the input is another one.
+    // A folder inside the input folder is a different one.
     done(root, &["convert", "gt", "gt/out"]);
     assert_eq!(visible(&root.join("gt/out")).len(), 5);
 }
 
 #[test]
-fn names_of_formats_that_are_not_written_are_refused() {
+fn names_of_unwritable_formats_are_rejected() {
     let folder = scans();
     let root = folder.path();
     let before = contents(root);
@@ -183,7 +183,7 @@ fn names_of_formats_that_are_not_written_are_refused() {
     refused(root, &["convert", "gt", "file"], &["file is an existing file"]);
     fs::remove_file(root.join("file")).unwrap();
     assert_eq!(contents(root), before);
-    // A folder: without extension, with a slash, or there already.
+    // A folder: without extension, with a trailing slash, or existing already.
     fs::create_dir(root.join("there.v1")).unwrap();
     for output in ["plain", "g.glb/", "there.v1"] {
         done(root, &["convert", "gt", output]);
@@ -192,7 +192,7 @@ fn names_of_formats_that_are_not_written_are_refused() {
 }
 
 #[test]
-fn only_what_the_conversion_itself_has_written_is_resumed() {
+fn only_files_written_by_the_conversion_are_resumed() {
     let folder = scans();
     let root = folder.path();
     fs::create_dir(root.join("out")).unwrap();
@@ -207,7 +207,7 @@ fn only_what_the_conversion_itself_has_written_is_resumed() {
     assert_eq!(contents(root), before, "nothing is written next to it");
     let with = |more: &[&'static str]| [&convert[..], more].concat();
     assert!(done(root, &with(&["--overwrite"])).0.starts_with("5 frames written"));
-    // Its own frames are left as they are.
+    // Its own frames are left unchanged.
     assert!(
         done(root, &convert)
             .0
@@ -229,7 +229,7 @@ fn only_what_the_conversion_itself_has_written_is_resumed() {
     );
     let read = io::read(&root.join("out/mesh_00006.pcd")).unwrap();
     assert_eq!(read.positions.get(1).x, 6.25);
-    // A file that somebody has changed since is not ours any more, nor is one of another conversion.
+    // A file that was edited since no longer belongs to the conversion, nor does one of another conversion.
     fs::write(root.join("out/mesh_00007.pcd"), "edited").unwrap();
     refused(root, &convert, &["mesh_00007.pcd", "--overwrite"]);
     done(root, &with(&["--overwrite"]));
@@ -265,7 +265,7 @@ fn only_what_the_conversion_itself_has_written_is_resumed() {
 }
 
 #[test]
-fn one_file_is_not_replaced_unless_asked() {
+fn a_file_is_not_replaced_unless_requested() {
     let folder = scans();
     let root = folder.path();
     fs::write(root.join("one.ply"), "mine").unwrap();
@@ -277,7 +277,7 @@ fn one_file_is_not_replaced_unless_asked() {
 }
 
 #[test]
-fn frames_that_are_not_there_are_refused_by_every_command() {
+fn missing_frames_are_rejected_by_every_command() {
     let folder = scans();
     let root = folder.path();
     let before = contents(root);
@@ -302,7 +302,7 @@ fn frames_that_are_not_there_are_refused_by_every_command() {
 }
 
 #[test]
-fn type_stem_and_numbers_are_those_of_the_source() {
+fn type_stem_and_numbers_match_the_source() {
     let folder = scans();
     let root = folder.path();
     done(root, &["convert", "gt", "out"]);
@@ -317,7 +317,7 @@ fn type_stem_and_numbers_are_those_of_the_source() {
     );
     let cloud = io::read(&root.join("out/mesh_00003.ply")).unwrap();
     assert!(matches!(cloud.positions, Positions::F32(_)));
-    // And so they are after a round trip by a sequence file, lossless.
+    // And so they are after a lossless round trip through a sequence file.
     done(root, &["convert", "out", "walk.reel", "--precision", "lossless"]);
     done(root, &["convert", "walk.reel", "again"]);
     assert_eq!(visible(&root.join("again")), names);
@@ -325,7 +325,7 @@ fn type_stem_and_numbers_are_those_of_the_source() {
         io::read(&root.join("again/mesh_00003.ply")).unwrap().positions,
         Positions::F32(_)
     ));
-    // More digits than single precision has stay.
+    // Digits beyond single precision are retained.
     fs::create_dir(root.join("utm")).unwrap();
     fs::write(
         root.join("utm/a.ply"),
@@ -335,7 +335,7 @@ fn type_stem_and_numbers_are_those_of_the_source() {
     done(root, &["convert", "utm", "utm_out"]);
     let wide = io::read(&root.join("utm_out/a.ply")).unwrap();
     assert_eq!(wide.positions.get(0).to_array(), [691_234.56, 5_334_567.12, 1.0]);
-    // Names that collide are numbered, which is said.
+    // Colliding names are numbered, and this is reported.
     done(root, &["convert", "gt", "more", "--frames", "0"]);
     let (_, said) = done(root, &["convert", "gt/mesh_00003.ply", "more/mesh_00003.ply", "both"]);
     assert_eq!(visible(&root.join("both")), ["frame_000000.ply", "frame_000001.ply"]);
@@ -343,7 +343,7 @@ fn type_stem_and_numbers_are_those_of_the_source() {
 }
 
 #[test]
-fn broken_frames_are_said_and_leave_nothing_behind() {
+fn broken_frames_are_reported_and_leave_nothing_behind() {
     let folder = scans();
     let root = folder.path();
     fs::write(
@@ -367,7 +367,7 @@ fn broken_frames_are_said_and_leave_nothing_behind() {
 }
 
 #[test]
-fn what_a_target_cannot_hold_is_said() {
+fn content_a_target_cannot_store_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
     let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float \
@@ -405,7 +405,7 @@ fn what_a_target_cannot_hold_is_said() {
 }
 
 #[test]
-fn pictures_are_what_their_names_say() {
+fn images_have_the_format_of_their_names() {
     let folder = scans();
     let root = folder.path();
     let render = |more: &[&str]| {

@@ -112,7 +112,7 @@ fn pages() -> Vec<PathBuf> {
 }
 
 #[test]
-fn commands_of_pages_answer_what_stands_below_them() {
+fn commands_in_pages_print_the_output_shown_below_them() {
     let pages = pages();
     assert!(pages.len() > 20, "{pages:?}");
     let wrong: Vec<String> = pages.par_iter().flat_map(|page| problems(page)).collect();
@@ -129,7 +129,7 @@ fn linked(page: &str) -> impl Iterator<Item = &str> {
 }
 
 #[test]
-fn pages_link_to_files_that_are_there() {
+fn pages_link_to_existing_files() {
     let mut broken = Vec::new();
     for page in pages() {
         let text = fs::read_to_string(&page).unwrap();
@@ -156,7 +156,7 @@ fn every_page_is_in_the_summary() {
 }
 
 #[test]
-fn shown_lines_are_found_in_their_order() {
+fn shown_lines_appear_in_order() {
     let page = "$ no\n```sh\n$ no\n```\n```console\n$ a b\nfirst …\n…\nlast\n$ c\n```\n";
     let steps = steps(page);
     assert_eq!(steps.len(), 2, "{steps:?}");

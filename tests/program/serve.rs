@@ -105,7 +105,7 @@ impl Drop for Serving {
 
 fn opened(url: &str) -> LiveStream {
     let options = OpenOptions {
-        // Nothing is gone before it is looked at.
+        // No frame is dropped before it is looked at.
         live_seconds: Some(3600.0),
         ..OpenOptions::default()
     };
@@ -148,7 +148,7 @@ fn assert_all_equal(stream: &LiveStream, files: &[RawCloud]) -> usize {
 }
 
 #[test]
-fn served_points_are_received_as_they_are_by_the_library_and_the_program() {
+fn served_points_are_received_unchanged_by_the_library_and_the_program() {
     let folder = recording();
     let serving = Serving::new(folder.path().to_str().unwrap(), &["--fps", "100"]);
     let stream = opened(&serving.url);
@@ -192,7 +192,7 @@ fn served_points_are_received_as_they_are_by_the_library_and_the_program() {
 }
 
 #[test]
-fn who_connects_late_begins_with_the_newest_frame() {
+fn late_clients_start_with_the_newest_frame() {
     let folder = recording();
     let serving = Serving::new(folder.path().to_str().unwrap(), &["--fps", "50"]);
     let early = opened(&serving.url);
@@ -219,7 +219,7 @@ impl Cable {
         let cut = Arc::clone(&is_cut);
         let accepting = thread::Builder::new().name("cable".to_owned()).spawn(move || {
             for client in listener.incoming().map_while(Result::ok) {
-                // Who comes while it is cut is let in and hears nothing.
+                // Clients that connect while it is cut are accepted and receive nothing.
                 let Ok(server) = TcpStream::connect(server) else { return };
                 let ways = [(server.try_clone(), client.try_clone()), (Ok(client), Ok(server))];
                 for (from, to) in ways {
@@ -252,12 +252,12 @@ fn pass_on(mut from: TcpStream, mut to: TcpStream, is_cut: &AtomicBool) {
 }
 
 #[test]
-fn a_connection_that_breaks_in_a_message_is_made_again_and_nothing_is_wrong_then() {
+fn a_connection_broken_within_a_message_is_restored_without_errors() {
     let folder = recording();
     let serving = Serving::new(folder.path().to_str().unwrap(), &["--fps", "100"]);
     let cable = Cable::to(serving.address());
     let stream = opened(&cable.url);
-    // Another one serves what it receives, and tells of the connection.
+    // A second server relays what it receives, and reports on the connection.
     let relay = Serving::new(&cable.url, &[]);
     let received = |stream: &LiveStream| stream.status().received_frames;
     wait_for("frames", || received(&stream) > 10);
@@ -285,7 +285,7 @@ fn a_connection_that_breaks_in_a_message_is_made_again_and_nothing_is_wrong_then
     assert!(assert_all_equal(&stream, &files) > 20);
     let times: Vec<_> = stream.frames().map(|index| stream.entry(index).time).collect();
     assert!(times.is_sorted(), "{times:?}");
-    // Who is behind both.
+    // A client behind both.
     let far = opened(&relay.url);
     wait_for("frames by the relay", || {
         far.look_again().is_ok() && far.frames().end >= 5
@@ -314,7 +314,7 @@ fn hostile(bytes: Vec<u8>, hangs_up: bool) -> String {
             if hangs_up {
                 let _ = client.shutdown(Shutdown::Write);
             }
-            // Closed with bytes unread, it would be reset, and what was written be lost.
+            // Closing with unread bytes would reset the connection, and what was written would be lost.
             open.push(client);
         }
     });
@@ -336,7 +336,7 @@ fn claiming(points: u64, arrays: u32, bytes: u64) -> Vec<u8> {
     body[0] = 80;
     body[4..8].copy_from_slice(&arrays.to_le_bytes());
     body[8..16].copy_from_slice(&points.to_le_bytes());
-    // An array of positions without a name.
+    // An unnamed array of positions.
     body.extend(1u32.to_le_bytes());
     body.extend(0u32.to_le_bytes());
     body.extend(bytes.to_le_bytes());
@@ -345,7 +345,7 @@ fn claiming(points: u64, arrays: u32, bytes: u64) -> Vec<u8> {
 }
 
 #[test]
-fn servers_that_are_none_or_lie_are_refused_with_a_sentence() {
+fn invalid_servers_are_rejected_with_an_error_message() {
     let head = StreamHead {
         session: 1,
         clock_ns: 0,
@@ -396,7 +396,7 @@ fn servers_that_are_none_or_lie_are_refused_with_a_sentence() {
             let output = asking.join().unwrap();
             let said = stderr(&output);
             assert_eq!(output.status.code(), Some(1), "{what}: {said}");
-            // A wait of seconds is said before.
+            // A wait of several seconds is announced before.
             let error = said
                 .lines()
                 .find(|line| !line.starts_with("waiting for the first frame of"));
@@ -413,7 +413,7 @@ fn servers_that_are_none_or_lie_are_refused_with_a_sentence() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_server_without_descriptors_says_so_once_and_goes_on() {
+fn a_server_out_of_descriptors_reports_it_once_and_continues() {
     let folder = recording();
     let file = folder.path().join("a.reel");
     let converted = pointreel(&["convert", folder.path().to_str().unwrap(), file.to_str().unwrap()]);
@@ -445,11 +445,11 @@ fn a_server_without_descriptors_says_so_once_and_goes_on() {
         let before = processor_s();
         let mut good = TcpStream::connect(&address).unwrap();
         good.set_read_timeout(Some(LONG)).unwrap();
-        // A live stream begins by itself.
+        // A live stream starts without a request.
         if live.is_empty() {
             good.write_all(b"GET /a.reel HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
         }
-        // The head of the stream, or of the answer.
+        // The head of the stream, or of the response.
         let mut head = [0; 8];
         good.read_exact(&mut head).unwrap();
         thread::sleep(Duration::from_millis(500));

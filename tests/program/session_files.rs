@@ -38,7 +38,7 @@ fn session(files: &str, more: &str) -> String {
 }
 
 #[test]
-fn a_session_draws_the_same_bytes_as_the_options_that_it_stands_for() {
+fn a_session_draws_the_same_bytes_as_the_equivalent_options() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("walk.pointreel");
     let settings = r#", "settings": {"primitive": "point", "point_size_px": 4.0, "grid": true},
@@ -60,7 +60,7 @@ fn a_session_draws_the_same_bytes_as_the_options_that_it_stands_for() {
         "-9,0.5,-9,9,9,9",
     ];
     assert_eq!(of_session, rendered(folder.path(), &options));
-    // Twice the same, and what is given goes before what is kept.
+    // Twice the same, and explicit options take precedence over the session.
     assert_eq!(of_session, rendered(folder.path(), &[text(&file)]));
     let given = rendered(folder.path(), &[text(&file), "--frame", "9", "--primitive", "voxel"]);
     assert_ne!(of_session, given);
@@ -74,11 +74,11 @@ fn a_session_draws_the_same_bytes_as_the_options_that_it_stands_for() {
 }
 
 #[test]
-fn labels_are_in_pictures_and_a_camera_path_is_the_video() {
+fn labels_are_in_images_and_the_camera_path_drives_the_video() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("walk.pointreel");
     fs::write(&file, session("demo:", "")).unwrap();
-    // The session says no primitive: it would be guessed, which is said.
+    // The session states no primitive: it would be guessed, which is reported.
     let picture = || rendered(folder.path(), &[text(&file), "--primitive", "surfel"]);
     let without = picture();
     let label = r#", "labels": [{"text": "Gehender Mann", "at": [0, 0.9, 0]}]"#;
@@ -109,7 +109,7 @@ fn labels_are_in_pictures_and_a_camera_path_is_the_video() {
 }
 
 #[test]
-fn info_says_what_is_in_a_session_and_other_verbs_take_its_files() {
+fn info_describes_a_session_and_other_commands_use_its_files() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("scans")).unwrap();
     fs::write(folder.path().join("scans/a.xyz"), "0 0 0\n1 0 0\n0 1 0\n").unwrap();
@@ -158,7 +158,7 @@ fn info_says_what_is_in_a_session_and_other_verbs_take_its_files() {
 }
 
 #[test]
-fn what_is_wrong_is_one_sentence_with_the_line() {
+fn errors_are_one_sentence_with_the_line() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("walk.pointreel");
     for (text_of_file, message) in [
@@ -185,7 +185,7 @@ fn what_is_wrong_is_one_sentence_with_the_line() {
 }
 
 #[test]
-fn where_a_session_has_no_view_its_up_axis_is_up() {
+fn without_a_view_the_up_axis_of_a_session_applies() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("walk.pointreel");
     let of_session = |more: &str, arguments: &[&str]| {
@@ -203,7 +203,7 @@ fn where_a_session_has_no_view_its_up_axis_is_up() {
     };
     assert_eq!(of_session(up, &[]), options("-z"));
     assert_eq!(of_session(up, &["--up", "x"]), options("x"));
-    // A view says itself what is up.
+    // A view contains its own up axis.
     let view = format!(r#", "view": "{VIEW}""#);
     assert_eq!(of_session(&format!("{up}{view}"), &[]), of_session(&view, &[]));
 }

@@ -62,7 +62,7 @@ fn run(folder: &Path, arguments: &[&str], number: usize, stdout: Stdio, stderr: 
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_a_failure() {
+fn a_full_disk_is_an_error() {
     let folder = folder();
     for (number, arguments) in ANSWERS.iter().enumerate() {
         let full = File::create("/dev/full").unwrap();
@@ -77,7 +77,7 @@ fn a_full_disk_is_a_failure() {
 }
 
 #[test]
-fn a_reader_that_has_left_is_none() {
+fn a_closed_pipe_is_not_an_error() {
     let folder = folder();
     for (number, arguments) in ANSWERS.iter().enumerate() {
         let (reader, writer) = std::io::pipe().unwrap();
@@ -85,7 +85,7 @@ fn a_reader_that_has_left_is_none() {
         let output = run(folder.path(), arguments, number, writer.into(), Stdio::piped());
         let said = String::from_utf8_lossy(&output.stderr);
         let code = output.status.code();
-        // Of a check, a finding.
+        // For `check`, a finding.
         assert!(matches!(code, Some(0 | 3)), "{arguments:?}: {code:?}: {said}");
         assert!(
             !said.contains("error: ") && !said.contains("panicked"),

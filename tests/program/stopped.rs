@@ -56,7 +56,7 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
                     .map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)),
             );
         } else {
-            // One that is renamed at this moment is found the next time.
+            // A file that is being renamed is found the next time.
             found.insert(name, fs::read(&path).unwrap_or_default());
         }
     }
@@ -91,7 +91,7 @@ fn stopped(folder: &Path, arguments: &[&str], signal: Signal) {
         while child.try_wait().unwrap().is_none() && !contents(folder).keys().any(|name| is_hidden(name)) {
             assert!(begun.elapsed() < LONG, "{arguments:?} writes nothing");
         }
-        // Nothing moves on until the signal is there.
+        // Nothing proceeds until the signal is delivered.
         send(&child, Signal::SIGSTOP);
         send(&child, signal);
         send(&child, Signal::SIGCONT);
@@ -107,7 +107,7 @@ fn stopped(folder: &Path, arguments: &[&str], signal: Signal) {
             return;
         }
         assert!(status.success(), "{arguments:?}: {status:?}");
-        // It had ended by itself: once more, from the same state.
+        // It had already ended by itself: try again, from the same state.
         for name in after.keys().rev().filter(|name| !before.contains_key(*name)) {
             let path = folder.join(name);
             if path.is_dir() {
@@ -124,7 +124,7 @@ fn stopped(folder: &Path, arguments: &[&str], signal: Signal) {
 }
 
 #[test]
-fn what_a_command_was_writing_goes_and_what_was_there_stays() {
+fn unfinished_output_is_removed_and_existing_files_stay() {
     for (signal, output, arguments) in [
         (
             Signal::SIGTERM,
@@ -180,7 +180,7 @@ fn what_a_command_was_writing_goes_and_what_was_there_stays() {
     ] {
         let folder = tempfile::tempdir().unwrap();
         recording(folder.path(), 4);
-        // What may be replaced by each.
+        // Existing files that each command may replace.
         let old = match output {
             "out.webp" => &b"RIFF old"[..],
             "out.png" => b"\x89PNG\r\n\x1a\nold",
@@ -192,7 +192,7 @@ fn what_a_command_was_writing_goes_and_what_was_there_stays() {
 }
 
 #[test]
-fn a_conversion_that_can_go_on_keeps_what_is_done_and_no_lock() {
+fn a_resumable_conversion_leaves_finished_work_and_no_lock() {
     let folder = tempfile::tempdir().unwrap();
     recording(folder.path(), 12);
     let arguments = ["convert", "scan", "out.reel", "--keyframes", "1"];
@@ -244,10 +244,10 @@ fn the_second_signal_ends_at_once() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn what_was_ignored_stays_ignored() {
+fn ignored_signals_stay_ignored() {
     let folder = tempfile::tempdir().unwrap();
     recording(folder.path(), 2);
-    // As `nohup` does it.
+    // As with `nohup`.
     let script = format!(
         "trap '' HUP; exec '{}' serve scan --live --listen 127.0.0.1:0",
         env!("CARGO_BIN_EXE_pointreel")
@@ -261,7 +261,7 @@ fn what_was_ignored_stays_ignored() {
     send(&child, Signal::SIGHUP);
     thread::sleep(Duration::from_millis(300));
     assert!(child.try_wait().unwrap().is_none(), "a hangup has ended it");
-    // A server that is told to end has done what it should.
+    // A server that is told to end has done its job.
     send(&child, Signal::SIGTERM);
     assert!(ended(&mut child).success());
 }

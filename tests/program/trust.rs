@@ -49,7 +49,7 @@ fn assert_plain(output: &Output, what: &str) {
 }
 
 #[test]
-fn names_of_files_do_not_act_on_terminals() {
+fn file_names_cannot_control_the_terminal() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
     let mut inputs = Vec::new();
@@ -112,7 +112,7 @@ fn sessions_open_nothing_unasked() {
     assert!(listener.accept().is_err(), "somebody has connected");
     let allowed = run_in(root, &["info", "--allow-outside", "walk/out.pointreel"]);
     assert!(allowed.status.success(), "{}", said(&allowed));
-    // What is in its folder needs no option.
+    // Files in its own folder need no option.
     fs::write(root.join("walk/scan.xyz"), CUBE).unwrap();
     session("in.pointreel", "scan.xyz");
     let inside = run_in(root, &["info", "walk/in.pointreel"]);
@@ -121,7 +121,7 @@ fn sessions_open_nothing_unasked() {
 
 #[cfg(unix)]
 #[test]
-fn pipes_and_devices_are_refused_before_they_are_opened() {
+fn pipes_and_devices_are_rejected_before_opening() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
     for name in ["a.ply", "a.reel", "a.pointreel", "a.mkv", "a.json"] {
@@ -169,7 +169,7 @@ fn sources_are_never_destroyed() {
         assert_eq!(fs::read_to_string(root.join(name)).unwrap(), CUBE, "{name}");
     }
     assert!(!root.join("a.png").exists());
-    // A picture is replaced by a picture.
+    // An image may replace an image.
     for _ in 0..2 {
         let arguments = [&["render", "scan.xyz", "-o", "a.png", "--stats", "s.json"], &SMALL[..]].concat();
         let output = run_in(root, &arguments);
@@ -178,7 +178,7 @@ fn sources_are_never_destroyed() {
 }
 
 #[test]
-fn images_of_recordings_are_sources() {
+fn images_of_recordings_count_as_sources() {
     let Some(recording) = super::data::shared("meaning/R06_replica") else {
         return;
     };
@@ -189,7 +189,7 @@ fn images_of_recordings_are_sources() {
         fs::copy(recording.join(name), folder.path().join("rec").join(name)).unwrap();
     }
     for entry in fs::read_dir(recording.join("results")).unwrap().flatten() {
-        // Without the permissions: the data can only be read.
+        // Without copying permissions: the data is read-only.
         fs::write(results.join(entry.file_name()), fs::read(entry.path()).unwrap()).unwrap();
     }
     for image in ["depth000000.png", "frame000000.jpg"] {
@@ -214,7 +214,7 @@ fn a_sequence_file_has_one_writer() {
         fs::write(root.join(format!("scans/f_{frame}.xyz")), rows.collect::<String>()).unwrap();
     }
     let arguments = ["convert", "scans", "walk.reel"];
-    // While somebody holds the lock, nothing is written, and who it is is said.
+    // While another process holds the lock, nothing is written, and its holder is named.
     let lock = root.join(".walk.reel.lock");
     let file = fs::File::create(&lock).unwrap();
     if file.try_lock().is_ok() {
@@ -276,7 +276,7 @@ fn a_folder_of_frames_has_one_writer() {
 }
 
 #[test]
-fn statistics_do_not_replace_the_picture_they_are_of() {
+fn statistics_do_not_overwrite_their_image() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
     fs::write(root.join("cube.xyz"), CUBE).unwrap();

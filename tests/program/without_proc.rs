@@ -16,14 +16,14 @@ fn without_proc(command: &str) -> Option<Output> {
     let said = String::from_utf8_lossy(&output.stderr);
     let is_refused = output.status.code() == Some(77) || said.starts_with("unshare:");
     if is_refused {
-        // Not by `eprintln!`: the harness keeps what a passing test prints.
+        // Not by `eprintln!`: the harness captures the output of passing tests.
         let _ = writeln!(std::io::stderr(), "skipped: {said}");
     }
     (!is_refused).then_some(output)
 }
 
 #[test]
-fn every_verb_works_without_proc() {
+fn every_command_works_without_proc() {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("a.xyz");
     std::fs::write(&input, "0 0 0\n1 0 0\n0 1 0\n0 0 1\n").unwrap();

@@ -25,7 +25,7 @@ fn found_in(files: &[&str]) -> Vec<String> {
 }
 
 #[test]
-fn unpadded_numbers_with_gaps_and_any_start() {
+fn unpadded_numbers_with_gaps_and_any_start_are_sorted() {
     assert_eq!(
         found_in(&["f12.ply", "f7.ply", "f100.ply", "f9.ply"]),
         ["f7.ply", "f9.ply", "f12.ply", "f100.ply"]
@@ -33,7 +33,7 @@ fn unpadded_numbers_with_gaps_and_any_start() {
 }
 
 #[test]
-fn digits_elsewhere_and_dates() {
+fn digits_elsewhere_and_dates_are_sorted_correctly() {
     assert_eq!(
         found_in(&["vox10_9_s3d.ply", "vox10_10_s3d.ply", "vox10_1051_s3d.ply"]),
         ["vox10_9_s3d.ply", "vox10_10_s3d.ply", "vox10_1051_s3d.ply"]
@@ -76,7 +76,7 @@ fn one_file_is_one_frame_whatever_its_name() {
 }
 
 #[test]
-fn a_list_as_a_shell_expands_it_is_put_in_order() {
+fn a_list_expanded_by_a_shell_is_sorted() {
     let folder = folder(&["f1.ply", "f2.ply", "f10.ply"]);
     let list = ["f1.ply", "f10.ply", "f2.ply"].map(|name| folder.path().join(name));
     let sequence = Sequence::discover(&list).unwrap();
@@ -86,7 +86,7 @@ fn a_list_as_a_shell_expands_it_is_put_in_order() {
 }
 
 #[test]
-fn patterns_find_what_they_mean() {
+fn patterns_match_the_intended_files() {
     let folder = folder(&["a1.ply", "a10.ply", "a2.pcd", "a3.md", "b1.bin", ".a4.ply"]);
     let discover = |pattern: &str| {
         Sequence::discover(&[folder.path().join(pattern)])
@@ -107,7 +107,7 @@ fn a_file_whose_name_looks_like_a_pattern_is_a_file() {
 }
 
 #[test]
-fn mixed_inputs_keep_their_order_and_no_file_comes_twice() {
+fn mixed_inputs_retain_their_order_without_duplicates() {
     let folder = folder(&["one/f2.ply", "one/f1.ply", "two/g1.ply", "still.xyz"]);
     let inputs = ["two", "still.xyz", "one", "one/f1.ply", "two/*.ply"].map(|name| folder.path().join(name));
     let sequence = Sequence::discover(&inputs).unwrap();
@@ -115,7 +115,7 @@ fn mixed_inputs_keep_their_order_and_no_file_comes_twice() {
 }
 
 #[test]
-fn what_is_wrong_is_said_in_one_sentence() {
+fn errors_are_one_sentence() {
     let folder = folder(&["takes/one/y.ply", "takes/two/x.ply", "empty/readme.md"]);
     let error = |path: &Path| {
         Sequence::discover(&[path.to_path_buf()])
@@ -147,7 +147,7 @@ fn links_are_followed() {
 
 #[test]
 fn a_hundred_thousand_names_are_sorted_without_opening_them() {
-    // Files that do not exist: whoever opened one would fail.
+    // Files that do not exist: opening any of them would fail.
     let paths: Vec<PathBuf> = (0..100_000u64)
         .map(|i| format!("scan_{}.ply", i.wrapping_mul(7_919) % 100_003).into())
         .collect();
@@ -163,7 +163,7 @@ fn a_hundred_thousand_names_are_sorted_without_opening_them() {
 }
 
 #[test]
-fn frames_that_come_are_found_and_keep_the_places_of_others() {
+fn new_frames_are_found_and_do_not_shift_others() {
     let folder = folder(&["f1.ply", "f3.ply"]);
     let sequence = Sequence::discover(&[folder.path().to_path_buf()]).unwrap();
     assert!(sequence.source().may_grow());
@@ -171,7 +171,7 @@ fn frames_that_come_are_found_and_keep_the_places_of_others() {
     fs::write(folder.path().join("f2.ply"), "").unwrap();
     fs::write(folder.path().join("f4.ply"), "").unwrap();
     fs::write(folder.path().join("f10.ply"), "").unwrap();
-    // Who writes is not finished yet.
+    // They may still be being written.
     assert_eq!(sequence.source().look_again().unwrap(), 0);
     std::thread::sleep(Duration::from_millis(600));
     assert_eq!(sequence.source().look_again().unwrap(), 2);
@@ -182,7 +182,7 @@ fn frames_that_come_are_found_and_keep_the_places_of_others() {
 }
 
 #[test]
-fn times_in_names_say_how_long_frames_last() {
+fn times_in_names_determine_frame_durations() {
     let names = [
         "frame_20121214T142255.814212.pcd",
         "frame_20121214T142256.068683.pcd",
@@ -205,7 +205,7 @@ fn times_in_names_say_how_long_frames_last() {
 }
 
 #[test]
-fn kitti_lists_times_beside_its_scans() {
+fn kitti_times_are_read_from_next_to_its_scans() {
     let folder = tempfile::tempdir().unwrap();
     let scans = |part: &str, names: &[&str]| {
         let scans = folder.path().join(part);
@@ -225,14 +225,14 @@ fn kitti_lists_times_beside_its_scans() {
     let list = folder.path().join("00/times.txt");
     fs::write(&list, "0.000000e+00\n1.000000e-01\n3.000000e-01\n").unwrap();
     assert_eq!(times(&odometry), Some(vec![0.0, 0.1, 0.3]));
-    // Some of the scans have the lines of their numbers.
+    // Some of the scans, with the lines of their numbers.
     assert_eq!(times(&odometry.join("*[12].bin")), Some(vec![0.1, 0.3]));
     fs::write(&list, "0.0\n0.1\n").unwrap();
     assert_eq!(times(&odometry), None, "a line is missing");
     fs::write(&list, "0.0\n0.1\nlast\n").unwrap();
     assert_eq!(times(&odometry), None, "a line is no time");
 
-    // The second scan is missing, as in some of the raw recordings.
+    // The second scan is missing, as in some raw recordings.
     let raw = scans("velodyne_points/data", &["0000000000.bin", "0000000002.bin"]);
     let list = folder.path().join("velodyne_points/timestamps.txt");
     let day = "2011-09-26 13:02:25";
@@ -240,11 +240,11 @@ fn kitti_lists_times_beside_its_scans() {
     let first = 1_317_042_145.25;
     assert_eq!(times(&raw), Some(vec![first, first + 0.2]));
 
-    // Numbers that begin at 1: a line for each, in order.
+    // Numbers starting at 1: one line for each, in order.
     let odd = scans("odd/velodyne", &["1.bin", "2.bin"]);
     fs::write(folder.path().join("odd/times.txt"), "5\n6").unwrap();
     assert_eq!(times(&odd), Some(vec![5.0, 6.0]));
-    // Clouds of other formats have one if they are in a folder for frames.
+    // Clouds of other formats have times if they are in a folder for frames.
     let other = scans("odd/clouds", &["0.ply", "1.ply"]);
     assert_eq!(times(&other), Some(vec![5.0, 6.0]));
     let other = scans("odd/takes", &["0.ply", "1.ply"]);
@@ -283,7 +283,7 @@ fn points_and_normals_side_by_side_are_one_sequence() {
             assert_eq!(source.normals, Some(normals));
             let frame = sequence.frame(index).unwrap();
             assert_eq!(frame.len(), 2);
-            // The first normal is zero, the second one is made of three ones.
+            // The first normal is zero, the second one consists of three ones.
             let third = 1.0 / 3.0_f32.sqrt();
             assert!((frame.normals().unwrap()[1].x - third).abs() < 1e-6);
             assert!(frame.warnings().is_empty());
@@ -296,14 +296,14 @@ fn points_and_normals_side_by_side_are_one_sequence() {
             "12 files next to the frames hold no points (0_mask.ply, 1_mask.ply, 2_mask.ply, …): they are skipped"
         );
     }
-    // As a shell writes out *.ply: what is named outright is taken, normals go to their frames.
+    // As a shell expands *.ply: explicitly named files are used, normals go to their frames.
     let files = ["0.ply", "0_normal.ply", "0_mask.ply"].map(|name| folder.path().join(name));
     let sequence = Sequence::discover(&files).unwrap();
     assert_eq!(names(&sequence), ["0.ply", "0_mask.ply"]);
 }
 
 #[test]
-fn normals_that_come_later_are_waited_for_and_joined() {
+fn normals_that_arrive_later_are_waited_for_and_joined() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, properties: &[&str]| {
         fs::write(folder.path().join(name), ply_of(properties)).unwrap();
@@ -318,12 +318,12 @@ fn normals_that_come_later_are_waited_for_and_joined() {
     write("1_normal.ply", &["nx", "ny", "nz"]);
     write("2.ply", &["x", "y", "z"]);
     std::thread::sleep(Duration::from_millis(600));
-    // The first frame has normals by now, so the second one waits for its own.
+    // By now the first frame has normals, so the second one waits for its own.
     assert_eq!(sequence.source().look_again().unwrap(), 0);
     assert_eq!(has_normals(&sequence), [true]);
     assert!(sequence.frame(0).unwrap().normals().is_some());
     write("2_normal.ply", &["nx", "ny", "nz"]);
-    // Normals before their points are no frame.
+    // Normals that precede their points are not a frame.
     write("3_normal.ply", &["nx", "ny", "nz"]);
     std::thread::sleep(Duration::from_millis(600));
     assert_eq!(sequence.source().look_again().unwrap(), 1);

@@ -71,7 +71,7 @@ fn first_points(sequence: &Sequence) -> Vec<[f64; 3]> {
 }
 
 #[test]
-fn text_next_to_frames_is_used_or_named_in_one_sentence() {
+fn text_next_to_frames_is_used_or_reported_in_one_sentence() {
     if let Some(folder) = data::shared("meaning/W3c_sizes_txt_beside") {
         let sequence = open(&folder);
         assert_eq!(names(&sequence), ["f_000.ply", "f_001.ply", "f_002.ply", "f_003.ply"]);
@@ -100,7 +100,7 @@ fn text_next_to_frames_is_used_or_named_in_one_sentence() {
 }
 
 #[test]
-fn decimals_in_names_are_ordered_by_value_and_are_times() {
+fn decimals_in_names_are_sorted_by_value_and_are_times() {
     if let Some(folder) = data::shared("meaning/W2h_percent_g_times") {
         let sequence = open(&folder);
         assert_eq!(times(&sequence), Some(vec![0.0, 0.25, 0.5, 0.75, 1.0, 1.25]));
@@ -121,7 +121,7 @@ fn decimals_in_names_are_ordered_by_value_and_are_times() {
 }
 
 #[test]
-fn two_prefixes_are_refused_with_the_choices() {
+fn two_prefixes_are_rejected_with_the_choices() {
     let generated = folder_of(&clouds(&["cam0_0.ply", "cam0_1.ply", "cam1_0.ply", "cam1_1.ply"]));
     let given = data::shared("meaning/W3_two_prefixes");
     let cases = given.iter().map(|folder| (folder.as_path(), "body_*", "head_*", 4));
@@ -202,7 +202,7 @@ fn roots_of_recordings_have_times_and_poses() {
         assert_eq!(sequence.decode(1).unwrap().sensor, Some(DVec3::new(7.0, 0.0, 0.0)));
         assert_eq!(sequence.source().notes(), [""; 0]);
     }
-    // The layout of the benchmark has them elsewhere.
+    // In the layout of the benchmark they are elsewhere.
     let scans = ["sequences/00/velodyne/000000.bin", "sequences/00/velodyne/000001.bin"];
     let lists = [
         ("sequences/00/calib.txt", calib),
@@ -318,7 +318,7 @@ fn the_root_of_nuscenes_opens_the_lidar_with_its_poses() {
 }
 
 #[test]
-fn clouds_in_one_coordinate_system_are_not_moved_again() {
+fn clouds_in_one_coordinate_system_are_not_transformed_again() {
     let wall = |shift: f64| {
         let mut text = String::from("# x y z\n");
         for index in 0..2000 {
@@ -339,7 +339,7 @@ fn clouds_in_one_coordinate_system_are_not_moved_again() {
 }
 
 #[test]
-fn the_one_child_is_opened_and_several_are_a_question() {
+fn a_single_child_folder_is_opened_and_several_need_a_choice() {
     let one = folder_of(&[
         ("take/0.ply", ""),
         ("take/1.ply", ""),
@@ -402,10 +402,10 @@ fn one_dark_frame_stays_dark() {
         let said = sequence.assumptions();
         assert!(said.iter().any(|assumption| assumption.subject == Subject::ColorDepth));
     }
-    // All frames are narrow: eight bits in fields of sixteen.
+    // All frames are narrow: eight bits in sixteen-bit fields.
     let folder = folder_of(&[("0.ply", &dark), ("1.ply", &dark)]);
     assert_eq!(brightest(&open(folder.path()), 0), 255);
-    // Unless somebody knows better, who is not asked again.
+    // Unless the user knows better: then nothing is assumed.
     for (depth, expected) in [(ColorDepth::Bits16, 1), (ColorDepth::Bits8, 255)] {
         let options = OpenOptions {
             color_depth: Some(depth),
@@ -419,7 +419,7 @@ fn one_dark_frame_stays_dark() {
 }
 
 #[test]
-fn one_broken_frame_is_one_broken_frame() {
+fn one_broken_frame_only_affects_itself() {
     let folder = folder_of(&[("0.ply", ""), ("1.ply", "ply\nbroken"), ("2.ply", "")]);
     let sequence = Arc::new(open(folder.path()));
     let loader = loader(&sequence, 1, usize::MAX);

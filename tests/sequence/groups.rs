@@ -130,33 +130,33 @@ fn ready(loader: &Loader, index: usize, needs: &Needs) -> bool {
 }
 
 #[test]
-fn a_group_is_decoded_in_its_order_by_one_worker_at_a_time() {
+fn a_group_is_decoded_in_order_by_one_worker_at_a_time() {
     for workers in [1, 2, 4] {
         let (made, met) = made(Direction::Forward, 0, workers);
-        // Frame 0 decided the origin and was kept, and its decoder with it.
+        // Frame 0 determined the origin and was cached, along with its decoder.
         assert_eq!(made, [1; FRAMES], "{workers} workers");
         assert_eq!(met, 0, "{workers} workers");
     }
 }
 
 #[test]
-fn backwards_each_pose_is_made_once_but_for_the_group_of_the_playhead() {
+fn playing_backwards_decodes_each_pose_once_except_in_the_playhead_group() {
     for workers in [1, 2, 4] {
         let (made, met) = made(Direction::Backward, FRAMES - 1, workers);
         let (others, own) = made.split_at(FRAMES - GROUP);
-        // The decoder that decided the origin may be needed elsewhere meanwhile.
+        // The decoder that determined the origin may be needed elsewhere in the meantime.
         assert!(
             others[0] <= 2 && others[1..].iter().all(|&count| count == 1),
             "{workers} workers: {made:?}"
         );
-        // Its frame is waited for, so it is made first; then the others of its group from the first on.
+        // Its frame is waited for, so it is made first; then the others of its group, starting with the first.
         assert!(own.iter().all(|&count| count <= 2), "{workers} workers: {made:?}");
         assert_eq!(met, 0, "{workers} workers");
     }
 }
 
 #[test]
-fn a_frame_that_somebody_waits_for_is_made_by_who_is_in_its_group() {
+fn a_requested_frame_is_decoded_by_the_worker_in_its_group() {
     let source = Chained::new();
     let met = Arc::clone(&source.met);
     let sequence = Arc::new(Sequence::of(source));
@@ -172,14 +172,14 @@ fn a_frame_that_somebody_waits_for_is_made_by_who_is_in_its_group() {
 }
 
 #[test]
-fn where_there_is_no_time_a_coarser_level_is_decoded_once() {
+fn a_coarser_level_is_decoded_once_where_time_is_short() {
     let sequence = Arc::new(Sequence::of(Chained::new()));
     sequence.origin();
     let loader = loader(&sequence, 1, usize::MAX);
-    // Playing begins with 16,384 points, which is more than the second level has.
+    // Playback starts with 16,384 points, which is more than the second level has.
     loader.set_interval(Some(Duration::from_millis(10)));
     loader.request(0, Direction::Forward, &SURFELS);
-    // Frame 0 was decoded for the origin, all of it.
+    // Frame 0 was decoded in full for the origin.
     let coarse = || {
         (1..FRAMES).find_map(|index| match loader.get(index, &SURFELS) {
             Slot::Coarse(frame) => Some(frame),

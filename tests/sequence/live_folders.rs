@@ -91,7 +91,7 @@ fn no_frame_of_a_slow_writer_is_lost() {
 }
 
 #[test]
-fn files_that_are_renamed_when_they_are_complete_are_found() {
+fn files_renamed_when_complete_are_found() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     fs::write(path("f0.ply"), ply(10)).unwrap();

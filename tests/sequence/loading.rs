@@ -25,7 +25,7 @@ fn the_sequence_is_prepared_ahead_of_the_playhead() {
 }
 
 #[test]
-fn frames_come_in_the_order_of_play() {
+fn frames_are_loaded_in_playback_order() {
     use Direction::{Backward, Forward};
     let cases = [
         (LoopMode::Loop, 3, Forward, vec![3, 4, 0, 1, 2]),
@@ -41,7 +41,7 @@ fn frames_come_in_the_order_of_play() {
             seen.lock().unwrap().push(index_of(source));
             Ok(complete_sheet(4, 0))
         }));
-        // Frame 0 decides the origin, whatever is played.
+        // Frame 0 determines the origin, whatever is played.
         sequence.origin();
         let loader = loader(&sequence, 1, usize::MAX);
         loader.set_loop_mode(loop_mode);
@@ -56,17 +56,17 @@ fn frames_come_in_the_order_of_play() {
 }
 
 #[test]
-fn only_what_plays_is_prepared_and_the_rest_goes_first() {
+fn only_the_played_range_is_prepared_and_the_rest_is_evicted_first() {
     let sequence = sheets(10, 8);
     sequence.origin();
     let loader = loader(&sequence, 2, usize::MAX);
     loader.set_range(PlayRange::default().beginning_at(2).ending_at(4));
-    // The playhead stands elsewhere: its frame is made, and what playing would bring.
+    // The playhead is elsewhere: its frame is made, and those that playback would reach.
     loader.request(8, Direction::Forward, &SURFELS);
     until_idle(&loader);
     let made = |loader: &Loader| -> Vec<usize> { (0..10).filter(|&index| ready(loader, index, &SURFELS)).collect() };
     assert_eq!(made(&loader), [2, 3, 4, 8]);
-    // Without a range the others follow; with one again, they are what makes room.
+    // Without a range the others follow; with a range again, they are evicted first.
     loader.set_range(PlayRange::default());
     until_idle(&loader);
     assert_eq!(made(&loader).len(), 10);
@@ -122,7 +122,7 @@ fn a_sequence_of_broken_frames_has_an_origin_too() {
 }
 
 #[test]
-fn broken_frames_are_said_and_played_over() {
+fn broken_frames_are_reported_and_skipped() {
     let sequence = Arc::new(Sequence::with_decoder(fake_sources(6), |source| {
         match index_of(source) {
             1 => Err("1.fake: byte 7: expected a number".into()),
@@ -165,7 +165,7 @@ fn broken_frames_are_said_and_played_over() {
         assert_eq!(error(index).index(), index);
         assert_eq!(error(index).path().unwrap(), Path::new(&format!("{index}.fake")));
     }
-    // Remembered: asking again does not read again.
+    // Remembered: requesting it again does not read it again.
     let decoded = loader.stats().decoded;
     loader.request(1, Direction::Backward, &SURFELS);
     assert!(loader.wait(1, &SURFELS).is_err());
@@ -182,7 +182,7 @@ fn an_index_beyond_the_end_is_an_error() {
         "{message}"
     );
     assert!(matches!(loader.get(99, &SURFELS), Slot::Failed(_)));
-    // A playhead beyond the end is the last frame; an empty sequence has none.
+    // A playhead past the end means the last frame; an empty sequence has none.
     loader.request(99, Direction::Forward, &SURFELS);
     until("the last frame", || ready(&loader, 2, &SURFELS));
     let empty = Arc::new(Sequence::with_decoder(Vec::new(), |_| Err("never".into())));
@@ -218,7 +218,7 @@ fn another_delta_decodes_and_estimates_nothing() {
         (4, 4, 8)
     );
     assert_eq!(second.records_written, first.records_written);
-    // The same again, another playhead, fewer needs: nothing at all.
+    // The same again, another playhead, fewer needs: no work at all.
     let revision = loader.revision();
     let third = all_ready(needs(0.5));
     assert_eq!((second, revision), (third, loader.revision()));
@@ -229,7 +229,7 @@ fn another_delta_decodes_and_estimates_nothing() {
 }
 
 #[test]
-fn an_older_picture_is_there_while_the_new_one_is_made() {
+fn the_old_frame_stays_available_while_the_new_one_is_prepared() {
     let sequence = sheets(2, 8);
     let loader = loader(&sequence, 1, usize::MAX);
     loader.wait(0, &SURFELS).unwrap();
@@ -240,7 +240,7 @@ fn an_older_picture_is_there_while_the_new_one_is_made() {
 }
 
 #[test]
-fn work_that_the_playhead_has_passed_is_given_up() {
+fn work_the_playhead_has_passed_is_cancelled() {
     let gate = Arc::new(Gate::default());
     let held = Arc::clone(&gate);
     let sequence = Arc::new(Sequence::with_decoder(fake_sources(100), move |source| {
@@ -255,7 +255,7 @@ fn work_that_the_playhead_has_passed_is_given_up() {
     loader.set_loop_mode(LoopMode::Off);
     loader.request(10, Direction::Forward, &SURFELS);
     until("the worker", || gate.arrivals() == [10]);
-    // The playhead leaps while frame 10 is being read: 11, 12 … are never begun, 10 is not prepared.
+    // The playhead jumps while frame 10 is being read: 11, 12 … are never started, 10 is not prepared.
     loader.request(95, Direction::Forward, &SURFELS);
     gate.open();
     until("the last frame", || ready(&loader, 99, &SURFELS));
@@ -263,13 +263,13 @@ fn work_that_the_playhead_has_passed_is_given_up() {
     assert_eq!(gate.arrivals(), [10, 95, 96, 97, 98, 99]);
     let stats = loader.stats();
     assert_eq!((stats.cancelled, stats.resident_frames), (1, 5));
-    // Frame 0 was decoded for the origin and is kept: 16 points with position, colour, normal and radius.
+    // Frame 0 was decoded for the origin and is cached: 16 points with position, colour, normal and radius.
     assert_eq!(stats.in_flight_bytes, 16 * 32);
     assert!(matches!(loader.get(10, &SURFELS), Slot::Pending));
 }
 
 #[test]
-fn the_needs_of_now_are_met_not_those_of_the_start() {
+fn current_needs_are_met_not_those_at_the_start() {
     let gate = Arc::new(Gate::default());
     let held = Arc::clone(&gate);
     let sequence = Arc::new(Sequence::with_decoder(fake_sources(1), move |_| {
@@ -311,7 +311,7 @@ fn the_playhead_comes_before_everything_planned() {
 }
 
 #[test]
-fn a_loop_that_does_not_fit_keeps_a_part_and_streams_the_rest() {
+fn a_loop_that_does_not_fit_caches_a_part_and_streams_the_rest() {
     let frames = 40;
     let sequence = sheets(frames, 8);
     let loader = loader(&sequence, 1, 24 * sheet_bytes(8));
@@ -326,7 +326,7 @@ fn a_loop_that_does_not_fit_keeps_a_part_and_streams_the_rest() {
     let first = turn();
     let second = turn();
     let third = turn();
-    // Twelve of the 24 resident frames stream, so that twelve of 40 or more need not be read again.
+    // Twelve of the 24 resident frames are cycled, so that twelve of 40 or more need not be read again.
     for (before, after) in [(first, second), (second, third)] {
         assert!(after - before <= 28, "{} of 40 were read", after - before);
     }
@@ -364,7 +364,7 @@ fn a_frame_larger_than_the_budget_is_shown_alone() {
 }
 
 #[test]
-fn the_window_is_woken_once_a_frame() {
+fn the_window_is_woken_once_per_frame() {
     let woken = Arc::new(AtomicUsize::new(0));
     let counted = Arc::clone(&woken);
     let sequence = Arc::new(Sequence::with_decoder(fake_sources(5), |source| {
@@ -390,17 +390,17 @@ fn the_window_is_woken_once_a_frame() {
 }
 
 #[test]
-fn waiting_makes_that_frame_and_no_other() {
+fn waiting_for_a_frame_prepares_no_other() {
     let sequence = sheets(10, 4);
     let loader = loader(&sequence, 2, usize::MAX);
     assert_eq!(loader.wait(0, &SURFELS).unwrap().index, 0);
     until_idle(&loader);
     assert_eq!(loader.stats().decoded, 1);
-    // Even where there is no room to keep it.
+    // Even without memory to cache it.
     loader.set_budget_bytes(0);
     loader.request(0, Direction::Forward, &SURFELS);
     assert_eq!(loader.wait(6, &SURFELS).unwrap().index, 6);
-    // From several threads, for several needs, at once.
+    // From several threads, for several needs, at the same time.
     std::thread::scope(|scope| {
         for index in 0..8 {
             let loader = &loader;
@@ -430,8 +430,8 @@ fn dropping_the_loader_ends_its_threads() {
 }
 
 #[test]
-fn a_request_costs_the_same_for_any_length() {
-    // A million frames, none of which can be read: planning must not walk over them.
+fn request_cost_does_not_depend_on_sequence_length() {
+    // A million frames, none of which can be read: planning must not iterate over them.
     let sequence = Arc::new(Sequence::with_decoder(fake_sources(1_000_000), |_| {
         Ok(complete_sheet(1, 0))
     }));
@@ -441,12 +441,12 @@ fn a_request_costs_the_same_for_any_length() {
         loader.request(playhead * 997, Direction::Forward, &SURFELS);
         assert!(!matches!(loader.get(playhead, &SURFELS), Slot::Failed(_)));
     }
-    // Walking the sequence would take a thousand million steps.
+    // Iterating over the sequence would take a thousand million steps.
     assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
 }
 
 #[test]
-fn frames_do_not_depend_on_workers_or_timing() {
+fn frames_do_not_depend_on_worker_count_or_timing() {
     let decode = |source: &FrameEntry| -> Result<RawCloud, DecodeFailure> { Ok(sheet(12, index_of(source))) };
     let needs = surfels_by_octree(0.05);
     let prepared = |workers: usize, playhead: usize| -> Vec<Arc<PreparedFrame>> {
@@ -471,7 +471,7 @@ proptest! {
 
     /// Whatever is played, the memory in use is never more than the budget and one frame.
     #[test]
-    fn the_budget_holds(
+    fn the_budget_is_never_exceeded(
         budget_frames in 0usize..6,
         workers in 1usize..4,
         edges in prop::collection::vec(2usize..14, 16),

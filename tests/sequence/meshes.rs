@@ -30,7 +30,7 @@ fn sequence_of(name: &str, text: &str) -> (Arc<Sequence>, tempfile::TempDir) {
 }
 
 #[test]
-fn triangles_are_read_once_and_only_for_those_who_draw_them() {
+fn triangles_are_read_once_and_only_when_drawn() {
     let (sequence, _folder) = sequence_of("a.off", SQUARE);
     let loader = loader(&sequence, 1, usize::MAX);
     let points = loader.wait(0, &POINTS).unwrap();
@@ -43,7 +43,7 @@ fn triangles_are_read_once_and_only_for_those_who_draw_them() {
     assert_eq!((records.vertices.len(), records.triangles.len()), (5, 3));
     assert!(records.has_points());
     assert!(with_mesh.byte_size() > points.byte_size());
-    // What is there stays for whoever wants it again.
+    // Existing data stays for later requests.
     let again = loader.wait(0, &POINTS).unwrap();
     assert!(again.satisfies(&MESH));
     let uniform = Needs {
@@ -58,7 +58,7 @@ fn triangles_are_read_once_and_only_for_those_who_draw_them() {
 }
 
 #[test]
-fn vertices_stand_where_the_points_do_however_far_from_zero() {
+fn vertices_coincide_with_points_however_far_from_zero() {
     let far = "OFF\n4 2 0\n4510720 0 0\n4510721 0 0\n4510720 1 0\n4510721 1 0\n3 0 1 2\n3 2 1 3\n";
     let (sequence, _folder) = sequence_of("a.off", far);
     assert_ne!(sequence.origin(), DVec3::ZERO);
@@ -75,7 +75,7 @@ fn vertices_stand_where_the_points_do_however_far_from_zero() {
 }
 
 #[test]
-fn a_cloud_without_faces_is_drawn_as_auto_would_and_says_so() {
+fn a_cloud_without_faces_falls_back_to_auto_with_a_notice() {
     let (sequence, _folder) = sequence_of("a.xyz", "0 0 0\n1 0 0\n0 1 0\n1 1 0.1\n");
     let loader = loader(&sequence, 1, usize::MAX);
     let frame = loader.wait(0, &MESH).unwrap();
@@ -90,7 +90,7 @@ fn a_cloud_without_faces_is_drawn_as_auto_would_and_says_so() {
     assert_eq!(style.resolved(&look).primitive, auto.primitive);
     assert!(look.lack_of(Primitive::Mesh).unwrap().contains("no triangles"));
     assert_eq!(look.lack_of(Primitive::Surfel), None);
-    // One frame without faces among others shows its points.
+    // A single frame without faces among others shows its points.
     let camera = Camera::framing(&frame.frame.bounds(), sequence.origin(), UpAxis::Y);
     let packet = Scene::default().packet(&frame, sequence.origin(), &camera, &style.decided(), [64, 64]);
     assert!(matches!(packet.content, Content::Points(_)));
@@ -103,7 +103,7 @@ fn a_cloud_without_faces_is_drawn_as_auto_would_and_says_so() {
 }
 
 #[test]
-fn moments_of_an_animation_have_their_triangles_and_points_apart() {
+fn animation_frames_have_separate_triangles_and_points() {
     let Some(path) = super::data::shared("models/CesiumMan.glb") else {
         return;
     };
@@ -123,7 +123,7 @@ fn moments_of_an_animation_have_their_triangles_and_points_apart() {
         assert_eq!(frame.points.len(), 500);
         let mesh = frame.mesh.as_ref().unwrap().mesh();
         assert_eq!((mesh.vertices().len(), mesh.triangles().len()), (3273, 4672));
-        // Its texture is no part of the vertices' colours.
+        // Its texture is not part of the vertex colours.
         assert_eq!(mesh.texturing().unwrap().textures.places().len(), 1);
         let bounds = mesh.vertices().bounds();
         assert!(frame.frame.bounds().extent().length() <= bounds.extent().length() + 1e-4);

@@ -22,7 +22,7 @@ fn frame_of(raw: RawCloud) -> Arc<Frame> {
 const N: u64 = 100;
 
 #[test]
-fn what_the_file_has_is_not_estimated() {
+fn attributes_of_the_file_are_not_estimated() {
     let counters = PrepareCounters::default();
     let frame = frame_of(complete_sheet(10, 3));
     let prepared = prepare(0, Arc::clone(&frame), 0.0, &SURFELS, &counters);
@@ -38,7 +38,7 @@ fn what_the_file_has_is_not_estimated() {
 }
 
 #[test]
-fn a_part_has_the_points_of_these_slots_and_radii_that_close_their_surface() {
+fn a_subset_has_the_points_of_its_slots_and_radii_that_close_its_surface() {
     let counters = PrepareCounters::default();
     let whole = prepare(0, frame_of(complete_sheet(10, 3)), 0.0, &SURFELS, &counters);
     // Every second row: they are two apart.
@@ -85,7 +85,7 @@ fn points_alone_need_nothing_else() {
 }
 
 #[test]
-fn zero_normals_and_radii_are_replaced_and_the_others_kept() {
+fn zero_normals_and_radii_are_replaced_and_others_retained() {
     let mut raw = complete_sheet(10, 0);
     let tilted = Vec3::new(0.6, 0.8, 0.0);
     raw.attributes.normals = Some(vec![tilted.to_array(); 100]);
@@ -101,7 +101,7 @@ fn zero_normals_and_radii_are_replaced_and_the_others_kept() {
 }
 
 #[test]
-fn colors_come_from_the_best_there_is() {
+fn colors_come_from_the_best_available_source() {
     let auto = |raw: RawCloud| {
         let prepared = prepare(0, frame_of(raw), 0.0, &Needs::default(), &PrepareCounters::default());
         let points = by_file(&prepared.frame, &prepared.points);
@@ -125,7 +125,7 @@ fn colors_come_from_the_best_there_is() {
     };
     let prepared = prepare(0, frame_of(sheet(10, 0)), 0.0, &uniform, &PrepareCounters::default());
     assert!(prepared.points.iter().all(|point| point.color == UNIFORM_COLOR));
-    // Asked for what the file has not: as if automatic.
+    // The file lacks what was requested: as if automatic.
     let file = Needs {
         colors: Coloring::of(ColorSource::File),
         ..Needs::default()
@@ -152,13 +152,13 @@ fn another_delta_builds_an_octree_and_nothing_else() {
 }
 
 #[test]
-fn the_same_needs_again_do_nothing() {
+fn repeating_the_same_needs_does_nothing() {
     let counters = PrepareCounters::default();
     let needs = surfels_by_octree(0.1);
     let first = prepare(0, frame_of(sheet(10, 0)), 0.0, &needs, &counters);
     let before = work(&counters);
     let second = complete(&first, &needs, &counters);
-    // Needing less is satisfied too: nothing is thrown away.
+    // Lesser needs are satisfied as well: nothing is discarded.
     let third = complete(&second, &Needs::default(), &counters);
     assert_eq!(work(&counters), before);
     assert!(Arc::ptr_eq(
@@ -205,7 +205,7 @@ fn other_colors_rewrite_points_and_the_octree_only_if_it_is_needed() {
 }
 
 #[test]
-fn the_order_of_wishes_does_not_change_the_picture() {
+fn the_order_of_requested_needs_does_not_change_the_result() {
     let fake = Needs {
         colors: Coloring::of(ColorSource::Normal),
         ..Needs::default()
@@ -250,7 +250,7 @@ fn frames_without_points_and_with_one_are_prepared() {
 }
 
 #[test]
-fn byte_codes_stay_as_long_as_what_they_are_made_of() {
+fn byte_codes_are_reused_as_long_as_their_inputs() {
     let counters = PrepareCounters::default();
     let without = Needs {
         shapes: true,
@@ -309,14 +309,14 @@ fn every_byte_is_counted() {
     );
     // Position 12, file index 4, colour 4, normal 12, radius 4; a point record and a shape record of 16.
     let octree = prepared.levels.octree().unwrap();
-    // Surfels of nodes are counted before they are worked out: a node above the leaves has 40 bytes, and of each level
-    // two numbers of 4 bytes tell where the nodes of each 64 points are.
+    // Node surfels are counted before they are computed: a node above the leaves takes 40 bytes, and in each level two
+    // 4-byte numbers locate the nodes of every 64 points.
     let nodes = octree.internal_count() * 40 + octree.depth() as usize * 8;
-    // So are the normals of voxels, 16 bytes each, of the levels whose cells have three points and more.
+    // So are voxel normals, 16 bytes each, for the levels whose cells have at least three points.
     let coarse = octree.level_counts().iter();
     let coarse = coarse.take_while(|&&cells| 3 * cells <= 100);
     let normals: usize = coarse.map(|cells| cells * 16 + 8).sum();
-    // And all nodes and points side by side, as they are kept on a graphics card, two records of 16 each.
+    // And all nodes and points contiguously, as they are stored on a GPU, two records of 16 bytes each.
     let selectable = (octree.internal_count() + 100) * (16 + 16);
     let expected = 100 * (36 + 16 + 16) + octree.byte_size() + nodes + normals + selectable;
     assert_eq!(prepared.byte_size(), expected);

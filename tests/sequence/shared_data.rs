@@ -16,7 +16,7 @@ fn the_demo_plays() {
         assert_eq!(frame.points.len(), 8334);
         assert_eq!(frame.colors(), ColorSource::File);
         assert_eq!(sequence.entry(index).number, Some(index as u64));
-        // Points correspond: between any two poses of a walk nothing of the body moves a metre.
+        // Points correspond: between any two poses of a walk no part of the body moves by a metre.
         let [now, then] = [&frame, &first].map(|frame| by_file(&frame.frame, frame.frame.positions()));
         let farthest = now
             .iter()
@@ -41,7 +41,7 @@ fn check(folder: &Path, frames: &[usize]) -> Arc<Sequence> {
 }
 
 #[test]
-fn plant_of_mixed_formats_with_gaps() {
+fn a_plant_sequence_of_mixed_formats_with_gaps_plays() {
     let Some(folder) = shared("sequences/plant4d_tomato") else {
         return;
     };
@@ -54,13 +54,13 @@ fn plant_of_mixed_formats_with_gaps() {
 }
 
 #[test]
-fn camera_frames_named_by_time() {
+fn camera_frames_named_by_time_play() {
     let Some(folder) = shared("sequences/pcl_openni_3frames") else {
         return;
     };
     let sequence = check(&folder.join("pcd"), &[271_575, 271_395, 271_328]);
     assert!(sequence.entry(0).name.contains("142255.814212"));
-    // The other folder has images, and no clouds.
+    // The other folder has images, but no clouds.
     let parent = Sequence::discover(&[folder]).unwrap();
     assert_eq!(parent.len(), sequence.len());
     let frames = parent.assumptions();

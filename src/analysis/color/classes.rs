@@ -43,7 +43,7 @@ pub fn class_color(class: i32) -> [u8; 4] {
         let [_, red, green, blue] = color.to_be_bytes();
         return [red, green, blue, 255];
     }
-    // The golden ratio spreads hues evenly; lightness tells rounds of them apart.
+    // The golden ratio spreads hues evenly; lightness distinguishes successive rounds of them.
     let hue = 6.0 * (f64::from(class) * 0.618_033_988_749_895).rem_euclid(1.0);
     let bright = [235.0, 190.0, 150.0][class.rem_euclid(3) as usize];
     let channel = |shift: f64| {
@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn every_class_of_a_byte_has_a_color_of_its_own() {
+    fn every_byte_class_has_a_distinct_color() {
         let colors: HashSet<[u8; 4]> = (0..=255).map(class_color).collect();
         assert_eq!(colors.len(), 256);
         for class in 0..255 {
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_become_the_nearest_class() {
+    fn numbers_map_to_the_nearest_class() {
         assert_eq!([1.6, 2.4, -0.4].map(class_of), [2, 2, 0]);
         assert_eq!(class_of(f32::INFINITY), i32::MAX);
         assert_eq!(class_color(i32::MIN)[3], 255);

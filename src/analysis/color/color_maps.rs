@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn maps_run_through_their_steps_from_end_to_end() {
+    fn color_maps_pass_through_their_stops_from_end_to_end() {
         for (map, anchors) in TABLES {
             for (step, &anchor) in anchors.iter().enumerate() {
                 assert_eq!(map.color(step as f32 / 32.0), rgb(anchor), "{map} {step}");
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn between_the_steps_no_channel_is_more_than_two_off() {
+    fn channels_between_stops_are_at_most_two_off() {
         for (map, rows) in BETWEEN {
             for &(row, published) in rows {
                 let found = map.color(f32::from(row) / 255.0);
@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn lightness_grows_evenly_where_it_is_said_to() {
+    fn lightness_of_sequential_maps_increases_strictly() {
         let lightness = |map: ColorMap, step: u32| {
             let [red, green, blue, _] = map.color(step as f32 / 64.0).map(f64::from);
             0.2126 * red + 0.7152 * green + 0.0722 * blue
@@ -267,7 +267,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_table_is_the_map(share in 0f32..=1.0) {
+        fn lookup_table_matches_the_map(share in 0f32..=1.0) {
             for map in ColorMap::ALL {
                 let entry = map.table()[(share * (TABLE_LEN - 1) as f32).round() as usize];
                 let off = entry.iter().zip(map.color(share)).map(|(a, b)| a.abs_diff(b));

@@ -81,8 +81,8 @@ impl Placer {
 /// The entry that is nearest to a share.
 #[inline]
 fn nearest(share: f32) -> u32 {
-    // f32 of this size are whole numbers, and their lowest bits count from it: adding it rounds, without a conversion
-    // that the compiler would work out number by number.
+    // f32 of this magnitude are whole numbers, and their lowest bits count up from it: adding it rounds, without a
+    // conversion that the compiler would not vectorise.
     const WHOLE: f32 = 8_388_608.0;
     const LAST: f32 = (TABLE_LEN - 1) as f32;
     let place = (share * LAST).clamp(0.0, LAST);
@@ -100,7 +100,7 @@ fn logarithms() -> &'static Logarithms {
 #[inline]
 fn log2(value: f32, logarithms: &Logarithms) -> f32 {
     const REST: u32 = f32::MANTISSA_DIGITS - 1 - LOG_BITS;
-    // Infinity is none of the values, and behaves as a very large number.
+    // Infinity does not occur among the values, and behaves like a very large number.
     let bits = value.max(f32::MIN_POSITIVE).to_bits();
     let exponent = (bits >> 23) as i32 - 127;
     let mantissa = bits & 0x007f_ffff;
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn ends_middle_and_what_is_no_number_have_their_places() {
+    fn ends_midpoint_and_nan_map_to_their_places() {
         let last = NO_PLACE - 1;
         let linear = ColorScale::new(10.0, 30.0, false);
         let values = [10.0, 20.0, 30.0, -f32::MAX, f32::MAX, f32::NAN];
@@ -142,7 +142,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn places_are_those_of_the_scale(
+        fn places_match_the_scale(
             low in prop_oneof![-1e6f64..1e6, 1e-6f64..1.0, Just(0.0)],
             extent in prop_oneof![1e-3f64..1e6, Just(0.0), Just(1e300), Just(1e-300)],
             offset in prop_oneof![Just(0.0), -1e3f64..1e3],
@@ -154,7 +154,7 @@ mod tests {
             let places = places_of(&scale, offset, &values);
             prop_assert!(places.is_sorted(), "{:?}", places);
             let [low, high] = scale.ends();
-            // What f32 cannot tell apart is not held against the places.
+            // Values that f32 cannot distinguish are not counted as errors.
             let ulp = f64::from(f32::EPSILON) * (low - offset).abs().max((high - offset).abs());
             prop_assume!(is_logarithmic || high == low || ulp < 1e-4 * (high - low));
             for (&value, &place) in values.iter().zip(&places) {

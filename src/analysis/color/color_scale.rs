@@ -50,7 +50,7 @@ impl ColorScale {
             let [low, high] = [self.low.ln(), self.high.ln()];
             (low + (high - low) * share).exp()
         } else {
-            // Two products: the difference may be beyond f64.
+            // Two products: the difference may overflow f64.
             self.low * (1.0 - share) + self.high * share
         }
     }
@@ -112,7 +112,7 @@ impl Mapper {
         if value.is_nan() {
             return f32::NAN;
         }
-        // What has no logarithm is below all that has.
+        // Values without a logarithm are below all that have one.
         let logarithm = if value > 0.0 { value.ln() } else { f64::NEG_INFINITY };
         if self.is_one_number() {
             self.share_of_one(logarithm)
@@ -167,7 +167,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn ends_middle_and_what_is_beyond_are_known() {
+    fn ends_midpoint_and_out_of_range_values_have_known_shares() {
         let scale = ColorScale::new(10.0, 30.0, false);
         let share = |value| scale.share(value);
         assert_eq!([10.0, 20.0, 30.0].map(share), [0.0, 0.5, 1.0]);
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn one_number_is_in_the_middle() {
+    fn a_single_number_is_in_the_center() {
         for is_logarithmic in [false, true] {
             let scale = ColorScale::new(3.0, 3.0, is_logarithmic);
             let shares = [2.0, 3.0, 4.0].map(|value| scale.share(value));
@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn outliers_do_not_stretch_the_range_and_ties_do_not_end_it() {
+    fn outliers_do_not_stretch_the_range_and_ties_do_not_cut_it() {
         let mut values: Vec<f32> = (0..=100).map(|value| value as f32).collect();
         values[100] = f32::MAX;
         assert_eq!(quantile_range(&values, 0.0, 0.01..0.99), Some([1.0, 99.0]));
@@ -212,7 +212,7 @@ mod tests {
         assert_eq!(quantile_range(&[], 0.0, 0.01..0.99), None);
         assert_eq!(quantile_range(&[7.0], 0.0, 0.01..0.99), Some([7.0; 2]));
         assert_eq!(quantile_range(&[7.0; 9], 0.0, 0.01..0.99), Some([7.0; 2]));
-        // Nearly all are one: the range is that of all.
+        // Nearly all are 1: the full range is used.
         let mut ones = vec![1.0; 1000];
         ones.push(5.0);
         assert_eq!(quantile_range(&ones, 0.0, 0.01..0.99), Some([1.0, 5.0]));
@@ -229,7 +229,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn greater_numbers_stand_no_lower(
+        fn shares_are_monotonic(
             ends in prop::array::uniform2(-1e6f64..1e6), mut values in prop::collection::vec(-2e6f64..2e6, 2..50),
             is_logarithmic: bool,
         ) {
@@ -241,7 +241,7 @@ mod tests {
         }
 
         #[test]
-        fn a_share_leads_back_to_its_number(low in -1e3f64..1e3, extent in 0.1f64..1e3, share in 0f64..=1.0) {
+        fn value_and_share_round_trip(low in -1e3f64..1e3, extent in 0.1f64..1e3, share in 0f64..=1.0) {
             let scale = ColorScale::new(low, low + extent, false);
             prop_assert!((f64::from(scale.share(scale.value_at(share))) - share).abs() < 1e-6);
             let scale = ColorScale::new(extent, 1e4, true);

@@ -49,7 +49,7 @@ impl Planes<'_> {
     #[inline(always)]
     fn sixteen_around<S: Simd>(&self, simd: S, seen: &ScreenPoint) -> Neighbourhood {
         let max = self.cells.max_radius_px() * seen.depth / self.view.px_per_unit();
-        // From one window of pixels to the next larger one, until there are enough.
+        // Doubles the window in pixels until it contains enough points.
         let mut high = MAX_REACH_CELLS * seen.depth / self.view.px_per_unit();
         let mut around = self.around(simd, seen, high, false);
         while around.points < WANTED && high < max {

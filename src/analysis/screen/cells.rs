@@ -60,8 +60,8 @@ pub(super) struct Window<'a> {
 
 /// The level whose windows hold a radius.
 pub(super) fn level_of(radius_px: f32) -> u32 {
-    // Cells grow with the radius: a window of fixed size in pixels would be empty nearby and a single point from afar.
-    // Hofer et al. 2018 leaves radius and window open.
+    // Cells grow with the radius: a window of fixed size in pixels would be empty up close and a single point from
+    // afar. Hofer et al. 2018 leaves radius and window open.
     let cells = radius_px / MAX_REACH_CELLS;
     (0..MAX_LEVELS)
         .find(|&level| cells <= (1_u32 << level) as f32)
@@ -161,7 +161,7 @@ impl Window<'_> {
         let rows = inside(self.start[1], self.rows, height);
         let cells = rows.flat_map(move |row| columns.clone().map(move |column| row * width + column));
         let winners = cells.map(|cell| self.level.winners[cell]);
-        // The lower half is a place.
+        // The lower half is an index.
         winners
             .filter(|&winner| winner != EMPTY)
             .map(|winner| winner as u32 as usize)
@@ -224,7 +224,7 @@ impl CellLevel {
         let rows = x_rows.zip(y_rows).zip(z_rows).zip(self.winners.par_chunks(width));
         rows.for_each(|(((x, y), z), winners)| {
             for (column, &winner) in (CELLS_BEFORE..).zip(winners) {
-                // The lower half is a place.
+                // The lower half is an index.
                 if winner != EMPTY {
                     let place = seen[winner as u32 as usize].offset;
                     (x[column], y[column], z[column]) = (place.x, place.y, place.z);

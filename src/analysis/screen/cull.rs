@@ -85,14 +85,14 @@ impl DepthPicture {
             .with_min_len(1 << 16)
             .for_each(|pixel| *pixel.get_mut() = f32::INFINITY.to_bits());
         let nearest = &self.nearest;
-        // Hofer et al. 2018 draw footprints. One write per point gives the same answer, as of all points in a pixel the
-        // nearest covers most: whether it reaches a pixel is tested from there (`is_covered`).
+        // Hofer et al. 2018 draw footprints. One write per point gives the same result, as the nearest of all points in
+        // a pixel covers the most: whether it reaches another pixel is tested from there (`is_covered`).
         points.par_chunks(POINTS_PER_TASK).for_each(|points| {
             for point in points {
                 let Some((seen, [column, row])) = in_picture(&view, point) else {
                     continue;
                 };
-                // Positive f32 are ordered as their bits are.
+                // Positive f32 have the same order as their bits.
                 let depth = seen.depth.to_bits();
                 let pixel = &nearest[row * width + column];
                 if depth < pixel.load(Ordering::Relaxed) {
@@ -117,7 +117,7 @@ impl DepthPicture {
     /// so that points on a grid leave no gap.
     fn measure_reach(&mut self, half_width: f32) {
         let Some(view) = self.view else { return };
-        // A square reaches so many pixels if half its width is so many and a half.
+        // A square reaches n pixels away if half its width is n - 1/2.
         let below = |axis: usize, steps: usize| match steps {
             0 => f32::INFINITY,
             steps => half_width * view.px_per_slope[axis].abs() / (steps as f32 - 0.5),
@@ -186,9 +186,9 @@ impl DepthPicture {
     #[inline(always)]
     fn is_hidden<S: Simd>(&self, simd: S, pixel: [usize; 2], seen: &ScreenPoint) -> bool {
         // Not the radius of a point's own splat: all of a floor seen at more than 45° would be hidden by the row in
-        // front. With the neighbourhood radius that begins at 77°, where `ramp.rs` decides.
+        // front. With the neighbourhood radius this begins at 77°, where `ramp.rs` decides.
         let (depth, limit) = (seen.depth, seen.depth - self.radius);
-        // Of the first row and column that are looked at; the border is as wide as that.
+        // Index of the first row and column that are examined; the border is as wide as that.
         let corner = pixel[1] * self.stride + pixel[0];
         let own = self.depths[corner + BORDER_PX * self.stride + BORDER_PX];
         // Guarantees that an image never has more of these points than pixels.

@@ -72,8 +72,9 @@ impl Planes<'_> {
         tasks.zip(seen.par_chunks(POINTS_PER_TASK)).for_each(|(shapes, seen)| {
             dispatch!(level, simd => self.fit(simd, seen, shapes));
         });
-        // Points without a plane that faced the eye were bright spots: 5.9 % of an exact floor 0.4 m below the eye,
-        // 2,671 of 132,089 points of a raw Redwood frame seen from 0.1 to 0.2 m below the sensor's height; now none.
+        // Points without a plane used to face the eye and were bright spots: 5.9 % of an exact floor 0.4 m below the
+        // eye, 2,671 of 132,089 points of a raw Redwood frame seen from 0.1 to 0.2 m below the sensor's height; now
+        // there are none.
         self.lend_normals(seen, &mut shapes);
         shapes
     }
@@ -127,7 +128,7 @@ impl Planes<'_> {
             for (around, seen) in around.iter_mut().zip(seen) {
                 let mut radius = self.radius_at(seen.depth);
                 *around = self.around(simd, seen, radius, false);
-                // Only where it is needed: a wider window for all would cost time for all points, and blur edges.
+                // Only where needed: a wider window for all points would cost time everywhere, and blur edges.
                 for _ in 0..MAX_DOUBLINGS {
                     if around.found >= MIN_NEIGHBOURS && around.is_plane() {
                         break;
@@ -181,14 +182,14 @@ impl Planes<'_> {
         let Some(normal) = normal.map(DVec3::as_vec3).filter(|normal| normal.is_finite()) else {
             return ShapeRecord {
                 normal: oct_encode((-seen.offset).normalize_or(Vec3::Z)),
-                // Negative as long as it has no plane.
+                // Negative while it has no plane.
                 radius: -self.closing * self.spacing.max(self.radius_at(seen.depth) / RADIUS_SPACINGS),
                 ..NO_SHAPE
             };
         };
         // At silhouettes half of the neighbourhood is empty, so splats there are larger by √2.
         let radius = self.closing * around.radius * (PI / around.points.max(PI)).sqrt();
-        // At rims there is nothing around, and splats would reach far beyond them.
+        // At edges the surroundings are empty, and splats would extend far beyond them.
         let radius = radius.min(self.radius_at(seen.depth));
         self.shape_with_normal(seen, normal, radius, around.radius)
     }
@@ -200,7 +201,7 @@ impl Planes<'_> {
         let faces_away = normal.dot(outwards) < 0.0;
         ShapeRecord {
             normal: oct_encode(if faces_away { -normal } else { normal }),
-            // Edge-on at a rim, it would stand out of that.
+            // Seen edge-on at an edge, it would stick out.
             radius: radius.max(self.closing_rows(seen, normal).min(2.0 * neighbourhood)),
             ..NO_SHAPE
         }
@@ -242,7 +243,7 @@ impl Neighbourhood {
     fn is_plane(&self) -> bool {
         let [xx, yy, zz, xy, yz, zx] = self.covariance();
         let trace = xx + yy + zz;
-        // The sum of the products of two eigenvalues each: of the two larger ones, but for noise.
+        // The sum of the pairwise products of eigenvalues: that of the two larger ones, up to noise.
         let products = (xx * yy - xy * xy) + (xx * zz - zx * zx) + (yy * zz - yz * yz);
         self.found >= MIN_OF_PLANE && products > MIN_SPREAD * trace * trace
     }

@@ -93,7 +93,7 @@ impl Around<'_> {
     fn sums<S: Simd>(&self, simd: S, limit: f32, reach: usize) -> Sums {
         let mut sums = Sums::NONE;
         let first = BORDER_PX - reach;
-        // What is beside the window is in the last lanes.
+        // The last lanes are outside the window.
         for begin in (0..=2 * reach).step_by(LANES) {
             let lanes = (2 * reach + 1 - begin).min(LANES);
             let mut limits = [limit; LANES];
@@ -181,7 +181,7 @@ impl Sums {
         let columns = count * self.columns - self.column * self.column;
         let rows = count * self.rows - self.row * self.row;
         let mixed = count * self.mixed - self.column * self.row;
-        // Of whole numbers, so a line has no spread at all.
+        // Integer arithmetic, so a line has exactly zero spread.
         let spread = columns * rows - mixed * mixed;
         if spread < 1.0 {
             return None;

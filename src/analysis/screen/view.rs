@@ -54,7 +54,7 @@ impl ScreenView {
         let offset = self.offset(position);
         let in_view = self.rotation * offset;
         let depth = -in_view.z;
-        // Positive, so that depths are ordered as their bits are.
+        // Positive, so that depths have the same order as their bits.
         (depth >= self.near && depth > 0.0 && depth < f32::INFINITY).then(|| {
             let per_depth = 1.0 / depth;
             let place = |axis: usize| in_view[axis] * per_depth * self.px_per_slope[axis] + self.center_px[axis];

@@ -28,8 +28,8 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8, mask32x8, u32x8}
 const ROWS_PER_WORD: usize = u32::BITS as usize;
 
 /// Words a lane, and the candidates they have bits for: with 16 neighbours nearly all searches keep fewer.
-// With two words, 8 % of the buckets would store more candidates than there are bits for (0.7 % with 12 neighbours);
-// none stores more than 128.
+// With two words, 8 % of the buckets would have more candidates than there are bits (0.7 % with 12 neighbours); none
+// has more than 128.
 const WORDS: usize = 4;
 const ROWS_PER_LIST: usize = WORDS * ROWS_PER_WORD;
 
@@ -137,7 +137,7 @@ impl<'a> BucketSearch<'a> {
         self.min = boxes.min.map(|row| row[lane]);
         self.max = boxes.max.map(|row| row[lane]);
         self.row_count = 0;
-        // Lanes without a point want nothing.
+        // Lanes without a point accept nothing.
         let nothing_found = std::array::from_fn(|lane| if lane < self.count { f32::INFINITY } else { -1.0 });
         self.nearest.reset(nothing_found);
         self.bound = f32::INFINITY;
@@ -197,7 +197,7 @@ impl<'a> BucketSearch<'a> {
         let x = self.gap(simd, boxes, 0);
         let y = self.gap(simd, boxes, 1);
         let z = self.gap(simd, boxes, 2);
-        // Added in the order in which the distances of points are.
+        // Summed in the same order as the distances of points.
         x * x + y * y + z * z
     }
 
@@ -237,7 +237,7 @@ impl<'a> BucketSearch<'a> {
         let x = f32x8::from_slice(simd, &searching.x);
         let y = f32x8::from_slice(simd, &searching.y);
         let z = f32x8::from_slice(simd, &searching.z);
-        // All are written, and those that are near enough stay: whether one is, no processor can guess.
+        // All are written, and those that are near enough are retained: the branch would be unpredictable.
         if self.rows.len() < self.row_count + LANES {
             self.rows.resize(2 * self.row_count + LANES, [0.0; LANES]);
             self.slots.resize(self.rows.len(), 0);
@@ -367,7 +367,7 @@ fn write_slots(mut rows_within: u64, slots: &[u32], list: &mut [u32]) {
         return;
     };
     for slot in list {
-        // The remainder tells the compiler that it is one of them.
+        // The remainder tells the compiler that the index is in bounds.
         *slot = slots[rows_within.trailing_zeros() as usize % slots.len()];
         rows_within &= rows_within.wrapping_sub(1);
     }

@@ -79,7 +79,7 @@ impl NearestPoint {
 
     fn meet(&self, place: DVec3, bucket: usize, nearest: &mut Nearest) {
         let points = &self.tree.points()[LANES * bucket..];
-        // Scalar: one neighbour of an arbitrary position offers nothing to vectorise.
+        // Scalar: a single neighbour of an arbitrary position offers nothing to vectorise.
         for point in points.iter().take(LANES) {
             let distance_squared = squared(point.position.as_dvec3() - place);
             if nearest.is_beaten_by(distance_squared, point.file_index) {
@@ -125,9 +125,10 @@ mod tests {
     }
 
     proptest! {
-        // Few coordinates, so that points coincide and places are equally far from several; sizes around whole rows.
+        // Few distinct coordinates, so that points coincide and positions are equidistant from several; sizes around
+        // whole rows.
         #[test]
-        fn the_nearest_is_that_of_all_pairs(
+        fn nearest_point_matches_brute_force(
             positions in prop::collection::vec(prop::array::uniform3(-6i8..6), 0..150),
             places in prop::collection::vec(prop::array::uniform3(-20i8..20), 1..20),
             scale in prop::sample::select(vec![1.0f32, 0.1, 3.0e-20, 7.0e25]),
@@ -142,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn surfaces_outliers_and_far_places() {
+    fn nearest_point_is_right_for_surfaces_outliers_and_distant_queries() {
         let mut random = Random(7);
         let mut positions = sphere(3000, &mut random).positions;
         positions.push(Vec3::splat(1.0e9));
@@ -167,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn no_points_have_no_nearest() {
+    fn an_empty_cloud_has_no_nearest_point() {
         assert_eq!(NearestPoint::new(&[]).of(Vec3::ZERO), None);
     }
 }

@@ -32,7 +32,7 @@ impl Neighbours {
             let first = points.start + piece * POINTS_PER_PIECE;
             let points = first..points.end.min(first + POINTS_PER_PIECE);
             let mut lists = vec![0; points.len() * per_point];
-            // A point that is alone has no neighbours.
+            // A single point has no neighbours.
             if per_point > 0 {
                 write(points, &mut lists);
             }

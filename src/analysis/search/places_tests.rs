@@ -13,7 +13,7 @@ fn five_times<T: Copy>(values: &[T]) -> Vec<T> {
 }
 
 #[test]
-fn copies_change_neither_normals_nor_radii() {
+fn duplicates_change_neither_normals_nor_radii() {
     let points = test_shapes::sphere(700, &mut Random(3)).positions;
     let alone = estimate_surface(&points, None);
     let copied = estimate_surface(&five_times(&points), None);
@@ -32,7 +32,7 @@ fn copies_change_neither_normals_nor_radii() {
 }
 
 #[test]
-fn points_without_a_plane_are_all_copies() {
+fn all_copies_of_points_without_a_plane_are_reported() {
     let line: Vec<Vec3> = (0..20).map(|place| Vec3::X * place as f32).collect();
     let alone = estimate_surface(&line, None);
     let copied = estimate_surface(&five_times(&line), None);
@@ -41,7 +41,7 @@ fn points_without_a_plane_are_all_copies() {
 }
 
 #[test]
-fn a_few_copies_are_points_like_others() {
+fn a_few_duplicates_count_as_ordinary_points() {
     let mut points = vec![Vec3::ONE; 2];
     points.extend((0..40).map(|place| Vec3::Y * place as f32));
     assert!(Places::of(&points).is_none());

@@ -258,7 +258,7 @@ fn split(points: &mut [SlotPoint], half: usize) {
     }
     // Boxes cut at the median instead of at a measured place save 5 % of the tree and cost 40 % of the search.
     let node = NodeBox::around(points);
-    // Compiled for each axis on its own.
+    // Compiled separately for each axis.
     match (node.max - node.min).truncate().max_position() {
         0 => part_at(points, half, |point| point.position.x),
         1 => part_at(points, half, |point| point.position.y),
@@ -277,10 +277,10 @@ fn split(points: &mut [SlotPoint], half: usize) {
 /// Moves the `count` points with the smallest coordinates to the front.
 #[inline]
 fn part_at(points: &mut [SlotPoint], count: usize, coordinate: impl Fn(&SlotPoint) -> f32) {
-    // Partitioning at a bracket of two sampled values, out of place, took a quarter longer than this selection;
-    // counting instead of sorting the last sixteen points brought nothing.
+    // Partitioning out of place at a bracket of two sampled values took a quarter longer than this selection; counting
+    // instead of sorting the last sixteen points made no difference.
     points.select_nth_unstable_by(count, |a, b| {
-        // Finite, so there is an order; and where only "less" is asked for, this is one instruction.
+        // The values are finite, so there is an order; and where only "less" is needed, this is one instruction.
         let order = coordinate(a).partial_cmp(&coordinate(b));
         order.unwrap_or(Ordering::Equal)
     });

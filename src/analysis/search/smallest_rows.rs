@@ -68,7 +68,7 @@ impl SmallestRows {
 /// Puts the smallest of both, the first `count` of `rows`, into the ascending registers of `group`.
 #[inline(always)]
 fn merge_or_sink<S: Simd, const N: usize>(simd: S, group: &mut [LaneRow; N], rows: &[LaneRow; LANES], count: usize) {
-    // Merging four to seven rows, padded with infinities, instead of sinking them one at a time brought nothing.
+    // Merging four to seven rows, padded with infinities, instead of sinking them one at a time made no difference.
     if count == LANES {
         merge(simd, group, rows);
     } else {
@@ -115,7 +115,7 @@ fn merge<S: Simd, const N: usize>(simd: S, group: &mut [LaneRow; N], rows: &[Lan
     for (register, row) in registers.iter_mut().zip(&*group) {
         *register = f32x8::from_slice(simd, row);
     }
-    // The smallest of both, rising and falling: what a bitonic network puts in order.
+    // The smallest of both, ascending and then descending: a bitonic sequence, which the network sorts.
     for (register, candidate) in registers.iter_mut().rev().zip(sorted) {
         *register = register.min(candidate);
     }
@@ -218,9 +218,9 @@ mod tests {
     }
 
     proptest! {
-        // Few different numbers, so that many are equal; whole groups of eight and parts of them.
+        // Few distinct numbers, so that many are equal; whole groups of eight and partial ones.
         #[test]
-        fn the_kth_of_any_rows(
+        fn the_kth_smallest_matches_a_sort_for_any_rows(
             offers in prop::collection::vec((prop::array::uniform8(prop::array::uniform8(0u8..40)), 1..=LANES), 0..8),
             limit in 1u8..60,
             k in 1usize..30,

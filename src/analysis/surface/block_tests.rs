@@ -15,13 +15,13 @@ fn unsigned(surface: &Surface) -> (Vec<Vec3>, &[f32], &[u32]) {
 
 /// With a sensor lists of neighbours are kept for a block at a time, without one for all of these few points.
 #[test]
-fn blocks_give_the_same_bits_as_all_points_at_once() {
+fn blocks_match_a_single_pass_bit_for_bit() {
     let mut random = Random(24);
     let row: Vec<Vec3> = (0..700).map(|i| Vec3::X * i as f32).collect();
     let equal = vec![Vec3::ONE; 40_000];
     let cube: Vec<Vec3> = (0..1037).map(|_| random.cube()).collect();
     let torus = test_shapes::torus(70_001, 0.4, &mut random).positions;
-    // Strays far apart, whose cells reach farther than either limit lets a disk.
+    // Outliers far apart, whose cells extend farther than either limit on disks allows.
     let mut outliers = test_shapes::sphere(40_000, &mut random).positions;
     outliers.extend((0..20).map(|i| Vec3::new(1e3 * i as f32, 1e4, (i * i) as f32)));
     let few = [&[][..], &cube[..1], &cube[..3], &cube];
@@ -61,7 +61,7 @@ fn representatives_turn_closed_surfaces_outwards() {
 }
 
 #[test]
-fn large_clouds_have_signs_by_representatives() {
+fn large_clouds_are_oriented_by_representatives() {
     assert_eq!(orientation_of(MAX_JOINED, None), Orientation::Neighbours);
     let beyond = MAX_JOINED + 1;
     assert_eq!(orientation_of(beyond, None), Orientation::Representatives);

@@ -61,7 +61,8 @@ pub(in crate::analysis) fn surface(tree: &PointTree, k: usize, progress: &Progre
             }
             let first = block * POINTS_PER_BLOCK;
             let slots = first..first + normals.len();
-            // Lists of a block only: 13.8 million points take 1.0 GB, and 1.7 GB with the lists of all points at once.
+            // Lists for one block at a time: 13.8 million points take 1.0 GB, against 1.7 GB with the lists of all
+            // points at once.
             let neighbours = tree.neighbours_of(slots.clone(), k);
             let planes = normals::fit_planes(tree, &neighbours, slots.clone());
             let measured = radii::cell_radii(tree, &neighbours, &planes.normals, slots.clone());

@@ -151,7 +151,7 @@ impl Quadric {
                 count += 1.0;
             }
         }
-        // Neighbours of one line say nothing of what is across it.
+        // Neighbours on one line give no information across it.
         if count < MIN_ROWS || matrix.determinant() < MIN_DETERMINANT * count.powi(3) {
             return None;
         }
@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn disks_of_a_tube_lie_on_it_and_reach_a_quarter_as_far_beyond() {
+    fn curved_splats_of_a_tube_lie_on_it_and_overhang_a_quarter_as_far() {
         let flat = tube();
         let curved = curved_splats(&flat, |_| true).unwrap();
         let beyond = |disk: &Disk| {
@@ -278,7 +278,7 @@ mod tests {
 
     /// Seen from outside, nothing of a ball that was covered is open.
     #[test]
-    fn bent_disks_leave_no_hole() {
+    fn curved_splats_leave_no_hole() {
         let flat = ball(0.8, 800);
         let curved = curved_splats(&flat, |_| true).unwrap();
         assert_eq!(curved.len(), 7 * flat.len(), "each is bent a little");
@@ -292,15 +292,15 @@ mod tests {
     }
 
     #[test]
-    fn planes_and_what_is_of_no_mind_stay_as_they_are() {
+    fn planes_and_undetermined_curvature_leave_disks_flat() {
         assert_eq!(curved_splats(&plane(), |_| true), None);
         assert_eq!(curved_splats(&[], |_| true), None);
         assert_eq!(curved_splats(&tube()[..1], |_| true), None);
         assert_eq!(curved_splats(&tube(), |_| false), None);
-        // Disks in a line do not say what is across it.
+        // Disks on a line give no information across it.
         let line: Vec<Disk> = (0..30).map(|at| disk(SPACING * at as f32 * Vec3::X, Vec3::Z)).collect();
         assert_eq!(curved_splats(&line, |_| true), None);
-        // Normals that are turned at random.
+        // Normals perturbed at random.
         let mut noisy = plane();
         for (at, disk) in noisy.iter_mut().enumerate() {
             let (sin, cos) = (2.4 * (at * at) as f32).sin_cos();
@@ -311,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn those_that_are_left_out_stay_and_bend_nothing() {
+    fn excluded_disks_stay_flat_and_do_not_bend_others() {
         let mut disks = tube();
         disks.push(disk(Vec3::new(0.5, 0.0, 2.0), Vec3::X));
         let last = disks.len() - 1;
@@ -324,7 +324,7 @@ mod tests {
     proptest! {
         /// Whatever the disks are, theirs are finite, no larger, and not farther from them than they reach.
         #[test]
-        fn what_disks_become_is_where_they_are(
+        fn curved_splats_stay_within_their_disks(
             disks in prop::collection::vec(
                 (prop::array::uniform3(-1.0_f32..1.0), prop::array::uniform3(-1.0_f32..1.0), 0.0_f32..0.5), 0..60),
         ) {

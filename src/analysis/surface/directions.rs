@@ -1,7 +1,7 @@
 //! Along which directions Voronoi cells are measured.
 
 /// Directions in the tangent plane along which a cell is measured.
-// 24 instead of 32 save only 5 % of the time of the radii.
+// 24 instead of 32 save only 5 % of the time for the radii.
 pub(super) const DIRECTIONS: usize = 32;
 
 /// Directions in one quarter of the circle, both ends included. Those in the others are their opposites, along which

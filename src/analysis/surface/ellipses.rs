@@ -86,7 +86,7 @@ impl Circle {
             let [x, y] = tangents.map(|tangent| tangent.dot(offset));
             let squared = x * x + y * y;
             if squared == 0.0 {
-                // Right above or below: no line midway.
+                // Directly above or below: there is no bisector.
                 continue;
             }
             reach_squared = reach_squared.max(squared);
@@ -98,7 +98,7 @@ impl Circle {
         let known = 1.0 / reach_squared.sqrt();
         let is_closed = (0..DIRECTIONS).all(|direction| {
             let at = |steps: usize| inverse[(direction + steps) % DIRECTIONS];
-            // As in `holes`, without looking up whether another line closes it.
+            // As in `holes`, without checking whether another line closes it.
             let first = (at(0) - TWICE_COSINE * at(1) + at(2)).max(0.0);
             let second = (at(1) - TWICE_COSINE * at(2) + at(3)).max(0.0);
             let meeting = first * (at(1) - known) + second * (at(2) - known - first);
@@ -109,7 +109,7 @@ impl Circle {
 
     /// The direction of the longer axis and the ratio of the thinnest ellipse around a cell; `None` for a circle.
     fn thinnest(&self, inverse: &[f32; DIRECTIONS]) -> Option<[f32; 3]> {
-        // Where the ends on both sides are is covered if the farther one is.
+        // An end on one side is covered if the farther of the two is.
         let (low, high) = inverse.split_at(HALF);
         let mut nearness = [0f32; HALF];
         for ((nearness, low), high) in nearness.iter_mut().zip(low).zip(high) {
@@ -140,7 +140,7 @@ impl Circle {
         if ratio_squared >= 1.0 {
             return None;
         }
-        // Half the angle, without a trigonometric function.
+        // The half-angle formula, without a trigonometric function.
         let x = (0.5 * (1.0 + double_x)).max(0.0).sqrt();
         let y = (0.5 * (1.0 - double_x)).max(0.0).sqrt().copysign(double_y);
         Some([x, y, ratio_squared.sqrt()])
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn lattices_have_the_axes_and_ratios_of_their_steps() {
+    fn ellipses_have_the_axis_and_ratio_of_their_lattice() {
         for turn in [0.0, 0.3, 0.7, 1.2, 2.0] {
             for (long, ratio) in [(3.0, 1.0 / 3.0), (2.0, 0.5), (4.0, 0.25)] {
                 let (positions, axis) = lattice([1.0, long], turn);
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn ellipses_close_lattices_and_smaller_ones_do_not() {
+    fn ellipses_close_lattices_and_shrunken_ones_do_not() {
         for turn in [0.0, 0.3, 1.2] {
             for steps in [[1.0, 3.0], [1.0, 2.0], [1.0, 1.0]] {
                 let (positions, _) = lattice(steps, turn);
@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_and_single_places_are_circles() {
+    fn rows_and_coincident_points_get_circles() {
         let direction = Vec3::new(0.3, 0.7, 0.1);
         let row: Vec<Vec3> = (0..200).map(|i| direction * i as f32).collect();
         for cloud in [row, vec![Vec3::ONE; 30], vec![Vec3::ONE], Vec::new()] {

@@ -150,7 +150,7 @@ impl<S: Simd> FourMatrices<S> {
 
         let half_difference = (uu - vv) * 0.5;
         let radius = (half_difference * half_difference + uv * uv).sqrt();
-        // The one of two vectors without cancellation.
+        // Of the two vectors, the one without cancellation.
         let is_first = half_difference.simd_ge(zero);
         let a = simd.select_f64x4(is_first, radius + half_difference, uv);
         let b = simd.select_f64x4(is_first, uv, radius - half_difference);
@@ -223,9 +223,9 @@ mod tests {
     }
 
     proptest! {
-        // Products of small integers are singular, or have equal eigenvalues, in many of the cases.
+        // Products of small integers are singular, or have equal eigenvalues, in many cases.
         #[test]
-        fn the_same_bits_as_one_at_a_time(
+        fn four_at_once_match_one_at_a_time_bit_for_bit(
             whole in prop::array::uniform4(prop::array::uniform6(-2i8..3)),
             broken in prop::array::uniform4(prop::array::uniform6(-1.0f64..1.0)),
             share in 0u8..3,
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_and_everything_alike_have_an_answer() {
+    fn zero_and_isotropic_matrices_have_a_unit_vector() {
         let entries = [
             [0.0; 6],
             [1.0, 1.0, 1.0, 0.0, 0.0, 0.0],

@@ -49,7 +49,7 @@ fn set_open_in_lane(
 ) {
     let distances: [f32; DIRECTIONS] = inverse.map(|row| row[lane]);
     let at = |direction: usize| distances[direction % DIRECTIONS];
-    // Negative only by rounding.
+    // Negative only because of rounding.
     let surplus = |direction: usize| {
         let continued = TWICE_COSINE * at(direction) - at(direction + DIRECTIONS - 1);
         (at(direction + 1) - continued).max(0.0)
@@ -111,12 +111,12 @@ mod tests {
     }
 
     #[test]
-    fn the_cosine_is_that_of_a_step() {
+    fn the_constant_is_twice_the_cosine_of_a_step() {
         assert!((TWICE_COSINE - 2.0 * quarter_circle()[1][0]).abs() < 2e-7);
     }
 
     #[test]
-    fn directions_go_round_the_circle() {
+    fn directions_cover_the_circle() {
         for direction in 0..2 * DIRECTIONS {
             let [cosine, sine] = cosine_and_sine(&quarter_circle(), direction);
             let [x, y] = line(direction as f32 / DIRECTIONS as f32, 1.0);
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn strips_are_open_at_both_ends_and_nowhere_else() {
+    fn strips_are_open_only_at_both_ends() {
         for step in 0..50 {
             let turn = step as f32 / 50.0;
             for widths in [[6.0, 6.0], [6.0, 1.5]] {
@@ -134,7 +134,7 @@ mod tests {
                 let open = (0..DIRECTIONS).filter(|&direction| after[direction] < 0.1);
                 for direction in open.clone() {
                     let across = (direction as f32 / DIRECTIONS as f32 - turn) * TAU;
-                    // Two steps off at most: a direction that is nearly along the strip has both beside it.
+                    // At most two steps off: a direction nearly along the strip has both sides of it next to it.
                     assert!(across.cos().abs() < 0.39, "{direction} at {turn}");
                 }
                 assert!(open.count() >= 4, "both ends of {turn}");
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn closed_cells_stay_as_they_are() {
+    fn closed_cells_are_unchanged() {
         for step in 0..50 {
             let turn = step as f32 / 50.0;
             // A square, a triangle, a long rectangle, and a half-plane with a far corner.

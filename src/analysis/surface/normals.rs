@@ -100,7 +100,7 @@ fn fit_four<S: Simd>(
     first_slot: usize,
     neighbours: &Neighbours,
 ) -> [(Vec3, bool); FOUR] {
-    // Lanes beyond the last point repeat it. Blocks of slots end at multiples of four, or with it.
+    // Lanes beyond the last point repeat it. Blocks of slots end at multiples of four, or at the last point.
     let last = points.len() - 1;
     let slot_of = |lane: usize| (first_slot + lane).min(last);
     let centers = axes_of_four(simd, |lane| points[slot_of(lane)].register());
@@ -113,7 +113,7 @@ fn fit_four<S: Simd>(
     let (mut sums, mut squares, mut products) = ([zero; 3], [zero; 3], [zero; 3]);
     for neighbour in 0..neighbours.per_point() {
         let places = axes_of_four(simd, |lane| points[lists[lane][neighbour] as usize].register());
-        // Closures would not be compiled for the level of SIMD; loops are.
+        // Closures would not be compiled for the SIMD level; loops are.
         let mut offsets = [zero; 3];
         for axis in 0..3 {
             offsets[axis] = widened(simd, places[axis] - centers[axis]);
@@ -136,8 +136,8 @@ fn fit_four<S: Simd>(
         neighbor: products,
     };
     let is_plane = covers_a_plane(simd, &covariances, centers, count);
-    // Four side by side, as a single matrix mostly waits for its own roots and quotients: normals of 100,000 points
-    // take 6 ms of one thread, 19 one at a time.
+    // Four at a time, as a single matrix mostly waits for its own roots and quotients: normals of 100,000 points take 6
+    // ms on one thread, 19 ms one at a time.
     let vectors = covariances.smallest_eigenvectors(simd);
     let traces = covariances.traces();
     let mut fitted = [(Vec3::Z, false); FOUR];
@@ -161,7 +161,7 @@ fn covers_a_plane<S: Simd>(simd: S, covariances: &FourMatrices<S>, centers: [f32
     let [x, y, z] = centers;
     let center_squared = widened(simd, x * x + y * y + z * z);
     let traces = covariances.traces();
-    // The square of the largest coordinate, or more: of the point, and of its neighbours' offsets.
+    // At least the square of the largest coordinate: of the point, and of its neighbours' offsets.
     let reach_squared = center_squared + traces;
     let line = traces * reach_squared * (4.0 * count * ROUNDING * ROUNDING);
     let is_plane = covariances.pairwise_products().simd_gt(line);

@@ -41,7 +41,7 @@ pub(in crate::analysis) fn face_outwards(tree: &PointTree, neighbours: &Neighbou
     let mut signs = SignForest::new(tree.len());
     join_by_weight(&edges, neighbours, &mut signs);
 
-    // From here on by root: the sign of every point relative to it, then one vote of each component.
+    // From here on by root: the sign of every point relative to its root, then one vote per component.
     let resolved: Vec<Signed> = (0..tree.len() as u32).map(|slot| signs.find(slot)).collect();
     for (normal, sign) in normals.iter_mut().zip(&resolved) {
         if sign.flipped {
@@ -109,7 +109,7 @@ type Edge = u16;
 const STEPS: f32 = 1024.0;
 
 fn edge(weight: f32, disagree: bool) -> Edge {
-    // Weight 1 shares the last step.
+    // Weight 1 falls into the last step.
     ((weight * STEPS).min(STEPS - 1.0) as Edge) << 1 | Edge::from(disagree)
 }
 
@@ -153,7 +153,7 @@ fn weigh(offset: Vec3, a: Vec3, b: Vec3) -> Edge {
         0.0
     };
     let (along_a, along_b) = (offset.dot(a), offset.dot(b));
-    // dot(a mirrored at the plane midway, b)
+    // dot(a mirrored at the bisecting plane, b)
     let agreement = a.dot(b) - 2.0 * along_a * along_b * inverse;
     let in_plane = 1.0 - 0.5 * (along_a * along_a + along_b * along_b) * inverse;
     edge((1.0 - agreement.abs() * in_plane).max(0.0), agreement < 0.0)
@@ -165,7 +165,7 @@ fn join_by_weight(edges: &[Edge], neighbours: &Neighbours, signs: &mut SignFores
     if per_point == 0 {
         return;
     }
-    // Neighbours mostly know each other, so one direction of the first step joins nearly all of a smooth surface.
+    // Most neighbours are mutual, so one direction of the first step joins nearly all of a smooth surface.
     let joins_at_once = |slot: u32, other: u32, edge: Edge| step_of(edge) == 0 && slot < other;
     let all = || {
         edges.chunks(per_point).zip(0u32..).flat_map(|(edges, slot)| {

@@ -55,7 +55,7 @@ fn outlier_of(positions: &[Vec3]) -> Vec<bool> {
     };
     let spacings: Vec<f32> = (0..positions.len()).into_par_iter().map(spacing).collect();
     let is_outlier = |at: usize| {
-        // Of 3,517 points without noise, no point passes both tests.
+        // Of 3,517 points without noise, none passes both tests.
         spacings[at] > FAR * usual_spacing(&spacings, neighbours.of(at))
             && height_above(positions, &neighbours, at) > OFF_PLANE * spacings[at]
     };
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn points_in_the_air_are_stray_and_no_others() {
+    fn only_floating_points_are_outliers() {
         let mut positions = square(Vec3::ZERO, 20, 1.0);
         positions.extend([
             Vec3::new(7.3, 8.1, 4.0),
@@ -113,7 +113,7 @@ mod tests {
             Vec3::new(3.0, 30.0, 20.0),
         ]);
         assert_eq!(found(&positions), [400, 401, 402]);
-        // Anywhere, of any size.
+        // Anywhere and at any scale.
         let moved: Vec<Vec3> = positions
             .iter()
             .map(|&place| 1e-3 * place + Vec3::new(5.0, -2.0, 1.0))
@@ -122,15 +122,15 @@ mod tests {
     }
 
     #[test]
-    fn sparse_parts_of_a_surface_beside_dense_ones_are_none() {
+    fn sparse_surfaces_next_to_dense_ones_are_not_outliers() {
         let mut positions = square(Vec3::ZERO, 20, 0.1);
-        // A wall on which few points were found, the nearest of them ten times as far away as those are apart.
+        // A wall with few points on it, the nearest of them ten times as far away as they are apart.
         positions.extend(square(Vec3::new(3.0, 0.0, 0.0), 6, 1.5));
         assert_eq!(found(&positions), Vec::<usize>::new());
     }
 
     #[test]
-    fn edges_and_corners_are_none() {
+    fn edges_and_corners_are_not_outliers() {
         // Three faces of a cube.
         let face = square(Vec3::new(0.5, 0.5, 0.0), 12, 1.0);
         let mut positions = face.clone();
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn few_points_and_points_in_one_place_are_none() {
+    fn few_or_coincident_points_are_not_outliers() {
         assert_eq!(found(&[]), Vec::<usize>::new());
         assert_eq!(found(&square(Vec3::ZERO, 3, 1.0)), Vec::<usize>::new());
         assert_eq!(found(&[Vec3::ONE; 40]), Vec::<usize>::new());

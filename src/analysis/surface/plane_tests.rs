@@ -16,13 +16,13 @@ fn mean_error(positions: &[Vec3], truth: &[Vec3], k: usize, fit: PlaneFit) -> f3
 }
 
 #[test]
-fn robust_planes_pass_by_outliers_and_edges() {
+fn robust_planes_ignore_outliers_and_edges() {
     let mut random = Random(18);
     let errors = |positions: &[Vec3], truth: &[Vec3], k| PlaneFit::ALL.map(|fit| mean_error(positions, truth, k, fit));
     let sphere = test_shapes::sphere(10_000, &mut random);
     let cube = test_shapes::cuboid(10_000, Vec3::ONE, &mut random);
     for k in [16, 32] {
-        // Clean and smooth: hardly worse. Beside edges: better.
+        // Clean and smooth: hardly worse. Near edges: better.
         let [plain, robust] = errors(&sphere.positions, &sphere.normals, k);
         assert!(robust < 1.2 * plain, "{robust} for {plain} degrees, {k}");
         let [plain, robust] = errors(&cube.positions, &cube.normals, k);
@@ -38,7 +38,7 @@ fn robust_planes_pass_by_outliers_and_edges() {
 }
 
 #[test]
-fn robust_planes_are_defined_where_plain_ones_are() {
+fn robust_planes_are_defined_wherever_least_squares_planes_are() {
     let mut random = Random(19);
     let line: Vec<Vec3> = (0..50).map(|i| Vec3::new(1.0, 2.0, 0.5) * i as f32).collect();
     let lattice: Vec<Vec3> = (0..400)

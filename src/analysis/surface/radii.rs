@@ -121,7 +121,7 @@ impl Limits {
     /// are these.
     #[inline(always)]
     pub(in crate::analysis) fn radius(self, cell: f32, neighbours: usize, inverse_sum: f32) -> f32 {
-        // Harmonic, over all neighbours; not finite if none has a cell.
+        // Harmonic mean over all neighbours; not finite if none has a cell.
         let mean = neighbours as f32 / inverse_sum;
         let own = if cell > 0.0 { cell } else { self.median };
         let largest = MAX_OF_CLOUD * self.median;
@@ -154,8 +154,8 @@ impl VoronoiCells<'_> {
     /// Writes the radii of the cells of consecutive points. Inlined, so that it is compiled for each level of SIMD.
     #[inline(always)]
     fn measure<S: Simd>(&self, simd: S, first_slot: usize, radii: &mut [f32]) {
-        // Each point has a cell of its own: radii shared by the 16 points of a bucket close the surface only when
-        // surfels cover 2.8 times the area.
+        // Each point needs its own cell: radii shared by the 16 points of a bucket close the surface only when surfels
+        // cover 2.8 times the area.
         let mut lines = vec![[[0.0; LANES]; 2]; self.neighbours.per_point()];
         for (radii, slot) in radii.chunks_mut(LANES).zip((first_slot..).step_by(LANES)) {
             let measured = self.cell_radii(simd, slot, &mut lines);
@@ -189,13 +189,13 @@ impl VoronoiCells<'_> {
             }
             let squared = x * x + y * y;
             reach_squared = reach_squared.max(squared);
-            // A neighbour right above or below has no line midway.
+            // A neighbour directly above or below has no bisector.
             let is_apart = squared.simd_gt(zero);
             let scale = simd.select_f32x8(is_apart, f32x8::splat(simd, 2.0) / squared, zero);
             (x * scale).store_slice(&mut line[0]);
             (y * scale).store_slice(&mut line[1]);
         }
-        // One over the distance to the end of the cell in each direction.
+        // The reciprocal of the distance to the end of the cell in each direction.
         let mut inverse = [[0.0; LANES]; DIRECTIONS];
         for (direction, &[cosine, sine]) in self.directions.iter().enumerate() {
             let (mut max, mut min) = (zero, zero);
@@ -214,12 +214,12 @@ impl VoronoiCells<'_> {
             mirrored_max.store_slice(&mut inverse[(DIRECTIONS - direction) % DIRECTIONS]);
             (-mirrored_min).store_slice(&mut inverse[DIRECTIONS / 2 - direction]);
         }
-        // What is extreme along the circle is a corner or the middle of a side. Beyond the last neighbour nothing is
-        // known, so a corner there is taken to be no farther than it, and twice as far out the cell counts as open.
+        // Extrema along the circle are a corner or the centre of a side. Beyond the last neighbour nothing is known, so
+        // a corner there is assumed to be no farther than that neighbour, and twice as far out the cell counts as open.
         let known = f32x8::splat(simd, 1.0) / reach_squared.sqrt();
         let (mut smallest, may_open) = smallest_extreme(simd, &inverse, known);
-        // Gaps between directions cost 2 % of the CPU time of surfaces, radii and planes; 2 of 100,000 points on a
-        // torus get another radius.
+        // Handling gaps between directions costs 2 % of the CPU time of surfaces, radii and planes; it changes the
+        // radius of 2 of 100,000 points on a torus.
         if may_open.any_true() {
             holes::set_open(&self.directions, lines, known.into(), &mut inverse);
             (smallest, _) = smallest_extreme(simd, &inverse, known);

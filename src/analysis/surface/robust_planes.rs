@@ -80,7 +80,7 @@ fn refit(samples: &mut [WeightedOffset], mut normal: DVec3) -> DVec3 {
         });
         let scale = SCALE * sum / weights;
         if scale == 0.0 {
-            // All on the plane.
+            // All points lie on the plane.
             break;
         }
         for sample in &mut *samples {

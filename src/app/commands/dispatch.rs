@@ -26,7 +26,7 @@ pub(in crate::app) fn dispatch(ctx: &Context) -> Vec<Command> {
     } else {
         Focus::None
     };
-    // Those of the last pass: nothing of this one is laid out yet.
+    // Popups of the last pass: nothing of this one is laid out yet.
     let popup_is_open = Popup::is_any_open(ctx);
     let mut found = Vec::new();
     ctx.input_mut(|input| {
@@ -44,7 +44,7 @@ pub(in crate::app) fn dispatch(ctx: &Context) -> Vec<Command> {
             let Some((command, repeats)) = find(key, physical_key, modifiers) else {
                 return true;
             };
-            // An open menu is what Escape closes first.
+            // Escape closes an open menu first.
             let closes_popup = popup_is_open && key == Key::Escape;
             if closes_popup || focus.keeps(key, modifiers) {
                 return true;
@@ -75,7 +75,7 @@ impl Focus {
     fn keeps(self, key: Key, modifiers: Modifiers) -> bool {
         let function_key = key.name().len() > 1 && key.name().starts_with('F');
         if modifiers.ctrl || modifiers.command || function_key {
-            // What is typed is undone where it is typed.
+            // Typing is undone in the field itself.
             return self == Self::TextField && matches!(key, Key::Z | Key::Y);
         }
         match self {
@@ -94,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_combination_is_bound_twice() {
+    fn no_key_combination_is_bound_twice() {
         let bound: Vec<_> = commands().filter_map(|row| row.keys).collect();
         assert!(bound.len() > 50);
         for (index, keys) in bound.iter().enumerate() {
@@ -118,14 +118,15 @@ mod tests {
     }
 
     #[test]
-    fn letters_go_before_places() {
-        // On a German keyboard the key right of P is ü, which is bound by its place: the bracket of a US keyboard.
+    fn letters_take_precedence_over_key_positions() {
+        // On a German keyboard the key to the right of P is ü, which is bound by its position: the bracket of a US
+        // keyboard.
         let found = |key, place, modifiers| find(key, place, modifiers).map(|(command, _)| command);
         assert_eq!(
             found(Key::Backtick, Some(Key::OpenBracket), Modifiers::NONE),
             Some(Command::SLOWER)
         );
-        // Dvorak's P is where R is: the letter decides.
+        // Dvorak's P is where R is on QWERTY: the letter decides.
         assert_eq!(found(Key::P, Some(Key::R), Modifiers::NONE), Some(Command::SCREENSHOT));
         assert_eq!(found(Key::O, Some(Key::O), Modifiers::CTRL), Some(Command::OPEN_FILES));
         assert_eq!(found(Key::J, Some(Key::J), Modifiers::NONE), None);
@@ -133,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn text_fields_keep_what_they_need() {
+    fn text_fields_receive_the_keys_they_need() {
         assert!(Focus::TextField.keeps(Key::L, Modifiers::NONE));
         assert!(Focus::TextField.keeps(Key::F, Modifiers::NONE));
         assert!(!Focus::None.keeps(Key::F, Modifiers::NONE));

@@ -54,7 +54,7 @@ impl State {
             Some(Act::Run(run)) => run(self),
             // See [`State::give`].
             Some(Act::Take(..)) => {}
-            // A panel whose opening nobody has anything to add to.
+            // A panel that needs no further action when it opens.
             None => self.panels.toggle(PanelId::new(command.word())),
         }
     }
@@ -94,7 +94,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     #[test]
-    fn words_and_titles_are_of_one_command_each() {
+    fn words_and_titles_are_unique() {
         let (mut words, mut titles) = (BTreeSet::new(), BTreeSet::new());
         for row in commands() {
             assert!(words.insert(row.command.word()), "{}", row.command.word());
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_apply_says_why() {
+    fn commands_that_do_not_apply_say_why() {
         let state = State::new(crate::app::StateOptions::default());
         let row = row_of(Command::SAVE_SESSION).unwrap();
         assert_eq!(row.why_not(&state), Some("Nothing is open yet"));

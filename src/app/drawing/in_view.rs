@@ -186,14 +186,14 @@ mod tests {
     }
 
     #[test]
-    fn a_view_that_rests_gets_surfels_and_another_one_its_own() {
+    fn each_view_at_rest_gets_its_own_surfels() {
         let (frame, mut surfels) = (square(), for_all_clouds());
         let [near, far] = [camera(100.0), camera(400.0)];
         assert!(choose(&mut surfels, &frame, &near, 0).is_none());
         assert_eq!(surfels.next_deadline(), Some(REST));
         assert!(make(&mut surfels, 49).is_none());
         let made = make(&mut surfels, 50).unwrap();
-        // Nothing else is begun meanwhile.
+        // Nothing else is started in the meantime.
         assert_eq!(surfels.next_deadline(), None);
         surfels.take(&made);
         assert_eq!(surfels.next_deadline(), None);
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn what_came_too_late_is_not_drawn() {
+    fn late_results_are_not_drawn() {
         let (frame, mut surfels) = (square(), for_all_clouds());
         let [before, after] = [camera(100.0), camera(400.0)];
         choose(&mut surfels, &frame, &before, 0);
@@ -219,7 +219,7 @@ mod tests {
         surfels.take(&made);
         assert!(choose(&mut surfels, &frame, &after, 60).is_none());
         assert_eq!(surfels.next_deadline(), Some(ms(55) + REST));
-        // Nor what another picture has asked for.
+        // Nor are results that were requested for another view.
         let mut other = for_all_clouds();
         choose(&mut other, &frame, &before, 0);
         other.take(&made);
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn surfels_of_all_points_take_their_place_and_points_have_none() {
+    fn no_surfels_are_made_for_complete_frames_or_for_points() {
         let (frame, mut surfels) = (square(), for_all_clouds());
         let camera = camera(100.0);
         choose(&mut surfels, &frame, &camera, 0);
@@ -244,14 +244,14 @@ mod tests {
         };
         let chosen = surfels.choose(&frame, &view(&camera), &points, ms(70));
         assert!(chosen.is_none() && surfels.next_deadline().is_none());
-        // Nor have clouds whose own surfels are there soon.
+        // Nor are any computed for clouds whose own surfels are ready soon.
         let mut surfels = SurfelsInView::default();
         assert!(choose(&mut surfels, &frame, &camera, 0).is_none());
         assert_eq!(surfels.next_deadline(), None);
     }
 
     #[test]
-    fn where_nothing_is_seen_nothing_is_made_again_and_again() {
+    fn an_empty_view_is_not_estimated_repeatedly() {
         let (frame, mut surfels) = (square(), for_all_clouds());
         let mut aside = camera(100.0);
         aside.target_in_world.x += 1e6;

@@ -62,7 +62,7 @@ impl Levels {
             || self.asked_for == Some(frame.id)
             || !has_moving_levels(style)
             || style.draws_codes()
-            // What it lacks is on its way, or not wanted.
+            // What it still lacks is being prepared, or is not needed.
             || !can_draw(frame, style)
         {
             return;
@@ -171,14 +171,14 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_frame_is_coarse_while_the_camera_moves_and_whole_once_it_rests() {
+    fn a_slow_frame_is_coarse_while_the_camera_moves_and_complete_at_rest() {
         let frame = square();
         let style = Style::default();
         let mut levels = Levels::default();
         let ms = Duration::from_millis;
         assert!(levels.choose(&frame, &camera(0), &style, ms(0)).is_none());
         levels.note_whole_picture(&frame, 60.0);
-        // Levels are made once.
+        // Levels are built once.
         assert!(make(&mut levels, &frame, &style));
         assert!(!make(&mut levels, &frame, &style));
 
@@ -186,7 +186,7 @@ mod tests {
         assert!(coarse.frame.levels.octree().is_some() && coarse.frame.id == frame.id);
         assert_eq!(coarse.style, in_cells(&style, SMOOTH_MS));
         assert!(levels.are_drawn());
-        // The picture of all points is due once the camera has rested, and no sooner.
+        // The image of all points is due once the camera has come to rest, and no sooner.
         assert_eq!(levels.next_deadline(), Some(ms(100) + REST));
         let still_coarse = levels.choose(&frame, &camera(1), &style, ms(149)).unwrap();
         assert_eq!(still_coarse.style, in_cells(&style, SMOOTH_MS));
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_drawn_in_time_stays_as_it_is() {
+    fn frames_drawn_in_time_get_no_levels_of_detail() {
         let frame = square();
         let points = Style {
             primitive: Primitive::Point,
@@ -203,7 +203,7 @@ mod tests {
         };
         let cases = [
             ("fast", Style::default(), 27.0),
-            // They have no levels of detail.
+            // Point primitives have no levels of detail.
             ("points", points, 60.0),
         ];
         for (name, style, whole_ms) in cases {
@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn levels_of_a_frame_before_are_not_taken_for_those_of_the_next() {
+    fn levels_of_a_frame_are_not_used_for_the_next() {
         let [before, next] = [square(), square()];
         let style = Style::default();
         let mut levels = Levels::default();

@@ -66,7 +66,7 @@ impl Drawing {
         }
         let (packet, (drawn, _)) = self.packet.as_ref().zip(self.drawn.as_ref())?;
         self.scene.note_draw_ms(&packet.style, draw_ms);
-        // Triangles are drawn whatever the number of points.
+        // Triangles are drawn regardless of the number of points.
         if self.levels.are_drawn() || packet.content.mesh().is_some() {
             return None;
         }
@@ -163,7 +163,7 @@ impl Drawing {
         let Some((packet, (_, origin))) = self.packet.as_ref().zip(self.drawn.as_ref()) else {
             return vec![false; places.len()];
         };
-        // What is behind the eye is not in the picture.
+        // Points behind the eye are not in the image.
         let seen = places.iter().map(|&place| {
             let px = camera.to_px(place, packet.viewport_px);
             (place - origin, px.unwrap_or(DVec2::NEG_ONE))

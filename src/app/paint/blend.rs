@@ -98,7 +98,7 @@ pub(super) fn rounded(channels: [f32; 4]) -> u32 {
     /// Added to a number below 2²², it leaves the nearest integer in the lowest bits.
     const INTEGER: f32 = 12_582_912.0;
     let byte = |channel: f32| {
-        // A number that is none stays so in a clamp, but not in this.
+        // NaN passes through a clamp, but not through this.
         let positive = channel.max(0.0);
         (positive.min(255.0) + INTEGER).to_bits() & 255
     };
@@ -118,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn products_are_the_nearest() {
+    fn products_are_correctly_rounded() {
         for a in 0..=255_u32 {
             for b in 0..=255_u32 {
                 let exact = f64::from(a * b) / 255.0;
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn whole_and_nothing_are_exact() {
+    fn opaque_and_transparent_are_exact() {
         for pixel in [0, 0x0012_3456, 0x00ff_ffff, 0x00fe_01ff] {
             assert_eq!(over(0, pixel), pixel);
             assert_eq!(over(0xff65_4321, pixel), 0x0065_4321);
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_become_bytes() {
+    fn floats_are_converted_to_bytes() {
         assert_eq!(rounded([0.4, 0.6, 254.6, 300.0]), 0xff00_01ff);
         assert_eq!(rounded([f32::NAN, -5.0, f32::INFINITY, 128.0]), 0x8000_00ff);
         for color in [0x0102_0304, 0xfffe_8001] {

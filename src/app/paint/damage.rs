@@ -36,7 +36,7 @@ impl Damage {
                 return;
             }
             if cost(&held, &rect) <= SPARE_PX {
-                // The larger one may reach others that were passed by already.
+                // The union may touch rectangles that were already checked.
                 rect = rect.union(&held);
                 self.rects.swap_remove(index);
                 index = 0;
@@ -67,7 +67,7 @@ impl Damage {
             }
             for part in around(&rect, &hole) {
                 if !part.is_empty() {
-                    // Parts of one rectangle share no pixel with each other.
+                    // The parts of one rectangle do not overlap.
                     self.add_cut(part, index + 1);
                 }
             }
@@ -85,7 +85,7 @@ impl Damage {
         let mut joined = self.rects[first].union(&self.rects[second]);
         self.rects.swap_remove(second);
         self.rects.swap_remove(first);
-        // What it reaches into goes in as well, until it reaches into nothing.
+        // Merges every rectangle that it touches, until none is left.
         while let Some(index) = self.rects.iter().position(|rect| rect.touches(&joined)) {
             joined = joined.union(&self.rects.swap_remove(index));
         }
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_of_glyphs_is_one_and_a_cross_stays_thin() {
+    fn a_line_of_glyphs_is_one_rectangle_and_a_cross_stays_thin() {
         let mut damage = Damage::default();
         for glyph in 0..40 {
             damage.add(rect([10 + 9 * glyph, 20], [7, 12]));
@@ -139,7 +139,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_holds_all_that_changed_and_no_pixel_twice(
+        fn damage_covers_all_changes_and_no_pixel_twice(
             added in prop::collection::vec(([0u32..1200, 0u32..700], [0u32..300, 0u32..120]), 0..60)
         ) {
             let added: Vec<PixelRect> = added.into_iter().map(|(min, size)| rect(min, size)).collect();

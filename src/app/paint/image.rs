@@ -48,7 +48,7 @@ impl Image<'_> {
         let at = |pixel: u32| self.place.texel_at(axis, pixel, edge);
         let (first, last) = (at(self.area.min[axis]), at(self.area.max[axis] - 1));
         let steps = (self.area.max[axis] - 1 - self.area.min[axis]) as f32;
-        // The nearest texel stays the same as long as it is not about to be another.
+        // With nearest filtering the texel does not change while the position stays away from the texel's edges.
         let tolerance = if self.source.is_linear { ON_PIXEL } else { 0.25 };
         let is_on_texel = |at: f32| (at - at.floor() - 0.5).abs() <= tolerance;
         let is_unscaled = (last - first - steps).abs() <= tolerance;

@@ -89,7 +89,7 @@ pub(super) fn replace(
             entries.push(entry);
             continue;
         };
-        // What stood before the next that is kept is not shown any more.
+        // Old entries before the next retained one are no longer shown.
         for (index, entry) in old.by_ref() {
             if index == retained {
                 entries.push(entry);
@@ -105,7 +105,7 @@ pub(super) fn replace(
 fn flatten(shape: ClippedShape, leaves: &mut Vec<ClippedShape>) {
     let is_drawn = match &shape.shape {
         Shape::Noop | Shape::Callback(_) => false,
-        // The tessellator takes for granted that indices are those of vertices.
+        // The tessellator assumes that indices are valid vertices.
         Shape::Mesh(mesh) => mesh.is_valid(),
         _ => true,
     };

@@ -125,7 +125,7 @@ impl PixelMesh {
         for (corner, &index) in corners.iter_mut().zip(indices) {
             *corner = *self.vertices.get(index as usize)?;
         }
-        // What is no number makes none with anything.
+        // NaN and infinities turn the sum into NaN.
         let sum = |Vertex { pos, uv, .. }: &Vertex| pos.x * 0.0 + pos.y * 0.0 + uv.x * 0.0 + uv.y * 0.0;
         let are_numbers = corners.iter().map(sum).sum::<f32>() == 0.0;
         are_numbers.then_some(corners)
@@ -147,10 +147,10 @@ impl PixelMesh {
         let ys = a.map(|corner| corner.pos.y);
         let low = Pos2::new(min(xs), min(ys));
         let high = Pos2::new(max(xs), max(ys));
-        // Along each axis, at the lower and at the higher edge; the texture must be neither turned nor skewed.
+        // For each axis, at the lower and at the upper edge; the texture must be neither rotated nor skewed.
         let mut uv: [[Option<f32>; 2]; 2] = [[None; 2]; 2];
-        // Corners count from 0 to 3, which is 6 in all; what is missing of one triangle is opposite to what is of the
-        // other.
+        // Corners are numbered 0 to 3, with a sum of 6; the corner that one triangle lacks is opposite to the one that
+        // the other lacks.
         let mut missing = [6; 2];
         for (triangle, missing) in [a, b].into_iter().zip(&mut missing) {
             let mut seen = 0_u32;

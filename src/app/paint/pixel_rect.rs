@@ -79,7 +79,7 @@ impl PixelRect {
 
     /// The pixels of a clip rectangle, which is in points, rounded as `egui-wgpu` rounds its scissors.
     pub(super) fn of_clip(clip_pt: Rect, pixels_per_point: f32, size_px: [u32; 2]) -> Self {
-        // Casts saturate: what is left of the window or not a number is 0.
+        // Casts saturate: negative values and NaN become 0.
         let round = |edge_pt: f32| (pixels_per_point * edge_pt).round() as u32;
         let min = [
             round(clip_pt.min.x).min(size_px[0]),

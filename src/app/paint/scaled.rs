@@ -61,7 +61,7 @@ pub(super) fn paint(
     for (y, pixels) in (area.min[1]..).zip(canvas.spans(area)) {
         let at = between(source, place, 1, y);
         if upper.index != at.first {
-            // Enlarged, the lower row is the upper one some rows on.
+            // When magnified, the lower row becomes the upper one some rows later.
             std::mem::swap(&mut upper, &mut lower);
         }
         upper.load(at.first, source, &mut columns);
@@ -142,7 +142,7 @@ impl TexelRow {
                 columns.gather(|x| swizzled(row[x]) | OPAQUE);
             }
         }
-        // Channels are alike, whichever they are.
+        // All channels are treated alike, regardless of their order.
         let first: &[u8] = bytemuck::cast_slice(&columns.first);
         let second: &[u8] = bytemuck::cast_slice(&columns.second);
         let texels = first.iter().zip(second).zip(&columns.shares);

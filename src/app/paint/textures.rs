@@ -198,7 +198,7 @@ impl<'a> SampledTexture<'a> {
             Texels::Words(words) => words.len(),
             Texels::Picture(pixels) => pixels.len(),
         };
-        // Coordinates of texels are worked out in f32 and i32.
+        // Texel coordinates are computed in f32 and i32.
         let is_sound = size.iter().all(|&edge| edge > 0 && edge < 1 << 20);
         let source = Self {
             size,
@@ -255,7 +255,7 @@ impl<'a> SampledTexture<'a> {
         BetweenTexels {
             first: self.wrapped(axis, first),
             second: self.wrapped(axis, second),
-            // What is not finite has no share.
+            // Non-finite values have weight 0.
             share: if share.is_finite() { share } else { 0.0 },
         }
     }

@@ -132,7 +132,7 @@ fn for_spans(mut edges: [Edge; 3], area: &PixelRect, mut span: impl FnMut(u32, u
             } else if value < 0 {
                 to = 0;
             } else if edge.per_column < 0 {
-                // Farther than the width is no matter, and a comparison is cheaper than a division.
+                // Distances beyond the width do not matter, and a comparison is cheaper than a division.
                 if value < -edge.per_column * width {
                     to = to.min(value / -edge.per_column + 1);
                 }

@@ -25,7 +25,7 @@ pub(super) fn help_ui(ui: &mut Ui, state: &mut State) {
         .show(ui, |ui| {
             ui.spacing_mut().interact_size.y = 0.0;
             if is_small(ui.ctx()) {
-                // Scrolled as a whole, one list below the other.
+                // Scrolled as a whole, one list below another.
                 at_left(ui);
                 at_right(ui);
                 return;

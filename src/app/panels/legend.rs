@@ -16,7 +16,7 @@ const MIN_HEIGHT: f32 = 40.0;
 
 /// The legend of what is drawn, if it is to be shown.
 pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
-    // The window of changes has one of its own, in the same place; colours of photographs mean nothing.
+    // The change map has its own legend in the same place; colours from images have no legend.
     let is_elsewhere = state.features.temporal.change.is_on || state.drawn_style().draws_photos();
     if !state.panels.has(PanelId::LEGEND) || is_elsewhere {
         return;
@@ -59,7 +59,7 @@ pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
             let mut below = f32::INFINITY;
             for ((share, _), row) in ticks.iter().zip(rows) {
                 let y = bar.bottom() - bar.height() * share;
-                // A short ramp has no room for all.
+                // A short ramp has no space for all labels.
                 if below - y < 0.8 * row.size().y {
                     continue;
                 }

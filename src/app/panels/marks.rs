@@ -10,7 +10,7 @@ use egui::{Rect, Ui};
 pub(super) fn marks_ui(ui: &Ui, state: &mut State) {
     let is_playing = state.player.as_ref().is_some_and(Player::is_playing);
     if state.follow_labels() && !is_playing {
-        // What is drawn after this pass tells what is hidden. Who plays is asked again soon.
+        // What is occluded is only known after the next draw. During playback this runs again soon anyway.
         ui.ctx().request_repaint();
     }
     let state = &*state;

@@ -67,7 +67,7 @@ fn menus_ui(ui: &mut Ui, state: &mut State) {
 fn menu(ui: &mut Ui, title: &str, items: impl FnOnce(&mut Ui)) {
     let max_height = (ui.ctx().content_rect().height() - FREE_HEIGHT).max(FREE_HEIGHT);
     ui.menu_button(title, |ui| {
-        // A menu is made before it is known how much room there is.
+        // A menu is built before its available space is known.
         let area = ScrollArea::vertical().max_height(max_height);
         area.min_scrolled_height(max_height).show(ui, items);
     });

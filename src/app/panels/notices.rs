@@ -22,7 +22,7 @@ pub(super) fn notices_ui(ui: &mut Ui, state: &mut State) {
         return;
     }
     let mut dismissed = None;
-    // What is left of the window after the panels is the picture.
+    // The part of the window that panels leave free is the image.
     let corner = state.viewport.rect.left_bottom() + vec2(12.0, -12.0);
     Area::new(Id::unique("notices"))
         .pivot(Align2::LEFT_BOTTOM)

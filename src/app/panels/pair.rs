@@ -141,7 +141,7 @@ fn names(state: &State) -> Option<[String; 2]> {
     let split_view = state.features.split_view.as_ref()?;
     let player = state.player.as_ref()?;
     let named = |side: &str, sequence: &str, frame: String| {
-        // A file that holds all frames has their name already.
+        // Names of frames in a multi-frame file already start with the name of the file.
         if frame.starts_with(sequence) {
             format!("{side}  {frame}")
         } else {

@@ -75,11 +75,11 @@ enum SettingsRequest {
 
 /// The panel at the right: what who plays scans has a use for, and the rest in a section that opens as it was left.
 pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
-    // With what was guessed in place of what is left open.
+    // Open choices are replaced by the automatic settings.
     let drawn = state.drawn_style();
     let mut request = None;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        // A slider that is as wide as usual would widen the panel, which stays as wide as it ever was.
+        // A slider of the default width would widen the panel, which never shrinks again.
         let space = ui.available_width() - SLIDER_MARGIN;
         let spacing = ui.spacing_mut();
         spacing.slider_width = space.clamp(MIN_SLIDER_WIDTH, spacing.slider_width);
@@ -104,7 +104,7 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
         let shown = advanced.show_unindented(ui, |ui| advanced_ui(ui, state, &drawn));
         state.appearance.shows_advanced ^= shown.header_response.clicked();
         if sought::is_missing(ui.ctx()) {
-            // It is among these, or nothing that is drawn has a use for it.
+            // It is in this section, or nothing that is drawn uses it.
             if state.appearance.shows_advanced {
                 sought::give_up(ui.ctx());
             }
@@ -216,7 +216,7 @@ fn primitive(ui: &mut Ui, style: &mut Settings, guessed: Option<(Primitive, &str
             let added = ui.add_enabled(lack.is_none(), button).on_hover_text(word.hint);
             if added.on_disabled_hover_text(lack.map_or("", String::as_str)).clicked() {
                 style.primitive = primitive;
-                // What was clicked is what is chosen, not what with other settings has another word.
+                // Exactly the clicked primitive is chosen, not a shorthand that combines it with other settings.
                 Settings::PRIMITIVE
                     .shorthands
                     .iter()
@@ -266,7 +266,7 @@ fn camera(ui: &mut Ui, camera: &mut Camera, turntable: &mut Turntable) {
     let (all, words) = (Projection::ALL, Projection::WORDS);
     word(ui, "Projection", hint, &mut camera.projection, all, words);
     if camera.projection == Projection::Perspective {
-        // The slider rounds what it shows: what comes from a path or a text is not its to change.
+        // The slider rounds the displayed value: it must not change a value that comes from a path or a text field.
         let before = camera.fov_deg.round().clamp(5.0, 120.0);
         let mut shown = before;
         let fov = Slider::new(&mut shown, 5.0..=120.0).max_decimals(0).suffix(" °");

@@ -61,7 +61,7 @@ fn setting(ui: &mut Ui, described: &Described, value: Value) -> Value {
             environment_row(ui, described, &mut environment);
             Value::Environment(environment)
         }
-        // Colours have a section of their own.
+        // Colours have their own section.
         _ => value,
     }
 }
@@ -73,7 +73,7 @@ fn number_row(ui: &mut Ui, title: &str, hint: &str, numbers: &Numbers, number: f
     };
     row(ui, title, hint, slider(numbers, &mut shown));
     match numbers.unit {
-        // Whole tenths only: each other value divides the octrees of all frames anew.
+        // Whole tenths only: every other value would rebuild the octrees of all frames.
         Unit::Percent => f64::from((shown as f32 * 10.0).round() / 1000.0),
         Unit::Is(_) | Unit::Share => shown,
     }

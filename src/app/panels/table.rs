@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_panel_has_two_rows_and_what_is_in_the_menu_can_be_opened() {
+    fn panels_have_one_row_and_those_in_the_menu_can_be_opened() {
         let panels: Vec<_> = panels().collect();
         for (index, row) in panels.iter().enumerate() {
             let others = || panels[index + 1..].iter();

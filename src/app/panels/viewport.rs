@@ -85,7 +85,7 @@ fn move_camera(ui: &Ui, response: &Response, state: &mut State) {
         state.motion.turntable.is_on = false;
     }
     if response.clicked() || !pulls.is_empty() {
-        // A text field that was left by a click elsewhere must give the keys back.
+        // A text field that lost focus by a click elsewhere must release the keyboard.
         ui.memory_mut(|memory| {
             if let Some(focused) = memory.focused() {
                 memory.surrender_focus(focused);
@@ -125,7 +125,7 @@ fn click(response: &Response, state: &mut State) {
 fn pulls(ui: &Ui, response: &Response, grip: &mut Option<Grip>) -> Vec<Pull> {
     let ctx = ui.ctx();
     if ctx.dragged_id().is_some_and(|id| id != response.id) {
-        // The edge of a panel can be taken hold of from the picture's side.
+        // The edge of a panel can also be grabbed from the image's side.
         *grip = None;
         return Vec::new();
     }
@@ -186,7 +186,7 @@ fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
     match &state.player {
         None => welcome_ui(ui, rect, state),
         Some(player) => {
-            // With two, that of A.
+            // In a split view, that of A.
             let place = state.viewport.rect;
             if let Some(failure) = player.failure() {
                 let text = format!("Frame {} cannot be shown", failure.index() + 1);
@@ -228,7 +228,7 @@ fn axes(painter: &egui::Painter, rect: Rect, state: &State) {
         ("y", rotation * Vec3::Y, AXIS_COLORS[1]),
         ("z", rotation * Vec3::Z, AXIS_COLORS[2]),
     ];
-    // Those that point away first.
+    // Axes that point away are drawn first.
     axes.sort_by(|(_, a, _), (_, b, _)| a.z.total_cmp(&b.z));
     for (name, direction, color) in axes {
         let color = if direction.z < -0.2 {

@@ -34,7 +34,7 @@ const KEYS: [(&str, &str); 5] = [
 
 /// The view over all of `rect`.
 pub(super) fn welcome_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
-    // Text of a light theme is dark.
+    // Text in a light theme is dark.
     ui.painter_at(rect).rect_filled(rect, 0.0, ui.visuals().panel_fill);
     let width = WIDTH.min(rect.width() - 24.0).max(0.0);
     let center = Rect::from_center_size(rect.center(), vec2(width, (rect.height() - 24.0).max(0.0)));

@@ -115,7 +115,7 @@ impl Preferences {
     fn to_fields(self) -> Fields {
         match serde_json::to_value(self) {
             Ok(Value::Object(fields)) => fields,
-            // They are an object of words and numbers.
+            // Preferences always serialise to an object.
             Ok(_) | Err(_) => Fields::new(),
         }
     }
@@ -191,7 +191,7 @@ impl PreferencesFile {
             return;
         };
         let now = preferences.to_fields();
-        // Also after a failure: it would be the same each second.
+        // Also after a failure: it would fail again every second.
         let before = self.settled.replace(preferences).map(Preferences::to_fields);
         let written = persist::update(file, WHAT, |stored, unread| {
             persist::note_later_version(stored, VERSION, unread);

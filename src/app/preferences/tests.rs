@@ -181,7 +181,7 @@ fn write(file: &Path, first: Preferences, then: Preferences) {
 }
 
 #[test]
-fn all_choices_survive() {
+fn all_choices_round_trip() {
     assert_eq!(unusual().offered(), unusual(), "what the window offers is left alone");
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("not yet/settings.json");
@@ -237,7 +237,7 @@ fn of_versions() -> [(&'static str, Preferences); 7] {
     third.settings.drawing.renderer = usual.settings.drawing.renderer;
     let mut second = third;
     second.settings.levels.surfel_lod = usual.settings.levels.surfel_lod;
-    // What it called `delta` and `lod_px` no later version has read.
+    // No later version has read its fields `delta` and `lod_px`.
     let mut first = second;
     first.settings.levels = usual.settings.levels;
     [
@@ -252,20 +252,20 @@ fn of_versions() -> [(&'static str, Preferences); 7] {
 }
 
 #[test]
-fn files_of_every_version_are_read_as_they_were_meant() {
+fn files_of_every_version_keep_their_meaning() {
     for (text, expected) in of_versions() {
         assert_eq!(of_text(text), (expected, true), "{text}");
     }
 }
 
 #[test]
-fn every_name_of_version_6_is_still_one() {
+fn every_name_of_version_6_is_still_valid() {
     let mut stored: Fields = serde_json::from_str(OF_VERSION_6).unwrap();
     let written = serde_json::to_value(unusual()).unwrap();
     stored.remove("version");
     for (name, value) in &stored {
         assert!(written.get(name).is_some(), "{name} has another name now");
-        // Each by itself, so that none is taken from another.
+        // Each on its own, so that none is read from another.
         let alone = serde_json::json!({ name: value }).to_string();
         let (read, is_whole) = of_text(&alone);
         assert!(is_whole && read != Preferences::default(), "{alone}");
@@ -274,7 +274,7 @@ fn every_name_of_version_6_is_still_one() {
 
 proptest! {
     #[test]
-    fn whatever_the_command_line_lets_through_is_read_again(
+    fn all_values_accepted_on_the_command_line_are_read_back(
         sizes in prop::array::uniform4(prop_oneof![0f32..50.0, 0f32..=f32::MAX, Just(f32::INFINITY)]),
         speed_percent in 0u32..100_000,
         is_time: bool,
@@ -297,7 +297,7 @@ proptest! {
 }
 
 #[test]
-fn each_value_is_read_by_itself() {
+fn each_value_is_read_independently() {
     let whole = of_version_6();
     let default = Preferences::default();
     let with = |change: fn(&mut Settings)| {
@@ -309,13 +309,13 @@ fn each_value_is_read_by_itself() {
     let window_size = None;
     let speed = MIN_SPEED;
     let cases = [
-        // Not there, or of a later program.
+        // Missing, or from a later version of the program.
         ("\"theme\": \"light\",", "", Preferences { theme, ..whole }, true),
         ("\"version\": 6", "\"version\": 5", whole, true),
         ("\"version\": 6,", "", whole, true),
         ("\"version\": 6,", "\"of later\": 6,", whole, true),
         ("\"version\": 6", "\"version\": 7", whole, false),
-        // Not offered: the nearest.
+        // Not an offered value: the nearest one is used.
         ("0.31", "0.61", with(|s| s.levels.stop = StopCriterion::Loss(0.6)), true),
         (
             "0.31",
@@ -326,7 +326,7 @@ fn each_value_is_read_by_itself() {
         ("2.5", "-2.5", with(|s| s.levels.lod = Lod::ThresholdPx(0.0)), true),
         ("0.25", "0.0", Preferences { speed, ..whole }, true),
         ("900.0", "1e9", Preferences { window_size, ..whole }, true),
-        // Not known.
+        // Unknown.
         ("\"voxel\"", "\"cone\"", with(|s| s.primitive = Choice::Auto), false),
         (
             "\"scalar\"",
@@ -357,7 +357,7 @@ fn each_value_is_read_by_itself() {
 }
 
 #[test]
-fn what_cannot_be_read_is_copied_before_it_is_written_over() {
+fn unreadable_files_are_backed_up_before_being_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("settings.json");
     let half = &OF_VERSION_6[..OF_VERSION_6.len() / 2];
@@ -374,7 +374,7 @@ fn what_cannot_be_read_is_copied_before_it_is_written_over() {
 }
 
 #[test]
-fn what_a_later_program_added_is_still_there_when_it_comes_back() {
+fn entries_of_later_versions_are_preserved() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("settings.json");
     let later = OF_VERSION_6.replacen('{', "{\"of later\": {\"a\": [1, 2.5]},", 1);
@@ -388,7 +388,7 @@ fn what_a_later_program_added_is_still_there_when_it_comes_back() {
 }
 
 #[test]
-fn two_windows_undo_nothing_of_each_other() {
+fn two_windows_do_not_undo_each_others_changes() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("settings.json");
     fs::write(&file, r#"{"version": 6, "speed": 2.0, "of later": 1}"#).unwrap();
@@ -405,7 +405,7 @@ fn two_windows_undo_nothing_of_each_other() {
     second.note(in_second, at(1));
     first.write();
     second.write();
-    // What a window has written once it changes again, and only that.
+    // A window writes only what it has changed itself.
     in_first.speed = 0.5;
     first.note(in_first, at(5));
     first.write();
@@ -419,7 +419,7 @@ fn two_windows_undo_nothing_of_each_other() {
 }
 
 #[test]
-fn a_file_that_was_broken_meanwhile_is_copied_before_it_is_written_over() {
+fn a_file_damaged_meanwhile_is_backed_up_before_being_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("settings.json");
     let (mut stored, begun) = PreferencesFile::load_from(&file);
@@ -434,7 +434,7 @@ fn a_file_that_was_broken_meanwhile_is_copied_before_it_is_written_over() {
 }
 
 #[test]
-fn a_change_is_written_once_it_has_settled() {
+fn changes_are_written_once_they_have_settled() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("settings.json");
     let (mut stored, begun) = PreferencesFile::load_from(&file);
@@ -457,14 +457,14 @@ fn a_change_is_written_once_it_has_settled() {
     assert_eq!(PreferencesFile::load_from(&file).1, dragged);
     assert_eq!(stored.next_deadline(), None);
 
-    // There and back again is no change.
+    // A change that is reverted does not count.
     stored.note(unusual(), at(20));
     stored.note(dragged, at(20));
     assert_eq!(stored.next_deadline(), None);
 }
 
 #[test]
-fn what_cannot_be_written_is_tried_once() {
+fn failed_writes_are_not_retried() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("file"), "").unwrap();
     let (mut stored, begun) = PreferencesFile::load_from(&folder.path().join("file/settings.json"));

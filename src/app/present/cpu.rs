@@ -134,7 +134,7 @@ impl CpuPresenter {
         }
         self.surface.resize(width, height).map_err(no_surface)?;
         let begin = Instant::now();
-        // Waits until the window system has read, or released, what was presented before.
+        // Waits until the window system has read, or released, the previously presented buffer.
         let mut buffer = self.surface.buffer_mut().map_err(no_surface)?;
         let waited = begin.elapsed();
         let begin = Instant::now();
@@ -198,7 +198,7 @@ impl Presenter for CpuPresenter {
             let context = Context::headless(&ContextOptions::default())?;
             Ok(Arc::clone(known.insert(context)))
         })?;
-        // A picture of all pixels is shown as it is.
+        // An image at full resolution is shown unfiltered.
         let filter = if packet.style.drawing.resolution < 1.0 {
             TextureFilter::Linear
         } else {
@@ -226,7 +226,7 @@ impl Presenter for CpuPresenter {
 
     fn set_resident_budget_bytes(&mut self, budget_bytes: u64) {
         let others = self.other_picture.iter_mut();
-        // The budget is that of both sides of a comparison.
+        // The budget is shared by both sides of a comparison.
         let count = 1 + others.len() as u64;
         for picture in others.chain([&mut self.picture]) {
             if let Some((renderer, _)) = &mut picture.hardware {

@@ -47,7 +47,7 @@ impl GpuPresenter {
         })?;
         let context = Arc::clone(surface.context());
         let options = RendererOptions {
-            // It would be added to the picture too, which is to be shown as it is.
+            // Dithering would also be applied to the image, which must be shown unchanged.
             dithering: false,
             ..RendererOptions::default()
         };
@@ -131,7 +131,7 @@ impl GpuPresenter {
         let [width, height] = self.surface.size_px().map(u64::from);
         Ok(Painted {
             presented: true,
-            // A driver that is behind waits here, too.
+            // A driver that lags behind blocks here, too.
             waited: waited + presenting,
             painting,
             presenting,
@@ -185,7 +185,7 @@ impl Presenter for GpuPresenter {
 
     fn set_resident_budget_bytes(&mut self, budget_bytes: u64) {
         let others = self.other_picture.iter_mut();
-        // The budget is that of both sides of a comparison.
+        // The budget is shared by both sides of a comparison.
         let count = 1 + others.len() as u64;
         for picture in others.chain([&mut self.picture]) {
             picture.renderer.set_resident_budget_bytes(budget_bytes / count);

@@ -59,7 +59,7 @@ impl GpuPicture {
         packet: &ScenePacket,
         work: &mut GpuWork,
     ) -> Result<(), RenderError> {
-        // A window that could not be painted has left them.
+        // Left over if the window could not be painted.
         self.submit(context, work);
         self.drawn_by = if packet.style.is_drawn_on_gpu() {
             DrawnBy::Gpu
@@ -82,7 +82,7 @@ impl GpuPicture {
                 (self.software.generation, self.software.view())
             }
         };
-        // A picture of all pixels is shown as it is.
+        // An image at full resolution is shown unfiltered.
         let filter = if packet.style.drawing.resolution < 1.0 {
             wgpu::FilterMode::Linear
         } else {

@@ -30,13 +30,13 @@ pub(super) fn open(choice: PresentChoice, window: &Arc<Window>) -> Result<Box<dy
     match choice {
         PresentChoice::Gpu => open_gpu(window),
         PresentChoice::Cpu => open_cpu(window),
-        // A software driver is worse than none: fifteen windows per second on two cores, whatever their contents, and
-        // it took the cores from the loader.
+        // A software driver is worse than none: fifteen windows per second on two cores, regardless of their contents,
+        // and it took the cores away from the loader.
         PresentChoice::Auto if may_have_gpu() => match open_gpu(window) {
             Ok(presenter) if !presenter.info().is_software => Ok(presenter),
             Ok(software) => {
                 log::info!("{} is not a GPU", software.info().adapter);
-                // The window can have one surface at a time.
+                // A window can have only one surface at a time.
                 drop(software);
                 open_cpu(window)
             }
@@ -45,7 +45,7 @@ pub(super) fn open(choice: PresentChoice, window: &Arc<Window>) -> Result<Box<dy
                 open_cpu(window)
             }
         },
-        // A display of an odd kind may be one that only a driver can show on.
+        // An unusual display may be one that only a driver can present to.
         PresentChoice::Auto => open_cpu(window).or_else(|error| {
             log::info!("{error}");
             open_gpu(window)

@@ -57,7 +57,7 @@ pub(super) fn acquire<T: SurfaceImages>(target: &mut T) -> Result<Option<T::Imag
             return Ok(None);
         }
         let answer = target.next();
-        // A repair also helps the next picture, whether or not this one can wait for it.
+        // A repair also helps the next frame, whether or not this one can wait for it.
         match answer {
             Answer::Image(image) => return Ok(Some(image)),
             Answer::NotNow => return Ok(None),
@@ -135,7 +135,7 @@ impl SurfaceImages for WindowSurface {
     fn next(&mut self) -> Answer<wgpu::SurfaceTexture> {
         use wgpu::CurrentSurfaceTexture as Current;
         match self.surface.get_current_texture() {
-            // One that does not fit is still shown; the size that fits is set with the resize event that follows.
+            // An image that does not fit is still shown; the correct size is set with the resize event that follows.
             Current::Success(image) | Current::Suboptimal(image) => Answer::Image(image),
             Current::Timeout | Current::Occluded => Answer::NotNow,
             Current::Outdated | Current::Validation => Answer::Outdated,
@@ -150,7 +150,7 @@ impl SurfaceImages for WindowSurface {
     }
 
     fn recreate(&mut self, size_px: [u32; 2]) -> Result<(), RenderError> {
-        // A lost device takes its surfaces with it, and then that is the news.
+        // A lost device also loses its surfaces; the device is then what has to be reported.
         self.context.check_alive()?;
         self.surface = create_surface(&self.context.instance, &self.window)?;
         self.reconfigure(size_px);
@@ -189,7 +189,7 @@ fn surface_config(
     {
         config.format = format;
     }
-    // Fifo is the one mode that every adapter has.
+    // Fifo is the only mode that every adapter supports.
     config.present_mode = wgpu::PresentMode::Fifo;
     config.desired_maximum_frame_latency = FRAMES_IN_FLIGHT;
     config.alpha_mode = if capabilities.alpha_modes.contains(&wgpu::CompositeAlphaMode::Opaque) {
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn every_answer_has_its_consequence() {
+    fn every_surface_status_is_handled() {
         use Answer::{Image, Lost, NotNow, Outdated};
         let (fit, fresh) = ("reconfigure [640, 480]", "recreate [640, 480]");
         let cases = [
@@ -260,9 +260,9 @@ mod tests {
             (vec![Outdated, Image("a")], Some("a"), vec!["next", fit, "next"]),
             (vec![Lost, Image("a")], Some("a"), vec!["next", fresh, "next"]),
             (vec![Outdated, NotNow], None, vec!["next", fit, "next"]),
-            // Made anew while the window changes its size.
+            // Recreated while the window is being resized.
             (vec![Lost, Outdated], None, vec!["next", fresh, "next", fit]),
-            // Repairs that do not help come to an end.
+            // Repairs that do not help are eventually given up.
             (vec![Outdated, Outdated], None, vec!["next", fit, "next", fit]),
             (vec![Lost, Lost], None, vec!["next", fresh, "next", fresh]),
         ];
@@ -287,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lost_device_is_told() {
+    fn a_lost_device_is_reported() {
         let mut target = Scripted {
             is_device_lost: true,
             ..Scripted::new(&[Answer::Lost])
@@ -296,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn a_window_beyond_the_adapter_is_shown_in_part() {
+    fn a_window_beyond_the_adapter_limit_is_partly_shown() {
         assert_eq!(within([20_000, 100], 16_384), [16_384, 100]);
         assert_eq!(within([0, 0], 16_384), [0, 0]);
     }

@@ -154,7 +154,7 @@ impl Presets {
             entries.sort_by_key(name_of);
             stored.insert(LIST.to_owned(), Value::Array(entries));
             stored.insert("version".to_owned(), VERSION.into());
-            // What cannot be read of the others was said when they were read first.
+            // Unreadable entries were already reported when the file was first read.
             *list = presets_of(stored, &mut Vec::new());
         });
         written.map_err(|reason| {

@@ -62,7 +62,7 @@ fn of_version_1() -> Settings {
             ..PointStyle::default()
         },
         voxels: VoxelStyle {
-            // The file is older than the choice.
+            // The file predates this setting.
             light: VoxelLight::Normals,
         },
         levels: LevelStyle {
@@ -119,7 +119,7 @@ fn read_of(text: &str) -> (tempfile::TempDir, Presets) {
 }
 
 #[test]
-fn presets_are_kept_by_name() {
+fn presets_are_stored_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("presets.json");
     let mut presets = Presets::load_from(&file);
@@ -137,7 +137,7 @@ fn presets_are_kept_by_name() {
 }
 
 #[test]
-fn files_of_version_1_are_read_as_they_were_meant() {
+fn files_of_version_1_keep_their_meaning() {
     let (_folder, presets) = read_of(OF_VERSION_1);
     assert_eq!(presets.problem(), None);
     let expected = Preset {
@@ -148,7 +148,7 @@ fn files_of_version_1_are_read_as_they_were_meant() {
 }
 
 #[test]
-fn each_value_is_read_by_itself() {
+fn each_value_is_read_independently() {
     let whole = of_version_1();
     let default = Settings::default();
     let scale = |splat_scale| whole.with(|style| style.surfels.splat_scale = splat_scale);
@@ -187,7 +187,7 @@ fn each_value_is_read_by_itself() {
 }
 
 #[test]
-fn what_cannot_be_read_is_copied_before_it_is_written_over() {
+fn unreadable_files_are_backed_up_before_being_overwritten() {
     for damaged in [
         OF_VERSION_1.replacen('{', "", 1),
         OF_VERSION_1.replace("\"day\"", "\"\""),
@@ -208,7 +208,7 @@ fn what_cannot_be_read_is_copied_before_it_is_written_over() {
 }
 
 #[test]
-fn lists_by_hand_are_put_in_order() {
+fn hand_written_lists_are_sorted() {
     let entry = |name: &str| format!(r#"{{"name": "{name}", "settings": {{}}}}"#);
     let list = [entry("b"), entry(" a "), entry("b"), entry(&"c".repeat(80))].join(",");
     let (_folder, presets) = read_of(&format!(r#"{{"presets": [{list}]}}"#));
@@ -218,7 +218,7 @@ fn lists_by_hand_are_put_in_order() {
 }
 
 #[test]
-fn what_is_built_in_is_offered() {
+fn built_in_presets_are_offered() {
     for (name, _, settings) in built_in() {
         assert_eq!(settings.nearest(), settings, "{name}");
     }

@@ -22,7 +22,8 @@ impl State {
     /// Ends what lies over all else: a question, a window, then what a tool has begun, the tool, the full screen. Menus
     /// close by themselves.
     pub(in crate::app) fn escape(&mut self) {
-        // The key has taken the keyboard from their fields already, so they do not see it. One thing at a time.
+        // The key has already been taken from the text fields, so they do not see it. Only one thing is closed at a
+        // time.
         let has_closed = Features::rows::<Self>().iter().any(|feature| feature.escape(self))
             || self.stored.preset_name.take().is_some()
             || self.panels.close_topmost()
@@ -54,7 +55,7 @@ impl State {
 
     fn note_in_history(&mut self, note: impl FnOnce(&mut History, &Document)) {
         self.gather_document();
-        // Of two ways to draw that are compared, the one whose settings are shown is the one that is undone.
+        // When two styles are compared, undo applies to the one whose settings are shown.
         let of_a = self.document.style();
         self.document.set_style(self.style);
         note(&mut self.history, &self.document);
@@ -114,7 +115,7 @@ impl State {
         self.motion.fly.note(&events, typing);
         self.handle_clipboard(ctx);
         for command in dispatch(ctx) {
-            // While flying, Ctrl is the slow pace and Q the way down.
+            // While flying, Ctrl means slow and Q down.
             if command != Command::QUIT || !self.motion.fly.is_flying() {
                 self.run(command);
             }
@@ -136,7 +137,8 @@ impl State {
             let frame = player.shown()?;
             Some((frame.index + 1, player.sequence().len()))
         });
-        // As the timeline has it: names by {frame} have the index, which would be taken for another place.
+        // Numbered as on the timeline: names by {frame} contain the index, which would be mistaken for a different
+        // position.
         shown.map_or(format!("pointreel-{stem}"), |(place, count)| {
             let digits = count.to_string().len();
             format!("pointreel-{stem}-{place:0digits$}-of-{count}")

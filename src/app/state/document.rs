@@ -73,7 +73,7 @@ impl State {
         let (range, frame) = (document.range, document.frame);
         self.play_with(|player, now| {
             player.set_range(range, now);
-            // Frames of a live source are gone; who follows a folder has asked for its newest.
+            // Frames of a live source are gone; a followed folder shows its newest frame.
             let has_frame = !player.sequence().source().is_live() && !player.follows_newest();
             if has_frame && frame != player.clock().frame() {
                 player.seek(frame, now);

@@ -79,7 +79,7 @@ mod tests {
     use std::time::{Duration, Instant};
 
     #[test]
-    fn a_session_is_saved_beside_the_data_where_there_is_no_dialog_and_replaces_nothing() {
+    fn without_a_dialog_a_session_is_saved_next_to_the_data_and_replaces_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let scan = folder.path().join("scan.xyz");
         fs::write(&scan, "0 0 0\n1 0 0\n0 1 0\n").unwrap();
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_to_be_opened_needs_a_dialog() {
+    fn opening_without_a_dialog_is_reported() {
         let mut state = State::new(StateOptions::default());
         let dialog = Dialog::files("Open point clouds", |_: &mut State, _| panic!("there is no dialog"));
         state.take_answer(DialogAnswer::NoDialog(dialog));

@@ -57,7 +57,7 @@ impl State {
         let Some(player) = &self.player else { return };
         let sequence = Arc::clone(player.sequence());
         let look = FirstLook::of_first(&frame.frame, &sequence);
-        // A frame that is read anew, as it was half-written, moves no camera that somebody has moved.
+        // A frame re-read because it was half-written must not move a camera that the user has moved.
         let is_chosen = !self.opening.looked.is_empty() && self.opening.looked.untouched(&self.camera).is_none();
         let camera = self.camera;
         if self.opening.looked.is_outdated {
@@ -226,7 +226,7 @@ impl State {
     fn aspect(&self) -> f64 {
         match self.viewport.size_px.map(f64::from) {
             [width, height] if width > 0.0 && height > 0.0 => width / height,
-            // Nothing was laid out yet.
+            // Nothing has been laid out yet.
             _ => 16.0 / 9.0,
         }
     }

@@ -53,7 +53,7 @@ impl State {
         let before = document.style();
         let mut chosen = self.shared.options.given.over(before);
         if self.player.is_some() {
-            // A clip of the command line is that of its first sequence.
+            // A clip given on the command line applies only to its first sequence.
             chosen.clip = before.clip;
         }
         document.clip = chosen.clip;
@@ -63,7 +63,7 @@ impl State {
         }
         let end = document.range.of(sequence.len()).end;
         if !self.shared.options.paused && document.frame + 1 >= end {
-            // What plays would end at once.
+            // Playback would end at once.
             document.frame = document.range.of(sequence.len()).start;
         }
         Found {
@@ -195,7 +195,7 @@ impl State {
                 self.notices.warn(problem);
             }
         }
-        // Also after a failure: it would be the same each second.
+        // Also after a failure: it would fail again every second.
         self.opening.keeper.written = now.clone();
         self.opening.keeper.begun = now;
         self.opening.keeper.changed = None;
@@ -276,7 +276,7 @@ impl State {
         if let (Some(_), Some(folder), Some(player)) =
             (&self.opening.keeper.file, &self.shared.options.documents, &self.player)
         {
-            // Its first frame may have another name.
+            // Its first frame may have a different name.
             self.opening.keeper.file = folder.file_of(player.sequence());
         }
     }
@@ -297,7 +297,7 @@ mod tests {
     use crate::sequence::FrameEntry;
 
     #[test]
-    fn a_change_is_kept_once_it_has_stayed_for_a_moment() {
+    fn a_change_is_persisted_once_it_has_been_stable_briefly() {
         let folder = tempfile::tempdir().unwrap();
         let documents = folder.path().join("documents");
         let mut state = State::new(StateOptions {
@@ -329,7 +329,7 @@ mod tests {
             (None, true),
             "no session has it"
         );
-        // As it was before: there is nothing to keep any more.
+        // Back to the initial state: there is nothing left to save.
         state.document.notes.clear();
         note(&mut state);
         state.keep_if_due(due + 2 * WRITE_DELAY);

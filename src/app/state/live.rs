@@ -22,7 +22,7 @@ impl State {
         let Some(change) = self.opening.connection.watch.look(&live.status(), self.shared.now) else {
             return false;
         };
-        // What was broken is not any more; or it broke once more.
+        // The connection has recovered, or broken again.
         if let Some(said) = self.opening.connection.said.take() {
             self.notices.dismiss_text(&said);
         }

@@ -162,7 +162,7 @@ impl State {
             settings: self.new_style(),
             present: self.appearance.present,
             loop_mode: clock.map_or(self.shared.options.preferences.loop_mode, Clock::loop_mode),
-            // A sequence that was left while it played backward is not what the next one is to begin with.
+            // If a sequence was closed while playing backward, the next one does not start that way.
             speed: clock.map_or(self.shared.options.preferences.speed, Clock::speed).abs(),
             panels: self.panels.remembered(),
             thumbnails: self.features.thumbnails.is_on,

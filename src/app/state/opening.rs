@@ -101,7 +101,7 @@ impl State {
         if inputs.is_empty() {
             return;
         }
-        // What was asked for last is what is wanted.
+        // The latest request wins.
         self.opening.session_question = None;
         self.shared.works.cancel(WorkKind::Open);
         let name = format!("Opening {}", entry_name(&inputs));
@@ -114,7 +114,7 @@ impl State {
             let (open, session, sequence) = match session_of(&inputs) {
                 Ok(Some(mut read)) => {
                     let beyond = read.beyond(open.session_reach);
-                    // What the user has changed may be elsewhere.
+                    // The user's changes may be stored elsewhere.
                     if let Some(documents) = documents.filter(|_| beyond.is_empty()) {
                         documents.restore(&mut read);
                     }
@@ -171,7 +171,7 @@ impl State {
 
 fn found(inputs: &[PathBuf], open: &OpenOptions, progress: &Progress) -> Result<Arc<Sequence>, NotFound> {
     let sequence = Sequence::open_observed(inputs, open, progress)?;
-    // What was cancelled during the last file is not wanted either.
+    // If it was cancelled during the last file, the result is not wanted either.
     if progress.is_cancelled() {
         return Err(NotFound::Cancelled);
     }

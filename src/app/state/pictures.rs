@@ -58,12 +58,12 @@ impl State {
         let set = set.filter(|_| shows_photos);
         let textured = self.features.photos.drawn(&composed.frame, set.as_ref(), &style);
         if self.style.primitive.is_open() && waits_for_surface && textured.is_none() {
-            // A few thousand points are no surface before it is found.
+            // A few thousand points do not form a surface before it has been estimated.
             style.primitive = Primitive::Point;
         }
         let composed = match textured {
             Some(with) if Arc::ptr_eq(with.bare(), &composed.frame) => with.composed(&composed.pose),
-            // It stands for one that is being made.
+            // A stand-in for one that is being built.
             Some(with) => with.composed(with.bare()),
             None => composed,
         };
@@ -91,8 +91,8 @@ impl State {
         let style = self.drawn_style();
         let Some(player) = &self.player else { return };
         let noted = self.main.drawing.note_draw_ms(draw_ms);
-        // What stands for a frame that is on its way says nothing about its picture, and levels of it would be in its
-        // way.
+        // A stand-in for a frame that is still loading says nothing about the draw time of that frame, and building
+        // levels for it would get in the way.
         let is_partial = player.is_partial();
         if let Some(points) = noted.filter(|_| !is_partial) {
             player.note_picture_ms(points, draw_ms);
@@ -122,7 +122,7 @@ impl State {
         let player = self.player.as_ref()?;
         let set = player.posed_images();
         let shown = player.shown()?;
-        // Disks of the other side may be as large as they like: its renderer draws depths of its own.
+        // Disks of the other side may be of any size: its renderer draws its own depths.
         let textured = self.features.photos.drawn(shown, set.as_ref(), &style_of_a);
         let frame = textured.map_or(shown, |with| with.frame());
         if self.viewport.size_px.contains(&0) {

@@ -55,7 +55,7 @@ impl State {
         {
             player.refresh_runs();
         }
-        // The first frame of a folder that is followed may still be being written.
+        // The first frame of a followed folder may still be being written.
         let player = self.player.as_ref().filter(|_| !self.shared.options.follow);
         let Some(reason) = player.and_then(reason_of_nothing) else {
             return false;

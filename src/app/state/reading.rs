@@ -94,7 +94,7 @@ impl State {
         let mut watch = |loader: &Loader, sequence: &Sequence, frame: usize, is_first: bool| {
             let readings = loader.readings();
             let mut readings = readings.iter();
-            // Before the first frame is here, any is read to find where the sequence is.
+            // Until the first frame is loaded, any frame is read to find the position of the sequence.
             if let Some(reading) = readings.find(|reading| is_first || reading.index == frame) {
                 let name = || work_name(reading, &sequence.entry(frame).name);
                 works.watch(WorkKind::Read, name, &reading.progress, now);
@@ -144,7 +144,7 @@ impl State {
         self.end_comparison(Side::A);
         self.style = self.new_style();
         self.shared.options.view = None;
-        // Its threads end what they are on; nobody waits for that here.
+        // Its threads end after the frame they are working on; nothing waits for that here.
         close(before);
         self.opening.looked = SequenceLook::default();
         self.motion.glide = None;
@@ -164,7 +164,7 @@ mod tests {
     use crate::app::Progress;
 
     #[test]
-    fn bars_say_which_stage_they_are_of() {
+    fn progress_bars_name_their_stage() {
         let name_of = |stage| {
             let progress = Progress::default();
             let reading = Reading {

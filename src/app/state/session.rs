@@ -65,7 +65,7 @@ impl State {
         let inputs = compared.inputs.clone();
         let open = OpenOptions {
             topic: compared.topic.as_deref().map(Arc::from),
-            // Another session among them is asked about by itself.
+            // If it contains another session, that one is asked about separately.
             session_reach: SessionReach::default(),
             ..self.opened_with().clone()
         };
@@ -136,12 +136,12 @@ impl State {
             hash,
         } = saved;
         self.notices.info(format!("Saved {}", file.display()));
-        // What is in the session is not lost.
+        // What is stored in the session is not lost.
         self.features.path.note_stored(path);
         if let Err(problem) = self.stored.recent.add(std::slice::from_ref(&file)) {
             self.notices.warn(problem);
         }
-        // What was changed while it was written is kept as changes of what is in the file now.
+        // Changes made while it was being written are stored as changes to what is in the file now.
         self.keep_document();
         if let (Some(folder), Some(before)) = (&self.shared.options.documents, &self.opening.keeper.unsaved) {
             folder.forget_unsaved(before);
@@ -185,7 +185,7 @@ impl State {
         self.keep_document();
         let mut changes = String::new();
         if let Unsaved::Restored(saved) = &mut unsaved {
-            // As the window would have written it.
+            // In the form that the window would have written.
             let read = Reading::of(&saved.reading.over(&self.shared.options.open));
             let topic = read.topic.clone().or_else(|| document.reading.topic.clone());
             saved.reading = Reading { topic, ..read };
@@ -196,7 +196,7 @@ impl State {
         if !self.show(sequence, chosen) {
             return;
         }
-        // Who draws is as before once another sequence is opened.
+        // The previous renderer is restored once another sequence is opened.
         self.opening.measured_way = Some(MeasuredWay { before, chosen });
         let is_damaged = !warnings.is_empty();
         for warning in warnings {
@@ -211,7 +211,7 @@ impl State {
             }
         });
         self.shared.options.is_fresh = false;
-        // What is opened again in place of itself has no file of its own.
+        // A document reopened in place has no file of its own.
         self.opening.keeper.unsaved = (!file.as_os_str().is_empty())
             .then(|| self.unsaved_place(&file, text_hash))
             .flatten();

@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_have_nine_digits_and_no_more() {
+    fn numbers_have_at_most_nine_digits() {
         for (value, text) in [
             (0.0, "0"),
             (0.1 + 0.2, "0.3"),

@@ -35,7 +35,7 @@ impl<'a> PictureOverlay<'a> {
     fn to_window(&self, px: DVec2) -> Pos2 {
         let [width, height] = self.size_px.map(|edge| f64::from(edge.max(1)));
         let part = px / DVec2::new(width, height);
-        // Far beyond the window is far enough, and f32 that can be added to.
+        // Far outside the window is far enough, and keeps f32 precise enough for additions.
         let part = part.clamp(DVec2::splat(-100.0), DVec2::splat(100.0));
         let size = self.rect.size();
         self.rect.min + vec2(part.x as f32 * size.x, part.y as f32 * size.y)

@@ -30,7 +30,7 @@ pub(in crate::app) fn note_free_rect(ctx: &Context, space: Rect) -> bool {
     });
     let is_settled = before.is_none_or(|before| before == size);
     if !is_settled {
-        // In this pass the heights of menu and timeline are those of the previous size, and tools would be squeezed.
+        // In this pass menu and timeline have the heights of the previous size, and tool windows would be squeezed.
         ctx.request_discard("the window has another size");
         ctx.request_repaint();
     }

@@ -58,14 +58,14 @@ impl App {
             input,
             ..
         } = screen;
-        // The window can have one surface at a time.
+        // A window can have only one surface at a time.
         drop(presenter);
         let mut before = Some(EguiBefore {
             context: egui,
             accessibility: input.accesskit,
         });
         let opened = match self.open_screen(event_loop, Arc::clone(&window), &mut before) {
-            // What was chosen may not be there, but what there was is.
+            // The chosen presenter may not be available, but the previous one is.
             Err(error) if choice != self.state.appearance.present => {
                 self.state.notices.error(error.to_string());
                 self.state.appearance.present = choice;

@@ -151,7 +151,7 @@ fn run_with(options: Options, window_bench: Option<WindowBench>) -> Result<Vec<W
     let mut app = App::new(options, &event_loop);
     let proxy = event_loop.create_proxy();
     let end = move || {
-        // Without an event loop it has ended already.
+        // If the event loop is gone, it has already ended.
         let _ = proxy.send_event(Message::End);
     };
     let _ends_well = signals::on_first(end, Some(PATIENCE));
@@ -230,8 +230,8 @@ impl App {
             }
         });
         let mut state = State::new(options.state.clone());
-        // Who has opened something before is offered that; who begins sees something that moves.
-        // A folder without frames that is followed is waited for by the window.
+        // Users who have opened something before are offered that; new users see something that moves. The window waits
+        // for the first frame of a followed folder.
         let is_waited_for = options.sequence.is_none() && !options.inputs.is_empty();
         let offers_demo = state.stored.recent.entries().is_empty() && !is_waited_for;
         let demo = || offers_demo.then(|| Arc::new(Sequence::demo()));
@@ -289,14 +289,14 @@ impl App {
         let attributes = Window::default_attributes()
             .with_title("pointreel")
             .with_min_inner_size(MIN_SIZE)
-            // Screen readers have to know of a window before it is seen.
+            // Screen readers have to know about a window before it becomes visible.
             .with_visible(false)
             // An alpha visual stays black on software adapters under a bare X server.
             .with_transparent(false);
         #[cfg(all(unix, not(target_os = "macos")))]
         let attributes = {
             use winit::platform::wayland::WindowAttributesExtWayland as _;
-            // By this desktops find its icon and keep its windows together, under X11 too.
+            // Desktops use this to find its icon and to group its windows, also under X11.
             attributes.with_name("pointreel", "pointreel")
         };
         let left = self.options.state.preferences.window_size.map(LogicalSize::<f64>::from);
@@ -381,7 +381,7 @@ impl App {
     /// Has a trial do what is due; when there is more to do.
     fn advance_window_bench(&mut self, event_loop: &ActiveEventLoop, now: Duration) -> Option<Duration> {
         let (window_bench, screen) = self.window_bench.as_mut().zip(self.screen.as_mut())?;
-        // Beyond the first redraw, which says where things are.
+        // After the first redraw, which determines the layout.
         if !self.has_been_shown {
             return None;
         }
@@ -399,7 +399,7 @@ impl App {
 
     /// Has a script run what is due; when there is more to do.
     fn advance_script(&mut self, event_loop: &ActiveEventLoop, now: Duration) -> Option<Duration> {
-        // Beyond the first redraw, which says where things are.
+        // After the first redraw, which determines the layout.
         let script = self.options.script.as_mut().filter(|_| self.has_been_shown)?;
         match script.advance(&mut self.state, now) {
             Ok(true) => self.change = VisibleChange::Panels,
@@ -421,7 +421,8 @@ impl App {
     /// Takes notice of what is to be kept.
     fn note_preferences(&mut self, window: &Window) {
         let size = window.inner_size();
-        // Being maximised is asked of the window system: only when it may be another answer.
+        // Querying whether it is maximised is a request to the window system: only done when the answer may have
+        // changed.
         if self.noted_size != Some(size) {
             self.noted_size = Some(size);
             if window.fullscreen().is_none() && !window.is_maximized() {
@@ -477,7 +478,7 @@ impl ApplicationHandler<Message> for App {
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _window: WindowId, event: WindowEvent) {
         if matches!(event, WindowEvent::RedrawRequested) {
-            // One that nobody here has asked for is of the window system, which has lost what was shown.
+            // A redraw that was not requested here comes from the window system, which has lost what was shown.
             self.is_exposed |= !std::mem::take(&mut self.is_redraw_queued);
             self.redraw(event_loop);
             return;
@@ -568,7 +569,7 @@ impl ApplicationHandler<Message> for App {
         self.options.preferences_file.write();
         self.state.keep_document();
         self.state.end_exports();
-        // What is on the screen goes before the connection to the window system, which ends with the event loop.
+        // The surface must be dropped before the connection to the window system, which ends with the event loop.
         self.screen = None;
     }
 }
@@ -579,7 +580,7 @@ fn within_screen(event_loop: &ActiveEventLoop, size: LogicalSize<f64>) -> Logica
     let screens = event_loop.available_monitors();
     let rooms = screens.map(|screen| screen.size().to_logical::<f64>(screen.scale_factor()));
     let largest = rooms.max_by(|a, b| (a.width * a.height).total_cmp(&(b.width * b.height)));
-    // Some systems know a screen of no size until a window is on it.
+    // Some systems report a screen without a size until a window is on it.
     match largest.filter(|space| space.width > 0.0 && space.height > 0.0) {
         Some(space) => LogicalSize::new(size.width.min(space.width), size.height.min(space.height)),
         None => size,

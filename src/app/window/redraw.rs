@@ -133,8 +133,8 @@ impl App {
 
     /// Takes notice of how long a redraw took.
     fn note_redraw(&mut self, screen: &OpenWindow, redraw: Redraw, is_shown: bool) {
-        // A wait for the next picture of the screen costs nothing; what is beyond it is a driver, or a window system,
-        // that is behind.
+        // Waiting for the next refresh of the screen costs nothing; anything longer is a driver, or a window system,
+        // that lags behind.
         let idle = redraw.waiting.min(self.refresh_interval);
         let frame_ms = redraw.whole.saturating_sub(idle).as_secs_f64() * 1e3;
         self.state.note_redraw(redraw, frame_ms, screen.presenter.stats());
@@ -174,7 +174,7 @@ impl App {
         let is_due = |at: Option<Duration>| at.is_some_and(|at| at <= now);
         match change {
             VisibleChange::Panels => true,
-            // A new frame between two runs of the panels changes the image alone.
+            // A new frame between two runs of the panels only changes the image.
             VisibleChange::Frame if now.saturating_sub(self.last_panels) >= PANELS_INTERVAL => true,
             VisibleChange::Frame | VisibleChange::Picture | VisibleChange::Nothing => {
                 is_due(self.repaint_at) || is_due(self.news_at)
@@ -213,7 +213,7 @@ impl App {
             screen.presenter.draw(Side::B, &packet)?;
             let texture = screen.presenter.texture(Side::B);
             if std::mem::replace(&mut self.state.viewport.other_texture, texture) != texture {
-                // The panels did not know it yet.
+                // The panels have not seen it yet.
                 self.repaint_at = Some(self.last_redraw);
             }
         }
@@ -247,7 +247,7 @@ impl App {
                     None => self.state.notices.warn("No text to paste"),
                 },
                 WindowRequest::FullScreen => {
-                    // The window system may have ended it meanwhile: the window itself knows.
+                    // The window system may have ended full screen in the meantime: ask the window itself.
                     let full = screen.window.fullscreen().is_none();
                     let full_screen = full.then_some(Fullscreen::Borderless(None));
                     screen.window.set_fullscreen(full_screen);
@@ -275,7 +275,7 @@ impl App {
         let Some(player) = &self.state.player else {
             return Ok(());
         };
-        // Without playing there is no second frame to wait for.
+        // When not playing there is no second frame to wait for.
         let wanted = if player.is_playing() {
             self.options.after_frames
         } else {

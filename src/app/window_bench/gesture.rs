@@ -107,13 +107,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_drag_presses_once_moves_evenly_and_lets_go() {
+    fn a_drag_presses_once_moves_evenly_and_releases() {
         let rect = Rect::from_min_size(pos2(10.0, 20.0), vec2(300.0, 200.0));
         let ms = Duration::from_millis;
         let mut gesture = Gesture::around(rect, ms(1000), ms(80));
         let mut event_times = Vec::new();
         let mut all = Vec::new();
-        // The second look comes late: what was due meanwhile is there with its own moments.
+        // The second call comes late: events that were due in the meantime are delivered with their own times.
         for now in [1000, 1050, 1079] {
             let (events, is_over) = gesture.advance(ms(now), &mut event_times);
             assert!(!is_over);

@@ -210,7 +210,8 @@ impl WindowBench {
         if is_opened {
             Processor::forget_peak();
         }
-        // As from the beginning: with a loader that knows nothing. What is opened has not even been looked at.
+        // As from a fresh start: with an empty loader. For the open action, not even the automatic settings have been
+        // determined.
         let sequence = if is_opened {
             Arc::new(input.sequence.fresh())
         } else {
@@ -339,7 +340,7 @@ impl Watched {
                 if !is_picture {
                     return false;
                 }
-                // The clock runs from the first picture on.
+                // The clock starts at the first image.
                 if self.step.action == Action::Play && self.found.pictures == 0 {
                     let first_ms = now.saturating_sub(self.begun_at).as_secs_f64() * 1e3;
                     self.found.first_ms = Some(first_ms);

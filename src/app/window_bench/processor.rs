@@ -64,7 +64,7 @@ impl Processor {
         };
         let mut system = System::new();
         let times = ProcessRefreshKind::nothing().with_cpu().with_tasks();
-        // Single threads are listed only where all processes are.
+        // Individual threads are listed only when all processes are.
         system.refresh_processes_specifics(ProcessesToUpdate::All, false, times);
         let Some(process) = system.process(own) else {
             return Self::default();
@@ -100,7 +100,7 @@ impl Processor {
                 ThreadRole::Driver => &mut used.driver_ms,
                 ThreadRole::Helper => &mut used.helpers_ms,
             };
-            // The system may give the number of a thread that has ended to another.
+            // The system may reuse the id of a thread that has ended.
             *sum += (ms - ms_before).max(0.0);
         }
         Some(used)
@@ -151,7 +151,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn threads_are_told_apart_by_their_names() {
+    fn threads_are_distinguished_by_name() {
         assert_eq!(ThreadRole::of("frame loader 3"), ThreadRole::Prepare);
         assert_eq!(ThreadRole::of("frame stages 0"), ThreadRole::Prepare);
         assert_eq!(ThreadRole::of("llvmpipe-1"), ThreadRole::Driver);
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn a_while_is_the_difference_of_each_thread() {
+    fn cpu_time_of_an_interval_is_the_difference_per_thread() {
         let at = |all_ms, threads: &[(u32, ThreadRole, f64)]| Processor {
             all_ms,
             threads: threads
@@ -189,7 +189,7 @@ mod tests {
 
     #[test]
     #[cfg(target_os = "linux")]
-    fn the_system_tells_of_the_start_and_of_the_peak() {
+    fn the_system_reports_start_time_and_peak_memory() {
         let before = Processor::since_start().unwrap();
         std::thread::sleep(Duration::from_millis(120));
         let after = Processor::since_start().unwrap();
@@ -199,14 +199,14 @@ mod tests {
         let with_page = Processor::peak_resident_bytes().unwrap();
         drop(page);
         assert!(with_page >= 100 << 20, "{with_page}");
-        // The system counts pages of each processor apart, and adds them up now and then.
+        // The kernel counts pages per CPU, and only adds them up from time to time.
         let after = Processor::peak_resident_bytes().unwrap();
         assert!(after + (16 << 20) >= with_page, "{after} of {with_page}");
     }
 
     #[test]
     #[cfg(target_os = "linux")]
-    fn the_system_tells_of_single_threads() {
+    fn the_system_reports_single_threads() {
         let begin = std::time::Instant::now();
         let busy = std::thread::Builder::new().name("frame loader 9".to_owned());
         let seen = busy.spawn(move || {

@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_new_picture_replaces_no_file() {
+    fn a_new_image_replaces_no_file() {
         let folder = tempfile::tempdir().unwrap();
         let image = image::RgbaImage::from_pixel(3, 2, image::Rgba([1, 2, 3, 255]));
         let first = save_new_png(&image, folder.path(), "frame 7").unwrap();
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_is_what_its_name_says() {
+    fn images_are_written_in_the_format_of_their_name() {
         let folder = tempfile::tempdir().unwrap();
         let image = image::RgbaImage::from_pixel(3, 2, image::Rgba([1, 2, 3, 255]));
         for (name, first) in [
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_is_not_there_is_said() {
+    fn a_missing_folder_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         let image = image::RgbaImage::new(1, 1);
         let path = folder.path().join("missing/picture.png");

@@ -53,7 +53,7 @@ mod tests {
     impl Message for Number {}
 
     #[test]
-    fn a_message_is_taken_by_who_knows_its_type() {
+    fn a_message_is_taken_by_the_receiver_of_its_type() {
         let mut taken = 0;
         let outcome = Outcome::from(Number(7));
         assert!(format!("{outcome:?}").contains("Number"));

@@ -22,7 +22,7 @@ pub(in crate::app) fn work_ui(ui: &mut Ui, work: &Work, now: Duration, width: f3
 
 /// Waits for other machines.
 fn waits_ui(ui: &mut Ui) {
-    // Work is shown once it has taken longer.
+    // Work is shown once it has taken longer than this.
     const MIN_SHOWN: Duration = Duration::from_millis(200);
     for wait in waits(MIN_SHOWN).iter().take(2) {
         ui.weak(printable::text(&format!("Waiting for {}", wait.what)));
@@ -32,7 +32,7 @@ fn waits_ui(ui: &mut Ui) {
 /// Shows a progress bar with the completed share and the remaining time.
 pub(in crate::app) fn bar(ui: &mut Ui, work: &Work, now: Duration) {
     let Some(share) = work.share() else {
-        // Nothing moves here: a spinner would have the window drawn all the time.
+        // Nothing is animated here: a spinner would make the window redraw all the time.
         ui.weak(match work.kind {
             WorkKind::Read => "Decoding and preparing…".to_owned(),
             _ => left_text(None),

@@ -66,7 +66,7 @@ impl<T: TaskOutcome> Tasks<T> {
         let sender = self.sender.clone();
         let wake = Arc::clone(&self.wake);
         let started = thread::Builder::new().name(name.to_owned()).spawn(move || {
-            // Nobody listens any more when the window was closed meanwhile.
+            // If the window was closed in the meantime, there is no receiver any more.
             if sender.send(task().into()).is_ok() {
                 wake();
             }
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn outcomes_come_back_with_a_wake() {
+    fn outcomes_arrive_with_a_wake_up() {
         let (woken, wakes) = sync_channel(1);
         let mut tasks = Tasks::<TestOutcome>::new(Arc::new(move || woken.send(()).unwrap()));
         tasks.start("number", || 7);

@@ -87,7 +87,7 @@ impl Work {
         self.seen = match self.seen {
             Some((first, last)) if done == last.done => Some((first, last)),
             Some((first, last)) if done > last.done => Some((first, seen)),
-            // It began anew, as work in several stages does.
+            // The count started over, as with work in several stages.
             Some(_) | None => (done > 0).then_some((seen, seen)),
         };
     }
@@ -100,11 +100,10 @@ impl Work {
         if steps == 0 || took_s == 0.0 {
             return None;
         }
-        // Between the first and the last step that were seen: opening a device or decoding a first frame does not
-        // count.
+        // Between the first and the last step observed: opening a device or decoding a first frame does not count.
         let step_s = took_s / steps as f64;
         let steps_left = self.progress.of()?.saturating_sub(last.done);
-        // A step that takes longer than the others takes nothing off those that follow.
+        // A step that takes longer than the others does not reduce the time left for those that follow.
         let since_s = now.saturating_sub(last.at).as_secs_f64().min(step_s);
         let left_s = step_s * steps_left as f64 - since_s;
         Duration::try_from_secs_f64(left_s.max(0.0)).ok()
@@ -206,7 +205,7 @@ pub(in crate::app) fn left_text(left: Option<Duration>) -> String {
     let Some(left) = left else {
         return "…".to_owned();
     };
-    // A second that has begun is still to be waited for.
+    // Rounded up to whole seconds.
     let seconds = left.as_secs() + u64::from(left.subsec_nanos() > 0);
     let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
     match hours {
@@ -234,18 +233,18 @@ mod tests {
     }
 
     #[test]
-    fn the_pace_is_that_of_what_was_seen_done() {
-        // Ten seconds of opening, then two seconds a step.
+    fn time_left_follows_the_observed_rate() {
+        // Ten seconds of opening, then two seconds per step.
         let work = work(10, &[(5.0, 0), (10.0, 1), (12.0, 2), (14.0, 3)]);
         assert_eq!(work.share(), Some(0.3));
         assert_eq!(work.time_left(at(14.0)), Some(at(14.0)));
         assert_eq!(work.time_left(at(15.0)), Some(at(13.0)));
-        // The fourth step takes longer: six are to come after it in any case.
+        // The fourth step takes longer: six more follow in any case.
         assert_eq!(work.time_left(at(20.0)), Some(at(12.0)));
     }
 
     #[test]
-    fn what_is_not_measured_is_not_guessed() {
+    fn unmeasured_rates_are_not_guessed() {
         assert_eq!(work(10, &[]).time_left(at(9.0)), None);
         assert_eq!(work(10, &[(1.0, 0)]).time_left(at(9.0)), None);
         assert_eq!(work(10, &[(1.0, 4)]).time_left(at(9.0)), None);
@@ -253,7 +252,7 @@ mod tests {
         let nobody_knows = work(0, &[(1.0, 4), (2.0, 5)]);
         assert_eq!(nobody_knows.share(), None);
         assert_eq!(nobody_knows.time_left(at(9.0)), None);
-        // A second stage is measured anew.
+        // The second stage is measured from scratch.
         let stages = [(1.0, 1), (2.0, 9), (3.0, 1)];
         assert_eq!(work(10, &stages).time_left(at(3.0)), None);
         let stages = [(1.0, 1), (2.0, 9), (3.0, 1), (6.0, 2)];
@@ -272,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn work_is_shown_when_it_takes_long_until_its_thread_lets_go() {
+    fn long_work_is_shown_until_its_thread_finishes() {
         let mut works = Works::default();
         let progress = works.begin(WorkKind::Open, "Opening".to_owned(), at(1.0));
         assert_eq!(works.next_deadline(at(1.0)), Some(at(1.3)));
@@ -287,13 +286,13 @@ mod tests {
         drop(progress);
         assert!(works.look(at(1.3), at(2.0)), "it is no longer shown");
         assert!(works.list().is_empty());
-        // What is over before it would be shown is never seen.
+        // Work that ends before it would be shown is never shown.
         drop(works.begin(WorkKind::Open, String::new(), at(3.0)));
         assert!(!works.look(at(3.0), at(3.1)));
     }
 
     #[test]
-    fn work_that_nobody_waits_for_is_cancelled() {
+    fn unneeded_work_is_cancelled() {
         let (work, progress) = Work::begin(WorkKind::Benchmark, String::new(), at(0.0));
         drop(work);
         assert!(progress.is_cancelled());

@@ -37,7 +37,7 @@ pub(in crate::cli) fn run(arguments: &CheckArgs, lists_all: bool) -> anyhow::Res
     let mut report = check(&sequence, &|done| bar.set(done));
     bar.clear();
     let look = assumptions::first_look(&sequence);
-    // What a picture would take for up, which sees several frames.
+    // The up axis that an image would use, which is determined from several frames.
     report.probable_up = look.as_ref().map(|look| look.up.name()).or(report.probable_up);
     assumptions::print_guesses(&sequence, look.as_ref(), &[Subject::FrameTimes]);
     let mut guesses = assumptions::of(&sequence, look.as_ref());

@@ -159,7 +159,7 @@ fn read(path: &Path) -> anyhow::Result<RgbaImage> {
         Err(reason) => return Err(reason).with_context(|| format!("{name} cannot be read")),
     }
     let opened = fs::File::open(path).map(BufReader::new);
-    // First bytes decide, not the name, as everywhere.
+    // Detected by the first bytes, not by the name, as everywhere.
     let mut reader = opened
         .and_then(|file| ImageReader::new(file).with_guessed_format())
         .with_context(|| format!("{name} cannot be read"))?;

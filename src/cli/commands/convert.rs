@@ -106,7 +106,7 @@ pub(in crate::cli) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
         reading: arguments.read.in_words(),
     };
     match MergePrice::of(&conversion, &sequence) {
-        // At once: it is to be known before anything is written.
+        // Immediately: the user should know before anything is written.
         Ok(price) => price.iter().for_each(|price| say(&format!("warning: {price}"))),
         Err(error) => warnings::warn(&format!("what merging costs cannot be estimated: {error}")),
     }
@@ -114,12 +114,12 @@ pub(in crate::cli) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     let shown = Arc::clone(&bar);
     let progress = Progress::told_to(move |progress| shown.set(progress.done()));
     let cancelled = progress.clone();
-    // The frames that are being written are finished.
+    // Frames that are being written are completed first.
     let ends_well = signals::on_first(move || cancelled.cancel(), None);
     let converted = convert(&sequence, &conversion, &progress);
     drop(ends_well);
     bar.clear();
-    // Files of one frame have no rate.
+    // Single-frame files have no frame rate.
     let rate_is_retained = matches!(conversion.output, Output::Reel(..));
     let untouched: &[Subject] = if rate_is_retained { &[] } else { &[Subject::FrameTimes] };
     assumptions::print_guesses(&sequence, None, untouched);
@@ -235,7 +235,7 @@ impl NamedPlace {
         if extension == "reel" {
             return Ok(Self::Reel);
         }
-        // LAZ with an octree: its readers would not find that.
+        // COPC is LAZ with an octree, which readers would miss.
         if text.to_ascii_lowercase().ends_with(".copc.laz") {
             bail!(
                 "{text}: COPC files (.copc.laz) are not written. The formats of files are {}, and .reel for a sequence \
@@ -355,7 +355,7 @@ mod tests {
     use glam::DVec3;
 
     #[test]
-    fn shares_are_counted_from_one() {
+    fn shards_are_counted_from_one() {
         assert_eq!(shard("1/1"), Ok(Shard::WHOLE));
         assert_eq!(shard("2/8"), Ok(Shard { index: 1, count: 8 }));
         for wrong in ["0/3", "4/3", "1", "1/0", "a/b", "-1/2"] {
@@ -364,7 +364,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_means_a_file_that_is_written_or_a_folder() {
+    fn an_output_name_selects_a_file_format_or_a_folder() {
         let of = |name: &str, format: Option<&str>| {
             NamedPlace::of(Path::new(name), format.map(|format| format.parse().unwrap()))
         };

@@ -144,9 +144,9 @@ enum FrameReport {
 
 pub(in crate::cli) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
     let OpenedInputs { sequence, session } = open_inputs_and_tell(&arguments.inputs, &arguments.read.open_options())?;
-    // Decodes the first frame, which is kept for its line.
+    // Decodes the first frame, which is cached for its line.
     let origin = sequence.origin();
-    // Rayon decodes as many frames at once as there are cores, and keeps none.
+    // Rayon decodes as many frames at once as there are cores, and retains none.
     let frames: Vec<FrameInfo> = (0..sequence.len())
         .into_par_iter()
         .map(|index| frame_info(&sequence, index))

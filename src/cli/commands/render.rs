@@ -114,7 +114,7 @@ pub(in crate::cli) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         (failed, sequence.len())
     };
     if let Some(path) = &arguments.stats {
-        // It may have become the picture or video, by whatever name.
+        // It may have become the image or video in the meantime, under any name.
         check_replaced(path, OutputKind::Json)?;
         let json = serde_json::to_string_pretty(&stats).context("the statistics cannot be written as JSON")?;
         write_text(path, &json)?;
@@ -123,7 +123,7 @@ pub(in crate::cli) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     let primitive = chooses_primitive.then_some(Subject::Primitive);
     let up = sets_up.then_some(Subject::UpAxis);
     let colors = chooses_colors.then_some(Subject::Colors);
-    // A picture has no rate.
+    // An image has no frame rate.
     let times = arguments.output.is_some().then_some(Subject::FrameTimes);
     let chosen: Vec<Subject> = [primitive, up, colors, times].into_iter().flatten().collect();
     assumptions::print_guesses(headless.sequence(), Some(&look), &chosen);
@@ -197,7 +197,7 @@ fn render_frames(
     let FrameRange { first, last } = range;
     let options = arguments.poses.options(range, headless, style)?;
     let mut failed = Vec::new();
-    // One camera for the whole range: poses stay comparable.
+    // One camera for the whole range, so that poses are comparable.
     let mut camera: Option<Camera> = None;
     for index in first..=last {
         let frame = match headless.frame(index, style) {
@@ -232,7 +232,7 @@ fn render_frames(
         };
         if output.as_os_str() == STDOUT {
             write_png(headless, &picture, BytesAnswer, Path::new("stdout"))?;
-            // What the encoder has left in the buffer of stdout.
+            // Whatever the encoder has left in the buffer of stdout.
             note(std::io::stdout().lock().flush());
         } else {
             write_picture(headless, &picture, &path)?;

@@ -54,12 +54,12 @@ pub(super) fn render_video(
     check_outputs(headless.sequence(), outputs.into_iter(), OutputKind::Picture)?;
     let mut told = HashSet::new();
     let bar = Bar::new(video.picture_count());
-    // A signal ends the process and removes what is written so far.
+    // A signal ends the process and removes what has been written so far.
     let progress = Progress::default();
     let exported = export_video(headless, &video, output, &progress, &mut |picture| {
         bar.set(picture.done);
         for problem in &picture.problems {
-            // A loop shows a frame again.
+            // A loop shows a frame more than once.
             if told.insert(problem.clone()) {
                 warnings::warn_of_frame(problem);
             }

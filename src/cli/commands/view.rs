@@ -143,15 +143,15 @@ pub(in crate::cli) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         ..args.read.picture_options()
     };
     let (recent, recent_problem) = Recent::load();
-    // Who has opened something before is offered that.
+    // Users who have opened something before are offered that.
     let is_bare = args.inputs.is_empty() && args.compare.is_empty();
     let offers_recent = is_bare && args.screenshot.is_none() && args.record.is_none() && !recent.entries().is_empty();
-    // The window says that it waits for the first frame.
+    // The window shows that it is waiting for the first frame.
     let can_ask = args.screenshot.is_none() && args.record.is_none();
     let waits = can_ask && args.follow && is_empty_folder(&args.inputs);
-    // The window asks whether a session may open what is not in its folder.
+    // The window asks whether a session may open files outside its folder.
     let asks = can_ask && reaches_beyond(&args.inputs, &open);
-    // A picture that a script asks for does not depend on who looked at what before.
+    // A scripted image does not depend on what was viewed before.
     let (reading_choices, choices_problem) = match args.screenshot {
         Some(_) => Default::default(),
         None => ReadingChoices::load(),
@@ -217,7 +217,7 @@ pub(in crate::cli) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         named: args.inputs.clone(),
         opened_with,
         session: session.map(Box::new),
-        // The demo is in the menu, and what is no file is not among the recent ones.
+        // The demo is in the menu, and special words are not listed among the recent files.
         inputs: args
             .inputs
             .iter()
@@ -335,7 +335,7 @@ fn open_compared(args: &ViewArgs, open: &OpenOptions) -> anyhow::Result<Option<S
 /// Loads the current user's preferences, overridden by the command line; `has_settings` refers to a session, whose
 /// settings override both.
 fn load_preferences(args: &ViewArgs, has_settings: bool) -> (PreferencesFile, Preferences) {
-    // A picture that a script asks for does not depend on who looked at what before.
+    // A scripted image does not depend on what was viewed before.
     let (file, retained) = if args.screenshot.is_some() {
         (PreferencesFile::default(), Preferences::default())
     } else {
@@ -346,7 +346,7 @@ fn load_preferences(args: &ViewArgs, has_settings: bool) -> (PreferencesFile, Pr
     }
     let mut settings = retained.settings;
     if !has_settings {
-        // Who draws is of no document.
+        // The renderer is not part of any document.
         settings.drawing = args.picture.style_over(settings).drawing;
     }
     let preferences = Preferences {

@@ -114,7 +114,7 @@ pub(in crate::cli) fn check_source(
             continue;
         }
         looked_at.push(index);
-        // One that cannot be read is reported where it is shown.
+        // An unreadable frame is reported where it is shown.
         let Ok(cloud) = sequence.decode(index) else {
             continue;
         };

@@ -21,7 +21,8 @@ pub(in crate::cli) fn skip_without_session() {
             unsafe_code,
             reason = "the layer is chosen by the loader of Vulkan, which asks the environment alone"
         )]
-        // SAFETY: nothing else reads or writes the environment meanwhile, since the program has no other thread yet.
+        // SAFETY: nothing else reads or writes the environment at the same time, since the program has no other thread
+        // yet.
         unsafe {
             std::env::set_var(SWITCH, "1");
         }
@@ -30,7 +31,7 @@ pub(in crate::cli) fn skip_without_session() {
 
 /// Returns true if the layer would look for a session, and libwayland would not know where.
 fn is_useless(variable: impl Fn(&str) -> Option<OsString>) -> bool {
-    // Whoever names a card, or has set the switch, knows of the layer.
+    // A user who names a GPU, or has set the switch, knows about the layer.
     let names_a_card = ["MESA_VK_DEVICE_SELECT", "DRI_PRIME", SWITCH];
     if names_a_card.iter().any(|name| variable(name).is_some()) {
         return false;
@@ -52,7 +53,7 @@ mod tests {
     }
 
     #[test]
-    fn the_layer_is_left_out_where_libwayland_would_complain() {
+    fn the_layer_is_disabled_where_libwayland_would_complain() {
         assert!(is_useless_with(&[]));
         assert!(is_useless_with(&[("DISPLAY", ":0")]));
         assert!(is_useless_with(&[("WAYLAND_DISPLAY", "wayland-0")]));
@@ -61,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn the_layer_stays_where_it_has_something_to_ask_or_was_chosen() {
+    fn the_layer_stays_enabled_where_it_is_useful_or_requested() {
         for variable in [
             ("XDG_RUNTIME_DIR", "/run/user/1000"),
             ("WAYLAND_DISPLAY", "/run/user/1000/wayland-0"),

@@ -47,7 +47,7 @@ impl<T: Clone + Send + Sync + 'static> TypedValueParser for KnownValues<T> {
             Ok(parsed) => return Ok(parsed),
             Err(expected) => expected,
         };
-        // A word that is not a number, a name or a path is a known one, misspelt.
+        // A word that is not a number, a name or a path is a misspelt known value.
         let is_word = text.chars().all(|letter| letter.is_ascii_alphabetic() || letter == '-');
         if is_word && !self.words.is_empty() {
             PossibleValuesParser::new(&self.words).parse_ref(command, argument, value)?;

@@ -162,7 +162,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lengths_have_the_unit_of_the_file_or_their_own() {
+    fn lengths_use_the_unit_of_the_file_unless_given_one() {
         let length = |text: &str| text.parse::<ReelPrecision>();
         assert_eq!(length("lossless"), Ok(ReelPrecision::Lossless));
         let of = |length, metres| Ok(ReelPrecision::Length { length, metres });

@@ -46,7 +46,7 @@ pub(in crate::cli) fn check_outputs(
 
 /// Refuses to replace a file at `output` that is not of `kind`; an empty one is of any.
 pub(in crate::cli) fn check_replaced(output: &Path, kind: OutputKind) -> anyhow::Result<()> {
-    // Pipes and devices keep nothing.
+    // Pipes and devices hold no data that could be lost.
     if !output.exists() || persist::is_pipe_or_device(output) {
         return Ok(());
     }

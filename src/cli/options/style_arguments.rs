@@ -34,7 +34,7 @@ fn with_options(command: Command, described: &'static Described, default: Value)
         option.hide_short_help(!described.everyday)
     };
     match &described.values {
-        // Colours belong together, and a background can be transparent: they are options of their own.
+        // Colours belong together, and a background can be transparent: they have their own options.
         Values::Colors | Values::Background => command,
         Values::Words(_) | Values::Number(_) | Values::Environment | Values::Switch(_) => {
             let words = described.words();
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn an_option_is_understood_by_its_former_name_and_by_what_others_call_it() {
+    fn options_accept_former_names_and_names_from_other_programs() {
         for flag in ["--lod-structure", "--levels"] {
             assert_eq!(style_of(&[flag, "hspt"]).levels.structure, LevelStructure::Hierarchical);
         }
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn a_switch_needs_no_word_and_others_are_misspelt() {
+    fn a_switch_needs_no_value_and_wrong_values_are_rejected() {
         assert!(style_of(&["--grid"]).backdrop.grid);
         assert!(!style_of(&["--grid=off"]).backdrop.grid);
         assert_eq!(style_of(&["--shadows"]).light.shadows, OnOff::On);
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_word_that_is_short_for_several_settings_gives_way_to_what_is_given_of_them() {
+    fn explicit_settings_override_a_shorthand_for_several() {
         let of = |style: Settings| (style.primitive, style.surfels.filter);
         let short = ["--primitive", "ewa"];
         assert_eq!(of(style_of(&short)), (Primitive::Surfel.into(), SplatFilter::Ewa));

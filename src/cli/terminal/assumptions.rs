@@ -17,7 +17,7 @@ pub(in crate::cli) fn of(sequence: &Sequence, look: Option<&FirstLook>) -> Vec<A
 
 /// From the first frame of `sequence` that can be read, and some others; `None` without a point.
 pub(in crate::cli) fn first_look(sequence: &Sequence) -> Option<FirstLook> {
-    // Pictures have the usual filters of depth images, without which stray points hide what is a surface.
+    // Images are drawn with the default filters of depth images, without which outliers hide the surface.
     let has_none = sequence.source().filters() == Some(Filters::NONE);
     let filtered = has_none.then(|| sequence.filtered(Filters::USUAL)).flatten();
     let sequence = filtered.as_ref().unwrap_or(sequence);

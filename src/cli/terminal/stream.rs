@@ -22,7 +22,7 @@ pub(in crate::cli) fn tell_of_connection(sequence: &Sequence) {
     let watching = thread::Builder::new().name("stream watch".to_owned()).spawn(move || {
         let (begun, mut watch) = (Instant::now(), ConnectionWatch::default());
         loop {
-            // A stream that is closed meanwhile is not kept.
+            // A stream that is closed in the meantime is not kept alive.
             let Some(source) = source.upgrade() else { return };
             let status = source.live().map(Live::status);
             drop(source);

@@ -18,7 +18,7 @@ pub(in crate::cli) fn say_them() {
         loop {
             thread::sleep(LOOK);
             let waits = waits(MIN_SHOWN);
-            // Who began to wait later has another number, and is said later.
+            // A wait that began later has a higher number, and is reported later.
             for wait in waits.iter().filter(|wait| wait.number >= next) {
                 say(&format!("waiting for {}", wait.what));
             }

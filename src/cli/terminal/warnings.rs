@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hundred_of_a_kind_are_one_line() {
+    fn a_hundred_warnings_of_one_kind_are_one_line() {
         let mut warnings = warnings(When::AtTheEnd);
         assert_eq!(note_many(&mut warnings), [""; 0]);
         let expected = [
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn a_window_says_the_first_at_once() {
+    fn a_window_prints_the_first_warning_at_once() {
         let mut warnings = warnings(When::FirstAtOnce);
         let first = "warning: f_0.ply, face 0: it is broken";
         assert_eq!(note_many(&mut warnings), [first, "warning: the disk is full"]);
@@ -188,14 +188,14 @@ mod tests {
     }
 
     #[test]
-    fn verbose_says_all() {
+    fn verbose_prints_all_warnings() {
         let mut warnings = warnings(When::AllAtOnce);
         assert_eq!(note_many(&mut warnings).len(), 101);
         assert_eq!(warnings.finish(), [""; 0]);
     }
 
     #[test]
-    fn kinds_without_end_are_not_kept() {
+    fn the_number_of_stored_kinds_is_bounded() {
         let mut warnings = warnings(When::AtTheEnd);
         let word = |number: usize| "x".repeat(number + 1);
         let said = (0..MAX_KINDS + 2).filter_map(|number| warnings.note(word(number), "like it"));

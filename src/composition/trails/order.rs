@@ -46,11 +46,11 @@ mod tests {
     proptest! {
         /// However points are shuffled, that is noticed; however all of them move together, it is not taken for that.
         #[test]
-        fn shuffled_points_are_noticed_and_moving_ones_are_not(
+        fn shuffled_points_are_detected_and_moving_ones_are_not(
             seed in 0u64..1000, shift in prop::array::uniform3(-100f32..100.0), size in 0.9f32..1.1,
             turn_deg in -30f32..30.0,
         ) {
-            // Places without any order, as those of a file may be.
+            // Positions without any order, as in some files.
             let fraction = |number: u64| {
                 let z = number.wrapping_add(seed << 20).wrapping_mul(0x9e37_79b9_7f4a_7c15);
                 let z = (z ^ z >> 31).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -67,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn too_few_points_say_nothing_of_their_order() {
+    fn too_few_points_are_inconclusive() {
         let before: Vec<Vec3> = (0..15).map(|i| Vec3::splat(i as f32)).collect();
         let backwards: Vec<Vec3> = before.iter().rev().copied().collect();
         assert!(keeps_order(&before, &backwards));

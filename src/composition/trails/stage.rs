@@ -75,7 +75,7 @@ impl Step for TrailsStep {
             .iter()
             .map(|look| self.tube(look, composed.pose.index, radius));
         let tubes: Vec<Ghost> = tubes.collect::<Result<_, _>>()?;
-        // Tubes have so many points that a loss would divide the pose's cells as well.
+        // Tubes have so many points that a loss criterion would divide the pose's cells as well.
         let depth = frame.levels.octree().map(|octree| octree.depth());
         let levels = self.needs.levels.zip(depth).map(|(levels, depth)| LevelsKey {
             stop: StopCriterion::Depth(depth),

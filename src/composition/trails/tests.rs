@@ -64,7 +64,7 @@ fn texts(trails: &Trails) -> Vec<String> {
 }
 
 #[test]
-fn points_that_move_along_lines_have_these_places_lengths_and_speeds() {
+fn linear_motion_has_known_positions_lengths_and_speeds() {
     let sequence = sequence(12, |_| Some((0..100).collect()));
     let indices = [7, 42, 99];
     let request = request(&indices, 5, 2..10);
@@ -82,7 +82,7 @@ fn points_that_move_along_lines_have_these_places_lengths_and_speeds() {
         assert!((measure.length - 7.0 * step).abs() < 1e-5);
         assert!((measure.mean_speed - 24.0 * step).abs() < 1e-4);
         assert!((measure.max_speed - 24.0 * step).abs() < 1e-4);
-        // As time stamps may say: the last step took three times as long.
+        // As timestamps may indicate: the last step took three times as long.
         let uneven = |frame: usize| if frame == 9 { 11.0 } else { frame as f64 };
         let measure = trails.measure(trail, uneven).unwrap();
         assert!((measure.mean_speed - 7.0 / 9.0 * step).abs() < 1e-5);
@@ -94,7 +94,7 @@ fn points_that_move_along_lines_have_these_places_lengths_and_speeds() {
 }
 
 #[test]
-fn places_from_memory_are_those_of_the_files() {
+fn positions_from_cached_frames_match_the_files() {
     let sequence = Arc::new(sequence(6, |frame| {
         let mut order: Vec<usize> = (0..100).collect();
         order[13] = usize::MAX;
@@ -121,14 +121,14 @@ fn places_from_memory_are_those_of_the_files() {
         assert_eq!(from_files.place(2, frame).is_none(), frame == 2);
     }
     assert_eq!(sequence.decode_count(), decoded, "nothing was read");
-    // Across the hole there is no way.
+    // There is no trail across the hole.
     let measure = from_files.measure(2, |frame| frame as f64).unwrap();
     assert!((measure.length - 3.0 * direction(22).length()).abs() < 1e-5);
     assert_eq!(from_files.measure(1, |frame| frame as f64), None);
 }
 
 #[test]
-fn frames_of_other_counts_and_broken_ones_break_trails_and_say_so() {
+fn frames_with_other_counts_and_broken_frames_break_trails_and_are_reported() {
     let sequence = sequence(9, |frame| match frame {
         6 | 7 => Some((0..102).collect()),
         2 => None,
@@ -143,13 +143,13 @@ fn frames_of_other_counts_and_broken_ones_break_trails_and_say_so() {
             "frame 7 has 102 points, frame 6 has 100: indices do not stay with the points"
         ]
     );
-    // Three steps are between neighbours.
+    // There are three steps between neighbours.
     let measure = trails.measure(0, |frame| frame as f64).unwrap();
     assert!((measure.length - 3.0 * direction(50).length()).abs() < 1e-5);
 }
 
 #[test]
-fn a_trail_ends_where_the_order_changes_seen_from_where_its_point_was_chosen() {
+fn a_trail_ends_where_the_order_changes_on_either_side_of_its_origin() {
     let shuffled = |index: usize| index * 37 % 100;
     let sequence = sequence(9, move |frame| {
         Some(if frame < 5 {
@@ -167,13 +167,13 @@ fn a_trail_ends_where_the_order_changes_seen_from_where_its_point_was_chosen() {
     let after = trace(&sequence, &request(&[50], 7, 0..9));
     assert_eq!(placed(&after), [5, 6, 7, 8]);
     assert_eq!(texts(&after), expected);
-    // Chosen where nothing is followed: the way there is looked at as well.
+    // Chosen outside the tracked range: the frames in between are visited as well.
     let outside = trace(&sequence, &request(&[50], 8, 3..6));
     assert_eq!(placed(&outside), [5]);
 }
 
 #[test]
-fn who_does_not_go_on_has_no_answer_and_reads_no_more() {
+fn a_cancelled_search_has_no_result_and_reads_no_more() {
     let sequence = sequence(9, |_| Some((0..100).collect()));
     sequence.origin();
     let before = sequence.decode_count();
@@ -190,7 +190,7 @@ fn who_does_not_go_on_has_no_answer_and_reads_no_more() {
 }
 
 #[test]
-fn as_many_trails_are_kept_as_there_is_memory_for() {
+fn the_number_of_trails_is_limited_by_memory() {
     let sequence = sequence(2, |_| Some((0..100).collect()));
     let indices: Vec<u32> = (0..100).collect();
     let all = trace(&sequence, &request(&indices, 0, 0..2));
@@ -202,7 +202,7 @@ fn as_many_trails_are_kept_as_there_is_memory_for() {
 }
 
 #[test]
-fn a_tube_lies_around_the_way_and_is_bright_where_it_lies_behind() {
+fn a_tube_surrounds_the_trajectory_and_is_brighter_for_the_past() {
     let sequence = sequence(6, |_| Some((0..100).collect()));
     let trails = trace(&sequence, &request(&[40], 0, 0..6));
     let (first, last) = (trails.place(0, 0).unwrap(), trails.place(0, 5).unwrap());

@@ -58,13 +58,12 @@ impl Trails {
         }
         let mut raw = RawCloud::from_positions(Positions::F32(positions));
         raw.attributes.radii = Some(vec![radius; normals.len()]);
-        // Points like any others, so that every primitive and renderer draws the trail, occluded by whatever is in
-        // front.
+        // Ordinary points, so that every primitive and renderer draws the trail, occluded by whatever is in front.
         raw.attributes.normals = Some(normals);
         raw.attributes.colors = Some(colors);
         let needs = Needs {
             shapes: true,
-            // They may be all the same, which the automatic choice would pass over.
+            // They may all have the same colour, which the automatic choice would ignore.
             colors: Coloring::of(ColorSource::File),
             ..Needs::default()
         };

@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn colors_lie_over_what_is_below() {
+    fn colors_are_blended_over_the_image() {
         assert_eq!(over([10, 20, 30, 255], [90, 100, 110], 1.0), [90, 100, 110, 255]);
         assert_eq!(over([10, 20, 30, 255], [90, 100, 110], 0.0), [10, 20, 30, 255]);
         assert_eq!(over([10, 20, 30, 255], [90, 100, 110], 0.5), [50, 60, 70, 255]);
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn edges_within_pixels_cover_them_in_part() {
+    fn edges_within_pixels_cover_them_partially() {
         let mut image = RgbaImage::from_pixel(4, 3, Rgba([0, 0, 0, 255]));
         let mut canvas = OverlayCanvas {
             rows: &mut image,

@@ -58,7 +58,7 @@ impl PaintedLabels {
     /// Lays out the labels of an image of `size_px`; labels that would be far outside of it are omitted.
     pub(in crate::export) fn of(labels: &[(LabelOnPicture, String)], size_px: [u32; 2]) -> Self {
         let [width, height] = size_px.map(|edge| edge as f32);
-        // Readable in small pictures too.
+        // Readable in small images too.
         let unit = (height.min(width) / USUAL_HEIGHT_PX).max(0.6);
         let is_near = |label: &LabelOnPicture| {
             let [x, y] = [label.px.x as f32, label.px.y as f32];
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn strips_make_the_same_picture_as_the_whole_and_the_text_is_beside_its_point() {
+    fn strips_match_the_full_image_and_text_is_next_to_its_point() {
         let labels = [
             label([200.3, 150.7], false, "Knee"),
             label([40.0, 300.0], true, "hidden"),
@@ -152,7 +152,7 @@ mod tests {
     fn the_dot_is_where_its_point_is() {
         for px in [[100.5, 80.5], [100.9, 80.1], [99.0, 81.25]] {
             let picture = drawn(&[label(px, false, "")], [300, 200], 200);
-            // How much of the dot's blue is missing tells how much of a pixel it covers; the rim is symmetric too.
+            // The missing blue of the dot measures how much of a pixel it covers; its outline is symmetric too.
             let (mut sum, mut center) = (0.0, DVec2::ZERO);
             for (x, y, pixel) in picture.enumerate_pixels() {
                 let weight = f64::from(GRAY.0[2].abs_diff(pixel.0[2]));
@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_hidden_is_paler_and_what_is_outside_does_not_fail() {
+    fn hidden_labels_are_paler_and_labels_outside_do_not_fail() {
         let shown = drawn(&[label([50.5, 50.5], false, "a")], [200, 100], 100);
         let hidden = drawn(&[label([50.5, 50.5], true, "a")], [200, 100], 100);
         let red = |picture: &RgbaImage| picture.get_pixel(50, 50).0[0];

@@ -21,7 +21,7 @@ const GAP: f32 = 10.0;
 /// Draws the part of a legend that is in these rows.
 pub(in crate::export) fn draw_legend(canvas: &mut OverlayCanvas<'_>, legend: &Legend) {
     let [width, height] = canvas.whole_px.map(|edge| edge as f32);
-    // Readable in small pictures too, where there is room for it.
+    // Readable in small images too, where there is space for it.
     let unit = (height.min(width) / USUAL_HEIGHT_PX).max(0.6);
     let title = Line::new(&legend.title, 1.1 * TEXT * unit);
     let line = |text: &String| Line::new(text, TEXT * unit);
@@ -45,7 +45,7 @@ pub(in crate::export) fn draw_legend(canvas: &mut OverlayCanvas<'_>, legend: &Le
     canvas.fill([left, top], [right, bottom], [0; 3], 0.62);
     let (left, top) = (left + PADDING * unit, top + PADDING * unit);
     title.draw(canvas, [left, top], WHITE);
-    // On whole pixels, so that each row is of one colour.
+    // Snapped to whole pixels, so that each row has a single colour.
     let (bar_left, bar_top) = (left.round(), (top + head).round());
     let body = body.round().max(1.0);
     let bar_right = bar_left + (RAMP_WIDTH * unit).round();
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn strips_make_the_same_picture_as_the_whole() {
+    fn strips_match_the_full_image() {
         let whole = drawn(&ramp(), [640, 480], 480);
         assert_eq!(drawn(&ramp(), [640, 480], 7), whole);
         assert_ne!(whole.get_pixel(600, 40), &Rgba([40, 50, 60, 255]));
@@ -131,9 +131,9 @@ mod tests {
     }
 
     #[test]
-    fn a_ramp_has_all_of_its_map_upright_and_numbers_are_white() {
+    fn a_ramp_shows_its_whole_map_upright_with_white_numbers() {
         let picture = drawn(&ramp(), [1280, 720], 720);
-        // A column through the bar: the left end of the box is where pixels first change.
+        // A column through the bar: the left edge of the box is where pixels first change.
         let is_map = |share: f32| {
             let [red, green, blue, _] = ColorMap::Turbo.color(share);
             picture
@@ -143,14 +143,14 @@ mod tests {
         let (_, low, _) = is_map(0.5 / 220.0).unwrap();
         let (_, high, _) = is_map(1.0 - 0.5 / 220.0).unwrap();
         assert_eq!(low - high, 219, "last colour on top");
-        // Letters are thin: their pixels are covered in part.
+        // Letters are thin: their pixels are partly covered.
         let is_bright = |pixel: &Rgba<u8>| pixel.0[..3].iter().all(|&channel| channel > 180);
         let right_of_bar = picture.enumerate_pixels().filter(|(x, ..)| *x > 1240);
         assert!(right_of_bar.filter(|(_, _, pixel)| is_bright(pixel)).count() > 20);
     }
 
     #[test]
-    fn classes_have_their_colors_and_tiny_pictures_do_not_fail() {
+    fn classes_have_their_colors_and_tiny_images_do_not_fail() {
         let entry = |class: u8| ([class, 0, 200, 255], format!("{class}  Something"));
         let legend = Legend {
             title: "Classification".to_owned(),

@@ -111,7 +111,7 @@ pub(super) struct Scales {
 impl Scales {
     /// Looks at `count` rows where types do not tell it.
     pub(in crate::io) fn of(channels: [&Column<'_>; 3], alpha: Option<&Column<'_>>, count: usize) -> Self {
-        // One channel may be dark, all three tell what is bright.
+        // A single channel may be dark, all three together show the range.
         let largest = largest(&channels, count);
         let is_word = |column: &Column<'_>| matches!(column.scalar, Scalar::I16 | Scalar::U16);
         Self {
@@ -283,14 +283,14 @@ mod tests {
     }
 
     #[test]
-    fn blocks_cover_every_row_once() {
+    fn blocks_cover_every_row_exactly_once() {
         for count in [0, 1, BLOCK_ROWS - 1, BLOCK_ROWS, 3 * BLOCK_ROWS + 7] {
             assert!(blocks(count).flatten().eq(0..count), "{count}");
         }
     }
 
     #[test]
-    fn channels_are_scaled_by_type_and_by_the_brightest_of_them() {
+    fn channels_are_scaled_by_type_and_by_the_brightest_channel() {
         for (color, scalar, expected) in [
             ([0.0, 1.0, 255.0], Scalar::U8, [0, 1, 255, 255]),
             ([0.0, 0.5, 1.0], Scalar::F32, [0, 128, 255, 255]),
@@ -310,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn alpha_has_a_scale_of_its_own() {
+    fn alpha_has_a_separate_scale() {
         let channels = [9.0, 8.0, 255.0].map(|channel| parsed(&[channel], Scalar::F32));
         let alpha = parsed(&[0.5], Scalar::F32);
         assert_eq!(colors(channels.each_ref(), Some(&alpha), 1).0, [[9, 8, 255, 128]]);

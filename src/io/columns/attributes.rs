@@ -125,7 +125,7 @@ impl Roles {
         }
         let scalars = (0..columns.len()).filter(|&index| is_free[index]);
         let mut scalars: Vec<usize> = scalars.collect();
-        // Stable: those of no known name stay in the order of the file.
+        // Stable: scalars without a known name stay in the order of the file.
         scalars.sort_by_key(|&index| rank(&columns[index].name));
         Ok(Self {
             positions,
@@ -140,7 +140,7 @@ impl Roles {
     pub(in crate::io) fn point_bytes(&self, columns: &[Column<'_>]) -> usize {
         let number = |is_wide: bool| if is_wide { size_of::<f64>() } else { size_of::<f32>() };
         let is_wide = self.positions.iter().any(|&index| columns[index].may_be_wide());
-        // Wide scalars become narrow ones in the end.
+        // Wide scalars are narrowed in the end.
         let scalars = self
             .scalars
             .iter()

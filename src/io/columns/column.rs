@@ -188,7 +188,7 @@ impl Column<'_> {
                 .take(count)
                 .map(|&value| (value as f32).to_bits())
                 .collect(),
-            // Negative integers hold the same 32 bits, wider ones the same value.
+            // Negative integers hold the same 32 bits, wider types the same value.
             _ => {
                 let mut bits = vec![0; count];
                 self.for_each_f64(0..count, |index, value| bits[index] = value as i64 as u32);
@@ -200,7 +200,7 @@ impl Column<'_> {
     /// The largest of `count` numbers.
     pub(in crate::io) fn largest(&self, count: usize) -> f64 {
         let mut largest = f64::NEG_INFINITY;
-        // f64::max takes the other operand for NaN.
+        // f64::max ignores NaN.
         self.for_each_f64(0..count, |_, value| largest = largest.max(value));
         largest
     }
@@ -225,11 +225,11 @@ pub(in crate::io) mod tests {
     }
 
     #[test]
-    fn text_is_wide_where_it_has_more_digits_than_its_header_declares() {
+    fn text_with_more_digits_than_declared_is_read_as_f64() {
         for (values, is_wide) in [
             (&[0.1, -3.25, 1e-7, f64::NAN][..], false),
             (&[1.234_567, 12_345.678, -0.001_234_567], false),
-            // As `%f` writes an f32.
+            // An f32 printed with `%f`.
             (&[f64::from(0.1f32), 123.456_787], false),
             (&[0.1, 691_234.567], true),
             (&[0.123_456_789_1], true),
@@ -251,8 +251,8 @@ pub(in crate::io) mod tests {
     }
 
     #[test]
-    fn packed_colors_keep_their_bits_whatever_type_carries_them() {
-        // 0xffc00001 is a NaN as a float, a negative number as an integer.
+    fn packed_colors_preserve_their_bits_in_any_carrier_type() {
+        // 0xffc00001 is a NaN as a float, but a negative number as an integer.
         let bits = 0xffc0_0001_u32;
         for scalar in [Scalar::U32, Scalar::I32, Scalar::F32] {
             assert_eq!(packed(&bits.to_le_bytes(), scalar, 0, 4, false).bits(1), [bits]);

@@ -227,7 +227,7 @@ impl FixedRows {
                 }
                 piece.resize(rows * self.row_bytes, 0);
                 let outcome = reader.read_exact(&mut piece);
-                // Nothing is read behind what could not be.
+                // Nothing is read after a failed read.
                 *rows_left = outcome.as_ref().map_or(0, |()| *rows_left - rows);
                 outcome?;
                 growing.append(&self.columns(&piece), rows, turn);
@@ -237,7 +237,7 @@ impl FixedRows {
         if self.count <= piece_rows {
             return work();
         }
-        // More threads than steps only wait: reading, and each of the arrays.
+        // More threads than steps would only wait: one step for reading, and one for each of the arrays.
         let workers = 0..rayon::current_num_threads().min(1 + growing.step_count());
         workers.into_par_iter().try_for_each(|_| work())
     }
@@ -313,14 +313,14 @@ mod tests {
     }
 
     #[test]
-    fn pieces_of_any_size_by_any_number_of_threads_make_the_same_cloud() {
+    fn chunk_size_and_thread_count_do_not_change_the_cloud() {
         for big_endian in [false, true] {
             let rows = rows(big_endian);
             let bytes = bytes(&rows);
             let whole = growing::cloud(&rows.columns(&bytes), COUNT, &ReadOptions::default()).unwrap();
             assert_eq!(whole.positions.len(), COUNT);
             assert_eq!(whole.attributes.scalars.len(), 3);
-            // NaN is not equal to itself, but is written alike.
+            // NaN is not equal to itself, but prints the same.
             let whole = format!("{whole:?}");
             for threads in [1, 2, 3, 5] {
                 for piece_rows in [0, 1, 7, 333, 500, COUNT, 2 * COUNT] {
@@ -333,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_ends_early_after_all_is_an_error() {
+    fn a_file_truncated_while_reading_is_an_error() {
         let rows = rows(false);
         let bytes = bytes(&rows);
         for threads in [1, 3] {
@@ -345,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn some_rows_are_those_of_the_whole_and_no_others() {
+    fn reading_selected_rows_matches_the_full_read() {
         let rows = rows(true);
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), bytes(&rows)).unwrap();
@@ -357,7 +357,7 @@ mod tests {
             let found = rows.read_at(file.path(), &places, Duration::MAX).unwrap();
             let found = found.unwrap();
             assert_eq!(found.attributes.scalars.len(), 3);
-            // GPS times have an offset of their own.
+            // GPS times have their own offset.
             let comparable = |mut cloud: RawCloud| {
                 cloud.attributes.scalars.retain(|field| field.name == "ring");
                 format!("{cloud:?}")
@@ -373,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn what_rows_do_not_tell_is_left_to_the_reading_of_whole_files() {
+    fn row_access_is_unavailable_where_a_full_read_is_needed() {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), bytes(&rows(false))).unwrap();
         let changed = |change: fn(&mut FixedRows)| {
@@ -395,7 +395,7 @@ mod tests {
 
     /// What is read of a file alone is what would be taken of all of it.
     #[test]
-    fn a_sample_of_a_file_is_that_of_its_cloud() {
+    fn a_sample_of_a_file_matches_that_of_its_cloud() {
         let file = tempfile::Builder::new().suffix(".ply").tempfile().unwrap();
         let header = format!(
             "ply\nformat binary_little_endian 1.0\nelement vertex {COUNT}\nproperty float x\n\
@@ -420,7 +420,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_does_not_fit_the_memory_is_refused_before_it_is_read() {
+    fn a_file_beyond_the_memory_limit_is_rejected_before_reading() {
         let file = tempfile::Builder::new().suffix(".ply").tempfile().unwrap();
         let header = "ply\nformat binary_little_endian 1.0\nelement vertex 1000\nproperty float x\n\
                       property float y\nproperty float z\nend_header\n";
@@ -437,7 +437,7 @@ mod tests {
     }
 
     #[test]
-    fn headers_of_any_length_are_read_as_from_memory() {
+    fn headers_of_any_length_are_read_from_files_as_from_memory() {
         const MAGIC_BYTES: usize = crate::io::Format::MAGIC_BYTES;
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.ply");

@@ -131,7 +131,7 @@ impl Growing {
         others.append(&self.roles, columns, count);
         let mut fields = self.scalars.iter().zip(&self.roles.scalars);
         let Some((first, &index)) = fields.next() else { return };
-        // The next array is taken before the last one is let go: nobody overtakes.
+        // The next array is locked before the last one is released: no thread overtakes another.
         let mut field = lock(first);
         drop(others);
         field.values.append(&columns[index], count);
@@ -182,7 +182,7 @@ impl Growing {
             self.scalars.into_par_iter().map(field).unzip();
         cloud.attributes.scalars = scalars;
         cloud.dropped.extend(rounded.into_iter().flatten());
-        // Writers that know no transparency leave zeros.
+        // Writers without support for transparency leave zeros.
         if let (Some(Colors::Packed(_)), Some(colors)) = (self.roles.colors, &mut cloud.attributes.colors)
             && colors.iter().all(|color| color[3] == 0)
         {

@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn poses_are_known_by_their_values() {
+    fn poses_are_recognised_by_their_values() {
         let stamped = columns(9, 8, |row, column| match column {
             0 => 1e9 + row as f64 * 0.1,
             4 => 0.6,
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn matrices_of_cameras_are_known() {
+    fn camera_matrices_are_recognised() {
         let camera = [vec![525.0, 0.0, 0.0], vec![0.0, 525.0, 0.0], vec![319.5, 239.5, 1.0]];
         assert!(is_camera_matrix(&camera));
         assert!(!is_camera_matrix(&[
@@ -196,12 +196,12 @@ mod tests {
     }
 
     #[test]
-    fn grids_are_alike_or_smooth() {
+    fn grids_have_similar_or_smooth_columns() {
         let hills = |row: usize, column: usize| 10.0 * (0.3 * column as f64).sin() + 0.5 * noise(row, column);
         assert!(is_grid(&columns(30, 30, hills)));
         assert!(is_grid(&columns(48, 64, noise)));
         assert!(!is_grid(&columns(48, 12, noise)));
-        // Coordinates before a spectrum, before descriptors, and before counts.
+        // Coordinates followed by a spectrum, by descriptors, and by counts.
         let spectrum = |row: usize, column: usize| match column {
             0..3 => 20.0 * noise(row, column),
             _ => (0.1 * column as f64).sin() + 0.02 * noise(row, column),

@@ -43,8 +43,8 @@ impl<'a> Tokens<'a> {
             start += 1;
         }
         self.position = start;
-        // Reads bytes; the standard library wants checked UTF-8 first: an ascii PLY of 100,000 points took 41 ms, not
-        // 29.
+        // Works on bytes; the standard library needs validated UTF-8 first: an ASCII PLY of 100,000 points took 41 ms,
+        // not 29.
         if let Ok((value, length)) = fast_float2::parse_partial::<f64, _>(&self.bytes[start..])
             && self.bytes.get(start + length).is_none_or(|&byte| separates(byte))
         {
@@ -133,7 +133,7 @@ pub(in crate::io) fn parse_number(token: &[u8]) -> Option<f64> {
     }
     let text = std::str::from_utf8(token).ok()?;
     let lower = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
-    // How Microsoft's and others' runtimes print what is not a number.
+    // How the runtimes of Microsoft and others print NaN and infinity.
     if lower.starts_with("nan") || lower.starts_with("1.#") {
         return Some(f64::NAN);
     }
@@ -171,7 +171,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tokens_know_their_line() {
+    fn tokens_report_their_line() {
         let mut tokens = Tokens::new(b"a b\r\n\n  c\n", 7);
         let mut seen = Vec::new();
         while let Some(token) = tokens.next() {
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn commas_are_decimal_where_the_number_of_words_fits() {
+    fn commas_are_decimal_where_the_word_count_matches() {
         let of = |text: &str, numbers| with_decimal_points(text.as_bytes(), numbers, 2);
         assert_eq!(
             of("2,5 -1,25 3\n4,5 1 2\n", 3),
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_of_all_runtimes_are_read() {
+    fn number_spellings_of_all_runtimes_are_read() {
         assert_eq!(parse_number(b"-1.5e3"), Some(-1500.0));
         for not_a_number in [b"nan".as_slice(), b"NaN", b"-nan", b"-nan(ind)", b"1.#QNAN", b"-1.#IND"] {
             assert!(parse_number(not_a_number).unwrap().is_nan(), "{}", quoted(not_a_number));

@@ -52,7 +52,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_held_counts_against_every_claim() {
+    fn held_memory_counts_against_every_claim() {
         let options = ReadOptions::default().with_max_memory(1000).holding(600);
         assert!(options.claim("the points", 400).is_ok());
         let refused = options.claim("the points", 401).unwrap_err().problem;
@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_grow_as_far_as_there_is_memory() {
+    fn lists_grow_up_to_the_memory_limit() {
         let options = ReadOptions::default().with_max_memory(1024);
         let mut list: Vec<u64> = Vec::new();
         let refused = loop {

@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_word_says_which_file_and_how_far() {
+    fn the_status_line_names_the_file_and_progress() {
         let walk = LongWalk::new(Path::new("a.mcap"), 2_000_000_000);
         assert_eq!(
             walk.word(500_000_000),

@@ -22,7 +22,7 @@ pub(in crate::io) fn read(name: &str, path: &Path, max_bytes: u64, options: &Rea
     let is_inside = relative
         .components()
         .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-    // Backslashes and drives are paths on some systems, a colon begins with a scheme such as http.
+    // Backslashes and drive letters form paths on some systems, and a colon ends a scheme such as http.
     if !is_inside || name.contains(['\\', ':', '\0']) || name.is_empty() {
         return Err(outside());
     }

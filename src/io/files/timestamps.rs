@@ -53,13 +53,13 @@ pub(crate) fn times_of_names(names: &[&str]) -> Vec<Option<Duration>> {
             .map(|name| time_of_name(name, notation))
             .collect::<Option<_>>()?;
         let grow = times.windows(2).all(|pair| pair[0] < pair[1]);
-        // Three counters of two digits grow by more than a few minutes somewhere.
+        // If they are three two-digit counters, there is a step of more than a few minutes somewhere.
         let is_close = |pair: &[Duration]| pair[1].saturating_sub(pair[0]) <= MAX_STEP;
         let grow = grow && (notation != TimeNotation::TimeOfDay || times.windows(2).all(is_close));
-        // The name of a single file says when it was made, not what frame it is.
+        // The name of a single file says when it was recorded, not which frame it is.
         (grow && times.len() > 1).then(|| times.into_iter().map(Some).collect())
     };
-    // A date may be that of the whole recording: then another number is the time.
+    // A date may be that of the whole recording: then another number in the names is the time.
     let found = TimeNotation::ALL.into_iter().find_map(of_notation);
     found.unwrap_or_else(|| vec![None; names.len()])
 }
@@ -109,13 +109,13 @@ fn time_of_day(text: &str) -> Option<Duration> {
 fn time_of_name(name: &str, notation: TimeNotation) -> Option<Duration> {
     let path = Path::new(name);
     let file = path.file_name()?.to_str()?;
-    // What stands behind the last dot is an extension unless it is a number.
+    // Whatever follows the last dot is an extension unless it is a number.
     let stem = match file.rsplit_once('.') {
         Some((stem, extension)) if !extension.bytes().all(|byte| byte.is_ascii_digit()) => stem,
         _ => file,
     };
     let runs = runs(stem);
-    // A time may start at any number of the name: `frame_2_20121214T142255.814212`.
+    // A time may start at any number in the name: `frame_2_20121214T142255.814212`.
     (0..runs.len()).find_map(|first| {
         let runs = &runs[first..];
         match notation {
@@ -162,7 +162,7 @@ fn runs(text: &str) -> Vec<NumberRun<'_>> {
 fn date(runs: &[NumberRun<'_>]) -> Option<Duration> {
     let mut fields = Vec::new();
     let mut runs = runs.iter();
-    // Date and time of day are one number each, or a number for each of their three parts.
+    // Date and time of day are one number each, or one number for each of their three parts.
     for widths in [[4, 2, 2], [2, 2, 2]] {
         let run = runs.next()?;
         let separator = if run.digits.len() == widths.iter().sum::<usize>() {
@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn names_of_recorders_have_times() {
+    fn recorder_file_names_contain_times() {
         for (names, expected) in [
             (
                 ["frame_20121214T142255.814212.pcd", "frame_20121214T142256.068683.pcd"],
@@ -329,7 +329,7 @@ mod tests {
                 ["1403636579763555.bin", "1403636579863555.bin"],
                 [1_403_636_579.763_555, 1_403_636_579.863_555],
             ),
-            // Of a name without extension, the fraction is none.
+            // In a name without extension, the fraction is not one.
             (
                 ["1305031102.175304", "1305031102.211214"],
                 [1_305_031_102.175_304, 1_305_031_102.211_214],
@@ -340,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_have_a_time_a_line() {
+    fn lists_have_one_time_per_line() {
         let list = times_of_lines("0.000000e+00\n1.037359e-01\r\n 2.5\n\n");
         let expected = [0, 103_735_900, 2_500_000_000].map(Duration::from_nanos);
         assert_eq!(list, Some(expected.to_vec()));
@@ -354,7 +354,7 @@ mod tests {
     }
 
     #[test]
-    fn counters_and_odd_names_are_no_times() {
+    fn counters_and_odd_names_are_not_times() {
         for names in [
             ["frame_0001.ply", "frame_0002.ply"],
             ["0000000001.bin", "0000000002.bin"],
@@ -363,7 +363,7 @@ mod tests {
             ["20121214.ply", "20121215.ply"],
             ["20121314T142255.ply", "20121314T142256.ply"],
             ["v1.25_a.ply", "v1.26_b.ply"],
-            // Times, but not growing, not all of one kind, not all.
+            // Times, but not increasing, not all of one kind, not for all names.
             ["1305031102.275304.ply", "1305031102.211214.ply"],
             ["1305031102.211214.ply", "1305031102.211214.ply"],
             ["1305031102.175304.ply", "2024-12-14_14-22-55.ply"],

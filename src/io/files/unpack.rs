@@ -115,12 +115,12 @@ struct Drained {
 fn drain(packing: Packing, packed: impl Read, expected_bytes: u64) -> Result<Drained, String> {
     let mut bytes = Vec::new();
     let expected = usize::try_from(expected_bytes).unwrap_or(usize::MAX);
-    // Memory that nothing is written to is none yet.
+    // Reserved memory costs nothing until it is written to.
     memory::try_reserve(&mut bytes, expected).map_err(|error| failed(io::Error::other(error)))?;
     let mut unpacked = reader(packing, packed).map_err(failed)?;
     let read = unpacked.by_ref().take(expected_bytes).read_to_end(&mut bytes);
     read.map_err(failed)?;
-    // Checksums stand behind the last byte, and are looked at when there is no further one.
+    // Checksums follow the last byte, and are only verified when reading past it.
     let has_more = bytes.len() == expected && read_some(&mut unpacked, &mut [0]).map_err(failed)? > 0;
     Ok(Drained { bytes, has_more })
 }
@@ -155,12 +155,12 @@ mod tests {
     }
 
     #[test]
-    fn streams_of_gzip_take_their_own_length_and_no_more_than_the_limit() {
+    fn gzip_streams_allocate_their_length_and_at_most_the_limit() {
         let options = ReadOptions::default().with_max_memory(5000);
         let one = gzip(&[7; 3000]);
         let unpacked = unpack_gzip(Cursor::new(&one), &options).unwrap();
         assert_eq!((unpacked.len(), unpacked.capacity()), (3000, 3000));
-        // The trailer tells of the second stream alone.
+        // The trailer only describes the second stream.
         let two = [one.as_slice(), &gzip(&[8; 1500])].concat();
         let unpacked = unpack_gzip(Cursor::new(&two), &options).unwrap();
         assert_eq!((unpacked.len(), unpacked.capacity()), (4500, 4500));
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn what_unpacks_to_more_than_it_claims_is_refused() {
+    fn data_that_unpacks_to_more_than_declared_is_rejected() {
         let options = ReadOptions::default().with_max_memory(5000);
         let unpack = |claimed: u64| unpack(Packing::Gzip, gzip(&[7; 3000]).as_slice(), claimed, &options);
         assert_eq!(unpack(3000).unwrap().len(), 3000);

@@ -122,14 +122,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn known_places_are_where_they_are() {
-        // On the central meridian the northing is 0.9996 of the arc of the meridian: 4,984,944.378 m at 45°.
+    fn known_places_have_known_utm_coordinates() {
+        // On the central meridian the northing is 0.9996 of the meridian arc: 4,984,944.378 m at 45°.
         let zone = Zone::of(9.0, 45.0);
         assert_eq!(zone.to_string(), "32N");
         let [easting, northing] = zone.project(9.0, 45.0);
         assert!((easting - 500_000.0).abs() < 1e-6, "{easting}");
         assert!((northing - 0.9996 * 4_984_944.378).abs() < 0.002, "{northing}");
-        // The Eiffel Tower, as maps have it.
+        // The Eiffel Tower, according to maps.
         let [easting, northing] = Zone::of(2.294_5, 48.858_2).project(2.294_5, 48.858_2);
         assert!(
             (easting - 448_252.0).abs() < 20.0 && (northing - 5_411_943.0).abs() < 20.0,
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn the_zone_is_that_of_the_middle() {
+    fn the_zone_is_that_of_the_center() {
         let places = [[9.0, 45.0], [9.1, 45.1], [f64::NAN, 0.0], [150.0, -20.0]];
         let zone = Zone::of_center(places.into_iter()).unwrap();
         assert_eq!(zone.to_string(), "32N");
@@ -160,8 +160,9 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_as_long_as_on_the_ground() {
-        // A second of latitude is 30.9 m, one of longitude that times the cosine, to the scale of the zone.
+    fn projected_distances_match_ground_distances() {
+        // A second of latitude is 30.9 m, one of longitude is that times the cosine, scaled by the scale factor of the
+        // zone.
         let zone = Zone::of(-49.84, 69.33);
         let [x, y] = zone.project(-49.84, 69.33);
         let second = 1.0 / 3600.0;

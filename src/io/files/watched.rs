@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_are_counted_until_nobody_wants_more() {
+    fn bytes_are_counted_until_cancelled() {
         let progress = Progress::default();
         progress.set(0, 10);
         let mut watched = Watched {

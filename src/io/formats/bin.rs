@@ -87,13 +87,13 @@ pub(in crate::io) fn decode(name: &Path, bytes: &[u8], options: &ReadOptions) ->
     let singles = if matches!(estimated, Ok(Some(_))) {
         None
     } else {
-        // Singles, and the list that they are put together from.
+        // Single-precision values, and the list that they are collected from.
         options.claim("the values of the file", bytes.len() as u64)?;
         singles_of_doubles(bytes)
     };
     let of_doubles = singles.as_ref().and_then(|singles| {
         let estimate = estimate(singles, &widths, positions, min).ok().flatten();
-        // Of noise some width is always possible.
+        // In noise, some width always seems possible.
         estimate.filter(|estimate| estimate.is_clear || given.is_some())
     });
     let (estimate, is_double) = match of_doubles {
@@ -229,7 +229,7 @@ fn estimate(bytes: &[u8], widths: &[usize], positions: [usize; 3], min: usize) -
                 best = Some((width, roughness));
                 is_clear = true;
             }
-            // A multiple of a width is as smooth.
+            // A multiple of a width is just as smooth.
             Some((known, min)) => is_clear |= roughness > min + CLEARLY_SMOOTHER && width % known != 0,
             None => best = Some((width, roughness)),
         }
@@ -276,7 +276,7 @@ fn implausible(bytes: &[u8], width: usize, positions: [usize; 3]) -> Option<Faul
         for (column, raw) in record.iter().enumerate() {
             let value = f32::from_le_bytes(*raw);
             let axis = positions.iter().position(|position| *position == column);
-            // NaN is within no range.
+            // NaN is outside every range.
             let is_possible = value.is_finite() && (axis.is_none() || value.abs() < MAX_DISTANCE);
             is_tiny |= axis.is_some() && value != 0.0 && value.abs() < MIN_DISTANCE;
             if !is_possible || (is_tiny && tiny_left == 0) {
@@ -314,7 +314,7 @@ fn roughness(bytes: &[u8], width: usize) -> f64 {
     if count == 0.0 {
         return f64::INFINITY;
     }
-    // A column that never changes is as smooth as one that changes by a ten thousandth.
+    // A constant column counts as smooth as one that changes by a ten thousandth.
     let min = 1e-4 * sizes + f64::MIN_POSITIVE;
     let logarithms = steps.iter().map(|step| step.max(min).ln());
     logarithms.sum::<f64>() / width as f64 - f64::ln(count)

@@ -71,7 +71,7 @@ pub(in crate::io) fn decode_esri(bytes: &[u8], options: &ReadOptions, progress: 
     let mut tokens = Tokens::new(text, 1);
     let mut values = tokens.clone();
     while let Some(word) = tokens.next() {
-        // The first number is the first value.
+        // The first token that is a number is the first value.
         if !word[0].is_ascii_alphabetic() || crate::io::columns::numbers::parse_number(word).is_some() {
             break;
         }
@@ -188,7 +188,7 @@ impl EsriHeader {
             rows,
             start,
             step: [width, -height],
-            // The value that GIS take if the line is missing.
+            // The default of GIS programs if the line is missing.
             is_missing: Missing::Value(self.no_data.unwrap_or(-9999.0)),
         })
     }
@@ -244,7 +244,7 @@ impl Grid {
         progress: &Progress,
     ) -> Result<RawCloud, Fault> {
         let cells = self.columns.checked_mul(self.rows);
-        // A digit and a space each.
+        // Each value takes at least a digit and a space.
         let Some(cells) = cells.filter(|&cells| cells <= byte_count / 2 + 1) else {
             let problem = format!(
                 "the grid has {} × {} cells, more than the file has values",
@@ -260,7 +260,7 @@ impl Grid {
             for column in 0..self.columns {
                 let value = match tokens.next_number() {
                     Some(Ok(value)) => value,
-                    // How GRASS writes cells without data.
+                    // The notation of GRASS for cells without data.
                     Some(Err(b"*")) => f64::NAN,
                     Some(Err(word)) => {
                         let problem = format!("found {}, expected a number", quoted(word));
@@ -341,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_grids_are_refused_with_their_place() {
+    fn invalid_grids_are_rejected_with_their_location() {
         for (text, expected) in [
             (
                 "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3\n",

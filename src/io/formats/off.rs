@@ -171,7 +171,7 @@ fn names(keyword: &str, count: usize) -> Vec<&'static str> {
 
 fn face(numbers: &[f64], index: usize, vertices: usize, faces: &mut Vec<[u32; 3]>) -> Result<(), Fault> {
     let corners = numbers.first().copied().unwrap_or(0.0);
-    // Behind the corners a face may have a colour.
+    // After its corners a face may have a colour.
     let Some(corners) = numbers
         .get(1..)
         .filter(|rest| corners >= 0.0 && corners.fract() == 0.0 && corners <= rest.len() as f64)
@@ -221,7 +221,7 @@ impl<'a> Lines<'a> {
                 "the file ends here, but its counts say that there are more: it is truncated, or its header is wrong",
             ));
         };
-        // A digit and a space each, in a list that doubles.
+        // Each number takes at least a digit and a space, in a list that grows by doubling.
         options.claim_entries("the numbers of a line", line.len() / 2, 2 * size_of::<f64>())?;
         line.split(u8::is_ascii_whitespace)
             .filter(|word| !word.is_empty())

@@ -98,7 +98,7 @@ pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Prog
                 rows.columns[axis][index] = point[axis];
             }
         }
-        // What only some of the scans have is left out.
+        // Attributes that only some of the scans have are skipped.
         if sensors.is_empty() {
             columns = rows.columns;
         } else {
@@ -125,7 +125,7 @@ pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Prog
         })
         .collect();
     let mut cloud = growing::cloud(&columns, count, options)?;
-    // Several scans were seen from several places, and are several images.
+    // Several scans were taken from several positions, and are several images.
     if let [sensor] = sensors.as_slice() {
         cloud.sensor = sensor.is_finite().then_some(*sensor);
         cloud.grid = grid;

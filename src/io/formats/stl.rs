@@ -41,7 +41,7 @@ pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCl
         .is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     match (claimed, needed) {
         _ if is_text => text(bytes, options),
-        // Some writers leave something behind the last triangle.
+        // Some writers append something after the last triangle.
         (_, Some(needed)) if needed < bytes.len() => binary(&bytes[..needed], options),
         (Some(claimed), _) => Err(Fault::entry(
             "triangle",
@@ -79,7 +79,7 @@ impl Mesh {
                 .holding(faces)
                 .claim_entries("the vertices", vertices, 2 * (point_bytes + INDEX_BYTES))?;
         }
-        // Minus zero is the same place as zero.
+        // Minus zero is the same position as zero.
         let position = position.map(|axis| if axis == 0.0 { 0.0 } else { axis });
         let next = self.positions.len() as u32;
         let index = *self.index_of.entry(position.map(f32::to_bits)).or_insert(next);
@@ -108,7 +108,7 @@ fn binary(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
         let number = |index: usize| f32::from_le_bytes(numbers[index]);
         let color = color(u16::from_le_bytes([rest[0], rest[1]]));
         mesh.has_colors |= color.is_some();
-        // The normal comes first; it follows from the corners.
+        // The normal comes first; it can be derived from the corners.
         let corners = [3, 6, 9].map(|first| [number(first), number(first + 1), number(first + 2)]);
         let [a, b, c] = corners.map(|corner| mesh.vertex(corner, color.unwrap_or(WHITE), options));
         mesh.faces.push([a?, b?, c?]);

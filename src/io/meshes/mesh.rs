@@ -66,7 +66,7 @@ pub(in crate::io) fn sample(cloud: &mut RawCloud, count: NonZeroUsize, options: 
 pub(in crate::io) fn check_memory(cloud: &RawCloud, count: NonZeroUsize, options: &ReadOptions) -> Result<(), Fault> {
     let mut point_bytes = cloud.positions.point_bytes() + cloud.attributes.point_bytes();
     if cloud.attributes.normals.is_none() {
-        // They are there whether the mesh had them or not.
+        // Normals are computed even if the mesh had none.
         point_bytes += size_of::<[f32; 3]>();
     }
     check_bytes(count, point_bytes + size_of::<MeshSample>(), options)
@@ -117,7 +117,7 @@ impl Places {
         let position = |place: &MeshSample| {
             let [a, b, c] = corners(place).map(|corner| mesh.positions.get(corner));
             let [_, second, third] = place.weights.map(f64::from);
-            // From the first corner on: large coordinates keep the digits that small faces need.
+            // Relative to the first corner: large coordinates retain the digits that small faces need.
             a + (b - a) * second + (c - a) * third
         };
         let positions = match mesh.positions {
@@ -125,7 +125,8 @@ impl Places {
             Positions::F64(_) => Positions::F64(self.map(|place| position(place).to_array())),
         };
         let mut cloud = RawCloud::from_positions(positions);
-        // On pictures the colour is that of the place, not between those of the corners: they are finer than meshes.
+        // With textures the colour is sampled at the position, not interpolated between the corners: textures are
+        // finer.
         let picture_color = |place: &MeshSample| {
             let texturing = mesh.texturing.as_ref()?;
             let corners = corners(place);
@@ -152,7 +153,7 @@ impl Places {
             colors: mesh.attributes.colors.as_deref().map(colors),
             normals: Some(self.map(|place| normal(mesh, corners(place), place.weights))),
             radii: mesh.attributes.radii.as_deref().map(blended),
-            // Directions have nothing between them.
+            // Directions cannot be interpolated.
             ellipses: None,
             scalars: scalars.map(|field| field.with_values(blended(&field.values))).collect(),
         };
@@ -209,7 +210,7 @@ fn morton(point: DVec3) -> u64 {
 fn weights(index: usize) -> [f32; 3] {
     const THIRD: f64 = 1.0 / 3.0;
     let mut weights = [THIRD; 3];
-    // Size of the triangle; the one in the middle of another is turned by half a turn.
+    // Size of the triangle; the central one inside another is rotated by half a turn.
     let mut size = 1.0;
     let mut digits = index;
     while digits > 0 {
@@ -277,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn points_are_even_and_keep_their_distance() {
+    fn sampled_points_are_evenly_spaced() {
         const COUNT: usize = 4096;
         const CELLS: usize = 8;
         let cloud = sampled(&quad(1.0, 1.0), COUNT);
@@ -289,7 +290,8 @@ mod tests {
         }
         let expected = COUNT / (CELLS * CELLS);
         for count in cells {
-            // Random points would differ by the root of their number, 8, in two thirds of the cells, and by 24 in some.
+            // Random points would differ by the square root of their number, 8, in two thirds of the cells, and by 24
+            // in some.
             assert!(count > expected - 16 && count < expected + 16, "{count} of {expected}");
         }
         let nearest = |point: &DVec3| {
@@ -298,18 +300,18 @@ mod tests {
         };
         let spacing = (1.0 / COUNT as f64).sqrt();
         let mean = points.iter().map(nearest).sum::<f64>() / COUNT as f64;
-        // Of random points the mean is half of the spacing.
+        // For random points the mean is half of the spacing.
         assert!(mean > 0.6 * spacing, "{mean} of {spacing}");
     }
 
     #[test]
-    fn faces_get_what_their_area_is_due() {
+    fn faces_are_sampled_in_proportion_to_their_area() {
         let mut mesh = quad(3.0, 1.0);
         let Positions::F32(positions) = &mut mesh.positions else {
             panic!()
         };
         positions.extend([[10.0, 0.0, 0.0], [10.0, 3.0, 0.0], [10.0, 0.0, 4.0], [f32::NAN; 3]]);
-        // Six units of area after three, a line, a point and a face beyond all numbers.
+        // Six units of area after three, a line, a point and a face with an invalid index.
         mesh.faces.extend([[4, 5, 6], [0, 1, 1], [2, 2, 2], [0, 1, 7]]);
         let cloud = sampled(&mesh, 900);
         let far = points(&cloud).into_iter().filter(|point| point.x > 9.0).count();
@@ -328,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn attributes_lie_between_those_of_the_corners() {
+    fn attributes_are_interpolated_between_corners() {
         let mut mesh = quad(1.0, 1.0);
         mesh.attributes.colors = Some(vec![
             [0, 0, 7, 255],
@@ -355,7 +357,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bits_are_these_on_every_machine() {
+    fn sampling_is_bit_identical_on_every_machine() {
         let cloud = sampled(&quad(3.0, 1.0), 1000);
         let Positions::F32(positions) = &cloud.positions else {
             panic!()
@@ -369,7 +371,7 @@ mod tests {
     }
 
     #[test]
-    fn too_many_points_and_no_area_are_answered() {
+    fn too_many_points_and_zero_area_are_handled() {
         let mut cloud = quad(1.0, 1.0);
         let options = ReadOptions::default().with_max_memory(1 << 20);
         let many = NonZeroUsize::new(usize::MAX).unwrap();

@@ -5,7 +5,7 @@ use crate::io::format::{Format, Holding, Magic, Traits};
 
 const RECORDING: Traits = Traits {
     holds: Holding::Parts,
-    // REP 103, and the documents of Foxglove.
+    // REP 103, and the Foxglove documentation.
     unit: Some(LengthUnit::Metre),
     ..Traits::PLAIN
 };
@@ -39,7 +39,7 @@ pub(in crate::io) const CAPTURE: Format = Format::new(&Traits {
     name: "packet capture",
     extensions: &["pcap", "pcapng"],
     magic: &[
-        // Seconds and microseconds, or nanoseconds, in either order of bytes; with more in each record.
+        // Microseconds or nanoseconds, in either byte order; and the variant with longer records.
         Magic::start(b"\xd4\xc3\xb2\xa1"),
         Magic::start(b"\xa1\xb2\xc3\xd4"),
         Magic::start(b"\x4d\x3c\xb2\xa1"),
@@ -48,7 +48,7 @@ pub(in crate::io) const CAPTURE: Format = Format::new(&Traits {
         Magic::start(b"\x0a\x0d\x0d\x0a"),
     ],
     holds: Holding::Parts,
-    // As the manuals of the sensors have it.
+    // According to the manuals of the sensors.
     convention: Some(AxisConvention::UsuallyZUp),
     unit: Some(LengthUnit::Metre),
     ..Traits::PLAIN
@@ -69,7 +69,7 @@ pub(in crate::io) const TAR: Format = Format::new(&Traits {
     extensions: &["tar", "tgz", "gz"],
     magic: &[
         Magic::start(b"\x1f\x8b"),
-        // Where the header of a member says what it is.
+        // The field of a member's header that identifies the format.
         Magic {
             offset: 257,
             bytes: b"ustar",

@@ -189,9 +189,9 @@ impl WrittenColumn<'_> {
     /// Adds the shortest digits of number `row` to `out`.
     pub(super) fn put_text(&self, row: usize, out: &mut String) {
         let value = self.value(row);
-        // Very large and very small numbers would be rows of zeros.
+        // Very large and very small numbers would be long rows of zeros.
         let is_plain = value == 0.0 || !value.is_finite() || (1e-5..1e16).contains(&value.abs());
-        // Writing into a string does not fail.
+        // Writing to a String cannot fail.
         let _ = match (self.kind(), is_plain) {
             (Type::F32, true) => write!(out, "{}", value as f32),
             (Type::F32, false) => write!(out, "{:e}", value as f32),

@@ -85,7 +85,7 @@ const SCALAR: &str = "scalar";
 
 /// Returns true if readers that know nothing but the values interpret each column correctly.
 fn are_told(columns: &[WrittenColumn<'_>], rows: usize) -> bool {
-    // Fewer columns are told by their number, and these by the first behind the coordinates.
+    // Fewer columns are identified by their number, these by the first ones after the coordinates.
     let values = columns.iter().enumerate().map(|(index, column)| {
         let is_looked_at = columns.len() >= 5 && (3..xyz::MAX_GUESSED_COLUMN).contains(&index);
         let rows = if is_looked_at { rows } else { 0 };
@@ -117,7 +117,7 @@ fn header(layout: &str) -> Vec<u8> {
     let end = (START + text.len() + 1).next_multiple_of(ALIGNMENT);
     text.extend(std::iter::repeat_n(' ', end - START - text.len() - 1));
     text.push('\n');
-    // Many fields take a longer header than version 1 has, and names in other letters the encoding of version 3.
+    // Many fields need a longer header than version 1 allows, and non-ASCII names the encoding of version 3.
     let mut header = match u16::try_from(text.len()) {
         Ok(length) if text.is_ascii() => [&b"\x93NUMPY\x01\x00"[..], &length.to_le_bytes()].concat(),
         _ => {

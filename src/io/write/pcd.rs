@@ -31,7 +31,7 @@ const NORMALS: [&str; 3] = ["normal_x", "normal_y", "normal_z"];
 
 fn name(name: &str) -> String {
     match plain_name(name, |sign| sign.is_ascii_graphic()) {
-        // Alone it is the name of padding.
+        // On its own it is the name of padding.
         plain if plain == "_" => "scalar__".to_owned(),
         plain => plain,
     }
@@ -50,7 +50,7 @@ fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
     let count = cloud.positions.len();
     let colors = cloud.attributes.colors.as_deref();
     let has_alpha = colors.is_some_and(|colors| colors.iter().any(|color| color[3] != u8::MAX));
-    // PCL keeps colours in the bits of a float, those with alpha in an unsigned integer.
+    // PCL stores colours in the bits of a float, those with alpha in an unsigned integer.
     let color = colors.map(|_| if has_alpha { ("rgba", "U") } else { ("rgb", "F") });
 
     let mut lines = ["FIELDS", "SIZE", "TYPE", "COUNT"].map(str::to_owned);

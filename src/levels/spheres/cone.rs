@@ -44,16 +44,16 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_cosine_of_a_sum_is_that_of_the_angles(a in 0f64..180.0, b in 0f64..180.0) {
+        fn cosine_of_sum_matches_the_cosine_of_summed_angles(a in 0f64..180.0, b in 0f64..180.0) {
             let [cosine_a, cosine_b] = [a, b].map(|angle_deg| angle_deg.to_radians().cos() as f32);
             let expected = (a + b).min(180.0).to_radians().cos();
-            // A cosine near 1 says little of its angle.
+            // Near 1, a cosine determines its angle poorly.
             prop_assert!((f64::from(cosine_of_sum(cosine_a, cosine_b)) - expected).abs() < 1e-3);
         }
     }
 
     #[test]
-    fn a_cone_is_within_one_that_is_wider_by_the_angle_between_them() {
+    fn a_cone_is_within_one_wider_by_the_angle_between_their_axes() {
         let cone = |axis_deg: f32, half_deg: f32| Cone {
             axis: Vec3::new(axis_deg.to_radians().sin(), 0.0, axis_deg.to_radians().cos()),
             cosine: half_deg.to_radians().cos(),

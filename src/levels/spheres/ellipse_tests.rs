@@ -8,7 +8,7 @@ use crate::levels::LodMetric;
 use glam::{DVec3, Vec3};
 
 #[test]
-fn ellipses_of_nodes_have_the_second_moments_of_their_points() {
+fn node_ellipses_have_the_second_moments_of_their_points() {
     let (points, disks) = torus(900);
     // Thin ones and circles, in many directions.
     let thin = |(index, shape): (u32, &ShapeRecord)| ShapeRecord {
@@ -46,7 +46,7 @@ fn ellipses_of_nodes_have_the_second_moments_of_their_points() {
             below.iter().map(of_point).sum::<f64>()
         };
         if found.ratio > 0.98 {
-            // A circle has any axis.
+            // For a circle any axis is correct.
             continue;
         }
         let across = normal.cross(axis);
@@ -65,7 +65,7 @@ fn ellipses_of_nodes_have_the_second_moments_of_their_points() {
 }
 
 #[test]
-fn sequences_draw_ellipses_of_nodes() {
+fn sphere_sequences_draw_node_ellipses() {
     let (points, disks) = torus(900);
     let thin = |shape: &ShapeRecord| ShapeRecord {
         ellipse: 0x4000_4000,

@@ -134,7 +134,7 @@ impl SequenceFilter {
             Some(_) => return false,
             None => self.tested.parents[name - bounds.len()],
         };
-        // The root is divided, or there would be no candidates.
+        // The root is subdivided, or there would be no candidates.
         parent == 0 || self.node_class(&bounds[parent as usize]) == NodeClass::Divided
     }
 

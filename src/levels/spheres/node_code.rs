@@ -40,7 +40,7 @@ impl NodeCode {
     /// Packs the code of a sphere, an octahedral normal and an 8-bit colour.
     pub(super) fn new(sphere: u16, normal: [i16; 2], [red, green, blue, _]: [u8; 4]) -> Self {
         let [x, y] = normal_steps(normal).map(|steps| (steps + NORMAL_STEPS) as u64);
-        // To the nearest; what is drawn repeats the highest bits in the lowest, so that white stays white.
+        // Rounds to nearest; decoding repeats the highest bits in the lowest, so that white stays white.
         let nearest = |channel: u8, max: u64| (u64::from(channel) * max + 127) / 255;
         let color = nearest(red, 31) | nearest(green, 63) << 5 | nearest(blue, 31) << 11;
         Self(u64::from(sphere) | (x | y << NORMAL_BITS) << NORMAL_SHIFT | color << COLOR_SHIFT)
@@ -142,7 +142,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn all_of_a_node_survives_48_bits(
+        fn nodes_round_trip_through_48_bits(
             sphere in 0u16..1 << 13,
             direction in prop::array::uniform3(-1f32..1.0),
             color: [u8; 4],

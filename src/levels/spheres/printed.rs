@@ -235,7 +235,7 @@ impl Selection<'_> {
         let radius = f64::from(root.radius);
         let d_min = self.root_tau * (distance + radius) * KNOWN_BEYOND;
         let d_max = self.root_tau * (distance - radius) * (1.0 - self.band);
-        // A level that is asked for may be drawn however near.
+        // A level that was requested explicitly may be drawn however near.
         let lo = if self.has_last_level {
             0
         } else {

@@ -31,7 +31,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Most points of a sequence in a hierarchy of them.
-// Smaller subtrees are more alike, so fewer nodes are looked at in vain: with 256 points up to a twentieth more.
+// Smaller subtrees are more homogeneous, so fewer nodes are tested in vain: with 256 points up to a twentieth more.
 pub(super) const HIERARCHY_POINTS: usize = 1 << 6;
 
 /// Nodes of a prefix that are worth handing to another thread.
@@ -184,7 +184,7 @@ impl SequentialTree {
 impl OnlySequence<'_> {
     /// Its nodes as they are tested.
     pub(super) fn tested(self) -> Tested {
-        // Names are places below the root, which has none.
+        // Names are indices below the root, which has none.
         let name = |parent: u32| if parent == NO_PARENT { 0 } else { parent + 1 };
         let bounds = self.0.inners.par_iter();
         let bounds = bounds.map(|inner| NodeBounds::new(&inner.bounds, inner.level.into(), name(inner.parent)));
@@ -300,7 +300,7 @@ impl UpperNode {
             inners: inners.collect(),
             leaf_points: Vec::with_capacity(tree.division.inners[self.node as usize].point_count()),
         };
-        // Leaves are sorted as well, so that cards test a prefix of them.
+        // Leaves are sorted as well, so that GPUs test a prefix of them.
         let in_order = order.sorted.iter().map(|&place| below[place as usize].node);
         let nodes: Vec<u32> = std::iter::once(self.node).chain(in_order).collect();
         let leaf_parents = Order::of(nodes.len(), |place| {
@@ -387,7 +387,7 @@ impl Selection<'_> {
                 NodeClass::Small | NodeClass::Dropped => {}
             }
         }
-        // In the order of memory, which is that in which cards list them.
+        // In memory order, which is the order in which GPUs list them.
         leaves.par_sort_unstable_by_key(|leaves| leaves.start);
         let inner_count = self.tree.inners.len();
         let names = leaves.into_iter().flatten().map(|leaf| (inner_count + leaf) as u32);
@@ -411,7 +411,7 @@ impl SequentialTree {
                 }
             }
         }
-        // Those above sequences are the first nodes of the tree in breadth-first order.
+        // The nodes above sequences are the first nodes of the tree in breadth-first order.
         let mut nodes = std::collections::HashMap::from([(0, Child::Inner(0))]);
         for (upper, name) in self.uppers.iter().zip(0_u32..) {
             let Some(&Child::Inner(node)) = nodes.get(&name) else {

@@ -93,7 +93,7 @@ pub(super) fn encoded(parent: &Sphere, child: &Sphere) -> u16 {
     let step = parent.radius / STEPS as f32;
     let max = f32::from(MAX_STEPS_ASIDE);
     let aside = (child.center - parent.center) / (2.0 * step);
-    // A parent without extent is a place where its children are.
+    // A parent without extent is a single position that contains its children.
     let aside = if aside.is_finite() { aside } else { Vec3::ZERO };
     let mut place = aside
         .round()
@@ -128,13 +128,13 @@ mod tests {
     };
 
     #[test]
-    fn thirteen_bits_name_each_sphere_once_and_the_parents_own() {
+    fn thirteen_bits_encode_each_sphere_once_including_the_parent() {
         let table = &*TABLE;
         assert_eq!(table.steps_of_code.len(), 8192);
         assert_eq!(table.code_of_steps.iter().filter(|&&code| code != NONE).count(), 8192);
         let own = encoded(&PARENT, &PARENT);
         assert_eq!(decoded(&PARENT, own), PARENT);
-        // All that lie inside have a code.
+        // All spheres that lie inside have a code.
         let inside = table
             .steps_of_code
             .iter()
@@ -145,8 +145,8 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_on_the_grid_keeps_its_place() {
-        // A step of coordinates is one unit, one of radii a half.
+    fn spheres_on_the_grid_are_encoded_exactly() {
+        // One step is one unit for coordinates, half a unit for radii.
         let child = Sphere {
             center: PARENT.center + Vec3::new(3.0, 0.0, -2.0),
             radius: 1.5,
@@ -156,7 +156,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_sphere_of_a_code_holds_what_it_was_made_for(
+        fn decoded_spheres_contain_the_encoded_ones(
             direction in prop::array::uniform3(-1f32..1.0),
             radius_share in 0f32..1.0,
             distance_share in 0f32..1.0,
@@ -172,7 +172,7 @@ mod tests {
             let decoded = decoded(&parent, encoded(&parent, &child));
             prop_assert!(decoded == parent || decoded.holds(&child), "{decoded:?} for {child:?}");
             prop_assert!(decoded.radius <= parent.radius);
-            // A step of the radius for rounding it, and two half diagonals of the grid seen from both ends.
+            // One step of the radius for rounding it, and two half diagonals of the grid seen from both ends.
             let step = parent_radius / 13.0;
             prop_assert!(decoded == parent || decoded.radius <= radius + 6.0 * step);
         }

@@ -90,7 +90,7 @@ impl Inner {
         let mut child_count = 1;
         while child_count < MAX_CHILDREN {
             let pieces = (0..child_count).filter(|&piece| starts[piece + 1] - starts[piece] > 1);
-            // The largest cell; of points that nothing parts, the most.
+            // The largest cell; among coincident points, the one with the most points.
             let largest = pieces.max_by_key(|&piece| {
                 let (first, end) = (starts[piece], starts[piece + 1]);
                 let different = codes[first as usize] ^ codes[end as usize - 1];
@@ -186,12 +186,12 @@ mod tests {
     }
 
     #[test]
-    fn equal_points_are_shared_out_evenly() {
+    fn equal_points_are_divided_evenly() {
         assert_eq!(pieces(&[5; 8]), [0..2, 2..4, 4..6, 6..8]);
     }
 
     #[test]
-    fn every_point_is_a_leaf_of_one_node_and_every_node_but_the_root_a_child_of_one() {
+    fn every_point_and_every_node_but_the_root_has_one_parent() {
         let codes: Vec<u64> = (0..999_u64).map(|i| i * i / 7 / 5 * 5).collect();
         let Division { inners, level_starts } = Division::of(&codes);
         let (mut leaves, mut children) = (Vec::new(), vec![0]);

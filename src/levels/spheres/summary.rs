@@ -11,7 +11,7 @@ use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 /// Nodes of more points have spheres around those of their children.
-// Spheres around spheres are wider than those around what they hold, by a tenth.
+// Spheres around spheres are wider than spheres around their contents, by a tenth.
 const FEW_POINTS: usize = 64;
 
 /// The points below a node in a few numbers.
@@ -93,7 +93,7 @@ impl Summary {
         };
         Self {
             sphere,
-            // Of points with disks of no size, rounding could make it wider.
+            // For points with disks of zero size, rounding could make it wider.
             spread: spread.min(sphere.radius),
             normal,
             cone_cosine: cosines.fold(1.0, f32::min),

@@ -202,7 +202,7 @@ fn drawn_by_definition(tree: &SphereTree, view: &SelectView, culls: bool) -> Has
 }
 
 #[test]
-fn spheres_and_cones_are_nested_and_hold_all_below() {
+fn spheres_and_cones_are_nested_and_contain_all_descendants() {
     for (of, tree) in [torus(3000), odd_cloud()]
         .iter()
         .flat_map(|of| trees_of(of).map(|tree| (of, tree)))
@@ -234,7 +234,7 @@ fn spheres_and_cones_are_nested_and_hold_all_below() {
 }
 
 #[test]
-fn cones_of_a_smooth_surface_are_known_and_spheres_are_tight() {
+fn smooth_surfaces_have_cones_and_tight_spheres() {
     let of = torus(20_000);
     for (tree, max_wider) in trees_of(&of).into_iter().zip([1.5, 1.05]) {
         let known = tree
@@ -254,7 +254,7 @@ fn cones_of_a_smooth_surface_are_known_and_spheres_are_tight() {
             let around = Sphere::around(disks);
             around_disks += f64::from(around.radius);
             of_tree += f64::from(node.sphere.radius);
-            // Those of more points are around the spheres of their children.
+            // Nodes with more points are spheres around the spheres of their children.
             let is_around_disks = tree.codes.is_empty() && tree.division.inners[index as usize].point_count() <= 64;
             assert!(!is_around_disks || node.sphere.radius <= around.radius, "{node:?}");
         }
@@ -263,7 +263,7 @@ fn cones_of_a_smooth_surface_are_known_and_spheres_are_tight() {
 }
 
 #[test]
-fn the_nodes_that_are_drawn_are_those_of_the_definition() {
+fn drawn_nodes_match_the_definition() {
     for (of, tree) in [torus(3000), odd_cloud()]
         .iter()
         .flat_map(|of| trees_of(of).map(|tree| (of, tree)))
@@ -297,7 +297,7 @@ fn coverage(tree: &SphereTree, of: &Records, drawn: &[Child]) -> Vec<u32> {
 }
 
 #[test]
-fn every_point_is_covered_once_where_all_can_be_seen() {
+fn every_point_is_covered_once_where_all_are_visible() {
     for of in [
         torus(3000),
         odd_cloud(),
@@ -322,7 +322,7 @@ fn every_point_is_covered_once_where_all_can_be_seen() {
 
 proptest! {
     #[test]
-    fn below_a_small_node_all_are_small_and_below_a_dropped_one_all_are_dropped(
+    fn descendants_of_small_nodes_are_small_and_of_dropped_ones_dropped(
         positions in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 1..200),
         flatness in 0f32..1.0,
         eye in prop::array::uniform3(-4f32..4.0),
@@ -368,7 +368,7 @@ fn structures(of: &Records) -> Vec<SphereLevels> {
 }
 
 #[test]
-fn near_the_threshold_the_view_before_decides() {
+fn near_the_threshold_the_previous_view_decides() {
     let of = torus(5000);
     for levels in structures(&of) {
         let [view, ..] = views(6.0, LodMetric::Area)[..] else {
@@ -391,7 +391,7 @@ fn near_the_threshold_the_view_before_decides() {
             assert!(names(&with_before(6.3)) == names(&first), "{kind:?}");
             assert!(names(&with_before(5.7)) == names(&first), "{kind:?}");
         }
-        // The nodes that were divided are so still, where the threshold is not a tenth beyond.
+        // Nodes that were subdivided stay so, unless the threshold is more than a tenth beyond.
         let divided = |cut: &Cut| cut.listed.divided.iter().copied().collect::<HashSet<u32>>();
         assert!(divided(&with_before(6.3)).is_superset(&divided(&first)), "{kind:?}");
         assert!(!divided(&fresh(6.3)).is_superset(&divided(&first)), "{kind:?}");
@@ -400,7 +400,7 @@ fn near_the_threshold_the_view_before_decides() {
 }
 
 #[test]
-fn a_budget_is_kept_and_mostly_used() {
+fn a_budget_is_respected_and_mostly_used() {
     let of = torus(20_000);
     for levels in structures(&of) {
         let [view, ..] = views(0.5, LodMetric::Area)[..] else {
@@ -426,7 +426,7 @@ fn written(levels: &SphereLevels, cut: &Cut) -> (Vec<PointRecord>, Vec<ShapeReco
 }
 
 #[test]
-fn leaves_of_sequences_are_the_points_and_those_of_qsplat_are_near_them() {
+fn sequence_leaves_are_the_points_and_qsplat_leaves_are_near_them() {
     let of = torus(2000);
     let (points, shapes) = &of;
     let [view, ..] = views(0.0, LodMetric::Area)[..] else {
@@ -471,7 +471,7 @@ fn leaves_of_sequences_are_the_points_and_those_of_qsplat_are_near_them() {
 }
 
 #[test]
-fn a_node_of_qsplat_takes_six_bytes_and_a_group_a_pointer() {
+fn qsplat_nodes_take_six_bytes_plus_one_pointer_per_group() {
     let of = torus(10_000);
     let tree = tree_of(&of, Precision::Exact);
     let groups = tree
@@ -488,7 +488,7 @@ fn a_node_of_qsplat_takes_six_bytes_and_a_group_a_pointer() {
 }
 
 #[test]
-fn the_printed_rule_draws_nodes_and_their_parents_and_counts_them() {
+fn the_published_rule_draws_some_nodes_with_their_parents_and_counts_them() {
     // A sphere of radius 1 around two points: r_min is √π, and r_max of the points is √π + 1.
     let of = records(&[Vec3::NEG_X, Vec3::X], |_| Vec3::Y, 0.0);
     let tree = tree_of(&of, Precision::Exact);
@@ -511,7 +511,7 @@ fn the_printed_rule_draws_nodes_and_their_parents_and_counts_them() {
 }
 
 #[test]
-fn the_printed_rule_covers_every_point_and_more_often_the_smaller_the_threshold() {
+fn the_published_rule_covers_every_point_more_often_with_smaller_thresholds() {
     let of = torus(3000);
     let tree = tree_of(&of, Precision::Exact);
     let sequence = PrintedSequence::of(&tree, &of.0);
@@ -523,7 +523,7 @@ fn the_printed_rule_covers_every_point_and_more_often_the_smaller_the_threshold(
         let cut = sequence.cut(&view, CutHints::default());
         let drawn: Vec<Child> = cut.listed.drawn.iter().map(|name| nodes[name]).collect();
         assert!(coverage(&tree, &of, &drawn).iter().all(|&times| times >= 1));
-        // By brute force: those whose points are a part of another's.
+        // By brute force: nodes whose points are a subset of another's.
         let below: Vec<HashSet<u32>> = drawn
             .iter()
             .map(|&node| points_below(&tree, node).into_iter().collect())

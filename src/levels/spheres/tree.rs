@@ -91,7 +91,7 @@ fn nested<T: Send + Sync>(
             .into_par_iter()
             .with_min_len(NODES_PER_TASK)
             .map(|index| {
-                // The root is its own parent, and not there yet.
+                // The root is its own parent, and not stored yet.
                 let parent = division.inners[index].parent as usize;
                 make(nodes.get(parent), &summaries[index])
             })
@@ -103,11 +103,11 @@ fn nested<T: Send + Sync>(
 
 impl Node {
     fn nested(parent: Option<&Self>, summary: &Summary) -> Self {
-        // That of a part of some points may be wider by a hair, as neither is the smallest that there is.
+        // The sphere of a subset may be slightly wider, as neither is minimal.
         let (sphere, radius) = match parent {
             Some(parent) if parent.sphere.radius < summary.sphere.radius => (parent.sphere, parent.bounds.radius),
             // The spread without disks, as the edge of an octree's cell does not include them either: a torus of a
-            // million points is drawn as 0.4 to 0.7 times the nodes that the sphere's radius gives, with an image as
+            // million points is drawn with 0.4 to 0.7 times the nodes that the sphere's radius gives, with an image as
             // close (52.5 dB; octree 52.9).
             _ => (summary.sphere, summary.spread),
         };
@@ -131,8 +131,8 @@ impl Node {
         let bounds = Bounds {
             sphere,
             cone: code.cone(),
-            // There is no room for another.
-            // So QSplat draws 1.5 to 3.3 times the nodes of the others at the same threshold.
+            // There is no space for another radius. This makes QSplat draw 1.5 to 3.3 times the nodes of the others at
+            // the same threshold.
             radius: sphere.radius,
         };
         (Self::with_bounds(parent, bounds, summary), code)

@@ -99,7 +99,7 @@ impl Draft {
         let (lens, camera_from_world) = self.placed().map_err(Reason::Wrong)?;
         let copy = self.copy.clone().filter(|path| path.is_file());
         let path = copy.or_else(|| files.photo(&self.name)).ok_or(Reason::Missing)?;
-        // Half of the formats do not know the size of their images, and images are often distributed at a smaller size
+        // Half of the formats do not state the size of their images, and images are often distributed at a smaller size
         // than they were calibrated at.
         let image_px = size_px(&path).map_err(|error| Reason::Wrong(error.reason()))?;
         Ok(Photo {
@@ -148,7 +148,7 @@ impl Drafts {
         };
         let mut retained = vec![None; photos.len()];
         let (mut missing, mut wrong) = (Vec::new(), Vec::new());
-        // Programs list photographs as they were matched, or as a hash table has them: people count them by their
+        // Programs list images in the order of matching, or of a hash table: users count them in the order of their
         // names.
         let mut by_name: Vec<_> = self.photos.iter().zip(photos).enumerate().collect();
         by_name.sort_by(|(_, (one, _)), (_, (other, _))| natural_order(Path::new(&one.name), Path::new(&other.name)));
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_with_one_photograph_costs_that_one() {
+    fn an_error_in_one_image_only_affects_that_image() {
         let folder = tempfile::tempdir().unwrap();
         image::RgbImage::new(8, 6).save(folder.path().join("a.png")).unwrap();
         std::fs::write(folder.path().join("broken.png"), b"no picture").unwrap();
@@ -316,7 +316,7 @@ mod tests {
             draft("broken.png"),
             draft("a.png"),
         ];
-        // The name is used more than once here, which is fine where the file is found as it is written.
+        // The name is used more than once here, which is fine if the file is found under exactly that name.
         let set = drafts.into_view_set().unwrap();
         assert_eq!(set.photos.len(), 1);
         assert_eq!(set.photos[0].camera.size_px(), [8, 6]);
@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn photographs_are_in_the_order_of_their_names_and_tracks_with_them() {
+    fn images_are_sorted_by_name_and_tracks_follow() {
         let folder = tempfile::tempdir().unwrap();
         for (name, width) in [("view_2.png", 10), ("view_10.png", 12), ("view_1.png", 8)] {
             image::RgbImage::new(width, 6).save(folder.path().join(name)).unwrap();
@@ -356,7 +356,7 @@ mod tests {
     }
 
     #[test]
-    fn a_set_of_nothing_says_why() {
+    fn an_empty_set_says_why() {
         let folder = tempfile::tempdir().unwrap();
         let mut drafts = Drafts::new(Path::new("list"), vec![folder.path().into()]);
         drafts.photos = (0..5).map(|index| draft(&format!("{index}.png"))).collect();

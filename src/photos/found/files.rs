@@ -100,7 +100,7 @@ impl Files {
         }
         let mut as_written = self.photos.iter().map(|listing| listing.folder.join(&name));
         let as_written = as_written.find(|path| path.is_file());
-        // What cannot be decoded was converted, perhaps.
+        // If it cannot be decoded, a converted copy may exist.
         if as_written.as_deref().is_some_and(is_picture) {
             return as_written;
         }
@@ -189,7 +189,7 @@ impl Files {
         let name = path.file_name()?.to_str()?;
         let stem = path.file_stem()?.to_str()?;
         let names = [
-            // COLMAP's name, and those of RealityCapture and OpenDroneMap.
+            // The naming of COLMAP, and those of RealityCapture and OpenDroneMap.
             format!("{name}.png"),
             format!("{name}.mask.png"),
             format!("{stem}_mask.png"),
@@ -204,7 +204,7 @@ impl Files {
     }
 
     fn by_last_part(&self, listings: &[Listing], name: &str) -> Option<PathBuf> {
-        // Only a name that is listed once: `left/1.jpg` must never be taken for `right/1.jpg`.
+        // Only a name that is listed once: `left/1.jpg` must never be mistaken for `right/1.jpg`.
         let last = last_part(name).to_lowercase();
         if self.endings.get(&last).is_some_and(|&count| count > 1) {
             return None;
@@ -226,7 +226,7 @@ impl Listing {
             .take(MAX_ENTRIES)
             .filter_map(|entry| Some(entry.ok()?.path()))
             .collect();
-        // Of names that differ by case or extension alone, the same one each time.
+        // Of names that differ only by case or extension, the choice is deterministic.
         paths.sort_unstable();
         let (mut by_name, mut by_stem) = (HashMap::new(), HashMap::new());
         for path in paths {
@@ -308,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn photographs_are_found_by_the_names_of_other_machines() {
+    fn images_are_found_by_paths_of_other_machines() {
         let folder = folder(&[
             "images/IMG_1.JPG",
             "images/b c.png",
@@ -347,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn photographs_of_two_cameras_are_not_confused() {
+    fn images_of_two_cameras_are_not_confused() {
         let folder = folder(&["images/left/1.jpg", "images/1.jpg"]);
         let names = ["left/1.jpg", "right/1.jpg"];
         let files = Files::around(&[folder.path().into()], names);
@@ -358,7 +358,7 @@ mod tests {
     }
 
     #[test]
-    fn names_without_extensions_are_found_in_folders_of_their_own() {
+    fn names_without_extensions_are_found_in_their_folders() {
         let folder = folder(&[
             "train/r_0.png",
             "train/r_10.png",
@@ -388,14 +388,14 @@ mod tests {
             Some("train/r_0.png"),
             None,
             Some("photos/b.JPG"),
-            // That is a mask.
+            // This one is a mask.
             None,
         ];
         assert_eq!(found.each_ref().map(Option::as_deref), expected);
     }
 
     #[test]
-    fn the_folder_of_a_camera_is_found_behind_those_of_another_machine() {
+    fn camera_folders_are_found_under_paths_of_another_machine() {
         let folder = folder(&["images_2/left/1.jpg", "images_2/right/1.png"]);
         let names = ["/home/them/scan/images/left/1.jpg", "C:\\scan\\images\\right\\1.jpg"];
         let files = Files::around(&[folder.path().into()], names);
@@ -407,7 +407,7 @@ mod tests {
     }
 
     #[test]
-    fn masks_are_named_after_their_photographs() {
+    fn masks_are_named_after_their_images() {
         let folder = folder(&["masks/a.jpg.png", "masks/B.png", "images/a.jpg"]);
         let files = Files::around(&[folder.path().into()], []);
         assert!(files.mask("a.jpg").unwrap().ends_with("masks/a.jpg.png"));
@@ -416,7 +416,7 @@ mod tests {
     }
 
     #[test]
-    fn masks_may_lie_beside_their_photographs() {
+    fn masks_may_be_next_to_their_images() {
         let folder = folder(&[
             "a.jpg",
             "a.jpg.png",
@@ -434,7 +434,7 @@ mod tests {
         assert_eq!(mask("a.jpg").as_deref(), Some("a.jpg.png"));
         assert_eq!(mask("b.jpg").as_deref(), Some("b_mask.png"));
         assert_eq!(mask("c.jpg").as_deref(), Some("c.jpg.mask.png"));
-        // A picture of the same stem is another picture.
+        // An image with the same stem is a different image.
         assert_eq!(mask("d.jpg"), None);
     }
 }

@@ -50,7 +50,7 @@ mod tests {
 
     /// A camera that was held upright notes a turn, and writes the pixels of its sensor: 6 is a quarter turn.
     #[test]
-    fn the_turn_that_a_camera_noted_is_not_applied() {
+    fn exif_orientation_is_not_applied() {
         let mut image = RgbImage::new(32, 16);
         for (x, _, pixel) in image.enumerate_pixels_mut() {
             pixel.0 = if x < 16 { [250; 3] } else { [5; 3] };
@@ -65,7 +65,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.jpg");
         std::fs::write(&path, turned).unwrap();
-        // The decoder knows of the turn, so the file is what it should be.
+        // The decoder reports the orientation, so the file is as intended.
         let mut decoder = open(&path).unwrap().into_decoder().unwrap();
         let noted = image::ImageDecoder::orientation(&mut decoder).unwrap();
         assert_eq!(noted, image::metadata::Orientation::Rotate90);

@@ -145,7 +145,7 @@ impl Rig {
                 None => {
                     set.notes
                         .push(format!("{} has no image of this time step", camera.name));
-                    // Cameras keep their numbers: `--leave-out 3` is to mean the same camera in all frames.
+                    // Cameras keep their numbers: `--leave-out 3` must mean the same camera in all frames.
                     camera.without_file(usual_px)
                 }
             };
@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn cameras_keep_their_numbers_where_one_has_no_image() {
+    fn camera_numbers_are_unchanged_where_one_has_no_image() {
         let folder = tempfile::tempdir().unwrap();
         let rig = Rig::of(drafts()).unwrap();
         assert_eq!(rig.names().collect::<Vec<_>>(), ["a/1", "c"]);
@@ -259,7 +259,7 @@ mod tests {
         let has_file: Vec<bool> = set.photos.iter().map(Photo::has_file).collect();
         assert_eq!(has_file, [false, true]);
         assert_eq!(set.notes, ["a/1 has no image of this time step"]);
-        // The second image is half as large as it was calibrated: (1, 2) from the middle is half as far from it.
+        // The second image is half as large as it was calibrated: (1, 2) from the centre is half as far from it.
         assert_eq!(set.photos[1].camera.size_px(), [8, 6]);
         let track = set.points.track(0);
         assert_eq!(track.len(), 2);
@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_of_nothing_and_rigs_of_nothing_say_why() {
+    fn empty_time_steps_and_empty_rigs_say_why() {
         let folder = tempfile::tempdir().unwrap();
         let rig = Rig::of(drafts()).unwrap();
         let error = rig.time_step(&[None, None], false).unwrap_err().to_string();
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn masks_lie_in_the_same_place_below_their_folder() {
+    fn masks_have_the_same_relative_path_below_their_folder() {
         let folder = tempfile::tempdir().unwrap();
         for below in ["cam0", "masks/cam0", "masks/cam1"] {
             std::fs::create_dir_all(folder.path().join(below)).unwrap();

@@ -49,18 +49,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_texture_takes_a_third_more_for_its_levels() {
+    fn mipmaps_add_a_third_to_a_texture() {
         assert_eq!(texture_bytes([1, 1]), 4);
         assert_eq!(texture_bytes([4, 2]), 4 * (8 + 2 + 1));
         let bytes = texture_bytes([1024, 1024]);
         assert!((bytes as f64 / (4.0 * 1024.0 * 1024.0) - 4.0 / 3.0).abs() < 1e-4);
-        // No image, and the largest: neither is an endless loop.
+        // No image, and the largest: neither loops forever.
         assert_eq!(texture_bytes([0, 0]), 0);
         assert_eq!(texture_bytes([u32::MAX; 2]), u64::MAX);
     }
 
     #[test]
-    fn photographs_are_halved_until_they_fit() {
+    fn images_are_halved_until_they_fit() {
         let sizes = [[1024, 512], [512, 1024]];
         let whole = 2 * texture_bytes([1024, 1024]);
         assert_eq!(halvings_within(&sizes, whole, 8192), 0);

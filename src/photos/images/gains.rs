@@ -81,7 +81,7 @@ impl Samples {
                 let is_usable = color.iter().all(|value| USABLE.contains(value));
                 is_usable.then(|| Sample {
                     photo,
-                    // Linear factors would have their best solution at zero, held off by nothing but the regulariser.
+                    // Linear factors would have their optimum at zero, prevented only by the regulariser.
                     logs: color.map(|value| f64::from(value).ln()),
                 })
             });
@@ -140,7 +140,7 @@ impl Samples {
     /// Logarithms of gains that make the weighted squares least, from `start`.
     fn solve(&self, logs: &[f64], weights: &[f64], start: Vec<f64>) -> Vec<f64> {
         let photo = |at: usize| self.all[at].photo;
-        // No matrix: 100 images with 500,000 observations take half a second.
+        // Matrix-free: 100 images with 500,000 observations take half a second.
         let normal = |gains: &[f64]| {
             let mut result: Vec<f64> = gains.iter().map(|gain| REGULARISER * gain).collect();
             let add = |at: usize, difference: f64| result[photo(at)] += weights[at] * difference;
@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn exposures_are_found_and_have_the_mean_one() {
+    fn exposures_are_estimated_with_a_mean_of_one() {
         let exposures = [[1.0, 1.0, 1.0], [0.6, 0.7, 0.8], [1.3, 1.1, 0.9], [1.0, 1.2, 1.4]];
         for outliers in [false, true] {
             let mut photos: Vec<_> = exposures
@@ -271,13 +271,13 @@ mod tests {
                     );
                 }
             }
-            // Neither the photograph that is not there, nor the one that shares nothing, is changed.
+            // Neither the missing image nor the one that shares nothing is changed.
             assert_eq!(gains[4..], [[1.0; 3]; 2]);
         }
     }
 
     #[test]
-    fn photographs_that_agree_keep_one() {
+    fn images_that_agree_have_unit_exposure() {
         let photos = vec![Some(photo([1.0; 3], false)); 3];
         for gain in gains(&points(&[0, 1, 2]), &photos).as_flattened() {
             assert!((gain - 1.0).abs() < 1e-6);
@@ -288,7 +288,7 @@ mod tests {
 
     /// Conjugate gradients against Gauss and Jordan, with weights.
     #[test]
-    fn the_solution_is_that_of_the_normal_equations() {
+    fn the_solution_satisfies_the_normal_equations() {
         let mut random = 1_u64;
         let mut next = || {
             random = random

@@ -127,7 +127,7 @@ fn read(photo: &Photo, halvings: u32) -> Result<Read, PhotosError> {
 /// Reads the depth map that a file has for an input image, as its pinhole sees it, without the noise of planes. Depth
 /// maps of COLMAP are of pinholes already.
 fn depth(file: &DepthFile, camera: &Camera, pinhole: &Camera) -> Result<Option<DepthImage>, PhotosError> {
-    // On planes: a relit image of Redwood showed the noise of its depths. Exact depths stay unchanged.
+    // Smoothed onto planes: a relit image of Redwood showed the noise of its depths. Exact depths stay unchanged.
     let taken = on_planes(&file.read()?);
     if let Some(taken_by) = &file.taken_by {
         return seen_around(file, &taken, taken_by, pinhole).map(Some);
@@ -143,7 +143,7 @@ fn depth(file: &DepthFile, camera: &Camera, pinhole: &Camera) -> Result<Option<D
         let place = ray
             .and_then(|ray| camera.pixel(ray))
             .filter(|&place| camera.contains(place));
-        // Between depths of two surfaces there is none.
+        // Not interpolated: there is no surface between the depths of two surfaces.
         place.map_or(0.0, |place| {
             let [column, row] = ((place + 0.5) * scale).min(size - 1.0).max(DVec2::ZERO).to_array();
             taken.metres()[taken.width() * row as usize + column as usize]

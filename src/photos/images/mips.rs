@@ -77,7 +77,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn a_half_is_the_mean_of_four() {
+    fn half_size_texels_are_means_of_four() {
         let image = PhotoImage::new(
             [2, 2],
             vec![[0, 0, 0, 255], [100, 0, 0, 255], [200, 40, 0, 255], [100, 0, 8, 255]],
@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_alpha_does_not_bleed() {
+    fn transparent_texels_do_not_bleed() {
         let image = PhotoImage::new([2, 1], vec![[90, 80, 70, 255], [255, 255, 255, 0]]).unwrap();
         assert_eq!(halved(&image).pixels(), [[90, 80, 70, 128]]);
     }
@@ -103,7 +103,7 @@ mod tests {
     proptest! {
         /// Every pixel is covered by as much as any other, and by all of itself.
         #[test]
-        fn sides_are_covered_evenly(side in 1_usize..200) {
+        fn odd_sizes_are_covered_evenly(side in 1_usize..200) {
             let count = (side / 2).max(1);
             let mut shares = vec![0.0; side];
             for (parts, used) in covered(side, count) {

@@ -27,7 +27,7 @@ impl PhotoImage {
     /// If the image or its mask cannot be decoded, or if the image has another size than its camera.
     pub fn read(photo: &Photo) -> Result<Self, PhotosError> {
         let expected_px = photo.camera.size_px();
-        // The header first: a file that has changed to a huge one is not decoded.
+        // Reads the header first: a file that has become a huge one is not decoded.
         let found_px = size_px(&photo.path)?;
         if found_px != expected_px {
             return Err(PhotosError::WrongSize {
@@ -84,7 +84,7 @@ impl PhotoImage {
             (1.0 - to_right) * to_bottom,
             to_right * to_bottom,
         ];
-        // Nearly all pixels: nothing to weigh, so nothing to divide by.
+        // True for nearly all pixels: no weighting, so no division.
         if corners.iter().all(|corner| corner[3] == u8::MAX) {
             let mix = |channel: usize| (0..4).map(|at| shares[at] * f32::from(corners[at][channel])).sum();
             return [mix(0), mix(1), mix(2), 255.0];
@@ -154,7 +154,7 @@ mod tests {
     use image::{GrayImage, RgbaImage};
 
     #[test]
-    fn colours_without_alpha_have_no_say() {
+    fn transparent_colors_have_no_weight() {
         let image = PhotoImage::new([2, 1], vec![[100, 50, 0, 255], [0, 250, 250, 0]]).unwrap();
         assert_eq!(image.bilinear(DVec2::new(0.5, 0.0)), [100.0, 50.0, 0.0, 127.5]);
         assert_eq!(image.bilinear(DVec2::new(1.0, 7.0)), [0.0; 4]);

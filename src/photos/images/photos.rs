@@ -68,7 +68,7 @@ impl PosedImages {
     const USUAL_ANGLE: f64 = 0.3;
 
     /// The longest edge of depth maps that are drawn of what points say, texels.
-    // A ring held out has 37.3, 39.3, 40.1 dB with 512, and 36.2, 34.5, 33.8 with 256: its disks are where they should
+    // A held-out ring has 37.3, 39.3, 40.1 dB with 512, and 36.2, 34.5, 33.8 with 256: its disks are where they should
     // be.
     const DEPTH_EDGE_PX: u32 = 512;
 
@@ -168,7 +168,7 @@ mod tests {
     use glam::{DMat3, DVec2};
 
     #[test]
-    fn a_photograph_knows_where_it_was_taken() {
+    fn a_posed_image_knows_its_camera_position() {
         let place = DVec3::new(4.0, -2.0, 0.5);
         let posed_image = PosedImage {
             name: String::new(),

@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn smaller_photographs_show_the_same_at_the_same_place() {
+    fn downscaled_images_show_the_same_at_the_same_place() {
         for halvings in 0..3 {
             let photo = prepared(halvings);
             assert_eq!(photo.image.size_px(), photo.camera.size_px());
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_around_a_point_are_of_whole_squares() {
+    fn colors_around_a_point_need_a_complete_square() {
         let photo = prepared(0);
         assert_eq!(
             photo.color_around(DVec3::new(0.005, 0.005, 1.0), 2),

@@ -132,13 +132,13 @@ mod tests {
             camera_from_world: DAffine3::from_translation(DVec3::new(-x, 0.0, 0.0)),
             image: PhotoImage::new([160, 120], pixels.collect()).unwrap(),
         };
-        // Half as large as the photograph.
+        // Half as large as the image.
         let depth = DepthImage::new([80, 60], vec![if wrong { 1.5 } else { 2.0 }; 80 * 60]);
         (Some(photo), depth)
     }
 
     #[test]
-    fn exposures_are_found_by_depths_and_wrong_depths_share_nothing() {
+    fn exposures_are_estimated_from_depths_and_wrong_depths_share_no_points() {
         let (photos, depths): (Vec<_>, Vec<_>) =
             [photo(0.0, 1.0, false), photo(0.2, 0.7, false), photo(0.1, 1.0, true)]
                 .into_iter()
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn few_photographs_are_looked_for_in_all_others_and_many_in_some() {
+    fn few_images_are_matched_with_all_others_and_many_with_some() {
         assert_eq!(grid_for(3), GRID);
         for cell in [0, 7] {
             let mut all: Vec<usize> = others(2, cell, 5).collect();
@@ -163,7 +163,7 @@ mod tests {
             let looks = count * count.min(MAX_OTHERS) * (across * down) as usize;
             assert!(looks < 2 * MAX_LOOKS || [across, down] == [1, 1], "{looks} of {count}");
         }
-        // In a thousand, a photograph meets most of the others at one pixel or another.
+        // Among a thousand, an image shares some pixel with most of the others.
         let [across, down] = grid_for(1000);
         let mut met: Vec<usize> = (0..(across * down) as usize)
             .flat_map(|cell| others(500, cell, 1000))
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn photographs_without_depths_share_nothing() {
+    fn images_without_depths_share_no_points() {
         let (photos, _): (Vec<_>, Vec<_>) = [photo(0.0, 1.0, false), photo(0.2, 0.7, false)].into_iter().unzip();
         assert!(shared_points(&photos, &[None, None]).is_empty());
         assert!(shared_points(&[None], &[None]).is_empty());

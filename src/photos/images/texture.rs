@@ -49,7 +49,7 @@ impl Texture {
         let share = (lod - finer as f32).min(1.0);
         let finest = self.size_px();
         let fine = if finer == 0 {
-            // Linear between texels blurs where an image is drawn in about its own size: 36.66 → 36.94 dB by cubics
+            // Bilinear interpolation blurs where an image is drawn at about its own size: 36.66 → 36.94 dB with cubics
             // (Redwood's frames, plain depth buffer). The nearest image alone loses 0.1 dB: its noise is no longer
             // blurred.
             on_cubics(&self.levels[0], place)
@@ -84,7 +84,7 @@ fn on_cubics(picture: &PhotoImage, place: [f32; 2]) -> [f32; 4] {
         + lines[3].at(across) * down[3];
     let min = lines[1].left.min(lines[1].right).min(lines[2].left.min(lines[2].right));
     let max = lines[1].left.max(lines[1].right).max(lines[2].left.max(lines[2].right));
-    // Without this, 36.94 dB as well, but halos at edges. Over eight lanes it took 21.8 instead of 29.5 ns, a tenth of
+    // Without this, 36.94 dB as well, but halos at edges. Using eight lanes it took 21.8 instead of 29.5 ns, a tenth of
     // the cost of one image at a point: not adopted.
     sum.max(min).min(max).to_array()
 }
@@ -98,8 +98,8 @@ struct Line {
 }
 
 impl Line {
-    // Not by `map`, whose calls stay calls in a loop that is compiled for other processors as well.
-    // Those calls, eight per texel, took a third of the time.
+    // Not by `map`, whose closure calls are not inlined in a loop compiled for several instruction sets. Those calls,
+    // eight per texel, took a third of the time.
     #[inline(always)]
     fn of(texels: &[[u8; 4]], columns: [usize; 4]) -> Self {
         Self {
@@ -119,7 +119,7 @@ impl Line {
 /// The four texels of an edge up to `last` around a place on it, and their shares there.
 #[inline(always)]
 fn cubic_places(place: f32, last: usize) -> ([usize; 4], [f32; 4]) {
-    // Not `clamp`: what is no number is at the border.
+    // Not `clamp`: NaN has to end up at the border.
     let at = (place - 0.5).max(0.0).min(last as f32);
     let before = at as usize;
     let texels = [
@@ -141,7 +141,7 @@ fn times_alpha([red, green, blue, alpha]: [u8; 4]) -> Vec4 {
 /// Shares of four texels at a place `t` of the way from the second to the third.
 #[inline(always)]
 fn cubic_weights(t: f32) -> [f32; 4] {
-    // a = −0.5, 36.94 dB (Redwood). The sharper cubics of a = −0.75 and −1 have 36.93 and 36.87.
+    // a = −0.5, 36.94 dB (Redwood). The sharper cubics with a = −0.75 and −1 have 36.93 and 36.87.
     let (t2, t3) = (t * t, t * t * t);
     [
         -0.5 * t3 + t2 - 0.5 * t,
@@ -166,7 +166,7 @@ fn between_texels(level: &PhotoImage, finest: [u32; 2], place: [f32; 2]) -> [f32
 /// The two texels of an edge that are next to a place at `share` of it, and how far it is from the first to the second.
 #[inline(always)]
 fn linear_places(share: f32, edge: u32) -> (usize, usize, f32) {
-    // Not `clamp`: what is no number is at the border.
+    // Not `clamp`: NaN has to end up at the border.
     let at = (share * edge as f32 - 0.5).max(0.0).min(edge as f32 - 1.0);
     let before = at as usize;
     (before, (before + 1).min(edge as usize - 1), at - before as f32)
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn middles_of_texels_have_their_colours_and_places_between_them_what_is_between() {
+    fn texel_centers_have_exact_colors_and_others_are_interpolated() {
         let near = |place: [f32; 2], lod: f32, expected: [f32; 4]| {
             let found = ramp().between_texels(place, lod).map(|value| 255.0 * value);
             let far = found
@@ -195,18 +195,18 @@ mod tests {
         near([3.5, 2.5], 0.0, [30.0, 40.0, 0.0, 255.0]);
         near([4.0, 2.5], 0.0, [35.0, 40.0, 0.0, 255.0]);
         near([3.5, 3.25], 0.0, [30.0, 55.0, 0.0, 255.0]);
-        // Beyond the middles of the border there is nothing more.
+        // Beyond the centres of the border texels the value stays constant.
         near([0.1, 8.0], 0.0, [0.0, 140.0, 0.0, 255.0]);
-        // A ramp is the same at any level, away from its ends.
+        // A ramp is the same at every level, away from its ends.
         near([3.5, 2.5], 1.0, [30.0, 40.0, 0.0, 255.0]);
         near([4.0, 4.0], 0.5, [35.0, 70.0, 0.0, 255.0]);
-        // The coarsest is one texel.
+        // The coarsest level is one texel.
         near([1.0, 1.0], 9.0, [35.0, 70.0, 0.0, 255.0]);
     }
 
     /// A wave of eight texels, away from its crests: straight lines are off by up to 5 of 255, cubics by half of that.
     #[test]
-    fn waves_are_hardly_flatter_between_texels() {
+    fn waves_are_hardly_flattened_between_texels() {
         let wave = |x: f32| 127.5 + 100.0 * (x * std::f32::consts::TAU / 8.0).sin();
         let texels = (0..32 * 4).map(|at| [wave((at % 32) as f32 + 0.5).round() as u8, 0, 0, 255]);
         let texture = Texture::new(PhotoImage::new([32, 4], texels.collect()).unwrap());
@@ -220,8 +220,8 @@ mod tests {
     }
 
     #[test]
-    fn edges_have_no_rims_and_what_is_transparent_has_no_colour() {
-        // Grey beside white, and nothing beside both.
+    fn edges_have_no_halos_and_transparent_texels_no_color() {
+        // Grey next to white, and transparent on both sides.
         let texels = (0..8 * 8).map(|at| match at % 8 {
             0..3 => [100, 100, 100, 255],
             3..6 => [255, 255, 255, 255],
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn without_levels_the_finest_is_all_there_is() {
+    fn without_mipmaps_every_lod_samples_the_finest_level() {
         let texture = ramp();
         let [picture, ..] = texture.levels() else { panic!() };
         let bare = Texture::without_levels(picture.clone());
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_none_give_colours() {
+    fn nan_and_infinite_coordinates_give_colors() {
         for (place, lod) in [
             ([f32::NAN, 2.0], 0.0),
             ([2.0, f32::INFINITY], 1.0),

@@ -39,7 +39,7 @@ pub fn pinhole_of(camera: &Camera, extent: Extent) -> Camera {
         Extent::Same | Extent::Covering => ([width, height], DVec2::ZERO),
     };
     let principal_px = camera.principal_px() + shift_px;
-    // A camera without its lens, of an image that has pixels, is a camera.
+    // Without its lens, the camera of an image with pixels is still valid.
     Camera::new(size_px, camera.focal_px(), principal_px, Distortion::None).unwrap_or_else(|_| camera.clone())
 }
 
@@ -52,7 +52,7 @@ fn covering(camera: &Camera) -> ([u32; 2], DVec2) {
         let (x, y) = (-0.5 + share * f64::from(width), -0.5 + share * f64::from(height));
         [[x, -0.5], [x, bottom], [-0.5, y], [right, y]].map(DVec2::from_array)
     });
-    // Where the lens does not show the border, what it shows on the way there.
+    // Where the lens does not image the border, the farthest imaged position on the way there.
     let center = camera.principal_px();
     let straight = border.filter_map(|pixel| {
         let on_the_way = |step: u32| center + (pixel - center) * (f64::from(step) / f64::from(WAY_STEPS));
@@ -64,7 +64,7 @@ fn covering(camera: &Camera) -> ([u32; 2], DVec2) {
         .map(|at| (at, at))
         .reduce(|(low, high), (at, _)| (low.min(at), high.max(at)))
         .unwrap_or(same);
-    // A little less than a whole pixel more is not worth one.
+    // Slightly more than a whole number of pixels does not add another one.
     let low_px = (low + 0.5 + 1e-6).floor();
     let high_px = (high + 0.5 - 1e-6).ceil();
     let side = |axis: usize, side: u32| {
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn straight_photographs_show_each_direction_where_a_pinhole_does() {
+    fn undistorted_images_show_each_direction_where_a_pinhole_does() {
         for lens in lenses() {
             let curved = camera(lens);
             for extent in [Extent::Same, Extent::Covering] {
@@ -162,7 +162,7 @@ mod tests {
                     let row = at as u32 / image.size_px()[0];
                     let ray = straight.ray(DVec2::new(f64::from(column), f64::from(row))).unwrap();
                     let from = curved.pixel(ray).unwrap_or(DVec2::NAN);
-                    // Beyond the middles of the border pixels there is nothing to take the colour between.
+                    // Beyond the centres of the border pixels there is nothing to interpolate.
                     if from.cmpge(DVec2::ZERO).all() && from.cmple(DVec2::new(199.0, 149.0)).all() {
                         seen += 1;
                         worst = (0..4).map(|c| found[c].abs_diff(expected[c])).fold(worst, u8::max);
@@ -188,11 +188,11 @@ mod tests {
                 }
             }
             assert_eq!(shown, all, "{lens:?} in {:?}", straight.size_px());
-            // And is not larger than that: a border of it is reached on each side.
+            // And it is no larger than needed: each side reaches a border of it.
             let image = undistort(&painted(&curved), &curved, &straight);
             let [width, height] = image.size_px().map(|side| side as usize);
             let alpha = |column: usize, row: usize| image.pixels()[row * width + column][3] > 0;
-            // Up to the half pixel that the first and the last row cover.
+            // Up to the half pixel covered by the first and the last row.
             let on_border = [1, height - 2].map(|row| (0..width).any(|column| alpha(column, row)));
             let outside = [1, width - 2].map(|column| (0..height).any(|row| alpha(column, row)));
             assert_eq!((on_border, outside), ([true; 2], [true; 2]), "{lens:?}");
@@ -207,17 +207,17 @@ mod tests {
     }
 
     #[test]
-    fn what_a_photograph_does_not_show_has_no_alpha() {
+    fn pixels_outside_the_image_are_transparent() {
         let pincushion = camera(lenses()[1]);
         let straight = pinhole_of(&pincushion, Extent::Same);
         let image = undistort(&painted(&pincushion), &pincushion, &straight);
-        // A pincushion lens moves outward, so that corners of a pinhole are beyond its image.
+        // A pincushion lens moves points outward, so that the corners of the pinhole image are outside its image.
         assert_eq!(image.pixels()[0], [0; 4]);
         assert_eq!(image.pixels()[75 * 200 + 100][3], 255);
     }
 
     #[test]
-    fn a_pinhole_is_left_as_it_is() {
+    fn a_pinhole_image_is_unchanged() {
         let pinhole = camera(Distortion::None);
         for extent in [Extent::Same, Extent::Covering] {
             let same = pinhole_of(&pinhole, extent);

@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counts_are_held_against_what_is_left() {
+    fn counts_are_checked_against_the_remaining_bytes() {
         let mut all = 3_u64.to_le_bytes().to_vec();
         all.extend([0; 24]);
         let path = Path::new("images.bin");
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn names_end_at_a_zero() {
+    fn names_are_zero_terminated() {
         let mut bytes = Bytes::new(Path::new("a"), b"one\0two");
         assert_eq!(bytes.name().unwrap(), "one");
         assert!(bytes.name().is_err() && bytes.u64().is_err() && bytes.u8().is_ok());

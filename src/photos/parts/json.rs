@@ -7,7 +7,7 @@ use std::path::Path;
 /// The value in the file `path`.
 pub(in crate::photos) fn read(path: &Path) -> Result<Value, PhotosError> {
     let file = read_file(path)?;
-    // What some editors put before the first character.
+    // The byte order mark that some editors write.
     let text = file.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&file);
     let read = serde_json::from_slice(text).or_else(|error| match without_non_numbers(text) {
         Some(text) => serde_json::from_slice(&text),
@@ -34,7 +34,7 @@ fn without_non_numbers(text: &[u8]) -> Option<Vec<u8>> {
             count += 1;
             continue;
         }
-        // The character behind a backslash ends no text.
+        // A character after a backslash does not end the string.
         if is_text && byte == b'\\' {
             replaced.push(byte);
             at += 1;
@@ -102,7 +102,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn what_python_writes_of_no_number_is_null() {
+    fn nan_and_infinity_written_by_python_become_null() {
         let text = br#"{"a": [NaN, -Infinity, Infinity, 1e3], "b": "NaN \" NaN", "c": -NaN}"#;
         let replaced = without_non_numbers(text).unwrap();
         let value: Value = serde_json::from_slice(&replaced).unwrap();
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_may_be_text() {
+    fn numbers_may_be_strings() {
         let object =
             json!({"a": "1.5", "b": 1.5, "c": [1, "2"], "d": "x", "e": "nan", "f": null, "id": 7, "name": "7"});
         assert_eq!(

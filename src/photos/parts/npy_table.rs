@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_table_is_an_error_that_says_so() {
+    fn arrays_that_are_not_tables_are_rejected_with_a_reason() {
         let error = |bytes: &[u8]| NpyTable::parse(Path::new("a.npy"), bytes).unwrap_err().to_string();
         for (header, words) in [
             (

@@ -22,7 +22,7 @@ const MAX_SHOWN: usize = 40;
 impl<'a> Text<'a> {
     /// `text`, which is that of the file `path`.
     pub(in crate::photos) fn new(path: &'a Path, text: &'a str) -> Self {
-        // What some editors put before the first character.
+        // The byte order mark that some editors write.
         let rest = text.strip_prefix('\u{feff}').unwrap_or(text);
         Self { path, rest, line: 1 }
     }
@@ -105,7 +105,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_are_counted_by_lines() {
+    fn words_are_counted_per_line() {
         let mut text = Text::new(Path::new("a.txt"), "\u{feff}# note\n\n1 2.5\n  name of it \r\nx");
         text.skip_comments();
         assert_eq!(text.number::<u32>("a count").unwrap(), 1);

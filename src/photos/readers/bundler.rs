@@ -65,7 +65,7 @@ fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let mut drafts = Drafts::new(path, folders(path));
     let copies = path.parent().unwrap_or(Path::new("")).join("visualize");
     let copies = copies.is_dir().then_some(copies);
-    // Only of those that were placed there are copies.
+    // Only placed images have copies.
     let mut placed = 0;
     for name in list.names.into_iter().take(camera_count as usize) {
         let mut photo = camera(&mut text, name)?;
@@ -132,7 +132,7 @@ fn list_of(bundle: &Path) -> Result<List, PhotosError> {
     let name = bundle.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let stem = name.strip_suffix(".out").unwrap_or(&name);
     let mut names = vec![format!("{name}.list.txt"), format!("{stem}.list.txt")];
-    // Bundler names what it undistorted `bundle.rd.out`, and the list `list.rd.txt`.
+    // Bundler names its undistorted output `bundle.rd.out`, and the list `list.rd.txt`.
     if let Some((_, kind)) = stem.split_once('.') {
         names.push(format!("list.{kind}.txt"));
     }
@@ -187,7 +187,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn focal_lengths_in_a_list_are_no_part_of_names() {
+    fn focal_lengths_in_a_list_are_not_part_of_names() {
         for (line, name) in [
             ("a.jpg", "a.jpg"),
             ("./b c.jpg 0 512.25", "./b c.jpg"),

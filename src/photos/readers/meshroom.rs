@@ -142,7 +142,7 @@ fn read(path: &Path) -> Result<Drafts, PhotosError> {
         let Some(position) = landmark.get("X") else {
             continue;
         };
-        // Those that are not finite are skipped and counted.
+        // Non-finite positions are skipped and counted.
         let position = numbers(position).map_or(DVec3::NAN, DVec3::from_array);
         let color = numbers_at(landmark, "color")
             .unwrap_or([128.0; 3])

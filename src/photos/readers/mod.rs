@@ -30,7 +30,7 @@ use std::path::{Path, PathBuf};
 
 /// The readers, those with points first.
 const READERS: &[&Reader] = &[
-    // Formats with points come first, since many folders hold a copy of the same cameras without.
+    // Formats with points come first, since many folders hold a copy of the same cameras without points.
     &colmap::READER,
     &bundler::READER,
     &nvm::READER,
@@ -40,7 +40,7 @@ const READERS: &[&Reader] = &[
     &middlebury::READER,
     &mvsnet::READER,
     &middlebury_stereo::READER,
-    // Folders that had another set before this was read still show that.
+    // Folders in which another set was found before this format was supported still show that one.
     &opensfm::READER,
 ];
 
@@ -92,7 +92,7 @@ pub fn find(path: &Path) -> Result<Option<FoundSet>, PhotosError> {
 
 fn in_folder(path: &Path) -> Option<FoundSet> {
     let folder = Folder::new(path);
-    // By file names alone, as every folder that is opened is asked: 0.1 ms for one of nothing, 10 ms for 10,000 frames.
+    // By file names alone, as every opened folder is checked: 0.1 ms for an empty one, 10 ms for 10,000 frames.
     READERS.iter().find_map(|reader| {
         let path = (reader.in_folder)(&folder)?;
         Some(FoundSet { reader, path })
@@ -120,7 +120,7 @@ mod tests {
     use std::fs;
 
     #[test]
-    fn readers_have_names_of_their_own() {
+    fn reader_names_are_unique() {
         let names: HashSet<&str> = READERS.iter().map(|reader| reader.name).collect();
         assert_eq!(names.len(), READERS.len());
     }

@@ -61,7 +61,7 @@ fn read(folder: &Path) -> Result<Drafts, PhotosError> {
     let mut drafts = Drafts::new(folder, above.into_iter().chain([folder.to_owned()]).collect());
     for name in names {
         if let Some(photo) = name.strip_suffix(SUFFIX) {
-            // A file that is broken costs its photograph.
+            // A broken file costs only its own image.
             let draft = camera(&folder.join(&name), photo).unwrap_or_else(|error| {
                 Draft::new(photo.to_owned(), Err(error.to_string()), DMat3::IDENTITY, DVec3::ZERO)
             });
@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn depths_are_a_nearest_one_and_steps() {
+    fn the_depth_range_is_a_minimum_plus_steps() {
         assert_eq!(range(&[425.0, 2.5]), Some([425.0, 905.0]));
         assert_eq!(range(&[2.0, 0.5, 4.0]), Some([2.0, 4.0]));
         assert_eq!(range(&[2.0, 0.5, 4.0, 9.0]), Some([2.0, 9.0]));

@@ -89,10 +89,10 @@ fn read(path: &Path) -> Result<Drafts, PhotosError> {
     }
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let mut drafts = Drafts::new(path, vec![folder]);
-    // The last model of VisualSFM holds photographs that were not placed, and no points.
+    // The last model of VisualSFM holds images that were not placed, and no points.
     let with_points = models.iter().filter(|model| !model.points.is_empty()).count();
     let rank = |model: &Model| (!model.points.is_empty(), model.cameras.len());
-    // Of models of the same rank the first.
+    // Among models of the same rank, the first.
     if let Some(model) = models.into_iter().rev().max_by_key(rank) {
         if with_points > 1 {
             drafts.notes.push(format!(
@@ -137,7 +137,7 @@ fn model(text: &mut Text<'_>, camera_count: u64, fixed: Option<Fixed>) -> Result
 }
 
 fn camera(text: &mut Text<'_>, fixed: Option<Fixed>) -> Result<Draft, PhotosError> {
-    // Blanks within a name are written as quotation marks.
+    // Spaces within a name are written as quotation marks.
     let name = text.word("the name of an image")?.replace('"', " ");
     let [focal_px] = text.numbers("a focal length")?;
     let [w, x, y, z] = text.numbers("a quaternion")?;
@@ -179,7 +179,7 @@ fn inverse_radial(radial: f64) -> Distortion {
     let [numerator, denominator] = INVERSE.map(|terms| [0, 1, 2].map(|power| terms[power] * powers[power]));
     let [k1, k2, k3] = numerator;
     let [k4, k5, k6] = denominator;
-    // A model of its own for this lens would have been a second set of Newton steps.
+    // A separate model for this lens would have needed a second set of Newton steps.
     Distortion::Rational {
         k: [k1, k2, k3, k4, k5, k6],
         p: [0.0; 2],

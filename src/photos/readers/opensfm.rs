@@ -79,7 +79,7 @@ fn read(path: &Path) -> Result<Drafts, PhotosError> {
     }
     let tracks = tracks(&path.with_file_name(TRACKS), &drafts.photos, &mut drafts.notes);
     for (id, point) in object_at(largest, "points").into_iter().flatten() {
-        // Those that are not finite are skipped and counted.
+        // Non-finite positions are skipped and counted.
         let position = numbers_at(point, "coordinates").map_or(DVec3::NAN, DVec3::from_array);
         let color = numbers_at(point, "color")
             .unwrap_or([128.0; 3])
@@ -109,7 +109,7 @@ fn draft(name: &str, shot: &Value, cameras: Option<&Map<String, Value>>) -> Draf
         Some(camera) => lens(camera),
         None => Err("its camera is not among the cameras".to_owned()),
     };
-    // What is missing is NaN, so that the photograph is named as one that cannot be shown.
+    // Missing values are NaN, so that the image is reported as one that cannot be shown.
     let turn = numbers_at(shot, "rotation").map_or(DMat3::NAN, |axis| turned(DVec3::from_array(axis)));
     let shift = numbers_at(shot, "translation").map_or(DVec3::NAN, DVec3::from_array);
     Draft::new(name.to_owned(), lens, turn, shift)
@@ -151,7 +151,7 @@ fn distortion(camera: &Value) -> Result<Distortion, String> {
     };
     match camera.get("projection_type").and_then(Value::as_str) {
         Some("simple_radial") => Ok(brown([k1, 0.0, 0.0], [0.0; 2])),
-        // The first versions had no other.
+        // The first versions had no other projection.
         Some("perspective" | "radial") | None => Ok(brown([k1, k2, 0.0], [0.0; 2])),
         Some("brown") => Ok(brown([k1, k2, k3], p)),
         Some("fisheye") => Ok(Distortion::Fisheye { k: [k1, k2, 0.0, 0.0] }),
@@ -185,7 +185,7 @@ fn tracks(path: &Path, photos: &[Draft], notes: &mut Vec<String>) -> HashMap<Str
         .collect();
     for line in String::from_utf8_lossy(&file).lines() {
         let mut columns = line.split('\t');
-        // The first line names the version, and shots may not be placed.
+        // The first line states the version, and not all shots need to be placed.
         let Some(&(photo, longer_px)) = columns.next().and_then(|name| by_name.get(name)) else {
             continue;
         };
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn projections_that_are_not_shown_are_named() {
+    fn unsupported_projections_are_named() {
         let of = |projection: &str| distortion(&json!({"projection_type": projection, "k1": 0.5}));
         assert_eq!(
             of("fisheye"),

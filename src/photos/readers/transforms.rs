@@ -99,8 +99,8 @@ fn draft(file: &Value, frame: &Value, folder: &Path) -> Draft {
 
 /// The axes of the camera (x right, y down, z forward) as columns, of length 1, and its centre.
 fn pose(frame: &Value) -> Option<(DMat3, DVec3)> {
-    // `applied_transform` is not applied: it leads from COLMAP's world to that of the file, in which points and cameras
-    // are already.
+    // `applied_transform` is not applied: it maps from COLMAP's world to that of the file, in which points and cameras
+    // already are.
     let rows = array_at(frame, "transform_matrix");
     let row = |row: usize| {
         let numbers: Vec<f64> = rows.get(row)?.as_array()?.iter().map_while(number).collect();
@@ -109,7 +109,7 @@ fn pose(frame: &Value) -> Option<(DMat3, DVec3)> {
     let [x, y, z] = [row(0)?, row(1)?, row(2)?];
     let column = |at: usize| DVec3::new(x[at], y[at], z[at]);
     let axes = DMat3::from_cols(column(0), -column(1), -column(2));
-    // Scenes are scaled to fit a cube, by some with the axes too.
+    // Scenes are scaled to fit a cube, by some programs including the axes.
     let scale = axes.determinant().abs().cbrt();
     let axes = if scale > 0.0 { axes * scale.recip() } else { axes };
     Some((axes, column(3)))
@@ -156,7 +156,7 @@ fn distortion(file: &Value, frame: &Value) -> Result<Distortion, String> {
         .and_then(Value::as_str)
         .map(str::to_uppercase);
     let model = model.as_deref();
-    // What instant-ngp calls its other lenses, each by a key of its own.
+    // instant-ngp marks its other lenses with a separate key each.
     let other = OTHER_LENSES
         .iter()
         .find(|key| frame.get(key).is_some() || file.get(key).is_some());

@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn what_other_programs_leave_is_called_by_its_name() {
+    fn files_of_other_programs_are_named() {
         for (files, words) in [
             (
                 &["images/a.jpg", "MeshroomCache/StructureFromMotion/0a/sfm.abc"][..],
@@ -233,14 +233,14 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_said_of_a_folder_of_something_else() {
+    fn unrelated_folders_are_not_reported() {
         assert_eq!(found_in(&[]), None);
         assert_eq!(found_in(&["notes.txt", "scans/a.ply"]), None);
         assert!(unread(Path::new("/no/such/folder")).is_none());
     }
 
     #[test]
-    fn lists_beside_photographs_are_no_clouds() {
+    fn text_files_next_to_images_are_not_clouds() {
         for name in ["a/TrainSplit.txt", "calib.txt", "README_dataset.txt", "LICENSE.txt"] {
             assert!(is_outside_photos(Path::new(name)), "{name}");
         }

@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn the_middle_of_an_image_is_between_its_pixels() {
+    fn the_center_of_an_image_is_between_its_pixels() {
         let center = DVec2::new(319.5, 239.5);
         for (origin, principal_px) in [
             (Origin::FirstPixel, center),
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn an_angle_is_a_focal_length_once_the_width_is_known() {
+    fn an_angle_of_view_becomes_a_focal_length_once_the_width_is_known() {
         let mut lens = lens(Origin::Center, DVec2::ZERO);
         lens.size_px = None;
         lens.focal = Focal::WidthAngle(2.0 * 0.5_f64.atan());
@@ -154,12 +154,12 @@ mod tests {
     }
 
     #[test]
-    fn smaller_photographs_are_seen_by_smaller_cameras() {
+    fn downscaled_images_have_scaled_cameras() {
         let lens = lens(Origin::Center, DVec2::new(8.0, 0.0));
         let camera = lens.camera([160, 120]).unwrap();
         assert_eq!(camera.principal_px(), DVec2::new(81.5, 59.5));
         assert_eq!(camera.focal_px(), DVec2::splat(125.0));
-        // 641 / 4 and 479 / 4, rounded in any direction.
+        // 641 / 4 and 479 / 4, rounded in either direction.
         let odd = Lens {
             size_px: Some([641, 479]),
             ..lens.clone()

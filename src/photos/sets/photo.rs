@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn a_camera_stands_where_its_own_coordinates_are_zero() {
+    fn a_camera_is_at_the_origin_of_its_own_coordinates() {
         let photo = photo();
         assert!(photo.camera_from_world.transform_point3(photo.center()).length() < 1e-12);
         let ahead = photo.center() + 3.0 * photo.forward();
@@ -117,10 +117,10 @@ mod tests {
     }
 
     #[test]
-    fn a_smaller_image_keeps_its_borders() {
+    fn a_downscaled_image_retains_its_borders() {
         let photo = photo();
         let half = resized(&photo.camera, [320, 240]).unwrap();
-        // The left border, −½, stays the left border; the middle of the first four pixels becomes the first pixel.
+        // The left border, −½, stays the left border; the centre of the first four pixels becomes the first pixel.
         assert_eq!(half.principal_px(), DVec2::new(159.5, 119.5));
         assert_eq!(half.focal_px(), DVec2::splat(250.0));
         let wide = resized(&photo.camera, [640, 960]).unwrap();

@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn each_point_has_its_own_track() {
+    fn each_point_has_a_separate_track() {
         let mut points = SparsePoints::default();
         points.push(DVec3::X, [1; 3], [seen(0), seen(2)]);
         points.push(DVec3::Y, [2; 3], []);
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn some_points_are_taken_evenly_and_have_no_tracks() {
+    fn points_are_sampled_evenly_without_tracks() {
         let mut points = SparsePoints::default();
         for at in 0..10 {
             points.push(f64::from(at) * DVec3::X, [at as u8; 3], [seen(0)]);
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn photos_that_are_left_out_leave_the_tracks() {
+    fn excluded_photos_are_removed_from_tracks() {
         let mut points = SparsePoints::default();
         points.push(DVec3::X, [1; 3], [seen(0), seen(2), seen(9)]);
         points.push(DVec3::Y, [2; 3], [seen(1)]);

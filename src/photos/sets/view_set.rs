@@ -172,7 +172,7 @@ impl ViewSet {
         let count = self.photos.len() as f64;
         let is_well_posed = matrix.determinant() > PARALLEL * count.powi(3);
         let crossing = matrix.inverse() * right;
-        // Axes that lead apart cross behind their cameras, where nothing is seen.
+        // Diverging axes cross behind their cameras, where nothing is seen.
         let ahead = self.photos.iter().filter(|photo| photo.depth_of(crossing) > 0.0);
         (is_well_posed && crossing.is_finite() && 2 * ahead.count() > self.photos.len()).then_some(crossing)
     }

@@ -101,11 +101,11 @@ pub(in crate::reel) fn code_channels<C: BitCoder, T: Channel, const N: usize>(
         let mut foreseen = [0; N];
         let mut rows = [0; N];
         for channel in 0..N {
-            // What the children left have on average.
+            // The average of the remaining children.
             let all = parent[channel].get().wrapping_mul(siblings + left);
             let rest = all.wrapping_sub(sums[channel]);
             let expected = within(divided(rest.wrapping_mul(2).wrapping_add(left), 2 * left));
-            // As much weight for the parent as for all beside it.
+            // The parent has as much weight as all neighbours together.
             let doubled = 2 * neighbor[channel] + expected * counted;
             let mixed = divided(2 * doubled + 3 * counted, 6 * counted);
             let differing = divided((neighbor[channel] - expected * counted).abs(), counted);
@@ -128,7 +128,7 @@ pub(in crate::reel) fn code_channels<C: BitCoder, T: Channel, const N: usize>(
             let steps = coder.signed(context, steps).clamp(-MAX_STEPS, MAX_STEPS);
             let value = within(predicted + steps * step);
             values[node][channel] = T::of(value);
-            // Of very many points in one cell it is told less and less.
+            // With very many points in one cell the sum predicts less and less.
             sums[channel] = sums[channel].wrapping_add(value);
             off += value - predicted;
         }
@@ -142,7 +142,7 @@ fn neighbor_of<T: Channel, const N: usize>(known: &Known, values: &[[T; N]]) -> 
     let (mut sums, mut count) = ([0; N], 0);
     for neighbour in known.adjacent {
         let is_there = neighbour != NONE;
-        // No branch: nobody can guess how many there are.
+        // No branch: their number is unpredictable.
         let value = values[if is_there { neighbour as usize } else { 0 }];
         let mask = -i32::from(is_there);
         for channel in 0..N {

@@ -61,7 +61,7 @@ impl NormalGrid {
     /// The number of the triangle at a place: half cells along the first axis, four times those of half the square, for
     /// each cell along the second one.
     pub(in crate::reel) fn cell_of(&self, [x, y]: [i16; 2]) -> usize {
-        // From the corner of the square on: numbers without a sign are divided faster.
+        // Relative to the corner of the square: unsigned numbers are divided faster.
         let [x, y] = [x, y].map(|along| (i32::from(along) + 3 * self.half) as u32);
         2 * ((y / 3) as usize * 2 * self.half as usize + (x / 3) as usize) + usize::from(x % 3 == 2)
     }
@@ -123,7 +123,7 @@ fn place_of(index: u32, level: u32) -> [i16; 2] {
             _ => [ca, bc, c],
         };
     }
-    // The sum of three corners is three times their middle.
+    // The sum of three corners is three times their centroid.
     let [x, y] = [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<i32>());
     let octant = index >> (2 * level);
     let [x, y] = if octant & 4 == 0 {
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_index_has_a_place_of_its_own() {
+    fn every_index_has_a_distinct_place() {
         for bits in [13, 15, 17] {
             let grid = NormalGrid::of(bits);
             let cells: std::collections::BTreeSet<usize> =
@@ -155,7 +155,7 @@ mod tests {
 
     /// Triangles that are near on the square are near on the sphere; the other way round only away from its border.
     #[test]
-    fn places_beside_each_other_are_directions_beside_each_other() {
+    fn neighbouring_places_are_neighbouring_directions() {
         let grid = NormalGrid::of(13);
         for index in 0..1 << 13 {
             let [x, y] = grid.place(index);
@@ -164,7 +164,7 @@ mod tests {
             for [dx, dy] in [[3, 0], [0, 3]] {
                 let neighbor = [x + dx, y + dy];
                 let is_inside = neighbor.iter().all(|along| along.div_euclid(3) < half);
-                // Quadrants have other diagonals.
+                // The diagonals differ between quadrants.
                 if is_inside && (x < 0) == (neighbor[0] < 0) && (y < 0) == (neighbor[1] < 0) {
                     assert!(unit.dot(grid.unit(neighbor)).acos().to_degrees() < 6.5, "{index}");
                 }

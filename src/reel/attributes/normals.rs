@@ -92,8 +92,8 @@ pub(in crate::reel) fn code_turned_normals<C: BitCoder>(
                 .get(node)
                 .is_some_and(|&direction| grid.is_near(*place, direction))
         };
-        // As predicted while the error is within the rounding error of a normal (2.5° at 13 bits): rotations below that
-        // precision are not encoded at all.
+        // The prediction is used while its error is within the rounding error of a normal (2.5° at 13 bits): rotations
+        // below that precision are not encoded at all.
         halves_of(half, predicted).into_iter().find(near).unwrap_or(place)
     };
     code_places(coder, half, may_miss, places, foresee, settle);
@@ -144,7 +144,7 @@ fn code_places<C: BitCoder>(
         let du = coder.signed(ACROSS + spread, u - u0);
         let class = du.unsigned_abs().min(2) as usize;
         let dv = coder.signed(ALONG + 3 * spread + class, v - v0);
-        // What damaged bytes say may be any number.
+        // Damaged bytes may give any number.
         let inside = |along: i32| along.max(-half).min(half - 1);
         let (u, v) = (inside(u0 + du), inside(v0 + dv));
         let is_mirrored = (u < 0) != (v < 0);
@@ -162,7 +162,7 @@ fn mean_around(half: i32, known: &Known, parent: [i16; 2], place_of: impl Fn(usi
     let mut around = [MISSING; MAX_KNOWN];
     for (place, neighbour) in around.iter_mut().zip(known.adjacent) {
         let is_there = neighbour != NONE;
-        // No branch: nobody can guess how many there are.
+        // No branch: their number is unpredictable.
         let found = place_of(if is_there { neighbour as usize } else { 0 });
         *place = if is_there { found } else { MISSING };
     }
@@ -177,7 +177,7 @@ fn mean_around(half: i32, known: &Known, parent: [i16; 2], place_of: impl Fn(usi
     let mut add = |place: [i16; 2], weight: i32| {
         let offset = [0, 1].map(|axis| i32::from(place[axis]) - i32::from(first[axis]));
         let distance = offset[0].abs().max(offset[1].abs());
-        // The border of the square is folded: what is near may be on its other side.
+        // The border of the square is folded: a neighbour may be on its other side.
         let mask = -i32::from(place != MISSING) & -i32::from(distance < half);
         sums[0] += (weight * offset[0]) & mask;
         sums[1] += (weight * offset[1]) & mask;

@@ -30,7 +30,7 @@ pub(in crate::reel) fn clustered(contexts: &[Counts]) -> (Vec<u8>, Vec<Counts>) 
         })
         .collect();
     let gain = |a: &Cluster, b: &Cluster| (a.cost + b.cost) as i64 - a.counts.cost_and(&b.counts) as i64;
-    // Of each pair, the later one first.
+    // For each pair, the later one comes first.
     let mut gains: Vec<Vec<i64>> = (0..clusters.len())
         .map(|later| {
             (0..later)

@@ -148,7 +148,7 @@ impl Frequencies {
         });
         let mut sum: u32 = frequencies.iter().map(|&frequency| u32::from(frequency)).sum();
         while sum != SCALE {
-            // The most frequent one that may change: it minds least.
+            // The most frequent one that may change: for it the change costs least.
             let may_grow = sum < SCALE;
             let fits = |frequency: u32| {
                 if may_grow {
@@ -166,7 +166,7 @@ impl Frequencies {
             let changed = if may_grow {
                 (frequency + SCALE - sum).min(MAX_FREQUENT)
             } else {
-                // Others follow while there is one that is more frequent than half of it.
+                // Continues with others once another is more frequent than half of it.
                 frequency - (sum - SCALE).min((frequency / 2).max(1)).min(frequency - 1)
             };
             sum = sum + changed - frequency;
@@ -234,7 +234,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn tables_add_up_and_forget_no_symbol(symbols in prop::collection::vec((any::<u8>(), 1u32..1 << 24), 1..256)) {
+        fn tables_add_up_and_cover_all_symbols(symbols in prop::collection::vec((any::<u8>(), 1u32..1 << 24), 1..256)) {
             let mut counts = Counts::default();
             for &(symbol, count) in &symbols {
                 counts.see(symbol);

@@ -17,7 +17,7 @@ const HALVES: [i32; 33] = [
 ];
 
 /// 1 / (1 + e^(−x)) in 2⁻¹², of x in 2⁻⁸: a straight line between halves.
-// In integers, as all models: files are the same bytes on every machine.
+// In integers, like all models: files have the same bytes on every machine.
 const fn squash(stretched: i32) -> i32 {
     if stretched > MAX_STRETCHED {
         return 4095;
@@ -123,7 +123,7 @@ mod tests {
     fn squashing_is_the_logistic_function() {
         for value in -MAX_STRETCHED..=MAX_STRETCHED {
             let exact = 4096.0 / (1.0 + (-f64::from(value) / 256.0).exp());
-            // Chords of half a unit are off by a sixteenth of the second derivative at most, and by rounding.
+            // Chords of half a unit are off by at most a sixteenth of the second derivative, plus rounding.
             assert!((f64::from(squash(value)) - exact).abs() < 13.0, "{value}");
             assert!(value == -MAX_STRETCHED || squash(value) >= squash(value - 1));
         }

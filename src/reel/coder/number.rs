@@ -43,7 +43,7 @@ impl MagnitudeModel {
             }
             coded += 1;
         }
-        // Handed over, not lent: elsewhere the coder stays in registers.
+        // Passed by value: elsewhere the coder stays in registers.
         let more;
         (*coder, more) = rest.code(std::mem::take(coder), value.wrapping_sub(coded));
         coded.saturating_add(more)

@@ -10,8 +10,8 @@ use super::bit_model::{BitModel, PROBABILITY_BITS};
 const MAX_EVEN_BITS: u32 = 16;
 
 /// Codes bits in one direction or the other.
-// Written here: `constriction` has a range coder, but models of distributions that are known in advance. Each bit has
-// its own probability here, and the long part is the modelling, which it would not save.
+// Own implementation: `constriction` has a range coder, but models distributions that are known in advance. Each bit
+// has its own probability here, and most of the code is the modelling, which it would not save.
 pub(in crate::reel) trait BitCoder: Default {
     /// True for a decoder: bits are read, and the bits passed in have no meaning.
     const DECODES: bool;
@@ -21,8 +21,8 @@ pub(in crate::reel) trait BitCoder: Default {
 
     /// Codes a bit by its model, which sees it.
     #[inline(always)]
-    // One set of functions for both directions, so that encoder and decoder always agree: they go on with the bit
-    // returned, which is what a decoder sees.
+    // One set of functions for both directions, so that encoder and decoder always agree: they continue with the
+    // returned bit, which is what a decoder sees.
     fn bit(&mut self, model: &mut BitModel, bit: bool) -> bool {
         let bit = self.bit_of(model.probability(), bit);
         model.see(bit);
@@ -87,7 +87,7 @@ impl RangeEncoder {
 
     /// All bytes: the shortest that name a number in the interval.
     pub(in crate::reel) fn finish(mut self) -> Vec<u8> {
-        // The number in the interval with the most zeros at its end.
+        // The number in the interval with the most trailing zeros.
         let last = self.low.wrapping_add(self.range - 1);
         let has_carried = last < self.low;
         let number = if self.low == 0 {
@@ -101,7 +101,7 @@ impl RangeEncoder {
             if rounded >= self.low { rounded } else { last }
         };
         let mut bytes: Vec<u8> = self.words.iter().flat_map(|word| word.to_be_bytes()).collect();
-        // Of the words none is left out, be they 0: bytes bound the number of bits.
+        // No word is dropped, even if it is 0: the number of bytes bounds the number of bits.
         let min = bytes.len();
         bytes.extend(number.to_be_bytes());
         while bytes.len() > min && bytes.last() == Some(&0) {
@@ -214,7 +214,7 @@ impl BitCoder for RangeDecoder<'_> {
     fn bit_of(&mut self, probability: u32, _: bool) -> bool {
         let bound = (self.range >> PROBABILITY_BITS) * u64::from(probability);
         let bit = self.above_low < bound;
-        // No branch: half of the bits would be guessed wrongly.
+        // No branch: half of the bits would be mispredicted.
         let unset = u64::from(bit).wrapping_sub(1);
         self.above_low -= bound & unset;
         self.range = bound ^ ((bound ^ (self.range - bound)) & unset);
@@ -225,7 +225,7 @@ impl BitCoder for RangeDecoder<'_> {
     #[inline]
     fn few_even_bits(&mut self, bits: u32, _: u64) -> u64 {
         let step = self.range >> bits;
-        // The last interval reaches to the end.
+        // The last interval extends to the end.
         let value = (self.above_low / step).min((1 << bits) - 1);
         self.above_low -= step * value;
         self.range = step;

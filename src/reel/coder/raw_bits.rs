@@ -83,7 +83,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn bits_are_read_as_they_were_written(all in prop::collection::vec((0..=32_u32, any::<u32>()), 0..40)) {
+        fn bits_round_trip(all in prop::collection::vec((0..=32_u32, any::<u32>()), 0..40)) {
             let mut writer = RawWriter::default();
             for &(bits, value) in &all {
                 writer.write(bits, value);

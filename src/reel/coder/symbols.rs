@@ -76,7 +76,7 @@ impl SymbolEncoder {
         let (mut map, counts) = clustered(&self.counts);
         let mut tables: Vec<Frequencies> = counts.iter().map(Frequencies::of).collect();
         let mut coder = RangeEncoder::default();
-        // What was made here is no fault.
+        // Encoding cannot fail.
         let _ = code_tables(&mut coder, &mut map, &mut tables);
         let head = coder.finish();
         let raw = self.raw.finish();
@@ -258,7 +258,7 @@ fn step(slots: &[u32], table: u32, state: u32, word: Option<&[u8; 2]>) -> (u8, u
     let frequency = slot >> SCALE_BITS & (SCALE - 1);
     let state = frequency * (state >> SCALE_BITS) + (slot & (SCALE - 1));
     let word = word.map_or(0, |&word| u32::from(u16::from_le_bytes(word)));
-    // 1 below 2¹⁶, else 0. No branch: which symbols need a word nobody can guess.
+    // 1 below 2¹⁶, else 0. No branch: which symbols need a word is unpredictable.
     let refills = (state | 1).leading_zeros() / 16;
     let state = state << (16 * refills) | (word & refills.wrapping_neg());
     ((slot >> (2 * SCALE_BITS)) as u8, state, refills as usize)
@@ -398,8 +398,8 @@ mod tests {
 
     proptest! {
         #[test]
-        fn symbols_are_read_as_they_were_written(all in prop::collection::vec(coded(), 0..600), often in 1usize..20) {
-            // Bits stand beside symbols, never alone.
+        fn symbols_round_trip(all in prop::collection::vec(coded(), 0..600), often in 1usize..20) {
+            // Raw bits accompany symbols, they never occur alone.
             let all = [vec![(0, 0, 1)], all.repeat(often)].concat();
             let (bytes, given) = encoded(&all);
             let mut decoder = SymbolDecoder::new(&bytes, CONTEXTS).unwrap();
@@ -417,7 +417,7 @@ mod tests {
         }
 
         #[test]
-        fn other_bytes_are_no_panic(all in prop::collection::vec(coded(), 1..60),
+        fn arbitrary_bytes_never_panic(all in prop::collection::vec(coded(), 1..60),
             changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4),
             end in any::<prop::sample::Index>()) {
             let (mut bytes, _) = encoded(&[vec![(0, 0, 1)], all.clone()].concat());
@@ -435,12 +435,12 @@ mod tests {
 
     /// Nothing is for nothing, and no more than it says.
     #[test]
-    fn symbols_take_what_their_frequencies_say() {
+    fn symbols_take_the_bits_of_their_frequencies() {
         let count = 1 << 18;
         let alike = vec![(0, 0, 7); count];
         let bits = 8 * encoded(&alike).0.len();
         assert!(bits >= count / 360 && bits <= count / 300 + 300, "{bits}");
-        // Three quarters of one, the others even: 0.811 + 0.25 log₂ 4 bits.
+        // Three quarters of one symbol, the others evenly: 0.811 + 0.25 log₂ 4 bits.
         let mixed: Vec<Coded> = (0..count)
             .map(|place| {
                 let number = (place as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 60;
@@ -454,7 +454,7 @@ mod tests {
 
     /// Contexts that differ have tables of their own where there is enough of them, and one where there is not.
     #[test]
-    fn contexts_share_tables_as_it_pays() {
+    fn contexts_share_tables_where_it_saves_space() {
         let of = |count: usize| -> Vec<Coded> { (0..count).map(|place| (0, place % 2, (place % 2) as u32)).collect() };
         let tables = |all: &[Coded]| {
             let (bytes, _) = encoded(all);
@@ -465,7 +465,7 @@ mod tests {
     }
 
     #[test]
-    fn tables_that_cannot_be_are_refused() {
+    fn invalid_tables_are_rejected() {
         let refused = |frequencies: [u16; SYMBOLS]| {
             let mut coder = RangeEncoder::default();
             let _ = code_tables(&mut coder, &mut [0; CONTEXTS], &mut vec![Frequencies(frequencies)]);

@@ -91,7 +91,7 @@ pub(super) fn code_level<C: SymbolCoder, K: Kind>(
     parents: &[K::Value],
     values: &mut [K::Value],
 ) {
-    // Not behind a reference: what it keeps stays in registers.
+    // A local copy, not a reference: its state stays in registers.
     let mut own = std::mem::take(coder);
     let scale = if told_of_families(upwards.families) == 0 {
         Scale::default()
@@ -128,8 +128,8 @@ fn scale_of<K: Kind>(kind: &K, upwards: Upwards<'_>, parents: &[K::Value], value
     let mut best = (u64::MAX, Scale::default());
     for shift in 0..=MAX_SHIFT {
         let ranges = kind.ranges(shift);
-        // Slopes do not always pay: in a model of colours, 4.2 instead of 5.4 bits for the torus, 8.4 instead of 7.2
-        // for the walking man.
+        // Slopes do not always pay off: in a model of colours, 4.2 instead of 5.4 bits for the torus, 8.4 instead of
+        // 7.2 for the walking man.
         for has_slopes in [false, true] {
             if has_slopes && !can_slope {
                 continue;
@@ -247,7 +247,7 @@ impl<K: Kind> Level<'_, K> {
             };
             let slopes = slopes.map(|of| OCTANTS[usize::from(mask)].map(|octant| of[usize::from(octant & 7)]));
             let count = mask.count_ones() as usize;
-            // Eight at a time, however many there are: nobody can guess that.
+            // Always eight at a time: their number is unpredictable.
             let (Some(words), Some(below)) = (
                 self.words.get(told..).and_then(<[u64]>::first_chunk),
                 values.get_mut(next..).and_then(<[K::Value]>::first_chunk_mut),

@@ -13,7 +13,7 @@ pub(in crate::reel) const ABOVE_ROOT: u8 = 1;
 /// have octants.
 #[inline(always)]
 pub(in crate::reel) fn code_masks<C: SymbolCoder>(coder: &mut C, above: &[u8], masks: &mut [u8]) {
-    // Eight at a time, however many there are: nobody can guess that.
+    // Always eight at a time: their number is unpredictable.
     let mut contexts = vec![0; masks.len() + 8];
     let mut symmetries = vec![0; masks.len() + 8];
     let mut next = 0;
@@ -27,7 +27,7 @@ pub(in crate::reel) fn code_masks<C: SymbolCoder>(coder: &mut C, above: &[u8], m
         [*context, *symmetry] = BELOW[usize::from(parent)];
         next += parent.count_ones() as usize;
     }
-    // No symmetry is behind the last one.
+    // There are no symmetries after the last one.
     let symmetry = |of: &u8| usize::from(*of) % SEEN.len();
     if !C::DECODES {
         for (mask, of) in masks.iter_mut().zip(&symmetries) {
@@ -35,7 +35,7 @@ pub(in crate::reel) fn code_masks<C: SymbolCoder>(coder: &mut C, above: &[u8], m
         }
     }
     contexts.truncate(masks.len());
-    // Not behind a reference: what it keeps stays in registers.
+    // A local copy, not a reference: its state stays in registers.
     let mut own = std::mem::take(coder);
     own.symbols(&contexts, masks);
     *coder = own;

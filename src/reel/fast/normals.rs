@@ -111,7 +111,7 @@ impl Kind for Normals {
         }
         let steps = self.steps(parent, normal);
         let [first, second] = steps.map(|step| step >> shift);
-        // What a range begins with is a step around.
+        // The step, wrapped around, is what a range begins with.
         let [along, across] = [0, 1].map(|axis| steps[axis] & ((1 << self.bits[axis]) - 1));
         if first.abs().max(second.abs()) > MAX_STEP {
             return (FAR, [along, across, 0]);
@@ -121,7 +121,7 @@ impl Kind for Normals {
     }
 
     #[inline(always)]
-    // None: from slopes, normals took 3.6 bits instead of 3.7.
+    // None: with slopes, normals took 3.6 bits instead of 3.7.
     fn slopes<'a>(_: &'a mut OfParents<'_>, _: &[u32]) -> Option<&'a Slopes> {
         None
     }

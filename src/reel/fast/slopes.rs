@@ -68,7 +68,7 @@ fn between(mask: u8, siblings: &[[u8; 4]]) -> Slopes {
     {
         at[usize::from(octant & 7)] = sibling.map(i16::from);
     }
-    // The slope from nodes across faces takes 3.5 instead of 4.2 bits for the torus, but finding these took 6 ms of 84.
+    // Slopes from face neighbours take 3.5 instead of 4.2 bits for the torus, but finding these took 6 ms of 84.
     let mut along = [[0; 4]; 3];
     for axis in 0..3 {
         let counts = [!UPPER[axis], UPPER[axis]].map(|side| (mask & side).count_ones() as usize);
@@ -104,7 +104,7 @@ mod tests {
 
     /// Of a plane the slope is that of the plane where siblings are on all sides.
     #[test]
-    fn a_plane_has_its_slope() {
+    fn a_plane_has_the_expected_slope() {
         let value = |octant: usize| {
             [
                 100 + 8 * (octant & 1),
@@ -124,7 +124,7 @@ mod tests {
 
     /// Who has no sibling across an axis knows no slope along it.
     #[test]
-    fn nobody_across_is_no_slope() {
+    fn cells_without_an_opposite_neighbour_have_no_slope() {
         assert_eq!(between(0b100, &[[9; 4]]), FLAT);
         let two = between(0b11, &[[10, 10, 10, 255], [50, 26, 10, 255]]);
         assert!(two.iter().all(|slope| slope[2] == 0 && slope[3] == 0));

@@ -146,7 +146,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn colors_are_near_what_was_given(tree in trees(), seed: u64, bits in 0u32..9, error in 0u8..=100,
+    fn colors_are_close_to_the_input(tree in trees(), seed: u64, bits in 0u32..9, error in 0u8..=100,
         changes in changes()) {
         let kind = Kind {
             make: |number| { let [r, g, b, ..] = number.to_le_bytes(); [r, g, b, 255] },
@@ -163,7 +163,7 @@ proptest! {
     }
 
     #[test]
-    fn normals_come_back(tree in trees(), seed: u64, bits in 0u32..9, grid in 0u8..3, changes in changes()) {
+    fn normals_round_trip(tree in trees(), seed: u64, bits in 0u32..9, grid in 0u8..3, changes in changes()) {
         let kind = Kind {
             make: |number| normal(number, 13),
             near: |parent: u32, number, bits| {
@@ -181,7 +181,7 @@ proptest! {
     }
 
     #[test]
-    fn single_numbers_come_back(tree in trees(), seed: u64, bits in 0u32..17, changes in changes()) {
+    fn single_numbers_round_trip(tree in trees(), seed: u64, bits in 0u32..17, changes in changes()) {
         let kind = Kind {
             make: |number| [number as u16],
             near: |[parent]: [u16; 1], number, bits| {
@@ -195,7 +195,7 @@ proptest! {
     }
 
     #[test]
-    fn offsets_come_back(mut offsets in prop::collection::vec(0u8..16, 0..70), bits in 1u8..=4) {
+    fn offsets_round_trip(mut offsets in prop::collection::vec(0u8..16, 0..70), bits in 1u8..=4) {
         for offset in &mut offsets {
             *offset &= (1 << bits) - 1;
         }
@@ -212,7 +212,7 @@ proptest! {
 
 /// Where values change within families as they do between them.
 #[test]
-fn slopes_are_taken_where_they_pay() {
+fn slopes_are_used_where_they_save_space() {
     let tree = Tree {
         masks: [vec![255; 64], vec![255; 512]],
         counts: Vec::new(),

@@ -6,7 +6,7 @@
 //! that octant is turned along with it.
 
 /// Contexts of a mask below another one.
-// 4.36 bits per voxel for the bumpy torus at 10 bits; one table takes 5.2.
+// 4.36 bits per voxel for the bumpy torus at 10 bits; a single table takes 5.2.
 pub(super) const VIEWS: usize = 40;
 
 /// Axis permutations: the source axis of each axis.
@@ -43,7 +43,7 @@ const BOTH: ([[u8; 256]; SYMMETRIES], [[u8; 256]; SYMMETRIES]) = {
     while symmetry < SYMMETRIES {
         let mut mask = 1;
         while mask < 256usize {
-            // That of the mask without its lowest octant is known.
+            // The result for the mask without its lowest octant is already known.
             let octant = mask.trailing_zeros() as usize;
             seen[symmetry][mask] = seen[symmetry][mask & (mask - 1)] | 1 << inter(symmetry, octant);
             unseen[symmetry][seen[symmetry][mask] as usize] = mask as u8;
@@ -139,7 +139,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_mask_is_seen_and_back() {
+    fn symmetries_of_masks_are_reversible() {
         for symmetry in 0..SYMMETRIES {
             for mask in 0..=255u8 {
                 let seen = SEEN[symmetry][usize::from(mask)];
@@ -151,7 +151,7 @@ mod tests {
 
     /// Cells that share a face, an edge or a corner do so however they are seen.
     #[test]
-    fn what_is_beside_stays_beside() {
+    fn symmetries_preserve_adjacency() {
         for symmetry in 0..SYMMETRIES {
             for (a, b) in (0..8).flat_map(|a| (0..8).map(move |b| (a, b))) {
                 let apart = (inter(symmetry, a) ^ inter(symmetry, b)).count_ones();
@@ -162,7 +162,7 @@ mod tests {
 
     /// Masks have one context if, and only if, a symmetry makes one the other and moves the octant along.
     #[test]
-    fn alike_is_what_a_symmetry_makes_of_each_other() {
+    fn symmetric_masks_share_one_view() {
         for (mask, octant) in (1..=255u8).flat_map(|mask| (0..8).map(move |octant| (mask, octant))) {
             if mask >> octant & 1 == 0 {
                 continue;

@@ -135,7 +135,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_written_is_read(number in any::<u64>(), text in ".{0,20}", value in any::<f64>()) {
+        fn bytes_round_trip(number in any::<u64>(), text in ".{0,20}", value in any::<f64>()) {
             let mut writer = ByteWriter::default();
             writer.number(number);
             writer.text(&text);
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_without_end_are_refused() {
+    fn unterminated_numbers_are_rejected() {
         assert!(ByteReader::new(&[0xff; 20]).number().is_err());
         assert!(ByteReader::new(&[0xff; 9]).number().is_err());
         assert!(ByteReader::new(&[200, 1]).count("things").is_err());

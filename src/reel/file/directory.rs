@@ -137,7 +137,7 @@ impl Directory {
             let is_there = |section: &SectionRecord| section.offset.saturating_add(section.bytes()) <= bytes;
             let mut whole = frame.sections.iter().take_while(|section| is_there(section)).count();
             if frame.is_inter {
-                // It moves what is there of the frame before.
+                // It moves the levels that are present of the preceding frame.
                 whole = whole.min(before);
             }
             before = whole;

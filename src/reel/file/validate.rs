@@ -7,7 +7,7 @@ use crate::reel::error::Fault;
 impl Directory {
     /// An error where frames cannot be as the directory says. Its group has `data_bytes` bytes of data.
     pub(in crate::reel) fn check(&self, data_bytes: u64) -> Result<(), Fault> {
-        // All of it, as checksums do not authenticate the writer.
+        // Everything is validated, as checksums do not authenticate the writer.
         let mut before: Option<&FrameRecord> = None;
         for frame in &self.frames {
             let result = check_sections(frame, data_bytes)

@@ -133,7 +133,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn floats_keep_every_bit(mut column in prop::collection::vec(any::<u32>(), 0..50), values in
+        fn floats_round_trip_bit_for_bit(mut column in prop::collection::vec(any::<u32>(), 0..50), values in
             prop::collection::vec(-300i32..300, 0..50), spans in prop::collection::vec((1u64.., any::<u64>()), 0..50)) {
             let mut integers: Vec<u32> = values.iter().map(|&value| (value as f32).to_bits()).collect();
             let spans: Vec<(u64, u64)> = spans.into_iter().map(|(span, value)| (span, value % span)).collect();
@@ -163,7 +163,7 @@ mod tests {
         }
 
         #[test]
-        fn order_of_floats_is_order_of_numbers(a in any::<f32>(), b in any::<f32>(), c in any::<f64>()) {
+        fn integer_order_of_floats_matches_numeric_order(a in any::<f32>(), b in any::<f32>(), c in any::<f64>()) {
             prop_assume!(!a.is_nan() && !b.is_nan());
             prop_assert_eq!(a.total_cmp(&b), ordered32(a.to_bits()).cmp(&ordered32(b.to_bits())));
             prop_assert_eq!(unordered32(ordered32(a.to_bits())), a.to_bits());

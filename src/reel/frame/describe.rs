@@ -95,7 +95,7 @@ fn scalar_schema(cloud: &RawCloud, group: &[&RawCloud], place: usize, bits: u8) 
         name: field.name.clone(),
         bits,
         min,
-        // Steps of labels are 1.
+        // Labels have a step of 1.
         max: if is_label {
             (f64::from(min) + steps(bits)) as f32
         } else {

@@ -37,7 +37,7 @@ impl DrawnNodes<'_> {
         cloud.positions = if self.schema.is_double {
             Positions::F64(self.positions(normals.as_deref(), DVec3::to_array))
         } else {
-            // The middle of a cell around the largest number may be beyond it.
+            // The centre of a cell around the largest number may overflow.
             let largest = Vec3::splat(f32::MAX);
             Positions::F32(self.positions(normals.as_deref(), |place| {
                 place.as_vec3().clamp(-largest, largest).to_array()

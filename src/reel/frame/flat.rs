@@ -260,7 +260,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_triangles_and_back() {
+    fn places_and_triangles_round_trip() {
         for bits in [13, 15, 17] {
             let grid = NormalGrid::of(bits);
             for index in 0..1 << bits {

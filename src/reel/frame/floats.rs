@@ -37,7 +37,7 @@ impl Lattice {
     fn value(self, axis: usize, number: f64) -> f64 {
         let per_unit = self.per_unit as f64;
         match self.offset {
-            // As LAS has it.
+            // The formula of LAS.
             Some(offset) => number * (1.0 / per_unit) + offset[axis],
             None => number / per_unit,
         }
@@ -111,7 +111,7 @@ impl Floats {
 
     fn first_number(self, lattice: Lattice, axis: usize, border: f64) -> i64 {
         let about = lattice.about(axis, border).ceil().clamp(-MAX_NUMBER, MAX_NUMBER);
-        // Rounding may have put it beside.
+        // Rounding may have shifted it by one.
         let mut number = about as i64;
         for _ in 0..MAX_STEPS {
             if self.number(lattice, axis, number - 1) < border {
@@ -144,7 +144,7 @@ impl Floats {
                 return None;
             }
             let is_it = |rank: &u64| self.of_rank(lattice, axis, *rank).to_bits() == coordinate.to_bits();
-            // Zero is two numbers, and rounding may have put a number beside.
+            // Zero has two representations, and rounding may have shifted a number by one.
             let ranks = [0, -1, 1].map(|step| rank_of(about as i64 + step));
             return ranks.into_iter().chain([RANK_OF_ZERO as u64]).find(is_it);
         }
@@ -206,7 +206,7 @@ pub(super) fn lattice_of(clouds: &[&RawCloud]) -> Option<Lattice> {
     };
     let largest = clouds.iter().map(finite).fold(0.0, f64::max);
     let spacing = largest * 2f64.powi(if is_double { -52 } else { -23 });
-    // Twice as many numbers as these, and floats are told as well as they are.
+    // With twice as many numbers as these, floats are encoded just as well directly.
     let most = (0.25 / spacing.max(f64::MIN_POSITIVE)).min(MAX_NUMBER / largest.max(1.0));
     let decimal = (0..10u32).flat_map(|digits| [1, 2, 4].map(|parts| parts * 10u64.pow(digits)));
     let binary = (2..=24u32).map(|bits| 1u64 << bits);
@@ -311,7 +311,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn numbers_of_a_lattice_are_told_by_their_ranks(numbers in prop::collection::vec(-100_000i64..100_000, 1..50),
+        fn lattice_numbers_are_encoded_by_their_ranks(numbers in prop::collection::vec(-100_000i64..100_000, 1..50),
             depth in 1u32..21, per_unit in prop::sample::select(vec![1u64, 2, 64, 1000, 4000]),
             offset in prop::option::of(-3.0f64..3.0), is_double in any::<bool>()) {
             let offset = offset.map(|offset| [offset; 3]);
@@ -327,7 +327,7 @@ mod tests {
                 let coordinate = cloud.positions.get(index)[1];
                 let above = floats.rank_in_cell(&grid, &cloud.positions, index, 1);
                 let Some(above) = above else {
-                    // Rounding alone may put a number on the other side of a border.
+                    // Only rounding may put a number on the other side of a border.
                     prop_assert!(!is_double || offset.is_some(), "{} is not told", coordinate);
                     continue;
                 };
@@ -341,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn lattices_are_found_where_there_are_any() {
+    fn lattices_are_detected() {
         let number = |point: i64| point * 7919 % 50_021 - 25_000;
         let of = |is_double: bool, value: &dyn Fn(i64) -> f64| {
             let along: Vec<f64> = (0..2000).map(|point| value(number(point))).collect();
@@ -355,7 +355,7 @@ mod tests {
         let scaled = of(true, &|number| number as f64 * 0.01 + 637_000.0);
         assert_eq!(scaled.map(|lattice| lattice.per_unit), Some(100));
         assert_eq!(of(false, &|number| f64::from(number as f32).sin()), None);
-        // A few that are elsewhere change nothing.
+        // A few values off the lattice change nothing.
         let mut along: Vec<f64> = (0..2000).map(|point| number(point) as f64 / 1000.0).collect();
         along[77] = 0.123_456;
         along[78] = f64::NAN;

@@ -103,7 +103,7 @@ fn positions(schema: &Schema, places: impl Iterator<Item = DVec3>) -> Positions 
     if schema.is_double {
         Positions::F64(places.map(|place| place.to_array()).collect())
     } else {
-        // The middle of a cell around the largest number may be beyond it.
+        // The centre of a cell around the largest number may overflow.
         let narrowed = |place: DVec3| {
             place
                 .as_vec3()

@@ -186,7 +186,7 @@ const SCALES: usize = 4;
 /// they miss that by least.
 fn scale_for(largest_cells: &[Vec<f64>]) -> f64 {
     const CLASSES: usize = 4 * SCALES;
-    // Roots are rounded alike on every machine; logarithms are not.
+    // Square roots are rounded identically on every machine; logarithms are not.
     let step = 2f64.sqrt().sqrt().sqrt().sqrt();
     let mut borders = [1.0; CLASSES];
     for class in 1..CLASSES {
@@ -249,7 +249,7 @@ fn finest_grid(clouds: &[&RawCloud], options: &ReelOptions) -> Finest {
             }
         }
         Precision::Length(length) => {
-            // The middle of a cell is rounded to the floats of the file once more.
+            // The centre of a cell is rounded once more to the floats of the file.
             let has_singles = clouds.iter().any(|cloud| matches!(cloud.positions, Positions::F32(_)));
             let rounding = largest * 2f64.powi(if has_singles { -24 } else { -51 });
             let cell = 2.0 * (length - rounding) * (1.0 - 1e-9);
@@ -297,7 +297,7 @@ fn finest_grid(clouds: &[&RawCloud], options: &ReelOptions) -> Finest {
 /// A cube of which edge and place are round numbers, so that groups of a sequence mostly have the same.
 fn power_of_two_grid(min: DVec3, max: DVec3, extent: f64, largest: f64) -> Grid {
     let least = if extent > 0.0 { extent } else { 1.0 };
-    // Cells that doubles tell apart, and that are no subnormal numbers.
+    // Cells that doubles can resolve, and that are not subnormal.
     let mut edge = least.max(largest * 2f64.powi(-30)).max(1e-300).log2().ceil().exp2();
     loop {
         let step = edge / 64.0;

@@ -12,7 +12,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// A position is off by no more than the spacing around it over this.
-// An eighth costs 15.3 bits per point for positions (walking man, 50,000 points); merged points take 6.5 with all
+// An eighth costs 15.3 bits per point for positions (walking man, 50,000 points); merged points take 6.5 bits with all
 // attributes.
 pub(in crate::reel) const SPACING_PARTS: f64 = 8.0;
 
@@ -26,7 +26,7 @@ const NEIGHBOURHOODS: [usize; 3] = [4, 8, NEIGHBOURS];
 /// the spacing allows, once the centre is rounded to a float of the file. Points that are not `placed` have none:
 /// infinity.
 pub(super) fn largest_cells(cloud: &RawCloud, placed: &[u32]) -> Vec<f64> {
-    // −0 is 0.
+    // Turns −0 into 0.
     let position = |point: u32| cloud.positions.get(point as usize) + DVec3::ZERO;
     let key = |point: u32| position(point).to_array().map(f64::to_bits);
     let mut order = placed.to_vec();
@@ -41,14 +41,14 @@ pub(super) fn largest_cells(cloud: &RawCloud, placed: &[u32]) -> Vec<f64> {
         place_of_each.push(distinct.len() - 1);
     }
     let (float_bits, from) = match &cloud.positions {
-        // Differences of singles may take more bits than they have.
+        // Differences of single-precision numbers may need more bits than these have.
         Positions::F32(_) => (24, DVec3::ZERO),
         Positions::F64(_) => (53, distinct.iter().copied().reduce(DVec3::min).unwrap_or_default()),
     };
     let spacings = spacings(&distinct, from);
     let mut edges = vec![f64::INFINITY; cloud.positions.len()];
     for (&point, &place) in order.iter().zip(&place_of_each) {
-        // For each point, not for the group, so that a dense corner does not make all points expensive.
+        // Per point, not per group, so that a dense corner does not make all points expensive.
         edges[point as usize] = largest_cell(spacings[place], distinct[place], float_bits);
     }
     edges
@@ -57,12 +57,12 @@ pub(super) fn largest_cells(cloud: &RawCloud, placed: &[u32]) -> Vec<f64> {
 /// The edge for a spacing at a position, whose coordinates are floats of so many bits.
 fn largest_cell(spacing: f64, position: DVec3, float_bits: i32) -> f64 {
     let largest = position.abs().max_element().max(f64::MIN_POSITIVE);
-    // The distance between floats as large as that.
+    // The distance between floats of that magnitude.
     let rounding = (power_of_two_below(largest) * 2f64.powi(1 - float_bits)).max(f64::from(f32::from_bits(1)));
-    // The middle of a cube is as far from its corners as half of its diagonal.
+    // The distance from the centre of a cube to its corners is half of its diagonal.
     let edge = spacing / SPACING_PARTS * 2.0 / 3f64.sqrt() * (1.0 - 1e-6);
     if edge.is_finite() {
-        // Rounding moves the middle by half of the rounding, or of the cell where a float is in that.
+        // Rounding moves the centre by half of the rounding, or by half of the cell if a float lies inside it.
         (edge - rounding).max(0.5 * edge)
     } else {
         rounding
@@ -113,7 +113,7 @@ fn spacings(positions: &[DVec3], from: DVec3) -> Vec<f64> {
     for clump in clumps(&narrow) {
         let of_clump: Vec<DVec3> = clump.iter().map(|&point| positions[point as usize]).collect();
         let from = of_clump.iter().copied().reduce(DVec3::min).unwrap_or_default();
-        // Only if that tells them apart any better.
+        // Only if that resolves them any better.
         if clump.len() < positions.len() || from != DVec3::ZERO {
             for (&point, spacing) in clump.iter().zip(spacings_of_clump(&of_clump, from)) {
                 spacings[point as usize] = spacing;
@@ -154,20 +154,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn spacing_is_that_of_the_points_around() {
+    fn spacing_is_that_of_the_surrounding_points() {
         let line: Vec<DVec3> = (0..40).map(|place| DVec3::new(f64::from(place), 0.0, 0.0)).collect();
         assert!(spacings(&line, DVec3::ZERO).iter().all(|&spacing| spacing == 1.0));
         assert_eq!(spacings(&line[..1], DVec3::ZERO), [f64::INFINITY]);
-        // A pair does not ask for more than its surroundings.
+        // A pair does not demand more precision than its surroundings.
         let mut with_pair = line.clone();
         with_pair.push(DVec3::new(20.0, 1e-9, 0.0));
         assert!(spacings(&with_pair, DVec3::ZERO).iter().all(|&spacing| spacing == 1.0));
     }
 
     #[test]
-    fn spacing_is_found_where_singles_cannot_tell_points_apart() {
+    fn spacing_is_found_below_single_precision() {
         let fine = (0..40).map(|place| DVec3::new(3.0 + 1e-10 * f64::from(place), 0.0, 0.0));
-        // So far away that none of the fine ones is among the points around a coarse one.
+        // So far away that none of the fine points is among the neighbours of a coarse one.
         let coarse = (0..40).map(|place| DVec3::new(f64::from(place) * 100.0, 1e5, 0.0));
         let positions: Vec<DVec3> = fine.chain(coarse).collect();
         let found = spacings(&positions, DVec3::ZERO);
@@ -178,10 +178,10 @@ mod tests {
     }
 
     #[test]
-    fn cells_are_an_eighth_of_the_spacing_to_their_corners() {
+    fn cell_corners_are_an_eighth_of_the_spacing_away() {
         let half_diagonal = |edge: f64| 0.5 * 3f64.sqrt() * edge;
         assert!((half_diagonal(largest_cell(8.0, DVec3::ONE, 53)) - 1.0).abs() < 1e-5);
-        // Beside large singles, what rounding takes is left.
+        // With large single-precision coordinates, space is left for the rounding.
         let edge = largest_cell(1.0, DVec3::splat(1e6), 24);
         assert!(half_diagonal(edge + 0.0625) <= 0.125, "{edge}");
         assert!(largest_cell(f64::INFINITY, DVec3::ONE, 24) <= 2f64.powi(-23));

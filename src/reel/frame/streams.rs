@@ -146,7 +146,7 @@ pub(super) fn encode(schema: &Schema, grid: &Grid, pose: &mut Pose, sizes: Sizes
         let of_section = |section: usize| {
             let symbols = of_symbols.iter().filter(|(other, _)| *other == kind);
             let symbols = symbols.map(|(_, of_sections)| of_sections.get(section).cloned().unwrap_or_default());
-            // Those are of points, which are the last section.
+            // Raw bits belong to points, which are the last section.
             let bits = of_bits
                 .iter()
                 .filter(|(other, _)| *other == kind && section + 1 == sections);

@@ -252,7 +252,7 @@ impl Summaries {
         };
         let normal = |range: &Range<usize>| {
             let normals = &self.normals[range.clone()];
-            // Not normalised again: an only child has the place of its parent.
+            // Not normalised again: an only child has exactly the normal of its parent.
             if let &[only] = normals {
                 return only;
             }

@@ -60,7 +60,7 @@ fn faces_of(levels: &[Level], has_points: bool) -> Vec<Vec<Faces>> {
     for level in levels.iter().take(wanted.saturating_sub(1)) {
         let above = faces.last().map_or(&[][..], Vec::as_slice);
         let first = first_children(&level.masks);
-        // Bits are counted by instructions that not every processor has.
+        // Bit counting needs instructions that not every CPU has.
         let below = dispatch!(SimdLevel::new(), _simd => faces_below(above, &level.masks, &first));
         faces.push(below);
     }

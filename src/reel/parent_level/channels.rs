@@ -101,11 +101,11 @@ impl<const N: usize> Level<'_, N> {
         families: impl Iterator<Item = Family> + Clone,
         values: &mut [[u16; N]],
     ) {
-        // Not behind a reference: what it keeps stays in registers.
+        // A local copy, not a reference: its state stays in registers.
         let mut own = std::mem::take(coder);
-        // From the level above alone, so that symbols are read in one go. Predicted from three neighbouring nodes, bit
-        // by bit, each value waited for the one before: 65 ns per node, and 5.6 instead of 2.5 bits for the colours of
-        // the torus.
+        // Predicted from the level above alone, so that symbols are read in one go. Predicted from three neighbouring
+        // nodes, bit by bit, each value waited for the one before: 65 ns per node, and 5.6 instead of 2.5 bits for the
+        // colours of the torus.
         let (contexts, near) = self.contexts(families.clone(), values.len());
         let mut symbols = vec![0; contexts.len()];
         if C::DECODES {
@@ -173,7 +173,7 @@ impl<const N: usize> Level<'_, N> {
         };
         let (mut all, mut near, mut there) = (0, 0, 0);
         for (face, other) in family.faces(self.faces).into_iter().enumerate() {
-            // No branch: nobody can guess who is there.
+            // No branch: it would be unpredictable.
             let is_there = other != NONE;
             let found = self.parents[if is_there { other as usize } else { 0 }];
             let differing = Lanes::<N>::differing(if is_there { found } else { parent }, parent);
@@ -208,16 +208,16 @@ impl<const N: usize> Level<'_, N> {
         let between = std::iter::from_fn(|| {
             let octant = octants.trailing_zeros() as usize;
             octants &= octants.wrapping_sub(1);
-            // Faces alone: also across edges and corners, a model without rounding took a third fewer bits for the
+            // Faces only: also across edges and corners, a model without rounding took a third fewer bits for the
             // colours of the torus, and 1 % more for those of the walking man.
             let [a, b, c] = across(octant).map(|face| beyond[face]);
             let count = (u32::from(near) & across_bits(octant)).count_ones() as usize;
             Some((2 * parent + a + b + c) * WEIGHTS[count])
         });
         let lanes = |word| std::array::from_fn(|channel| Lanes::<N>::get(word, channel));
-        // Only then. Shared elsewhere, the rounding errors of values add up: 5.5 instead of 2.5 bits per point for the
-        // colours of the torus (steps of 5). Not shared at edges either, those of the walking man took 7.2 instead of
-        // 6.7.
+        // Only in these cases. Distributed elsewhere, the rounding errors of values add up: 5.5 instead of 2.5 bits per
+        // point for the colours of the torus (steps of 5). Not distributed at edges either, those of the walking man
+        // took 7.2 instead of 6.7.
         if self.is_exact() || near & EDGE != 0 {
             let mut all = [[0; N]; 8];
             let mut owed = lanes(parent).map(|own: i32| PARTS * own * family.count as i32);

@@ -94,7 +94,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn lanes_differ_each_for_itself(one in any::<[u8; 3]>(), other in any::<[u8; 3]>(), max in any::<u8>()) {
+        fn lanes_are_subtracted_independently(one in any::<[u8; 3]>(), other in any::<[u8; 3]>(), max in any::<u8>()) {
             differ(one.map(u16::from), other.map(u16::from), u16::from(max));
         }
 

@@ -77,7 +77,7 @@ fn halves([x, y]: [i16; 2]) -> [i32; 2] {
 fn place_of([x, y]: [i32; 2]) -> [i16; 2] {
     let upper = x & 1;
     let u = x >> 1;
-    // Quadrants have other diagonals.
+    // The diagonals differ between quadrants.
     let is_mirrored = (u < 0) != (y < 0);
     [
         (3 * u + 1 + upper) as i16,
@@ -88,7 +88,7 @@ fn place_of([x, y]: [i32; 2]) -> [i16; 2] {
 /// The half cell that a point is in, in parts.
 #[inline(always)]
 fn half_at([x, y]: [i32; 2]) -> [i32; 2] {
-    // From a corner outside of the square on: numbers without a sign are divided faster.
+    // Relative to a corner outside the square: unsigned numbers are divided faster.
     let [u, v] = [x, y].map(|along| ((along + OUTMOST * CELL) as u32 / CELL as u32) as i32 - OUTMOST);
     let (across, along) = (x - CELL * u, y - CELL * v);
     let is_mirrored = (u < 0) != (v < 0);
@@ -147,7 +147,7 @@ impl Level<'_> {
         families: impl Iterator<Item = Family> + Clone,
         normals: &mut [[i16; 2]],
     ) {
-        // Not behind a reference: what it keeps stays in registers.
+        // A local copy, not a reference: its state stays in registers.
         let mut own = std::mem::take(coder);
         let Foreseen { contexts, places } = self.foresee(families.clone(), normals.len());
         let mut symbols = vec![0; contexts.len()];
@@ -189,7 +189,7 @@ impl Level<'_> {
     #[inline(always)]
     fn tell<C: SymbolCoder>(&self, coder: &mut C, normal: &mut [i16; 2], symbol: &mut u8, foreseen: [i32; 2]) {
         let periods = [4 * self.half, 2 * self.half];
-        // As many bits as there are half cells along the first axis; one less along the second one.
+        // As many bits as needed for the half cells along the first axis; one less along the second one.
         let bits = periods.map(|period| (period as u32).ilog2());
         if !C::DECODES {
             *symbol = self.write(coder, *normal, foreseen);
@@ -273,13 +273,13 @@ impl Level<'_> {
         };
         let (mut spread, mut near, mut steps) = (0, 0u32, [[0; 2]; 6]);
         for (face, other) in family.faces(self.faces).into_iter().enumerate() {
-            // No branch: nobody can guess who is there.
+            // No branch: it would be unpredictable.
             let is_there = other != NONE;
             let place = self.parents[if is_there { other as usize } else { 0 }];
             let is_there = is_there && place != MISSING;
             let step = [0, 1].map(|axis| i32::from(place[axis]) - own[axis]);
             let distance = step[0].abs().max(step[1].abs());
-            // The border of the square is folded: what is near may be on its other side.
+            // The border of the square is folded: a neighbour may be on its other side.
             let is_outside = is_there && distance < 3 * self.half;
             spread |= if is_outside { distance } else { 0 };
             let is_near = is_there && distance < FAR << self.finer;
@@ -309,7 +309,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_number_is_a_place_and_back() {
+    fn numbers_and_places_round_trip() {
         for bits in [13, 15, 17] {
             let grid = NormalGrid::of(bits);
             for index in 0..1 << bits {

@@ -30,7 +30,7 @@ pub(in crate::reel) fn code_offsets<C: SymbolCoder>(
     offsets: &mut [u8],
 ) {
     let Families::Masks(masks) = above.families else { return };
-    // Not behind a reference: what it keeps stays in registers.
+    // A local copy, not a reference: its state stays in registers.
     let mut own = std::mem::take(coder);
     let mut nodes = offsets.iter_mut().zip(normals).enumerate();
     for (parent, &mask) in masks.iter().enumerate() {
@@ -43,8 +43,8 @@ pub(in crate::reel) fn code_offsets<C: SymbolCoder>(
             }
         });
         let mut octants = mask;
-        // Offsets know their family alone: 1.2 bits for the torus. Predicted from three neighbouring nodes they took
-        // 0.7, but each waited for the one before.
+        // Offsets are predicted from their siblings only: 1.2 bits for the torus. Predicted from three neighbouring
+        // nodes they took 0.7, but each waited for the one before.
         let mut before: Option<(usize, u8)> = None;
         while octants != 0
             && let Some((node, (offset, &normal))) = nodes.next()

@@ -110,7 +110,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn steps_come_back(small in prop::collection::vec([-3..4i32, -20..20, -255..256], 1..50),
+        fn steps_round_trip(small in prop::collection::vec([-3..4i32, -20..20, -255..256], 1..50),
             one in prop::collection::vec((-(1 << 16)..1 << 16).prop_map(|step| [step]), 1..20)) {
             come_back(&small);
             come_back(&one);

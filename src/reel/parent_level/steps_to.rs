@@ -50,7 +50,7 @@ const fn beyond() -> [[[u32; 256]; 3]; 8] {
             while mask < 256 {
                 let other = mask.trailing_zeros() as usize;
                 let rest = table[octant][axis][mask & (mask - 1)];
-                // The cells of the layer that is beside the face.
+                // The cells of the layer adjacent to the face.
                 table[octant][axis][mask] = if other >> axis & 1 == upper {
                     rest
                 } else {
@@ -84,7 +84,7 @@ mod tests {
 
     /// Against cells one by one.
     #[test]
-    fn ways_are_those_to_the_cells_that_touch() {
+    fn steps_lead_to_the_touching_cells() {
         for octant in 0..8usize {
             let own = [0, 1, 2].map(|axis| (octant >> axis & 1) as i32);
             for mask in 0..256usize {

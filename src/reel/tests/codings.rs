@@ -40,7 +40,7 @@ fn text(cloud: &RawCloud) -> String {
 proptest! {
     /// Every attribute of every cloud, on every level.
     #[test]
-    fn fast_files_have_what_compact_ones_have(cloud in clouds(), precision in precision(), bits in 0u8..3,
+    fn fast_files_contain_the_same_as_compact_ones(cloud in clouds(), precision in precision(), bits in 0u8..3,
         scalar_bits in prop::sample::select(vec![0u8, 2, 8, 16])) {
         let options = ReelOptions { normal_bits: 13 + 2 * bits, scalar_bits, ..options(precision) };
         let compact = file_of(std::slice::from_ref(&cloud), &options);
@@ -56,7 +56,7 @@ proptest! {
 
 /// Enough points for sections of their own, states that take turns and several tables.
 #[test]
-fn large_frames_are_alike_on_every_level() {
+fn large_frames_of_both_codings_match_on_every_level() {
     let cloud = surface(40_000, 0.3);
     for precision in [
         Precision::PointSpacing,
@@ -120,7 +120,7 @@ proptest! {
 
 /// A solid of one colour takes hardly a bit, and is no bomb.
 #[test]
-fn what_is_all_alike_is_read_back() {
+fn uniform_clouds_are_small_and_round_trip() {
     let cells = (0..64u32 * 64 * 64).map(|cell| [cell & 63, cell >> 6 & 63, cell >> 12].map(|along| along as f32));
     let mut cloud = RawCloud::from_positions(Positions::F32(cells.collect()));
     cloud.attributes.colors = Some(vec![[9, 8, 7, 255]; cloud.positions.len()]);
@@ -141,7 +141,7 @@ fn what_is_all_alike_is_read_back() {
 
 /// Any number of threads makes the same bytes.
 #[test]
-fn threads_change_nothing_of_fast_files() {
+fn fast_files_do_not_depend_on_thread_count() {
     let clouds: Vec<RawCloud> = (0..3).map(|frame| surface(20_000, 0.05 * frame as f32)).collect();
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -152,7 +152,7 @@ fn threads_change_nothing_of_fast_files() {
 
 /// Each frame says how it is coded: groups of both are in one file.
 #[test]
-fn one_file_may_have_both() {
+fn one_file_may_mix_both_codings() {
     let clouds = [surface(900, 0.0), surface(1600, 0.1)];
     let options = options(Precision::SamplingDensity);
     let mut writer =
@@ -194,7 +194,7 @@ fn slopes_take_few_bits() {
 /// What has no siblings has what its parent has.
 #[test]
 fn nodes_without_siblings_take_no_bits() {
-    // A point far from all others is in a cell of its own on every level but the first.
+    // A point far from all others is alone in its cell on every level but the first.
     let corner = |corner: u32| [0, 1, 2].map(|axis| 1000.0 * (corner >> axis & 1) as f32);
     let mut cloud = RawCloud::from_positions(Positions::F32((0..8).map(corner).collect()));
     cloud.attributes.colors = Some((0..8).map(|point| [30 * point, 7, 90 - point, 255]).collect());

@@ -27,7 +27,7 @@ fn readable(file: ReelFile) -> Vec<usize> {
 }
 
 #[test]
-fn other_files_and_later_versions_are_refused() {
+fn other_files_and_later_versions_are_rejected() {
     let (bytes, _) = three_groups();
     let message = |bytes: &[u8]| open(bytes).unwrap_err().to_string();
     assert!(message(b"ply\nformat ascii 1.0\n").contains("not a sequence file"));
@@ -42,14 +42,14 @@ fn other_files_and_later_versions_are_refused() {
             "{message}"
         );
     }
-    // A higher second number adds what may be passed over.
+    // A higher minor version adds things that may be skipped.
     let mut newer = bytes;
     newer[10] = 9;
     assert_eq!(readable(open(&newer).unwrap()).len(), 6);
 }
 
 #[test]
-fn every_prefix_has_the_frames_that_have_begun() {
+fn every_prefix_has_the_frames_started_in_it() {
     let (bytes, options) = three_groups();
     let mut max = 0;
     for end in (12..bytes.len()).step_by(101).chain([bytes.len() - 1]) {
@@ -62,7 +62,7 @@ fn every_prefix_has_the_frames_that_have_begun() {
         assert_eq!(readable(file), (0..count).collect::<Vec<_>>());
     }
     assert_eq!(max, 6);
-    // And can be written on.
+    // And writing can be resumed.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.reel");
     std::fs::write(&path, &bytes[..bytes.len() * 2 / 3]).unwrap();
@@ -95,7 +95,7 @@ fn points_of(bytes: &[u8]) -> Vec<(usize, bool)> {
             let info = file.frame(index).unwrap();
             assert_eq!(points, info.points);
             assert_eq!(frame.cloud.attributes.other_length(points), None);
-            // What is missing is said of the frame and of the file.
+            // Missing data is reported for the frame and for the file.
             assert_eq!(
                 frame.is_whole,
                 frame.cloud.warnings.is_empty(),
@@ -164,7 +164,7 @@ fn every_prefix_of_a_frame_draws_the_tree_so_far() {
             before = now;
         }
         assert_eq!(before, all, "the index is no part of a frame");
-        // Coarse levels, those that are finer, and the points where these are kept one by one.
+        // Coarse levels, finer ones, and the points if these are stored individually.
         assert!(sections >= if options.keeps_points() { 3 } else { 2 }, "{sections}");
         if count == 1 {
             assert_eq!(steps, sections, "each section is a step");
@@ -177,7 +177,7 @@ fn every_prefix_of_a_frame_draws_the_tree_so_far() {
 }
 
 #[test]
-fn a_damaged_group_costs_its_frames_alone() {
+fn a_damaged_group_only_loses_its_own_frames() {
     let (bytes, _) = three_groups();
     let groups: Vec<usize> = bytes
         .windows(8)
@@ -197,7 +197,7 @@ fn a_damaged_group_costs_its_frames_alone() {
             if is_finished {
                 assert_eq!(found, frames);
             } else {
-                // Without an index nobody knows of the frames that are lost, but that some are.
+                // Without an index it is unknown which frames are lost, but not that some are.
                 assert_eq!(found.len(), 4);
                 assert!(said[0].contains(PATH) && said[0].contains("damaged"), "{said:?}");
             }
@@ -212,7 +212,7 @@ fn a_damaged_group_costs_its_frames_alone() {
             "{error}"
         );
         assert!(error.to_string().contains("checksum"), "{error}");
-        // What is coarse stands elsewhere, and is whole.
+        // The coarse levels are stored elsewhere, and are intact.
         assert!(decoder.decode(3, 200, &Progress::default()).is_ok());
         assert!(decoder.decode(4, usize::MAX, &Progress::default()).is_ok());
     }
@@ -265,7 +265,7 @@ fn mended(mut bytes: Vec<u8>) -> Vec<u8> {
 
 proptest! {
     #[test]
-    fn changed_bytes_are_no_panic(changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+    fn changed_bytes_never_panic(changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
         mend: bool, near_start: bool, lossless: bool, fast: bool) {
         let options = ReelOptions {
             coding: if fast { Coding::Fast } else { Coding::Compact },

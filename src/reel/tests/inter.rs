@@ -43,7 +43,7 @@ fn distances(one: &RawCloud, other: &RawCloud) -> Vec<f64> {
 }
 
 #[test]
-fn a_body_that_turns_is_told_by_how_it_turns() {
+fn a_rotating_body_is_coded_by_its_rotation() {
     let body = surface(20_000, 0.0);
     let turn = |frame: u32| DQuat::from_rotation_z(0.02 * f64::from(frame));
     let bodies: Vec<RawCloud> = (0..8)
@@ -53,7 +53,7 @@ fn a_body_that_turns_is_told_by_how_it_turns() {
     assert_eq!(inter_frames(&bytes), [false, true, true, true, true, true, true, true]);
     let file = open(&bytes).unwrap();
     let bytes_of = |frame: usize| file.frame(frame).unwrap().bytes_by_stream.iter().sum::<u64>();
-    // What it looks like was told once; where it goes is smooth.
+    // The appearance is encoded once; the motion is smooth.
     assert!(
         (1..8).all(|frame| 20 * bytes_of(frame) < bytes_of(0)),
         "{:?}",
@@ -65,7 +65,8 @@ fn a_body_that_turns_is_told_by_how_it_turns() {
     for index in 1..8 {
         let found = frame(index);
         let expected = turned(&first.cloud, turn(index as u32), DVec3::X * 0.01 * index as f64);
-        // Half a cell along each axis; and the mean of the points of a cell turns about another place than its node.
+        // Half a cell along each axis; and the mean of the points of a cell rotates about a different centre than its
+        // node.
         let max = distances(&expected, &found.cloud).into_iter().fold(0.0, f64::max);
         assert!(max <= 1.2 * found.cell_edge, "{index}: {max} of {}", found.cell_edge);
         assert_eq!(found.cloud.attributes.colors, first.cloud.attributes.colors);
@@ -121,7 +122,7 @@ fn coarse_levels_move_as_the_points_do() {
         let (turn, step) = motion(3.0);
         let inter = turned(&first.cloud, turn, step);
         let max_off = distances(&inter, &last.cloud).into_iter().fold(0.0, f64::max);
-        // The mean of the points of a node turns about another place than the node.
+        // The mean of the points of a node rotates about a different centre than the node.
         let allowed = cell + 0.1 * first.cell_edge;
         assert!(max_off <= allowed, "{max} points: {max_off} of {allowed}");
         assert_eq!(first.cloud.attributes.radii, last.cloud.attributes.radii);
@@ -129,7 +130,7 @@ fn coarse_levels_move_as_the_points_do() {
 }
 
 #[test]
-fn other_points_stand_alone() {
+fn unrelated_points_are_coded_as_intra_frames() {
     let one = surface(5000, 0.0);
     let mut shuffled = surface(5000, 0.05);
     let count = shuffled.positions.len() as u32;
@@ -151,7 +152,7 @@ fn other_points_stand_alone() {
             .sum();
         assert!(bytes.len() * 100 <= alone * 101);
     }
-    // Voxels stay in their grid, and every bit is every bit.
+    // Voxels stay in their grid, and lossless is lossless.
     for precision in [Precision::Bits(7), Precision::Lossless] {
         let options = ReelOptions {
             precision,
@@ -211,7 +212,7 @@ proptest! {
 
 /// The radius of a disk grows with those of the points that it stands for; other numbers change as they do.
 #[test]
-fn radii_and_scalars_change() {
+fn changing_radii_and_scalars_round_trip() {
     let with = |frame: u32| {
         let mut cloud = surface(3000, 0.02 * frame as f32);
         let count = cloud.positions.len();

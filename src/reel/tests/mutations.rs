@@ -42,7 +42,7 @@ fn repair(bytes: &mut [u8], chunks: &[(ChunkHeader, Range<usize>)]) {
                 section.crc = crc32fast::hash(&data[start..start + section.bytes() as usize]);
             }
             let repaired = directory.to_bytes();
-            // Numbers can be written in more than one way.
+            // The same number can be written in more than one way.
             if repaired.len() == checked.len() {
                 bytes[checked.clone()].copy_from_slice(&repaired);
             }
@@ -79,7 +79,7 @@ fn decode_all(bytes: Vec<u8>) -> usize {
 }
 
 #[test]
-fn mutated_files_with_right_checksums_are_refused_or_drawn() {
+fn mutated_files_with_valid_checksums_are_rejected_or_drawn() {
     let frames: Vec<RawCloud> = (0..3).map(|frame| surface(400, 0.05 * frame as f32)).collect();
     let mut random = Random(7);
     let mut decoded = 0;
@@ -97,7 +97,7 @@ fn mutated_files_with_right_checksums_are_refused_or_drawn() {
         assert_eq!(decode_all(whole.clone()), 3);
         for _ in 0..150 {
             let mut bytes = whole.clone();
-            // Mostly what is said of the data: that decides what is allocated.
+            // Mostly in the metadata: that determines what is allocated.
             let (header, contents) = &chunks[random.next_bits() as usize % chunks.len()];
             let range = match random.next_bits() % 4 {
                 0 => contents.clone(),

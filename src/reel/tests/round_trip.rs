@@ -80,7 +80,7 @@ fn coding() -> impl Strategy<Value = Coding> {
 
 proptest! {
     #[test]
-    fn lossless_is_bit_equal(clouds in prop::collection::vec(clouds(), 1..4), keep_order: bool, coding in coding()) {
+    fn lossless_is_bit_exact(clouds in prop::collection::vec(clouds(), 1..4), keep_order: bool, coding in coding()) {
         let options = ReelOptions { coding, keep_order, ..ReelOptions::lossless() };
         let bytes = file_of(&clouds, &options);
         for (index, cloud) in clouds.iter().enumerate() {
@@ -118,7 +118,7 @@ proptest! {
     }
 
     #[test]
-    fn voxels_are_the_occupied_cells(points in prop::collection::vec(prop::array::uniform3(0u16..1024), 1..200),
+    fn voxels_match_the_occupied_cells(points in prop::collection::vec(prop::array::uniform3(0u16..1024), 1..200),
         coding in coding()) {
         let mut cells = points.clone();
         cells.extend([[0; 3], [1023; 3]]);
@@ -136,7 +136,7 @@ proptest! {
 
     /// Whatever a cloud is, each of its points is near one that was kept, and nothing else is there.
     #[test]
-    fn merged_points_stand_for_all(cloud in clouds()) {
+    fn merged_points_represent_all_points(cloud in clouds()) {
         let frame = decoded(&file_of(std::slice::from_ref(&cloud), &ReelOptions::merged()), 0, usize::MAX);
         let edge = frame.cell_edge * 2.0 + rounding(&cloud);
         let all = |cloud: &RawCloud| (0..cloud.positions.len()).map(|p| cloud.positions.get(p)).collect::<Vec<DVec3>>();
@@ -176,7 +176,7 @@ pub(super) fn check_attributes(was: &RawCloud, is: &RawCloud, color_error: i32) 
     }
     if let (Some(was), Some(is)) = (&was.radii, &is.radii) {
         for (was, is) in was.iter().zip(is) {
-            // Radii a hundred times the cell are drawn as no more.
+            // Radii of a hundred times the cell may become zero, which is not drawn.
             let is_like = (was - is).abs() <= 0.023 * was || *is != 0.0 || *was == 0.0;
             prop_assert!(is_like, "{was} became {is}");
         }
@@ -202,7 +202,7 @@ pub(super) fn check_attributes(was: &RawCloud, is: &RawCloud, color_error: i32) 
 }
 
 #[test]
-fn nothing_and_one_point_are_frames_too() {
+fn empty_and_single_point_frames_round_trip() {
     let empty = RawCloud::from_positions(Positions::F64(Vec::new()));
     let one = with_attributes(Positions::F32(vec![[1.0, 2.0, 3.0]]), 255);
     let clouds = [empty, one];
@@ -248,7 +248,7 @@ fn every_level_is_a_coarser_frame() {
             let attributes = &frame.cloud.attributes;
             assert_eq!(attributes.other_length(points), None);
             assert!(attributes.colors.is_some() && attributes.normals.is_some());
-            // Every point of the cloud is in a cell, and coarse disks reach over it.
+            // Every point of the cloud is in a cell, and coarse disks cover it.
             let reach = frame.cell_edge;
             for point in (0..cloud.positions.len()).step_by(97) {
                 let point = cloud.positions.get(point);
@@ -304,7 +304,7 @@ fn coarse_colors_are_means() {
 }
 
 #[test]
-fn offsets_bring_points_to_the_surface() {
+fn offsets_move_points_onto_the_surface() {
     let cloud = surface(40_000, 0.0);
     let error = |offset_bits: u8| {
         let options = ReelOptions {
@@ -324,7 +324,7 @@ fn offsets_bring_points_to_the_surface() {
 }
 
 #[test]
-fn frames_are_listed_with_what_they_are() {
+fn frames_are_listed_with_their_contents() {
     let clouds = [surface(900, 0.0), surface(1600, 0.1)];
     let options = ReelOptions {
         fps: Some(24.0),
@@ -356,7 +356,7 @@ fn frames_are_listed_with_what_they_are() {
 
 /// Any number of threads makes the same bytes.
 #[test]
-fn threads_change_nothing() {
+fn files_do_not_depend_on_thread_count() {
     let clouds: Vec<RawCloud> = (0..3).map(|frame| surface(20_000, 0.05 * frame as f32)).collect();
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -366,7 +366,7 @@ fn threads_change_nothing() {
 }
 
 #[test]
-fn frames_come_in_any_order() {
+fn frames_can_be_read_in_any_order() {
     let clouds: Vec<RawCloud> = (0..5).map(|frame| surface(3000, 0.05 * frame as f32)).collect();
     let bytes = file_of(&clouds, &ReelOptions::default());
     let in_order: Vec<_> = (0..5).map(|index| decoded(&bytes, index, usize::MAX)).collect();
@@ -391,7 +391,7 @@ fn frames_come_in_any_order() {
 /// Coordinates that were a text once take the bits of their digits, and come back to the last bit; so do those of a
 /// few points that have more digits.
 #[test]
-fn thousandths_take_fewer_bits() {
+fn coordinates_in_thousandths_take_fewer_bits() {
     let exact = surface(20_000, 0.0);
     let mut rounded = exact.clone();
     if let Positions::F32(positions) = &mut rounded.positions {

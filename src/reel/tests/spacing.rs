@@ -104,7 +104,7 @@ fn any_positions() -> impl Strategy<Value = Vec<DVec3>> {
             let count = points.len() * times;
             points.into_iter().cycle().take(count).collect()
         }),
-        // As many at every distance as ten times as far away.
+        // The same number at every distance as at ten times that distance.
         points().prop_map(|points| {
             let far = |point: DVec3| (point - 0.5).normalize_or(DVec3::X) * 10f64.powf(-6.0 * point.x);
             points.into_iter().map(far).collect()
@@ -128,13 +128,13 @@ fn any_cloud() -> impl Strategy<Value = RawCloud> {
 
 proptest! {
     #[test]
-    fn every_point_stays_where_it_is(cloud in any_cloud(), is_fast: bool) {
+    fn every_point_stays_in_place(cloud in any_cloud(), is_fast: bool) {
         check(&[cloud], if is_fast { Coding::Fast } else { Coding::Compact })?;
     }
 
     /// Frames that are told by the one before as well.
     #[test]
-    fn every_point_stays_where_it_is_in_every_frame(cloud in any_cloud(), step in unit_cube(), angle in -0.1f64..0.1) {
+    fn every_point_stays_in_place_in_every_frame(cloud in any_cloud(), step in unit_cube(), angle in -0.1f64..0.1) {
         let (_, bounds) = cloud.positions.finite_bounds();
         let extent = bounds.map_or(1.0, |(min, max)| (max - min).max_element());
         let mut clouds = vec![cloud];
@@ -154,7 +154,7 @@ proptest! {
 }
 
 #[test]
-fn holes_and_copies_are_kept_as_often_as_they_come() {
+fn holes_and_duplicates_are_retained() {
     let mut places = vec![[1.0, 2.0, 3.0]; 700];
     places.extend([[f32::NAN; 3]; 5]);
     places.extend((0..100).map(|place| [place as f32, 0.0, 0.0]));
@@ -169,7 +169,7 @@ fn holes_and_copies_are_kept_as_often_as_they_come() {
 
 /// A dense part does not make a sparse one dear: each has the bits that its spacing needs.
 #[test]
-fn uneven_clouds_take_the_bits_of_their_parts() {
+fn uneven_clouds_take_the_bits_of_each_part() {
     let bits = |scales: [f32; 2]| {
         let cloud = surface(4000, 0.0);
         let Positions::F32(of_surface) = &cloud.positions else {
@@ -187,7 +187,7 @@ fn uneven_clouds_take_the_bits_of_their_parts() {
         8.0 * (of(StreamKind::Geometry) + of(StreamKind::Position)) as f64 / frame.points as f64
     };
     let (even, uneven) = (bits([1.0, 1.0]), bits([1.0, 100.0]));
-    // In a cube a hundred times as large the dense half takes 3 log2(100) = 20 bits more per point, which are 10 of all
-    // points. The sparse half would take as many more if it had the bits of the dense one.
+    // In a cube a hundred times as large the dense half takes 3 log2(100) = 20 bits more per point, which are 10 on
+    // average over all points. The sparse half would take as many more if it had the bits of the dense one.
     assert!(uneven < even + 10.5, "{uneven} bits per point, {even} where it is even");
 }

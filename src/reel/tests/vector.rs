@@ -32,7 +32,7 @@ fn options(coding: Coding) -> ReelOptions {
 }
 
 #[test]
-fn the_examples_are_read() {
+fn the_example_files_are_read() {
     for (_, bytes) in VECTORS {
         is_read(bytes);
     }
@@ -70,7 +70,7 @@ fn is_read(bytes: &[u8]) {
 
 /// What is behind the head, which names the version of the program.
 #[test]
-fn the_examples_are_written_as_they_were() {
+fn the_example_files_are_reproduced_byte_for_byte() {
     let group_of = |bytes: &[u8]| {
         let start = bytes.windows(8).position(|at| at == b"\xf1rlcGRUP").unwrap();
         let end = bytes.windows(8).position(|at| at == b"\xf1rlcINDX").unwrap();

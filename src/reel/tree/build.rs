@@ -48,14 +48,14 @@ const fn octants() -> [[u8; 8]; 256] {
 
 /// The Morton codes of the children of nodes.
 pub(in crate::reel) fn cells_below(cells: &[u64], masks: &[u8]) -> Vec<u64> {
-    // Bits are counted, and lanes moved, by instructions that not every processor has.
+    // Bit counting and lane shuffles need instructions that not every CPU has.
     dispatch!(Level::new(), _simd => below(cells, masks))
 }
 
 #[inline(always)]
 fn below(cells: &[u64], masks: &[u8]) -> Vec<u64> {
     let count: usize = masks.iter().map(|mask| mask.count_ones() as usize).sum();
-    // Eight at a time, however many there are: nobody can guess that.
+    // Always eight at a time: their number is unpredictable.
     let mut below = vec![0; count + 8];
     let mut next = 0;
     for (cell, &mask) in cells.iter().zip(masks) {
@@ -90,7 +90,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn masks_lead_back_to_the_cells(mut cells in prop::collection::vec(0u64..1 << 15, 1..200)) {
+        fn masks_reproduce_the_cells(mut cells in prop::collection::vec(0u64..1 << 15, 1..200)) {
             cells.sort_unstable();
             cells.dedup();
             let masks = masks_of_cells(&cells, 5);

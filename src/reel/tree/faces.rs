@@ -14,7 +14,7 @@ pub(in crate::reel) const NO_FACES: Faces = [NONE; 6];
 pub(in crate::reel) fn faces_below(faces: &[Faces], masks: &[u8], first: &[u32]) -> Vec<Faces> {
     let mut below = Vec::with_capacity(first.last().map_or(0, |&end| end as usize));
     for ((node, &mask), faces) in masks.iter().enumerate().zip(faces) {
-        // Who is across each face, and itself: nobody has no octants.
+        // The neighbours across the faces, and the node itself: a missing one has no octants.
         let others = faces.map(|face| {
             if face == NONE {
                 (0, 0)
@@ -45,7 +45,7 @@ pub(in crate::reel) fn faces_below(faces: &[Faces], masks: &[u8], first: &[u32])
 fn child(mask: u8, first: u32, octant: usize) -> u32 {
     let before = mask & ((1 << octant) - 1) as u8;
     let number = first.wrapping_add(before.count_ones());
-    // No branch: nobody can guess who is there.
+    // No branch: it would be unpredictable.
     if mask >> octant & 1 != 0 { number } else { NONE }
 }
 
@@ -59,7 +59,7 @@ mod tests {
     proptest! {
         /// Against a search for every cell.
         #[test]
-        fn who_is_across_a_face_is_found(cells in prop::collection::btree_set(0u64..4096, 1..200)) {
+        fn neighbours_across_faces_are_found(cells in prop::collection::btree_set(0u64..4096, 1..200)) {
             let cells: Vec<u64> = cells.into_iter().collect();
             let masks = masks_of_cells(&cells, 4);
             let below = |faces: Vec<Faces>, masks: &Vec<u8>| faces_below(&faces, masks, &first_children(masks));

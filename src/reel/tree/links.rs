@@ -46,7 +46,7 @@ impl Links<'_> {
         let mut window = 0;
         for direction in 0..DIRECTIONS {
             let neighbour = neighbours[direction];
-            // No branch: nobody can guess who is there.
+            // No branch: it would be unpredictable.
             let is_there = neighbour < end;
             let mask = self.masks[if is_there { neighbour as usize } else { 0 }];
             window |= PLACED[direction][usize::from(mask) * usize::from(is_there)];
@@ -72,8 +72,8 @@ impl Links<'_> {
         while cells != 0 {
             let cell = cells.trailing_zeros();
             cells &= cells - 1;
-            // Without search, as this is done for every node: finding neighbours took 140 ns per node, a third of the
-            // decoding time of version 1.
+            // Without a search, as this is done for every node: searching neighbours took 140 ns per node, a third of
+            // the decoding time of version 1.
             let place = (cell & 3) + (cell >> 2 & 3) * 3 + (cell >> 4) * 9;
             neighbours[place as usize] = self.in_window(node, cell + shift);
         }
@@ -83,7 +83,7 @@ impl Links<'_> {
 
 /// The neighbours of every child of the nodes of a level.
 pub(in crate::reel) fn neighbours_below(links: Links<'_>) -> Vec<Neighbours> {
-    // Bits are counted by instructions that not every processor has.
+    // Bit counting needs instructions that not every CPU has.
     dispatch!(Level::new(), _simd => below(links))
 }
 

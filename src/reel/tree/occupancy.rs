@@ -98,7 +98,7 @@ pub(in crate::reel) fn code_masks<C: BitCoder + Send>(
         (neighbours, rest) = std::mem::take(&mut rest).split_at_mut(if wants_neighbours { nodes } else { 0 });
         walks.push(Walk::new(coder, links, parents, own, neighbours));
     }
-    // Bits are counted by instructions that not every processor has.
+    // Bit counting needs instructions that not every CPU has.
     walks
         .par_chunks_mut(2)
         .zip(models)
@@ -120,7 +120,7 @@ fn code_part<C: BitCoder>(halves: &mut [Walk<'_, C>], models: &mut OccupancyMode
         }
         return;
     };
-    // Not behind references: what they keep stays in registers.
+    // Local copies, not references: their state stays in registers.
     let mut coders = (std::mem::take(first.coder), std::mem::take(second.coder));
     let mut other: Option<Around> = None;
     loop {
@@ -239,9 +239,9 @@ impl<'a, C: BitCoder> Walk<'a, C> {
         let near = window::around(self.window, self.octant);
         let neighbours = &self.links.neighbours[self.parent];
         let known = window::of_blocks(self.octant, |direction| {
-            // Nothing is known of another half, as of a node that is not there.
+            // Another half is unknown, like a node that does not exist.
             let block = (neighbours[direction] as usize).wrapping_sub(self.parents.start);
-            // No branch: nobody can guess who is there.
+            // No branch: it would be unpredictable.
             let is_there = block < self.blocks.len();
             self.blocks[if is_there { block } else { 0 }] & u64::from(is_there).wrapping_neg()
         });
@@ -279,7 +279,7 @@ impl Around {
     /// Codes the first four cells.
     #[inline(always)]
     fn code_lower<C: BitCoder>(&mut self, coder: &mut C, models: &mut OccupancyModels) {
-        // Each its own code: what depends on the octant alone is worked out by the compiler.
+        // Separate code for each: what depends on the octant alone is computed by the compiler.
         self.code_cell::<C, 0>(coder, models);
         self.code_cell::<C, 1>(coder, models);
         self.code_cell::<C, 2>(coder, models);
@@ -334,7 +334,7 @@ impl Around {
         let faces = (OCTANT << 9 | across) << 4 | edges << 2 | possible_edges;
         let outer = usize::from(self.coded) << 8 | outer_nodes(self.near, OCTANT);
         // Two models, mixed: 3.82 bits per voxel (bumpy torus of 1 M points, 10 bits). Three, of faces, of counts and
-        // of the 26 surrounding nodes, took 3.87, and half as long again.
+        // of the 26 surrounding nodes, took 3.87 bits, and half as long again.
         let of_cell = [
             &mut models.faces[faces & (FACES_MODELS - 1)],
             &mut models.outer[(1 << (8 + OCTANT) | outer) & (OUTER_MODELS - 1)],

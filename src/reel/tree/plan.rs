@@ -36,7 +36,7 @@ pub(in crate::reel) fn plan(links: Links<'_>) -> Vec<Known> {
             let range = part * NODES_PER_TASK..nodes.min((part + 1) * NODES_PER_TASK);
             let children = (links.first[range.end] - links.first[range.start]) as usize;
             let mut known = Vec::with_capacity(children);
-            // Bits are counted by instructions that not every processor has.
+            // Bit counting needs instructions that not every CPU has.
             dispatch!(Level::new(), _simd => range.for_each(|node| known_of_children(links, node, &mut known)));
             known
         })
@@ -123,7 +123,7 @@ fn known_of_children(links: Links<'_>, node: usize, known: &mut Vec<Known>) {
     let mut octants = mask;
     while octants != 0 {
         let octant = octants.trailing_zeros() as usize;
-        // Sisters that come before it are known as well.
+        // Siblings that come before it are known as well.
         let sisters = PLACED[CENTER][usize::from(mask) & ((1 << octant) - 1)];
         let mut places = places_around((before | sisters) >> shift_of(octant));
         let mut of_child = Known {
@@ -133,7 +133,7 @@ fn known_of_children(links: Links<'_>, node: usize, known: &mut Vec<Known>) {
             left: octants.count_ones() as u8,
         };
         for (neighbour, direction) in of_child.adjacent.iter_mut().zip(&mut of_child.directions) {
-            // No branch: nobody can guess how many there are.
+            // No branch: their number is unpredictable.
             let is_there = places != 0;
             let adjacent = ADJACENT[octant][places.trailing_zeros() as usize];
             places &= places.wrapping_sub(1);
@@ -159,7 +159,7 @@ mod tests {
     proptest! {
         /// Against a search for every cell.
         #[test]
-        fn who_is_beside_and_before_is_found(cells in prop::collection::btree_set(0u64..4096, 1..200)) {
+        fn adjacent_and_preceding_cells_are_found(cells in prop::collection::btree_set(0u64..4096, 1..200)) {
             let depth = 4;
             let cells: Vec<u64> = cells.into_iter().collect();
             let masks = masks_of_cells(&cells, depth);

@@ -179,7 +179,7 @@ mod tests {
 
     /// Against cells looked up one by one in 12 × 12 × 12.
     #[test]
-    fn windows_from_blocks_hold_the_cells_around_the_node() {
+    fn windows_from_blocks_contain_the_cells_around_the_node() {
         let is_set = |x: usize, y: usize, z: usize| (x * 7 + y * 11 + z * 13 + x * y * z) % 5 < 2;
         let block = |direction: usize| {
             let base = [direction % 3, direction / 3 % 3, direction / 9].map(|along| 4 * along);
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn masks_stand_in_blocks_at_their_octants() {
+    fn masks_are_placed_in_blocks_by_octant() {
         for octant in 0..8 {
             for bit in 0..8 {
                 let [x, y, z] = [0, 1, 2].map(|axis| 2 * (octant >> axis & 1) + (bit >> axis & 1));

@@ -82,11 +82,11 @@ impl Blocks {
             .par_iter()
             .with_min_len(BLOCKS_PER_TASK)
             .map(|block| {
-                // Halves first: the sum of two extremes may be no number.
+                // Halved first: the sum of two extremes may overflow.
                 let (low, high) = (0.5 * block.min, 0.5 * block.max);
                 let center = view.rotate(view.offset_from_eye((low + high).to_array()));
                 let half = view.rotate_extent(high - low) + Vec3::splat(extent.scale * block.reach + extent.margin);
-                // For rounding on the way to pixels.
+                // Allows for rounding in the projection to pixels.
                 let slack = 1e-5 * (center.abs() + half);
                 Tiles::covered_by(view.covered_px(center, half + slack, extent.margin_px))
             })

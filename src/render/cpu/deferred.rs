@@ -56,7 +56,7 @@ pub(super) fn shade<S: Simd>(
     let distance = view.near / surface.depth.max(f32::MIN_POSITIVE);
     let facing = normal.dot(to_eye);
     let lit = Lit {
-        // Surfaces have two sides.
+        // Surfaces are two-sided.
         normal: normal.times(splat(1.0).copysign(facing)),
         to_eye,
         position: ray.times(distance),
@@ -92,7 +92,7 @@ fn light_on<S: Simd>(simd: S, illumination: &Illumination<'_>, lit: &Lit<S>, fac
     let lights = &illumination.lights;
     let splat = |value: f32| f32x8::splat(simd, value);
     let diffuse = facing.mul_add(splat(lights.head), splat(lights.ambient));
-    // The half vector of the head light is the way to the eye.
+    // The half vector of the headlight is the direction to the eye.
     let specular = highlight(facing) * (lights.head * lights.specular);
     let mut light = Light {
         diffuse: [diffuse; 3],

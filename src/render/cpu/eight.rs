@@ -82,7 +82,7 @@ impl<S: Simd> Vectors<S> {
 #[inline(always)]
 pub(super) fn words<S: Simd, R: Pod>(simd: S, records: &[R]) -> [f32x8<S>; 4] {
     const { assert!(size_of::<R>() == 16) }
-    // All bits pass through registers as they are, whether they are those of an f32 or not.
+    // All bits pass through registers unchanged, whether they are those of an f32 or not.
     let words: &[f32] = bytemuck::cast_slice(records);
     let mut padded = [[0.0; 16]; 2];
     let halves = words.as_chunks().0.first_chunk();
@@ -147,7 +147,7 @@ pub(super) struct Pyramid {
 
 impl Pyramid {
     pub(super) fn of(view: &PixelView, rect: PixelRect) -> Self {
-        // The middles of pixels, where things are drawn, are half a pixel inside: more than rounding can do.
+        // Pixel centres, where things are drawn, are half a pixel inside: more than the rounding error.
         let slope = |axis: usize, px: i32| (px as f32 - view.center_px[axis]) / view.px_per_slope[axis];
         let [left, right] = [rect.start, rect.end].map(|corner| slope(0, corner[0]));
         let [top, bottom] = [rect.start, rect.end].map(|corner| slope(1, corner[1]));
@@ -188,7 +188,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn words_are_those_of_records_and_zeros_where_there_are_none() {
+    fn loads_match_records_and_are_zero_beyond_them() {
         let record = |index: u8| PointRecord {
             position: [0.0, 100.0, 200.0].map(|word| word + f32::from(index)),
             color: [index, 0xff, 0xff, 0xff],
@@ -215,7 +215,7 @@ mod tests {
     proptest! {
         /// A ball around a point on the ray through a pixel.
         #[test]
-        fn balls_touch_the_pixels_that_they_are_seen_in(
+        fn bounding_spheres_touch_the_pixels_they_are_visible_in(
             px in prop::array::uniform2(0i32..64),
             distance in 0.1f32..1e4,
             aside in prop::array::uniform3(-1.0f32..1.0),
@@ -234,7 +234,7 @@ mod tests {
 
         /// The ray through a column's edge is as far from a point as the sine of the angle between them says.
         #[test]
-        fn balls_do_not_touch_what_is_beside_them(
+        fn bounding_spheres_do_not_touch_pixels_next_to_them(
             column in 0i32..64,
             angle in -1.0f32..1.0,
             distance in 0.1f32..1e4,

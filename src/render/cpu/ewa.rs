@@ -48,7 +48,7 @@ impl<S: Simd> OnScreen<S> {
     #[inline(always)]
     pub(super) fn covariance(&self) -> [f32x8<S>; 3] {
         let Self { u, v, .. } = *self;
-        // J·A, of which A is symmetric.
+        // J·A, where A is symmetric.
         let (a, b, c) = self.variance();
         let of_u = [u[0].mul_add(a, v[0] * b), u[1].mul_add(a, v[1] * b)];
         let of_v = [u[0].mul_add(b, v[0] * c), u[1].mul_add(b, v[1] * c)];
@@ -87,7 +87,7 @@ impl<S: Simd> Splats<S> {
             px_along(view, centers, per_distance, u),
             px_along(view, centers, per_distance, v),
         );
-        // On splats that are seen almost edge-on, pixels reach too far into the picture.
+        // On splats seen almost edge-on, the filter of a pixel reaches too far into the image.
         let px_per_length = per_distance * (SplatFilter::MIN_COSINE * view.px_per_slope[0]);
         let min = px_per_length * px_per_length;
         let uu = u_right.mul_add(u_right, u_down.mul_add(u_down, min * u.dot(u)));

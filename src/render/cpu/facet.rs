@@ -102,7 +102,8 @@ impl Facets {
     fn inlined<S: Simd>(simd: S, canvas: &Canvas<'_>, patches: &Patches<S>, are_asked: mask32x8<S>) -> Self {
         let view = canvas.view;
         let zero = f32x8::splat(simd, 0.0);
-        // Sizes are relative to the distance, so that products of small or large numbers are numbers.
+        // Sizes are relative to the distance, so that products of small or large numbers neither underflow nor
+        // overflow.
         let largest_edge = patches.u.largest().max(patches.v.largest());
         let per_scale = 1.0 / patches.centers.largest().max(largest_edge);
         let c = patches.centers.times(per_scale);
@@ -113,7 +114,7 @@ impl Facets {
         let sign = f32x8::splat(simd, 1.0).copysign(determinant);
         let (p, q, w) = (v.cross(c), c.cross(u), normal);
         let depth_per_w = view.near * per_scale / determinant.abs();
-        // Not where the determinant is 0, or no number.
+        // False where the determinant is 0 or NaN.
         let mut are_seen =
             are_asked & depth_per_w.simd_lt(f32x8::splat(simd, f32::INFINITY)) & normal_length.simd_gt(zero);
         if canvas.cull_back_faces {
@@ -188,11 +189,11 @@ fn bounds<S: Simd>(
     // Half the depth of a parallelogram; that of a disk is less.
     let half_depth = u.z.abs() + v.z.abs();
     let is_behind = (half_depth - c.z).simd_lt(near);
-    // The border is not what is computed here where a patch reaches behind the eye.
+    // The bounds computed here are invalid where a patch extends behind the eye.
     let is_around_eye = (-c.z - half_depth).simd_le(near * 0.25);
     let [low_x, high_x, low_y, high_y] = match outline {
         // A line of pixels touches the disk where the quadratic form P² + Q² − W² has a double root along it. Its dual
-        // is made of the same cross products, which do not cancel where a small disk is far away.
+        // consists of the same cross products, which do not cancel for a small, distant disk.
         Outline::Disk => {
             let per_depth2 = 1.0 / (c.z * c.z - u.z * u.z - v.z * v.z);
             let midpoint = |c_axis: f32x8<S>, u_axis: f32x8<S>, v_axis: f32x8<S>| {
@@ -234,7 +235,7 @@ fn bounds<S: Simd>(
     }
     let [left, right] = pixels_between(simd, clip, 0, [ends[0], ends[1]], is_around_eye);
     let [top, bottom] = pixels_between(simd, clip, 1, [ends[2], ends[3]], is_around_eye);
-    // None where nothing is in front of the near plane.
+    // Empty if nothing is in front of the near plane.
     [left, top, simd.select_f32x8(is_behind, left, right), bottom]
 }
 
@@ -309,7 +310,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn functions_are_those_of_rays_and_bounds_hold_the_outline(
+        fn splat_functions_match_rays_and_bounds_contain_the_outline(
             center in [-2.0f32..2.0, -2.0f32..2.0, -9.0f32..-0.2],
             u in prop::array::uniform3(-0.5f32..0.5),
             v in prop::array::uniform3(-0.5f32..0.5),

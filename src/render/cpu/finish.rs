@@ -85,7 +85,7 @@ impl Tile {
         match held {
             Held::Keys => clear(&mut self.keys, NOWHERE + LANES),
             Held::Depths { .. } => clear(&mut self.depth, PIXELS),
-            // What is drawn is covered by depths.
+            // Colours are only read where depths mark a pixel as drawn.
             Held::SolidColors => {
                 clear(&mut self.depth, PIXELS);
                 self.colors.iter_mut().for_each(|color| color.resize(PIXELS, 0.0));
@@ -144,7 +144,7 @@ impl Tile {
                     self.write_opacities(row, held, depths, pixels);
                 }
                 TileRow::Depths(depths) => self.write_depths(row, held, &mut depths[columns]),
-                // Written already.
+                // Already written.
                 TileRow::Textured(_) => {}
             }
         }
@@ -199,9 +199,9 @@ impl Tile {
         background: [f32; 3],
         pixels: &mut [[u8; 4]],
     ) {
-        // Nothing here may go through `map` or `from_fn`, and closures are to be inlined: see `raster.rs`.
-        // With a closure over eight pixels that was not inlined, deferred shading took 42 to 94 ms instead of 9 to 12
-        // (1280×720, two threads).
+        // Nothing here may go through `map` or `from_fn`, and closures must be inlined: see `raster.rs`. With a closure
+        // over eight pixels that was not inlined, deferred shading took 42 to 94 ms instead of 9 to 12 ms (1280×720,
+        // two threads).
         let splat = |value: f32| f32x8::splat(simd, value);
         let [red, green, blue] = background;
         let background = [splat(red), splat(green), splat(blue)];
@@ -242,7 +242,7 @@ impl Tile {
                 |place| {
                     let weight = load(simd, &self.weight, first + place);
                     let opacity = (weight * (1.0 / opaque_weight)).min(splat(1.0));
-                    // Nothing, where there is no weight: sums are 0 then.
+                    // Zero where there is no weight: sums are 0 then.
                     let share = opacity / weight.max(splat(f32::MIN_POSITIVE));
                     let shows_through = 1.0 - opacity;
                     let sums = load_colors(simd, &self.colors, first + place);

@@ -112,7 +112,7 @@ mod tests {
     proptest! {
         /// Small disks, most of which cover one pixel or none.
         #[test]
-        fn what_covers_a_pixel_may(
+        fn splats_that_cover_a_pixel_are_never_culled(
             px in [0.0f32..64.0, 0.0f32..48.0],
             distance in 0.2f32..100.0,
             normal in prop::array::uniform3(-1.0f32..1.0),
@@ -131,7 +131,7 @@ mod tests {
 
     /// A pixel is 1/32 wide at the distance of 1 there, and the view axis meets the corner of four.
     #[test]
-    fn what_lies_between_pixels_covers_none() {
+    fn splats_between_pixel_centers_cover_none() {
         let view = view_of([64, 64]);
         let radius_px = |px: f32| 10.0 * px / view.px_per_slope[0].abs();
         let at_corner = Vec3::new(0.0, 0.0, -10.0);
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn what_may_reach_around_the_eye_may_cover_all() {
+    fn splats_that_may_surround_the_eye_may_cover_every_pixel() {
         let view = view_of(SIZE_PX);
         for center in [
             Vec3::new(0.0, 0.0, -1.0),

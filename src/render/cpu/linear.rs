@@ -65,7 +65,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn curves_are_those_of_the_standard(channel in 0.0f32..=1.0) {
+        fn transfer_curves_match_the_standard(channel in 0.0f32..=1.0) {
             let exact = light_of(f64::from(channel));
             let (light, back) = dispatch!(Level::new(), simd => {
                 let light = to_linear(simd, f32x8::splat(simd, channel));
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn every_byte_comes_back() {
+    fn every_byte_round_trips() {
         for byte in 0..=255u8 {
             let channel = f32::from(byte) / 255.0;
             let back = dispatch!(Level::new(), simd => {

@@ -176,7 +176,7 @@ impl CpuRenderer {
         });
         self.stats.drawn_instances = Drawable::of(packet).draw(packet, blocks, illumination, bands);
         self.stats.records = match &packet.content {
-            // How much of a code is drawn is known only once it is.
+            // How much of a code is drawn is only known afterwards.
             Content::Coded(_) => self.stats.drawn_instances,
             content => content.record_count() as u64,
         };

@@ -108,7 +108,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn ellipses_are_unpacked_as_those_of_the_cloud(
+        fn unpacked_ellipses_match_the_scalar_decoder(
             packed_normal in prop::array::uniform2(-32767i16..=32767),
             direction in 0u32..=0xffff,
             ratio in 1u32..=0xffff,

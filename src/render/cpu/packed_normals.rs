@@ -31,7 +31,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn normals_are_unpacked_as_those_of_the_cloud(
+        fn unpacked_normals_match_the_scalar_decoder(
             normal in prop::array::uniform3(-1.0f32..1.0),
             lane in 0..LANES,
         ) {

@@ -106,7 +106,7 @@ fn on_surface<S: Simd>(
         light.lost[channel] *= open;
         light.let_in[channel] *= open;
     }
-    // The head light is a lamp at the eye.
+    // The headlight is a lamp at the eye.
     let head = Lamp {
         place: Vec4::W,
         color: Vec3::splat(illumination.lights.head),
@@ -136,7 +136,7 @@ impl<S: Simd> Light<S> {
         let metallic = physical.metallic;
         let mean_loss = physical.tables.curve.mean_loss;
         let reflectance = albedo * metallic + (1.0 - metallic) * DIELECTRIC;
-        // The mean of Schlick's formula by the cosine.
+        // The mean of Schlick's formula weighted by the cosine.
         let mean = albedo * (20.0 / 21.0) + 1.0 / 21.0;
         let of_metal = mean * mean * (1.0 - mean_loss) / (1.0 - mean * mean_loss);
         let of_dielectric = AlbedoCurve::of_more_bounces(DIELECTRIC, mean_loss);
@@ -161,7 +161,7 @@ impl<S: Simd> Light<S> {
         let alpha2 = physical.alpha * physical.alpha;
         let half = lit.to_eye.plus(toward.to_lamp);
         let half = half.times(1.0 / half.dot(half).max(f32::MIN_POSITIVE).sqrt());
-        // 1 - cos², from the way between two directions: cosines near 1 have too few digits.
+        // 1 - cos², from the difference of two directions: cosines near 1 have too few digits.
         let between = half.minus(lit.normal);
         let short = between.dot(between) * 0.5;
         let sine2 = short * (2.0 - short);
@@ -265,7 +265,7 @@ fn environment_at<S: Simd>(simd: S, physical: &PhysicalLight, direction: Vectors
     let folded_along = (one - across.abs()) * one.copysign(along);
     let across = simd.select_f32x8(is_below, folded_across, across);
     let along = simd.select_f32x8(is_below, folded_along, along);
-    // With the border of a texel, less half of one.
+    // Adds the border of one texel, less half a texel.
     let half = 0.5 * EnvironmentMap::EDGE as f32;
     let [column, row] = [across * half + (half + 0.5), along * half + (half + 0.5)];
     let (left, top) = (column.floor(), row.floor());

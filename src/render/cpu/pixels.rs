@@ -49,7 +49,7 @@ pub(in crate::render) fn unpacked<S: Simd>(simd: S, pixels: &[[u8; 4]]) -> ([f32
 #[inline(always)]
 fn channel<S: Simd>(simd: S, words: u32x8<S>) -> f32x8<S> {
     let byte = words & u32x8::splat(simd, 0xff);
-    // Signed numbers are converted by one instruction.
+    // Signed numbers are converted by a single instruction.
     simd.cvt_f32_i32x8(byte.bitcast()) * (1.0 / 255.0)
 }
 

@@ -24,8 +24,8 @@ pub(super) struct Fragments<S: Simd> {
 /// Closures that take registers say that they are to be inlined: the functions of this file are used by disks and by
 /// byte codes, and what is used twice is compiled by itself otherwise, for the least of processors.
 #[inline(always)]
-// Not inlined, the closure was compiled for the baseline instruction set once byte codes used this function as well:
-// surfels took 492 ms until it was marked for inlining.
+// When it was not inlined, the closure was compiled for the baseline instruction set as soon as byte codes used this
+// function as well: surfels took 492 ms until it was marked for inlining.
 fn for_each<S: Simd>(simd: S, tile_rect: PixelRect, facet: &Facet, mut visit: impl FnMut(usize, &Fragments<S>)) {
     let rect = facet.bounds.intersection(tile_rect);
     let [tile_x, tile_y] = tile_rect.start;
@@ -111,7 +111,7 @@ pub(super) fn visibility<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, push_
         #[inline(always)]
         |at, fragments| {
             let depths = fragments.depths(simd, depth_per_w);
-            // Behind the eye depths are negative, and less than what is there.
+            // Depths behind the eye are negative, and less than the stored ones.
             let drawn = fragments.are_inside(Outline::Disk) & are_beyond_near(simd, depths);
             let nearest = load(simd, &tile.depth, at).max(simd.select_f32x8(drawn, depths, nothing));
             store(nearest, &mut tile.depth, at);
@@ -329,7 +329,7 @@ fn mask_weight<S: Simd>(simd: S, fragments: &Fragments<S>, kernel: Kernel) -> f3
 #[inline(always)]
 pub(super) fn gaussian<S: Simd>(simd: S, radius2: f32x8<S>) -> f32x8<S> {
     let splat = |value| f32x8::splat(simd, value);
-    // The eighth root is within the reach of a short series.
+    // The eighth root brings the argument into the range of a short series.
     let y = radius2 * splat(-MASK_FALLOFF / 8.0);
     let series = y.mul_add(splat(1.0 / 120.0), splat(1.0 / 24.0));
     let series = y.mul_add(series, splat(1.0 / 6.0));
@@ -371,8 +371,7 @@ impl Shading {
     ) -> [f32x8<S>; 3] {
         let splat = |value| f32x8::splat(simd, value);
         // No `map` over arrays of registers: the standard library is not compiled for them, and passes them through
-        // memory.
-        // Spilled in this way, surfels took 309 ms on one thread instead of 153.
+        // memory. Spilled in this way, surfels took 309 ms on one thread instead of 153 ms.
         let [factor, white] = match &self.light {
             Light::Same([factor, white]) => [splat(*factor), splat(*white)],
             Light::OfCorners([factors, whites]) => [
@@ -381,7 +380,7 @@ impl Shading {
             ],
             Light::OfPixels => {
                 let per_length = load(simd, per_ray_length, at) * (1.0 / facet.normal_length);
-                // Behind the eye, where splats reach beyond their disks.
+                // Negative behind the eye, where splats extend beyond their disks.
                 let facing = (fragments.w * per_length).abs();
                 headlight_of(simd, facing)
             }

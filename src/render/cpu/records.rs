@@ -47,7 +47,7 @@ pub(super) fn draw<R: DrawnRecords>(
     let painter = Painter::new(packet, held, illumination);
     let view = painter.view();
     let has_colors = matches!(held, Held::Sums { .. } | Held::BlendedColors | Held::SolidColors);
-    // The work is handed to the threads that share it once, not step by step.
+    // Enters the thread pool once, not for each step.
     rayon::scope(|_| {
         let lists = blocks.by_tile(view, painter.tiles, records.extent());
         let content = InBlocks {

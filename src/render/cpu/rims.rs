@@ -93,10 +93,10 @@ impl Drawn<'_> {
     fn behind(&self, pixel: [i32; 2]) -> Option<[f32; 3]> {
         let mut found = None;
         let mut shortest = f32::INFINITY;
-        // One of the four lines is enough, unlike for gaps: along a straight edge, a line never ends.
+        // One of the four lines is enough, unlike for gaps: along a straight edge, one line never ends.
         for [right, down] in PIXEL_LINES {
             let step = ((right * right + down * down) as f32).sqrt();
-            // Longer ones are not asked for any more.
+            // Longer ones are no longer of interest.
             let max = self.rim_px.min((shortest / step).ceil() as i32 - 1);
             let Some(one) = self.opaque_end(pixel, [-right, -down], max - 1) else {
                 continue;
@@ -115,7 +115,7 @@ impl Drawn<'_> {
     /// The colour behind what is between two ends of a line.
     fn between(&self, one: End, other: End) -> [f32; 3] {
         let [depth, other_depth] = [one, other].map(|end| self.depths[end.at]);
-        // On one surface, which end is farther would be a matter of rounding, and the two renderers would differ.
+        // On a single surface, which end is farther would depend on rounding, and the two renderers would differ.
         let to_other = if depth.min(other_depth) >= GAP_ONE_SURFACE * depth.max(other_depth) {
             one.steps as f32 / (one.steps + other.steps) as f32
         } else if depth < other_depth {
@@ -187,13 +187,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_behind_shines_through_a_rim() {
-        // Opaque, but for two columns of a straight rim, which no line along it leaves.
+    fn the_background_shows_through_a_falloff_edge() {
+        // Opaque except for two columns of a straight soft edge, which no line along it leaves.
         let rim = |[x, _]: [i32; 2]| if (10..12).contains(&x) { 90 } else { 255 };
         for y in [1, 8, 14] {
             assert_eq!(red_behind(0.2, rim, [10, y]), Some(120.0));
             assert_eq!(red_behind(0.2, rim, [11, y]), Some(120.0));
-            // Of one surface, what is between shines through.
+            // On a single surface, the interpolated colour shines through.
             assert_eq!(red_behind(0.79, rim, [10, y]), Some(100.0));
         }
         let wide = |[x, _]: [i32; 2]| if (5..12).contains(&x) { 90 } else { 255 };
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn outlines_and_edges_of_holes_are_as_they_were() {
+    fn outlines_and_edges_of_holes_are_unchanged() {
         let outline = |[x, _]: [i32; 2]| match x {
             ..10 => 255,
             10..12 => 90,
@@ -209,7 +209,7 @@ mod tests {
         };
         assert_eq!(red_behind(0.2, outline, [10, 8]), None);
         assert_eq!(red_behind(0.2, outline, [11, 8]), None);
-        // Seven open pixels of each row and column, and what fades around them.
+        // Seven transparent pixels of each row and column, with a falloff around them.
         let hole = |[x, y]: [i32; 2]| match (x - 11).abs().max((y - 8).abs()) {
             ..4 => 0,
             4 => 90,
@@ -218,7 +218,7 @@ mod tests {
         for pixel in [[7, 8], [15, 7], [11, 4], [12, 12], [11, 8]] {
             assert_eq!(red_behind(0.79, hole, pixel), None, "{pixel:?}");
         }
-        // Nobody knows what is beyond the border.
+        // What lies beyond the border is unknown.
         let at_border = |[x, _]: [i32; 2]| if x == 0 { 90 } else { 255 };
         assert_eq!(red_behind(0.2, at_border, [0, 8]), None);
     }
@@ -262,11 +262,11 @@ mod tests {
     }
 
     #[test]
-    fn what_is_half_covered_keeps_its_half() {
+    fn half_covered_pixels_retain_their_half() {
         // 0.502 × (160, 80, 0) over the background (0, 0, 255).
         let background = [0.0, 0.0, 1.0];
         assert_eq!(over([80, 40, 127, 128], background, [1.0, 0.0, 0.0]), [207, 40, 0, 255]);
-        // What was open is what is behind.
+        // A transparent pixel becomes what is behind it.
         let nearly_blue = [9.0, 8.0, 7.0].map(|channel| channel / 255.0);
         assert_eq!(over([9, 8, 7, 0], nearly_blue, [1.0, 0.5, 0.0]), [255, 128, 0, 255]);
     }

@@ -61,7 +61,7 @@ impl Light {
     }
 }
 
-// The exponent of the multiplications below, and of those of `raster.rs`.
+// The exponent computed by the multiplications below, and by those in `raster.rs`.
 const _: () = assert!(HEADLIGHT_SHININESS == 3 * 8);
 
 /// It shines from the eye, along a vector of any length.

@@ -161,7 +161,7 @@ impl SmallSplats {
             small.weights[pixel] = *weights;
             small.depths[pixel] = *depths;
         }
-        // Which ones are in the picture is as good as chance: a loop over these alone is foreseen, a branch is not.
+        // Which ones are in the image is random: a loop over these alone is predictable, a branch is not.
         for (lane, &weight) in sums.iter().enumerate() {
             small.lanes[small.count] = lane;
             small.count += usize::from(weight > 0.0);
@@ -194,7 +194,7 @@ impl SmallSums {
             let [x, y, z] = &small.normals;
             let [x, y, z] = [x[lane], y[lane], z[lane]];
             for (pixel, step) in STEPS.into_iter().enumerate() {
-                // What has a weight is in the tile, and what has none changes nothing anywhere.
+                // Pixels with a weight are in the tile, and those without change nothing anywhere.
                 let at = (row * WIDTH as i32 + column + step) as usize % tile::PIXELS;
                 let depth = small.depths[pixel][lane];
                 let is_behind = depth < tile.depth[at];

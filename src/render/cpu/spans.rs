@@ -75,7 +75,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn pixels_are_covered_whose_middles_are_inside(
+        fn pixels_are_covered_where_their_centers_are_inside(
             corners in prop::array::uniform3(prop::array::uniform2(-8f64..32.0)),
         ) {
             prop_assume!(doubled_area(corners).abs() > 1e-3);
@@ -97,7 +97,7 @@ mod tests {
 
         /// A fan of triangles around a place covers each pixel of its outline once, on whatever grid corners lie.
         #[test]
-        fn triangles_around_a_corner_leave_no_hole_and_draw_nothing_twice(
+        fn triangles_around_a_corner_leave_no_hole_and_do_not_overlap(
             center in prop::array::uniform2(8f64..16.0),
             steps in 1f64..64.0,
             rim in prop::collection::vec(0f64..1.0, 3..9),
@@ -116,7 +116,7 @@ mod tests {
             let mut fan = Vec::new();
             for (index, &start) in outline.iter().enumerate() {
                 let corners = [center, start, outline[(index + 1) % outline.len()]];
-                // The fan goes around the corner once, without folds.
+                // The fan goes once around the corner, without folds.
                 prop_assume!(doubled_area(corners) >= 0.0);
                 fan.extend(covered(&corners));
             }
@@ -137,11 +137,11 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_or_has_no_area_covers_nothing() {
+    fn nan_and_zero_area_triangles_cover_nothing() {
         assert!(covered(&[[f64::NAN; 2]; 3]).is_empty());
         assert!(covered(&[[1.0, 1.0], [9.0, 1.0], [20.0, 1.0]]).is_empty());
         assert!(covered(&[[4.0, 1.0], [4.0, 9.0], [4.0, 20.0]]).is_empty());
-        // Borders: the left and the upper one belong to it.
+        // Borders: the left and the upper one are included.
         let square = covered(&[[0.5, 0.5], [2.5, 0.5], [2.5, 2.5], [0.5, 2.5]]);
         assert_eq!(square, [[0, 0], [1, 0], [0, 1], [1, 1]]);
     }

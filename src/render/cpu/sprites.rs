@@ -26,7 +26,7 @@ impl Sprite {
     #[inline(always)]
     fn for_each_row_of_square(&self, clip: PixelRect, mut visit: impl FnMut(i32, Range<i32>)) {
         let half = self.half_px;
-        // Pixels whose middles are within.
+        // Pixels whose centres are inside.
         let range = |axis: usize| {
             let center = self.place_px[axis];
             let [start, end] = [center - half, center + half].map(|end| (end - 0.5).ceil() as i32);
@@ -47,7 +47,7 @@ impl Sprite {
         for y in top.max(clip.start[1])..bottom.saturating_add(1).min(clip.end[1]) {
             let aside = y as f32 + 0.5 - y_px;
             let half2 = radius * radius - aside * aside;
-            // Pixels whose middles are in the circle, and the one that the point is in.
+            // Pixels whose centres are in the circle, and the one that contains the point.
             let half = half2.max(0.0).sqrt();
             let mut start = (x_px - half - 0.5).ceil() as i32;
             let mut end = (x_px + half + 0.5).floor() as i32;

@@ -34,14 +34,15 @@ impl Triangle {
     #[inline(always)]
     pub(super) fn new(view: &PixelView, [a, b, c]: [Vec3; 3]) -> Self {
         let reversed = [a, b, c].map(|corner| {
-            // What is behind the near plane is cut off there.
+            // The part behind the near plane is clipped.
             let is_in_front = corner.z <= -view.near;
             if is_in_front { view.near / -corner.z } else { 1.0 }
         });
         let min = reversed[0].min(reversed[1]).min(reversed[2]);
         let greatest = reversed[0].max(reversed[1]).max(reversed[2]);
         let (u, v) = (b - a, c - a);
-        // Sizes are relative to the distance, so that products of small or large numbers are numbers.
+        // Sizes are relative to the distance, so that products of small or large numbers neither underflow nor
+        // overflow.
         let largest = a.abs().max(u.abs()).max(v.abs()).max_element();
         let per_scale = 1.0 / largest;
         let [a, u, v] = [a, u, v].map(|vector| vector * per_scale);
@@ -49,7 +50,7 @@ impl Triangle {
         let determinant = normal.dot(a);
         let depth_per_w = view.near * per_scale / determinant.abs();
         if !depth_per_w.is_finite() {
-            // Seen edge on: where rounding leaves it a pixel, that shows its first corner.
+            // Seen edge-on: if rounding leaves it a pixel, that shows its first corner.
             let one = Affine {
                 at_origin: 1.0,
                 ..Affine::default()

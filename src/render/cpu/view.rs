@@ -108,7 +108,7 @@ impl PixelView {
                     let slope = (side_px - self.center_px[axis]) / self.px_per_slope[axis];
                     let outwards = outwards * self.px_per_slope[axis].signum();
                     let beyond_side = outwards * (center[axis] + slope * center.z);
-                    // Of the corner that is farthest inwards.
+                    // For the corner that is farthest inwards.
                     beyond_side > half[axis] + slope.abs() * half.z
                 })
         })
@@ -165,9 +165,9 @@ impl PixelRect {
     /// number.
     #[inline(always)]
     pub(super) fn around(x: [f32; 2], y: [f32; 2]) -> Self {
-        // Conversions saturate, and room is left for the next addition.
+        // Conversions saturate, and the limit leaves space for the next addition.
         const FAR: f32 = (1 << 24) as f32;
-        // By conversions, which round towards 0: `floor` is a call on processors that are not asked what they can.
+        // By conversions, which round towards 0: `floor` is a function call on CPUs for which no features are assumed.
         let floor = |px: f32| {
             let px = px.clamp(-FAR, FAR);
             let towards_zero = px as i32;

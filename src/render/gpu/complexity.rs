@@ -50,7 +50,7 @@ pub fn passes_of(packet: &ScenePacket) -> Vec<PassComplexity> {
 
 /// `None` for what is no WGSL, which no permutation is (`tests/pictures/shaders/mod.rs`).
 fn of_pass(pass: &'static str, permutation: Permutation) -> Option<PassComplexity> {
-    // Naga's representation: instructions differ from driver to driver, and querying a driver for them needs its own
+    // Naga's representation: instructions differ from driver to driver, and querying a driver for them needs vendor
     // tools.
     let module = front::wgsl::parse_str(&permutation.source(false).ok()?).ok()?;
     Some(PassComplexity {
@@ -134,7 +134,7 @@ mod tests {
     use crate::scene::Strategy;
 
     #[test]
-    fn operations_and_reads_of_a_shader_are_those_that_it_is_written_with() {
+    fn operations_and_reads_of_a_shader_match_its_source() {
         let module = front::wgsl::parse_str(
             "@group(0) @binding(0) var<uniform> scale: vec4f;
             @group(0) @binding(1) var picture: texture_2d<f32>;

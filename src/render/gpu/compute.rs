@@ -88,7 +88,7 @@ impl ComputeShader {
     fn declarations(&self) -> String {
         let (name, layout) = self.uniform;
         let mut text = declared![COMPUTE_GROUP] + "\n" + &layout.declaration();
-        // A string takes everything.
+        // Writing to a String cannot fail.
         let _ = writeln!(
             text,
             "@group(COMPUTE_GROUP) @binding({UNIFORM}) var<uniform> {name}: {};",
@@ -113,7 +113,7 @@ pub(super) fn declarations_of(group: &str, buffers: &[BufferRow]) -> String {
             Access::Read => "read",
             Access::ReadWrite => "read_write",
         };
-        // A string takes everything.
+        // Writing to a String cannot fail.
         let _ = writeln!(
             text,
             "@group({group}) @binding({binding}) var<storage, {access}> {name}: {holds};"

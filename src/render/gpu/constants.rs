@@ -301,7 +301,7 @@ fn pixel_lines() -> String {
 }
 
 pub(in crate::render) fn declaration<T: Number>(name: &str, value: T) -> String {
-    // Rust writes as many digits as tell a number from its neighbours.
+    // Rust writes as many digits as are needed to distinguish a number from its neighbours.
     format!("const {name}: {} = {value:?}{};", T::TYPE, T::SUFFIX)
 }
 
@@ -310,7 +310,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_written_as_wgsl_reads_them() {
+    fn numbers_are_formatted_as_valid_wgsl() {
         assert_eq!(declaration("A", 0.22f32), "const A: f32 = 0.22f;");
         assert_eq!(declaration("B", 1e-30f32), "const B: f32 = 1e-30f;");
         assert_eq!(declaration("C", 16.0f32), "const C: f32 = 16.0f;");

@@ -62,7 +62,7 @@ impl Context {
     /// The graphics library with Vulkan, Metal or DirectX 12, unless `WGPU_BACKEND` names another.
     pub fn instance() -> wgpu::Instance {
         let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
-        // Looking for OpenGL too takes a second and complains on stderr where there is none.
+        // Also looking for OpenGL takes a second and complains on stderr where there is none.
         descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
         wgpu::Instance::new(descriptor)
     }
@@ -75,12 +75,12 @@ impl Context {
         let info = adapter.get_info();
         let timestamps = wgpu::Features::TIMESTAMP_QUERY;
         let single_floats = wgpu::Features::FLOAT32_BLENDABLE;
-        // Vulkan alone in wgpu 30: Metal and Direct3D 12 have a conservative test, but naga 30 does not write it for
+        // Vulkan only in wgpu 30: Metal and Direct3D 12 have a conservative test, but naga 30 does not emit it for
         // them.
         let early_depths = wgpu::Features::SHADER_EARLY_DEPTH_TEST;
         let features = adapter.features() & (timestamps | single_floats | early_depths);
         let has_timestamps = features.contains(timestamps);
-        // wgpu's own defaults (256 MiB a buffer) are below what adapters give.
+        // wgpu's own defaults (256 MiB per buffer) are below what adapters support.
         let limits = adapter.limits();
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("pointreel"),
@@ -96,7 +96,7 @@ impl Context {
         let lost = Arc::new(Mutex::new(None));
         let lost_flag = Arc::clone(&lost);
         device.set_device_lost_callback(move |reason, message| {
-            // Dropping the device calls this too; that is no loss.
+            // Dropping the device calls this too; that is not a loss.
             if reason != wgpu::DeviceLostReason::Destroyed || !message.is_empty() {
                 *lock(&lost_flag) = Some(message);
             }
@@ -200,7 +200,7 @@ impl Context {
         });
         match buffer.slice(..bytes.len() as u64).get_mapped_range_mut() {
             Ok(mut mapped) => mapped.copy_from_slice(bytes),
-            // An allocation that failed is reported by the error scope around.
+            // A failed allocation is reported by the surrounding error scope.
             Err(error) => log::error!("the buffer of {label} cannot be written: {error}"),
         }
         buffer.unmap();

@@ -101,7 +101,7 @@ fn numbers(random: &mut Random) -> Vec<[f64; 2]> {
     let mut pairs: Vec<[f64; 2]> = (0..60_000).map(|_| [number(), number()]).collect();
     for ulps in 0..2000_u64 {
         let a = number();
-        // Nearly equal, and of the other sign: what is left has few bits.
+        // Nearly equal, and of opposite sign: the difference has few bits.
         pairs.push([a, -f64::from_bits(a.to_bits() + ulps % 5)]);
         pairs.push([a, a]);
     }
@@ -117,7 +117,7 @@ fn numbers(random: &mut Random) -> Vec<[f64; 2]> {
 }
 
 #[test]
-fn double_floats_in_integers_are_those_of_the_processor() {
+fn emulated_double_arithmetic_matches_the_cpu() {
     let source = [
         include_str!("../../../shaders/common/f64.wgsl"),
         "@group(0) @binding(0) var<storage, read> pairs: array<vec4u>;
@@ -148,7 +148,7 @@ fn double_floats_in_integers_are_those_of_the_processor() {
     );
     let results: &[[[u32; 2]; 4]] = bytemuck::cast_slice(&results);
     for (&[a, b], found) in pairs.iter().zip(results) {
-        // The sign of a zero that is left is nobody's concern.
+        // The sign of a zero result does not matter.
         let expected = [a + b, a * b, a / b, a.abs().sqrt()].map(words);
         assert_eq!(found[1..], expected[1..], "{a:e} and {b:e}");
         assert!(
@@ -159,7 +159,7 @@ fn double_floats_in_integers_are_those_of_the_processor() {
 }
 
 #[test]
-fn single_floats_become_the_same_doubles() {
+fn single_floats_convert_to_the_same_doubles() {
     let source = [
         include_str!("../../../shaders/common/f64.wgsl"),
         "@group(0) @binding(0) var<storage, read> singles: array<u32>;
@@ -273,9 +273,10 @@ fn filtered(context: &Context, filter: &SequenceFilter, shapes: &[ShapeRecord]) 
 }
 
 #[test]
-fn the_pass_draws_the_nodes_that_the_processor_draws() {
+fn the_pass_draws_the_same_nodes_as_the_cpu() {
     let context = context();
-    // Of the larger one single floats tell nothing, as squares might not be numbers: doubles tell all.
+    // At the larger scale single precision is useless, as squares may overflow: everything is decided in double
+    // precision.
     for scale in [1.0_f32, 1e16] {
         let levels = sequence(scale);
         let mut drawn_in_all = 0;

@@ -35,7 +35,7 @@ impl Layout {
     pub(in crate::render) fn declaration(&self) -> String {
         let mut text = format!("struct {} {{\n", self.name);
         for Member { name, wgsl_type, .. } in self.members {
-            // A string takes everything.
+            // Writing to a String cannot fail.
             let _ = writeln!(text, "    {name}: {},", wgsl_type());
         }
         text + "}\n"

@@ -63,7 +63,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn levels_end_at_a_single_pixel() {
+    fn mip_levels_end_at_a_single_pixel() {
         let sizes = |size_px| level_sizes(size_px).collect::<Vec<_>>();
         assert_eq!(sizes([1, 1]), [[1, 1]]);
         assert_eq!(sizes([5, 2]), [[5, 2], [3, 1], [2, 1], [1, 1]]);

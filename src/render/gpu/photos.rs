@@ -155,7 +155,7 @@ fn table(context: &Context, views: &PhotoViews, shown: &PhotosInFrame, maps: &[D
     };
     flags |= match views.holes {
         PhotoHoles::Left => PHOTO_LEAVES_HOLES,
-        // What no photograph sees of the whole picture cannot be filled either.
+        // If no image shows any of the rendered surface, nothing can be filled either.
         PhotoHoles::Points | PhotoHoles::Filled => 0,
     };
     flags |= match views.relight {

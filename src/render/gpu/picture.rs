@@ -79,7 +79,7 @@ impl<'a> Recorder<'a> {
 
     /// Records the view-dependent texturing of all pixels, with what the input images do not show filled from around.
     fn answers_of_photos(&mut self, plan: &Plan<'_>) {
-        // Without a check for holes: its answer would arrive an image late.
+        // Without a check for holes: its result would arrive one image late.
         let coarsest = self.targets.coarsest_photo_level();
         self.screen(&PHOTO_ANSWERS, plan, 0);
         for level in 1..=coarsest {
@@ -188,7 +188,7 @@ impl<'a> Recorder<'a> {
             self.targets.copy_picture(self.encoder);
         }
         let targets = &*self.targets;
-        // What is drawn without depth hides nothing.
+        // Primitives drawn without depth occlude nothing.
         let cleared = (!plan.leaves_depths()).then_some(wgpu::LoadOp::Clear(FAR));
         let depth = screen.depth.map(|_| DepthTarget {
             view: &targets.depth_view,

@@ -63,7 +63,7 @@ impl<'a> Plan<'a> {
         let resolve = drawable
             .resolve
             .map(|resolve| if closes_gaps { &RESOLVE_PHOTOS } else { resolve });
-        // Of sums before they are resolved.
+        // Effects on sums before these are resolved.
         let [of_sums, of_picture] = [(Target::Sums, true), (Target::Picture, false)].map(|(target, of_sums)| {
             let passes = effects::passes(packet, Stage::Drawn, target);
             passes.filter(move |_| draws_sums == of_sums)
@@ -84,7 +84,7 @@ impl<'a> Plan<'a> {
             physical,
             posed_images,
             strategy: packet.style.drawing.strategy,
-            // Half floats stop adding up hundreds of small weights: outlines of filtered splats moved by 0.7 pixels.
+            // Half floats stop accumulating hundreds of small weights: outlines of filtered splats moved by 0.7 pixels.
             precision: if packet.style.filters_splats() && blends_single_floats {
                 Precision::Single
             } else {
@@ -98,8 +98,8 @@ impl<'a> Plan<'a> {
     pub(super) fn views(&self, packet: &ScenePacket) -> Vec<ViewUniform> {
         let surfels = &packet.style.surfels;
         let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
-        // Only the attribute pass filters: filtered splats that are seen almost edge-on reach far out of the surface,
-        // towards the eye as well, and in the visibility pass hid what they should blend with.
+        // Only the attribute pass filters: filtered splats that are seen almost edge-on extend far beyond the surface,
+        // towards the eye as well, and in the visibility pass occluded what they should blend with.
         let first = ViewUniform::new(packet, visibility);
         let second = ViewUniform::new(packet, attribute).of_attributes(packet.style.splat_filter());
         match &self.shadow {
@@ -132,7 +132,7 @@ impl<'a> Plan<'a> {
             strategy: amplification.strategy(self.strategy),
             amplification,
             pass,
-            // Cells have faces towards the lamp alone; surfels cast shadows to both sides.
+            // Cells only have faces towards the lamp; surfels cast shadows to both sides.
             cull_back_faces: false,
             precision: self.precision,
         })

@@ -52,8 +52,8 @@ mod tests {
     }
 
     #[test]
-    fn a_machine_without_devices_of_cards_has_none() {
-        // A screen without a card is shown by a node for outputs alone.
+    fn a_machine_without_gpu_devices_has_no_gpu() {
+        // A display without a GPU has only an output node.
         for names in [
             &[][..],
             &["null", "fb0", "dri/card0", "dri/by-path/renderD128"],
@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn each_kind_of_device_is_seen() {
+    fn each_kind_of_device_is_detected() {
         for name in [
             "dri/renderD128",
             "nvidia0",
@@ -82,8 +82,8 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_looked_at_may_be_there() {
-        // A file in the folder's place fails for another reason than that there is none.
+    fn an_unreadable_device_folder_may_contain_a_gpu() {
+        // A file in place of the folder fails with a different error than a missing folder.
         let folder = folder_with(&["dri"]);
         assert!(may_have_gpu_in(folder.path()));
     }

@@ -58,7 +58,7 @@ pub(super) fn map_and_read<T>(
         let _ = sender.send(result);
     });
     context.wait()?;
-    // Another thread that waits on this device may have taken the callback and still be about to call it.
+    // Another thread that waits on this device may have taken the callback and not called it yet.
     match receiver.recv() {
         Ok(Ok(())) => {
             let result = buffer.slice(..).get_mapped_range().map(|bytes| read(&bytes));

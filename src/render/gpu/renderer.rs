@@ -101,7 +101,7 @@ impl GpuRenderer {
             depth_images: DepthMaker::default(),
             screen_ms: [None; 2],
             // lavapipe, two cores, a Redwood frame at 640×480: culling and normals took 108 and 116 ms, the CPU's code
-            // 15 and 50 ms. Filters of its depth images: 187 ms (bilateral) instead of 5.7.
+            // 15 and 50 ms. Filters of its depth images: 187 ms (bilateral) instead of 5.7 ms.
             makes_surfels: !context.is_software(),
             gathered: Gathered::default(),
             targets: None,
@@ -139,7 +139,7 @@ impl GpuRenderer {
     /// Waits for the last picture and returns its GPU time; `None` where the adapter cannot measure it.
     pub fn wait_gpu_ms(&mut self) -> Option<f64> {
         let context = Arc::clone(&self.context);
-        // Without timestamps, there is still the number of visible points to wait for.
+        // Without timestamps, the number of visible points still has to be waited for.
         self.depth_images.wait_times(&context).ok()?;
         let times = self.timer.as_mut()?.wait(&context)?;
         self.note_screen_times();
@@ -303,7 +303,7 @@ impl GpuRenderer {
         if width > max || height > max {
             return Err(RenderError::TooLarge { width, height, max });
         }
-        // The old ones go first: both at once may not fit.
+        // The old ones are dropped first: both at once may not fit into memory.
         let posed_images = self.targets.take().and_then(|targets| targets.posed_images);
         self.drawn = None;
         let mut targets = self
@@ -370,7 +370,7 @@ impl GpuRenderer {
             result = self.upload_streams(plan);
         }
         if result.is_err() {
-            // What was made of the streams cannot be drawn.
+            // Buffers derived from the streams cannot be drawn.
             self.residency.clear();
             self.gatherer.clear();
             self.visible.clear();
@@ -410,7 +410,7 @@ impl GpuRenderer {
                         }
                     }
                 });
-                // Images are fewer bytes than the points that are made of them.
+                // Images take fewer bytes than the points made from them.
                 let uploaded_bytes = of_images.as_ref().map_or(resident_bytes, |made| made.uploaded_bytes);
                 stats.passes += of_images.map_or(0, |made| made.passes);
                 stats.uploads += u64::from(uploaded_bytes > 0);

@@ -161,7 +161,7 @@ impl Residency {
         self.clock += 1;
         let key = records.key;
         if let Some(resident) = self.streams.get_mut(&key) {
-            // The weak reference keeps the address from being used again, so it is the same cloud.
+            // The weak reference prevents the address from being reused, so it is the same cloud.
             resident.last_drawn = self.clock;
             return 0;
         }
@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn clouds_that_are_gone_go_first_then_the_oldest_but_never_the_kept() {
+    fn dropped_clouds_are_evicted_first_then_the_oldest_but_never_those_in_use() {
         let mut residency = Residency::new(100);
         let mut clouds: Vec<_> = (0..4).map(|_| Arc::new(vec![0u8; 40])).collect();
         for cloud in &clouds[..3] {
@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_being_drawn_stays_whatever_the_budget() {
+    fn data_being_drawn_stays_resident_whatever_the_budget() {
         let mut residency = Residency::new(10);
         let cloud = Arc::new(vec![0u8; 40]);
         residency.ensure(&RecordSource::of(&cloud), stream_of);

@@ -80,7 +80,7 @@ mod tests {
     use std::fs::{self, File};
 
     #[test]
-    fn a_file_that_is_written_again_is_news_once() {
+    fn a_rewritten_file_is_reported_once() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("effects/tone.wgsl");
         fs::create_dir(folder.path().join("effects")).unwrap();

@@ -98,9 +98,9 @@ impl Permutation {
                 let writes_depths = amplification.writes_depths && pass.depth.is_some();
                 files.extend([amplification.varyings, pass.file, pass.entry(writes_depths)]);
                 let source = assembled(&[amplification.given()], &files)?;
-                // Without this declaration, a depth that a fragment writes keeps the depth test behind the shader.
+                // Without this declaration, a shader that writes depth moves the depth test behind the shader.
                 Ok(if writes_depths && tests_depths_early {
-                    // Reversed: what is less is farther.
+                    // Reversed: smaller is farther.
                     source.replace("@fragment", "@fragment\n@early_depth_test(less_equal)")
                 } else {
                     source

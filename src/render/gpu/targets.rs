@@ -8,7 +8,7 @@ use crate::scene::{PhysicalTables, ScenePacket, Shadow};
 use std::sync::Arc;
 
 /// Display-referred 8-bit colour.
-// Blended as such, not in linear light: an unlit point has exactly the colour of the file.
+// Blended display-referred, not in linear light: an unlit point has exactly the colour of the file.
 pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// Reverse-Z: floats are densest near 0, where the far half of the scene is.
@@ -111,7 +111,7 @@ const SURFACE_TEXTURES: [NamedTexture; 6] = [
     ("nearnesses", TextureKind::Color),
     ("depths", TextureKind::Depth),
     ("shadow_map", TextureKind::Depth),
-    // As the roughness mirrors it, and the curve of what is mirrored and lost in one more row.
+    // Prefiltered for the roughness, and one more row with the curve of reflected and lost light.
     ("environment", TextureKind::Color),
 ];
 
@@ -137,7 +137,7 @@ impl Source {
                 textures
             }
             Self::PhotoAnswers => {
-                // Colours times how sure they are, and that; normals, and `ANSWER_*`.
+                // Colours times their confidence, and the confidence; normals, and `ANSWER_*`.
                 let answers = ["answered_colors", "answered_normals"].map(|name| (name, TextureKind::Color));
                 [&SURFACE_TEXTURES[..], &[PHOTO_TABLE], &answers].concat()
             }
@@ -168,7 +168,7 @@ impl Target {
             (Self::PhotoLevel, _) => &[photo_answers::FORMAT],
             (Self::Sums, Precision::Half) => &[Rgba16Float],
             (Self::Sums, Precision::Single) => &[Rgba32Float],
-            // Reversed distances are in the unit of `Lights::usual_distance`, less 1.
+            // Reversed distances are in units of `Lights::usual_distance`, less 1.
             (Self::Surfaces, Precision::Half) => &[Rgba16Float, Rgba16Float, R16Float],
             (Self::Surfaces, Precision::Single) => &[Rgba32Float, Rgba32Float, R32Float],
         }

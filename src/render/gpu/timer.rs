@@ -97,7 +97,7 @@ impl Timer {
 
     /// Takes a result that has arrived.
     fn collect(&mut self, context: &Context) {
-        // Lets callbacks run. A lost device is reported elsewhere.
+        // Runs pending callbacks. A lost device is reported elsewhere.
         let _ = context.device.poll(wgpu::PollType::Poll);
         let period_ns = context.queue.get_timestamp_period();
         let of_ticks = |ticks: Vec<u64>| GpuTimes::of(&self.passes, &ticks, period_ns);
@@ -167,7 +167,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_timestamps_that_make_sense_give_a_time() {
+    fn only_valid_timestamps_give_a_time() {
         assert_eq!(elapsed_ms([1_000, 3_001_000], 1.0), Some(3.0));
         assert_eq!(elapsed_ms([1_000, 2_000], 1000.0), Some(1.0));
         assert_eq!(elapsed_ms([0, 0], 1.0), None, "never written");
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn each_pass_has_its_pair_and_the_whole_lasts_from_the_first_to_the_last() {
+    fn each_pass_has_a_timestamp_pair_and_the_total_spans_first_to_last() {
         let ticks = [1_000_000, 2_000_000, 2_500_000, 2_400_000, 3_000_000, 5_000_000, 0, 0];
         let times = GpuTimes::of(&["first", "backwards", "last"], &ticks, 1.0);
         assert_eq!(times.total_ms, Some(4.0));

@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn every_file_stands_once_behind_what_it_imports() {
+    fn every_file_is_included_once_after_its_imports() {
         let files = [
             ("pass", "#import light\n#import view\nfn pass() {}"),
             ("light", "// Light.\n\n#import view\nfn light() {}"),
@@ -173,20 +173,20 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_import_is_an_error_with_its_place() {
+    fn an_unknown_import_is_an_error_with_its_location() {
         let error = assembled_of(&["pass"], &[("pass", "// A pass.\n\n#import ligth\n")]).unwrap_err();
         assert_eq!(error, "pass:3: ligth does not exist and cannot be imported");
     }
 
     #[test]
-    fn a_circle_of_imports_is_an_error_with_its_place() {
+    fn a_cycle_of_imports_is_an_error_with_its_location() {
         let files = [("pass", "#import a"), ("a", "\n#import b"), ("b", "#import a")];
         let error = assembled_of(&["pass"], &files).unwrap_err();
         assert_eq!(error, "b:1: the import of a goes in a circle: a → b → a");
     }
 
     #[test]
-    fn a_file_that_imports_itself_is_a_circle() {
+    fn a_file_that_imports_itself_is_a_cycle() {
         let error = assembled_of(&["a"], &[("a", "#import a")]).unwrap_err();
         assert_eq!(error, "a:1: the import of a goes in a circle: a → a");
     }

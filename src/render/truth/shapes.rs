@@ -83,7 +83,7 @@ impl RayTraced {
 /// Returns the roots of the quadratic `c[0] x² + c[1] x + c[2]`, in order. Precondition: not all are 0.
 fn roots([a, b, c]: [f64; 3]) -> impl Iterator<Item = f64> {
     let discriminant = b * b - 4.0 * a * c;
-    // Both summands have one sign, so that no digits cancel.
+    // Both terms have the same sign, so that no digits cancel.
     let q = -0.5 * (b + discriminant.max(0.0).sqrt().copysign(b));
     let mut roots = [c / q, q / a];
     roots.sort_by(f64::total_cmp);

@@ -85,7 +85,7 @@ impl Disks<'_> {
             return None;
         }
         let [red, green, blue, _] = point.color;
-        // Ellipses of a file only: estimated ones follow from the points, and are measured against the disks of all
+        // Only ellipses of a file: estimated ones follow from the points, and are measured against the disks of all
         // points.
         let is_ellipse = self.are_ellipses && shape.ellipse != 0;
         let per_half_axis = is_ellipse.then(|| {
@@ -94,7 +94,7 @@ impl Disks<'_> {
             let axis = (view.view_from_frame * ellipse.axis.as_dvec3()).normalize();
             [axis / longer, normal.cross(axis) / shorter]
         });
-        // √2 times the quadratic mean is the most that a half axis can be.
+        // A half axis is at most √2 times the quadratic mean.
         let reach = if is_ellipse { SQRT_2 * radius } else { radius };
         Some(Disk {
             center,
@@ -233,7 +233,7 @@ impl Disk {
         [0, 1].map(|axis| {
             let sample = |place_px: f64| (place_px - f64::from(starts[axis])) * f64::from(samples.per_edge);
             let [first, last] = self.place_px[axis].map(sample);
-            // Negative numbers become 0.
+            // The casts turn negative numbers into 0.
             (first.floor() as usize).min(sizes[axis])..(last.ceil() as usize).min(sizes[axis])
         })
     }

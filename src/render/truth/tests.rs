@@ -56,10 +56,10 @@ fn of_disks(disks: &[(PointRecord, ShapeRecord)], view: &TruthView) -> Truth {
 
 #[test]
 fn a_disk_has_its_area_depth_and_color() {
-    // 100 pixels for a slope of 1; radius 0.5 at distance 2 is 25 pixels.
+    // 100 pixels for a slope of 1; a radius of 0.5 at distance 2 is 25 pixels.
     let view = unlit(&front(2.0), [200, 200]);
     let truth = of_disks(&[disk([0.0; 3], 0.5, [219, 119, 19])], &view);
-    // Red is 100 above the background where a pixel is covered.
+    // Red exceeds the background by 100 where a pixel is covered.
     let sum: f64 = truth.image.pixels().map(|pixel| f64::from(pixel[0]) - 119.0).sum();
     let area_px = sum / 100.0;
     let expected_px = std::f64::consts::PI * 625.0;
@@ -79,7 +79,7 @@ fn a_disk_has_its_area_depth_and_color() {
 fn near_disks_hide_far_ones_and_blend_with_those_of_their_surface() {
     let view = unlit(&front(10.0), [64, 64]);
     let near = disk([0.0, 0.0, 0.0], 2.0, [200, 0, 0]);
-    // A quarter of a radius behind: the same surface, the same middle, the same weight.
+    // A quarter of a radius behind: the same surface, the same centre, the same weight.
     let beside = disk([0.0, 0.0, -0.5], 2.1, [0, 200, 0]);
     let far = disk([0.0, 0.0, -5.0], 4.0, [0, 0, 200]);
     let center = |disks: &[_]| of_disks(disks, &view).image.get_pixel(32, 32).0;
@@ -92,7 +92,7 @@ fn near_disks_hide_far_ones_and_blend_with_those_of_their_surface() {
 }
 
 #[test]
-fn an_ellipse_has_its_area_and_direction_and_is_a_disk_where_ellipses_do_not_count() {
+fn an_ellipse_has_its_area_and_direction_and_is_a_disk_where_ellipses_are_disabled() {
     let view = unlit(&front(2.0), [200, 200]);
     let (point, shape) = disk([0.0; 3], 0.5, [219, 119, 19]);
     let axis = Vec3::new(0.6, 0.8, 0.0);
@@ -132,7 +132,7 @@ fn an_ellipse_has_its_area_and_direction_and_is_a_disk_where_ellipses_do_not_cou
 }
 
 #[test]
-fn what_faces_away_is_behind_the_eye_or_beside_the_picture_is_not_seen() {
+fn splats_facing_away_behind_the_eye_or_outside_the_image_are_not_visible() {
     let view = unlit(&front(2.0), [40, 30]);
     let (point, shape) = disk([0.0; 3], 0.5, [255; 3]);
     let away = ShapeRecord {
@@ -148,7 +148,7 @@ fn what_faces_away_is_behind_the_eye_or_beside_the_picture_is_not_seen() {
 }
 
 #[test]
-fn shapes_are_met_where_their_formulas_say() {
+fn rays_hit_shapes_where_their_formulas_say() {
     // Along the view axis, at the distance of 5.
     let depth_in_center = |shape: Shape, azimuth_deg: f64, elevation_deg: f64, x_px: f64| {
         let camera = Camera {
@@ -170,16 +170,16 @@ fn shapes_are_met_where_their_formulas_say() {
         (Shape::Cube, 0.0, 0.0, 100.0, Some(4.0)),
         // Across a corner edge.
         (Shape::Cube, 45.0, 0.0, 100.0, Some(5.0 - 2f64.sqrt())),
-        // Through the hole, and beside it.
+        // Through the hole, and past it.
         (Shape::Torus, 0.0, 0.0, 100.0, None),
         (Shape::Torus, 0.0, 0.0, 120.0, Some(5.0 - tube)),
         (Shape::Torus, 90.0, 0.0, 100.0, Some(5.0 - 1.0 - tube)),
-        // From above its middle, and its rim from the side.
+        // From above its centre, and its edge from the side.
         (Shape::Saddle, 0.0, 0.0, 100.0, Some(5.0)),
     ];
     for (shape, azimuth, elevation, x_px, expected) in cases {
         let depth = depth_in_center(shape, azimuth, elevation, x_px);
-        // At 120 the ray meets the ring's circle at distance 5: its tube is met off the axis of the ring.
+        // At 120 the ray meets the ring's circle at distance 5: it hits the tube off the axis of the ring.
         let tolerance = if x_px == 100.0 { 1e-9 } else { 0.05 };
         match (depth, expected) {
             (Some(depth), Some(expected)) => {
@@ -194,7 +194,7 @@ fn shapes_are_met_where_their_formulas_say() {
 }
 
 #[test]
-fn what_rays_meet_is_on_the_shape_and_nothing_is_before_it() {
+fn ray_hits_are_on_the_shape_with_nothing_in_front() {
     let camera = Camera {
         azimuth_deg: 33.0,
         elevation_deg: 21.0,
@@ -222,7 +222,7 @@ fn what_rays_meet_is_on_the_shape_and_nothing_is_before_it() {
             if let Some(depth) = depth {
                 assert!(height(shape, view.eye + direction * depth).abs() < 1e-9, "{shape:?}");
             }
-            // Steps of a thousandth until then: the sign does not change on the shape.
+            // In steps of a thousandth up to the hit, the sign of the function does not change on the shape.
             let sign_at = |t: f64| height(shape, view.eye + direction * t) > 0.0;
             let last = depth.map_or(6.0, |depth| depth - 1e-3);
             let steps = (last / 1e-3) as usize;
@@ -247,7 +247,7 @@ fn sampled(shape: Shape, count: usize) -> PreparedFrame {
 }
 
 #[test]
-fn the_truth_of_a_sampled_shape_is_near_that_of_the_shape() {
+fn the_ground_truth_of_a_sampled_shape_is_close_to_that_of_the_shape() {
     for shape in [Shape::Sphere, Shape::Torus] {
         let camera = Camera {
             azimuth_deg: 40.0,
@@ -271,11 +271,12 @@ fn the_truth_of_a_sampled_shape_is_near_that_of_the_shape() {
             };
             let truth = Truth::of_disks(&disks, &view);
             let holes = SurfaceError::of(&exact.depth, &truth.depth, DepthTolerance::Everywhere(0.1));
-            // Disks of points before the outline do not reach as far as the shape everywhere.
+            // Disks of points near the outline do not extend as far as the shape everywhere.
             assert!(holes.unwrap().hole_share() < 0.005, "{shape:?}");
             flip(&exact.image, &truth.image).unwrap().mean()
         });
-        // Four times the points are twice as near to each other, and a surface is met twice to four times as exactly.
+        // With four times the points these are twice as close to each other, and the surface is approximated two to
+        // four times as accurately.
         assert!(few < 0.06 && many < 0.5 * few, "{shape:?}: {few}, then {many}");
     }
 }

@@ -84,7 +84,7 @@ impl Bilateral {
         };
         let by_square = splat(-0.5 * LOG2_E) / (sigma * sigma);
         let (mut weights, mut sum) = (splat(0.0), splat(0.0));
-        // All 81 pixels of the square, each with the σ_d of its centre: 5.7 ms for 640 × 480 pixels. OpenCV 4.6 takes
+        // All 81 pixels of the square, each with the σ_d of its centre: 5.7 ms for 640 × 480 pixels. OpenCV 4.6 uses
         // the 49 of a disk and a single σ: 18.6 ms (one thread, AMD EPYC).
         for (row, exponents) in by_distance.iter().enumerate() {
             let around = padded.around::<SPAN>(at, row);
@@ -123,7 +123,7 @@ mod tests {
     use crate::rgbd::filters::test_images::{bilateral_by_definition, noise, plane_with_holes, random};
 
     #[test]
-    fn it_is_what_its_definition_says() {
+    fn the_bilateral_filter_matches_its_definition() {
         for (hole_share, bilateral) in [
             (0.0, Bilateral::USUAL),
             (0.3, Bilateral::USUAL),
@@ -155,13 +155,13 @@ mod tests {
     }
 
     #[test]
-    fn a_plane_comes_back_with_its_holes() {
+    fn a_plane_retains_its_holes() {
         let image = plane_with_holes([70, 31], 1.234_567);
         assert_eq!(Bilateral::USUAL.apply(&image), image);
     }
 
     #[test]
-    fn a_step_stays_a_step() {
+    fn a_step_stays_sharp() {
         let metres = (0..64 * 16).map(|at| if at % 64 < 30 { 1.0 } else { 1.1 }).collect();
         let image = DepthImage::new([64, 16], metres).unwrap();
         let bilateral = Bilateral {
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_of_a_wall_is_averaged() {
+    fn noise_on_a_wall_is_averaged() {
         let wall = (0..96 * 64).map(|at| 1.5 + 0.004 * (random(at) - 0.5)).collect();
         let wall = DepthImage::new([96, 64], wall).unwrap();
         let spread = |image: &DepthImage| {

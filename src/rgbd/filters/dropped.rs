@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn filters_one_by_one_are_all_of_them_together() {
+    fn applying_filters_one_by_one_matches_applying_all() {
         for image in [noise([45, 27], 0.2), noise([64, 48], 0.0), wall(0.3)] {
             let (counted, report) = Filters::USUAL.apply_and_count(image.clone(), false);
             assert_eq!(counted, Filters::USUAL.apply(image));
@@ -97,23 +97,23 @@ mod tests {
     }
 
     #[test]
-    fn a_usual_filter_that_would_drop_most_is_skipped() {
+    fn a_default_filter_that_would_drop_most_is_skipped() {
         let (image, report) = Filters::USUAL.apply_and_count(wall(0.9), true);
-        // All but the corners of two rectangles, which have too few neighbours for `flying`.
+        // All except the corners of two rectangles, which have too few neighbours for `flying`.
         assert_eq!(image.valid_count(), 5000 - 8);
         assert_eq!(report.applied.near, None);
         assert_eq!(report.applied.flying, Filters::USUAL.flying);
         assert_eq!(report.skipped.len(), 1);
         assert_eq!(report.skipped[0].filter.name, "near");
         assert!((report.skipped[0].share - 0.9).abs() < 1e-9);
-        // Whoever chose it gets it.
+        // An explicit choice is applied.
         let (image, report) = Filters::USUAL.apply_and_count(wall(0.9), false);
         assert_eq!((image.valid_count(), report.skipped.len()), (500 - 4, 0));
         assert_eq!(report.dropped[0].filter.name, "near");
     }
 
     #[test]
-    fn what_less_than_half_loses_is_counted() {
+    fn losses_below_half_are_counted() {
         let (image, report) = Filters::USUAL.apply_and_count(wall(0.3), true);
         assert_eq!(image.valid_count(), 3500 - 4);
         assert!((report.dropped[0].share - 0.3).abs() < 1e-9 && report.skipped.is_empty());

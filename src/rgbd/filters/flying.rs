@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_what_its_definition_says() {
+    fn the_flying_pixel_filter_matches_its_definition() {
         for hole_share in [0.0, 0.2, 0.6] {
             let image = noise([45, 27], hole_share);
             let filter = FlyingPixels::USUAL;
@@ -117,7 +117,7 @@ mod tests {
 
     /// Near on the left, far on the right, and between them the column that a sensor invents.
     #[test]
-    fn what_flies_between_two_surfaces_is_dropped() {
+    fn pixels_flying_between_two_surfaces_are_dropped() {
         let depth = |at: u32| match at % 32 {
             0..16 => 1.0,
             16 => 1.4,

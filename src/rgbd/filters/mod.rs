@@ -76,8 +76,8 @@ impl Filters {
         if let Some(range) = self.near {
             range.apply(&mut depth);
         }
-        // The order is fixed: the median removes black dots and straightens the lines that surfels of a raw frame are
-        // separated into, then the bilateral filter closes these. Neither drops a point.
+        // The order is fixed: the median removes black dots and straightens the lines into which surfels of a raw frame
+        // are separated, then the bilateral filter closes these. Neither drops a point.
         if self.median {
             depth = median(&depth);
         }

@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn what_rests_is_averaged_and_what_moves_begins_anew() {
+    fn static_pixels_are_averaged_and_moving_ones_restart() {
         let mut filter = TemporalFilter::new(Temporal::USUAL);
         assert_eq!(filter.next(image([1.0, 1.0, 1.0, 0.0])), image([1.0, 1.0, 1.0, 0.0]));
         let second = filter.next(image([1.01, 1.5, 0.0, 2.0]));
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn holes_are_filled_for_so_many_images() {
+    fn holes_are_filled_for_the_given_number_of_frames() {
         let mut filter = TemporalFilter::new(Temporal {
             fill_frames: 2,
             ..Temporal::USUAL
@@ -122,7 +122,7 @@ mod tests {
 
     /// What `lead_frames` says: two filters that began differently agree after as many images.
     #[test]
-    fn the_past_is_forgotten() {
+    fn the_influence_of_past_frames_fades() {
         assert_eq!(Temporal::USUAL.lead_frames(), 8);
         for share in [0.1, 0.4, 0.9, 1.0] {
             let temporal = Temporal {
@@ -135,7 +135,7 @@ mod tests {
                 filter
             });
             let mut difference = 0.02;
-            // One is enough where nothing is kept of the past.
+            // One is enough if nothing of the past is retained.
             for _ in 0..temporal.lead_frames().max(1) {
                 let [a, b] = &mut filters;
                 difference = (a.next(image([1.01; 4])).metres()[0] - b.next(image([1.01; 4])).metres()[0]).abs();

@@ -117,7 +117,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn names_read_back() {
+    fn names_round_trip() {
         for text in [
             "none",
             "near",
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_words_are_told_with_what_is_expected() {
+    fn errors_state_what_is_expected() {
         for (text, expected) in [
             ("", "expected near, median"),
             ("median,", "expected near, median"),
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn names_and_titles_are_told_apart() {
+    fn names_and_titles_are_unique() {
         let titles = |kind: &FilterKind| {
             let parameters = kind.parameters.iter().map(|parameter| parameter.title);
             std::iter::once(kind.title).chain(parameters).collect::<Vec<_>>()
@@ -177,7 +177,7 @@ mod tests {
             names.sort_unstable();
             names.dedup();
             assert_eq!(names.len(), kind.parameters.len(), "{}", kind.name);
-            // A filter that is left out has no numbers, and none can be set.
+            // A disabled filter has no values, and none can be set.
             let mut none = Filters::NONE;
             for parameter in kind.parameters {
                 parameter.set(&mut none, *parameter.range.end());
@@ -189,7 +189,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_filters_read_back(
+        fn any_filters_round_trip(
             chosen in prop::collection::vec(any::<bool>(), KINDS.len()),
             values in prop::collection::vec(0f32..1.0, 12),
         ) {
@@ -210,7 +210,7 @@ mod tests {
         }
 
         #[test]
-        fn any_text_is_read_or_refused(text in "[a-z:=,0-9.\\-]{0,40}") {
+        fn any_text_is_parsed_or_rejected(text in "[a-z:=,0-9.\\-]{0,40}") {
             if let Ok(filters) = text.parse::<Filters>() {
                 prop_assert_eq!(filters.to_string().parse::<Filters>(), Ok(filters));
             }

@@ -26,7 +26,7 @@ use windows::{Plane, PlanesOfWindows, Windows};
 
 /// Half widths of the windows: pixels between the centre and the border, widest first.
 // A wall at two metres consists of steps of a centimetre that are tens of pixels wide: the planes of the twelve nearest
-// neighbours form terraces, and a wall of Redwood looked like wood grain under light.
+// neighbours form terraces, and a wall of Redwood looked like wood grain when lit.
 const HALF_WIDTHS_PX: [usize; 4] = [16, 8, 4, 2];
 
 /// Lines whose windows are summed together. More make fewer sums twice, fewer take less memory.

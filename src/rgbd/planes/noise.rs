@@ -69,8 +69,8 @@ fn errors(pixels: &Pixels, half: usize) -> Vec<(i32, f32)> {
         centers(pixels.width).filter_map(move |column| {
             let inverse = pixels.rays[line * pixels.width + column][2];
             let error = plane_around(pixels, half, [column, line]).error;
-            // Windows without any error lie between two steps and carry no information. Of exact depths none is left,
-            // so their noise is zero and they stay unchanged.
+            // Windows without any error lie between two steps and carry no information. With exact depths no window is
+            // left, so their noise is zero and they stay unchanged.
             (error.is_finite() && error > LIMITS[0] * inverse).then(|| (range_of(inverse), error))
         })
     };

@@ -51,7 +51,7 @@ fn degrees_off(normals: &[Vec3], points: &[Vec3], truth: impl Fn(Vec3) -> Vec3) 
 }
 
 #[test]
-fn planes_have_their_normal_to_their_borders() {
+fn planes_have_exact_normals_up_to_their_borders() {
     for normal in [Vec3::NEG_Z, Vec3::new(0.3, -0.2, -1.0), Vec3::new(0.0, -1.0, -0.05)] {
         let points = seen(plane(normal, 1.3));
         let off = degrees_off(&depth_normals(SIZE_PX, &points), &points, |_| normal);
@@ -64,7 +64,7 @@ fn planes_have_their_normal_to_their_borders() {
 }
 
 #[test]
-fn holes_have_none_and_what_no_window_tells_faces_the_camera() {
+fn holes_have_no_normal_and_undetermined_ones_face_the_camera() {
     let is_seen = |[x, y]: [f32; 2]| (x.abs() < 0.002 && y > 0.0).then_some(2.0);
     let points = seen(is_seen);
     for (normal, point) in depth_normals(SIZE_PX, &points).iter().zip(&points) {
@@ -79,7 +79,7 @@ fn holes_have_none_and_what_no_window_tells_faces_the_camera() {
 }
 
 #[test]
-fn steps_of_a_sensor_make_no_terraces() {
+fn sensor_quantisation_makes_no_terraces() {
     for tilt in [0.0_f32, 0.1, 0.3, 1.0] {
         let normal = Vec3::new(tilt, tilt / 2.0, -1.0);
         let points = seen(in_steps(plane(normal, 2.0)));
@@ -91,7 +91,7 @@ fn steps_of_a_sensor_make_no_terraces() {
 
 #[test]
 fn edges_and_corners_stay_sharp() {
-    // A box before a wall, and the floor that meets the wall.
+    // A box in front of a wall, and the floor adjoining the wall.
     let [wall, floor] = [Vec3::NEG_Z, Vec3::NEG_Y];
     let shown = |ray: [f32; 2]| {
         let is_box = ray[0].abs() < 0.15 && (-0.2..0.1).contains(&ray[1]);
@@ -124,7 +124,7 @@ fn a_sphere_is_round() {
 }
 
 #[test]
-fn noise_is_taken_from_planes_and_nothing_else() {
+fn noise_is_removed_from_planes_and_nothing_else_changes() {
     let [wall, box_before] = [plane(Vec3::new(0.2, 0.1, -1.0), 2.0), plane(Vec3::NEG_Z, 1.5)];
     let exact = |ray: [f32; 2]| {
         if ray[0].abs() < 0.203 {
@@ -150,7 +150,7 @@ fn noise_is_taken_from_planes_and_nothing_else() {
     };
     let [before, after] = [off(&points), off(&moved)];
     assert!(after < 0.5 * before, "{after}, {before} before");
-    // On their rays, and by less than a step.
+    // Along their rays, and by less than a step.
     for (point, moved) in points.iter().zip(&moved).filter(|(point, _)| point.is_finite()) {
         assert!((*moved / moved.z - *point / point.z).length() < 1e-6);
         assert!((moved.z.recip() - point.z.recip()).abs() < 1.5 / (8.0 * 585.0 * 0.075));
@@ -159,7 +159,7 @@ fn noise_is_taken_from_planes_and_nothing_else() {
 
 /// Whatever the focal length.
 #[test]
-fn depths_alone_are_put_on_the_same_planes() {
+fn depths_alone_are_projected_onto_the_same_planes() {
     let points = seen(in_steps(plane(Vec3::new(0.2, 0.1, -1.0), 2.0)));
     let metres: Vec<f32> = points.iter().map(|point| point.z).collect();
     let mut moved = points.clone();
@@ -177,7 +177,7 @@ proptest! {
     /// Whatever is seen, normals are of unit length and towards the camera, holes have none, and windows by corners of
     /// the table are those by their pixels.
     #[test]
-    fn any_image_has_normals(
+    fn any_image_has_valid_normals(
         width in 1_usize..40,
         depths in prop::collection::vec(
             prop_oneof![4 => 0.2_f32..8.0, 2 => Just(1.0_f32), 1 => Just(f32::NAN), 1 => Just(-1.0), 1 => Just(1e-42)],
@@ -205,7 +205,7 @@ proptest! {
         for half in [2, 8] {
             for (at, plane) in sums.planes(half, 0..height).planes.iter().enumerate() {
                 let alone = plane_around(&pixels, half, [at % width, at / width]);
-                // Where rounding decides, either may be none.
+                // Where rounding decides, either may have no plane.
                 if !plane.factors.is_finite() || !plane.error.is_finite() || !alone.error.is_finite() {
                     continue;
                 }

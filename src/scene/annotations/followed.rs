@@ -20,7 +20,7 @@ impl FollowedPoint {
     /// this index. Costs a look at the indices of the frame.
     pub fn slot_in(self, frame: &PreparedFrame) -> Option<usize> {
         let cloud = &frame.frame;
-        // By the frame alone, not by the frames shown before: the window, `render` and a video agree.
+        // Depends on the frame alone, not on the frames shown before: the window, `render` and a video agree.
         if self
             .points_in_file
             .is_some_and(|points| points != cloud.points_in_file())

@@ -79,7 +79,7 @@ pub fn labels_on_picture(
 ) -> Vec<LabelOnPicture> {
     let placed = |(index, label): (usize, &Label)| {
         let place = label.place_in(pose, origin)?;
-        // A picture may be drawn smaller than it is shown.
+        // An image may be rendered at a smaller size than it is displayed.
         let [px, drawn_px] = [size_px, packet.viewport_px].map(|size_px| camera.to_px(place, size_px));
         Some((index, px?, (place - origin, drawn_px?)))
     };

@@ -35,21 +35,21 @@ fn label(point: Option<(u32, Option<usize>)>, place: Option<DVec3>) -> Label {
 }
 
 #[test]
-fn a_label_follows_its_point_where_indices_are_stable_and_stays_elsewhere() {
+fn a_label_follows_its_point_where_indices_are_stable_and_is_fixed_elsewhere() {
     let put = FAR + DVec3::new(1.0, 0.0, 0.0);
     let knee = label(Some((1, Some(3))), Some(put));
     let first = frame(0, &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], FAR);
     assert_eq!(knee.place_in(&first, FAR), Some(put));
-    // In another order of places, with a hole in the file.
+    // In a different order of positions, with a hole in the file.
     let moved = frame(1, &[[f32::NAN; 3], [-5.0, 2.0, 0.0], [9.0, 0.0, 0.0]], FAR);
     assert_eq!(knee.place_in(&moved, FAR), Some(FAR + DVec3::new(-5.0, 2.0, 0.0)));
-    // Fewer points: nobody knows which it is. Nor if it is a hole itself.
+    // Fewer points: it is unknown which one it is. The same if it is a hole itself.
     let fewer = frame(2, &[[3.0; 3], [4.0; 3]], FAR);
     let hole = frame(3, &[[0.0; 3], [f32::INFINITY; 3], [9.0, 0.0, 0.0]], FAR);
     for other in [&fewer, &hole] {
         assert_eq!(knee.place_in(other, FAR), Some(put));
     }
-    // Written by hand: a point of any file that has it, and nothing in others; or a place alone.
+    // Hand-written: a point index in any file that has it, and nothing in others; or only a position.
     let by_index = label(Some((1, None)), None);
     assert_eq!(by_index.place_in(&fewer, FAR), Some(FAR + DVec3::splat(4.0)));
     assert_eq!(by_index.place_in(&hole, FAR), None);
@@ -71,7 +71,7 @@ proptest! {
 }
 
 #[test]
-fn a_label_is_shown_in_its_frames_alone() {
+fn a_label_is_only_shown_in_its_frames() {
     let mut knee = label(None, Some(DVec3::ZERO));
     knee.frames = PlayRange::default().beginning_at(2).ending_at(4);
     let shown: Vec<usize> = (0..8)
@@ -84,14 +84,14 @@ fn a_label_is_shown_in_its_frames_alone() {
 }
 
 #[test]
-fn texts_are_one_line() {
+fn label_texts_are_one_line() {
     assert_eq!(Label::as_text("  left\nknee\t "), "left knee");
     assert_eq!(Label::as_text(&"é".repeat(500)).chars().count(), MAX_LABEL_CHARS);
 }
 
 /// A wall of points, and one far behind it, next to one that is seen past the wall.
 #[test]
-fn what_is_behind_a_wall_is_hidden_and_what_is_on_it_or_beside_it_is_not() {
+fn labels_behind_a_wall_are_hidden_and_those_on_or_next_to_it_are_not() {
     let mut places = Vec::new();
     for x in -10i8..=10 {
         for y in -10i8..=10 {
@@ -106,7 +106,7 @@ fn what_is_behind_a_wall_is_hidden_and_what_is_on_it_or_beside_it_is_not() {
         max: Vec3::splat(2.0),
     };
     for projection in [Projection::Perspective, Projection::Orthographic] {
-        // From +z, where the last point is before the wall.
+        // From +z, where the last point is in front of the wall.
         let camera = Camera {
             azimuth_deg: 0.0,
             elevation_deg: 0.0,
@@ -121,7 +121,7 @@ fn what_is_behind_a_wall_is_hidden_and_what_is_on_it_or_beside_it_is_not() {
         });
         let size = [640, 480];
         let packet = Scene::default().packet(&frame, FAR, &camera, &style, size);
-        // The middle of the wall is behind the last point; one at its rim is not.
+        // The centre of the wall is behind the last point; a point at its edge is not.
         let labels = [wall, wall + 1, wall + 2, 0].map(|index| label(Some((index, None)), None));
         let on_picture = labels_on_picture(&labels, &frame, FAR, &camera, &packet, size);
         let hidden: Vec<bool> = on_picture.iter().map(|label| label.is_hidden).collect();
@@ -130,7 +130,7 @@ fn what_is_behind_a_wall_is_hidden_and_what_is_on_it_or_beside_it_is_not() {
             let place = label.place_in(&frame, FAR).unwrap();
             assert_eq!(on_picture.px, camera.to_px(place, size).unwrap());
         }
-        // A picture that is drawn smaller has the same labels.
+        // An image drawn at a smaller size has the same labels.
         let small = Scene::default().packet(&frame, FAR, &camera, &style, [320, 240]);
         let of_small = labels_on_picture(&labels, &frame, FAR, &camera, &small, size);
         assert_eq!(

@@ -141,7 +141,7 @@ fn ticks(scale: &ColorScale) -> Vec<(f32, String)> {
 
 /// Multiples of 1, 2 or 5 times a power of ten between two numbers, with their distance.
 fn even_numbers(low: f64, high: f64) -> Vec<(f64, f64)> {
-    // Halves: the difference may be beyond f64.
+    // Halved first: the difference may overflow f64.
     let min = (high / 2.0 - low / 2.0) / (MAX_TICKS - 1) as f64 * 2.0;
     let power = 10f64.powf(min.log10().floor());
     let factors = [1.0, 2.0, 5.0, 10.0];
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn ticks_stand_at_round_numbers() {
+    fn ticks_are_at_round_numbers() {
         assert_eq!(texts(0.0, 255.0, false), ["0", "50", "100", "150", "200", "250"]);
         assert_eq!(texts(-0.31, 0.52, false), ["-0.2", "0", "0.2", "0.4"]);
         assert_eq!(texts(1.0, 1000.0, true), ["1", "10", "100", "1000"]);
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_of_normals_are_told_in_per_cent() {
+    fn normal_errors_are_shown_in_per_cent() {
         let errors = NormalErrors {
             points: 8,
             below_1_deg: 0.5,

@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_measured_has_no_value() {
+    fn unmeasurable_points_have_no_value() {
         let up = DVec3::Y;
         assert_eq!(MeasurementKind::Distance.value(&[DVec3::X], up), None);
         assert_eq!(MeasurementKind::Angle.value(&[DVec3::X, DVec3::X, DVec3::Y], up), None);

@@ -35,16 +35,16 @@ impl Camera {
         let [width, height] = viewport_px.map(f64::from);
         let px_per_slope = 0.5 * height * self.lens().focal;
         let slope = (px - 0.5 * DVec2::new(width, height)) / px_per_slope;
-        // Slopes of the picture are the quotient of these, with the step times how often.
+        // A position on the screen is the quotient of these, where the steps are multiplied by their number.
         let (over, over_step) = (DVec2::new(from.x, -from.y), DVec2::new(step.x, -step.y));
         let (under, under_step) = (-from.z, -step.z);
         if under < near {
             return None;
         }
         let on_screen = (over_step * under - over * under_step) / (under * under);
-        // Less than a pixel for a step cannot be dragged.
+        // A direction that moves less than a pixel per step cannot be dragged.
         let on_screen = (on_screen.length() * px_per_slope > 1e-9).then(|| on_screen.try_normalize())??;
-        // Exact, without iterations: numerator and denominator of a projected coordinate are both linear along a line.
+        // Exact, without iteration: numerator and denominator of a projected coordinate are both linear along a line.
         let wanted = on_screen.dot(slope);
         let divisor = on_screen.dot(over_step) - wanted * under_step;
         let steps = (wanted * under - on_screen.dot(over)) / divisor;
@@ -90,7 +90,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn places_are_where_the_shaders_matrix_puts_them(
+        fn positions_match_the_projection_of_the_shaders(
             place in prop::array::uniform3(-1.5f64..1.5),
             is_orthographic: bool,
         ) {
@@ -105,7 +105,7 @@ mod tests {
                 f64::from(SIZE[1]) * (0.5 - 0.5 * f64::from(clip.y / clip.w)),
             );
             let found = camera.to_px(origin + place, SIZE).unwrap();
-            // What f32 leaves of a telephoto lens.
+            // The precision that f32 has with a telephoto lens.
             prop_assert!((found - expected).length() < 0.1, "{} {}", found, expected);
         }
     }
@@ -113,7 +113,7 @@ mod tests {
     proptest! {
         /// A place on the line is found from where it is seen, and a pixel beside the line finds the foot of it.
         #[test]
-        fn a_pointer_finds_its_place_on_a_line(
+        fn the_pointer_is_projected_onto_a_line(
             place in prop::array::uniform3(-1f64..1.0),
             direction in prop::array::uniform3(-1f64..1.0),
             steps in -0.8f64..0.8,
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_behind_the_eye_has_no_place_and_lines_end_at_the_near_plane() {
+    fn points_behind_the_eye_have_no_position_and_lines_are_clipped_at_the_near_plane() {
         let camera = camera(Projection::Perspective, DVec3::ZERO);
         let eye = camera.eye_in_world();
         let behind = eye + (eye - camera.target_in_world);
@@ -146,7 +146,7 @@ mod tests {
             let px = camera.line_to_px(ends, SIZE).unwrap();
             assert!(px.iter().all(|px| (*px - center).length() < 1e-6), "{px:?}");
         }
-        // Beside the eye a line leaves the picture.
+        // Passing beside the eye, a line leaves the image.
         let aside = camera.view_from_world_rotation().row(0) * 0.5;
         let [first, last] = camera.line_to_px([aside, behind + aside], SIZE).unwrap();
         assert!(first.x < 400.0 && last.x > 1e4, "{first} {last}");

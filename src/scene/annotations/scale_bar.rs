@@ -50,7 +50,7 @@ impl ScaleBar {
 
 /// The largest of 1, 2 and 5 times powers of ten that is at most `longest`.
 fn round_length(longest: f64) -> Option<f64> {
-    // What is round but for rounding is round.
+    // Numbers that are round except for rounding errors count as round.
     let longest = longest * (1.0 + 1e-9);
     let exponent = longest.log10().floor();
     let is_usable = longest.is_normal() && longest > 0.0 && exponent.abs() < 300.0;
@@ -113,7 +113,7 @@ mod tests {
 
     /// Two places at the target's distance are as far apart in the picture as the bar is long.
     #[test]
-    fn it_is_as_long_as_what_it_measures() {
+    fn the_bar_is_as_long_as_the_distance_it_states() {
         for projection in [Projection::Perspective, Projection::Orthographic] {
             let camera = camera(7.3, projection);
             let bar = ScaleBar::of(&camera, 480.0, 1.0, None).unwrap();
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_have_units_that_are_easily_read() {
+    fn texts_have_readable_units() {
         let text = |length, unit| {
             ScaleBar {
                 length,
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_scale_has_no_bar() {
+    fn views_without_a_scale_have_no_bar() {
         for (distance, height_px) in [(f64::NAN, 720.0), (1.0, 0.0), (0.0, 720.0), (1e307, 720.0)] {
             let camera = camera(distance, Projection::Perspective);
             assert_eq!(ScaleBar::of(&camera, height_px, 1.0, None), None, "{distance}");

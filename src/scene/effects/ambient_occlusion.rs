@@ -98,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_line_has_its_opposite_and_a_direction_of_its_own() {
+    fn sample_directions_are_distinct_and_paired_with_opposites() {
         let lines = AmbientOcclusion::lines();
         for [x, y] in lines {
             let is_opposite = |[right, up]: &[f32; 2]| (x + right).abs() + (y + up).abs() < 1e-6;

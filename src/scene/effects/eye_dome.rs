@@ -107,7 +107,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn neighbours_are_whole_pixels_that_grow_with_the_picture() {
+    fn neighbour_distances_are_whole_pixels_that_grow_with_the_image() {
         let reach = |height_px: f32| EyeDomeLight::new(height_px, 1.0, 1.0).reach_px;
         let reaches = [90.0, 720.0, 1080.0, 2160.0, 7200.0].map(reach);
         assert_eq!(reaches, [[1, 1], [1, 1], [2, 1], [4, 3], [14, 10]]);
@@ -115,7 +115,7 @@ mod tests {
 
     /// The depths of a plane that is seen at an angle go with the pixel's height: so do steps to neighbours.
     #[test]
-    fn slopes_are_as_dark_in_pictures_of_any_size() {
+    fn slopes_are_equally_dark_at_any_image_size() {
         let darkness = |height_px: f32| {
             let light = EyeDomeLight::new(height_px, 1.0, 1.0);
             let step_of_a_pixel = 1.0 / height_px;

@@ -25,7 +25,7 @@ use crate::scene::{PhotoRelight, ScenePacket};
 /// where gaps stay open.
 pub fn gap_px(packet: &ScenePacket) -> u32 {
     let style = &packet.style;
-    // Light has fallen when gaps are closed: what is lit anew would be lit around them alone.
+    // Gaps are closed after lighting: with relighting, only their surroundings would be lit.
     let is_relit = style.photos.relight != PhotoRelight::Off;
     let has_surface = style.is_shaded_with_distances() && packet.lighting().is_deferred();
     let shown = packet.posed_images.as_ref();
@@ -52,8 +52,8 @@ pub(crate) const GAP_ONE_SURFACE: f32 = 0.95;
 pub(crate) const GAPS_PER_SLIT: f32 = 2.0;
 
 /// Ratio of the width of gaps that are closed to that of specks.
-// A speck is as wide as the pixels that a texel of a depth image covers, a tenth of a gap. Filling them removed all 122
-// dots along the outlines of one of Redwood's images; its PSNR changed by 0.05 dB at most.
+// A speck is as wide as the pixels that a texel of a depth image covers, a tenth of a gap. Filling specks removed all
+// 122 dots along the outlines of one of Redwood's images; its PSNR changed by 0.05 dB at most.
 pub(crate) const GAPS_PER_SPECK: f32 = 10.0;
 
 /// Opacity from which a pixel belongs to the surface around a gap.

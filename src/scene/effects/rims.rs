@@ -30,7 +30,8 @@ pub fn rim_px(packet: &ScenePacket) -> u32 {
         _ => packet.style.blends_surfels(),
     };
     // Against ray-traced tori (1280×720), filled edges took `two-pass` from 41.02 to 41.25 dB (100,000 points) and from
-    // 44.06 to 44.69 dB (1,000,000). Enlarged splats and masks lose up to 0.1 dB: their edges reach beyond the surface.
+    // 44.06 to 44.69 dB (1,000,000). Enlarged splats and masks lose up to 0.1 dB: their edges extend beyond the
+    // surface.
     if !fades || packet.style.surfels.rims == OnOff::Off {
         return 0;
     }

@@ -22,11 +22,11 @@ pub(super) fn sky(direction: Vec3) -> Vec3 {
     let height = direction.y.max(0.0);
     let above = horizon.lerp(zenith, height.sqrt());
     let to_sun = direction.dot(SUN.normalize());
-    // Haze around the sun, and its disk, which is as wide as six of the true one: texels are.
+    // Haze around the sun, and its disk, which is six times as wide as the real one: as wide as a texel.
     let haze = Vec3::new(1.0, 0.9, 0.7) * (0.8 * to_sun.max(0.0).powi(24));
     let disk = Vec3::new(1.0, 0.93, 0.80) * (90.0 * smoothstep(0.9975, 0.9992, to_sun));
     let sky = above + haze + disk;
-    // The horizon is a little wider than a texel.
+    // The horizon is slightly wider than a texel.
     ground.lerp(sky, smoothstep(-0.02, 0.02, direction.y))
 }
 

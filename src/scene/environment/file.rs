@@ -60,7 +60,7 @@ struct Known {
 static KNOWN: Mutex<Vec<Known>> = Mutex::new(Vec::new());
 
 fn known() -> MutexGuard<'static, Vec<Known>> {
-    // Entries are added whole.
+    // Entries are added as a whole.
     KNOWN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -82,7 +82,7 @@ impl EnvironmentFile {
     pub fn open(path: &Path) -> Result<Self, EnvironmentError> {
         let map = read(path)?;
         let file = Self::named(path);
-        // Who was here before has read the same file.
+        // An earlier call has read the same file.
         let _ = file.of_known(|known| Arc::clone(&known.map)).set(Some(map));
         Ok(file)
     }
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn directions_are_where_they_are_in_the_picture() {
+    fn directions_map_to_their_place_in_the_image() {
         let equirectangular = Equirectangular::of(&DynamicImage::ImageRgb8(picture()));
         for (direction, color) in [
             (Vec3::NEG_Z, Vec3::X),
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_light_and_bytes_are_display_referred() {
+    fn floats_are_linear_light_and_bytes_are_display_referred() {
         let bytes = DynamicImage::ImageRgb8(RgbImage::from_pixel(8, 4, Rgb([188; 3])));
         let numbers = DynamicImage::ImageRgb32F(Rgb32FImage::from_pixel(2000, 1000, Rgb([7.5; 3])));
         let [bytes, numbers] = [bytes, numbers].map(|picture| Equirectangular::of(&picture));
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn files_that_are_no_pictures_are_errors_and_no_light() {
+    fn files_that_are_not_images_are_errors() {
         let folder = tempfile::tempdir().unwrap();
         let text = folder.path().join("text.hdr");
         std::fs::write(&text, "#?RADIANCE\nno picture").unwrap();
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn a_white_picture_is_white_light() {
+    fn a_white_image_gives_white_light() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("white.png");
         RgbImage::from_pixel(16, 8, Rgb([255; 3])).save(&path).unwrap();

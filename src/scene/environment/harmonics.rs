@@ -24,8 +24,8 @@ impl Harmonics {
         }
         let mut polynomial = [Vec3::ZERO; 9];
         for (place, coefficient) in polynomial.iter_mut().enumerate() {
-            // Of the basis without its constants: their squares, 4π for the sphere, and what a cosine leaves of each
-            // order (π, 2π/3, π/4), over π.
+            // For the basis without its constants: their squares, 4π for the sphere, and the cosine convolution factor
+            // of each order (π, 2π/3, π/4), divided by π.
             let factor = match place {
                 0 => 1.0,
                 1..=3 => 3.0 * 2.0 / 3.0,
@@ -67,7 +67,7 @@ mod tests {
     /// Of a light of order 2 they are exact: over the half sphere, the mean of `d` by its cosine is 2/3 of the normal,
     /// and that of `d.y²` is a quarter of `1 + n.y²`.
     #[test]
-    fn light_of_order_two_is_exact() {
+    fn light_up_to_order_two_is_exact() {
         let map = Octahedral::new(128, |d| Vec3::new(1.0, 1.0 + d.x, 0.5 + d.y * d.y));
         let harmonics = Harmonics::of(&map);
         for normal in [Vec3::X, -Vec3::X, Vec3::Y, Vec3::new(0.48, 0.6, 0.64)] {

@@ -61,7 +61,7 @@ impl EnvironmentMap {
         let first = (place as usize).min(EDGES.len() - 1);
         let share = place - first as f32;
         let [sharp, blurred] = [&self.levels[first], &self.levels[first + 1]];
-        // An image has one roughness: with one map blended here, pixels read four texels and not eight.
+        // An image has a single roughness: with one map blended here, pixels read four texels instead of eight.
         let texels = Octahedral::new(EDGE, |direction| sharp.at(direction).lerp(blurred.at(direction), share));
         texels
             .texels()

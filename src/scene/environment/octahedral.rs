@@ -83,8 +83,8 @@ impl Octahedral {
     pub(super) fn shares(&self) -> impl Iterator<Item = (Vec3, Vec3, f32)> {
         let edge = self.edge;
         let places = (0..edge * edge).map(move |place| (place % edge, place / edge));
-        // A texel of the unfolded octahedron is as large as it looks from the middle: as its distance cubed, since all
-        // faces are as far from there. The rest is the same for all.
+        // The solid angle of a texel of the unfolded octahedron is proportional to its distance to the power of -3,
+        // since all faces are equally far from the centre. The other factors are the same for all.
         let solid_angle = move |x: usize, y: usize| unfolded(edge, x, y).length().powi(-3);
         let all: f64 = places.clone().map(|(x, y)| f64::from(solid_angle(x, y))).sum();
         places.map(move |(x, y)| {
@@ -141,7 +141,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn texels_are_where_their_directions_are() {
+    fn texels_and_directions_round_trip() {
         let map = Octahedral::new(16, |direction| direction);
         for (direction, texel, _) in map.shares() {
             assert!(direction.distance(texel) < 1e-6);
@@ -153,8 +153,8 @@ mod tests {
     #[test]
     fn light_is_continuous_over_the_whole_sphere() {
         let map = Octahedral::new(64, |direction| direction);
-        // Across an edge of the octahedron four texels blend to half a texel below it, 1/64, which is seen as up to √3
-        // times that from the middle of a face.
+        // Across an edge of the octahedron four texels blend to half a texel below it, 1/64, which appears up to √3
+        // times as large from the centre of a face.
         let max = 3f32.sqrt() / 64.0;
         for step in 0..20_000 {
             let y = 1.0 - 2.0 * (step as f32 + 0.5) / 20_000.0;
@@ -166,9 +166,9 @@ mod tests {
     }
 
     #[test]
-    fn shares_are_those_of_solid_angles() {
+    fn texel_weights_match_solid_angles() {
         let map = Octahedral::new(64, |_| Vec3::ONE);
-        // The mean of the square of each coordinate over the sphere is a third; of the fourth power a fifth.
+        // The mean of the square of each coordinate over the sphere is a third; that of the fourth power a fifth.
         let mean = |value: fn(Vec3) -> f32| map.shares().map(|(d, _, share)| value(d) * share).sum::<f32>();
         assert!((mean(|_| 1.0) - 1.0).abs() < 1e-4);
         for value in [|d: Vec3| d.x * d.x, |d: Vec3| d.y * d.y, |d: Vec3| d.z * d.z] {
@@ -179,9 +179,9 @@ mod tests {
     }
 
     #[test]
-    fn a_halved_map_keeps_its_light() {
-        // The four texels of a mean are not of quite one solid angle: that is an error of the second order, 3e-3 for
-        // 32 texels along an edge and a quarter of it for twice as many.
+    fn a_halved_map_preserves_its_light() {
+        // The four averaged texels do not have quite the same solid angle: that is a second-order error, 3e-3 for 32
+        // texels along an edge and a quarter of it for twice as many.
         let map = Octahedral::new(64, Vec3::abs);
         let mean = |map: &Octahedral| map.shares().map(|(_, light, share)| light * share).sum::<Vec3>();
         assert!(mean(&map).distance(mean(&map.halved())) < 1e-3);

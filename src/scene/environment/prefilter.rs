@@ -41,7 +41,7 @@ struct Sample {
 impl Sample {
     fn new(index: u32, alpha: f32, texels: f32) -> Self {
         let share = (index as f32 + 0.5) / SAMPLES as f32;
-        // The golden ratio: neighbours in one number are far apart in the other.
+        // The golden ratio: samples that are close in one coordinate are far apart in the other.
         let turn = TAU * (0.618_034 * index as f32).fract();
         let alpha2 = alpha * alpha;
         let cosine2 = (1.0 - share) / (1.0 + (alpha2 - 1.0) * share);
@@ -50,7 +50,7 @@ impl Sample {
         let toward = half * (2.0 * cosine) - Vec3::Z;
         let spread = cosine2 * (alpha2 - 1.0) + 1.0;
         let density = alpha2 / (PI * spread * spread) / 4.0;
-        // Beside the solid angle of a texel. One more level: neighbouring samples are to overlap.
+        // Relative to the solid angle of a texel. One more level, so that neighbouring samples overlap.
         let wide = texels / (SAMPLES as f32 * density * 4.0 * PI);
         let level = (0.5 * wide.max(1.0).log2() + 1.0).max(0.0);
         Self { toward, level }

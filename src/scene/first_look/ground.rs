@@ -37,7 +37,7 @@ pub(super) fn of_undersides(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
         count as f32 / sample.normals.len().max(1) as f32
     };
     let faces_camera = share(|normal| normal.z < -0.5) >= MIN_BELOW && share(|normal| normal.z > 0.5) <= MAX_ABOVE;
-    // A map whose heights are counted downwards faces there as well.
+    // A map with heights counted downwards faces that way as well.
     (faces_camera && !bounds.is_flat_along_z()).then(|| {
         Up::by_points(
             UpAxis::NegY,
@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn elevations_are_small_where_the_others_are_of_a_map() {
+    fn the_elevation_axis_is_the_small_one_of_map_coordinates() {
         let bounds = Aabb::from_points(&[Vec3::ZERO, Vec3::new(200.0, 150.0, 30.0)]);
         let up = |zero: Vec3| of_map_coordinates(&bounds, zero).map(|up| up.axis);
         assert_eq!(up(Vec3::new(-431_000.0, -4_581_000.0, -120.0)), Some(UpAxis::Z));

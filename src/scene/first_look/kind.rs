@@ -181,7 +181,7 @@ pub(super) fn sweep(sample: &CloudSample, eye: Vec3) -> Option<Around> {
         quantile(&mut spacing, 0.5)
     };
     let growth = spacing_where(&|range| range >= far) / spacing_where(&|range| range <= near);
-    // Points in the middle of the scanner itself have no direction.
+    // Points at the centre of the scanner have no direction.
     let directions = sample
         .positions
         .iter()

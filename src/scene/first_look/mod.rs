@@ -153,14 +153,14 @@ impl FirstLook {
                 .first()
                 .map(|frame| ColorGuess::of(frame, &color_hints(told.kind, up)))
                 .unwrap_or_default(),
-            // Lit again by estimated normals, depth steps show as waves: where the points of five of Redwood's frames
-            // are opaque, the PSNR against the third image is 15.3 dB with light and 36.0 without.
+            // When relit with estimated normals, depth steps show up as waves: where the points of five of Redwood's
+            // frames are opaque, the PSNR against the third image is 15.3 dB with lighting and 36.0 dB without.
             colors_have_light: frames.first().is_some_and(|frame| {
                 let is_image = frame.grid().is_some() || told.kind == CaptureKind::CameraFrame;
                 (is_image || are_splats) && frame.value_sample().has_telling_colors()
             }),
             is_dark: luma.is_some_and(|luma| luma < DARK_LUMA),
-            // Both sides of a splat are alike: its normal points to either.
+            // Both sides of a splat look the same: its normal points to either.
             knows_outside: sensor.is_some() || (has_normals(&sample) && !are_splats),
             trimmed,
             full,
@@ -210,7 +210,7 @@ impl FirstLook {
         }
         self.primitive = Primitive::Surfel;
         self.primitive_why = "there are images of a surface";
-        // Photographs give the colours.
+        // The colours come from the images.
         self.colors.why.clear();
         self.colors_have_light = true;
         self.photo = set.photos.first().cloned();
@@ -309,7 +309,7 @@ impl FirstLook {
     /// Moves `camera` so that what is not an outlier fills the picture, together with the box `second_bounds` (relative
     /// to `origin`), keeping its direction.
     pub fn frame(&self, camera: &mut Camera, origin: DVec3, aspect: f64, second_bounds: &Aabb) {
-        // The view of a photograph shows what that does.
+        // The view of an image shows exactly what that image shows.
         let photo = self.photo.as_ref().filter(|_| second_bounds.is_empty());
         if photo.is_some_and(|photo| self.camera_of_photo(photo, origin) == *camera) {
             return;
@@ -370,11 +370,11 @@ impl Told {
         let field = shape::of_height_field(sample, &bounds);
         let fallback = Up::new(UpAxis::Y, "as most models have it", Evidence::Fallback);
         let is_opposite = |up: &Up| by_format.is_some_and(|format| up.is_opposite(format));
-        // Rules of shape never turn a cloud upside down: one that looked for narrow feet put bunnies on their ears.
+        // Shape heuristics never turn a cloud upside down: one that looked for narrow feet put bunnies on their ears.
         let on_zero = up::on_zero(&bounds, zero).filter(|up| !is_opposite(up));
         let mut on_base = up::on_base(sample, &bounds).filter(|up| !is_opposite(up));
         let mut symmetric = shape::of_symmetry(sample, &bounds);
-        // Two rules that say different things say nothing.
+        // If two heuristics disagree, neither counts.
         if let (Some(base), Some(other)) = (on_base, symmetric)
             && base.axis != other.up.axis
         {
@@ -392,7 +392,7 @@ impl Told {
             .or(field)
             .or_else(flat)
             .unwrap_or(fallback);
-        // Surveys may have a hill in them.
+        // Surveys may contain a hill.
         let is_survey = convention == Some(AxisConvention::ZUp)
             && bounds.extent().z < 0.7 * bounds.extent().truncate().max_element();
         let is_terrain = guess.axis == UpAxis::Z && (is_flat || is_survey || field.is_some());

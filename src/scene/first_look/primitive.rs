@@ -76,7 +76,7 @@ fn why_no_surface(captured: &Captured<'_>) -> Option<&'static str> {
     if *kind == CaptureKind::Sweep && !is_dense(sample, captured.eye) {
         return Some("the lines of the scanner are far apart");
     }
-    // The ellipses of a file are as large as they are.
+    // The ellipses of a file have their proper size.
     if captured.are_splats {
         return None;
     }
@@ -92,7 +92,7 @@ fn why_no_surface(captured: &Captured<'_>) -> Option<&'static str> {
     if captured.outliers >= MANY_OUTLIERS && captured.outliers * FEW_TO_EACH >= sample.positions.len() {
         return Some("the disks of many isolated points would hide the rest");
     }
-    // Around a scanner the far ones are wide by nature, and dense as seen from there.
+    // Around a scanner the distant ones are naturally wide, and dense as seen from there.
     if sample.spread() > MAX_SPREAD || (*kind != CaptureKind::Sweep && wide_area(sample) > MAX_WIDE_AREA) {
         return Some("some points are so far apart that their disks would hide the rest");
     }

@@ -51,7 +51,7 @@ impl CloudSample {
     /// At most `max_points` of a frame.
     pub(super) fn of(frame: &Frame, max_points: usize) -> Self {
         let positions = frame.positions();
-        // Neighbouring slots are near in space (Morton order), so no tree is built for spacing and planes.
+        // Neighbouring slots are close in space (Morton order), so no tree is built for spacing and planes.
         let slots = even_slots(positions.len(), max_points);
         Self {
             positions: slots.iter().map(|&slot| positions[slot]).collect(),

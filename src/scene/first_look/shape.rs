@@ -89,7 +89,7 @@ fn asymmetry(sample: &CloudSample, axis: usize) -> f32 {
         let cell: usize = (0..3).map(|axis| strides[axis] * place(position, axis)).sum();
         counts[cell] += 1.0;
     }
-    // Roots: a dense part is not all that counts.
+    // Square roots: otherwise a dense part would dominate.
     for count in &mut counts {
         *count = count.sqrt();
     }
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tree_is_round_and_not_alike_above_and_below() {
+    fn a_tree_is_round_with_different_top_and_bottom() {
         for (up, points) in turned(&tree()) {
             let (sample, bounds) = sample(points);
             let found = of_symmetry(&sample, &bounds).unwrap();

@@ -21,7 +21,7 @@ fn farthest_out(camera: &Camera, points: &[Vec3], origin: DVec3, size_px: [u32; 
 proptest! {
     /// Every point is within the picture, and from a little closer one is not.
     #[test]
-    fn points_just_fit_the_picture(
+    fn points_just_fit_the_image(
         points in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 2..50),
         stretch in prop::array::uniform3(0.01f32..3.0),
         far in -1e6f64..1e6,
@@ -43,9 +43,9 @@ proptest! {
         camera.frame_points(&points, origin, aspect);
         let size_px = [(1000.0 * aspect) as u32, 1000];
         let out = farthest_out(&camera, &points, origin, size_px);
-        // A picture has whole pixels, so its aspect is another by a thousandth.
+        // An image has whole pixels, so its aspect ratio differs by a thousandth.
         prop_assert!(out.is_some_and(|out| out <= FRAMED + 0.01), "{out:?}");
-        // A cloud that lies along the view has no width that could fill the picture.
+        // A cloud that extends along the view direction has no width that could fill the image.
         let view = camera.view_from_world_rotation();
         let center = bounds.center().as_dvec3();
         let is_wide = |point: &Vec3|
@@ -59,7 +59,7 @@ proptest! {
 
 /// Through the telephoto lens of orthographic views a deep cloud is wider in front.
 #[test]
-fn a_deep_cloud_fits_an_orthographic_picture() {
+fn a_deep_cloud_fits_an_orthographic_image() {
     let points =
         [[0.178_f32, -0.004, 0.711], [0.311, -0.004, -0.783]].map(|[x, y, z]| Vec3::new(2.67 * x, y, 1.575 * z));
     let mut camera = Camera {
@@ -74,20 +74,20 @@ fn a_deep_cloud_fits_an_orthographic_picture() {
 }
 
 #[test]
-fn points_of_a_grid_are_as_far_apart_as_its_lines() {
+fn the_spacing_of_a_grid_is_that_of_its_lines() {
     let frame_of = |positions: Vec<[f32; 3]>| {
         Frame::from_raw(RawCloud::from_positions(Positions::F32(positions)), DVec3::ZERO).unwrap()
     };
     let place = |index: u32| [0.25 * (index % 64) as f32, 0.25 * (index / 64) as f32, 1.0];
     let spacing = typical_spacing(&frame_of((0..4096).map(place).collect())).typical;
-    // Neighbours beyond the borders of Morton cells are passed over: for others, along a diagonal.
+    // Neighbours across the borders of Morton cells are missed: instead, diagonal ones are found.
     assert!((0.25..=0.25 * 2f32.sqrt()).contains(&spacing), "{spacing}");
     assert_eq!(typical_spacing(&frame_of(vec![[1.0; 3]])).typical, 0.0);
     assert_eq!(typical_spacing(&frame_of(Vec::new())).typical, 0.0);
 }
 
 #[test]
-fn angles_lead_back_to_the_direction() {
+fn angles_and_directions_round_trip() {
     for &(_, up) in UpAxis::ALL {
         for toward in [DVec3::X, DVec3::new(1.0, -2.0, 0.5), DVec3::new(-0.3, 0.2, -0.9)] {
             let toward = toward.normalize();
@@ -104,7 +104,7 @@ fn angles_lead_back_to_the_direction() {
 }
 
 #[test]
-fn other_frames_are_looked_at_while_they_are_small() {
+fn other_frames_are_examined_while_they_are_small() {
     assert_eq!(others(1, 100), [] as [usize; 0]);
     assert_eq!(others(2, 100), [1]);
     assert_eq!(others(101, 100_000), [25, 50, 75, 100]);
@@ -113,7 +113,7 @@ fn other_frames_are_looked_at_while_they_are_small() {
 }
 
 #[test]
-fn poses_that_walk_are_all_in_the_first_picture() {
+fn all_poses_of_a_walk_are_in_the_initial_view() {
     let at = |x: f32| {
         let points = (0..5_000).map(|i| {
             let turn = i as f32 * 2.4;
@@ -129,8 +129,8 @@ fn poses_that_walk_are_all_in_the_first_picture() {
 }
 
 #[test]
-fn gaussian_splats_are_ellipses_with_y_down_and_no_side_is_their_back() {
-    // A bowl far from zero: nothing tells how it stands.
+fn gaussian_splats_are_double_sided_ellipses_with_y_down() {
+    // A bowl far from zero: nothing indicates its orientation.
     let points = (0..3_000).map(|i| {
         let [x, z] = [(i % 50) as f32 - 25.0, (i / 50) as f32 - 30.0];
         [100.0 + x, 100.0 + 0.003 * (x * x + z * z), z]
@@ -183,7 +183,7 @@ fn dark_scans_have_a_brighter_background() {
 }
 
 #[test]
-fn colours_of_cameras_are_not_lit_again() {
+fn camera_colors_are_not_lit_again() {
     let look = |is_image: bool, color: &dyn Fn(u8) -> [u8; 4]| {
         let points = (0..3_000).map(|i| [(i % 50) as f32, (i / 50) as f32, 0.0]);
         let mut raw = RawCloud::from_positions(Positions::F32(points.collect()));
@@ -214,10 +214,10 @@ fn colours_of_cameras_are_not_lit_again() {
         lighting(&image, &|style| style.light.lighting = Lighting::Lambert.into()),
         Lighting::Lambert
     );
-    // What nobody says cameras took, and colours that say nothing.
+    // A cloud that is not known to come from cameras, and colours without information.
     assert_eq!(lighting(&look(false, &grey), &|_| ()), Lighting::PerFragment);
     assert_eq!(lighting(&look(true, &|_| [255; 4]), &|_| ()), Lighting::PerFragment);
-    // Photographs that are lit anew need light; as they are, they bring their own.
+    // Relit images need light; unlit, they already contain it.
     let camera = rgbd::Camera::new([4, 2], DVec2::splat(2.0), DVec2::new(1.5, 0.5), Distortion::None);
     let photo = Photo {
         name: String::new(),

@@ -26,7 +26,7 @@ pub(super) fn inliers(sample: &CloudSample) -> Vec<usize> {
     let max = |share: f64| (share * sample.spacing.len() as f64) as usize;
     let outlier_from = UNSAMPLED_SPACINGS * sample.median_spacing();
     let outliers = isolated.partition_point(|&index| sample.spacing[index] > outlier_from);
-    // More strays than that are the cloud.
+    // If there are more outliers than that, they are part of the cloud.
     let outliers = if outliers <= max(MAX_OUTLIERS) { outliers } else { 0 };
     isolated.truncate(outliers.max(max(MAX_UNSAMPLED)));
     isolated.sort_unstable();

@@ -51,7 +51,7 @@ pub(super) fn on_zero(bounds: &Aabb, zero: Vec3) -> Option<Up> {
     let place = (zero - bounds.min) / extent;
     let is_within = |axis: usize| (WITHIN..=1.0 - WITHIN).contains(&place[axis]);
     let mut found = None;
-    // A trace of height says nothing: the middle of a flat cloud is both of its ends.
+    // A minimal height means nothing: for a flat cloud the centre is at both of its ends.
     let tall_enough = |axis: usize| extent[axis] >= 0.1 * extent.max_element();
     for axis in [1, 2] {
         let others = [(axis + 1) % 3, (axis + 2) % 3];
@@ -94,7 +94,7 @@ pub(super) fn on_base(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
         }
     });
     let base = bases.next()?;
-    // Two bases are a box, a room or chance.
+    // Two bases indicate a box, a room or chance.
     let is_alone = bases.next().is_none();
     is_alone.then(|| Up::by_points(base, "it stands on a flat base"))
 }

@@ -35,7 +35,7 @@ const GRID: [usize; 2] = [48, 32];
 
 impl AlbedoCurve {
     /// Entries.
-    // The losses have one parameter, as the roughness is that of the image: 10 ms when it changes.
+    // The losses have one parameter, as the roughness is that of the whole image: 10 ms when it changes.
     pub const COUNT: usize = 128;
 
     /// Creates the albedo curve of a roughness from 0 to 1.
@@ -63,7 +63,7 @@ impl AlbedoCurve {
     /// The share of the light of further bounces that a surface keeps of its own colour, if it mirrors so much at right
     /// angles.
     pub fn of_more_bounces(reflectance: f32, mean_loss: f32) -> f32 {
-        // The mean of Schlick's formula by the cosine.
+        // The mean of Schlick's formula weighted by the cosine.
         let mean = reflectance + (1.0 - reflectance) / 21.0;
         mean * mean * (1.0 - mean_loss) / (1.0 - mean * mean_loss)
     }
@@ -75,7 +75,7 @@ fn mean(entries: &[[f32; 4]; AlbedoCurve::COUNT], column: usize) -> f32 {
     let pieces = entries.windows(2).zip(0..).map(|(ends, place)| {
         let [first, second] = [ends[0], ends[1]].map(|entry| f64::from(entry[column]));
         let from = f64::from(place) * step;
-        // The integral of a line by the cosine.
+        // The cosine-weighted integral of a line.
         step * (0.5 * (first + second) * from + step * (first + 2.0 * second) / 6.0)
     });
     (2.0 * pieces.sum::<f64>()) as f32
@@ -88,13 +88,14 @@ fn mirrored(cosine: f32, alpha: f32) -> [f32; 2] {
     let of_eye = masking(to_eye.z, alpha);
     let (mut sums, mut all) = ([0.0f64; 2], 0.0);
     for row in 0..GRID[0] {
-        // Rows are closer to each other towards the rim: microfacets of smooth surfaces that lean far are seen there.
+        // Rows are closer together towards the edge of the disk: strongly tilted microfacets of smooth surfaces are
+        // there.
         let inwards = 1.0 - (row as f32 + 0.5) / GRID[0] as f32;
         let share = 1.0 - inwards.powi(4);
         let weight = inwards.powi(3);
         all += f64::from(weight) * GRID[1] as f64;
         for column in 0..GRID[1] {
-            // Half of the disk: the other is its mirror image.
+            // Half of the disk: the other half is its mirror image.
             let angle = PI * ((column as f32 + 0.5) / GRID[1] as f32 - 0.5);
             let half = seen_microfacet(to_eye, alpha, share, angle);
             let facing = to_eye.dot(half).max(0.0);
@@ -130,7 +131,7 @@ fn seen_microfacet(to_eye: Vec3, alpha: f32, share: f32, angle: f32) -> Vec3 {
     };
     let up = stretched.cross(right);
     let radius = share.sqrt();
-    // The mirror plane is that of `up`: half of the disk is right of it.
+    // The mirror plane is that of `up`: half of the disk is to its right.
     let x = radius * angle.cos();
     let whole = radius * angle.sin();
     let blend = 0.5 * (1.0 + stretched.z);
@@ -158,7 +159,7 @@ mod tests {
         let masking = |cosine: f64| 0.5 * ((1.0 + alpha * alpha * (1.0 / (cosine * cosine) - 1.0)).sqrt() - 1.0);
         let mut sums = [0.0; 2];
         for i in 0..STEPS[0] {
-            // Shares of the distribution of GGX: its density cancels out.
+            // Quantiles of the GGX distribution: its density cancels out.
             let root = 1.0 - (i as f64 + 0.5) / STEPS[0] as f64;
             let share = 1.0 - root.powi(4);
             let height2 = root.powi(4) / (1.0 + (alpha * alpha - 1.0) * share);
@@ -172,7 +173,7 @@ mod tests {
                     continue;
                 }
                 let visible = 1.0 / (1.0 + masking(cosine) + masking(light));
-                // D V 4 cos(light) is mirrored; the density of light is D cos(half) / (4 facing).
+                // D V 4 cos(light) is reflected; the density of light is D cos(half) / (4 facing).
                 let weight = 4.0 * root.powi(3) * visible * facing / (cosine * height) / (STEPS[0] * STEPS[1]) as f64;
                 let fresnel = (1.0 - facing).powi(5);
                 sums[0] += weight * (1.0 - fresnel);
@@ -183,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_mirrored_is_the_integral_of_the_formula() {
+    fn the_reflected_share_matches_numerical_integration() {
         for roughness in [0.1, 0.25, 0.5, 0.75, 1.0f32] {
             let alpha = roughness * roughness;
             for cosine in [0.05, 0.2, 0.5, 0.9, 1.0f32] {
@@ -212,10 +213,10 @@ mod tests {
     }
 
     #[test]
-    fn more_is_lost_the_rougher_a_surface_is() {
+    fn rougher_surfaces_lose_more_energy() {
         let losses = [0.1, 0.3, 0.5, 0.7, 0.9, 1.0].map(|roughness| AlbedoCurve::new(roughness).mean_loss);
         assert!(losses.is_sorted(), "{losses:?}");
-        // Of a roughness of 1 more than half.
+        // At a roughness of 1, more than half.
         assert!((0.5..0.65).contains(&losses[5]), "{losses:?}");
     }
 }

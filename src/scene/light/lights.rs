@@ -75,7 +75,7 @@ impl Lights {
     pub fn of(packet: &ScenePacket) -> Option<Self> {
         let light = &packet.style.light;
         let specular = match packet.lighting() {
-            // Ambient light and highlights are those of [`PhysicalLight`](crate::scene::PhysicalLight) there.
+            // There, ambient light and highlights come from [`PhysicalLight`](crate::scene::PhysicalLight).
             Lighting::Lambert | Lighting::Physical => 0.0,
             Lighting::BlinnPhong => 0.25,
             Lighting::Unlit | Lighting::PerSurfel | Lighting::PerVertex | Lighting::PerFragment => {

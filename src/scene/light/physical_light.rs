@@ -70,7 +70,7 @@ impl PhysicalTables {
         /// Number of images whose tables are cached: both halves of a comparison.
         const MAX_CACHED: usize = 4;
         static CACHED: Mutex<Vec<(Environment, u32, Arc<PhysicalTables>)>> = Mutex::new(Vec::new());
-        // Entries are replaced whole.
+        // Entries are replaced as a whole.
         let mut cached = CACHED.lock().unwrap_or_else(PoisonError::into_inner);
         let bits = roughness.to_bits();
         let known = cached.iter().position(|(of, at, _)| (*of, *at) == (environment, bits));
@@ -107,7 +107,7 @@ impl PhysicalLight {
             metallic: light.metallic.clamp(0.0, 1.0),
             alpha: roughness.max(Self::MIN_ROUGHNESS).powi(2),
             // Fixed to the scene, unlike lamps: reflections that slide over a surface distinguish polished from
-            // painted, and a sky stays above.
+            // painted, and the sky stays above.
             environment_from_view: up * packet.view.view_from_frame_rotation.transpose(),
             environment_light,
             harmonics: light.environment.map().harmonics().times(environment_light),

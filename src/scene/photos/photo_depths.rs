@@ -119,7 +119,8 @@ fn mark_steps(distances: &mut [f32], width: usize, tolerance: f32) {
     distances.par_iter_mut().enumerate().for_each(|(at, distance)| {
         let (row, column) = (at / width, at % width);
         let [min, max] = both(&mut window(row, height).map(|row| along[width * row + column]));
-        // Small holes are steps, too: exempting them made no difference to 0.001 dB (Redwood's frames).
+        // Small holes count as depth discontinuities, too: exempting them made no difference to within 0.001 dB
+        // (Redwood's frames).
         if min == 0.0 || max - min > tolerance {
             *distance = -*distance;
         }
@@ -137,7 +138,7 @@ fn extent(distances: &[f32]) -> (f32, f32) {
     let Some(last) = known.len().checked_sub(1) else {
         return (0.0, 0.0);
     };
-    // A fiftieth at both ends: a single outlier would make the tolerance so large that nothing is occluded.
+    // Without a fiftieth at both ends: a single outlier would make the tolerance so large that nothing is occluded.
     let aside = known.len() / 50;
     (known[last - aside] - known[aside], known[known.len() / 2])
 }
@@ -152,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_behind_is_hidden_and_what_is_before_a_measured_surface_is_seen_through() {
+    fn points_behind_a_surface_are_hidden_and_points_in_front_are_contradicted() {
         // The tolerance is a twentieth of 20.
         let map = DepthMap::new([10, 10], distances(), 30.0, true);
         assert_eq!(map.seen([0.5, 0.05], 10.9), (DepthRelation::There, false));
@@ -165,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_told_three_texels_around_them() {
+    fn steps_are_flagged_within_three_texels() {
         let map = DepthMap::new([10, 10], [[10.0; 50], [30.0; 50]].concat(), 30.0, false);
         let is_near = |row: usize| map.seen([0.5, 0.1 * row as f32 + 0.05], 10.0).1;
         let near: Vec<usize> = (0..10).filter(|&row| is_near(row)).collect();
@@ -195,7 +196,7 @@ mod tests {
         distances[3] = 1e6;
         assert_eq!(extent(&distances), (1.0, 2.0));
         assert_eq!(extent(&[]), (0.0, 0.0));
-        // Points in the air far away make the whole surface large.
+        // Distant points in mid-air make the extent of the whole surface large.
         let map = DepthMap::new([50, 20], vec![2.0; 1000], 1e4, false);
         assert_eq!(map.seen([0.5, 0.5], 2.05).0, DepthRelation::There);
         assert_eq!(map.seen([0.5, 0.5], 2.07).0, DepthRelation::Hidden);

@@ -56,7 +56,7 @@ pub struct PhotoView {
 impl PhotoViews {
     /// Maximum number of posed images queried at a position, starting with those that look at it as the eye does: in a
     /// hollow, most are queried in vain.
-    // It also lets the shader sort the images in registers.
+    // The limit also lets the shader sort the images in registers.
     pub const MAX_ASKED: usize = 16;
 
     /// Returns true if holes, which none of the images sees, are filled from their surroundings.
@@ -181,7 +181,7 @@ mod tests {
 
     /// Of places of the world, relative to an origin, seen by some camera.
     #[test]
-    fn places_of_a_picture_are_where_the_photograph_has_them() {
+    fn image_positions_match_the_posed_image() {
         let posed_image = posed_image();
         let origin = DVec3::new(100.0, -50.0, 20.0);
         let mut moved = posed_image;

@@ -8,7 +8,7 @@ group! {
     Backdrop {
         /// Background behind the cloud.
         background: Background = Background::default(), "background" BACKGROUND {
-            // The option takes what no style has: `transparent`.
+            // The option also accepts a value that no style has: `transparent`.
             value_name: "COLOR",
             help: "Background: a preset, #rrggbb or a gradient #rrggbb-#rrggbb (transparent: for image files)",
             everyday: true,

@@ -93,7 +93,7 @@ impl Antialiasing {
     /// Returns the halo in pixels: how many pixels around one it depends on.
     pub(in crate::scene) fn halo_px(self) -> u32 {
         match self {
-            // Beside the end of an edge its corners count.
+            // Next to the end of an edge its corners count.
             Self::Fxaa => Self::FXAA_SEARCH_STEPS + 1,
             Self::None | Self::Supersample => 0,
         }

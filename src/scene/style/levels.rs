@@ -77,7 +77,7 @@ const STOPS: &[Kind] = &[
             value_name: "0..0.6",
             title: "Detail lost (δ)",
             hint: "Percentage of points that may share a voxel at the deepest level",
-            // That of the paper.
+            // The value of the paper.
             usual: 0.05_f32 as f64,
             numbers: Numbers {
                 retained: [0.0, 0.6],

@@ -98,9 +98,9 @@ group! {
             }),
         }
         /// Angle at which the weight of an image has fallen to 1/e, as a factor on the angle between neighbours.
-        // With 1, a single image often remains and its noise with it. Held-out views: 36.78 dB with 1, 36.89 with 1.5,
-        // 36.92 with 2 and 2.5 (depth camera); 35.72, 35.99, 36.13, 36.31 (ray-traced room with its noise; the last
-        // with six images).
+        // With 1, often only a single image remains, along with its noise. Held-out views: 36.78 dB with 1, 36.89 with
+        // 1.5, 36.92 with 2 and 2.5 (depth camera); 35.72, 35.99, 36.13, 36.31 (ray-traced room with its noise; the
+        // last with six images).
         angle: f32 = 2.0, "photo_angle" ANGLE {
             flag: "photo-angle",
             value_name: "FACTOR",

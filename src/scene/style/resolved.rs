@@ -44,7 +44,7 @@ impl Settings {
             *back_faces = back_faces.or(usual_back_faces(look)).into();
             let lighting = &mut settings.light.lighting;
             *lighting = lighting.or(self.usual_lighting(look, primitive)).into();
-            // Whoever has chosen points has chosen their size.
+            // A user who has chosen points has chosen their size.
             if self.primitive.is_open() {
                 settings.points.size_px = settings.points.size_px.max(look.point_size_px);
             }

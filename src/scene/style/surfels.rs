@@ -73,7 +73,8 @@ impl SplatFilter {
     /// covers the centre of a pixel (`tests/pictures/ewa.rs`). The variance of its Gaussian, a sixth of the square, is
     /// 1/8; that of a pixel's square is 1/12.
     // The FLIP of distant checkerboards is a sixth to a half of that of disks; a radius of 1 was twice as far from the
-    // truth. The price: an isolated splat is up to a third brighter or darker, depending on its position in a pixel.
+    // ground truth. The price: an isolated splat is up to a third brighter or darker, depending on its position in a
+    // pixel.
     pub const RADIUS_PX: f32 = 0.87;
 
     /// Radius of the least splat of [`SplatFilter::Clamp`], which covers the centre of a pixel wherever it is: its
@@ -237,7 +238,7 @@ group! {
             values: Values::Words(OnOff::WORDS),
         }
         /// Source from which normals and radii are estimated.
-        // Not from the screen: that costs time for each view, and a frame that is looked at for longer has better
+        // Not screen-space normals: these cost time for each view, and a frame that is viewed for longer has better
         // normals from its neighbours, computed once.
         normals: NormalSource = NormalSource::Neighbours, "surfel_normals" NORMALS {
             flag: "normals",

@@ -10,7 +10,7 @@ use crate::sequence::ColorSource;
 use std::collections::BTreeSet;
 
 #[test]
-fn every_choice_reads_back_from_its_name() {
+fn every_choice_round_trips_through_its_name() {
     for &mode in Splatting::ALL {
         assert_eq!(mode.name().parse(), Ok(mode));
     }
@@ -25,7 +25,7 @@ fn every_choice_reads_back_from_its_name() {
 }
 
 #[test]
-fn ways_to_draw_take_over_eye_dome_lighting_that_they_decide() {
+fn render_modes_override_eye_dome_lighting_where_they_set_it() {
     let settings = |eye_dome, eye_dome_strength| {
         Settings::default().with(|style| {
             style.light.eye_dome = eye_dome;
@@ -40,7 +40,7 @@ fn ways_to_draw_take_over_eye_dome_lighting_that_they_decide() {
 }
 
 #[test]
-fn a_picture_is_drawn_in_whole_pixels() {
+fn images_are_drawn_in_whole_pixels() {
     let settings = |resolution| Style::default().with(|style| style.drawing.resolution = resolution);
     assert_eq!(settings(1.0).drawn_px([1921, 1080]), [1921, 1080]);
     assert_eq!(settings(0.5).drawn_px([1921, 1080]), [961, 540]);
@@ -73,7 +73,7 @@ fn every_setting_is_described_once() {
             | (Values::Switch(_), Value::Switch(_))
             | (Values::Colors, Value::Colors(_))
             | (Values::Environment, Value::Environment(_)) => {}
-            // Its option takes what no style has.
+            // Its option accepts values that no style has.
             (Values::Background, Value::Background(_)) => continue,
             (values, value) => panic!("{key}: {values:?} has no {value:?}"),
         }
@@ -82,7 +82,7 @@ fn every_setting_is_described_once() {
 }
 
 #[test]
-fn an_edit_changes_what_it_names_and_nothing_else() {
+fn an_edit_only_changes_the_setting_it_names() {
     let style = Settings::default();
     for (changed, value) in style.settings() {
         let other = match value {
@@ -106,7 +106,7 @@ fn an_edit_changes_what_it_names_and_nothing_else() {
             .map(|(_, (described, value))| (described.key, value))
             .collect();
         assert_eq!(differing, [(changed.key, other)]);
-        // And files tell it.
+        // And files distinguish it.
         let stored = serde_json::to_value(edited).unwrap();
         let usual = serde_json::to_value(style).unwrap();
         assert_ne!(stored[changed.key], usual[changed.key]);
@@ -115,7 +115,7 @@ fn an_edit_changes_what_it_names_and_nothing_else() {
 }
 
 #[test]
-fn what_is_not_offered_becomes_the_nearest() {
+fn values_not_offered_become_the_nearest_offered() {
     assert_eq!(Settings::default().nearest(), Settings::default());
     let nearest = |lod, stop| {
         let mut style = Settings::default();
@@ -156,7 +156,7 @@ fn what_is_not_offered_becomes_the_nearest() {
 }
 
 #[test]
-fn sources_and_maps_of_colours_have_their_words() {
+fn color_sources_and_maps_have_their_words() {
     let names = ColorSource::ALL.map(ColorSource::name);
     assert!(coloring::SOURCES.list.iter().map(|source| source.word).eq(names));
     let names = ColorMap::ALL.map(ColorMap::name);
@@ -164,7 +164,7 @@ fn sources_and_maps_of_colours_have_their_words() {
 }
 
 #[test]
-fn a_choice_is_open_or_made_and_reads_back_from_its_name_and_value() {
+fn choices_round_trip_through_name_and_value_and_may_be_automatic() {
     fn check<T: Automatic + std::fmt::Debug>(other: T) {
         let (open, all) = (Choice::<T>::Auto, Choice::<T>::all().collect::<Vec<_>>());
         assert_eq!(all[0], open);
@@ -200,7 +200,7 @@ fn a_choice_is_open_or_made_and_reads_back_from_its_name_and_value() {
 }
 
 #[test]
-fn an_environment_stands_for_a_rig_that_is_left_open() {
+fn an_environment_replaces_an_automatic_light_rig() {
     let environment = Environment::Studio;
     let rig = |lighting: Lighting, environment, rig| {
         let settings = Settings::default().with(|settings| {

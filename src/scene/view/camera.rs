@@ -184,7 +184,7 @@ const DEFAULT_FOV_DEG: f64 = 45.0;
 /// Cotangent of half the field of view through which an orthographic camera is drawn: of 0.05 degrees. A narrower one
 /// leaves fewer bits of f32 for what is in the picture.
 // So passes, traversals and the ground truth need only one projection. In a sphere that fills 1280×720, points are less
-// than half a pixel off: a quarter by the lens, the rest by f32; depth resolves a thousandth of its radius.
+// than half a pixel off: a quarter from the lens, the rest from f32; depth resolves a thousandth of its radius.
 pub(in crate::scene) const TELEPHOTO_FOCAL: f64 = 1_145.915_299_281_798;
 
 /// Fraction of the image height that the bounding sphere fills after [`Camera::frame_bounds`].
@@ -240,14 +240,14 @@ impl Camera {
         let half_fov_tangent = (0.5 * self.fov_deg).to_radians().tan();
         let half_height = FRAMED_FRACTION * half_fov_tangent;
         let tangents = [half_height * aspect, half_height];
-        // How much a point spreads the picture for being nearer: through the telephoto lens of orthographic views a
-        // little, which is seen where a cloud is much deeper than wide.
+        // How much wider a point appears for being nearer: slightly through the telephoto lens of orthographic views,
+        // which is visible if a cloud is much deeper than wide.
         let nearness = match self.projection {
             Projection::Perspective => 1.0,
             Projection::Orthographic => 1.0 / (TELEPHOTO_FOCAL * half_fov_tangent),
         };
         let rotation = self.view_from_world_rotation();
-        // Of each axis of the picture: the farthest point to its low and to its high side.
+        // For each axis of the image: the farthest point on its low and on its high side.
         let mut sides = [[f64::NEG_INFINITY; 2]; 2];
         let mut nearest = f64::NEG_INFINITY;
         for point in points {
@@ -262,7 +262,7 @@ impl Camera {
         let across = sides.map(|[low, high]| 0.5 * (high - low));
         let least = |axis: usize| 0.5 * (sides[axis][0] + sides[axis][1]) / tangents[axis];
         let distance = least(0).max(least(1));
-        // A cloud that is all along the view has no width to be fitted; it is to be beyond the near plane.
+        // A cloud that extends along the view direction has no width to be fitted; it must be beyond the near plane.
         let before_eye = nearness * nearest / (1.0 - 2.0 * NEAR_FRACTION);
         let distance = distance.max(before_eye + f64::from(bounds.radius()) * 1e-3);
         let target = rotation.transpose() * DVec3::new(across[0], across[1], 0.0);
@@ -314,7 +314,7 @@ impl Camera {
     pub fn zoom_toward(&mut self, factor: f64, right_px: f64, down_px: f64, height_px: f64) {
         let before = self.distance;
         self.zoom(factor);
-        // What the distance really shrank by, at its limits too.
+        // The factor by which the distance actually shrank, also at its limits.
         let moved = 1.0 - self.distance / before;
         let units_per_px = 2.0 * before * (0.5 * self.fov_deg).to_radians().tan() / height_px.max(1.0);
         let rotation = self.view_from_world_rotation();
@@ -345,7 +345,7 @@ impl Camera {
             },
             Projection::Orthographic => Lens {
                 focal: TELEPHOTO_FOCAL,
-                // The camera itself stays that of the perspective view of the same scale, so a switch between the
+                // The camera itself stays that of the perspective view at the same scale, so switching between
                 // projections loses nothing.
                 distance: self.distance * TELEPHOTO_FOCAL / focal,
             },
@@ -471,7 +471,7 @@ impl ViewTransform {
 
     /// A point of the frame in view space.
     pub fn to_view(&self, position_in_frame: Vec3) -> Vec3 {
-        // In this order, which loses no precision near the eye.
+        // In this order no precision is lost near the eye.
         self.view_from_frame_rotation * ((position_in_frame - self.eye_high) - self.eye_low)
     }
 }
@@ -488,7 +488,7 @@ mod tests {
     }
 
     #[test]
-    fn presets_stand_where_their_names_say() {
+    fn view_presets_are_where_their_names_say() {
         let mut camera = Camera::framing(&unit_box(), DVec3::ZERO, UpAxis::Y);
         let cases = [
             (ViewPreset::Front, DVec3::Z),
@@ -525,7 +525,7 @@ mod tests {
     }
 
     #[test]
-    fn the_target_is_in_the_middle_at_its_distance() {
+    fn the_target_is_centered_at_its_distance() {
         let camera = Camera::framing(&unit_box(), DVec3::new(1e7, -2e7, 3e6), UpAxis::Z);
         let transform = camera.transform(DVec3::new(1e7, -2e7, 3e6), [640, 480]);
         let target = transform.to_view(Vec3::ZERO);
@@ -543,7 +543,7 @@ mod tests {
     }
 
     #[test]
-    fn a_part_sees_what_the_whole_sees_there() {
+    fn an_image_part_matches_the_full_image() {
         let camera = Camera::framing(&unit_box(), DVec3::ZERO, UpAxis::Z);
         let whole = camera.transform(DVec3::ZERO, [640, 480]);
         let part = whole.of_part([640, 480], [400, 120], [240, 90]);
@@ -562,7 +562,7 @@ mod tests {
     }
 
     #[test]
-    fn looking_around_keeps_the_eye() {
+    fn looking_around_does_not_move_the_eye() {
         let mut camera = Camera::framing(&unit_box(), DVec3::ZERO, UpAxis::Z);
         let before = camera.eye_in_world();
         camera.look_around(25.0, -10.0);

@@ -80,7 +80,7 @@ impl GroundPlane {
 /// The largest power of ten with at least [`MIN_CELLS`] cells in a width; 1 where it is no width.
 fn spacing_under(width: f64) -> f64 {
     let exponent = (width / MIN_CELLS).log10();
-    // What is a power of ten but for rounding is that power.
+    // Numbers that are a power of ten except for rounding errors count as that power.
     let spacing = 10f64.powi((exponent + 1e-9).floor().clamp(-30.0, 30.0) as i32);
     if width > 0.0 && width.is_finite() { spacing } else { 1.0 }
 }

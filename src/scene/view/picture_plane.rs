@@ -9,7 +9,7 @@ pub struct PicturePlane {
     pub roll_deg: f64,
     /// Principal point offset: where the view axis meets the image, from its centre to the right and upwards, in image
     /// heights.
-    // Costs the renderers nothing: they already drew parts of large images, whose centres are off the axis.
+    // Costs the renderers nothing: they already drew parts of large images, whose centres are off-axis.
     pub shift: DVec2,
     /// Pixel aspect ratio: the width in pixels of a length that is one pixel high.
     pub pixel_aspect: f64,

@@ -19,7 +19,7 @@ impl Camera {
         let (azimuth_deg, elevation_deg) = up.angles_of(back);
         let size = DVec2::from_array(pinhole.size_px().map(f64::from));
         let focal = pinhole.focal_px();
-        // Centres of pixels are at integers there, and halves here.
+        // Pixel centres are at integers there, and at halves here.
         let from_center = pinhole.principal_px() + 0.5 - 0.5 * size;
         let mut camera = Self {
             target_in_world: world_from_camera.translation - distance * back,
@@ -91,7 +91,7 @@ mod tests {
     proptest! {
         /// Wherever it stands and however it is turned, whichever axis is up.
         #[test]
-        fn the_pixels_of_a_sensor_are_those_of_its_view(
+        fn sensor_pixels_match_the_pixels_of_its_view(
             turn in (-3.0..3.0_f64, -3.0..3.0_f64, -3.0..3.0_f64),
             from in prop::array::uniform3(-5.0..5.0_f64),
             pixel in (0.0..639.0_f64, 0.0..479.0_f64),
@@ -105,7 +105,7 @@ mod tests {
             prop_assert!((camera.eye_in_world() - pose.translation).length() < 1e-9);
             let pixel = DVec2::new(pixel.0, pixel.1);
             let place = pose.transform_point3(depth * pinhole.ray(pixel).unwrap());
-            // What single floats leave of it.
+            // Within single precision.
             let shaded = shaded_px(&camera, place, [640, 480]);
             prop_assert!((shaded - pixel).length() < 0.01, "{} {}", shaded, pixel);
             let marked = camera.to_px(place, [640, 480]).unwrap() - 0.5;
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn other_sizes_have_the_same_rays_about_the_same_middle() {
+    fn other_image_sizes_have_the_same_rays_about_the_same_center() {
         let camera = Camera::of_pinhole(&pinhole(), DAffine3::IDENTITY, 1.5, UpAxis::NegY);
         let place = DVec3::new(0.21, -0.3, 1.7);
         let own = camera.to_px(place, [640, 480]).unwrap();
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_of_its_picture_have_its_rays() {
+    fn image_parts_have_the_rays_of_the_full_image() {
         let camera = Camera::of_pinhole(&pinhole(), DAffine3::IDENTITY, 1.5, UpAxis::NegY);
         let whole = camera.transform(DVec3::ZERO, [640, 480]);
         let part = whole.of_part([640, 480], [400, 120], [240, 90]);
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn framing_and_looking_along_an_axis_end_it() {
+    fn framing_and_looking_along_an_axis_leave_the_sensor_view() {
         let pose = DAffine3::from_rotation_z(0.4);
         let mut camera = Camera::of_pinhole(&pinhole(), pose, 1.5, UpAxis::NegY);
         assert!((camera.plane.roll_deg.abs() - 0.4_f64.to_degrees()).abs() < 1e-9);
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn the_target_is_as_deep_as_what_is_seen() {
+    fn the_target_is_at_the_depth_of_the_points() {
         let pose = DAffine3::from_translation(DVec3::new(0.0, 0.0, -1.0));
         let distance = |center: [f64; 3]| sensor_target_distance(&pose, center.into(), 0.7);
         assert_eq!(distance([9.0, 4.0, 2.0]), 3.0);

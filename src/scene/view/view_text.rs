@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn the_picture_of_a_sensor_is_a_view_with_more_words() {
+    fn a_sensor_view_is_written_with_additional_words() {
         let plane = PicturePlane {
             roll_deg: -3.5,
             shift: DVec2::new(0.0125, -0.03),
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_view_is_a_line_that_can_be_read() {
+    fn a_view_is_one_readable_line() {
         let text = camera().to_string();
         assert_eq!(
             text,
@@ -263,7 +263,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_view_survives_to_the_last_bit(
+        fn every_view_round_trips_bit_for_bit(
             target in prop::array::uniform3(-1e12f64..1e12),
             distance_exponent in -29f64..29.0,
             angles in (-180f64..180.0, -90f64..=90.0, 1f64..=170.0),
@@ -289,16 +289,16 @@ mod tests {
         }
 
         #[test]
-        fn no_text_is_a_panic(text in ".*", cut in 0usize..200) {
+        fn no_text_causes_a_panic(text in ".*", cut in 0usize..200) {
             let _ = text.parse::<Camera>();
             let whole = camera().to_string();
-            // All of it is ASCII.
+            // The text is ASCII.
             prop_assert!(whole[..cut.min(whole.len() - 13)].parse::<Camera>().is_err());
         }
     }
 
     #[test]
-    fn damage_is_told_with_what_was_expected() {
+    fn errors_state_what_was_expected() {
         let good = camera().to_string();
         for (from, to, message) in [
             ("view 1", "view 2", "this is not a view"),

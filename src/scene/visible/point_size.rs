@@ -55,7 +55,7 @@ impl PointSize {
             },
             PointSizing::Projected | PointSizing::Adaptive => Self {
                 min_px,
-                // Disks close a square grid of points if they are as wide as the diagonals of its squares are long.
+                // Disks close a square grid of points if they are as wide as the diagonal of its squares.
                 edge: SQRT_2 * points.scale * packet.params.point_spacing,
                 edge_per_radius: 0.0,
             },

@@ -24,7 +24,7 @@ impl FieldName {
 
     /// The text.
     pub fn as_str(&self) -> &str {
-        // What was put in is text, so nothing is ever missing.
+        // Only valid text is ever stored, so nothing is lost.
         std::str::from_utf8(&self.bytes[..usize::from(self.len)]).unwrap_or_default()
     }
 
@@ -75,7 +75,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_text_is_cut_between_its_characters(text in ".{0,80}") {
+        fn any_text_is_truncated_at_a_character_boundary(text in ".{0,80}") {
             let name = FieldName::new(&text);
             prop_assert!(text.starts_with(name.as_str()));
             prop_assert!(name.as_str() == text || name.as_str().len() > MAX_BYTES - 4);

@@ -139,7 +139,7 @@ impl Coloring {
             }
             ColorSource::Height(axis) => Some(self.height(axis, hints, frame)),
             ColorSource::Distance(from) => {
-                // Where the sensor moves, the range is that of the first frame from its own.
+                // If the sensor moves, the range is that of the first frame from its own sensor position.
                 let [from, of_range] = match from {
                     DistanceFrom::Sensor => [frame.sensor(), sample.sensor],
                     DistanceFrom::Place(place) => [Some((place - sample.origin).as_vec3()); 2],

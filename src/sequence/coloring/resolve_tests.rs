@@ -43,7 +43,7 @@ fn colors(color: impl Fn(usize) -> [u8; 3]) -> Vec<[u8; 4]> {
 }
 
 #[test]
-fn the_automatic_order_takes_the_first_that_says_anything() {
+fn the_automatic_source_is_the_first_informative_one() {
     let auto = |raw: &RawCloud| paint_of(ColorSource::Auto, raw).source();
     let intensity = ColorSource::Scalar(Some(FieldName::new("intensity")));
     let mut full = cloud(true);
@@ -83,7 +83,7 @@ fn the_automatic_order_takes_the_first_that_says_anything() {
 }
 
 #[test]
-fn hints_are_stronger_than_guesses() {
+fn hints_override_guesses() {
     let paint = |prefers_height, up| {
         let hints = ColorHints { up, prefers_height };
         Coloring::default().paint(&hints, &frame(cloud(true)))
@@ -101,7 +101,7 @@ fn hints_are_stronger_than_guesses() {
 }
 
 #[test]
-fn ranges_leave_out_a_hundredth_at_either_end_or_are_as_told() {
+fn ranges_exclude_one_per_cent_at_either_end_unless_given() {
     let mut raw = cloud(false);
     raw.attributes.scalars = vec![field("heat", |index| index as f32)];
     raw.attributes.scalars[0].values[100] = 1e30;
@@ -120,7 +120,7 @@ fn ranges_leave_out_a_hundredth_at_either_end_or_are_as_told() {
     };
     let paint = all.paint(&ColorHints::default(), &frame(raw.clone()));
     assert_eq!(scale_of(paint), [0.0, f64::from(1e30f32)]);
-    // By logarithms only what has one counts.
+    // On a logarithmic scale only values with a logarithm count.
     let logarithmic = Coloring {
         is_logarithmic: true,
         ..all
@@ -130,7 +130,7 @@ fn ranges_leave_out_a_hundredth_at_either_end_or_are_as_told() {
 }
 
 #[test]
-fn offsets_of_fields_and_of_the_origin_are_in_the_numbers() {
+fn offsets_of_fields_and_of_the_origin_are_included_in_the_numbers() {
     let origin = DVec3::new(5e6, 0.0, 1000.0);
     let mut raw = cloud(true);
     let times: Vec<f64> = (0..101).map(|index| 3.1e8 + index as f64 * 0.25).collect();
@@ -151,7 +151,7 @@ fn offsets_of_fields_and_of_the_origin_are_in_the_numbers() {
     let place = DVec3::new(5e6, 0.0, 1000.0);
     let [near, far] = ends(ColorSource::Distance(DistanceFrom::Place(place)));
     assert!((near - 2f64.sqrt()).abs() < 1e-6 && (far - 99.0 * 2f64.sqrt()).abs() < 1e-4);
-    // The colours as well: the middle of the range has that of the middle of the map.
+    // The colours as well: the centre of the range has the colour at the centre of the map.
     for source in [ColorSource::Time, ColorSource::Height(HeightAxis::Auto)] {
         let needs = Needs {
             colors: Coloring::of(source),
@@ -179,7 +179,7 @@ fn frames_of_a_sequence_share_one_range_whichever_is_seen_first() {
 }
 
 #[test]
-fn what_a_frame_lacks_is_replaced_for_it_alone() {
+fn attributes_a_frame_lacks_are_replaced_for_that_frame_only() {
     let mut first = cloud(false);
     first.attributes.scalars = vec![field("intensity", |index| index as f32)];
     let sample = Arc::new(ValueSample::of_raw(&first, &[], DVec3::ZERO));
@@ -191,12 +191,12 @@ fn what_a_frame_lacks_is_replaced_for_it_alone() {
     assert_eq!(paint(ColorSource::Auto), Paint::Normal);
     assert_eq!(paint(ColorSource::File), Paint::Normal);
     assert_eq!(paint(ColorSource::Class), Paint::Normal);
-    // A field that the first frame has not: the range is that of the frame.
+    // A field that the first frame lacks: the range is that of the frame.
     assert_eq!(scale_of(paint(ColorSource::Scalar(None))), [2.0, 198.0]);
 }
 
 #[test]
-fn frames_with_one_point_none_and_one_value_are_painted() {
+fn frames_with_one_point_no_point_or_one_value_are_colored() {
     for count in [0, 1, 5] {
         let mut raw = RawCloud::from_positions(Positions::F32(vec![[1.0, 2.0, 3.0]; count]));
         raw.attributes.scalars = vec![

@@ -178,7 +178,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sources_are_read_back_from_their_words() {
+    fn sources_round_trip_through_their_words() {
         let further = [
             ColorSource::Scalar(Some(FieldName::new("Roughness (0.1): é"))),
             ColorSource::Height(HeightAxis::Axis(2, false)),

@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn words_of_before_mean_what_they_meant() {
+    fn words_of_older_versions_keep_their_meaning() {
         for (word, source) in [
             ("auto", ColorSource::Auto),
             ("file", ColorSource::File),
@@ -107,14 +107,14 @@ mod tests {
             ("uniform", ColorSource::Uniform),
         ] {
             assert_eq!(read(&format!("\"{word}\"")), Some(Coloring::of(source)));
-            // And earlier versions read what is written.
+            // And earlier versions can read what is written.
             let written = serde_json::to_string(&Coloring::of(source)).unwrap();
             assert_eq!(written, format!("\"{word}\""));
         }
     }
 
     #[test]
-    fn missing_parts_are_usual_and_unknown_ones_are_passed_over() {
+    fn missing_parts_are_defaults_and_unknown_ones_are_ignored() {
         let turbo = Coloring {
             map: ColorMap::Turbo,
             ..Coloring::default()
@@ -134,7 +134,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_choice_is_read_again(
+        fn every_choice_round_trips(
             map in 0usize..5, low in -1e12f64..1e12, extent in 0f64..1e12,
             percent in prop::array::uniform2(0f64..=50.0),
             is_fixed: bool, is_logarithmic: bool, one_color: [u8; 3], name in "[a-z (:]{1,20}",

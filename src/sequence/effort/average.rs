@@ -15,7 +15,7 @@ impl Average {
         if value.is_finite() {
             let mean = self.mean.unwrap_or(value);
             self.mean = Some(mean + NEWEST * (value - mean));
-            // The worst is forgotten at a tenth of that pace.
+            // The worst value decays at a tenth of that rate.
             self.worst = value.max(self.worst * (1.0 - 0.1 * NEWEST));
         }
     }

@@ -130,7 +130,7 @@ impl DrawingPace {
         self.is_known = true;
         let is_patient = self.pictures < self.patience && !is_clear;
         if mean_ms > Self::LATE * interval_ms {
-            // Where pictures have just become slower, the mean is not there yet.
+            // When images have just become slower, the mean has not caught up yet.
             self.draw_fewer(mean_ms, mean_ms.max(picture_ms), fitting, is_patient);
             return;
         }
@@ -142,7 +142,7 @@ impl DrawingPace {
             Some(max_points) if mean_ms < Self::PLANNED * interval_ms && !is_patient => {
                 self.change(max_points.checked_mul(2), Attempt::More);
             }
-            // The first pictures, of few points.
+            // The first images, with few points.
             None if (fitting as usize) < points_in_file && points < points_in_file => {
                 self.change(Some(fitting), Attempt::More);
             }
@@ -162,7 +162,7 @@ impl DrawingPace {
                 self.try_later();
                 self.change(Some((more / 2).max(MIN_POINTS)), Attempt::None);
             }
-            // A quarter less is the least that is worth a copy.
+            // A copy is only worthwhile for at least a quarter fewer points.
             _ if 4 * fitting as usize <= 3 * self.of_points && !is_patient => {
                 let before = self.max_points;
                 self.change(Some(fitting), Attempt::Fewer { before, before_ms });
@@ -203,7 +203,7 @@ impl DrawingPace {
     }
 
     fn try_later(&mut self) {
-        // At growing intervals, as skipped frames mostly come while more points are tried.
+        // At growing intervals, as most skipped frames occur while more points are tried.
         self.patience = (4 * self.patience).min(Self::MAX_PATIENCE);
     }
 

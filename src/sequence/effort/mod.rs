@@ -159,7 +159,7 @@ impl Effort {
         let points = (left_ms * 1e6 / ns_per_point.max(1e-3)).max(0.0);
         let affordable = power_of_two(points);
         let at_present = self.made_for.unwrap_or(u32::MAX);
-        // Up only with a third to spare, so that the number does not oscillate.
+        // Upwards only with a third to spare, so that the number does not oscillate.
         if affordable < at_present || power_of_two(points / 1.33) > at_present {
             self.made_for = Some(affordable);
         }
@@ -202,13 +202,13 @@ mod tests {
     }
 
     #[test]
-    fn playing_begins_with_few_points() {
+    fn playback_starts_with_few_points() {
         let mut effort = opened_at(25.0);
         assert_eq!(effort.in_time(), Detail::at_most(FIRST_POINTS));
         assert_eq!(effort.at_best(), Detail::Full);
         effort.note_made(&made(1.0, 1.0, FIRST_POINTS as usize));
         assert_eq!(effort.in_time(), Detail::at_most(FIRST_POINTS));
-        // 32 of 40 ms are planned: in proportion, they are enough for eight times the points, and for a little less.
+        // 32 of 40 ms are planned: proportionally, they are enough for eight times the points, and slightly less.
         for _ in 0..DrawingPace::LOOKED_AT_IF_CLEAR {
             effort.note_drawn(FIRST_POINTS as usize, 3.0);
         }
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_of_before_tell_what_to_begin_with() {
+    fn previous_draw_times_determine_the_starting_point_count() {
         let opened = |picture_ms| {
             let mut effort = Effort::new(2);
             effort.note_made(&made(0.1, 0.1, MILLION));
@@ -232,16 +232,17 @@ mod tests {
     }
 
     #[test]
-    fn as_many_points_as_there_is_time_for() {
+    fn the_point_count_fills_the_available_time() {
         let mut effort = played_at(25.0);
-        // Two workers have 80 ms between two frames, 68 of them planned: 8 to decode, 60 for points of 200 ns: 300,000.
+        // Two workers have 80 ms between two frames, of which 68 are planned: 8 to decode, 60 for points of 200 ns:
+        // 300,000.
         effort.note_made(&made(8.0, 200.0, MILLION));
         assert_eq!(effort.in_time(), Detail::at_most(1 << 18));
         assert_eq!(effort.at_best(), Detail::Full);
-        // Paused, all are.
+        // When paused, all of them.
         effort.set_interval(None);
         assert_eq!(effort.in_time(), Detail::Full);
-        // In slow motion there is time for all.
+        // In slow motion there is time for all points.
         effort.set_interval(Some(Duration::from_millis(160)));
         effort.note_made(&made(8.0, 200.0, MILLION));
         assert_eq!(effort.in_time(), Detail::Full);
@@ -267,11 +268,11 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_takes_too_long_to_read_leaves_the_fewest_points() {
+    fn slow_reading_leaves_the_minimum_point_count() {
         let mut effort = played_at(25.0);
         effort.note_made(&made(500.0, 1.0, MILLION));
         assert_eq!(effort.in_time(), Detail::at_most(MIN_POINTS));
-        // Of small frames there is nothing to leave out.
+        // Small frames cannot be reduced.
         let mut small = played_at(25.0);
         small.note_made(&MakingCost {
             points_in_file: 5000,
@@ -291,12 +292,12 @@ mod tests {
     }
 
     #[test]
-    fn drawing_that_is_too_slow_gets_fewer_points() {
+    fn slow_drawing_gets_fewer_points() {
         let mut effort = played_at(25.0);
         let detail = drawn(&mut effort, |points| 2.0 + points as f64 / 10_000.0);
         assert_eq!(detail, Detail::at_most(1 << 18), "28 of 40 ms");
         assert_eq!(effort.in_time(), detail);
-        // The person comes near, and goes away again.
+        // The person comes closer, and goes away again.
         let near = drawn(&mut effort, |points| 2.0 + points as f64 / 2_000.0);
         assert_eq!(near, Detail::at_most(1 << 16));
         assert_eq!(drawn(&mut effort, |points| points as f64 / 100_000.0), Detail::Full);
@@ -314,17 +315,17 @@ mod tests {
     }
 
     #[test]
-    fn what_was_too_slow_once_is_tried_again() {
+    fn point_counts_once_too_slow_are_retried() {
         let mut effort = played_at(25.0);
         effort.note_made(&made(0.1, 0.1, MILLION));
-        // Workers take half of the machine at first; then a picture of all points takes 30 ms.
+        // At first workers take half of the machine; then an image of all points takes 30 ms.
         for number in 0..400 {
             let points = effort.at_best().max_points().min(MILLION);
             let factor = if number < 60 { 2.0 } else { 1.0 };
             effort.note_drawn(points, factor * 30.0 * points as f64 / MILLION as f64);
         }
         assert_eq!(effort.at_best(), Detail::Full);
-        // A picture that never fits is tried less and less often.
+        // If more points never fit in time, they are tried less and less often.
         effort.forget();
         let mut late = 0;
         for _ in 0..2000 {
@@ -337,11 +338,11 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_go_with_the_points_is_learned() {
+    fn costs_independent_of_the_point_count_are_learned() {
         let mut effort = Effort::new(2);
         effort.set_interval(Some(Duration::from_secs_f64(1.0 / 60.0)));
         effort.note_made(&made(0.1, 0.1, MILLION));
-        // Most of a picture is the same for any points. While workers are busy, everything takes longer.
+        // Most of the draw time is independent of the points. While workers are busy, everything takes longer.
         let mut drawn = |pictures, factor: f64| {
             for _ in 0..pictures {
                 let points = effort.at_best().max_points().min(MILLION);
@@ -359,7 +360,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_of_before_say_nothing_of_what_is_tried() {
+    fn frames_drawn_earlier_do_not_count_for_a_trial() {
         let mut effort = played_at(25.0);
         let ms = |points: usize| 3.0 + points as f64 / 8_700.0;
         assert_eq!(drawn(&mut effort, ms), Detail::at_most(1 << 18), "33 of 40 ms");
@@ -369,7 +370,7 @@ mod tests {
             effort.note_drawn(1 << 19, ms(1 << 19));
             assert_eq!(effort.at_best(), Detail::at_most(1 << 18));
         }
-        // Few points that are late say enough.
+        // If even few points are late, that is evidence enough.
         for _ in 0..20 {
             let points = effort.at_best().max_points().min(1 << 17);
             effort.note_drawn(points, points as f64 / 2_080.0);

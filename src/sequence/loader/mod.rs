@@ -236,7 +236,7 @@ impl Loader {
             return Ok(Arc::clone(frame));
         }
         if queue.needs.is_none() {
-            // Nobody plays: what lies around this frame is worth keeping.
+            // Nothing is playing: the surroundings of this frame are worth caching.
             queue.focus.playhead = index;
         }
         let ticket = self.next_ticket.fetch_add(1, Ordering::Relaxed);

@@ -118,7 +118,7 @@ impl Queue {
         }
         let needs = self.needs?;
         let (in_time, at_best) = (self.effort.in_time(), self.effort.at_best());
-        // From the present plan, not a queue: frames behind the playhead are not requested any more, and nothing needs
+        // From the current plan, not a queue: frames behind the playhead are no longer requested, and nothing needs
         // back-pressure. Full frames come second, so that a loop gets denser with each iteration.
         let ahead = self.effort.ahead_frames().min(LOOK_AHEAD_FRAMES);
         self.planned_job(&needs, in_time, ahead)
@@ -214,7 +214,7 @@ impl Queue {
                     && (self.has_space(bytes)
                         || (self.may_evict_for(rank, through_here) && self.free_space(bytes, rank)))
             }
-            // Without a measure of what a frame takes, one at a time.
+            // As long as the memory of a frame is unknown, one at a time.
             None => self.cache.in_flight() == 0,
         };
         fits.then(|| self.start(index, *needs, detail, bytes.unwrap_or(0)))
@@ -239,7 +239,7 @@ impl Queue {
             return true;
         }
         let full = self.cache.full(index).filter(|frame| frame.satisfies(needs));
-        // Where points are too many to be drawn, fewer of them are made even of frames that are here.
+        // If there are too many points to draw, reduced versions are made even of frames that are cached.
         let is_of_use = |frame: &PreparedFrame| detail != self.effort.at_best() || !detail.is_exceeded_by(&frame.frame);
         let coarse = self.cache.coarse(index).filter(|frame| frame.satisfies(needs));
         full.is_some_and(|frame| is_of_use(frame))

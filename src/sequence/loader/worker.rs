@@ -46,7 +46,7 @@ impl Shared {
     fn run_stages<T: Send>(&self, job: &Job, stages: impl FnOnce() -> T + Send) -> T {
         let is_alone = self.queue().cache.in_flight() <= 1;
         match job.next_stage {
-            // Two in one pool could wait for the origin within each other.
+            // Two in one pool could deadlock while waiting for the origin.
             _ if !is_alone => stages(),
             Some(NextStage::Sample | NextStage::AllPoints(_)) => self.first_pool.install(stages),
             _ => self.pool.install(stages),
@@ -111,7 +111,7 @@ pub(super) fn finish(shared: &Shared, index: usize, outcome: Result<Finished, Ar
         let needs = queue.needs.as_ref();
         needs.is_none_or(|needs| frame.satisfies(needs))
     };
-    // A stage says little about how long the whole takes.
+    // A single stage says little about how long the whole frame takes.
     if let Some(finished) = outcome.as_ref().ok().filter(|made| is_complete(&made.frame)) {
         queue.effort.note_made(&finished.made());
     }
@@ -188,7 +188,7 @@ pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, Frame
     let fits = check_memory(shared, job.index, &frame, &needs);
     let is_settled = in_stages && fits.is_err();
     match fits {
-        // A machine without the memory for the next stage keeps the results of the earlier ones.
+        // If a machine lacks the memory for the next stage, the results of the earlier ones are retained.
         Err(error) if in_stages => frame.warn(format!("{error}: its points are shown")),
         fits => fits?,
     }

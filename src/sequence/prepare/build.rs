@@ -48,7 +48,7 @@ impl Build<'_> {
         };
         let colors_need_shapes = paint == Paint::Normal && same_colors.is_none() && self.frame.all_normals().is_none();
         if !needs.ellipses && self.has_ellipses && self.frame.ellipses().is_some() {
-            // Disks have other radii than the ellipses of the file.
+            // Disks have different radii from the ellipses of the file.
             (self.shapes, self.has_ellipses) = (None, false);
         }
         if needs.shapes || colors_need_shapes {
@@ -139,7 +139,7 @@ impl Build<'_> {
         let none = LevelsSet::default();
         let known = same_colors.map_or(&none, |existing| &existing.levels);
         let start = Instant::now();
-        // Decoded clouds bring no octree: one for a million points in Morton order is built in 3.4 ms.
+        // Decoded clouds contain no octree: one for a million points in Morton order is built in 3.4 ms.
         let (levels, work) = known.completed(needs.levels, &cloud);
         if work != LevelsWork::default() {
             self.timings.octree_ms = milliseconds_since(start) as f32;

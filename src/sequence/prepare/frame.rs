@@ -117,9 +117,9 @@ impl PreparedFrame {
         Self {
             id: next_id(),
             points,
-            // Its vertices are not these points, so that nobody knows their colours.
+            // Its vertices are not these points, so their colours are unknown.
             mesh: None,
-            // Its disks have the colours of before.
+            // Its disks have the previous colours.
             curved: None,
             levels,
             paint,

@@ -27,7 +27,7 @@ impl PreparedMesh {
     }
 
     fn painted(mesh: Arc<Mesh>, triangles: Arc<Vec<TriangleRecord>>, paint: &Paint) -> Self {
-        // Pictures are colours of the file.
+        // Textures are colours of the file.
         let texturing = mesh.texturing().filter(|_| *paint == Paint::File);
         let records = MeshRecords::new(Arc::new(vertices(&mesh, paint, texturing)), triangles);
         let records = match texturing {
@@ -61,7 +61,7 @@ fn vertices(mesh: &Mesh, paint: &Paint, texturing: Option<&Texturing>) -> Vec<Ve
     let normals = mesh.vertices().normals();
     let normal = |slot: usize| match normals.map(|normals| normals[slot]) {
         Some(normal) if normal != Vec3::ZERO => oct_encode(normal),
-        // Normals averaged over the faces around a vertex would round the edges of a cube.
+        // Normals averaged over the faces around a vertex would round off the edges of a cube.
         _ => VertexRecord::NO_NORMAL,
     };
     let record = |(slot, point): (usize, &PointRecord)| VertexRecord {

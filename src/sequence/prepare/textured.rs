@@ -32,7 +32,7 @@ pub(super) fn is_outlier(frame: &Frame) -> Vec<bool> {
         return vec![false; frame.len()];
     }
     // Textured, the large disk of an outlier shows a shifted background, the largest error of sparse sets. With
-    // outliers as dots: 21.80 → 26.88 dB (ball and ring, 3,500 points), 27.58 → 30.87 (room, 1,500 points).
+    // outliers as dots: 21.80 → 26.88 dB (ball and ring, 3,500 points), 27.58 → 30.87 dB (room, 1,500 points).
     outliers(frame.positions())
 }
 
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn stray_points_are_dots_and_turn_no_disk() {
+    fn outliers_are_dots_and_do_not_tilt_disks() {
         let mut places = wall();
         places.push([8.5, 8.5, 1.6]);
         let frame = prepared(places, Attributes::default());
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn disks_of_a_round_thing_are_bent_and_its_points_stay() {
+    fn disks_of_a_round_object_are_curved_and_its_points_unchanged() {
         let (places, normals) = tube();
         let with_normals = Attributes {
             normals: Some(normals),
@@ -184,7 +184,7 @@ mod tests {
             let [x, y, _] = point.position;
             assert!((x.hypot(y) - 1.0).abs() < 0.02, "{point:?}");
         }
-        // Radii of a file are what somebody chose.
+        // Radii in a file were chosen by someone.
         let with_radii = Attributes {
             radii: Some(vec![0.3; 600]),
             ..with_normals
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn photographs_are_put_on_their_own_surface_and_the_points_stay() {
+    fn images_are_projected_onto_their_own_surface_and_points_unchanged() {
         let frame = prepared(wall(), Attributes::default());
         let surface = PhotoSurface {
             points: Arc::new(frame.points[..3].to_vec()),
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn a_surface_without_stray_points_stays_the_same_allocation() {
+    fn a_surface_without_outliers_reuses_its_allocation() {
         let frame = prepared(wall(), Attributes::default());
         let textured = textured(&frame);
         assert!(Arc::ptr_eq(
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn normals_and_radii_of_a_file_stay() {
+    fn normals_and_radii_of_a_file_are_unchanged() {
         let mut places = wall();
         places.push([8.5, 8.5, 6.0]);
         let normal = Vec3::new(0.6, 0.0, 0.8);

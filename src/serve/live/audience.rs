@@ -133,7 +133,7 @@ impl Client {
     }
 
     pub(super) fn hang_up(&self) {
-        // It may have left already.
+        // It may have disconnected already.
         let _ = self.stream.shutdown(Shutdown::Both);
     }
 

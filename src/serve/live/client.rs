@@ -15,7 +15,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// Heartbeat interval: if there is no frame, the server's presence is signalled once in this time.
-// Clients take five seconds of silence for a server that is gone.
+// Clients take five seconds of silence to mean that the server is gone.
 const HEARTBEAT: Duration = Duration::from_secs(1);
 
 /// Bytes of a message of a client.
@@ -110,7 +110,7 @@ fn end(reason: &str) -> Vec<u8> {
 
 /// Tells somebody who has no place why, if it can be told at once.
 pub(super) fn refuse(mut stream: &TcpStream, head: &StreamHead, reason: &str) -> io::Result<()> {
-    // Buffers of a new connection hold as much.
+    // Buffers of a new connection hold that much.
     stream.set_nonblocking(true)?;
     stream.write_all(&head.encode())?;
     stream.write_all(&end(reason))

@@ -58,7 +58,7 @@ impl Feed {
     fn made_whole(&mut self, index: usize) -> Result<Arc<WholeFrame>, String> {
         let cloud = self.decoded(index)?;
         let origin = origin_of(&cloud);
-        // Of whole frames: the visible points of a distant view are farther apart, and would be sent ever more
+        // From whole frames: the visible points of a distant view are farther apart, and would be sent ever more
         // coarsely.
         let known = self.spacing.filter(|(_, frames)| *frames < SPACING_FRAMES);
         let (spacing, frames) = match known {
@@ -72,7 +72,7 @@ impl Feed {
     /// The answer of `work`; a sentence if the program fails in it: one frame that it cannot make ends no stream.
     fn without_panic<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, String>) -> Result<T, String> {
         catch_unwind(AssertUnwindSafe(|| work(self))).unwrap_or_else(|_| {
-            // One that has failed half-way may be in any state.
+            // A decoder that failed halfway may be in any state.
             self.decoder = self.source.decoder();
             Err("the program failed on this frame: please report it with the file".to_owned())
         })
@@ -96,7 +96,7 @@ impl Feed {
             Ok(body) => body,
             Err(problem) => {
                 log::warn!("{} is skipped: {problem}", frame_by_index(index));
-                // A live source has each frame once.
+                // A live source delivers each frame only once.
                 if !self.source.is_live() {
                     self.broken.insert(index);
                 }
@@ -111,8 +111,8 @@ impl Feed {
     }
 
     fn made(&mut self, index: usize) -> Result<Body, String> {
-        // Unfiltered images, not points: nothing is lost that a filter may need later, and the client has the decoder
-        // of files.
+        // Unfiltered images, not points: nothing is lost that a filter may need later, and the client uses the decoder
+        // for files.
         let (kind, bytes) = if let Some(images) = self.source.raw_images(index) {
             let images = images.map_err(|error| error.to_string())?;
             let (body, problem) = images_body(&images, self.coding, self.max_bytes)?;

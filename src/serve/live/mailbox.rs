@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn no_more_frames_are_on_the_way_than_a_client_receives() {
+    fn frames_in_flight_are_limited_by_what_a_client_receives() {
         let mailbox = Mailbox::default();
         let mut push_and_send = |number| {
             mailbox.push(frame(number));
@@ -180,11 +180,11 @@ mod tests {
         };
         assert_eq!(push_and_send(0), Some(0));
         mailbox.got(0);
-        // Two are on the way; the third waits until one has come.
+        // Two are in transit; the third waits until one has arrived.
         assert_eq!([1, 2, 3].map(&mut push_and_send), [Some(1), Some(2), None]);
         mailbox.got(1);
         assert_eq!(sent(&mailbox), Some(3));
-        // One that never says what it has received is sent all.
+        // A client that never acknowledges frames is sent all of them.
         let silent = Mailbox::default();
         let all = (0..8).filter(|&number| {
             silent.push(frame(number));
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn answers_come_first_and_the_end_before_all() {
+    fn answers_come_before_frames_and_the_end_before_everything() {
         let mailbox = Mailbox::default();
         mailbox.push(frame(0));
         for number in 0..20 {

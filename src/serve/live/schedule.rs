@@ -68,7 +68,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn frames_are_due_at_their_rate_over_and_over() {
+    fn frames_are_due_at_their_rate_in_a_loop() {
         let schedule = Schedule::new(3, 10.0, |frame| if frame == 1 { 2.0 } else { 1.0 });
         let due: Vec<u128> = (0..7).map(|number| schedule.due(number).as_millis()).collect();
         assert_eq!(due, [0, 100, 300, 400, 500, 700, 800]);
@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_rate_is_one_all_the_same() {
+    fn invalid_rates_give_a_valid_schedule() {
         for (count, fps) in [(0, 24.0), (1, 0.0), (5, f64::NAN), (2, -1.0), (3, f64::INFINITY)] {
             let schedule = Schedule::new(count, fps, |_| f64::NAN);
             assert!(schedule.length > Duration::ZERO && schedule.fps() > 0.0 && schedule.count() > 0);
@@ -88,7 +88,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_frame_is_the_last_that_is_due_when_it_is_due(
+        fn due_and_due_by_are_inverse(
             durations in prop::collection::vec(0.1f64..5.0, 1..20), fps in 1.0f64..100.0, number in 0u64..10_000,
         ) {
             let schedule = Schedule::new(durations.len(), fps, |frame| durations[frame]);

@@ -120,7 +120,8 @@ impl LiveServer {
                 audience: Audience::default(),
                 estimators: Estimators::default(),
                 begun: Instant::now(),
-                // A different number after each start: the frame numbers and the clock that clients know do not go on.
+                // A different number after each start: the frame numbers and the clock that clients know are not
+                // continued.
                 session: RandomState::new().build_hasher().finish(),
                 fps: schedule.fps(),
                 is_over: AtomicBool::new(false),
@@ -182,7 +183,7 @@ impl LiveServer {
             };
             self.shared.audience.end(reason);
             self.stop();
-            // What cannot be listened to any more is said by that thread.
+            // If listening fails, that thread reports it.
             let _ = accepting.join();
             Ok(reason)
         })?;
@@ -195,7 +196,7 @@ impl LiveServer {
         let schedule = &self.schedule;
         let begun = Instant::now();
         let mut next = 0;
-        // What a frame takes to be made: the one that is due then is made.
+        // The time that a frame takes to make: the one that will be due by then is made.
         let mut cost = Duration::ZERO;
         while !self.shared.is_over() {
             let due = schedule.due_by(begun.elapsed() + cost).max(next);
@@ -208,7 +209,7 @@ impl LiveServer {
             }
             next = due + 1;
             let making = Instant::now();
-            // Nobody waits for it, but a client that comes is shown something at once.
+            // No client is waiting for it, but a new client is shown something at once.
             let is_wanted = has_clients || self.shared.audience.newest().is_none();
             let body = is_wanted.then(|| feed.body(schedule.index(due)));
             let whole = self.whole(feed, schedule.index(due), body.as_ref().and_then(Option::as_ref));
@@ -286,7 +287,7 @@ impl LiveServer {
     /// Takes clients until it is over.
     fn accept(&self) {
         let mut back_off = AcceptBackOff::default();
-        // Those for whom there is no place yet.
+        // Clients for which there is no place yet.
         let mut waiting = VecDeque::new();
         while !self.shared.is_over() {
             self.seat(&mut waiting);
@@ -297,7 +298,7 @@ impl LiveServer {
             match self.listener.accept() {
                 Ok((stream, address)) => {
                     back_off.works();
-                    // Some systems hand over what the listener is set to.
+                    // On some systems sockets inherit the mode of the listener.
                     if stream.set_nonblocking(false).is_ok() {
                         waiting.push_back((Arc::new(Client::new(address, stream)), Instant::now()));
                     }
@@ -345,11 +346,11 @@ impl LiveServer {
 /// Starts the threads of a client.
 fn attend(shared: &Arc<Shared>, client: &Arc<Client>, min: MinRate) -> io::Result<()> {
     let (listener, clock) = (Arc::clone(client), Arc::clone(shared));
-    // Two threads of its own for each client: a slow one does not delay the others.
+    // Two separate threads per client: a slow one does not delay the others.
     thread::Builder::new().name("live listener".to_owned()).spawn(move || {
         let error = client::listen(&listener, &listener.stream, || clock.clock_ns());
         log::debug!("{}: {error}", listener.address);
-        // The one that sends need not wait for a frame to find out.
+        // The sending thread need not wait for a frame to find out.
         listener.mailbox.end("it has left");
         listener.hang_up();
     })?;

@@ -91,7 +91,7 @@ impl Companions {
                 by_number.entry((folder_of(file), digits)).or_default().push(index);
             }
         }
-        // The first file of each kind of names that shares a number with another kind.
+        // The first file of each name pattern that shares a number with another pattern.
         let mut first_of: BTreeMap<String, &PathBuf> = BTreeMap::new();
         for indices in by_number.values().filter(|indices| indices.len() > 1) {
             for &index in indices {
@@ -107,7 +107,7 @@ impl Companions {
             .filter(|(_, first)| has_no_points(known.rows_of(first)))
             .map(|(pattern, _)| pattern.clone())
             .collect();
-        // Where nothing has points, each file says why when it is read.
+        // If nothing has points, each file reports why when it is read.
         if odd.len() == first_of.len() {
             return;
         }
@@ -166,7 +166,7 @@ fn base_of(file: &Path) -> Option<(PathBuf, String)> {
     let (folder, stem) = place_of(file);
     let lower = stem.to_lowercase();
     let suffix = SUFFIXES.iter().find(|suffix| lower.ends_with(*suffix))?;
-    // Suffixes are ASCII, so the stem ends with as many bytes in any case.
+    // Suffixes are ASCII, so the stem ends with the same number of bytes in upper and lower case.
     let base = stem.get(..stem.len() - suffix.len())?;
     (!base.is_empty()).then(|| (folder, base.to_owned()))
 }
@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn contents_decide_and_not_names() {
+    fn contents_decide_not_names() {
         let all = &["x", "y", "z", "nx", "ny", "nz"];
         let (stay, pairs, skipped) = grouped(&[("1.ply", POINTS), ("1_normal.ply", all), ("2_normal.ply", POINTS)]);
         assert_eq!(stay, ["1.ply", "1_normal.ply", "2_normal.ply"]);
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn normals_without_points_and_second_ones_are_left_out() {
+    fn normals_without_points_and_duplicate_normals_are_skipped() {
         let (stay, pairs, skipped) = grouped(&[
             ("1.ply", POINTS),
             ("1_normal.ply", NORMALS),
@@ -287,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn files_without_points_beside_a_frame_are_left_out() {
+    fn files_without_points_next_to_a_frame_are_skipped() {
         let (stay, _, skipped) = grouped(&[
             ("1.ply", POINTS),
             ("1_mask.ply", LABELS),
@@ -301,19 +301,19 @@ mod tests {
     }
 
     #[test]
-    fn what_shares_no_number_is_not_looked_at_and_says_itself_what_is_wrong() {
+    fn files_sharing_no_number_are_not_examined_and_fail_on_their_own() {
         let (stay, _, skipped) = grouped(&[("1.ply", POINTS), ("2.ply", LABELS), ("mask_3.ply", LABELS)]);
         assert_eq!(stay.len(), 3);
         assert_eq!(skipped, [""; 0]);
         let (stay, _, _) = grouped(&[("1.ply", LABELS), ("1_mask.ply", LABELS)]);
         assert_eq!(stay.len(), 2);
-        // All files are named like normals: they are what there is.
+        // All files are named like normals: then they are the frames.
         let (stay, _, _) = grouped(&[("1_normal.ply", NORMALS), ("2_normal.ply", NORMALS)]);
         assert_eq!(stay.len(), 2);
     }
 
     #[test]
-    fn what_is_left_out_is_one_sentence() {
+    fn skipped_files_are_reported_in_one_sentence() {
         let note = |names: &[&str]| {
             let skipped = names.iter().map(PathBuf::from).collect();
             let companions = Companions {

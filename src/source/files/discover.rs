@@ -257,7 +257,7 @@ impl Discovered {
         skipped.retain(|file| !used.contains(file));
         self.notes.extend(times.notes);
         self.notes.extend(poses.notes);
-        // What was said of a list already is not said again.
+        // What was already reported about a list is not repeated.
         skipped.retain(|file| {
             let name = file.display().to_string();
             !self.notes.iter().any(|note| note.starts_with(&name))
@@ -276,14 +276,14 @@ impl Discovered {
     fn append_frames(&mut self, path: PathBuf, options: &OpenOptions, opens: [bool; 2]) {
         let [opens_arrays, opens_text] = opens;
         let format = Format::of_extension(&path);
-        // A file of one frame by its name is not opened here: there may be a hundred thousand.
+        // A file that its name identifies as a single frame is not opened here: there may be a hundred thousand.
         let may_hold_many = format.is_none_or(|format| format.holds_many() && (opens_text || !format.is_rarely_many()))
             && (opens_arrays || !is_array(&path));
         let stays_whole = options.merge_scans && format.is_some_and(Format::holds_scans);
         let listed =
             (may_hold_many && !stays_whole).then(|| io::contents(&path, options.topic.as_deref(), &options.read));
         match listed {
-            // What holds no frame at all says so when it is decoded.
+            // A file without any frame reports that when it is decoded.
             Some(Ok(contents)) if contents.entries.is_empty() && options.topic.is_none() => {
                 self.entries.push(FrameEntry::file(path));
             }
@@ -354,7 +354,7 @@ fn sibling_folders(entries: &[FrameEntry], inputs: &[PathBuf]) -> Vec<PathBuf> {
         folders.push(above.clone());
         folder = above;
     }
-    // Scans of KITTI are in a folder of any name, with the list of their times next to it.
+    // KITTI scans are in a folder of any name, with the list of their times next to it.
     let has_time_sidecar = |entry: &FrameEntry| Format::of_extension(&entry.path).is_some_and(Format::has_time_sidecar);
     if folders.len() == 1 && entries.iter().all(has_time_sidecar) {
         folders.push(folders[0].join(".."));
@@ -489,7 +489,7 @@ mod tests {
     use std::sync::{Arc, Mutex};
 
     #[test]
-    fn opening_tells_of_each_file_and_can_be_cancelled() {
+    fn opening_reports_each_file_and_can_be_cancelled() {
         let folder = tempfile::tempdir().unwrap();
         for name in ["a_1.ply", "a_2.ply", "a_3.ply"] {
             fs::write(folder.path().join(name), "ply").unwrap();

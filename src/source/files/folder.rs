@@ -84,7 +84,7 @@ impl Listing {
                 continue;
             }
             let kind = entry.file_type().map_err(unreadable)?;
-            // Only links cost a second look at the file system.
+            // Only links need a second file system access.
             let is_folder = kind.is_dir() || (kind.is_symlink() && path.is_dir());
             if is_folder {
                 folders.push(path);
@@ -181,7 +181,7 @@ fn below(folder: &Path, listing: &Listing, depth: usize) -> Result<Option<FoundF
             result => found.push((child.clone(), result)),
         }
     }
-    // Text in other folders, as the poses and labels next to scans.
+    // Text files in other folders, such as the poses and labels next to scans.
     let has_clouds = |result: &Result<FoundFiles, SequenceError>| match result {
         Ok(found) => found.files.iter().any(|file| Tier::of(file) == Tier::Cloud),
         Err(error) => matches!(error, SequenceError::Several { .. }),
@@ -190,7 +190,7 @@ fn below(folder: &Path, listing: &Listing, depth: usize) -> Result<Option<FoundF
         found.retain(|(_, result)| has_clouds(result));
     }
     let mut note = None;
-    // Key frames with annotations and all frames, as nuScenes has them.
+    // Annotated key frames and all frames, as in nuScenes.
     if found.len() == 2
         && ["samples", "sweeps"]
             .iter()
@@ -383,7 +383,7 @@ mod tests {
     }
 
     #[test]
-    fn buffers_of_gltf_files_are_no_scans() {
+    fn gltf_buffers_are_not_scans() {
         let left_of = |names: &[&str]| {
             let mut files = names.iter().map(PathBuf::from).collect();
             skip_buffers(&mut files);
@@ -448,7 +448,7 @@ mod tests {
     }
 
     #[test]
-    fn several_sequences_are_a_question() {
+    fn several_sequences_need_a_choice() {
         assert_eq!(
             choices(&["walk/0.ply", "walk/1.ply", "run/0.ply", "run/1.ply"]),
             ["run", "walk"]

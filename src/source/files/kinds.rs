@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn words_tell_different_things() {
+    fn different_words_mark_different_things() {
         for names in [
             &["cloudCorner.pcd", "cloudGlobal.pcd", "cloudSurf.pcd", "trajectory.pcd"][..],
             &["corner_map.pcd", "GlobalMap.pcd"],
@@ -152,14 +152,14 @@ mod tests {
     }
 
     #[test]
-    fn levels_of_detail_are_no_moments() {
+    fn levels_of_detail_are_not_time_steps() {
         assert!(are_levels(&paths(&["cloud_lod0.ply", "cloud_lod1.ply"])));
         assert!(are_levels(&paths(&["scan_1000k.ply", "scan_100k.ply", "scan_10k.ply"])));
         assert!(!are_levels(&paths(&["scan_1.ply", "scan_2.ply"])));
     }
 
     #[test]
-    fn the_order_of_hexadecimal_names_is_said() {
+    fn the_order_of_hexadecimal_names_is_reported() {
         let order = without_order(&paths(&["9.ply", "a.ply", "10.ply"])).unwrap();
         assert_eq!(order.evidence, Evidence::Statistics);
     }

@@ -88,7 +88,7 @@ impl Looks {
         if !entry.is_file() {
             return false;
         }
-        // A file that is gone for a moment is being replaced.
+        // A file that is briefly missing is being replaced.
         let Some(stamp) = stamp_of(&entry.path) else {
             return false;
         };
@@ -126,7 +126,7 @@ impl Looks {
         };
         let seen = self.coming.get(&entry.path);
         let first = seen.map_or_else(Instant::now, |seen| seen.first);
-        // Two looks, so that a slow writer leaves no broken frame behind.
+        // Two checks, so that a slow writer leaves no broken frame behind.
         let rests = seen.is_some_and(|seen| seen.stamp == stamp) || is_older(&entry.path, OLD);
         self.coming.insert(entry.path.clone(), Seen { stamp, first });
         let has_waited = |max: Duration| first.elapsed() >= max;

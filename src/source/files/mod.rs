@@ -224,13 +224,13 @@ impl Growth for Files {
         let mut is_next = true;
         for entry in found {
             let expects_normals = entries.last().is_some_and(|before| before.normals.is_some());
-            // All are looked at, and those after one that is not complete wait for it.
+            // All are checked, and those after an incomplete one wait for it.
             is_next &= looks.may_append(&entry, &entries, expects_normals);
             if !is_next {
                 continue;
             }
             looks.note(&entry);
-            // A temporary file that was given its name: it has the place of that name.
+            // A temporary file that was renamed: it takes the place of its final name.
             match entries.last_mut().filter(|last| !last.path.exists()) {
                 Some(last) => {
                     *last = Arc::new(entry);

@@ -98,7 +98,7 @@ fn number_at(chars: &[char], at: usize, minus: Minus) -> Option<(NameNumber, usi
     }
     let mut end = start + digits(start);
     let whole: String = chars[start..end].iter().collect();
-    // Of `1.2.3`, a version or a date, no part is a fraction.
+    // In `1.2.3`, a version or a date, no part is a fraction.
     let follows_point = before == Some('.') && at >= 2 && is_digit(at - 2);
     let mut fraction = None;
     if chars.get(end) == Some(&'.') && is_digit(end + 1) && !follows_point {
@@ -109,7 +109,7 @@ fn number_at(chars: &[char], at: usize, minus: Minus) -> Option<(NameNumber, usi
             end = fraction_end;
         }
     }
-    // Printed exponents have a sign and two digits: `frame1e5` is something else.
+    // Printed exponents have a sign and two digits: `frame1e5` means something else.
     let has_exponent = matches!(chars.get(end), Some('e' | 'E'))
         && matches!(chars.get(end + 1), Some('+' | '-'))
         && digits(end + 2) >= 2;
@@ -170,7 +170,7 @@ pub(super) fn sort(files: &mut [PathBuf]) {
         return;
     };
     let mut keyed: Vec<(SplitName, PathBuf)> = split.into_iter().zip(files.iter().cloned()).collect();
-    // Stable: equal numbers keep the natural order.
+    // Stable: equal numbers stay in natural order.
     keyed.sort_by(|(left, _), (right, _)| {
         let pairs = left.numbers.iter().zip(&right.numbers);
         let mut orders = pairs.map(|(left, right)| left.compare(right));
@@ -215,7 +215,7 @@ pub(super) fn hexadecimal(names: &[String]) -> Option<Vec<u64>> {
         u64::from_str_radix(digits, 16).ok()
     };
     let numbers: Vec<u64> = names.iter().map(digits).collect::<Option<_>>()?;
-    // Letters that all have, as `f000` and `f001`, are no digits.
+    // Letters common to all names, as in `f000` and `f001`, are not digits.
     let first_name = names.first()?;
     let shared = |name: &String| {
         first_name
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn versions_and_plain_numbers_keep_the_natural_order() {
+    fn versions_and_plain_numbers_are_in_natural_order() {
         for expected in [
             &["v1.9.ply", "v1.10.ply", "v1.11.ply"][..],
             &["f-1.ply", "f-2.ply", "f-10.ply"],

@@ -8,7 +8,7 @@ use std::path::Path;
 /// that grows from each name to the next. Without such a run nobody gets a number; a single file gets its last run.
 pub(in crate::source) fn number(entries: &mut [FrameEntry]) {
     let of_names = |entry: &FrameEntry| numbers_in(&split_name(Path::new(&entry.name)).0);
-    // Where each frame has a folder of its own, that of the folder.
+    // If each frame has its own folder, the number of the folder.
     let of_folders = |entry: &FrameEntry| {
         let folder = Path::new(&entry.name).parent().unwrap_or(Path::new(""));
         numbers_in(&folder.to_string_lossy())
@@ -30,7 +30,7 @@ fn number_by(entries: &mut [FrameEntry], numbers_of: impl Fn(&FrameEntry) -> Vec
     let Some(first) = entries.first() else {
         return false;
     };
-    // Which of the first name's runs still count, and their values in the name before.
+    // The digit runs of the first name that still increase, and their values in the previous name.
     let mut before = numbers_of(first);
     for entry in &entries[1..] {
         let numbers = numbers_of(entry);
@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn the_run_that_counts_is_the_number() {
+    fn the_counting_run_of_digits_is_the_number() {
         assert_eq!(
             numbers(&["cam0_7.ply", "cam0_9.ply", "cam0_10.ply"]),
             [Some(7), Some(9), Some(10)]
@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn names_without_a_counting_run_have_no_number() {
+    fn names_without_a_counting_run_of_digits_have_no_number() {
         assert_eq!(numbers(&["a.ply", "b.ply"]), [None, None]);
         assert_eq!(numbers(&["03-30.ply", "04-02.ply"]), [Some(3), Some(4)]);
         assert_eq!(numbers(&["a_1.ply", "b_1.ply"]), [None, None]);

@@ -94,7 +94,7 @@ pub(super) fn place(
     let Some((poses, why)) = poses else {
         return Ok(found);
     };
-    // What is given is not doubted.
+    // Explicitly given poses are not questioned.
     if given.is_none() && are_registered(entries, &poses) {
         let used = std::mem::take(&mut found.used);
         let list = used.first().map_or(why, |list| list.display().to_string());
@@ -119,7 +119,7 @@ pub(super) fn place(
             *pose
         };
     }
-    // What a person says is no assumption.
+    // What the user says is not an assumption.
     if given.is_some() {
         return Ok(found);
     }
@@ -162,7 +162,7 @@ fn find(entries: &[FrameEntry], folders: &[PathBuf], found: &mut FoundPoses) -> 
             return Some((poses, folder.display().to_string()));
         }
     }
-    // `000000.txt` beside `000000.pcd`.
+    // `000000.txt` next to `000000.pcd`.
     if let Some(folder) = folders.first()
         && let Some(poses) = of_folder(folder, entries, true)
     {
@@ -326,7 +326,7 @@ fn for_entries(trajectory: &Trajectory, entries: &[FrameEntry]) -> Option<Poses>
     let is_enough = |poses: &Poses| 2 * poses.iter().flatten().count() >= poses.len();
     match trajectory {
         Trajectory::Numbered(listed) => {
-            // Frames of a part of a recording have the lines of their numbers.
+            // Frames of a part of a recording use the lines of their numbers.
             let by_number = |entry: &FrameEntry| trajectory.pose(usize::try_from(entry.number?).ok()?, None);
             let has_number = |entry: &FrameEntry| {
                 let number = entry.number.and_then(|number| usize::try_from(number).ok());
@@ -386,9 +386,9 @@ fn of_folder(folder: &Path, entries: &[FrameEntry], by_name_alone: bool) -> Opti
             .get(&stem)
             .or_else(|| if is_numbered { numbered() } else { None })
     };
-    // Text beside the first cloud that is no pose is something else beside all of them.
+    // If the text file next to the first cloud is not a pose, none of them are.
     let first = file_of(entries.first()?)?;
-    // Text that is a frame itself is no pose.
+    // A text file that is a frame itself is not a pose.
     if *first == entries.first()?.path {
         return None;
     }

@@ -128,7 +128,7 @@ fn of_one_tier(files: Vec<PathBuf>) -> (Vec<PathBuf>, Vec<PathBuf>) {
     };
     let mut frames = tiers.remove(&best).unwrap_or_default();
     let mut skipped: Vec<PathBuf> = tiers.into_values().flatten().collect();
-    // Among text that is frames, a list of times has a name of its own.
+    // If the frames are text, a list of times has a different name.
     if best == Tier::Text {
         let series: HashSet<PathBuf> = largest_series(&frames).into_iter().collect();
         if series.len() > 1 {
@@ -190,7 +190,8 @@ fn of_one_format(files: Vec<PathBuf>) -> (Vec<PathBuf>, Vec<PathBuf>) {
         );
         by_extension.entry(extension(file)).or_default().insert(place);
     }
-    // Of as many files, formats with a header are the better ones, and they come later than `bin` and `las` do not.
+    // With equally many files, formats with a header are preferred, and those come later in the order, except for `bin`
+    // and `las`.
     let rank = |(name, stems): &(&String, &HashSet<(PathBuf, String)>)| (stems.len(), *name != "bin" && *name != "xyz");
     let Some((retained, stems)) = by_extension.iter().max_by_key(rank) else {
         return (files, Vec::new());
@@ -295,7 +296,7 @@ fn groups_of(files: &[PathBuf]) -> Vec<Vec<PathBuf>> {
         }
     }
     let mut alone: Vec<Vec<PathBuf>> = by_name.into_values().collect();
-    // `scan.ply`, `scan 1.ply`, `scan 2.ply`: a file manager numbers copies so.
+    // `scan.ply`, `scan 1.ply`, `scan 2.ply`: a file manager numbers copies like this.
     alone.retain(|file| {
         let letters = SplitName::of(&telling_name(&file[0], is_folder_per_frame), Minus::AfterSeparator).letters();
         let numbered = by_letters.get_mut(&letters).filter(|_| !letters.is_empty());

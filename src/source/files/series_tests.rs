@@ -41,7 +41,7 @@ fn text_next_to_clouds_is_skipped() {
 }
 
 #[test]
-fn text_is_frames_where_it_is_the_numbered_majority() {
+fn text_files_are_frames_where_they_are_the_numbered_majority() {
     let text = ["s_0.txt", "s_1.txt", "s_2.txt", "s_3.txt"];
     assert_eq!(chosen(&text).0, text);
     let with = |others: &[&'static str]| chosen(&[&text[..], others].concat());
@@ -56,7 +56,7 @@ fn text_is_frames_where_it_is_the_numbered_majority() {
 }
 
 #[test]
-fn two_prefixes_are_a_question() {
+fn two_prefixes_need_a_choice() {
     let both = |one: &str, other: &str| {
         let names: Vec<String> = (0..4)
             .flat_map(|number| [one, other].map(|name| name.replace('#', &format!("{number:03}"))))
@@ -102,7 +102,7 @@ fn patterns_choose_one_series_alone() {
 }
 
 #[test]
-fn different_things_are_a_question() {
+fn different_things_need_a_choice() {
     for files in [
         &["cloudCorner.pcd", "cloudGlobal.pcd", "cloudSurf.pcd"][..],
         &["after.ply", "before.ply"],
@@ -135,7 +135,7 @@ fn numbering_styles_are_one_series_and_odd_files_are_skipped() {
         let files = ["f_000.ply", "f_001.ply", "f_002.ply", odd];
         assert_eq!(chosen(&files).1, [odd]);
     }
-    // Models with different names, two of them of one kind, are no sequence with odd files.
+    // Models with different names, two of them of one kind, are not a sequence with odd files.
     assert_eq!(chosen(&["a_1.ply", "a_2.ply", "bunny.ply", "dragon.ply"]).0.len(), 4);
 }
 
@@ -147,7 +147,7 @@ fn one_of_two_formats_of_the_same_frames_is_taken() {
 }
 
 #[test]
-fn what_is_skipped_is_one_sentence() {
+fn skipped_files_are_reported_in_one_sentence() {
     assert_eq!(note_of_skipped(&[]), None);
     assert_eq!(
         note_of_skipped(&paths(&["a/mesh.ply"])).unwrap(),

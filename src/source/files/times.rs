@@ -104,7 +104,7 @@ fn times_of_list(
         };
         let time_of = |entry: &FrameEntry| times.get(usize::try_from(entry.number?).ok()?).copied();
         let by_number: Option<Vec<Duration>> = entries.iter().map(time_of).collect();
-        // Numbers that begin elsewhere: the first line is of the first frame, if there is one for each.
+        // If numbers start elsewhere, the first line is for the first frame, provided that there is one for each.
         let count = times.len();
         let Some(times) = by_number.or_else(|| (count == entries.len()).then_some(times)) else {
             notes.push(format!(
@@ -208,7 +208,8 @@ fn mend(times: &mut [Option<Duration>]) -> Option<Vec<usize>> {
 
 /// The places of the longest list of `times` that grow.
 fn longest_growth(times: &[Option<Duration>]) -> HashSet<usize> {
-    // Of growing lists of each length, the last place of that which ends first, and for each place the one before it.
+    // For increasing lists of each length, the last place of the one with the smallest end, and for each place its
+    // predecessor.
     let mut ends: Vec<usize> = Vec::new();
     let mut before: Vec<Option<usize>> = vec![None; times.len()];
     for (at, time) in times.iter().enumerate() {
@@ -251,7 +252,7 @@ fn times_of_text(text: &str) -> Option<Vec<Option<Duration>>> {
             time_of_number(if from_end { last } else { first })
         };
         let times: Vec<Duration> = lines.iter().map(word).collect::<Option<_>>()?;
-        // The index of each line grows as well.
+        // The index of each line increases as well.
         let is_index = (0u64..)
             .zip(&times)
             .all(|(index, time)| *time == Duration::from_secs(index) || *time == Duration::from_secs(index + 1));
@@ -274,7 +275,7 @@ fn times_of_decimals(files: &[PathBuf]) -> Option<Vec<Duration>> {
         let first = names[0].numbers[*column].value;
         names.iter().any(|name| name.numbers[*column].value != first)
     };
-    // A sign alone, or a fraction that is the same in each name, makes no decimals of whole numbers.
+    // A sign alone, or a fraction that is the same in each name, does not turn integers into decimals.
     let is_decimal = |column: usize| names.iter().any(|name| name.numbers[column].is_decimal());
     let mut columns = (0..names.first()?.numbers.len()).filter(changes);
     let (column, None) = (columns.next()?, columns.next()) else {
@@ -304,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_of_many_programs_are_read() {
+    fn time_lists_of_many_programs_are_read() {
         for text in [
             "0.5\n1.5\n",
             "# t\n0.5\n1.5",
@@ -328,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn one_bad_time_is_put_between_its_neighbours() {
+    fn one_bad_time_is_interpolated_between_its_neighbours() {
         let mended = |text: &str| {
             let mut times = times_of_text(text)?;
             let bad = mend(&mut times)?;

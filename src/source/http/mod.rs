@@ -86,7 +86,7 @@ impl HttpFile {
     /// No such file, no answer within `deadlines`, and servers that do not answer ranges.
     pub(super) fn open(url: &str, max_bits_per_s: Option<f64>, deadlines: ClientDeadlines) -> io::Result<Self> {
         let mut file = Self {
-            // The answers that lead elsewhere may have bodies without an end.
+            // Redirects may have endless bodies.
             agent: agent(&deadlines, MAX_REDIRECTS, Some(deadlines.transfer.grace)),
             url: url.to_owned(),
             len: 0,
@@ -137,7 +137,7 @@ impl HttpFile {
                 )));
             }
             StatusCode::RANGE_NOT_SATISFIABLE if self.len == 0 => return Err(refused("the file is empty".to_owned())),
-            // No byte beyond the end is ever asked for.
+            // No byte beyond the end is ever requested.
             StatusCode::RANGE_NOT_SATISFIABLE => return Err(refused(CHANGED.to_owned())),
             status if status.is_server_error() => {
                 return Err(Failure::Broken(io::Error::other(format!(

@@ -84,7 +84,7 @@ fn refused(url: &str) -> String {
 }
 
 #[test]
-fn servers_that_never_get_to_an_answer_are_left_with_a_sentence() {
+fn servers_that_never_finish_a_response_are_abandoned_with_an_error() {
     let silent = |stream: &mut TcpStream| say_and_wait(stream, b"");
     let begins = |stream: &mut TcpStream| say_and_wait(stream, b"HTTP/1.1 206 Par");
     let fields = |stream: &mut TcpStream| {
@@ -116,7 +116,7 @@ fn servers_that_never_get_to_an_answer_are_left_with_a_sentence() {
 }
 
 #[test]
-fn answers_that_are_none_are_told_apart() {
+fn invalid_responses_are_distinguished() {
     let range =
         |range: &str| format!("HTTP/1.1 206 Partial Content\r\nContent-Length: 1\r\nContent-Range: {range}\r\n\r\nx");
     let cases = [
@@ -170,13 +170,13 @@ fn read(file: &HttpFile) -> Result<Vec<u8>, String> {
 }
 
 #[test]
-fn bytes_that_do_not_come_are_an_error_however_they_do_not() {
+fn missing_bytes_are_an_error_however_they_fail_to_arrive() {
     let silent = |stream: &mut TcpStream, range: &str| say_and_wait(stream, head(range, 100_000).as_bytes());
     let dripping = |stream: &mut TcpStream, range: &str| {
         let _ = stream.write_all(head(range, 100_000).as_bytes());
         drip(stream);
     };
-    // Each connection brings a byte: that is progress, and too little.
+    // Each connection delivers one byte: that is progress, but too little.
     let one_each = |stream: &mut TcpStream, range: &str| {
         let _ = stream.write_all(format!("{}x", head(range, 100_000)).as_bytes());
         thread::sleep(Duration::from_millis(5));
@@ -194,14 +194,14 @@ fn bytes_that_do_not_come_are_an_error_however_they_do_not() {
 }
 
 #[test]
-fn another_file_is_noticed_and_a_broken_connection_is_not() {
+fn a_changed_file_is_detected_and_a_broken_connection_is_resumed() {
     let other = opened(|stream, range, _| drop(stream.write_all(head(range, 99_999).as_bytes())));
     assert!(read(&other).unwrap_err().contains("has changed"));
     let moved = opened(|stream, _, _| {
         let _ = stream.write_all(b"HTTP/1.1 302 Found\r\nLocation: /b\r\nContent-Length: 0\r\n\r\n");
     });
     assert!(read(&moved).unwrap_err().contains("another address"));
-    // A third of what is left, and then the end.
+    // A third of the rest, and then the end.
     let breaking = opened(|stream, range, _| {
         let (first, last) = range.split_once('-').unwrap();
         let (first, last): (u64, u64) = (first.parse().unwrap(), last.parse().unwrap());

@@ -20,7 +20,7 @@ pub(super) fn parse(input: &Path) -> Result<String, String> {
     };
     let (host, port) = address.rsplit_once(':').ok_or_else(wrong)?;
     let is_port = port.parse::<u16>().is_ok_and(|port| port > 0);
-    // Colons are within brackets, or they are those of an IPv6 address without a port.
+    // Colons are within brackets, or belong to an IPv6 address without a port.
     let is_bracketed = host.starts_with('[') && host.ends_with(']');
     if !is_port || host.contains('/') || (host.contains(':') && !is_bracketed) {
         return Err(wrong());

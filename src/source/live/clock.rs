@@ -58,7 +58,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn the_fastest_ping_is_believed() {
+    fn the_fastest_ping_is_used() {
         let mut clock = ClockDifference::default();
         assert_eq!(clock.since_s(0, 0), None);
         // The server is 1000 ahead; the way there takes 10, the way back 30.
@@ -68,7 +68,7 @@ mod tests {
             sent_ns: 1115,
         };
         clock.add(pong, 145);
-        // Half of 40 may be wrong: 990 is told in place of 1000.
+        // Half of 40 may be wrong: the estimate is 990 instead of 1000.
         assert_eq!(clock.since_s(1145, 145), Some((-10e-9, 20e-9)));
         // Both ways take 2.
         clock.add(
@@ -81,7 +81,7 @@ mod tests {
         );
         let (since, wrong) = clock.since_s(1200, 250).unwrap();
         assert!((since - 50e-9).abs() < 1e-15 && wrong == 2e-9);
-        // Answers before the question are none.
+        // Answers dated before the question are ignored.
         clock.add(
             Pong {
                 client_ns: 900,
@@ -104,7 +104,7 @@ mod tests {
     proptest! {
         /// The truth is within the bound that is told, for any clocks and any ways.
         #[test]
-        fn the_bound_holds(
+        fn the_error_bound_holds(
             ahead in -1_000_000_000i64..1_000_000_000,
             pings in prop::collection::vec((0u64..1_000_000, 0u64..50_000, 0u64..50_000, 0u64..50_000), 1..40),
         ) {
@@ -126,7 +126,7 @@ mod tests {
         }
 
         #[test]
-        fn any_numbers_are_taken(numbers: [u64; 5]) {
+        fn any_numbers_are_accepted(numbers: [u64; 5]) {
             let [client_ns, received_ns, sent_ns, now, at] = numbers;
             let mut clock = ClockDifference::default();
             clock.add(Pong { client_ns, received_ns, sent_ns }, now);

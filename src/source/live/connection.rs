@@ -93,11 +93,11 @@ fn follow(
     };
     let mut reader = BufReader::with_capacity(1 << 16, patient);
     let head = StreamHead::read(&mut reader)?;
-    // Before it, the other side may be no server of streams, which pings would confuse.
+    // Before this, the other side may not be a stream server, which pings would confuse.
     reader.get_mut().pinged = Some(now.checked_sub(PING_INTERVAL).unwrap_or(now));
     shared.connected(head);
     loop {
-        // What is read ahead of it was no wait.
+        // Data read ahead involved no waiting.
         reader.get_mut().message = None;
         let message = read_message(&mut reader, max_bytes)?;
         match message.kind {
@@ -202,7 +202,7 @@ impl Read for Patient<'_> {
 
 impl Drop for Patient<'_> {
     fn drop(&mut self) {
-        // The server need not find out by itself.
+        // So that the server does not have to find out by itself.
         let _ = self.stream.shutdown(std::net::Shutdown::Both);
     }
 }

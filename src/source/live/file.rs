@@ -123,7 +123,7 @@ impl Walked {
                 Ok(None) => return Ok(walked),
                 Ok(Some((frame, end))) => {
                     if let Some(frame) = frame {
-                        // A server that has begun again counts from the beginning, which times tell.
+                        // A restarted server counts from the beginning, which the times reveal.
                         let time = timeline.next(head.session, frame.time_ns, spacing);
                         walked.frames.push((offset, frame, time));
                     }
@@ -154,7 +154,7 @@ fn next(file: &mut BufReader<File>, offset: u64, length: u64) -> Result<Option<(
     let Some(header) = MessageHeader::read(file)? else {
         return Ok(None);
     };
-    // Zeros have the right length and checksum, and a sparse file may have terabytes of them.
+    // Zeros have the right length and checksum, and a sparse file may contain terabytes of them.
     if header.kind == Kind::Other(0) {
         return Err(WireError::Malformed {
             what: "the file",
@@ -177,7 +177,7 @@ fn next(file: &mut BufReader<File>, offset: u64, length: u64) -> Result<Option<(
         at += read.map_err(WireError::Io)? as u64;
         head = Some(FrameHead::parse_begin(&bytes)?.0);
     }
-    // Within the buffer where it can: a seek would drop it.
+    // Within the buffer where possible: a seek would discard it.
     file.seek_relative((end - at) as i64).map_err(WireError::Io)?;
     Ok(Some((head, end)))
 }
@@ -261,7 +261,7 @@ impl DepthImages for RecordedStream {
             recorded: Arc::clone(&self.recorded),
             entries: self.entries.clone(),
             inputs: self.inputs.clone(),
-            // They were said already.
+            // They were reported already.
             notes: Vec::new(),
             fps: self.fps,
             has_images: self.has_images,

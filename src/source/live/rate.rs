@@ -35,7 +35,7 @@ impl Rate {
             first = first.or(Some(*at));
             (bytes, frames) = (bytes + count, frames + 1);
         }
-        // The first one ends a span that is not seen.
+        // The first one ends an interval that was not observed.
         let Some(first) = first.filter(|_| frames > 1) else {
             return (0.0, 0.0);
         };
@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rates_are_those_of_the_last_seconds() {
+    fn rates_cover_the_last_seconds() {
         let mut rate = Rate::default();
         let begun = Instant::now();
         assert_eq!(rate.per_s(begun), (0.0, 0.0));

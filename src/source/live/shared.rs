@@ -74,14 +74,14 @@ impl Shared {
     /// A connection begins with `head`.
     pub(super) fn connected(&self, head: StreamHead) {
         let mut link = lock(&self.link);
-        // Numbers and the clock may be those of another run.
+        // Numbers and the clock may belong to another run.
         (link.newest, link.came) = (None, 0);
         link.clock = ClockDifference::default();
         link.head = Some(head);
         link.connections += 1;
         link.problem = None;
         drop(link);
-        // Another server has not been told.
+        // The new server has not been told the view yet.
         let mut view = lock(&self.view);
         view.1 = view.0.is_some();
     }
@@ -115,7 +115,7 @@ impl Shared {
     pub(super) fn frame(&self, message: Message) -> Result<Option<u64>, WireError> {
         let now = Instant::now();
         if message.kind.is_frame() {
-            // What is no frame is not recorded.
+            // Anything that is not a frame is not recorded.
             FrameHead::parse(&message.payload)?;
         }
         let recorded = self.record(&message);
@@ -129,7 +129,7 @@ impl Shared {
         let (session, fps) = link.head.map_or((0, 30.0), |head| (head.session, head.fps));
         let spacing = Duration::try_from_secs_f64(fps.recip()).unwrap_or_default();
         let time = link.timeline.next(session, head.time_ns, spacing);
-        // The first frame may be an old one, which is shown until there is another.
+        // The first frame may be an old one, which is shown until there is a newer one.
         if link.came > 1 {
             let expected = link.newest.map_or(0, |newest| newest.saturating_add(1));
             link.lost += head.number.saturating_sub(expected);

@@ -122,7 +122,7 @@ impl LiveStream {
                 _ if !stream.frames().is_empty() => return Ok(stream),
                 Some((problem, is_final)) if is_final || is_late => return Err(failed(problem)),
                 _ if progress.is_cancelled() => return Err(SequenceError::Cancelled),
-                // A connection that has said nothing yet ends about now, and says why.
+                // A silent connection ends at about this time, and gives the reason.
                 None if begun.elapsed() >= first_frame.max(silence) + 20 * LOOK => {
                     return Err(failed(format!(
                         "no frame came within {seconds} seconds: check that the sequence that is served plays"
@@ -136,7 +136,7 @@ impl LiveStream {
 
 impl Drop for Wanted {
     fn drop(&mut self) {
-        // The thread ends by itself, within the time that a connection may take.
+        // The thread ends by itself, within the time limit of a connection.
         self.shared.is_closed.store(true, Ordering::Relaxed);
         if let Err(problem) = self.shared.stop_recording() {
             log::warn!("{problem}");
@@ -201,7 +201,7 @@ impl Growth for LiveStream {
     }
 
     fn look_again(&self) -> Result<usize, SequenceError> {
-        // Held first, so that the number never falls.
+        // Locked first, so that the number never decreases.
         let mut told = lock(&self.told);
         let count = self.shared.ring.range().end;
         let before = std::mem::replace(&mut *told, count);
@@ -233,7 +233,7 @@ impl DepthImages for LiveStream {
         self.filters()?;
         Some(Arc::new(Self {
             input: self.input.clone(),
-            // Other filters decode all frames again; the connection and the ring stay.
+            // Other filters decode all frames again; the connection and the ring buffer stay.
             shared: Arc::clone(&self.shared),
             wanted: Arc::clone(&self.wanted),
             received: Arc::new(self.received.filtered(filters)),

@@ -24,7 +24,7 @@ impl Timeline {
             }
             Some(last) if !goes_on || told <= last => {
                 let next = last.saturating_add(spacing.max(Duration::from_nanos(1)));
-                // A time that is later than all that can be counted leaves the base where it is.
+                // A time that is too late to be counted leaves the base where it is.
                 self.base = next.saturating_sub(time);
                 next
             }
@@ -48,7 +48,7 @@ mod tests {
     }
 
     #[test]
-    fn times_go_on_where_a_server_begins_again() {
+    fn times_continue_where_a_server_restarts() {
         let mut timeline = Timeline::default();
         let told = [(1, 500), (1, 540), (1, 700), (2, 0), (2, 33), (2, 20), (2, 60)];
         let times = told.map(|(session, time)| timeline.next(session, ms(time), SPACING).as_millis());
@@ -57,7 +57,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn times_grow_whatever_a_server_says(told in prop::collection::vec((0u64..3, 0..u64::MAX / 8), 1..50)) {
+        fn times_increase_whatever_a_server_sends(told in prop::collection::vec((0u64..3, 0..u64::MAX / 8), 1..50)) {
             let mut timeline = Timeline::default();
             let mut last = None;
             for (session, time) in told {

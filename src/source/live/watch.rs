@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn a_break_and_its_end_are_said_once_whatever_happens_between() {
+    fn an_interruption_and_its_end_are_reported_once() {
         let mut watch = ConnectionWatch::default();
         let looks = [
             (None, 0),
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn a_break_between_two_looks_is_said_too() {
+    fn an_interruption_between_two_polls_is_reported_too() {
         let mut watch = ConnectionWatch::default();
         assert_eq!(watch.look(&status(None, 3), Duration::ZERO), None);
         let change = watch.look(&status(None, 4), Duration::ZERO);

@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn images_of_one_number_are_of_one_moment() {
+    fn images_with_one_number_are_one_time_step() {
         let names: &[&[&str]] = &[&["0.png", "1.png", "2.png", "10.png"], &["f_0001.jpg", "f_0002.jpg"]];
         assert_eq!(
             lines(names),
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn stamps_of_one_trigger_may_differ_a_little() {
+    fn timestamps_of_one_trigger_may_differ_slightly() {
         let names: &[&[&str]] = &[
             &[
                 "1305031102.100000.png",
@@ -196,13 +196,13 @@ mod tests {
     }
 
     #[test]
-    fn names_without_numbers_pair_by_their_order() {
+    fn names_without_numbers_are_paired_by_order() {
         let names: &[&[&str]] = &[&["a.png", "b.png"], &["u.png", "v.png"]];
         assert_eq!(lines(names), ["a.png u.png", "b.png v.png"]);
     }
 
     #[test]
-    fn a_camera_is_never_twice_in_a_moment() {
+    fn a_camera_is_never_twice_in_a_time_step() {
         // Bursts: two images right after one another.
         let names: &[&[&str]] = &[
             &["1.png", "2.png", "100.png", "101.png", "200.png"],
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn points_are_of_the_moment_of_their_number() {
+    fn points_belong_to_the_time_step_of_their_number() {
         let clouds = timed(vec![vec![PathBuf::from("points/2.ply"), PathBuf::from("points/4.ply")]]).remove(0);
         let name = |clock: f64| matching(&clouds, clock).map(|of| of.entry.name.clone());
         assert_eq!(name(2.0).as_deref(), Some("2.ply"));

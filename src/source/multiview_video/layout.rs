@@ -77,7 +77,7 @@ impl Layout {
             .filter(|base| base.is_dir())
             .collect();
         let found = cameras_in(&bases, &names).or_else(|| time_steps_in(&bases, &names))?;
-        // One moment is a set of photographs.
+        // A single time step is a set of images.
         (found.time_steps().len() > 1).then_some(found)
     }
 
@@ -86,7 +86,7 @@ impl Layout {
         let mut families = families_in(folder).into_iter();
         let is_set = |path: &PathBuf| matches!(photos::find(path), Ok(Some(_)));
         let is_one = |(pattern, folders): (String, Vec<PathBuf>)| {
-            // The second tells what the first alone would not: folders of many scans are not looked into one by one.
+            // Two are checked because one alone could be misleading: folders of many scans are not examined one by one.
             let is_one = folders.len() > 1 && folders.iter().take(2).all(is_set);
             is_one.then(|| {
                 Self::Sets(Family {
@@ -175,7 +175,7 @@ fn cameras_in(bases: &[PathBuf], names: &[String]) -> Option<Layout> {
         let folders: Vec<Option<PathBuf>> = names.iter().map(|name| folder_named(bases, named(name))).collect();
         let known: Vec<&PathBuf> = folders.iter().flatten().collect();
         let distinct: HashSet<&PathBuf> = known.iter().copied().collect();
-        // A folder of which several images are named is not that of a camera that stands.
+        // A folder that contains several of the named images does not belong to a static camera.
         let is_one_each = known.len() == distinct.len() && known.len() > 1 && 2 * known.len() >= names.len();
         is_one_each.then_some(Layout::Cameras(folders))
     })
@@ -189,7 +189,7 @@ fn folder_named(bases: &[PathBuf], name: &str) -> Option<PathBuf> {
     let all = bases.iter().map(|base| base.join(name));
     all.flat_map(|folder| WITHIN.iter().map(move |within| folder.join(within)))
         .find(|folder| folder.is_dir() && !pictures_in(folder).is_empty())
-        // Components alone, as `cam0/` and `cam0` are the same.
+        // Only the components, as `cam0/` and `cam0` are the same.
         .map(|folder| folder.components().collect())
 }
 

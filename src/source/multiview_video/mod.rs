@@ -190,7 +190,7 @@ impl Growth for MultiviewVideo {
         let found = self.known.time_steps();
         let last = read(&self.time_steps).last().map(Arc::clone);
         let behind = match &last {
-            // A moment may be named after another of its images by now.
+            // A time step may be named after another of its images by now.
             Some(last) => found
                 .iter()
                 .rposition(|time_step| time_step.is_same_or_before(last))
@@ -327,7 +327,7 @@ impl TimeStep {
         let min = if is_complete { QUIET } else { LATE };
         let is_old = |path: &PathBuf| {
             let modified = std::fs::metadata(path).and_then(|metadata| metadata.modified());
-            // A clock that stands before the file's says nothing.
+            // A clock behind that of the file says nothing.
             modified.map_or(true, |at| at.elapsed().map_or(true, |age| age >= min))
         };
         files.iter().all(is_old)
@@ -408,7 +408,7 @@ fn time_steps_by_time(calibration: &Calibration) -> Option<Vec<FoundTimeStep>> {
     let times = calibration.times()?;
     let names: Vec<&str> = calibration.names().collect();
     let mut by_time: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
-    // In the order of their bits, those of numbers from 0 up are in the order of the numbers.
+    // Non-negative floats have the same order as their bits.
     for (index, &time) in times.iter().enumerate().filter(|(_, time)| **time >= 0.0) {
         by_time.entry((time + 0.0).to_bits()).or_default().push(index);
     }

@@ -115,7 +115,7 @@ impl MultiView {
             let [x, y, z] = (-(turn * center)).to_array();
             let [qx, qy, qz, qw] = quaternion.to_array();
             let name = name(camera);
-            // One point that all cameras see, where the ball begins.
+            // One point that all cameras see, where the ball starts.
             let seen = turn * (ball(0) - center);
             let seen = DVec2::new(seen.x, seen.y) / seen.z * FOCAL_PX + principal() + 0.5;
             writeln!(
@@ -230,16 +230,16 @@ fn assert_multiview_videos(video: &MultiviewVideo, multiview: impl Fn(usize) -> 
             share_on_ball(&cloud, time_step),
             share_on_ball(&cloud, usize::from(time_step == 0)),
         );
-        // Two views alone have no third one that tells mistakes.
+        // Two views alone have no third one that reveals mistakes.
         let min = if multiview.cameras > 2 { 0.9 } else { 0.8 };
         assert!(own > min && other < 0.5, "{own} on its ball, {other} on another");
     }
 }
 
 #[test]
-fn a_folder_for_each_camera_is_a_film() {
+fn a_folder_per_camera_is_a_multiview_video() {
     let folder = tempfile::tempdir().unwrap();
-    // COLMAP has calibrated the first moment.
+    // COLMAP has calibrated the first time step.
     MULTIVIEW.write_colmap(&folder.path().join("sparse/0"), |camera| {
         format!("cam{camera}/0008.png")
     });
@@ -261,7 +261,7 @@ fn a_folder_for_each_camera_is_a_film() {
 }
 
 #[test]
-fn a_folder_for_each_moment_is_a_film() {
+fn a_folder_per_time_step_is_a_multiview_video() {
     let folder = tempfile::tempdir().unwrap();
     MULTIVIEW.write_par(&folder.path().join("rig_par.txt"), |camera| {
         format!("view_{camera}.png")
@@ -277,7 +277,7 @@ fn a_folder_for_each_moment_is_a_film() {
 }
 
 #[test]
-fn each_moment_may_have_a_calibration_of_its_own() {
+fn each_time_step_may_have_its_own_calibration() {
     let folder = tempfile::tempdir().unwrap();
     let multiview = |time_step: usize| MultiView {
         turned_rad: 0.3 * time_step as f64,
@@ -296,7 +296,7 @@ fn each_moment_may_have_a_calibration_of_its_own() {
 }
 
 #[test]
-fn a_calibration_may_say_when_each_photograph_was_taken() {
+fn a_calibration_may_state_when_each_image_was_taken() {
     let folder = tempfile::tempdir().unwrap();
     let mut photos = Vec::new();
     for (time_step, camera) in (0..3).flat_map(|time_step| (0..4).map(move |camera| (time_step, camera))) {
@@ -304,7 +304,7 @@ fn a_calibration_may_say_when_each_photograph_was_taken() {
         MULTIVIEW.save(camera, time_step, &folder.path().join(&name));
         photos.push((name, camera, Some(time_step as f64 / 2.0)));
     }
-    // Their order is no matter.
+    // Their order does not matter.
     photos.reverse();
     photos.sort_by_key(|(_, camera, _)| *camera);
     MULTIVIEW.write_transforms(&folder.path().join("transforms.json"), &photos);
@@ -314,7 +314,7 @@ fn a_calibration_may_say_when_each_photograph_was_taken() {
 }
 
 #[test]
-fn two_cameras_side_by_side_are_a_film_too() {
+fn two_cameras_side_by_side_are_a_multiview_video_too() {
     let folder = tempfile::tempdir().unwrap();
     let pair = MultiView {
         cameras: 2,
@@ -332,7 +332,7 @@ fn two_cameras_side_by_side_are_a_film_too() {
 
 /// Nobody knows at what they look, nor how far away that is.
 #[test]
-fn cameras_that_look_parallel_are_a_film_too() {
+fn parallel_cameras_are_a_multiview_video_too() {
     let folder = tempfile::tempdir().unwrap();
     let row = MultiView {
         cameras: 4,
@@ -362,7 +362,7 @@ fn multiview_by_cameras(folder: &Path) {
 }
 
 #[test]
-fn a_missing_image_costs_that_one_and_a_warning_says_so() {
+fn a_missing_image_is_skipped_with_a_warning() {
     let folder = tempfile::tempdir().unwrap();
     multiview_by_cameras(folder.path());
     fs::remove_file(folder.path().join("cam0/2.png")).unwrap();
@@ -373,7 +373,7 @@ fn a_missing_image_costs_that_one_and_a_warning_says_so() {
     let has_file: Vec<bool> = set.photos.iter().map(photos::Photo::has_file).collect();
     assert_eq!(has_file, [false, true, true, false]);
     let cloud = decoded(&video, 2);
-    // A pair is left.
+    // One pair remains.
     assert!(share_on_ball(&cloud, 2) > 0.7);
     let warnings = cloud.warnings.join("\n");
     assert!(warnings.contains("cam0 has no image of this time step"), "{warnings}");
@@ -382,7 +382,7 @@ fn a_missing_image_costs_that_one_and_a_warning_says_so() {
         "{warnings}"
     );
     assert!(decoded(&video, 1).warnings.is_empty());
-    // Loading passes over what is not there.
+    // Loading skips what is not there.
     let loaded = photos::LoadedPhotos::of(&set, 1 << 30, &Progress::default());
     let numbers: Vec<usize> = loaded
         .posed_images
@@ -395,7 +395,7 @@ fn a_missing_image_costs_that_one_and_a_warning_says_so() {
 }
 
 #[test]
-fn a_camera_without_a_folder_is_named() {
+fn a_camera_without_a_folder_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     multiview_by_cameras(folder.path());
     fs::remove_dir_all(folder.path().join("cam2")).unwrap();
@@ -405,7 +405,7 @@ fn a_camera_without_a_folder_is_named() {
 }
 
 #[test]
-fn points_of_a_moment_are_those_of_its_file() {
+fn points_of_a_time_step_come_from_its_file() {
     let folder = tempfile::tempdir().unwrap();
     multiview_by_cameras(folder.path());
     fs::create_dir(folder.path().join("points")).unwrap();
@@ -430,8 +430,8 @@ fn points_of_a_moment_are_those_of_its_file() {
 }
 
 #[test]
-fn photographs_of_one_moment_are_no_film() {
-    // A camera that goes around: several images of a folder are named.
+fn images_of_one_time_step_are_not_a_multiview_video() {
+    // A moving camera: several images of one folder are named.
     let folder = tempfile::tempdir().unwrap();
     MULTIVIEW.write_par(&folder.path().join("rig_par.txt"), |camera| {
         format!("{}/{}.png", ["left", "right"][camera % 2], camera / 2)
@@ -441,7 +441,7 @@ fn photographs_of_one_moment_are_no_film() {
         MULTIVIEW.save(camera, 0, &folder.path().join(name));
     }
     assert!(open(folder.path()).is_none());
-    // Copies of the photographs, smaller.
+    // Smaller copies of the images.
     let folder = tempfile::tempdir().unwrap();
     MULTIVIEW.write_par(&folder.path().join("rig_par.txt"), |camera| format!("{camera}.png"));
     for camera in 0..4 {
@@ -453,13 +453,13 @@ fn photographs_of_one_moment_are_no_film() {
     fs::remove_dir_all(folder.path().join("images")).unwrap();
     fs::remove_dir_all(folder.path().join("scaled_4")).unwrap();
     assert!(open(folder.path()).is_none());
-    // Folders of scans have no calibrations in them.
+    // Folders of scans contain no calibrations.
     let folder = tempfile::tempdir().unwrap();
     for name in ["scan_1", "scan_2"] {
         fs::create_dir(folder.path().join(name)).unwrap();
     }
     assert!(open(folder.path()).is_none());
-    // One camera that moves has a time for each photograph.
+    // A single moving camera has a time for each image.
     let folder = tempfile::tempdir().unwrap();
     let photos: Vec<(String, usize, Option<f64>)> = (0..5)
         .map(|camera| (format!("{camera}.png"), camera, Some(camera as f64)))
@@ -469,7 +469,7 @@ fn photographs_of_one_moment_are_no_film() {
 }
 
 #[test]
-fn moments_that_come_are_taken_once_they_are_whole() {
+fn new_time_steps_are_added_once_complete() {
     let folder = tempfile::tempdir().unwrap();
     multiview_by_cameras(folder.path());
     let video = open(folder.path()).unwrap();
@@ -493,7 +493,7 @@ fn moments_that_come_are_taken_once_they_are_whole() {
     assert_eq!(video.look_again().unwrap(), 2, "the other cameras of the last are late");
     assert_eq!(video.look_again().unwrap(), 0);
     assert_eq!(video.frames(), 0..6);
-    // What a thread decodes with knows the new ones.
+    // A decoder held by a thread knows the new ones.
     let entry = video.entry(4);
     let frame = decoder.decode(4, &entry, usize::MAX, &Progress::default()).unwrap();
     assert!(share_on_ball(&frame.cloud, 4) > 0.9);

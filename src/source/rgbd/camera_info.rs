@@ -62,7 +62,7 @@ fn windowed(whole: Intrinsics, info: &CameraInfo, image_px: Option<[u32; 2]>) ->
         return whole;
     }
     let pair = |numbers: [u32; 2]| DVec2::new(f64::from(numbers[0]), f64::from(numbers[1]));
-    // Centres of pixels are at integers: the corner of the part is half a pixel before its first.
+    // Pixel centres are at integers: the corner of the region is half a pixel before its first.
     let from_corner = whole.principal_px - pair(window.offset_px) + 0.5;
     Intrinsics {
         focal_px: whole.focal_px / pair(binning),
@@ -85,7 +85,7 @@ fn lens(model: &str, coefficients: &[f64]) -> Result<Distortion, String> {
             k: [k(0), k(1), k(4)],
             p,
         }),
-        // Beyond eight are thin prisms and tilts.
+        // Coefficients beyond eight are for thin prisms and tilts.
         "rational_polynomial" if is_bare(8) => Ok(Distortion::Rational {
             k: [k(0), k(1), k(4), k(5), k(6), k(7)],
             p,
@@ -150,7 +150,7 @@ mod tests {
 
     /// The middle of a pixel of the image is the middle of the pixels of the sensor that it is made of.
     #[test]
-    fn parts_of_an_image_see_what_the_whole_sees() {
+    fn image_parts_see_what_the_full_image_sees() {
         let window = Window {
             binning: [2, 4],
             offset_px: [100, 40],
@@ -167,11 +167,11 @@ mod tests {
         assert_eq!(whole_px, Some([640, 480]));
         let (ray, size_px) = camera(window, Some(sent_px));
         assert_eq!(size_px, Some(sent_px));
-        // Pixels 14 and 15, and 36 to 39, of the part: 114.5 and 77.5 of the whole.
+        // Pixels 14 and 15, and 36 to 39, of the region: 114.5 and 77.5 of the whole.
         let expected = (DVec2::new(114.5, 77.5) - DVec2::new(319.5, 239.5)) / DVec2::new(500.0, 502.0);
         assert!(ray.abs_diff_eq(expected, 1e-12), "{ray} {expected}");
         assert_eq!(camera(window, None), (ray, Some(sent_px)));
-        // Whole images, whatever is said of a part; and parts of nothing.
+        // Whole images, even if a region is given; and empty regions.
         assert_eq!(camera(window, Some([640, 480])), (whole_ray, whole_px));
         let nothing = Window {
             size_px: [1, 1],
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn lenses_by_the_names_of_ros() {
+    fn lenses_are_recognised_by_their_ros_names() {
         let brown = lens("plumb_bob", &[0.1, -0.2, 0.001, 0.002, 0.3]);
         let (k, p) = ([0.1, -0.2, 0.3], [0.001, 0.002]);
         assert_eq!(brown, Ok(Distortion::Brown { k, p }));

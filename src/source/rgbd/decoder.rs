@@ -137,7 +137,7 @@ impl Recorded {
         let frame = self.frames.get(index)?;
         let Sizes { depth_px, color_px } = self.sizes;
         let depth_px = depth_px?;
-        // What is worked out for each pixel would be as large as an image that is refused.
+        // The table computed per pixel would be as large as an image that is refused.
         check_pixels(depth_px, frame.depth.path(), &self.read).ok()?;
         let prepared = self.prepared(&frame.calibration, depth_px, color_px).ok()?;
         Some(Sensor {
@@ -200,7 +200,7 @@ impl Recorded {
             return Ok(Arc::clone(known));
         }
         let rig = calibration.rig(depth_px, color_px)?;
-        // The colour camera alone may be another one: rays are those of the depth camera.
+        // Only the colour camera may differ: rays are those of the depth camera.
         let same_rays = cameras.iter().find(|known| known.rig.depth == rig.depth);
         let rays = same_rays.map_or_else(|| Arc::new(RayTable::of(&rig.depth)), |known| Arc::clone(&known.rays));
         let prepared = Arc::new(PreparedRig {

@@ -149,13 +149,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn codes_are_metres() {
+    fn codes_decode_to_metres() {
         assert_eq!(DepthCode::per_metre(5000.0).metres(5000), 1.0);
         assert_eq!(DepthCode::per_metre(1000.0).told(5000.0).metres(2500), 0.5);
         assert_eq!(DepthCode::rotated().metres(1234_u16.rotate_left(3)), 1.234);
         let kinect = DepthCode::nyu().metres(800_u16.swap_bytes());
         assert!((kinect - 351.3 / 292.5).abs() < 1e-6);
-        // A Kinect's code for nothing lies beyond the end.
+        // A Kinect's code for no measurement lies beyond the end.
         assert!(DepthCode::nyu().metres(2047_u16.swap_bytes()) < 0.0);
         for code in [DepthCode::per_metre(1.0), DepthCode::rotated(), DepthCode::nyu()] {
             assert_eq!([code.metres(0), code.metres(65535)], [0.0, 0.0]);

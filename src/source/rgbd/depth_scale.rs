@@ -85,7 +85,7 @@ impl DepthScale {
         let rooms: Vec<f64> = CHOSEN.into_iter().filter(|&other| depths.is_room(other)).collect();
         Some(match rooms.as_slice() {
             [] => said(usual, Evidence::Fallback, "the depths are those of no room"),
-            // Units that are in use, but rarer, may make a room as well: the numbers do not tell.
+            // Rarer units in use may make a room as well: the numbers do not decide.
             [only] => said(*only, Evidence::Fallback, "of 1000 and 5000 it alone makes a room"),
             [first, ..] => said(
                 *first,
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn rooms_in_millimetres_and_in_fifths_are_told_apart() {
+    fn millimetres_and_fifths_of_millimetres_are_distinguished() {
         for (near_m, far_m) in [(0.5, 1.2), (0.8, 4.0), (1.0, 3.0), (2.0, 5.0), (0.4, 8.0)] {
             assert_eq!(found(&wall(near_m, far_m, 1000.0)).0, 1000.0, "{near_m} to {far_m} m");
             let fifths: Vec<u16> = wall(near_m, far_m, 1000.0)
@@ -210,12 +210,12 @@ mod tests {
                 .collect();
             assert_eq!(found(&fifths), (5000.0, Evidence::Statistics), "{near_m} to {far_m} m");
         }
-        // Rendered depths are no multiples, but beyond what millimetres would make of a room.
+        // Rendered depths are not multiples, but larger than a room in millimetres would be.
         assert_eq!(found(&wall(1.0, 4.0, 5000.0)), (5000.0, Evidence::Fallback));
     }
 
     #[test]
-    fn a_guess_names_the_others() {
+    fn a_guess_names_the_alternatives() {
         let scale = DepthScale::of_numbers(&wall(1.0, 3.0, 1000.0), 1000.0, Units::Unknown).unwrap();
         assert_eq!(scale.evidence, Evidence::Fallback);
         let line = scale.assumption().to_string();
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn what_recordings_of_a_kind_have_holds_unless_it_makes_no_room() {
+    fn a_format_convention_applies_unless_the_depths_are_implausible() {
         let usual = Units::Usual("TUM");
         let tum = DepthScale::of_numbers(&wall(0.8, 4.0, 5000.0), 5000.0, usual).unwrap();
         assert_eq!((tum.units_per_metre, tum.evidence), (5000.0, Evidence::Convention));

@@ -32,7 +32,7 @@ impl Folder {
         let (mut files, mut folders) = (Vec::new(), Vec::new());
         for entry in fs::read_dir(path).map_err(unreadable)? {
             let entry = entry.map_err(unreadable)?;
-            // Names that are not Unicode are those of no layout.
+            // No layout has names that are not Unicode.
             let Ok(name) = entry.file_name().into_string() else {
                 continue;
             };

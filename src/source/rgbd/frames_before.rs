@@ -5,8 +5,8 @@ use crate::rgbd::{DepthImage, DepthSamples, FilterReport, Temporal, TemporalFilt
 use std::sync::Arc;
 
 /// Frames that are decoded one after the other where each is filtered with those before it.
-// A running mean without groups would depend on all earlier frames. With eight frames of lead a seek costs 40 images at
-// most.
+// A running mean without groups would depend on all earlier frames. With eight frames of lead a seek costs at most 40
+// images.
 pub(in crate::source) const GROUP_FRAMES: usize = 32;
 
 /// A depth image after the filters that look at it alone, and before them.
@@ -64,12 +64,12 @@ impl FramesBefore {
             return alone(image, samples, report);
         };
         let begin = temporal_begin(temporal, index);
-        // The frames of a group go on from each other; each group has a beginning of its own.
+        // The frames of a group build on each other; each group starts afresh.
         let known = self
             .last
             .take()
-            // The state of another group is never continued: a frame decoded alone has to be, byte for byte, the one
-            // decoded after those before it.
+            // The state of another group is never continued: a frame decoded on its own must be byte for byte the same
+            // as when decoded after its predecessors.
             .filter(|last| last.index < index && temporal_begin(temporal, last.index) == begin);
         let (first, mut filter, mut images) = known.map_or_else(
             || (begin, TemporalFilter::new(temporal), Vec::new()),

@@ -11,8 +11,8 @@ use glam::{DAffine3, Vec3};
 use std::fmt;
 
 /// Points up to which all are kept: those of 27 images of 640×480. The software renderer draws them in a second.
-// View-dependent texturing looks the same on downsampled points (Redwood: 36.85 dB on 1,339,364 points, 36.88 in cells
-// of 2 mm, 36.85 on 121,008 in cells of 8 mm); colours of the points do not (35.40, 34.93 and 30.35 dB).
+// View-dependent texturing looks the same on downsampled points (Redwood: 36.85 dB on 1,339,364 points, 36.88 dB in
+// cells of 2 mm, 36.85 dB on 121,008 in cells of 8 mm); colours of the points do not (35.40, 34.93 and 30.35 dB).
 const MAX_POINTS: usize = 1 << 23;
 
 /// Edges of the finest cells, without one that was asked for, from a pixel to the next on what was seen: few points of
@@ -92,7 +92,7 @@ impl Merged {
         for normal in cloud.attributes.normals.iter_mut().flatten() {
             *normal = (turn * Vec3::from(*normal)).to_array();
         }
-        // Joined points have neither.
+        // Merged points have neither.
         cloud.attributes.scalars.clear();
         cloud.attributes.radii = None;
         self.has_colors |= cloud.attributes.colors.is_some();
@@ -193,7 +193,7 @@ mod tests {
     fn merged(edge_m: Option<f64>, max_cells: u64) -> RawCloud {
         let mut merged = Merged::new(edge_m, CELL_BYTES * max_cells);
         for (camera, off_m) in (0..).zip([0.001, -0.001, 0.003, -0.003]) {
-            // Half of a millimetre: no point lies between two cells.
+            // Offset by half a millimetre: no point lies between two cells.
             let from = DVec3::new(0.01 * f64::from(camera) + 0.000_5, 0.000_5, 0.000_5);
             merged.take(wall(off_m), DAffine3::from_translation(from)).unwrap();
         }
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn all_points_are_kept_where_there_are_few() {
+    fn all_points_are_retained_where_there_are_few() {
         for cloud in [merged(None, 40_000), merged(Some(0.0), 1)] {
             assert_eq!(cloud.positions.len(), 40_000);
             let expected = DVec3::new(0.012_5, 0.000_5, 1.011_5);
@@ -211,11 +211,11 @@ mod tests {
     }
 
     #[test]
-    fn many_points_are_joined_in_cells_that_are_as_fine_as_they_may_be() {
+    fn many_points_are_merged_in_the_finest_affordable_cells() {
         let cloud = merged(None, 39_999);
         let count = cloud.positions.len();
-        // Up to 2 mm, the distance of points, each is by itself. Of 4 mm, four of each frame are in one, and those of
-        // frames that meet.
+        // Up to 2 mm, the distance between points, each has its own cell. At 4 mm, a cell contains four points of each
+        // frame, including those of overlapping frames.
         assert!((7_000..8_000).contains(&count), "{count}");
         assert_eq!(cloud.attributes.colors, Some(vec![[10, 20, 30, 255]; count]));
         assert_eq!(cloud.attributes.normals, Some(vec![[0.0, 0.0, -1.0]; count]));
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_that_were_asked_for_hold_the_mean_of_what_all_cameras_measured() {
+    fn requested_cells_hold_the_mean_over_all_cameras() {
         let cloud = merged(Some(0.02), 40_000);
         // The wall is 230 mm wide and 200 mm high.
         assert!(
@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_that_do_not_fit_into_memory_grow_and_it_is_said() {
+    fn cells_that_do_not_fit_into_memory_grow_with_a_warning() {
         let cloud = merged(Some(0.001), 8_000);
         assert!(cloud.positions.len() <= 8_000);
         assert!(
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_beyond_all_cells_is_refused_and_the_others_stay() {
+    fn a_frame_beyond_all_cells_is_rejected_and_others_retained() {
         let mut merged = Merged::new(Some(0.001), 1 << 20);
         merged.take(wall(0.0), DAffine3::IDENTITY).unwrap();
         let far = DAffine3::from_translation(DVec3::splat(1e15));
@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_without_colours_takes_those_of_all() {
+    fn one_frame_without_colors_removes_the_colors_of_all() {
         for edge_m in [None, Some(0.01)] {
             let mut merged = Merged::new(edge_m, 1 << 30);
             merged.take(wall(0.0), DAffine3::IDENTITY).unwrap();

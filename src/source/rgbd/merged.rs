@@ -104,7 +104,7 @@ impl Source for MergedFrames {
     fn about(&self) -> About<'_> {
         About {
             notes: &self.notes,
-            // It is one frame.
+            // It is a single frame.
             fps: None,
             ..self.recording.about()
         }
@@ -112,7 +112,7 @@ impl Source for MergedFrames {
 
     fn capabilities(&self) -> Capabilities<'_> {
         Capabilities {
-            // The one frame is made whole, and stands still.
+            // The single frame is made as a whole, and is static.
             groups: None,
             meshes: None,
             samples: None,
@@ -182,8 +182,8 @@ fn photo(recording: &RgbdRecording, index: usize) -> Option<Photo> {
     let depth = recorded.depth_file(index);
     Some(match &sensor.rig.color {
         Some(color) => {
-            // Redwood re-rendered for a sensor with two cameras, frame 2 held out: 36.1 dB, and 31.5 with one camera
-            // for both; 34.0 where position and orientation of the two differ slightly from the assumption.
+            // Redwood re-rendered for a sensor with two cameras, frame 2 held out: 36.1 dB, and 31.5 dB with one camera
+            // for both; 34.0 dB where position and orientation of the two differ slightly from the assumption.
             let taken_by = DepthCamera {
                 camera: sensor.rig.depth.clone(),
                 photo_from_depth: color.color_from_depth,
@@ -250,7 +250,7 @@ impl Decoder for MergingDecoder {
 /// Gives a frame the normals of its image. Its points are put on their planes if noise is to be filtered.
 fn add_normals(cloud: &mut RawCloud, is_filtered: bool) {
     let count = cloud.positions.len();
-    // An image of one line is no grid.
+    // A single-line image is not a grid.
     let size_px = cloud
         .grid
         .map_or([count as u32, 1], |grid| [grid.width(), grid.height()]);

@@ -59,7 +59,7 @@ impl MovingFrames {
         let mut world_from_frame = DAffine3::IDENTITY;
         let mut moves = false;
         let mut at = frame;
-        // As many steps as there are links: more lead in circles.
+        // At most as many steps as there are links: more would be a cycle.
         for _ in 0..=self.parents.len() {
             let Some(parent) = self.parents.get(at) else {
                 return moves.then_some(world_from_frame);
@@ -81,7 +81,7 @@ impl Parent {
             (Some((_, place)), _) if self.is_static => Some(place),
             (None, Some((_, place))) if self.is_static => Some(place),
             (Some((start, from)), Some((end, to))) => {
-                // `start` is not after `time`, and `end` is.
+                // `start` is not after `time`, but `end` is.
                 let [passed, whole] = [time, end].map(|later| later.saturating_sub(start).as_secs_f64());
                 Some(between(from, to, passed / whole))
             }
@@ -122,7 +122,7 @@ mod tests {
                 link("base", "camera", 0, mounted),
                 link("map", "odom", 9, DAffine3::from_rotation_x(0.1)),
             ],
-            // Not in the order of time.
+            // Not in chronological order.
             vec![drive(2000, 3.0, 0.4), drive(1000, 1.0, 0.0), drive(3000, 3.0, 0.4)],
         )
     }
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_move_has_no_pose() {
+    fn static_frames_have_no_pose() {
         let robot = robot();
         for frame in ["odom", "map", "lidar"] {
             assert_eq!(robot.world_from(frame, Duration::from_secs(1)), None, "{frame}");
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn links_that_lead_in_circles_end() {
+    fn cyclic_links_terminate() {
         let place = DAffine3::IDENTITY;
         let circle = MovingFrames::of(
             Vec::new(),

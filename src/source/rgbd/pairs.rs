@@ -88,7 +88,7 @@ pub(super) fn nearest(count: usize, at: impl Fn(usize) -> Duration, time: Durati
 impl Pairs {
     fn of(depths: &[PathBuf], all_colors: &[PathBuf], colors: Vec<Option<PathBuf>>) -> Self {
         let mut notes = Vec::new();
-        // Without any colour images there is nothing to miss.
+        // Without any colour images none are missing.
         if !all_colors.is_empty() {
             let alone = depths.iter().zip(&colors).filter(|(_, color)| color.is_none());
             let alone: Vec<&Path> = alone.map(|(depth, _)| depth.as_path()).collect();
@@ -143,11 +143,11 @@ mod tests {
     }
 
     #[test]
-    fn names_pair_images() {
+    fn images_are_paired_by_name() {
         for (depths, colors) in [
             (["d/1.png", "d/2.png"], ["c/1.jpg", "c/2.jpg"]),
             (["d/depth_1.png", "d/depth_2.png"], ["c/rgb_001.png", "c/rgb_002.png"]),
-            // A number and a time, which differ.
+            // A number and a time, where the times differ.
             (["d/01-0000.png", "d/02-0033.png"], ["c/01-0007.png", "c/02-0041.png"]),
             (["d/a.png", "d/b.png"], ["c/x.png", "c/y.png"]),
         ] {
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_partner_is_said() {
+    fn unpaired_images_are_reported() {
         let (found, notes) = paired(&["1.png", "2.png", "3.png"], &["2.jpg", "4.jpg"]);
         assert_eq!(found, [None, Some("2.jpg".to_owned()), None]);
         assert_eq!(
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_moment_within_twenty_milliseconds_counts() {
+    fn the_nearest_time_within_twenty_milliseconds_counts() {
         let stamped = |times: &[u64]| -> Vec<(Duration, PathBuf)> {
             let image = |&at: &u64| (Duration::from_millis(at), PathBuf::from(at.to_string()));
             times.iter().map(image).collect()

@@ -98,7 +98,7 @@ fn of_arrays(path: &Path) -> Result<Trajectory, RgbdError> {
 
 /// An array of numpy: a pose per entry of its first dimension, as a matrix or as `x y z qx qy qz qw`.
 fn of_array(path: &Path, shape: &[usize], numbers: &[f64]) -> Result<Trajectory, RgbdError> {
-    // One matrix alone is one pose.
+    // A single matrix is one pose.
     let is_one = matches!(*shape, [3 | 4, 4]);
     let width = if is_one {
         numbers.len()
@@ -211,7 +211,7 @@ fn of_rows(lines: &[(usize, Vec<f64>)]) -> Result<Trajectory, String> {
     if let Some(row) = rows.iter().find(|row| row.len() != 4) {
         return Err(format!("a row has {} numbers, and 4 were expected", row.len()));
     }
-    // Of a camera that was lost, some write what is no number into the last row too.
+    // When tracking is lost, some programs write NaN into the last row too.
     let is_last = |row: &&[f64]| row[..3] == [0.0; 3] || row.iter().all(|number| !number.is_finite());
     let is_by_columns = |rows: &[&[f64]]| rows.iter().map(|row| row[3]).eq([0.0, 0.0, 0.0, 1.0]);
     let are_whole = rows.len().is_multiple_of(4)

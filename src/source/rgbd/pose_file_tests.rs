@@ -18,7 +18,7 @@ fn pose() -> DAffine3 {
 }
 
 #[test]
-fn every_format_says_the_same_pose() {
+fn every_format_gives_the_same_pose() {
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let rows = "0 -1 0 1\n1 0 0 2\n0 0 1 3\n";
     let open3d = "[0,-1,0,0, 1,0,0,0, 0,0,1,0, -2,1,-3,1]";
@@ -69,11 +69,11 @@ fn poses_find_their_frames_by_time_order_or_number() {
             .collect::<Vec<_>>()
     };
     let untimed = [None; 2];
-    // As many: images that are counted from 1.
+    // The same number: images are counted from 1.
     assert_eq!(found(&places(2), &untimed, &[1, 2]), [Some(0.0), Some(1.0)]);
     // Every tenth image.
     assert_eq!(found(&places(20), &untimed, &[0, 10]), [Some(0.0), Some(10.0)]);
-    // Numbers of something else.
+    // Numbers that mean something else.
     assert_eq!(found(&places(3), &untimed, &[100, 200]), [Some(0.0), Some(1.0)]);
     let stamped = written("tum.txt", "0 5 0 0 0 0 0 1\n1 6 0 0 0 0 0 1\n4 7 0 0 0 0 0 1\n").unwrap();
     assert_eq!(found(&stamped, &untimed, &[1, 3]), [Some(6.0), None]);
@@ -82,7 +82,7 @@ fn poses_find_their_frames_by_time_order_or_number() {
 }
 
 #[test]
-fn a_camera_that_is_lost_has_no_pose() {
+fn a_lost_camera_has_no_pose() {
     for lost in [
         "-inf -inf -inf -inf\n-inf -inf -inf -inf\n-inf -inf -inf -inf\n0 0 0 1\n",
         "1 0 0 0\n0 1 0 0\n0 0 -1 0\n0 0 0 1\n",
@@ -96,7 +96,7 @@ fn a_camera_that_is_lost_has_no_pose() {
 }
 
 #[test]
-fn what_is_no_trajectory_is_refused() {
+fn invalid_trajectories_are_rejected() {
     for (text, expected) in [
         ("", "no numbers"),
         ("1 2\n", "2 numbers"),

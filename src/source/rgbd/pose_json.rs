@@ -125,7 +125,7 @@ fn of_numbers(value: &Value) -> Option<Option<DAffine3>> {
         Some(row) => row.iter().collect::<Vec<_>>(),
         None => vec![row],
     });
-    // What is no number stands for a camera that was lost.
+    // NaN means that tracking was lost.
     let numbers: Vec<f64> = flat
         .map(|number| match number {
             Value::Null => Some(f64::NAN),
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_say_which_way_matrices_lead() {
+    fn keys_state_the_direction_of_matrices() {
         let shifted = "[1,0,0,1, 0,1,0,0, 0,0,1,0, 0,0,0,1]";
         let x = |key: &str| {
             let text = format!(r#"{{"frames": [{{"file_path": "f/a.png", "{key}": {shifted}}}]}}"#);

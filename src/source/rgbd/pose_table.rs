@@ -166,7 +166,7 @@ fn role(name: &str) -> Role {
     if ["num", "number", "index", "idx", "id", "frame", "frameid", "seq"].contains(&last) && before.is_empty() {
         return Role::Number;
     }
-    // One word such as `qx`, `tx`, `px`, or a last part such as `x` behind what it is of.
+    // A single word such as `qx`, `tx`, `px`, or a last part such as `x` after the quantity.
     let mut letters = last.chars();
     let (kind, axis) = match (letters.next(), letters.next(), letters.next()) {
         (Some(axis), None, None) => (before.as_str(), axis),
@@ -269,7 +269,7 @@ fn of_graph(text: &str) -> Trajectory {
         Some((number, pose_of(DVec3::new(x, y, z), DQuat::from_xyzw(qx, qy, qz, qw))))
     };
     let mut poses: Vec<(usize, Option<DAffine3>)> = text.lines().filter_map(vertex).collect();
-    // Keys of GTSAM hold a letter in their highest byte.
+    // GTSAM keys hold a letter in their highest byte.
     let max = usize::MAX >> 8;
     for (number, _) in &mut poses {
         *number &= max;

@@ -19,7 +19,7 @@ fn first(text: &str) -> DAffine3 {
 }
 
 #[test]
-fn headers_say_the_order_of_quaternions() {
+fn headers_state_the_order_of_quaternions() {
     let half = std::f64::consts::FRAC_1_SQRT_2;
     for (header, row) in [
         (
@@ -64,7 +64,7 @@ fn headers_without_a_quaternion_are_refused() {
 }
 
 #[test]
-fn names_numbers_and_brackets_stand_in_front() {
+fn names_numbers_and_brackets_may_precede_a_pose() {
     let rows = "0 0 1 1 0 1 0 2 -1 0 0 3";
     assert!(first(&format!("0.png {rows} 0 0 0 1\n")).abs_diff_eq(pose(), 1e-9));
     assert!(first(&format!("0 {rows}\n1 {rows}\n")).abs_diff_eq(pose(), 1e-9));

@@ -27,11 +27,11 @@ pub(super) fn settle_units(found: &mut FoundRecording, options: &ReadOptions) {
         let StoredImage::File(path) = &found.frames[index].depth else {
             return;
         };
-        // Text is lengths in metres.
+        // Text files contain lengths in metres.
         if has_extension(name_of(path), &["depth"]) {
             return;
         }
-        // What is wrong with an image is said when it is shown.
+        // Errors in an image are reported when it is shown.
         let Ok(raster) = found.frames[index].depth.raster(options) else {
             continue;
         };
@@ -84,7 +84,7 @@ fn spread(count: usize, max: usize) -> impl Iterator<Item = usize> {
 }
 
 fn some<T: Copy>(samples: &[T]) -> impl Iterator<Item = T> {
-    // A step that shares no factor with the usual widths, so that columns differ.
+    // A step coprime to the usual widths, so that columns differ.
     let step = (samples.len() / NUMBERS).max(1) | 1;
     samples.iter().copied().step_by(step)
 }

@@ -178,7 +178,7 @@ fn entry(index: usize, depth: &StoredImage) -> FrameEntry {
                 ..whole
             }
         }
-        // A recording has none of these.
+        // Recordings do not contain these.
         StoredImage::Received(image) => FrameEntry::embedded(&*image.input, &[]),
     }
 }

@@ -36,7 +36,7 @@ impl Sizes {
         let color = found.frames.iter().find_map(|frame| frame.color.as_ref());
         let is_file = |image: &&StoredImage| matches!(image, StoredImage::File(_) | StoredImage::Member(_));
         let mut sizes = Self {
-            // Text does not say it.
+            // Text files do not state it.
             depth_px: size_of(&found.frames[0].depth).or(first.depth.for_size_px),
             color_px: color
                 .filter(|color| first.color.is_some() || is_file(color))
@@ -44,7 +44,7 @@ impl Sizes {
         };
         let mut learned: Vec<(Arc<Calibration>, Arc<Calibration>)> = Vec::new();
         for frame in &mut found.frames {
-            // Frames of one camera follow each other.
+            // Frames of one camera are consecutive.
             let known = learned
                 .iter()
                 .rev()
@@ -138,13 +138,13 @@ mod tests {
     }
 
     #[test]
-    fn the_principal_point_tells_the_size() {
+    fn the_principal_point_determines_the_size() {
         for (principal, color_px, expected) in [
             ([319.5, 239.5], None, [640, 480]),
             ([350.0, 210.0], None, [640, 480]),
             ([955.0, 718.0], None, [1920, 1440]),
             ([958.0, 722.0], Some([1920, 1440]), [1920, 1440]),
-            // Two focal lengths of another kind say nothing.
+            // Two unrelated focal lengths are no evidence.
             ([100.0, 50.0], None, [640, 480]),
         ] {
             let found = learned(principal, [640, 480], color_px);
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_of_another_size_and_the_same_shape_are_of_the_same_camera() {
+    fn color_images_of_another_size_and_the_same_aspect_share_the_camera() {
         let found = learned([128.0, 96.0], [256, 192], Some([1920, 1440]));
         let (color, color_from_depth) = found.color.unwrap();
         assert_eq!(color.for_size_px, Some([256, 192]));

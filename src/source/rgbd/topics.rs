@@ -63,7 +63,7 @@ fn find(path: &Path, options: &OpenOptions) -> Result<Option<(&'static str, Foun
     let is_meant = |stream: &&Stream<'_>| stream.head.is_depth() && named.is_none_or(|name| stream.topic.name == name);
     let depth = streams.iter().filter(is_meant).max_by_key(|stream| {
         let name = stream.topic.name.to_ascii_lowercase();
-        // Infrared images of 16 bits look like depths. Of equals the first name.
+        // 16-bit infrared images look like depths. Of equals the first name.
         (
             name.contains("depth"),
             stream.topic.messages.len(),
@@ -178,7 +178,7 @@ impl RosRecording<'_> {
             let info = self.first(topic, camera_info)?;
             let shared = shared_parts(&topic.name, name);
             let is_framed = !is_realsense(name) && info.frame_id == stream.head.frame_id;
-            // The first part is what is before the first slash: nothing.
+            // The first part is the empty one before the first slash.
             let is_sibling = shared > 1 && shared + 2 >= parts;
             (is_framed || is_sibling).then_some((shared, is_framed, info))
         });
@@ -200,7 +200,7 @@ impl RosRecording<'_> {
                 };
                 self.first(self.of_kind(CameraMessage::Extrinsics).find(is_its)?, extrinsics)
             };
-            // From the stream that all are told from to each of them.
+            // From the stream that all others are relative to, to each of them.
             return Some(place(color)? * place(depth)?.inverse());
         }
         let links = self.links(CameraMessage::StaticTransforms);
@@ -211,7 +211,7 @@ impl RosRecording<'_> {
     fn links(&self, kind: CameraMessage) -> Vec<Link> {
         let messages = self.of_kind(kind).flat_map(|topic| &topic.messages);
         let messages = messages.map(|(_, message)| message);
-        // Thousands of small messages lie in a few chunks: read together, each chunk is unpacked once.
+        // Thousands of small messages are stored in a few chunks: read together, each chunk is unpacked once.
         let links = recording::read_all_parsed(self.path, messages, self.read, links);
         links.into_iter().flatten().collect()
     }
@@ -257,7 +257,7 @@ impl RosRecording<'_> {
         let mut notes = Vec::new();
         let calibration = match self.info(depth) {
             Some(info) => self.calibration(depth, &info, color, &mut notes)?,
-            // Whoever names the camera needs none.
+            // If the user specifies the camera, none is needed.
             None if options.rgbd.intrinsics.is_some() => {
                 Calibration::of_depth(Intrinsics::pinhole([1.0, 1.0, 0.0, 0.0], None), "--intrinsics")
             }

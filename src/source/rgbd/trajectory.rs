@@ -48,7 +48,7 @@ impl Trajectory {
         match self {
             Self::Stamped(_) if has_times => all(&|index| self.pose(index, times[index])),
             Self::Stamped(poses) if poses.len() == times.len() => all(&|index| poses[index].1),
-            // Stamps that are numbers of images.
+            // Stamps that are image numbers.
             Self::Stamped(poses) => {
                 let of_number = |number: usize| {
                     let stamp = Duration::from_secs(number as u64);
@@ -70,7 +70,7 @@ impl Trajectory {
                 if (0..names.len()).any(|index| named(index).is_some()) {
                     return all(&named);
                 }
-                // Names of the colour images of other names: their numbers.
+                // Names of the colour images, which are different: match by number.
                 let by_number: HashMap<usize, Option<DAffine3>> = poses
                     .iter()
                     .filter_map(|(name, pose)| Some((last_number(name)?, *pose)))
@@ -136,7 +136,7 @@ pub(in crate::source) fn matrix(rows: &[f64]) -> Option<DMat4> {
     };
     let numbers: [f64; 16] = all.try_into().ok()?;
     let columns = DMat4::from_cols_array(&numbers);
-    // The last row says which way round they are.
+    // The last row shows whether the matrix is stored by rows or by columns.
     let is_by_columns = columns.row(3) == DVec4::W && columns.w_axis != DVec4::W;
     Some(if is_by_columns { columns } else { columns.transpose() })
 }

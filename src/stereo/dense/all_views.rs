@@ -306,7 +306,7 @@ mod tests {
     use glam::{DAffine3, DVec2};
 
     #[test]
-    fn of_hundreds_of_photographs_some_are_swept() {
+    fn only_some_of_hundreds_of_images_are_swept() {
         assert_eq!(every(std::iter::repeat_n(640 * 480, 40)), 1);
         assert_eq!(every(std::iter::repeat_n(400 * 400, 100)), 2);
         assert_eq!(every(std::iter::repeat_n(640 * 480, 400)), 10);
@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn planes_are_between_sparse_points_or_else_between_the_depths_that_a_format_tells() {
+    fn sweep_planes_span_the_sparse_points_or_the_depth_range_of_the_format() {
         let camera = Camera::new([64, 48], DVec2::splat(50.0), DVec2::new(31.5, 23.5), Distortion::None);
         let photo = Photo {
             name: String::new(),

@@ -42,16 +42,16 @@ pub struct Pairwise {
 impl Default for Pairwise {
     fn default() -> Self {
         Self {
-            // 160 × 120 of VGA: as many pixels as the paper has, nearly.
-            // A plane sweep of 320 pixels has eight times the points at a third of the error, and takes 34 times as
-            // long: 4.48 s against 0.13 for eight ray-traced VGA cameras (one busy core).
+            // 160 × 120 for VGA: nearly as many pixels as in the paper. A plane sweep of 320 pixels has eight times the
+            // points at a third of the error, and takes 34 times as long: 4.48 s against 0.13 s for eight ray-traced
+            // VGA cameras (one busy core).
             max_side_px: 160,
             matching: Matching {
                 min_area_px: 20,
                 ..Matching::default()
             },
             matcher: SharedMatcher::default(),
-            // Depths of a hundred pixels a side are coarse, and there is one map for two photographs.
+            // Depth maps of a hundred pixels per side are coarse, and there is one map per two images.
             consistency: Consistency {
                 min_views: 2,
                 tolerance: 0.02,
@@ -93,7 +93,7 @@ impl Pairwise {
             }
             let of_one = &small[first];
             let between = depth_range(set, of_one.number, crossing, AROUND_CROSSING);
-            // Of two that cannot be rectified or matched there are none.
+            // A pair that cannot be rectified or matched has none.
             let found = depths_of_pair([views[first], views[second]], &*self.matcher.0, &self.matching, between);
             progress.advance(1);
             Ok(found
@@ -167,24 +167,24 @@ mod tests {
     }
 
     #[test]
-    fn photographs_are_matched_once_at_the_angle_that_tells_most() {
+    fn images_are_matched_once_at_the_best_angle() {
         let center = Some(DVec3::ZERO);
         assert_eq!(pairs_of(&arc(4, 10.0), center), [[0, 1], [2, 3]]);
         assert_eq!(pairs_of(&arc(6, 5.0), center), [[0, 2], [1, 3], [4, 5]]);
-        // Nobody is left for the last one: it is matched with one that was.
+        // No partner is left for the last one: it is matched with one that has been used.
         assert_eq!(pairs_of(&arc(3, 10.0), center), [[0, 1], [2, 1]]);
     }
 
     #[test]
-    fn photographs_that_tell_nothing_of_one_another_are_not_matched() {
+    fn images_at_unsuitable_angles_are_not_matched() {
         assert_eq!(pairs_of(&arc(5, 60.0), Some(DVec3::ZERO)), [[0; 2]; 0]);
         assert_eq!(pairs_of(&arc(3, 0.5), Some(DVec3::ZERO)), [[0; 2]; 0]);
-        // From one place there is no depth, whatever they look at.
+        // Two views from the same position give no depth, whatever they look at.
         assert_eq!(pairs_of(&[DVec3::ONE; 2], None), [[0; 2]; 0]);
     }
 
     #[test]
-    fn photographs_that_look_parallel_are_matched_with_the_nearest() {
+    fn parallel_images_are_matched_with_the_nearest() {
         let places = [0.0, 3.0, 0.5, 3.2].map(|x| DVec3::new(x, 0.0, 0.0));
         assert_eq!(pairs_of(&places, None), [[0, 2], [1, 3]]);
     }

@@ -88,7 +88,7 @@ impl CensusPair {
     pub(in crate::stereo) fn around(&self, at: usize, label: usize) -> Around {
         let width = self.size[0];
         let (line, x) = (at - at % width, at % width);
-        // Label k is at `first + k` of the line that is kept backwards.
+        // Label k is at `first + k` of the line, which is stored in reverse.
         let first = (width - 1 - x) as i64 + i64::from(self.range.min());
         let others = &self.right[line..line + width];
         let mut costs = [NO_COST; 2 * NEIGHBOR + 1];
@@ -107,12 +107,12 @@ impl CensusPair {
         let line = y * width..(y + 1) * width;
         let (left, right) = (&self.left[line.clone()], &self.right[line]);
         for (x, (costs, &bits)) in costs.chunks_exact_mut(count).zip(left).enumerate() {
-            // Disparity `min + k` is at `first + k` of the line that is kept backwards.
+            // Disparity `min + k` is at `first + k` of the line, which is stored in reverse.
             let first = (width - 1 - x) as i64 + i64::from(self.range.min());
             let from = (-first).clamp(0, count as i64) as usize;
             let to = (width as i64 - first).clamp(from as i64, count as i64) as usize;
-            // Beyond the other image is its border: where all is even, no label costs more than others.
-            // A constant made labels inside the image cheaper: uniform images had depths.
+            // Outside the other image its border is repeated: in uniform areas, no label costs more than others. A
+            // constant made labels inside the image cheaper: uniform images got depths.
             costs[..from].fill((bits ^ right[0]).count_ones() as u8);
             costs[to..].fill((bits ^ right[width - 1]).count_ones() as u8);
             if from < to {
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn costs_are_the_neighbours_that_compare_otherwise() {
+    fn costs_count_differing_neighbour_comparisons() {
         let [width, height] = [23, 11];
         let (left, right) = (random([23, 11], 1), random([23, 11], 2));
         let range = DisparityRange::new(-7, 24).unwrap();
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_asked_for_between_pixels_is_what_was_matched() {
+    fn subpixel_queries_match_the_matched_costs() {
         let (left, right) = (random([40, 9], 3), random([40, 9], 4));
         let range = DisparityRange::new(-3, 28).unwrap();
         let pair = CensusPair::new(&left, &right, range);

@@ -42,7 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_near_a_spot_stays() {
+    fn pixels_near_a_spot_are_retained() {
         let [width, height] = [30, 20];
         for (level, is_seen) in [(52, false), (53, true)] {
             let mut pixels = vec![50; width * height];

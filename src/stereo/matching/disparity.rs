@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn disparities_are_mixed_on_one_surface_and_taken_from_the_nearest_across_a_step() {
+    fn disparities_are_interpolated_on_one_surface_and_nearest_across_a_step() {
         let map = DisparityMap::new([3, 2], vec![4.0, 5.0, 9.0, 4.0, 5.0, f32::NAN]);
         for (at, expected) in [
             ([0.25, 0.5], Some(4.25)),

@@ -69,7 +69,7 @@ impl Sets {
     fn first(&mut self, mut at: u32) -> u32 {
         while self.0[at as usize] != at {
             let next = self.0[at as usize];
-            // Every second step is left out the next time.
+            // Path halving: every second step is skipped next time.
             self.0[at as usize] = self.0[next as usize];
             at = next;
         }
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_single_pixel_becomes_as_those_around() {
+    fn an_isolated_pixel_takes_the_surrounding_value() {
         let mut values = vec![5.0; 25];
         values[12] = 90.0;
         values[0] = NONE;
@@ -104,8 +104,8 @@ mod tests {
     }
 
     #[test]
-    fn specks_go_and_larger_areas_stay() {
-        // Three connected pixels by a column, one alone, two that touch by a corner only.
+    fn specks_are_removed_and_larger_areas_stay() {
+        // Three pixels connected along a column, a single one, and two that touch only at a corner.
         let mut values = vec![
             1.0, NONE, 9.0, NONE, //
             1.5, NONE, NONE, 4.0, //
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_parts_two_areas() {
+    fn a_step_separates_two_areas() {
         let mut values = vec![1.0, 1.0, 8.0, 1.0, 1.0, 8.0];
         remove_specks(&mut values, 3, 3, is_near);
         assert_eq!(values.iter().filter(|value| !value.is_nan()).count(), 4);
@@ -125,7 +125,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn areas_are_those_of_a_flood(
+        fn areas_match_a_flood_fill(
             labels in proptest::collection::vec(0_u8..4, 1..120),
             width in 1_usize..12,
             min in 1_usize..9,

@@ -51,7 +51,7 @@ pub(in crate::stereo) fn local<T: Send>(
             let at = (y.saturating_sub(radius).min(height - 1) - first) * line;
             &pixel_costs[at..at + line]
         };
-        // Line y of the image is y + radius here, so that lines before the first one are numbers too.
+        // Line y of the image is at y + radius here, so that indices of lines before the first one are not negative.
         let mut columns = vec![0_u16; line];
         for y in from..from + 2 * radius {
             dispatch!(Level::new(), _simd => add(&mut columns, row(y)));
@@ -112,7 +112,7 @@ mod tests {
     use crate::stereo::matching::costs::Volume;
 
     #[test]
-    fn sums_are_those_of_all_pixels_of_the_square() {
+    fn sums_match_all_pixels_of_the_window() {
         for ([width, height], radius) in [([1, 1], 2), ([5, 40], 1), ([23, 19], 3), ([4, 3], 15), ([6, 6], 0)] {
             let volume = Volume::random([width, height], 32, 5);
             let mut found = vec![Vec::new(); width * height];

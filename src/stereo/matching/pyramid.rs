@@ -51,7 +51,7 @@ impl Matching {
         if map.found_count() * 1000 < (MIN_FOUND * map.pixels().len()).max(1) {
             return Err(StereoError::NothingAlike);
         }
-        // Not a number is neither.
+        // NaN is neither.
         let min = map.pixels().iter().copied().fold(f32::INFINITY, f32::min);
         let max = map.pixels().iter().copied().fold(f32::NEG_INFINITY, f32::max);
         let near = max + (max - min) * NEAR_SHARE;
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn the_range_holds_what_is_there_and_little_more() {
+    fn the_range_contains_the_disparities_and_little_more() {
         for disparities in [[40.0, 130.0], [-60.0, 20.0], [0.0, 0.0], [200.0, 210.0]] {
             let [left, right] = pair(900, 400, disparities);
             let range = Matching::default().range(&left, &right).unwrap();

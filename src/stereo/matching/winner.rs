@@ -22,7 +22,7 @@ use fearless_simd::{Level, dispatch};
 pub enum Between {
     /// Intersection of two lines of one slope, that of the steeper side, through the costs of pixels alone (Shimizu and
     /// Okutomi 2001). True to a hundredth of a pixel in the mean.
-    // Median error against a sub-pixel ground truth (motorcycle, 741 × 500): 0.109 px, by the parabola 0.146.
+    // Median error against a sub-pixel ground truth (motorcycle, 741 × 500): 0.109 px, with the parabola 0.146.
     #[default]
     Lines,
     /// The lowest place of a parabola through the sums (Hirschmüller 2008, section 2.4). Less noisy, but drawn to whole
@@ -120,7 +120,7 @@ fn right_winners(sums: &[u16], width: usize) -> Vec<u16> {
     let count = sums.len() / width;
     let mut costs = vec![u16::MAX; width + count];
     let mut labels = vec![0; width + count];
-    // Where columns ascend, so do the labels of one place.
+    // In ascending columns, the labels of one position ascend, too.
     for (x, sums) in sums.chunks_exact(count).enumerate() {
         let places = width - 1 - x..width - 1 - x + count;
         let places = costs[places.clone()].iter_mut().zip(&mut labels[places]);
@@ -158,16 +158,16 @@ mod tests {
     }
 
     #[test]
-    fn the_place_between_labels_is_that_of_a_parabola() {
-        // (x − 2.25)² of 1, 2, 3, times 16.
+    fn the_subpixel_position_is_the_minimum_of_a_parabola() {
+        // (x − 2.25)² at 1, 2, 3, times 16.
         assert_eq!(lowest([25, 1, 9]), 0.25);
-        // |x − 2.25| of 1, 2, 3, times 4: drawn to the whole label.
+        // |x − 2.25| at 1, 2, 3, times 4: biased towards the whole label.
         assert!((lowest([5, 1, 3]) - 1.0 / 6.0).abs() < 1e-6);
         assert_eq!(lowest([7, 7, 7]), 0.0);
     }
 
     #[test]
-    fn a_second_label_as_good_leaves_none() {
+    fn an_equally_good_second_label_leaves_no_winner() {
         let mut sums = vec![90; 32];
         sums[9..12].copy_from_slice(&[50, 20, 50]);
         let mut labels = [0.0];
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn a_partner_that_looks_elsewhere_leaves_none() {
+    fn a_failed_left_right_check_leaves_no_winner() {
         // Pixels 40 and 44 both want pixel 30 of the right image; 44 is cheaper.
         let (width, count) = (64, 32);
         let mut sums = vec![500; width * count];

@@ -39,7 +39,7 @@ fn every_cut_is_found(name: &str, whole: &[u8]) {
 }
 
 #[test]
-fn cut_mcap_files_are_found() {
+fn truncated_mcap_files_are_detected() {
     for (name, options) in [
         ("chunks.mcap", mcap::WriteOptions::new().chunk_size(Some(300))),
         ("loose.mcap", mcap::WriteOptions::new().use_chunks(false)),
@@ -93,12 +93,12 @@ fn closed_bag() -> Vec<u8> {
 }
 
 #[test]
-fn cut_bags_are_found() {
+fn truncated_bags_are_detected() {
     every_cut_is_found("closed.bag", &closed_bag());
 }
 
 #[test]
-fn a_bag_that_was_not_closed_is_found() {
+fn an_unclosed_bag_is_detected() {
     let folder = folder();
     let path = folder.path().join("open.bag");
     let mut open = bag("none", <[u8]>::to_vec, false);
@@ -114,7 +114,7 @@ fn a_bag_that_was_not_closed_is_found() {
 }
 
 #[test]
-fn cut_databases_and_journals_are_found() {
+fn truncated_databases_and_journals_are_detected() {
     let folder = folder();
     let path = folder.path().join("a.db3");
     db3(&path, Kind::CdrLittle, <[u8]>::to_vec);

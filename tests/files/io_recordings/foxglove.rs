@@ -152,8 +152,7 @@ fn clouds_have_times_attributes_and_poses() {
             let entries = io::list(&path, &options).unwrap();
             let times: Vec<_> = entries.iter().map(|entry| entry.time.unwrap()).collect();
             let stamp = |seconds| Duration::new(seconds, 300);
-            // Keys of this writer stand in the order of the alphabet: the time is last, found where all of the message
-            // is at hand.
+            // This writer sorts keys alphabetically: the time is last, and only found if the whole message is at hand.
             let is_found = encoding == "protobuf" || is_chunked;
             let expected = if is_found {
                 [Duration::from_secs(7), stamp(8), stamp(9)]
@@ -182,10 +181,10 @@ fn clouds_have_times_attributes_and_poses() {
 }
 
 #[test]
-fn the_first_bytes_of_json_tell_the_time() {
+fn the_time_is_read_from_the_first_bytes_of_json() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
-    // A field of that name is no time of the message, and comes first here.
+    // A field with that name is not the time of the message, and comes first here.
     let message = br#"{"fields":[{"name":"timestamp","offset":0,"type":7}],"timestamp" : {"sec":3,"nsec":4},"data":""#;
     let message = [&message[..], &b"AAAA".repeat(1000), b"\",\"point_stride\":4}"].concat();
     write(&path, "json", &[message], mcap::WriteOptions::new().use_chunks(false));
@@ -194,7 +193,7 @@ fn the_first_bytes_of_json_tell_the_time() {
 }
 
 #[test]
-fn what_does_not_fit_is_said() {
+fn inconsistent_messages_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     for (encoding, message) in WRITERS {
@@ -224,7 +223,8 @@ fn what_does_not_fit_is_said() {
     write(&path, "json", &[typed.into_bytes()], mcap::WriteOptions::new());
     let error = io::read(&path).unwrap_err().to_string();
     assert!(error.contains("field `ring` is of type 0, expected 1 to 8"), "{error}");
-    // Points of three bytes become three floats, next to the message: that is asked for before it is taken.
+    // Points of three bytes become three floats, in addition to the message: that memory is claimed before it is
+    // allocated.
     let mut narrow = fixed32(4, 3);
     for (index, name) in [b"x", b"y", b"z"].into_iter().enumerate() {
         let field = [bytes(1, name), fixed32(2, index as u32), vec![3 << 3, 1]];
@@ -244,7 +244,7 @@ fn what_does_not_fit_is_said() {
 }
 
 #[test]
-fn damaged_messages_are_answered() {
+fn damaged_messages_are_handled() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     for (encoding, message) in WRITERS {
@@ -265,7 +265,7 @@ fn damaged_messages_are_answered() {
         let read = entries
             .iter()
             .filter(|entry| io::read_part(&path, &entry.part, &options).is_ok());
-        // Most changes are of points and names, which nobody can tell; most cuts can be told.
+        // Most changes affect points and names and cannot be detected; most truncations can.
         let read = read.count();
         assert!((1..damaged.len()).contains(&read), "{read}");
     }

@@ -100,7 +100,7 @@ fn bag(kind: &str, messages: &[Vec<u8>]) -> Vec<u8> {
 }
 
 #[test]
-fn messages_of_every_driver_are_clouds() {
+fn messages_of_every_driver_are_read_as_clouds() {
     let folder = folder();
     let messages = |kind| [message(kind, 100), message(kind, 101)];
     for kind in ["livox_ros_driver/CustomMsg", "livox_ros_driver2/CustomMsg"] {
@@ -135,7 +135,7 @@ fn messages_of_every_driver_are_clouds() {
 }
 
 #[test]
-fn a_message_that_is_cut_spoils_itself_alone() {
+fn a_truncated_message_only_affects_itself() {
     let folder = folder();
     let path = folder.path().join("a.bag");
     let mut messages = [message(Kind::Ros1, 100), message(Kind::Ros1, 101)];

@@ -189,7 +189,7 @@ fn mcap(kind: Kind, options: mcap::WriteOptions) -> Vec<u8> {
 }
 
 #[test]
-fn mcap_in_every_packing_and_serialisation() {
+fn mcap_is_read_in_every_compression_and_serialisation() {
     let folder = folder();
     for kind in [Kind::Ros1, Kind::CdrLittle, Kind::CdrBig] {
         for (name, options) in [
@@ -265,7 +265,7 @@ fn bag(compression: &str, pack: impl Fn(&[u8]) -> Vec<u8>, has_index: bool) -> V
     }
     let mut file = b"#ROSBAG V2.0\n".to_vec();
     file.extend(record(&[("op", &[3]), ("index_pos", &[0; 8])], &[b' '; 64]));
-    // A chunk for each message; connections stand in the first one.
+    // One chunk per message; connections are in the first one.
     for (index, (topic, time, data)) in messages(Kind::Ros1).into_iter().enumerate() {
         let id = u32::from(topic).to_le_bytes();
         let mut chunk = if index == 0 { connections.clone() } else { Vec::new() };
@@ -304,7 +304,7 @@ fn lz4(bytes: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn bags_with_and_without_an_index() {
+fn bags_are_read_with_and_without_an_index() {
     let folder = folder();
     for has_index in [true, false] {
         for (name, file) in [
@@ -352,7 +352,7 @@ fn db3(path: &Path, kind: Kind, pack: impl Fn(&[u8]) -> Vec<u8>) {
 }
 
 #[test]
-fn ros_2_bags_in_sqlite() {
+fn ros_2_bags_are_read_from_sqlite() {
     let folder = folder();
     for kind in [Kind::CdrLittle, Kind::CdrBig] {
         let path = folder.path().join(format!("{kind:?}.db3"));
@@ -391,7 +391,7 @@ fn damaged(name: &str, file: &[u8]) {
 }
 
 #[test]
-fn damaged_recordings_are_answered() {
+fn damaged_recordings_are_handled() {
     let lz4_chunks = mcap::WriteOptions::new().compression(Some(mcap::Compression::Lz4));
     damaged("a.mcap", &mcap(Kind::CdrLittle, lz4_chunks));
     damaged(
@@ -403,7 +403,7 @@ fn damaged_recordings_are_answered() {
 }
 
 #[test]
-fn damaged_databases_are_answered() {
+fn damaged_databases_are_handled() {
     let folder = folder();
     let path = folder.path().join("a.db3");
     db3(&path, Kind::CdrLittle, <[u8]>::to_vec);
@@ -419,7 +419,7 @@ fn damaged_databases_are_answered() {
 }
 
 #[test]
-fn what_is_no_cloud_is_said() {
+fn messages_that_are_not_clouds_are_reported() {
     let folder = folder();
     let path = folder.path().join("a.mcap");
     let mut file = std::io::Cursor::new(Vec::new());
@@ -427,7 +427,7 @@ fn what_is_no_cloud_is_said() {
     std::fs::write(&path, file.into_inner()).unwrap();
     assert_eq!(io::list(&path, &ReadOptions::default()).unwrap(), Vec::<Entry>::new());
     assert!(matches!(io::read(&path), Err(IoError::NoFrame { .. })));
-    // A cloud whose last point is cut off by what its header claims.
+    // A cloud whose last point is truncated, according to the size claimed in its header.
     let mut short = message(Kind::Ros1, (1, 0), 1.0, false);
     let at = short.windows(4).position(|four| four == 65u32.to_le_bytes()).unwrap();
     short[at..at + 4].copy_from_slice(&71u32.to_le_bytes());

@@ -34,7 +34,7 @@ fn open(paths: &[PathBuf], topic: Option<&str>) -> Result<Sequence, SequenceErro
 }
 
 #[test]
-fn the_topic_that_is_named_is_read() {
+fn the_named_topic_is_read() {
     let folder = folder();
     let options = ReadOptions::default();
     for path in recordings(folder.path()) {
@@ -60,7 +60,7 @@ fn the_topic_that_is_named_is_read() {
 }
 
 #[test]
-fn sequences_are_of_one_topic() {
+fn a_sequence_has_one_topic() {
     let folder = folder();
     let [first, second, _] = recordings(folder.path());
     let sequence = open(std::slice::from_ref(&first), Some("/other")).unwrap();
@@ -69,7 +69,7 @@ fn sequences_are_of_one_topic() {
     assert_eq!(sequence.source().inputs(), std::slice::from_ref(&first));
     assert_eq!(open(std::slice::from_ref(&first), None).unwrap().len(), 3);
 
-    // A recording in several files: their topics together.
+    // A recording in several files: their topics are combined.
     let both = open(&[first.clone(), second], Some("/other")).unwrap();
     assert_eq!(both.len(), 4);
     let counts: Vec<usize> = both.source().topics().iter().map(|topic| topic.cloud_count).collect();
@@ -87,7 +87,7 @@ fn sequences_are_of_one_topic() {
 
 /// A recording without a cloud is a frame that says so, not a sequence of none.
 #[test]
-fn a_recording_without_clouds_is_said() {
+fn a_recording_without_clouds_is_reported() {
     let folder = folder();
     let path = folder.path().join("a.mcap");
     let mut file = std::io::Cursor::new(Vec::new());

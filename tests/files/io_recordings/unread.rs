@@ -44,7 +44,7 @@ fn bag(topics: &[(&str, &str, u32)], is_packed: bool) -> Vec<u8> {
 }
 
 #[test]
-fn topics_types_and_counts_are_named_with_what_converts_them() {
+fn unsupported_topics_are_listed_with_types_counts_and_converters() {
     let folder = folder();
     let path = folder.path().join("a.bag");
     for is_packed in [true, false] {

@@ -56,9 +56,9 @@ fn check_frames(name: &str, bytes: &[u8], words: &str) {
 }
 
 #[test]
-fn nanoseconds_in_a_capture_of_microseconds_are_told_by_the_clock_of_the_sensor() {
+fn nanoseconds_in_a_microsecond_capture_are_detected_by_the_sensor_clock() {
     for begin_s in [0, 17, 1_700_000_000] {
-        // Seconds have 32 bits there.
+        // There, seconds have 32 bits.
         let as_micros = |time: Duration| Duration::from_micros((begin_s * 1_000_000_000) + time.as_nanos() as u64);
         let bytes = capture(Container::Pcap, as_micros);
         check_frames("split by a million", &bytes, "1000 times faster");
@@ -69,9 +69,9 @@ fn nanoseconds_in_a_capture_of_microseconds_are_told_by_the_clock_of_the_sensor(
 }
 
 #[test]
-fn parts_of_seconds_of_another_unit_are_told_by_their_size() {
+fn fractions_of_seconds_in_another_unit_are_detected_by_their_size() {
     let at = |time: Duration| Duration::from_secs(1_700_000_000) + time;
-    // The same records behind the header of the other unit.
+    // The same records after the header of the other unit.
     let mut nanos = capture(Container::PcapBigNanoseconds, at);
     nanos[..4].copy_from_slice(&0xa1b2_c3d4_u32.to_be_bytes());
     check_frames("nanoseconds", &nanos, "read as nanoseconds");
@@ -88,7 +88,7 @@ fn parts_of_seconds_of_another_unit_are_told_by_their_size() {
 }
 
 #[test]
-fn the_capture_of_a_bug_report_is_revolutions() {
+fn the_capture_of_a_bug_report_is_split_into_revolutions() {
     let Some(path) = shared("meaning/V02_ns_as_us.pcap") else {
         return;
     };

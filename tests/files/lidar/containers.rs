@@ -15,13 +15,13 @@ fn scan() -> Scan<'static> {
 }
 
 #[test]
-fn every_container_and_link_holds_the_same() {
+fn every_container_and_link_type_gives_the_same_points() {
     for container in ALL_CONTAINERS {
         for link in [Link::Ethernet, Link::Vlan, Link::Cooked, Link::Cooked2, Link::Raw] {
             let mut writer = Writer::new(container, link);
             scan().write(&mut writer, 60);
             let files = Files::new();
-            // First bytes tell the format, whatever the name says.
+            // The first bytes determine the format, whatever the name says.
             let path = files.write("capture.dump", &writer.bytes);
             let entries = io::list(&path, &ReadOptions::default()).unwrap();
             assert_eq!(entries[0].time, Some(time(0)), "{container:?} {link:?}");
@@ -33,7 +33,7 @@ fn every_container_and_link_holds_the_same() {
 }
 
 #[test]
-fn captures_are_known_by_extension_and_by_first_bytes() {
+fn captures_are_recognised_by_extension_and_by_first_bytes() {
     for name in ["a.pcap", "a.pcapng"] {
         let format = Format::of_extension(Path::new(name)).unwrap();
         assert!(format.is_container() && format.holds_many());
@@ -49,13 +49,13 @@ fn captures_are_known_by_extension_and_by_first_bytes() {
 }
 
 #[test]
-fn other_traffic_and_blocks_are_gone_over() {
+fn other_traffic_and_blocks_are_skipped() {
     let mut writer = Writer::new(Container::PcapNg, Link::Ethernet);
     let other = super::captures::Sender { host: 201, port: 8308 };
     for index in 0..60 {
         writer.packet(time(0), &[0xff; 60]);
         writer.packet(time(0), b"");
-        // Positions of the sensor, and a long datagram of somebody else.
+        // Positions of the sensor, and a long datagram from an unrelated sender.
         writer.datagram(0, other, &[0x55; 512]);
         writer.datagram(0, other, &[0x55; 9000]);
         writer.block(5, &[7; 20]);
@@ -80,7 +80,7 @@ fn other_traffic_and_blocks_are_gone_over() {
 }
 
 #[test]
-fn sections_one_after_the_other_are_one_capture() {
+fn consecutive_sections_are_one_capture() {
     let (mut little, mut big) = (
         Writer::new(Container::PcapNg, Link::Ethernet),
         Writer::new(Container::PcapNgBig, Link::Raw),
@@ -94,12 +94,12 @@ fn sections_one_after_the_other_are_one_capture() {
     let path = files.write("joined.pcapng", &[little.bytes, big.bytes].concat());
     let clouds = clouds(&path);
     assert_eq!(clouds.len(), 2);
-    // The second turn begins in one section and ends in the other.
+    // The second revolution starts in one section and ends in the other.
     check(&clouds[1], &scan().points(360..720), 2e-5);
 }
 
 #[test]
-fn a_capture_that_is_cut_gives_what_is_there() {
+fn a_truncated_capture_gives_what_is_there() {
     for container in ALL_CONTAINERS {
         let mut writer = Writer::new(container, Link::Ethernet);
         scan().write(&mut writer, 60);
@@ -113,7 +113,7 @@ fn a_capture_that_is_cut_gives_what_is_there() {
 }
 
 #[test]
-fn captures_without_scanners_hold_no_cloud() {
+fn captures_without_lidar_packets_have_no_cloud() {
     for container in ALL_CONTAINERS {
         let mut writer = Writer::new(container, Link::Ethernet);
         writer.datagram(0, SENDER, &[0; 100]);

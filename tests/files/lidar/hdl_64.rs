@@ -58,7 +58,7 @@ pub(crate) fn hdl_64_packet(index: usize, is_dual: bool) -> Vec<u8> {
         }
     }
     bytes.extend((index as u32 * 288).to_le_bytes());
-    // Whatever status it tells of.
+    // Any status.
     bytes.extend([b'V', 0x22]);
     bytes
 }
@@ -98,7 +98,7 @@ fn hdl_64_position(firing: usize, laser: usize, echo: usize) -> [f64; 3] {
 }
 
 #[test]
-fn the_hdl_64e_is_read_by_its_calibration() {
+fn the_hdl_64e_is_read_using_its_calibration() {
     for is_dual in [false, true] {
         let mut writer = Writer::new(Container::Pcap, Link::Ethernet);
         let packets = if is_dual { 200 } else { 100 };
@@ -110,7 +110,7 @@ fn the_hdl_64e_is_read_by_its_calibration() {
         files.write("another.xml", b"<settings/>");
         let path = files.write("old.pcap", &writer.bytes);
         let clouds = clouds(&path);
-        // 240 firings a turn.
+        // 240 firings per revolution.
         assert_eq!(clouds.len(), 3);
         let mut expected = Vec::new();
         for firing in 0..240 {
@@ -124,7 +124,7 @@ fn the_hdl_64e_is_read_by_its_calibration() {
             let is_near = |axis: usize| (found[axis] - expected[axis]).abs() < 1e-5;
             assert!((0..3).all(is_near), "point {index}: {found:?}, expected {expected:?}");
         }
-        // The higher the number, the lower the laser looks.
+        // The higher the number, the lower the laser points.
         assert_eq!(scalar(&clouds[0], "ring")[..3], [63.0, 62.0, 61.0]);
         let has_returns = clouds[0]
             .attributes
@@ -136,7 +136,7 @@ fn the_hdl_64e_is_read_by_its_calibration() {
 }
 
 #[test]
-fn an_hdl_64e_without_calibration_is_refused_by_the_name_of_the_file() {
+fn an_hdl_64e_without_calibration_is_rejected_naming_the_missing_file() {
     let mut writer = Writer::new(Container::Pcap, Link::Ethernet);
     for index in 0..50 {
         writer.datagram(index as u64 * 288, SENDER, &hdl_64_packet(index, false));

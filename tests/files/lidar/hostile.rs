@@ -64,7 +64,7 @@ fn read(path: &Path) -> usize {
 }
 
 #[test]
-fn all_is_read_where_nothing_is_damaged() {
+fn undamaged_captures_are_read_completely() {
     for container in ALL_CONTAINERS {
         let files = folder();
         let path = files.write("all.pcap", &capture(container));
@@ -75,7 +75,7 @@ fn all_is_read_where_nothing_is_damaged() {
 }
 
 #[test]
-fn claims_of_length_take_no_memory() {
+fn declared_lengths_take_no_memory() {
     for (container, at) in [(Container::Pcap, 24 + 8), (Container::PcapNg, 28 + 32 + 4)] {
         for claim in [0xffff_ffff_u32, 0x7fff_fffc, 1 << 21, 0] {
             let mut bytes = capture(container);
@@ -104,7 +104,7 @@ fn one_large_turn() -> (Files, PathBuf, Vec<io::Entry>) {
 }
 
 #[test]
-fn turns_that_take_more_memory_than_allowed_are_refused() {
+fn scans_beyond_the_memory_limit_are_rejected() {
     let (_files, path, entries) = one_large_turn();
     let options = ReadOptions::default();
     assert_eq!(entries.len(), 1);
@@ -115,7 +115,7 @@ fn turns_that_take_more_memory_than_allowed_are_refused() {
 }
 
 #[test]
-fn a_cancelled_turn_ends_soon() {
+fn a_cancelled_scan_ends_soon() {
     let (_files, path, entries) = one_large_turn();
     let options = ReadOptions::default();
     let progress = pointreel::progress::Progress::default();
@@ -125,7 +125,7 @@ fn a_cancelled_turn_ends_soon() {
 }
 
 #[test]
-fn pieces_that_never_become_whole_are_given_up() {
+fn fragments_never_completed_are_discarded() {
     let sensor = ouster::Sensor {
         pixels: 128,
         ..ouster::SMALL
@@ -162,7 +162,7 @@ proptest! {
         is_near in any::<bool>(),
     ) {
         let mut bytes = capture(container);
-        // Heads of records are few bytes among many: some flips fall close together.
+        // Record headers are few bytes among many: some flips fall close together.
         let begin = near.index(bytes.len());
         for (place, value) in flips {
             let length = bytes.len();
@@ -175,7 +175,7 @@ proptest! {
     }
 
     #[test]
-    fn captures_cut_anywhere_are_read_to_there(
+    fn captures_truncated_anywhere_are_read_up_to_there(
         container in prop::sample::select(ALL_CONTAINERS.to_vec()),
         cut in any::<prop::sample::Index>(),
     ) {
@@ -187,7 +187,7 @@ proptest! {
     }
 
     #[test]
-    fn noise_behind_a_right_begin_never_panics(
+    fn noise_after_a_valid_start_never_panics(
         container in prop::sample::select(ALL_CONTAINERS.to_vec()),
         noise in prop::collection::vec(any::<u8>(), 0..2000),
     ) {
@@ -197,7 +197,7 @@ proptest! {
     }
 
     #[test]
-    fn metadata_and_calibrations_of_noise_never_panic(
+    fn noise_as_metadata_or_calibration_never_panics(
         flips in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..20),
     ) {
         let files = Files::new();

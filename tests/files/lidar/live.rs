@@ -23,7 +23,7 @@ struct Sending {
 
 impl Sending {
     fn new(packet: impl Fn(usize) -> Vec<u8> + Send + 'static, pause: Duration) -> Self {
-        // A port that nobody has now.
+        // An unused port.
         let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
         let is_over = Arc::new(AtomicBool::new(false));
         let ends = Arc::clone(&is_over);
@@ -33,7 +33,7 @@ impl Sending {
                 if ends.load(Ordering::Relaxed) {
                     break;
                 }
-                // Nobody listens at first.
+                // At first there is no listener.
                 let _ = socket.send_to(&packet(index), ("127.0.0.1", port));
                 thread::sleep(pause);
             }
@@ -77,7 +77,7 @@ fn velodyne() -> Sending {
 }
 
 #[test]
-fn turns_of_a_sensor_come_as_frames_and_old_ones_go() {
+fn sensor_scans_arrive_as_frames_and_old_ones_expire() {
     let sending = velodyne();
     let source = sending.open("").unwrap();
     assert!(source.is_live() && source.may_grow());
@@ -111,8 +111,8 @@ fn turns_of_a_sensor_come_as_frames_and_old_ones_go() {
 }
 
 #[test]
-fn a_sensor_of_ouster_needs_the_file_behind_the_address() {
-    // One datagram of the loopback holds it.
+fn an_ouster_sensor_needs_the_metadata_file_after_the_address() {
+    // A single loopback datagram holds it.
     let sensor = ouster::SMALL;
     let packet = move |index: usize| sensor.packet((index / 32) as u16, index % 32);
     let sending = Sending::new(packet, Duration::from_micros(500));
@@ -128,7 +128,7 @@ fn a_sensor_of_ouster_needs_the_file_behind_the_address() {
         .decoder()
         .decode(0, &source.entry(0), usize::MAX, &Progress::default())
         .unwrap();
-    // Which number the frame has depends on when somebody listened; most of it arrives.
+    // The number of the frame depends on when listening started; most of it arrives.
     assert!(decoded.cloud.positions.len() > 10_000);
     let error = sending.open("?missing.json").err().unwrap();
     assert!(error.contains("missing.json cannot be read"), "{error}");
@@ -208,11 +208,11 @@ fn wait_for_more(scanner: &LiveScanner) {
 }
 
 #[test]
-fn a_packet_that_strays_takes_no_place_and_a_sensor_that_is_started_again_gets_in() {
+fn a_stray_packet_takes_no_slot_and_a_restarted_sensor_is_accepted() {
     let port = free_port();
     let (is_over, first_is_over) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
     let ends = Arc::clone(&is_over);
-    // One packet as a sensor sends it from each of many ports, and packets of all other kinds.
+    // Single packets in the format of a sensor from each of many ports, and packets of all other kinds.
     let outlying = thread::Builder::new().name("straying".to_owned()).spawn(move || {
         let ouster = vec![0; 6464];
         while !ends.load(Ordering::Relaxed) {
@@ -237,7 +237,7 @@ fn a_packet_that_strays_takes_no_place_and_a_sensor_that_is_started_again_gets_i
 }
 
 #[test]
-fn packets_of_no_sensor_are_told_where_none_comes() {
+fn unknown_packets_are_reported_where_no_sensor_sends() {
     let port = free_port();
     let is_over = Arc::new(AtomicBool::new(false));
     let ends = Arc::clone(&is_over);

@@ -22,7 +22,7 @@ fn notes(path: &std::path::Path) -> String {
 }
 
 #[test]
-fn packets_of_velodyne_in_fragments_are_the_same_points() {
+fn fragmented_velodyne_packets_give_the_same_points() {
     for mtu in [68, 576, 700, 1000] {
         for is_mixed in [false, true] {
             let mut writer = Writer::new(Container::Pcap, Link::Ethernet);
@@ -48,7 +48,7 @@ fn packets_of_velodyne_in_fragments_are_the_same_points() {
 }
 
 #[test]
-fn a_missing_fragment_loses_its_packet_and_is_said() {
+fn a_missing_fragment_loses_its_packet_and_is_reported() {
     let mut writer = Writer::new(Container::Pcap, Link::Ethernet);
     writer.mtu = 576;
     for index in 0..150 {
@@ -70,7 +70,7 @@ fn a_missing_fragment_loses_its_packet_and_is_said() {
 }
 
 #[test]
-fn packets_that_are_cut_are_counted() {
+fn truncated_packets_are_counted() {
     for container in [Container::Pcap, Container::PcapNg] {
         for all in [true, false] {
             let mut writer = Writer::new(container, Link::Ethernet);
@@ -99,7 +99,7 @@ fn packets_that_are_cut_are_counted() {
 }
 
 #[test]
-fn packets_of_other_makers_are_named() {
+fn packets_of_other_manufacturers_are_named() {
     let begin = |begin: &[u8], length: usize| {
         let mut bytes = begin.to_vec();
         bytes.resize(length, 0x11);
@@ -136,7 +136,7 @@ fn packets_of_other_makers_are_named() {
             error.contains(&format!("20 of {length} bytes to port {port}")),
             "{error}"
         );
-        // Next to a sensor that is read.
+        // In addition to a sensor that is read.
         scan().write(&mut writer, 150);
         let path = files.write("both.pcap", &writer.bytes);
         assert_eq!(clouds(&path).len(), 2);
@@ -145,7 +145,7 @@ fn packets_of_other_makers_are_named() {
 }
 
 #[test]
-fn the_capture_of_a_bug_report_is_joined() {
+fn fragments_in_the_capture_of_a_bug_report_are_joined() {
     let Some(path) = shared("meaning/V03e_fragments.pcap") else {
         return;
     };
@@ -155,7 +155,7 @@ fn the_capture_of_a_bug_report_is_joined() {
 }
 
 #[test]
-fn a_capture_that_is_cut_within_a_record_is_found() {
+fn a_capture_truncated_within_a_record_is_detected() {
     for container in [Container::Pcap, Container::PcapNg] {
         let mut writer = Writer::new(container, Link::Ethernet);
         let mut ends = Vec::new();

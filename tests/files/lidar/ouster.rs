@@ -297,7 +297,7 @@ fn zone(column: usize, beam: usize) -> u16 {
 }
 
 #[test]
-fn points_of_every_profile_are_where_the_manual_says() {
+fn points_of_every_profile_match_the_manual() {
     for profile in PROFILES {
         for pixels in [16, 64] {
             let sensor = Sensor {
@@ -323,7 +323,7 @@ fn points_of_every_profile_are_where_the_manual_says() {
 }
 
 #[test]
-fn packets_have_the_sizes_that_the_manual_prints() {
+fn packets_have_the_sizes_given_in_the_manual() {
     let sizes = [PROFILES[0], PROFILES[1], PROFILES[2], PROFILES[3], FUSA].map(|profile| {
         Sensor {
             profile,
@@ -337,7 +337,7 @@ fn packets_have_the_sizes_that_the_manual_prints() {
 }
 
 #[test]
-fn metadata_of_every_generation_says_the_same() {
+fn metadata_of_every_generation_gives_the_same_sensor() {
     let sensor = SMALL;
     let mut writer = Writer::new(Container::PcapNg, Link::Ethernet);
     sensor.write(&mut writer, 0..1);
@@ -365,7 +365,7 @@ fn metadata_of_every_generation_says_the_same() {
 }
 
 #[test]
-fn beams_may_begin_above_the_axis() {
+fn beams_may_start_offset_from_the_axis() {
     let sensor = SMALL;
     let mut metadata = sensor.sections();
     metadata["beam_intrinsics"]["beam_to_lidar_transform"][3] = json!(30.0);
@@ -376,7 +376,7 @@ fn beams_may_begin_above_the_axis() {
     files.write("drive.json", metadata.to_string().as_bytes());
     let path = files.write("drive.pcap", &writer.bytes);
     let cloud = &clouds(&path)[0];
-    // The first shot that came back of the first column, whose head is at 0.
+    // The first shot with a return in the first column, whose head is at 0.
     let beam = (0..32).find(|&beam| sensor.measured(0, 0, beam, 0).0 > 0).unwrap();
     let range = f64::from(sensor.measured(0, 0, beam, 0).0) - 50.0;
     let (azimuth, phi) = (-Sensor::azimuth(beam).to_radians(), sensor.altitude(beam).to_radians());
@@ -395,12 +395,12 @@ fn beams_may_begin_above_the_axis() {
 }
 
 #[test]
-fn packets_that_come_late_or_twice_are_of_their_frame_once() {
+fn late_and_duplicate_packets_count_once_in_their_frame() {
     let sensor = SMALL;
     let mut order: Vec<(u16, usize)> = (0..3)
         .flat_map(|frame| (0..32).map(move |index| (frame, index)))
         .collect();
-    // The last packet of a frame after the first ones of the next, and one that is captured twice.
+    // The last packet of a frame arrives after the first ones of the next, and one is captured twice.
     let late = order.remove(31);
     order.insert(34, late);
     order.insert(50, order[50]);
@@ -418,7 +418,7 @@ fn packets_that_come_late_or_twice_are_of_their_frame_once() {
 }
 
 #[test]
-fn fragments_are_joined_in_any_order_and_lost_ones_lose_their_packet_alone() {
+fn fragments_are_joined_in_any_order_and_lost_ones_only_lose_their_packet() {
     let sensor = Sensor { pixels: 128, ..SMALL };
     let mut writer = Writer::new(Container::Pcap, Link::Ethernet);
     let mut lost = 0;
@@ -429,7 +429,7 @@ fn fragments_are_joined_in_any_order_and_lost_ones_lose_their_packet_alone() {
             match index {
                 5 => pieces[1..].reverse(),
                 9 => pieces.swap(3, 7),
-                // A piece twice.
+                // A duplicated fragment.
                 11 => pieces.insert(4, pieces[4].clone()),
                 13 => {
                     pieces.remove(8);
@@ -454,7 +454,7 @@ fn fragments_are_joined_in_any_order_and_lost_ones_lose_their_packet_alone() {
 }
 
 #[test]
-fn missing_metadata_is_named_and_wrong_metadata_says_where() {
+fn missing_metadata_is_reported_and_wrong_metadata_located() {
     let sensor = SMALL;
     let mut writer = Writer::new(Container::Pcap, Link::Ethernet);
     sensor.write(&mut writer, 0..1);
@@ -508,7 +508,7 @@ fn missing_metadata_is_named_and_wrong_metadata_says_where() {
 }
 
 #[test]
-fn the_right_metadata_is_taken_of_several() {
+fn the_matching_metadata_is_used_of_several() {
     let (mut first, mut second) = (SMALL.sections(), SMALL.sections());
     first["sensor_info"]["prod_sn"] = json!("4711");
     first["beam_intrinsics"]["lidar_origin_to_beam_origin_mm"] = json!(500.0);
@@ -517,7 +517,7 @@ fn the_right_metadata_is_taken_of_several() {
     SMALL.write(&mut writer, 0..1);
     let files = Files::new();
     let path = files.write("drive.pcap", &writer.bytes);
-    // Nearer by its name, but of another sensor.
+    // Closer by its name, but for another sensor.
     files.write("drive.json", first.to_string().as_bytes());
     files.write("other.json", second.to_string().as_bytes());
     files.write("settings.json", b"{}");
@@ -525,7 +525,7 @@ fn the_right_metadata_is_taken_of_several() {
 }
 
 #[test]
-fn a_turn_is_read_without_the_rest_of_the_capture() {
+fn a_scan_is_read_without_the_rest_of_the_capture() {
     let sensor = SMALL;
     let mut writer = Writer::new(Container::Pcap, Link::Ethernet);
     sensor.write(&mut writer, 0..3);
@@ -551,7 +551,7 @@ fn a_turn_is_read_without_the_rest_of_the_capture() {
 #[test]
 fn a_window_across_the_first_measurement_is_not_cut() {
     let sensor = SMALL;
-    // Measurements 384 to 511 and 0 to 127: the sensor counts a frame on in the middle of the window.
+    // Measurements 384 to 511 and 0 to 127: the sensor increments the frame number in the middle of the window.
     let mut writer = Writer::new(Container::Pcap, Link::Ethernet);
     let mut after = 0;
     for frame in 0..5 {
@@ -564,7 +564,7 @@ fn a_window_across_the_first_measurement_is_not_cut() {
     files.write("drive.json", sensor.sections().to_string().as_bytes());
     let path = files.write("drive.pcap", &writer.bytes);
     let clouds = clouds(&path);
-    // Half a window at either end is as much as half a frame.
+    // Half a window at either end counts as half a frame.
     assert_eq!(clouds.len(), 6);
     for (index, cloud) in clouds.iter().enumerate().take(5).skip(1) {
         let of_column = |points: Vec<Expected>, frame: u16, columns: std::ops::Range<usize>| {

@@ -48,7 +48,7 @@ fn topics(read: &str) -> Vec<Topic> {
 }
 
 #[test]
-fn the_sensor_with_most_packets_is_read_and_others_by_their_names() {
+fn the_sensor_with_most_packets_is_read_by_default_and_others_by_name() {
     let (_files, path) = write(true);
     let options = ReadOptions::default();
     let max = io::contents(&path, None, &options).unwrap();
@@ -72,7 +72,7 @@ fn the_sensor_with_most_packets_is_read_and_others_by_their_names() {
 }
 
 #[test]
-fn a_sensor_that_cannot_be_read_leaves_the_others() {
+fn an_unreadable_sensor_does_not_affect_the_others() {
     let (_files, path) = write(false);
     let contents = io::contents(&path, None, &ReadOptions::default()).unwrap();
     let names: Vec<&str> = contents.topics.iter().map(|topic| topic.name.as_str()).collect();

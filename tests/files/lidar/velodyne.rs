@@ -193,7 +193,7 @@ fn vls_elevation(laser: usize) -> f64 {
     if laser == 112 {
         return 4.98;
     }
-    // In the order in which the lasers fire, rows go by as many steps of 0.11 degrees from this one on.
+    // In firing order, the rows rise in steps of 0.11 degrees from this one on.
     VLS_ROWS
         .iter()
         .position(|row| *row == laser)
@@ -263,7 +263,7 @@ impl Scan<'_> {
                 }
             }
         }
-        // A VLS-128 leaves four blocks empty where it tells two echoes.
+        // A VLS-128 leaves four blocks empty when it reports two echoes.
         bytes.resize(1200, 0);
         bytes.extend((self.time_us(index) as u32).to_le_bytes());
         bytes.extend([if self.is_dual { 0x39 } else { 0x37 }, self.model.product]);
@@ -286,7 +286,7 @@ impl Scan<'_> {
             let packet = cycle / self.cycles();
             let since_us = (packet * self.cycles()) as f64 * self.model.cycle_us;
             let within = (cycle % self.cycles()) as f64 * self.model.cycle_us;
-            // With one cycle a packet, the step of the first packet is not known.
+            // With one cycle per packet, the step of the first packet is unknown.
             let is_known = self.cycles() > 1 || cycle > cycles.start;
             let step = if is_known { self.step as f64 } else { 0.0 };
             let banks = (self.model.lasers / 32).max(1);
@@ -360,7 +360,7 @@ fn model(name: &str) -> &'static Model {
 }
 
 #[test]
-fn points_of_every_model_are_where_the_manuals_say() {
+fn points_of_every_model_match_the_manuals() {
     for model in &MODELS {
         for is_dual in [false, true] {
             let scan = Scan {
@@ -388,7 +388,7 @@ fn points_of_every_model_are_where_the_manuals_say() {
 }
 
 #[test]
-fn elevations_of_the_vls_128_are_all_there() {
+fn all_elevations_of_the_vls_128_are_present() {
     let mut elevations: Vec<f64> = (0..128).map(vls_elevation).collect();
     elevations.sort_by(f64::total_cmp);
     assert!(
@@ -398,7 +398,7 @@ fn elevations_of_the_vls_128_are_all_there() {
 }
 
 #[test]
-fn a_turn_begins_within_a_packet_and_no_point_is_lost_or_told_twice() {
+fn a_scan_starts_within_a_packet_and_no_point_is_lost_or_duplicated() {
     let scan = Scan {
         model: model("HDL-32E"),
         is_dual: false,
@@ -411,7 +411,7 @@ fn a_turn_begins_within_a_packet_and_no_point_is_lost_or_told_twice() {
     let path = files.write("drive.pcapng", &writer.bytes);
     let clouds = clouds(&path);
     let turns = scan.whole_turns(1200);
-    // The capture begins and ends with less than half of a turn, which is no frame.
+    // The capture starts and ends with less than half a revolution, which does not count as a frame.
     assert_eq!(turns.len(), scan.turns(1200).len() - 2);
     assert_eq!(clouds.len(), turns.len());
     assert!(turns.iter().any(|turn| turn.start % 12 != 0));
@@ -449,7 +449,7 @@ fn frames_have_the_times_of_their_first_packets() {
 }
 
 #[test]
-fn a_head_that_stands_is_cut_into_frames_by_time() {
+fn a_stationary_head_is_split_into_frames_by_time() {
     let scan = Scan {
         model: model("VLP-16"),
         is_dual: false,

@@ -21,7 +21,7 @@ fn sweeps(begin: usize, window: usize, count: usize) -> Vec<Vec<u8>> {
 }
 
 #[test]
-fn frames_are_whole_windows() {
+fn frames_are_complete_azimuth_windows() {
     for (begin, window) in [
         (270, 180),
         (300, 120),

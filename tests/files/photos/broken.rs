@@ -6,8 +6,8 @@ use pointreel::photos;
 use std::fs;
 
 #[test]
-fn missing_photographs_are_left_out_with_their_observations() {
-    // LLFF has no names: photographs that are missing are its own test.
+fn missing_images_are_skipped_with_their_observations() {
+    // LLFF has no names: missing images have a separate test.
     for &(name, _, write, has_points) in WRITERS.iter().filter(|row| row.0 != "LLFF") {
         let scene = Scene::simple();
         let folder = tempfile::tempdir().unwrap();
@@ -45,7 +45,7 @@ fn missing_photographs_are_left_out_with_their_observations() {
 }
 
 #[test]
-fn cameras_of_other_models_are_refused_by_name() {
+fn unsupported_camera_models_are_rejected_by_name() {
     let images = ("images.txt", "1 1 0 0 0 0 0 0 1 a.png\n\n");
     for model in [
         "FOV 64 48 50 50 32 24 0.1",
@@ -61,7 +61,7 @@ fn cameras_of_other_models_are_refused_by_name() {
             "{error}"
         );
     }
-    // Binary files have numbers: 17 is a name, 99 the end of what can be read.
+    // Binary files have numbers: 17 has a name, 99 ends what can be read.
     let binary = tempfile::tempdir().unwrap();
     Scene::simple().write_colmap_binary(binary.path());
     let file = binary.path().join("sparse/cameras.bin");
@@ -72,7 +72,7 @@ fn cameras_of_other_models_are_refused_by_name() {
     assert!(error.contains("has model number 99, expected 0 to 6"), "{error}");
     bytes[12] = 17;
     fs::write(&file, &bytes).unwrap();
-    // The points of the scene are shown without its photographs.
+    // The points of the scene are shown without its images.
     let set = read(binary.path());
     let notes = set.notes.join("\n");
     assert_eq!((set.photos.len(), set.points.len()), (0, 40), "{notes}");
@@ -89,7 +89,7 @@ fn cameras_of_other_models_are_refused_by_name() {
 }
 
 #[test]
-fn a_million_photographs_that_are_not_there_are_an_error() {
+fn a_million_declared_but_missing_images_are_an_error() {
     let par = "1000000\na.png 50 0 32 0 50 24 0 0 1 1 0 0 0 1 0 0 0 1 0 0 0\n";
     let nvm = "NVM_V3\n\n1000000\na.png 50 1 0 0 0 0 0 0 0 0\n";
     let bundle = "# Bundle file v0.3\n1000000 0\n50 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 0\n";
@@ -140,7 +140,7 @@ fn a_million_photographs_that_are_not_there_are_an_error() {
 }
 
 #[test]
-fn singular_matrices_are_no_cameras() {
+fn singular_matrices_are_not_cameras() {
     let par = |k: &str, r: &str| format!("1\na.png {k} {r} 0 0 0\n");
     let (good_k, good_r) = ("50 0 32 0 50 24 0 0 1", "1 0 0 0 1 0 0 0 1");
     for (k, r, words) in [

@@ -32,7 +32,7 @@ fn names(set: &ViewSet) -> Vec<&str> {
 
 /// The synthetic sets of NeRF: no extensions, a file for each of three parts, transparent where nothing is.
 #[test]
-fn synthetic_sets_of_nerf_name_photographs_without_extensions() {
+fn synthetic_nerf_sets_name_images_without_extensions() {
     let folder = tempfile::tempdir().unwrap();
     for part in ["train", "test"] {
         fs::create_dir(folder.path().join(part)).unwrap();
@@ -56,21 +56,21 @@ fn synthetic_sets_of_nerf_name_photographs_without_extensions() {
 }
 
 #[test]
-fn angles_of_transforms_may_be_of_the_height_or_in_degrees() {
+fn transforms_angles_may_be_vertical_or_in_degrees() {
     let angle = 2.0 * (24.0_f64 / 50.0).atan();
     for key in [
         format!(r#""camera_angle_y": {angle}"#),
         format!(r#""y_fov": {}"#, angle.to_degrees()),
         format!(r#""x_fov": {}"#, (2.0 * (32.0_f64 / 50.0).atan()).to_degrees()),
     ] {
-        // As editors of Windows begin a file.
+        // With the byte order mark that Windows editors write.
         let text = format!("\u{feff}{{{key}, \"frames\": [{}]}}", frames(&["a"]));
         assert_shows(&[("transforms.json", &text)], [0.1, 0.2, -1.0], [36.5, 13.5]);
     }
 }
 
 #[test]
-fn lenses_of_transforms_are_known_by_any_case_and_others_refused_by_name() {
+fn transforms_lens_models_match_in_any_case_and_others_are_rejected_by_name() {
     for model in ["PERSPECTIVE", "pinhole", "OpenCV"] {
         let text = format!(
             r#"{{"fl_x": 50, "camera_model": "{model}", "frames": [{}]}}"#,
@@ -94,7 +94,7 @@ fn lenses_of_transforms_are_known_by_any_case_and_others_refused_by_name() {
 }
 
 #[test]
-fn photographs_of_a_project_of_meshroom_are_found_in_it() {
+fn images_of_a_meshroom_project_are_found_in_it() {
     let folder = tempfile::tempdir().unwrap();
     let run = folder.path().join("MeshroomCache/StructureFromMotion/0f3a");
     Scene::simple().write_meshroom(&run, [1, 2, 6]);
@@ -112,7 +112,7 @@ fn photographs_of_a_project_of_meshroom_are_found_in_it() {
 
 /// What `Bundle2PMVS` and COLMAP write for PMVS: copies by numbers, beside names of what they are of.
 #[test]
-fn copies_for_pmvs_are_the_photographs_of_the_bundle_beside_them() {
+fn copies_for_pmvs_are_the_images_of_the_adjacent_bundle() {
     let folder = tempfile::tempdir().unwrap();
     let camera = "50 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 0\n";
     let nowhere = "0 0 0\n".repeat(5);
@@ -120,7 +120,7 @@ fn copies_for_pmvs_are_the_photographs_of_the_bundle_beside_them() {
     fs::create_dir(folder.path().join("pmvs")).unwrap();
     fs::write(folder.path().join("pmvs/bundle.rd.out"), bundle).unwrap();
     fs::write(folder.path().join("pmvs/list.rd.txt"), "b.rd.jpg\nc.rd.jpg\na.jpg\n").unwrap();
-    // The photograph that the second copy was made of, with its distortion.
+    // The image that the second copy was made from, with its distortion.
     save(&RgbImage::new(64, 48), &folder.path().join("a.jpg"));
     for copy in ["00000000.jpg", "00000001.jpg"] {
         save(&RgbImage::new(64, 48), &folder.path().join("pmvs/visualize").join(copy));
@@ -132,7 +132,7 @@ fn copies_for_pmvs_are_the_photographs_of_the_bundle_beside_them() {
 }
 
 #[test]
-fn points_of_a_model_may_lie_in_a_converted_file() {
+fn points_of_a_model_may_be_in_a_converted_file() {
     let files = [
         ("cameras.txt", "1 PINHOLE 64 48 50 50 32 24\n"),
         ("images.txt", "1 1 0 0 0 0 0 0 1 a.png\n\n"),
@@ -147,7 +147,7 @@ fn points_of_a_model_may_lie_in_a_converted_file() {
 }
 
 #[test]
-fn a_scene_with_distorted_photographs_alone_says_which_lens_they_have() {
+fn a_scene_with_only_distorted_images_names_their_lens() {
     let folder = folder_with(&[]);
     let model = folder.path().join("dslr_calibration_jpg");
     fs::create_dir(&model).unwrap();
@@ -158,7 +158,7 @@ fn a_scene_with_distorted_photographs_alone_says_which_lens_they_have() {
 }
 
 #[test]
-fn pictures_of_other_formats_are_one_note_with_what_to_do() {
+fn images_of_unsupported_formats_give_one_note_with_advice() {
     let folder = tempfile::tempdir().unwrap();
     let mut list = String::new();
     for index in 0..4 {
@@ -175,7 +175,7 @@ fn pictures_of_other_formats_are_one_note_with_what_to_do() {
         "{error}"
     );
     assert!(error.contains("convert it to JPEG, PNG or WebP"), "{error}");
-    // A converted copy of the same name stands for it.
+    // A converted copy with the same name is used instead.
     save(&RgbImage::new(64, 48), &folder.path().join("2.jpg"));
     assert_eq!(names(&read(folder.path())), ["2.heic"]);
 }
@@ -184,7 +184,7 @@ const CAM: &str = "extrinsic\n0 -1 0 2\n1 0 0 0\n0 0 1 0\n0 0 0 1\n\nintrinsic\n
 
 /// A camera turned by a quarter about its axis: the world's x is down, its y to the left.
 #[test]
-fn cameras_of_mvsnet_count_from_the_corner_and_tell_their_depths() {
+fn mvsnet_cameras_count_from_the_corner_and_state_their_depths() {
     let folder = tempfile::tempdir().unwrap();
     for index in 0..2 {
         save(
@@ -207,7 +207,7 @@ fn cameras_of_mvsnet_count_from_the_corner_and_tell_their_depths() {
         let ranges: Vec<_> = set.photos.iter().map(|photo| photo.depth_range).collect();
         assert_eq!(ranges, [Some([425.0, 905.0]), Some([2.0, 9.0])]);
     }
-    // A broken file costs its photograph, and a set of broken files is an error.
+    // A broken file costs its own image, and a set of only broken files is an error.
     let reason = |name: &str| format!("{name}_cam.txt, line 1: expected the word `extrinsic`");
     fs::write(cams.join("00000001_cam.txt"), "425.0 2.5\n").unwrap();
     let set = read(folder.path());
@@ -226,7 +226,7 @@ const PAIR: &str = "cam0=[50 0 30.5; 0 50 24; 0 0 1]\ncam1=[50 0 33; 0 50 24; 0 
 
 /// A disparity of 7.5 is a depth of 200 · 50 / (7.5 + 2.5) = 1000.
 #[test]
-fn disparities_of_a_rectified_pair_are_depths() {
+fn disparities_of_a_rectified_pair_become_depths() {
     let folder = folder_with(&[("calib.txt", PAIR)]);
     for index in 0..2 {
         save(&RgbImage::new(64, 48), &folder.path().join(format!("im{index}.png")));
@@ -246,7 +246,7 @@ fn disparities_of_a_rectified_pair_are_depths() {
 }
 
 #[test]
-fn depths_of_llff_are_the_range_of_its_photographs() {
+fn llff_depths_are_the_depth_range_of_its_images() {
     let folder = tempfile::tempdir().unwrap();
     Scene::simple().write_llff(folder.path());
     let file = folder.path().join("poses_bounds.npy");
@@ -254,7 +254,7 @@ fn depths_of_llff_are_the_range_of_its_photographs() {
     let end = bytes.len();
     bytes[end - 16..end - 8].copy_from_slice(&1.25_f64.to_le_bytes());
     bytes[end - 8..].copy_from_slice(&8.5_f64.to_le_bytes());
-    // Of the one before: the farther is nearer.
+    // For the one before, the far bound is smaller than the near one.
     bytes[end - 152..end - 144].copy_from_slice(&3.0_f64.to_le_bytes());
     bytes[end - 144..end - 136].copy_from_slice(&2.0_f64.to_le_bytes());
     fs::write(&file, bytes).unwrap();
@@ -283,7 +283,7 @@ fn opened(path: &Path) -> Result<usize, String> {
 
 /// A list beside photographs has the extension of a cloud, and is none.
 #[test]
-fn folders_above_and_beside_sets_say_what_they_hold() {
+fn folders_above_and_next_to_sets_report_their_contents() {
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("data/temple");
     Scene::simple().write_middlebury(&scene);

@@ -138,13 +138,13 @@ fn assert_projects_equally(scene: &Scene, is_able: impl Fn(&str) -> bool) {
 }
 
 #[test]
-fn one_scene_projects_equally_in_all_formats() {
+fn one_scene_projects_identically_in_all_formats() {
     assert_projects_equally(&Scene::simple(), |_| true);
 }
 
 /// Bundler, LLFF, and Meshroom before 1.2, know one focal length; the first two no principal point either.
 #[test]
-fn a_principal_point_off_the_middle_stays_where_it_is() {
+fn an_off_center_principal_point_is_preserved() {
     assert_projects_equally(&Scene::off_center(), |name| {
         !["Bundler", "LLFF", "Meshroom 1.0.0"].contains(&name)
     });
@@ -157,14 +157,14 @@ fn a_principal_point_off_the_middle_stays_where_it_is() {
 
 /// NVM distorts the other way round (see its own test), par files and LLFF are of undistorted photographs.
 #[test]
-fn a_lens_bends_equally_in_all_formats() {
+fn a_lens_distorts_identically_in_all_formats() {
     assert_projects_equally(&Scene::distorted(), |name| {
         !["NVM", "Middlebury", "LLFF"].contains(&name)
     });
 }
 
 #[test]
-fn photographs_of_open_drone_map_are_next_to_the_folder_of_opensfm() {
+fn open_drone_map_images_are_next_to_the_opensfm_folder() {
     let (scene, folder) = (Scene::simple(), tempfile::tempdir().unwrap());
     scene.write_opensfm(folder.path(), "opensfm");
     let set = read(&folder.path().join("opensfm"));
@@ -173,7 +173,7 @@ fn photographs_of_open_drone_map_are_next_to_the_folder_of_opensfm() {
 
 /// Photographs of a quarter of the size that was calibrated: all pixels move with the borders.
 #[test]
-fn smaller_photographs_are_seen_through_smaller_cameras() {
+fn downscaled_images_have_scaled_cameras() {
     for &(name, _, write, _) in WRITERS
         .iter()
         .filter(|row| row.0.starts_with("COLMAP") || row.0.starts_with("transf"))
@@ -240,7 +240,7 @@ fn colmap_counts_from_the_corner_and_looks_along_z() {
 }
 
 #[test]
-fn bundler_counts_from_the_middle_and_looks_along_minus_z_with_y_up() {
+fn bundler_counts_from_the_center_and_looks_along_minus_z_with_y_up() {
     let bundle = "# Bundle file v0.3\n1 0\n50 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 0\n";
     let files = [("bundle.out", bundle), ("list.txt", "a.png\n")];
     assert_shows(&files, [0.0, 0.0, -1.0], [31.5, 23.5]);
@@ -248,8 +248,8 @@ fn bundler_counts_from_the_middle_and_looks_along_minus_z_with_y_up() {
 }
 
 #[test]
-fn nvm_counts_from_the_middle_and_looks_along_z_from_its_centre() {
-    // A half turn about z, one to the right.
+fn nvm_counts_from_the_image_center_and_looks_along_z_from_its_camera_center() {
+    // Half a turn about z, one unit to the right.
     let files = [("a.nvm", "NVM_V3\n\n1\na.png 50 0 0 0 1 1 0 0 0 0\n\n0\n\n0\n")];
     assert_shows(&files, [1.0, 0.0, 1.0], [31.5, 23.5]);
     assert_shows(&files, [1.1, 0.2, 1.0], [26.5, 13.5]);
@@ -258,7 +258,7 @@ fn nvm_counts_from_the_middle_and_looks_along_z_from_its_centre() {
 }
 
 #[test]
-fn meshroom_counts_from_half_of_the_size_in_whole_pixels() {
+fn meshroom_counts_from_half_the_size_in_whole_pixels() {
     let scene = r#"{"version": ["1", "2", "6"],
         "views": [{"viewId": "5", "poseId": "5", "intrinsicId": "7", "path": "/x/a.png"}],
         "intrinsics": [{"intrinsicId": "7", "width": "64", "height": "48", "sensorWidth": "32", "focalLength": "25",
@@ -297,7 +297,7 @@ fn transforms_count_from_the_corner_and_look_along_minus_z() {
 
 /// Down, right and backward are the columns; the principal point is the middle of the image.
 #[test]
-fn llff_looks_along_minus_its_third_column_from_the_middle() {
+fn llff_looks_along_minus_its_third_column_from_the_image_center() {
     let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 17)}";
     let numbers = [
         0.0, 1.0, 0.0, 1.0, 48.0, 1.0, 0.0, 0.0, 0.0, 64.0, 0.0, 0.0, -1.0, 0.0, 50.0, 1.0, 2.0,
@@ -311,13 +311,13 @@ fn llff_looks_along_minus_its_third_column_from_the_middle() {
     let photo = &read(folder.path()).photos[0];
     let pixel = |x: f64, y: f64| photo.project(DVec3::new(x, y, 1.0)).unwrap();
     assert!(pixel(1.0, 0.0).distance(DVec2::new(31.5, 23.5)) < 1e-9);
-    // One to the right is the world's x, one down its y.
+    // One unit to the right is the world's x, one down its y.
     assert!(pixel(1.1, 0.2).distance(DVec2::new(36.5, 33.5)) < 1e-9);
 }
 
 /// Copies of a quarter of the size are taken where the originals were left out, and not where another number is there.
 #[test]
-fn photographs_of_llff_are_those_of_a_folder_of_as_many() {
+fn llff_images_come_from_a_folder_with_the_same_count() {
     let folder = tempfile::tempdir().unwrap();
     let scene = Scene::simple();
     scene.write_llff(folder.path());
@@ -347,7 +347,7 @@ fn photographs_of_llff_are_those_of_a_folder_of_as_many() {
 }
 
 #[test]
-fn a_file_stands_for_its_reconstruction() {
+fn a_file_selects_its_reconstruction() {
     for (write, file) in [
         (Scene::write_colmap_text as Writer, "sparse/0/cameras.txt"),
         (Scene::write_colmap_text, "sparse/0/points3D.txt"),
@@ -386,7 +386,7 @@ fn the_largest_of_several_models_is_read() {
 
 /// The dense stage undistorts photographs under the same names.
 #[test]
-fn photographs_nearest_to_the_model_are_taken() {
+fn the_images_nearest_to_the_model_are_used() {
     let folder = tempfile::tempdir().unwrap();
     let dense = folder.path().join("dense");
     Scene::simple().write_photos(&folder.path().join("images"));
@@ -404,7 +404,7 @@ fn photographs_nearest_to_the_model_are_taken() {
 }
 
 #[test]
-fn a_project_of_meshroom_is_a_scene() {
+fn a_meshroom_project_is_a_scene() {
     let folder = tempfile::tempdir().unwrap();
     let run = folder.path().join("MeshroomCache/StructureFromMotion/0f3a");
     Scene::simple().write_meshroom(&run, [1, 2, 6]);
@@ -415,7 +415,7 @@ fn a_project_of_meshroom_is_a_scene() {
 }
 
 #[test]
-fn folders_of_anything_else_are_none() {
+fn other_folders_are_not_image_sets() {
     let folder = folder_with(&[
         ("cameras.txt", "1 PINHOLE 64 48 50 50 32 24\n"),
         ("bundle.out", "of another program"),
@@ -480,7 +480,7 @@ fn masks_depths_and_points_files_are_found() {
 }
 
 #[test]
-fn neighbours_are_those_at_the_smallest_angles() {
+fn neighbouring_views_are_those_at_the_smallest_angles() {
     let scene = Scene::simple();
     let folder = tempfile::tempdir().unwrap();
     for write in [Scene::write_colmap_text as Writer, Scene::write_transforms] {
@@ -497,7 +497,7 @@ fn neighbours_are_those_at_the_smallest_angles() {
             assert_eq!(found.iter().map(|found| found.photo).collect::<Vec<_>>(), expected[..3]);
             assert!((found[0].angle - angle(expected[0])).abs() < 1e-6);
         }
-        // Cameras stand 0.8 apart on a circle, seen from a middle that is near its centre.
+        // Cameras are 0.8 apart on a circle, seen from a median position near its centre.
         let sigma = set.median_neighbour_angle().unwrap();
         assert!((0.6..1.0).contains(&sigma), "{sigma}");
     }
@@ -507,7 +507,7 @@ fn neighbours_are_those_at_the_smallest_angles() {
 
 /// COLMAP writes rigs and frames from 3.12 on; poses are still those of the images.
 #[test]
-fn rigs_and_frames_beside_a_model_change_nothing() {
+fn rigs_and_frames_alongside_a_model_change_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let scene = Scene::simple();
     scene.write_colmap_binary(folder.path());
@@ -533,7 +533,7 @@ fn model_with(root: &Path, name: &str) -> std::path::PathBuf {
 
 /// nerfstudio notes the transform from COLMAP's world to its own, and has applied it to cameras and points alike.
 #[test]
-fn a_transform_that_was_applied_is_not_applied_again() {
+fn an_applied_transform_is_not_applied_again() {
     let folder = tempfile::tempdir().unwrap();
     Scene::simple().write_transforms(folder.path());
     let without = read(folder.path());
@@ -552,7 +552,7 @@ fn a_transform_that_was_applied_is_not_applied_again() {
 
 /// Each frame may be of another camera, as nerfstudio has it for rigs of a fisheye and a usual lens.
 #[test]
-fn frames_of_fisheyes_and_of_usual_lenses_stand_in_one_file() {
+fn fisheye_and_perspective_frames_may_share_one_file() {
     let folder = tempfile::tempdir().unwrap();
     Scene::simple().write_transforms(folder.path());
     let path = folder.path().join("transforms.json");

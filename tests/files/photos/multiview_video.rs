@@ -41,7 +41,7 @@ fn write_multiview_video(scene: &Scene, folder: &Path) {
 }
 
 #[test]
-fn frames_of_a_film_have_photographs_and_points_of_their_own() {
+fn multiview_video_frames_have_their_own_images_and_points() {
     let folder = tempfile::tempdir().unwrap();
     let scene = Scene::simple();
     write_multiview_video(&scene, folder.path());
@@ -64,7 +64,7 @@ fn frames_of_a_film_have_photographs_and_points_of_their_own() {
             assert_eq!(texel[..2], [50 * time_step as u8, 30 * camera as u8], "camera {camera}");
         }
     }
-    // Half a pixel of the format: cameras fit the points that calibrated them.
+    // With the half-pixel convention of the format, cameras fit the points that calibrated them.
     let errors = sequence.source().posed_images(0).unwrap().reprojection_errors();
     assert!(
         errors
@@ -74,7 +74,7 @@ fn frames_of_a_film_have_photographs_and_points_of_their_own() {
 }
 
 #[test]
-fn an_image_that_is_missing_is_a_finding_and_no_failure() {
+fn a_missing_image_is_a_finding_not_a_failure() {
     let folder = tempfile::tempdir().unwrap();
     write_multiview_video(&Scene::simple(), folder.path());
     fs::remove_file(folder.path().join("images/cam2/0002.png")).unwrap();

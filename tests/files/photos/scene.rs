@@ -251,7 +251,7 @@ impl Scene {
             }
             nvm.push('\n');
         }
-        // Photographs that were not placed, and the end of models.
+        // Images that were not placed, and the end of the models.
         nvm.push_str(
             "1\nlost.png 50 1 0 0 0 0 0 0 0 0\n0\n\n0\n\n#the last part of NVM file points to the PLY files\n0\n",
         );

@@ -17,7 +17,7 @@ fn count(sequence: &Sequence) -> usize {
 }
 
 #[test]
-fn a_photograph_that_is_nowhere_is_skipped_in_every_format() {
+fn an_image_with_an_infinite_pose_is_skipped_in_every_format() {
     let mut scene = Scene::simple();
     scene.poses[2] = (DMat3::NAN, DVec3::NAN);
     for &(name, _, write, has_points) in WRITERS {
@@ -31,7 +31,7 @@ fn a_photograph_that_is_nowhere_is_skipped_in_every_format() {
 }
 
 #[test]
-fn infinite_numbers_in_one_line_cost_one_photograph() {
+fn infinite_numbers_in_one_line_only_lose_one_image() {
     for numbers in ["-inf -inf -inf -inf", "nan nan nan nan", "0 0 0 0"] {
         let folder = tempfile::tempdir().unwrap();
         Scene::simple().write_colmap_text(folder.path());
@@ -51,7 +51,7 @@ fn infinite_numbers_in_one_line_cost_one_photograph() {
 }
 
 #[test]
-fn points_that_are_nowhere_are_skipped_and_counted() {
+fn points_with_infinite_positions_are_skipped_and_counted() {
     let mut scene = Scene::simple();
     scene.points[3] = DVec3::new(f64::INFINITY, 0.0, 0.0);
     for &(name, _, write, _) in WRITERS
@@ -71,7 +71,7 @@ fn points_that_are_nowhere_are_skipped_and_counted() {
 }
 
 #[test]
-fn points_are_shown_where_photographs_are_missing() {
+fn points_are_shown_where_images_are_missing() {
     let folder = tempfile::tempdir().unwrap();
     Scene::simple().write_colmap_text(folder.path());
     fs::remove_dir_all(folder.path().join("images")).unwrap();
@@ -97,7 +97,7 @@ fn write_cloud(path: &Path, count: usize) {
 }
 
 #[test]
-fn the_dense_cloud_of_a_scene_is_shown_and_the_sparse_points_of_its_model() {
+fn dense_and_sparse_points_of_a_scene_are_shown() {
     for dense in ["fused.ply", "dense/fused.ply", "dense/0/fused.ply", "scene_dense.ply"] {
         let folder = tempfile::tempdir().unwrap();
         Scene::simple().write_colmap_text(folder.path());
@@ -120,7 +120,7 @@ fn the_dense_cloud_of_a_scene_is_shown_and_the_sparse_points_of_its_model() {
 }
 
 #[test]
-fn a_dense_cloud_that_is_broken_costs_itself() {
+fn a_broken_dense_cloud_only_affects_itself() {
     let folder = tempfile::tempdir().unwrap();
     Scene::simple().write_colmap_text(folder.path());
     fs::write(

@@ -26,7 +26,7 @@ fn error_of(sequence: &Sequence, frame: usize) -> String {
 }
 
 #[test]
-fn a_truncated_depth_image_is_one_lost_frame() {
+fn a_truncated_depth_image_loses_one_frame() {
     for share in [0.0, 0.3, 0.9] {
         let folder = recording();
         truncate(&folder.path().join("depth/00001.png"), share);
@@ -41,7 +41,7 @@ fn a_truncated_depth_image_is_one_lost_frame() {
 }
 
 #[test]
-fn a_truncated_colour_image_loses_colours_alone() {
+fn a_truncated_color_image_only_loses_colors() {
     let folder = recording();
     truncate(&folder.path().join("color/00001.png"), 0.5);
     let sequence = open(folder.path());
@@ -59,7 +59,7 @@ fn a_truncated_colour_image_loses_colours_alone() {
 }
 
 #[test]
-fn missing_partners_are_said_and_their_points_are_there() {
+fn missing_partners_are_reported_and_their_points_read() {
     let folder = recording();
     fs::remove_file(folder.path().join("color/00001.png")).unwrap();
     fs::remove_file(folder.path().join("depth/00002.png")).unwrap();
@@ -72,7 +72,7 @@ fn missing_partners_are_said_and_their_points_are_there() {
 }
 
 #[test]
-fn a_huge_image_is_refused_before_it_is_made() {
+fn a_huge_image_is_rejected_before_allocation() {
     let folder = recording();
     let path = folder.path().join("depth/00000.png");
     let mut bytes = fs::read(&path).unwrap();
@@ -87,7 +87,7 @@ fn a_huge_image_is_refused_before_it_is_made() {
     let error = error_of(&sequence, 0);
     assert!(error.contains("00000.png"), "{error}");
     assert!(sequence.decode(1).is_ok(), "{:?}", sequence.decode(1).map(|_| ()));
-    // The same of PCL's images, whose size is in their header too.
+    // The same for PCL's images, which have the size in their header, too.
     let mut huge = pclzf("depth16", &vec![0; (2 * WIDTH * HEIGHT) as usize]);
     huge[5..9].copy_from_slice(&u32::MAX.to_le_bytes());
     fs::write(&path, &huge).unwrap();
@@ -96,7 +96,7 @@ fn a_huge_image_is_refused_before_it_is_made() {
 }
 
 #[test]
-fn images_of_other_sizes_are_refused_by_name() {
+fn images_of_other_sizes_are_rejected_by_name() {
     let folder = recording();
     let odd = DynamicImage::new_luma16(50, 48);
     fs::write(folder.path().join("depth/00001.png"), written(&odd, ImageFormat::Png)).unwrap();
@@ -113,7 +113,7 @@ fn images_of_other_sizes_are_refused_by_name() {
 }
 
 #[test]
-fn pictures_of_depth_are_no_depth() {
+fn eight_bit_and_color_images_are_not_depths() {
     let folder = recording();
     for (image, name) in [
         (DynamicImage::new_luma8(WIDTH, HEIGHT), "grey of 8 bits"),
@@ -137,7 +137,7 @@ fn refusal(inputs: &[PathBuf], rgbd: RgbdOptions) -> String {
 }
 
 #[test]
-fn recordings_of_openni_are_refused_with_the_reason() {
+fn openni_recordings_are_rejected_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     let oni = folder.path().join("walk.oni");
     fs::write(&oni, b"NI10").unwrap();
@@ -149,7 +149,7 @@ fn recordings_of_openni_are_refused_with_the_reason() {
 }
 
 #[test]
-fn cameras_and_poses_that_are_none_are_refused() {
+fn invalid_cameras_and_poses_are_rejected() {
     let folder = recording();
     let inputs = [folder.path().to_owned()];
     let intrinsics = |text: &str| RgbdOptions {
@@ -201,7 +201,7 @@ fn frames_without_poses_are_not_merged() {
 }
 
 #[test]
-fn patterns_say_what_is_missing() {
+fn patterns_report_what_is_missing() {
     let folder = recording();
     let inputs = [folder.path().to_owned()];
     let depth = |pattern: &str, intrinsics: Option<&str>| RgbdOptions {
@@ -215,7 +215,7 @@ fn patterns_say_what_is_missing() {
 }
 
 #[test]
-fn images_of_a_format_that_is_not_read_are_named() {
+fn images_of_unsupported_formats_are_named() {
     let folder = recording();
     for frame in 0..3 {
         let image = folder.path().join(format!("depth/{frame:05}.png"));
@@ -248,7 +248,7 @@ fn lists_with_broken_lines_name_the_line() {
 }
 
 #[test]
-fn text_of_another_length_is_refused() {
+fn text_of_another_length_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_00_0000.depth");
     for (text, expected) in [("1.0 2.0", "2 numbers"), ("1.0 x", "`x` is not a number")] {

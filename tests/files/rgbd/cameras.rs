@@ -14,7 +14,7 @@ fn said(sequence: &Sequence) -> String {
 }
 
 #[test]
-fn a_guessed_camera_and_scale_are_said_and_others_are_not() {
+fn a_guessed_camera_and_scale_are_reported_and_others_are_not() {
     let folder = tempfile::tempdir().unwrap();
     let recording = Recording::new();
     rewritten::slambench(&recording, folder.path());
@@ -45,7 +45,7 @@ fn a_guessed_camera_and_scale_are_said_and_others_are_not() {
         replica.contains("6553.5 units per metre") && replica.contains("; file"),
         "{replica}"
     );
-    // No file says the units now, and no camera of the data set has images of this shape.
+    // Now no file states the units, and no camera of the data set has images of this shape.
     fs::remove_file(folder.path().join("cam_params.json")).unwrap();
     let replica = said(&open(folder.path()));
     assert!(
@@ -56,7 +56,7 @@ fn a_guessed_camera_and_scale_are_said_and_others_are_not() {
 }
 
 #[test]
-fn floats_in_millimetres_are_told_by_their_size() {
+fn floats_in_millimetres_are_detected_by_their_size() {
     let folder = tempfile::tempdir().unwrap();
     let recording = Recording::new();
     rewritten::npy_metres(&recording, folder.path());
@@ -89,14 +89,14 @@ fn floats_in_millimetres_are_told_by_their_size() {
 }
 
 #[test]
-fn a_frame_that_was_lost_and_a_pose_that_is_broken_cost_that_one() {
+fn a_lost_frame_or_broken_pose_only_affects_itself() {
     let folder = tempfile::tempdir().unwrap();
     let recording = Recording::new();
     rewritten::scannet(&recording, folder.path());
     let lost = "-inf -inf -inf -inf\n".repeat(4);
     fs::write(folder.path().join("pose/1.txt"), lost).unwrap();
     fs::write(folder.path().join("pose/2.txt"), "nothing").unwrap();
-    // What lies next to an export of a scan.
+    // Files that are exported next to a scan.
     fs::write(folder.path().join("scan_vh_clean_2.ply"), "ply").unwrap();
     fs::write(folder.path().join("scan.aggregation.json"), "{}").unwrap();
     let sequence = open(folder.path());
@@ -117,7 +117,7 @@ fn a_frame_that_was_lost_and_a_pose_that_is_broken_cost_that_one() {
 }
 
 #[test]
-fn images_that_are_some_of_a_longer_trajectory_find_their_poses() {
+fn images_from_part_of_a_trajectory_find_their_poses() {
     let folder = tempfile::tempdir().unwrap();
     let recording = Recording::new();
     rewritten::replica(&recording, folder.path());
@@ -133,7 +133,7 @@ fn images_that_are_some_of_a_longer_trajectory_find_their_poses() {
         .collect::<Vec<_>>()
         .concat();
     fs::write(folder.path().join("traj.txt"), lines).unwrap();
-    // The folder of the images may be opened as well.
+    // The image folder may be opened as well.
     for opened in [folder.path(), results.as_path()] {
         let sequence = open(opened);
         let place = |frame: usize| {
@@ -184,7 +184,7 @@ fn arrays_of_cameras_and_poses_are_read() {
 }
 
 #[test]
-fn the_one_recording_below_a_folder_is_opened() {
+fn the_only_recording_below_a_folder_is_opened() {
     let recording = Recording::new();
     for name in ["Replica", "ScanNet", "TUM", "Stray Scanner", "ARKitScenes", "7-Scenes"] {
         let folder = tempfile::tempdir().unwrap();
@@ -217,7 +217,7 @@ fn two_cameras_in_one_sequence_are_a_finding() {
         "{}",
         found[0].1
     );
-    // Another lens, of images of the same size.
+    // A different lens, for images of the same size.
     let folder = tempfile::tempdir().unwrap();
     super::phones::scanner_app(&recording, folder.path());
     let info = serde_json::json!({ "intrinsics": [40.0, 0.0, 31.5, 0.0, 40.0, 23.5, 0.0, 0.0, 1.0] });
@@ -230,7 +230,7 @@ fn two_cameras_in_one_sequence_are_a_finding() {
 }
 
 #[test]
-fn depths_in_other_units_than_recordings_of_a_kind_have_are_told() {
+fn depths_in_unconventional_units_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let recording = Recording::new();
     super::layouts::written(folder.path(), "TUM");

@@ -51,7 +51,7 @@ fn count(sequence: &Sequence) -> usize {
 }
 
 #[test]
-fn a_usual_filter_that_drops_little_is_a_convention() {
+fn a_default_filter_that_drops_little_is_a_convention() {
     let folder = tempfile::tempdir().unwrap();
     let sequence = open(folder.path(), 1, true);
     assert!(count(&sequence) < (WIDTH * HEIGHT) as usize);
@@ -63,7 +63,7 @@ fn a_usual_filter_that_drops_little_is_a_convention() {
 }
 
 #[test]
-fn a_usual_filter_that_drops_a_fifth_says_so() {
+fn a_default_filter_that_drops_a_fifth_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let sequence = open(folder.path(), 4, true);
     assert!(count(&sequence) < (WIDTH * HEIGHT) as usize * 2 / 3);
@@ -75,10 +75,10 @@ fn a_usual_filter_that_drops_a_fifth_says_so() {
 }
 
 #[test]
-fn a_usual_filter_that_would_drop_most_is_not_applied() {
+fn a_default_filter_that_would_drop_most_is_not_applied() {
     let folder = tempfile::tempdir().unwrap();
     let sequence = open(folder.path(), 8, true);
-    // All but the eight corners of its two rectangles, which the filter of flying pixels drops.
+    // All except the eight corners of its two rectangles, which the flying-pixel filter drops.
     assert_eq!(count(&sequence), (WIDTH * HEIGHT) as usize - 8);
     assert_eq!(
         sequence.source().filters().unwrap().near,
@@ -90,7 +90,7 @@ fn a_usual_filter_that_would_drop_most_is_not_applied() {
 }
 
 #[test]
-fn filters_that_somebody_chose_are_applied() {
+fn filters_chosen_by_the_user_are_applied() {
     let folder = tempfile::tempdir().unwrap();
     let sequence = open(folder.path(), 8, false);
     assert!(count(&sequence) < (WIDTH * HEIGHT) as usize / 3);

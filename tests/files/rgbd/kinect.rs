@@ -144,7 +144,7 @@ fn color_pixel(point: DVec3) -> DVec2 {
 }
 
 #[test]
-fn a_recording_has_the_points_and_colours_of_its_cameras() {
+fn a_recording_has_the_points_and_colors_of_its_cameras() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("capture.mkv");
     fs::write(&path, usual()).unwrap();
@@ -171,12 +171,12 @@ fn a_recording_has_the_points_and_colours_of_its_cameras() {
     let colors = cloud.attributes.colors.as_ref().unwrap();
     let mut compared = 0;
     for (point, color) in expected.iter().zip(colors) {
-        // Grey is what the colour camera does not see.
+        // Grey means not seen by the colour camera.
         if !point.is_finite() || color[..3] == [128; 3] {
             continue;
         }
         let at = color_pixel(*point);
-        // JPEG is near, and the steps of the pattern are six and four pixels long.
+        // JPEG is lossy, and the steps of the pattern are six and four pixels long.
         let apart = [f64::from(color[0]) - at.x / 6.0, f64::from(color[1]) - at.y / 4.0];
         assert!(apart.iter().all(|apart| apart.abs() < 6.0), "{color:?} at {at}");
         compared += 1;
@@ -227,7 +227,7 @@ fn a_recording_in_matroska_reads_to_the_same_points() {
             .collect()
     };
     let png = |at: usize| rgb(&recording.colors[at], ImageFormat::Png);
-    // Whatever an image's own first bytes say is what it is.
+    // The first bytes of an image determine its format.
     for (fourcc, color) in [(b"BGRA", &bgra as &dyn Fn(usize) -> Vec<u8>), (b"MJPG", &png)] {
         let tracks = [
             TrackOf {
@@ -264,7 +264,7 @@ fn a_recording_in_matroska_reads_to_the_same_points() {
 
 /// Bare colours of cameras: luma 126 and chromas of none are a grey of 128.
 #[test]
-fn colours_may_be_bare_pixels() {
+fn colors_may_be_raw_pixels() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mkv");
     let [width, height] = COLOR_PX.map(|side| side as usize);
@@ -294,7 +294,7 @@ fn a_delay_between_the_cameras_is_taken_into_account() {
         for (time, _) in &mut tracks[1].frames {
             *time += 30_000;
         }
-        // One colour image, before the first of depths.
+        // One colour image, before the first depth image.
         tracks[0].frames.truncate(1);
         let tags = [
             ("K4A_DEPTH_MODE", MODE.to_owned()),
@@ -311,7 +311,7 @@ fn a_delay_between_the_cameras_is_taken_into_account() {
 }
 
 #[test]
-fn what_cannot_be_read_is_said() {
+fn unreadable_recordings_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mkv");
     let json = calibration().to_string();
@@ -352,7 +352,7 @@ fn what_cannot_be_read_is_said() {
             "{expected}: {error}"
         );
     }
-    // Colours that are a film cost colours alone.
+    // Colours encoded as video cost only the colours.
     fs::write(&path, of(|tracks| tracks[0].fourcc = b"H264", &mode_tag(), Some(&json))).unwrap();
     let sequence = open(&path);
     let notes = sequence.source().notes();
@@ -361,7 +361,7 @@ fn what_cannot_be_read_is_said() {
 }
 
 #[test]
-fn damaged_images_cost_one_frame_or_its_colours() {
+fn damaged_images_lose_one_frame_or_its_colors() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mkv");
     let mut tracks = tracks(b"MJPG", &jpeg());
@@ -383,7 +383,7 @@ fn damaged_images_cost_one_frame_or_its_colours() {
 }
 
 #[test]
-fn a_recording_that_breaks_off_has_the_frames_before() {
+fn a_truncated_recording_has_the_frames_before() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mkv");
     let whole = usual();

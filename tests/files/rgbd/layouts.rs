@@ -20,7 +20,7 @@ pub(crate) fn written(root: &Path, name: &str) -> (std::path::PathBuf, RgbdOptio
 }
 
 #[test]
-fn one_recording_reads_to_the_same_points_in_every_layout() {
+fn one_recording_gives_the_same_points_in_every_layout() {
     let root = tempfile::tempdir().unwrap();
     let recording = Recording::new();
     for (name, _, has) in LAYOUTS {
@@ -136,7 +136,7 @@ fn posed_frames_become_one_cloud() {
 
 /// Nothing in it was registered: colours have a camera of their own, and depths are those of the other one.
 #[test]
-fn photographs_of_7_scenes_are_taken_beside_their_depths() {
+fn seven_scenes_colors_come_from_a_camera_next_to_the_depth_camera() {
     let root = tempfile::tempdir().unwrap();
     let recording = Recording::new();
     let (folder, _) = written(root.path(), "7-Scenes");
@@ -150,7 +150,7 @@ fn photographs_of_7_scenes_are_taken_beside_their_depths() {
     for (photo, pose) in set.photos.iter().zip(&recording.poses) {
         let depth = photo.depth.as_ref().unwrap();
         let taken_by = depth.taken_by.as_ref().unwrap();
-        // Those of 640 × 480, in images of a tenth.
+        // The parameters for 640 × 480, in images of a tenth of that.
         assert!((photo.camera.focal_px().x - 52.5).abs() < 1e-9);
         assert!((taken_by.camera.focal_px().x - 58.5).abs() < 1e-9);
         let world_from_depth = photo.camera_from_world.inverse() * taken_by.photo_from_depth;
@@ -170,7 +170,7 @@ fn photographs_of_7_scenes_are_taken_beside_their_depths() {
 
 /// What `info --json` says of cameras is what `--intrinsics` takes.
 #[test]
-fn cameras_of_two_places_are_read_from_json() {
+fn json_cameras_are_read_from_two_places() {
     let root = tempfile::tempdir().unwrap();
     let (folder, _) = written(root.path(), "patterns");
     let camera = root.path().join("two.json");
@@ -200,7 +200,7 @@ fn cameras_of_two_places_are_read_from_json() {
     assert_eq!(sensor.rig.depth.distortion().name(), "brown");
     let color = sensor.rig.color.as_ref().unwrap();
     assert_eq!(color.camera.distortion().name(), "fisheye");
-    // Each point has the colour at its place in the other image: red and green tell where that is.
+    // Each point has the colour at its position in the other image: red and green encode that position.
     let colors = cloud.attributes.colors.as_ref().unwrap();
     let mut compared = 0;
     for (point, found) in points(&cloud).into_iter().zip(colors) {

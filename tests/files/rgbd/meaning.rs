@@ -89,7 +89,7 @@ fn posed_frames_of_one_thing_are_in_one_place() {
         let (count, bounds) = cloud.positions.finite_bounds();
         let (min, max) = bounds.unwrap();
         assert!(count > 5 * PIXELS - 500, "{name}: {count}");
-        // Worked out of images and matrices by the definition.
+        // Computed from images and matrices by definition.
         let expected = (
             DVec3::new(-1.2008, -1.2015, -0.2288),
             DVec3::new(2.0175, 1.5001, 1.0253),
@@ -102,7 +102,7 @@ fn posed_frames_of_one_thing_are_in_one_place() {
 }
 
 #[test]
-fn depths_of_numpy_in_metres_are_read_and_the_camera_is_said_to_be_guessed() {
+fn numpy_depths_in_metres_are_read_with_a_guessed_camera_note() {
     let Some(folder) = shared("meaning/R09_npy_depth_metres") else {
         return;
     };
@@ -115,7 +115,7 @@ fn depths_of_numpy_in_metres_are_read_and_the_camera_is_said_to_be_guessed() {
 
 /// The whole room, in pictures as well: not the strip that is left of it in millimetres.
 #[test]
-fn frames_of_slambook_are_the_whole_room() {
+fn slambook_frames_cover_the_whole_room() {
     let Some(folder) = shared("meaning/slambook_dense") else {
         return;
     };

@@ -34,7 +34,7 @@ pub(crate) struct Packed {
 }
 
 pub(crate) fn raw(encoding: &str, pixel_bytes: usize, data: &[u8], big_endian: bool) -> Packed {
-    // Rows are padded, as some drivers do.
+    // Rows are padded, as with some drivers.
     let row = pixel_bytes * WIDTH as usize;
     let padded = |row: &[u8]| [row, &[0xee; 6]].concat();
     Packed {
@@ -221,7 +221,7 @@ pub(crate) fn one_camera(kind: Kind, depth: WriteDepth, color: WriteColor) -> Ve
         info(kind, "/camera/depth/camera_info", DEPTH_FRAME, PINHOLE),
         info(kind, "/camera/color/camera_info", DEPTH_FRAME, PINHOLE),
     ];
-    // The last frame first: messages are read by their stamps.
+    // The last frame first: messages are read in the order of their stamps.
     for frame in (0..FRAMES).rev() {
         let time = recording.times_us[frame];
         let depth = depth(&recording.depths[frame]);
@@ -246,7 +246,7 @@ pub(crate) fn check(name: &str, path: &Path) {
 }
 
 #[test]
-fn every_way_to_write_images_reads_to_the_same_points() {
+fn every_image_encoding_gives_the_same_points() {
     let folder = tempfile::tempdir().unwrap();
     for (depth_name, depth) in DEPTHS {
         for (color_name, color) in COLORS {
@@ -264,7 +264,7 @@ fn every_way_to_write_images_reads_to_the_same_points() {
 
 /// Colours of JPEG are near, those of one channel are grey.
 #[test]
-fn colours_that_are_not_kept_are_near() {
+fn lossy_colors_are_close() {
     let folder = tempfile::tempdir().unwrap();
     let recording = Recording::new();
     let decode = |color: WriteColor| {
@@ -295,7 +295,7 @@ fn colours_that_are_not_kept_are_near() {
 
 /// 1/z in steps, as `compressed_depth_image_transport` writes floats.
 #[test]
-fn inverse_depths_are_as_near_as_their_steps() {
+fn inverse_depths_are_accurate_to_their_quantisation() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     let depth: WriteDepth = |depths| {
@@ -406,7 +406,7 @@ fn two_cameras_are_joined_by_static_transforms() {
             info(kind, "/camera/depth/camera_info", DEPTH_FRAME, BROWN),
             info(kind, "/camera/color/camera_info", COLOR_FRAME, FISHEYE),
         ];
-        // By a frame between: depth is a child of it, and it is one of the colour camera.
+        // Via an intermediate frame: depth is its child, and it is a child of the colour camera.
         let link = DAffine3::from_rotation_x(0.7) * DAffine3::from_translation(DVec3::new(1.0, 2.0, 3.0));
         let links = [
             ("camera_link", DEPTH_FRAME, link),
@@ -429,7 +429,7 @@ fn two_cameras_are_joined_by_static_transforms() {
         fs::write(&path, mcap(kind, &messages)).unwrap();
         check_two(&format!("{kind:?}"), &path, &expected);
 
-        // Without the links: the same place, and it is said.
+        // Without the links: the same position is assumed, and reported.
         messages.retain(|message| message.kind != "tf2_msgs/TFMessage");
         fs::write(&path, mcap(kind, &messages)).unwrap();
         let notes = open(&path).source().notes().join("; ");
@@ -439,7 +439,7 @@ fn two_cameras_are_joined_by_static_transforms() {
 
 /// As `librealsense` records: one frame of reference for all, extrinsics from a stream to each, and the unit of depths.
 #[test]
-fn bags_of_a_realsense() {
+fn realsense_bags_are_read() {
     let root = tempfile::tempdir().unwrap();
     let expected = folder_of_two(root.path());
     let kind = Kind::Ros1;
@@ -541,7 +541,7 @@ fn point_clouds_come_first_unless_a_topic_of_images_is_named() {
 }
 
 #[test]
-fn what_is_missing_or_broken_is_said() {
+fn missing_and_broken_content_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let kind = Kind::Ros1;
     let whole = one_camera(kind, DEPTHS[0].1, COLORS[0].1);
@@ -563,7 +563,7 @@ fn what_is_missing_or_broken_is_said() {
     let sequence = open_with(&path, named).unwrap();
     check_frame("by hand", &Recording::new(), 1, &sequence, &HAS);
 
-    // One depth and one colour image are cut: one frame is lost, and the colours of another.
+    // One depth and one colour image are truncated: one frame is lost, and the colours of another.
     let mut cut = whole.clone();
     for (topic, at) in [(DEPTH, 0), (COLOR, 1)] {
         let mut of_topic = cut.iter_mut().filter(|message| message.topic == topic);
@@ -580,7 +580,7 @@ fn what_is_missing_or_broken_is_said() {
     assert!(warned.warnings[0].contains("have no colours"), "{:?}", warned.warnings);
     check_frame("the whole one", &Recording::new(), 0, &sequence, &HAS);
 
-    // Cut anywhere, nothing panics.
+    // Truncated anywhere, nothing panics.
     write(&whole);
     let bytes = fs::read(&path).unwrap();
     for end in (0..bytes.len()).step_by(bytes.len() / 23) {

@@ -131,7 +131,7 @@ fn record3d(recording: &Recording, path: &Path, has_size: bool) {
 }
 
 #[test]
-fn archives_of_record3d_are_the_same_recording() {
+fn record3d_archives_give_the_same_recording() {
     let folder = tempfile::tempdir().unwrap();
     let recording = Recording::new();
     let path = folder.path().join("walk.r3d");
@@ -141,7 +141,7 @@ fn archives_of_record3d_are_the_same_recording() {
     for frame in 0..FRAMES {
         check_frame("Record3D", &recording, frame, &sequence, &ALL);
     }
-    // Of no known size.
+    // Of unknown size.
     record3d(&recording, &path, false);
     let error = super::open_with(&path, RgbdOptions::default())
         .map(|_| ())
@@ -159,14 +159,14 @@ fn archives_of_record3d_are_the_same_recording() {
 
 /// Films are not decoded: the size that the matrix is for is told by its principal point.
 #[test]
-fn the_matrix_of_a_film_is_for_larger_images() {
+fn the_camera_matrix_of_a_video_is_for_larger_images() {
     let folder = tempfile::tempdir().unwrap();
     let recording = Recording::new();
     outlier(&recording, folder.path());
     fs::remove_dir_all(folder.path().join("rgb")).unwrap();
     fs::write(folder.path().join("rgb.mp4"), b"film").unwrap();
     fs::create_dir(folder.path().join("confidence")).unwrap();
-    // 480 × 360 is 7.5 times as large; centres of pixels are at integers.
+    // 480 × 360 is 7.5 times as large; pixel centres are at integers.
     let [fx, fy, cx, cy] = CAMERA.map(|number| 7.5 * number);
     let [cx, cy] = [cx + 3.25, cy + 3.25];
     fs::write(
@@ -202,7 +202,7 @@ fn the_matrix_of_a_film_is_for_larger_images() {
 
 /// Films of phones have more images than the depth camera, and theirs are larger.
 #[test]
-fn colours_of_a_larger_image_fall_on_their_points() {
+fn colors_of_a_larger_image_fall_on_their_points() {
     let folder = tempfile::tempdir().unwrap();
     let recording = Recording::new();
     scanner_app(&recording, folder.path());

@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// Depths and colours of PCL's grabber are its own clouds.
 #[test]
-fn images_of_pcl_are_its_clouds() {
+fn pcl_depth_images_match_its_clouds() {
     let Some(folder) = shared("sequences/pcl_openni_3frames") else {
         return;
     };
@@ -98,7 +98,7 @@ fn merged_frames_of_redwood_have_all_points() {
 
 /// The first of the merged frames beside the same frame alone. Filtered, its points are on planes.
 #[test]
-fn merged_frames_of_redwood_have_normals_towards_their_cameras() {
+fn merged_frames_of_redwood_have_normals_facing_their_cameras() {
     let of = |filters, merge| {
         redwood(RgbdOptions {
             filters,
@@ -137,14 +137,14 @@ fn merged_frames_of_redwood_have_normals_towards_their_cameras() {
 }
 
 #[test]
-fn filters_of_real_frames_keep_what_they_may() {
+fn filters_on_real_frames_retain_what_they_should() {
     let Some(sequence) = redwood(RgbdOptions {
         filters: "median,bilateral".parse().unwrap(),
         ..RgbdOptions::default()
     }) else {
         return;
     };
-    // Neither fills a hole nor makes one.
+    // Neither fills nor makes holes.
     assert_eq!(sequence.decode(0).unwrap().positions.finite_bounds().0, 267_129);
     let usual = RgbdOptions {
         filters: pointreel::rgbd::Filters::USUAL,
@@ -155,7 +155,7 @@ fn filters_of_real_frames_keep_what_they_may() {
 }
 
 #[test]
-fn a_folder_of_clouds_is_still_one() {
+fn a_folder_of_clouds_is_still_a_cloud_sequence() {
     let Some(folder) = shared("sequences/pcl_openni_3frames/pcd") else {
         return;
     };

@@ -219,12 +219,12 @@ fn tum(recording: &Recording, folder: &Path) -> RgbdOptions {
     }
     for frame in 0..FRAMES {
         let seconds = recording.seconds(frame);
-        // Five metres a unit are still below 2¹⁶.
+        // Multiplied by five, the values still fit into 16 bits.
         recording.depth_png(&folder.join(format!("depth/{seconds}.png")), frame, |mm| {
             unless_hole(mm, |mm| 5 * mm)
         });
         writeln!(depth, "{seconds} depth/{seconds}.png").unwrap();
-        // Colours come seven milliseconds later.
+        // Colours are seven milliseconds later.
         let name = format!("rgb/{frame}.png");
         recording.color_png(&folder.join(&name), frame);
         let later = recording.times_us[frame] + 7000;
@@ -250,7 +250,7 @@ fn icl(recording: &Recording, folder: &Path) -> RgbdOptions {
         fs::write(folder.join(format!("scene_00_{frame:04}.depth")), text).unwrap();
         recording.color_png(&folder.join(format!("scene_00_{frame:04}.png")), frame);
     }
-    // The size is nowhere but in the camera.
+    // The size is only given by the camera.
     let [fx, fy, cx, cy] = CAMERA;
     let camera = folder.join("../icl-camera.json");
     fs::write(

@@ -78,7 +78,7 @@ const SHARED_COLORS: &[(&str, WriteColor)] = &[
 ];
 
 #[test]
-fn colours_that_neighbours_share_are_near() {
+fn chroma_subsampled_colors_are_close() {
     let folder = tempfile::tempdir().unwrap();
     let recording = Recording::new();
     let path = folder.path().join("a.bag");
@@ -118,7 +118,7 @@ fn transform(kind: Kind, topic: &str, time_us: u64, [parent, child]: [&str; 2], 
 
 /// A robot drives, the camera is mounted on it: poses are those of the camera in the root of its links.
 #[test]
-fn poses_are_those_of_moving_frames() {
+fn poses_come_from_moving_frames() {
     let root = tempfile::tempdir().unwrap();
     let recording = Recording::new();
     let mounted = DAffine3::from_rotation_x(0.7) * DAffine3::from_translation(DVec3::new(0.1, 0.2, 0.3));

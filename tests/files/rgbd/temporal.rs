@@ -39,7 +39,7 @@ fn bits(cloud: &RawCloud) -> Vec<[u32; 3]> {
 }
 
 #[test]
-fn a_frame_alone_is_the_frame_after_those_before_it() {
+fn random_access_matches_sequential_filtering() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path());
     for filters in [
@@ -61,7 +61,7 @@ fn a_frame_alone_is_the_frame_after_those_before_it() {
 }
 
 #[test]
-fn a_wall_that_trembles_rests() {
+fn a_jittering_wall_is_stabilised() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path());
     let [raw, rests] = ["none", "temporal"].map(|filters| open(folder.path(), filters));

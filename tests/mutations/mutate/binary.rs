@@ -134,7 +134,7 @@ fn splice(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
 fn put_integer(bytes: &mut [u8], random: &mut Random) {
     let place = place(bytes, random);
     let width = [1, 2, 4, 8][random.below(4)].min(bytes.len() - place);
-    // Fields are mostly at multiples of their width.
+    // Most fields are aligned to their width.
     let place = if random.one_in(3) { place } else { place - place % width };
     let count = bytes.len() as u64;
     let value = match random.below(6) {

@@ -111,7 +111,7 @@ pub(super) fn mutate(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
 
 /// Changes the head of `bytes` once.
 pub(super) fn mutate_head(bytes: &mut Vec<u8>, random: &mut Random) {
-    // Where bytes begin that are no text.
+    // The start of bytes that are not text.
     let is_text = |&byte: &u8| byte.is_ascii_graphic() || matches!(byte, b' ' | b'\n' | b'\r' | b'\t');
     let end = bytes.iter().position(|byte| !is_text(byte)).unwrap_or(bytes.len());
     let mut head: Vec<u8> = bytes[..end.min(HEAD_BYTES)].to_vec();

@@ -25,7 +25,7 @@ pub(super) fn repair_tar(bytes: &mut [u8]) {
 /// The checksum of `packed`, unpacked as far as it can be, and how many bytes that are.
 fn unpacked(packed: &[u8]) -> (u32, u64) {
     let mut bytes = Vec::new();
-    // What comes out before it is damaged is what a reader sees.
+    // A reader sees whatever is unpacked before the damage.
     let _ = flate2::read::DeflateDecoder::new(packed)
         .take(MAX_BYTES)
         .read_to_end(&mut bytes);
@@ -38,7 +38,7 @@ pub(super) fn repair_gzip(bytes: &mut [u8]) {
     let Some(end) = bytes.len().checked_sub(8).filter(|&end| end >= HEAD_BYTES) else {
         return;
     };
-    // Names and comments, which end with a zero.
+    // Names and comments, which are zero-terminated.
     let flags = bytes[3];
     let mut start = HEAD_BYTES;
     for flag in [3, 4] {
@@ -69,7 +69,7 @@ pub(super) fn repair_zip(bytes: &mut [u8]) {
         };
         put(bytes, entry + 16, &crc.to_le_bytes());
         let local = u32_at(bytes, entry + 42).map_or(usize::MAX, |place| place as usize);
-        // With this flag the sizes come behind the data, and 0 is here.
+        // With this flag the sizes follow the data, and 0 is here.
         let comes_later = u16_at(bytes, local.saturating_add(6)).is_some_and(|flags| flags >> 3 & 1 != 0);
         if !comes_later && bytes.get(local..).is_some_and(|rest| rest.starts_with(b"PK\x03\x04")) {
             put(bytes, local + 14, &crc.to_le_bytes());

@@ -31,10 +31,10 @@ pub(crate) fn repair(kind: Repair, bytes: &mut Vec<u8>, random: &mut Random) {
         return;
     }
     if kind == Repair::Reel && random.one_in(3) {
-        // Without it, groups need not agree with the index.
+        // Without an index, groups need not agree with it.
         reel::drop_index(bytes);
     }
-    // Without it a wrong checksum would be all that is ever found.
+    // Without this, a wrong checksum would be all that is ever found.
     repair_all(kind, bytes);
 }
 

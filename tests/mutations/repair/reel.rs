@@ -105,7 +105,7 @@ struct Section {
 /// `contents` of a group: a directory of so many bytes, and the data of its sections.
 fn repair_sections(contents: &mut [u8], directory_bytes: usize) {
     let mut sections = Vec::new();
-    // What comes before a place that cannot be read is repaired.
+    // Everything before an unreadable position is repaired.
     let _ = find_sections(&contents[..directory_bytes], &mut sections);
     for section in sections {
         let start = directory_bytes.saturating_add(section.offset).min(contents.len());

@@ -104,7 +104,7 @@ fn photos() -> Vec<Case> {
         let (choice, bytes) = bytes.split_first().unwrap();
         let names = PHOTOS[usize::from(*choice) % PHOTOS.len()];
         let text = String::from_utf8_lossy(bytes);
-        // Bytes that are no text come alone, or parted in the same way.
+        // Binary data comes alone, or separated in the same way.
         let parts: Vec<Vec<u8>> = match std::str::from_utf8(bytes) {
             Ok(_) => text.split("\n%%\n").map(|part| part.as_bytes().to_vec()).collect(),
             Err(_) => parted(bytes),

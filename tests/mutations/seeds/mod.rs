@@ -25,7 +25,7 @@ pub(crate) fn keep(case: &Case, folder: &Path) -> PathBuf {
     let of_set = folder.join(&case.set);
     let is_alone = case.files.len() == 1;
     let place = match case.files.as_slice() {
-        // It is known by its extension.
+        // It is identified by its extension.
         [(file, _)] if *file != case.name => of_set.join(format!("{}-{file}", case.name)),
         _ => of_set.join(&case.name),
     };
@@ -84,7 +84,7 @@ fn gather_files(from: &Path, folder: &Path, max_of_kind: usize) {
             let extension = extension_of(&name);
             let kind = KINDS.iter().find(|kind| kind.extension == extension);
             if path.is_dir() {
-                // The corpus is no fixture: it has seeds of its own (`gather_corpus`).
+                // The corpus is not a fixture: it has its own seeds (`gather_corpus`).
                 folders.extend((!path.ends_with("hostile")).then_some(path));
             } else if let Some(kind) = kind
                 && extension != "json"

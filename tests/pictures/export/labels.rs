@@ -102,7 +102,7 @@ fn place(index: usize, frame: usize) -> DVec3 {
 fn a_label_is_at_the_projection_of_its_point_in_every_frame() {
     let mut headless = headless_of(moving(), AnyRenderer::cpu());
     headless.set_labels(Arc::new(vec![label(70, "")]));
-    // Other poses bring more points, in which nobody's index is what it was.
+    // Derived frames contain more points, with different indices.
     let onion = ComposeOptions {
         onion: Some(OnionSkin::default()),
         ..ComposeOptions::default()
@@ -118,7 +118,7 @@ fn a_label_is_at_the_projection_of_its_point_in_every_frame() {
 }
 
 #[test]
-fn pictures_in_parts_have_the_same_labels_and_others_none() {
+fn labels_are_the_same_in_tiles_and_absent_from_other_frames() {
     let mut headless = headless_of(moving(), AnyRenderer::cpu());
     let without = drawn(&mut headless, 2, &ComposeOptions::default(), None);
     assert_eq!(dot(&without), None);

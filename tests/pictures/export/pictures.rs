@@ -38,7 +38,7 @@ fn parts_beside_whole(renderer: AnyRenderer, style: &Style) -> (f64, usize) {
         )
         .unwrap()
     };
-    // Neither divides the edges, nor the tiles of the software renderer.
+    // Divides neither the image edges nor the tiles of the software renderer.
     let (whole, parts) = (draw(None), draw(Some(77)));
     let background = style.backdrop.background.top;
     assert!(common::covered(&whole, background) > 60_000, "the gradient");
@@ -78,7 +78,7 @@ fn ways() -> Vec<Style> {
             .iter()
             .map(|&splatting| style().with(|style| style.surfels.splatting = splatting)),
     );
-    // In parts neighbours are seen beyond them, and lines go on.
+    // In parts, effects need pixels beyond their borders, and lines continue.
     ways.extend([Primitive::Surfel, Primitive::Voxel].map(|primitive| {
         style().with(|style| {
             style.primitive = primitive;
@@ -100,7 +100,7 @@ fn ways() -> Vec<Style> {
 }
 
 #[test]
-fn the_processor_draws_the_same_picture_in_parts() {
+fn the_cpu_draws_the_same_image_in_tiles() {
     for style in ways() {
         let (db, others) = parts_beside_whole(AnyRenderer::cpu(), &style);
         let has_borders = style.surfels.splatting == Splatting::Regular;
@@ -111,7 +111,7 @@ fn the_processor_draws_the_same_picture_in_parts() {
 
 /// Masks are made for directions in the middles of sectors of the picture, which are those of its parts then.
 #[test]
-fn byte_codes_are_nearly_the_same_in_parts() {
+fn byte_codes_are_nearly_the_same_in_tiles() {
     for (footprint, min_db) in [(Footprint::Masks, 35.0), (Footprint::Pixels, 60.0)] {
         let style = style().with(|style| style.codes.footprint = footprint);
         let (db, _) = parts_beside_whole(AnyRenderer::cpu(), &style);
@@ -120,7 +120,7 @@ fn byte_codes_are_nearly_the_same_in_parts() {
 }
 
 #[test]
-fn the_graphics_library_draws_the_same_picture_in_parts() {
+fn the_gpu_draws_the_same_image_in_tiles() {
     let mut ways = ways();
     ways.extend(
         Strategy::ALL
@@ -148,7 +148,7 @@ fn over(picture: &RgbaImage, behind: [u8; 3]) -> RgbaImage {
 }
 
 #[test]
-fn laid_over_a_colour_a_transparent_picture_is_the_opaque_one() {
+fn a_transparent_image_over_a_color_matches_the_opaque_one() {
     let primitives = [Primitive::Surfel, Primitive::Voxel, Primitive::Point];
     let with_each = primitives.into_iter().flat_map(|primitive| {
         Antialiasing::ALL.iter().flat_map(move |&antialiasing| {
@@ -180,7 +180,7 @@ fn laid_over_a_colour_a_transparent_picture_is_the_opaque_one() {
             )
             .unwrap()
         };
-        // FXAA would find other edges on another background.
+        // FXAA would find different edges on another background.
         let opaque = draw(false, antialiasing.without_background());
         let transparent = draw(true, antialiasing);
         let (_, largest) = common::difference(&over(&transparent, [200, 60, 120]), &opaque);
@@ -193,7 +193,7 @@ fn laid_over_a_colour_a_transparent_picture_is_the_opaque_one() {
 }
 
 #[test]
-fn a_scale_bar_is_painted_over_the_same_picture() {
+fn a_scale_bar_is_painted_over_the_same_image() {
     let style = style();
     let mut headless = headless(AnyRenderer::cpu());
     let (frame, camera) = near_by(&headless, &style);
@@ -225,7 +225,7 @@ fn a_scale_bar_is_painted_over_the_same_picture() {
 }
 
 #[test]
-fn a_file_holds_what_was_drawn_in_parts() {
+fn a_file_contains_the_image_drawn_in_tiles() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.png");
     let style = style();
@@ -262,7 +262,7 @@ fn a_file_holds_what_was_drawn_in_parts() {
 }
 
 #[test]
-fn a_picture_that_is_cancelled_between_its_parts_leaves_nothing() {
+fn an_image_cancelled_between_tiles_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.png");
     let style = style();
@@ -306,7 +306,7 @@ fn a_picture_that_is_cancelled_between_its_parts_leaves_nothing() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_refused_and_leaves_nothing() {
+fn undrawable_images_are_rejected_and_leave_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.png");
     let mut headless = headless(AnyRenderer::cpu());

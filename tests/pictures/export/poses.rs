@@ -37,7 +37,7 @@ fn walk() -> Headless {
 fn style() -> Style {
     Style::default().with(|style| {
         style.primitive = Primitive::Point;
-        // All points are white, which says nothing to the automatic choice.
+        // All points are white, which the automatic choice ignores.
         style.colors = Coloring::of(ColorSource::File);
         style.points.size_px = 3.0;
         style.light.lighting = Lighting::Unlit;
@@ -116,7 +116,7 @@ fn columns(frame: usize) -> std::ops::Range<u32> {
 }
 
 #[test]
-fn ghosts_of_the_poses_around_are_in_every_picture() {
+fn ghosts_of_neighbouring_poses_are_in_every_image() {
     let onion = OnionSkin {
         is_on: true,
         before: 1,
@@ -146,12 +146,12 @@ fn ghosts_of_the_poses_around_are_in_every_picture() {
 }
 
 #[test]
-fn points_have_the_colour_of_their_distance_to_the_other_pose() {
+fn points_are_colored_by_their_distance_to_the_other_pose() {
     let change = |step, range| ComposeOptions {
         change: Some(ChangeColors { step, range }),
         ..ComposeOptions::default()
     };
-    // Every point is two units from the nearest one a frame later, four from that of two frames later.
+    // Every point is two units from the nearest one in the next frame, four from that two frames later.
     for (step, range, share) in [(1, Some(4.0), 0.5), (2, Some(16.0), 0.25), (-1, None, 1.0)] {
         let (pictures, said) = pictures(&change(step, range));
         let [red, green, blue, _] = ColorMap::Viridis.color(share);

@@ -93,7 +93,7 @@ fn delays_ms(frames: &[Frame]) -> Vec<u32> {
 }
 
 #[test]
-fn a_webp_holds_every_picture_exactly() {
+fn a_webp_stores_every_frame_exactly() {
     let style = Style::default();
     let path = turntable(&style);
     for is_transparent in [false, true] {
@@ -114,7 +114,7 @@ fn a_webp_holds_every_picture_exactly() {
 }
 
 #[test]
-fn a_gif_holds_every_picture_nearly() {
+fn a_gif_stores_every_frame_approximately() {
     let style = Style::default();
     let path = turntable(&style);
     let video = video(&path, &style);
@@ -122,17 +122,17 @@ fn a_gif_holds_every_picture_nearly() {
     let file = folder.path().join("a.gif");
     export(&video, &file);
     let frames = decoded(&file);
-    // 30 a second, in hundredths.
+    // 30 per second, in hundredths of a second.
     assert_eq!(delays_ms(&frames), [30, 40, 30, 30, 40, 30, 30]);
     for (frame, expected) in frames.iter().zip(expected(&video)) {
         let db = psnr_db(mean_squared_error(&expected, frame.buffer()).unwrap());
-        // The cloud, whose colours are those of a palette, fills the picture.
+        // The cloud, which has the colours of a palette, fills the image.
         assert!(db >= 33.0, "{db} dB");
     }
 }
 
 #[test]
-fn a_gif_of_few_colours_is_exact() {
+fn a_gif_of_few_colors_is_exact() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.gif");
     let style = Style::default();
@@ -150,7 +150,7 @@ fn a_gif_of_few_colours_is_exact() {
             })
         })
         .collect();
-    // The last two are equal.
+    // The last two are identical.
     for picture in pictures.iter().chain(pictures.last()) {
         sink.push(picture).unwrap();
     }
@@ -163,7 +163,7 @@ fn a_gif_of_few_colours_is_exact() {
 }
 
 #[test]
-fn png_files_get_their_names_together() {
+fn png_files_are_renamed_together() {
     let style = Style::default();
     let path = turntable(&style);
     let mut video = video(&path, &style);
@@ -203,7 +203,7 @@ fn ffmpeg_is_there() -> bool {
 }
 
 #[test]
-fn what_is_cancelled_leaves_nothing() {
+fn a_cancelled_video_leaves_nothing() {
     let style = Style::default();
     let path = turntable(&style);
     let video = video(&path, &style);
@@ -223,7 +223,7 @@ fn what_is_cancelled_leaves_nothing() {
         let left: Vec<_> = fs::read_dir(folder.path()).unwrap().collect();
         assert!(left.is_empty(), "{name}: {left:?}");
     }
-    // A file that was there stays as it was.
+    // An existing file stays unchanged.
     let retained = folder.path().join("kept.gif");
     fs::write(&retained, "before").unwrap();
     let mut headless = headless(AnyRenderer::cpu());
@@ -260,10 +260,10 @@ fn an_mp4_is_made_by_ffmpeg() {
     for (bytes, expected) in raw.stdout.chunks(picture_bytes).zip(&expected) {
         let picture = RgbaImage::from_raw(SIZE_PX[0], SIZE_PX[1], bytes.to_vec()).unwrap();
         let db = psnr_db(mean_squared_error(expected, &picture).unwrap());
-        // Half of the colours' resolution is gone.
+        // Half of the chroma resolution is gone.
         assert!(db >= 28.0, "{db} dB");
     }
-    // Players start before they have all of it: what is where stands before the pictures.
+    // Players start before they have received all of it: the index precedes the images.
     let bytes = fs::read(&file).unwrap();
     let place = |name: &[u8]| bytes.windows(4).position(|four| four == name).unwrap();
     assert!(place(b"moov") < place(b"mdat"));
@@ -271,7 +271,7 @@ fn an_mp4_is_made_by_ffmpeg() {
 }
 
 #[test]
-fn formats_refuse_what_they_have_not() {
+fn formats_reject_unsupported_options() {
     let style = Style::default();
     let path = turntable(&style);
     let folder = tempfile::tempdir().unwrap();
@@ -297,7 +297,7 @@ fn formats_refuse_what_they_have_not() {
 }
 
 #[test]
-fn the_time_path_plays_backwards_holds_and_begins_anew() {
+fn the_time_path_plays_backwards_holds_and_restarts() {
     let style = Style::default();
     let (_, camera) = near_by(&headless(AnyRenderer::cpu()), &style);
     let key = |time_s: f64, frame: f64| Keyframe { time_s, camera, frame };
@@ -315,13 +315,13 @@ fn the_time_path_plays_backwards_holds_and_begins_anew() {
         ..video(&path, &style)
     };
     let folder = tempfile::tempdir().unwrap();
-    // A second of the path each.
+    // One second of the path each.
     let shown = export(&video, &folder.path().join("a.webp"));
     assert_eq!(shown, [2, 1, 0, 0, 0, 23, 1, 2]);
 }
 
 #[test]
-fn a_broken_frame_is_reported_and_the_one_before_it_stays() {
+fn a_broken_frame_is_reported_and_the_previous_one_stays() {
     let style = Style::default();
     let demo = Sequence::demo();
     let sources = demo.entries().into_iter().map(|source| (*source).clone());

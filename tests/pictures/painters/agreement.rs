@@ -90,7 +90,7 @@ impl Shown {
             self.harness.ctx.set_theme(theme);
             let root = self.harness.input_mut().viewports.entry(egui::ViewportId::ROOT);
             root.or_default().native_pixels_per_point = Some(scale);
-            // Popups fade in: what is half there is compared as well.
+            // Popups fade in: semi-transparent states are compared as well.
             self.harness.run_steps(3);
             self.fill_pictures(if scale == 1.5 { 2 } else { 1 });
             let seen = self.harness.query_all_by_label_contains(label).next();
@@ -277,7 +277,7 @@ fn change_map() {
 }
 
 #[test]
-fn two_pictures_with_a_line_between() {
+fn two_images_with_a_line_between() {
     let mut shown = window();
     shown.state().run(Command::TOGGLE_COMPARISON);
     shown.state().viewport.other_texture = Some(TextureId::User(1));
@@ -286,7 +286,7 @@ fn two_pictures_with_a_line_between() {
 }
 
 #[test]
-fn a_picture_moved_by_a_pixel_is_seen_to_be_another() {
+fn an_image_shifted_by_a_pixel_is_detected() {
     let bytes = picture([200, 100], 1).into_raw();
     let words: Vec<u32> = bytes
         .chunks_exact(4)

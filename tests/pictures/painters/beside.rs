@@ -69,7 +69,7 @@ impl Both {
     /// `compared` gets the outcome of each picture.
     pub(super) fn new(pictures: Pictures, compared: Rc<RefCell<Vec<Comparison>>>) -> Self {
         let gpu = common::context();
-        // As the window has it.
+        // As in the window.
         let options = RendererOptions {
             dithering: false,
             ..RendererOptions::default()

@@ -231,7 +231,7 @@ impl Scene {
             13 if self.random.below(8) == 0 => {
                 self.scale = [1.0, 1.25, 2.0][self.random.below(3) as usize];
             }
-            // Nothing at all.
+            // No change.
             _ => {}
         }
     }
@@ -265,7 +265,7 @@ struct Buffer {
 
 /// Threads share the painting of so many pixels; of parts they do not.
 #[test]
-fn a_large_window_is_the_same_in_one_and_in_parts() {
+fn a_large_window_is_the_same_in_one_piece_and_in_parts() {
     let mut scene = Scene::new(5);
     scene.size_px = [2560, 1920];
     let ctx = Context::default();
@@ -299,13 +299,13 @@ fn a_large_window_is_the_same_in_one_and_in_parts() {
 }
 
 #[test]
-fn a_thousand_changes_painted_by_parts_are_what_is_painted_whole() {
+fn partial_repaints_match_full_repaints_over_a_thousand_changes() {
     let (mut damaged_px, mut all_px, mut unchanged) = (0, 0, 0);
     for seed in 1..=4 {
         let mut scene = Scene::new(seed);
         let ctx = Context::default();
         let mut painter = SoftwarePainter::new();
-        // One that knows the textures, but of the shapes only those of now.
+        // A painter that knows the textures, but only the current shapes.
         let mut fresh = SoftwarePainter::new();
         let mut buffers: Vec<Buffer> = Vec::new();
         let mut size_px = [0; 2];
@@ -336,7 +336,7 @@ fn a_thousand_changes_painted_by_parts_are_what_is_painted_whole() {
             let count = (scene.size_px[0] * scene.size_px[1]) as usize;
             if size_px != scene.size_px {
                 size_px = scene.size_px;
-                // The system hands out new ones, with anything in them.
+                // The system supplies new ones, with arbitrary contents.
                 let new = |fill| Buffer {
                     pixels: vec![fill; count],
                     pending: vec![PixelRect::of_size(size_px)],
@@ -347,7 +347,7 @@ fn a_thousand_changes_painted_by_parts_are_what_is_painted_whole() {
             for buffer in &mut buffers {
                 buffer.pending.extend(&damage);
             }
-            // The first is painted each time, the others by turns: they are two pictures old.
+            // The first is painted each time, the others alternately: they are two frames old.
             for index in [0, 1 + step % 2] {
                 let Buffer { pixels, pending } = &mut buffers[index];
                 painter.paint(&pictures, pending, pixels);
@@ -373,7 +373,7 @@ fn a_thousand_changes_painted_by_parts_are_what_is_painted_whole() {
             unchanged += usize::from(damage.is_empty());
         }
     }
-    // Else it would be no test of damage.
+    // Otherwise it would not test damage.
     assert!(damaged_px < all_px / 2, "{damaged_px} of {all_px}");
     assert!(unchanged > 100, "{unchanged} of 1000");
 }

@@ -55,7 +55,7 @@ fn a_rectangle_of_10_by_7_is_70_pixels() {
 }
 
 #[test]
-fn a_pixel_belongs_to_the_rectangle_in_which_its_centre_is() {
+fn a_pixel_belongs_to_the_rectangle_containing_its_center() {
     // Centres on the left and upper edge are inside, those on the right and lower edge are not.
     for (at, expected) in [
         (rect(1.5, 1.5, 2.0, 2.0), [1, 3]),
@@ -77,7 +77,7 @@ fn a_pixel_belongs_to_the_rectangle_in_which_its_centre_is() {
 
 #[test]
 fn triangles_that_share_edges_cover_every_pixel_once() {
-    // Fans around a place within the square: pixel centres lie on many of their edges.
+    // Fans around a position inside the square: pixel centres lie on many of their edges.
     for center in [pos2(20.0, 20.0), pos2(20.5, 20.5), pos2(17.3, 29.8)] {
         for parts in [4_u32, 7, 36] {
             let mut points = vec![center];
@@ -90,10 +90,10 @@ fn triangles_that_share_edges_cover_every_pixel_once() {
                     _ => pos2(4.0, 36.0 - along),
                 }
             };
-            // Corners are among the points, so that the fan is the square.
+            // The corners are among the points, so that the fan fills the square.
             let ring = 4 * parts;
             points.extend((0..ring).map(|part| edge(part as f32 / ring as f32)));
-            // Every second one the other way round.
+            // Every second one with the opposite winding.
             let indices: Vec<u32> = (0..ring)
                 .flat_map(|part| {
                     let (a, b) = (1 + part, 1 + (part + 1) % ring);
@@ -109,7 +109,7 @@ fn triangles_that_share_edges_cover_every_pixel_once() {
 }
 
 #[test]
-fn the_two_halves_of_a_turned_square_share_no_pixel() {
+fn the_halves_of_a_rotated_square_share_no_pixel() {
     for turn in 0..30 {
         let axis = Vec2::angled(turn as f32 * 0.1) * 15.0;
         let points = [axis, axis.rot90(), -axis, -axis.rot90()].map(|at| pos2(20.0, 20.0) + at);
@@ -131,14 +131,14 @@ fn nothing_is_painted_outside_the_clip_rectangle() {
     assert_eq!(count(&window.pixels, 0x00ff_0000), 10 * 8);
     for (index, &pixel) in window.pixels.iter().enumerate() {
         let (x, y) = (index % 40, index / 40);
-        // Edges are rounded as those of egui-wgpu are.
+        // Edges are rounded like those of egui-wgpu.
         let is_inside = (10..20).contains(&x) && (6..14).contains(&y);
         assert_eq!(pixel != 0, is_inside, "{x}, {y}");
     }
 }
 
 #[test]
-fn a_picture_is_copied_pixel_by_pixel() {
+fn an_image_is_copied_pixel_by_pixel() {
     let id = TextureId::User(3);
     let picture = opaque_picture(31, 17, 5);
     let mut window = Window::new([50, 40]);
@@ -155,7 +155,7 @@ fn a_picture_is_copied_pixel_by_pixel() {
     }
     assert_eq!(count(&window.pixels, 0), 50 * 40 - 31 * 17);
 
-    // Another version is another picture; the same one is none.
+    // A new version is a change; the same one is not.
     window.painter.set_picture(id, 1, TextureFilter::Linear);
     assert_eq!(window.painter.take_damage(), []);
     window.painter.set_picture(id, 2, TextureFilter::Linear);
@@ -167,7 +167,7 @@ fn a_picture_is_copied_pixel_by_pixel() {
 }
 
 #[test]
-fn a_smaller_picture_is_scaled_linearly() {
+fn a_smaller_image_is_scaled_linearly() {
     let id = TextureId::User(0);
     let mut picture = RgbaImage::new(2, 1);
     picture.put_pixel(0, 0, image::Rgba([0, 0, 0, 255]));
@@ -182,7 +182,7 @@ fn a_smaller_picture_is_scaled_linearly() {
 }
 
 #[test]
-fn a_line_parts_two_pictures() {
+fn a_line_separates_two_images() {
     let ids = [TextureId::User(0), TextureId::User(1)];
     let pictures = [opaque_picture(20, 10, 1), opaque_picture(20, 10, 2)];
     let mut window = Window::new([20, 10]);
@@ -200,14 +200,14 @@ fn a_line_parts_two_pictures() {
         let [red, green, blue, _] = pictures[usize::from(x >= 8)].get_pixel(x, y).0;
         assert_eq!(pixel, u32::from_be_bytes([0, red, green, blue]));
     }
-    // A picture that is not handed over is left out.
+    // An image that is not supplied is skipped.
     window.pictures.remove(0);
     window.paint_all();
     assert!(window.pixels.chunks(20).all(|row| row[..8] == [0; 8]));
 }
 
 #[test]
-fn textures_are_wrapped_as_they_ask() {
+fn textures_are_wrapped_as_requested() {
     let id = TextureId::Managed(77);
     let texel = |blue: u8| Color32::from_rgb(0, 0, blue);
     let image = ColorImage::new([3, 1], vec![texel(10), texel(20), texel(30)]);
@@ -230,7 +230,7 @@ fn textures_are_wrapped_as_they_ask() {
 }
 
 #[test]
-fn meshes_that_cannot_be_drawn_are_left_out() {
+fn undrawable_meshes_are_skipped() {
     let far = 3e38;
     let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, far, -far, 2e6];
     let mut shapes = Vec::new();
@@ -254,7 +254,7 @@ fn meshes_that_cannot_be_drawn_are_left_out() {
     // No such vertex, no area, no third corner, no such texture, no such picture.
     for indices in [&[0, 1, 3][..], &[0, 1, u32::MAX], &[0, 1, 1], &[0, 1]] {
         let mesh = triangles(&points, indices, RED);
-        // egui's own way to make one looks at the indices.
+        // egui's own constructor checks the indices.
         shapes.push(Shape::Mesh(Arc::new(mesh)));
     }
     shapes.push(image_mesh(TextureId::Managed(99), rect(0.0, 0.0, 9.0, 9.0)));
@@ -262,10 +262,10 @@ fn meshes_that_cannot_be_drawn_are_left_out() {
     for shape in shapes {
         let mut window = Window::new([40, 30]);
         window.show(vec![shape.clone()]);
-        // Corners beyond all windows are left out with their triangles, those at the end of the world may be cut off.
+        // Triangles with corners far outside the window are skipped, those at extreme coordinates may be clipped.
         assert_eq!(count(&window.pixels, 0), 40 * 30, "{shape:?}");
     }
-    // A target that is too short is no reason to fail.
+    // A target that is too short must not cause a failure.
     let mut window = Window::new([40, 30]);
     window.show(vec![Shape::rect_filled(rect(0.0, 0.0, 40.0, 30.0), 0, RED)]);
     let all = [PixelRect::of_size([100, 100])];
@@ -281,7 +281,7 @@ fn a_new_glyph_changes_nothing_that_is_shown() {
     assert!(window.pixels.iter().any(|&pixel| pixel != 0));
     window.show_texts(&["abc"]);
     assert_eq!(window.last_damage, []);
-    // The atlas grows by glyphs that nobody has seen; what is shown stays.
+    // The atlas grows by new glyphs; what is shown stays.
     window.show_texts(&["abc", "xyz"]);
     let [damage] = window.last_damage[..] else {
         panic!("{:?}", window.last_damage);

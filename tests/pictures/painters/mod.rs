@@ -29,7 +29,7 @@ impl Window {
             painter: SoftwarePainter::new(),
             size_px,
             pictures: Vec::new(),
-            // What has never been painted is seen to be so.
+            // A marker colour reveals what was never painted.
             pixels: vec![0x00ab_cdef; (size_px[0] * size_px[1]) as usize],
             last_damage: Vec::new(),
         };
@@ -101,7 +101,7 @@ struct Random(u64);
 
 impl Random {
     fn next(&mut self) -> u64 {
-        // Numerical Recipes' linear congruential generator; the low bits are not good.
+        // The linear congruential generator of Numerical Recipes; its low bits are poor.
         self.0 = self
             .0
             .wrapping_mul(6_364_136_223_846_793_005)

@@ -89,7 +89,7 @@ fn red_and_empty(picture: &RgbaImage) -> (usize, usize) {
 }
 
 #[test]
-fn gaps_are_closed_where_photographs_show_something() {
+fn gaps_are_closed_where_images_show_something() {
     let frame = holed_wall();
     let camera = camera_at(&pose(4.0, 3.0));
     let drawn = |posed_images: PosedImages, percent: f32| {
@@ -109,10 +109,10 @@ fn gaps_are_closed_where_photographs_show_something() {
     let (_, open) = red_and_empty(&drawn(red_wall(None), 0.0));
     assert!(open > 50, "there is a hole: {open}");
     assert_eq!(red_and_empty(&drawn(red_wall(None), 10.0)), (2500, 0));
-    // It is wider than that, but for its corners.
+    // It is wider than that, except at its corners.
     let (_, narrowly) = red_and_empty(&drawn(red_wall(None), 4.0));
     assert!(narrowly > open * 9 / 10, "{narrowly} of {open}");
-    // A handle is a handle still.
+    // A handle is still a handle.
     let (_, seen_through) = red_and_empty(&drawn(red_wall(Some(HOLE)), 10.0));
     assert!(seen_through > open / 2, "{seen_through} of {open}");
 }
@@ -129,7 +129,7 @@ fn slits_are_closed_along_their_whole_length() {
         };
         for (open, narrow) in drawn(0.0).into_iter().zip(drawn(3.0)) {
             assert!(open.1 > 100, "there is a slit: {}", open.1);
-            // It is more than half as wide as that, but between rims of two disks.
+            // The limit is more than half of its width, but not between the edges of two disks.
             assert!(narrow.1 * 10 > open.1 * 9, "axis {axis}: {} of {}", narrow.1, open.1);
         }
         assert_eq!(drawn(12.0), [(2500, 0); 2], "axis {axis}");
@@ -138,7 +138,7 @@ fn slits_are_closed_along_their_whole_length() {
 
 /// Photographs see through it, and nothing but what is around tells a colour.
 #[test]
-fn specks_have_the_colour_around_them_and_larger_holes_stay() {
+fn specks_take_the_surrounding_color_and_larger_holes_stay() {
     let drawn = |half: f64, percent: f32| {
         let frame = wall_without(|_| false).with_photos(Arc::new(red_wall(Some(half))));
         let packet = packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(percent));
@@ -148,17 +148,17 @@ fn specks_have_the_colour_around_them_and_larger_holes_stay() {
     assert_eq!(drawn(0.003, 5.0), [(2500, 0); 2]);
     let larger = drawn(0.01, 0.0);
     assert!(larger[0].1 >= 4, "there is a hole: {larger:?}");
-    // A tenth of that is less than it is wide, and of this more.
+    // A tenth of the former is less than its width, and a tenth of the latter more.
     assert_eq!(drawn(0.01, 2.0), larger);
     assert_eq!(drawn(0.01, 15.0), [(2500, 0); 2]);
-    // A handle is a handle still.
+    // A handle is still a handle.
     let handle = drawn(0.03, 0.0);
     assert_eq!(drawn(0.03, 10.0), handle);
 }
 
 /// Light from depths falls before.
 #[test]
-fn gaps_are_closed_under_eye_dome_light() {
+fn gaps_are_closed_with_eye_dome_lighting() {
     let frame = holed_wall().with_photos(Arc::new(red_wall(None)));
     let lit = gaps(10.0).with(|style| style.light.eye_dome = EyeDome::On);
     let packet = packet(&frame, &camera_at(&pose(4.0, 3.0)), &lit);
@@ -169,7 +169,7 @@ fn gaps_are_closed_under_eye_dome_light() {
 
 /// The outline of the wall is where it was.
 #[test]
-fn outlines_stay_where_they_are() {
+fn outlines_do_not_move() {
     let frame = holed_wall().with_photos(Arc::new(red_wall(None)));
     let packet_of = |percent| packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(percent));
     let [open, closed] = [0.0, 10.0].map(|percent| draw_on_cpu(&packet_of(percent)));
@@ -186,9 +186,9 @@ fn outlines_stay_where_they_are() {
 
 /// A large picture is drawn in parts.
 #[test]
-fn parts_of_a_picture_have_what_they_need_around_them() {
+fn image_tiles_include_the_surroundings_they_need() {
     let frame = holed_wall().with_photos(Arc::new(red_wall(None)));
     let packet = packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(4.0));
-    // That of gaps, and of specks beside them.
+    // The reach of gaps, and of specks next to them.
     assert_eq!(pointreel::scene::halo_px(&packet), 20 + 2);
 }

@@ -25,7 +25,7 @@ fn red_on_blue() -> PreparedFrame {
         depth: None,
         ..**posed_image
     });
-    // Their pinholes have the size of their textures.
+    // Their pinhole cameras match the size of their textures.
     let scaled = red.map(|posed_image| PosedImage {
         pinhole: pinhole(4),
         ..posed_image
@@ -42,7 +42,7 @@ fn count(picture: &RgbaImage, channel: usize) -> usize {
 }
 
 #[test]
-fn holes_have_the_colours_of_what_is_around_them_and_nothing_else_changes() {
+fn holes_take_the_surrounding_colors_and_nothing_else_changes() {
     let frame = red_on_blue();
     let camera = camera_at(&pose(100.0, 5.0));
     let drawn = |style: &Style| draw_on_cpu(&packet(&frame, &camera, style));
@@ -52,10 +52,10 @@ fn holes_have_the_colours_of_what_is_around_them_and_nothing_else_changes() {
     let blue = count(&own, 2);
     assert!(blue > 10_000 && count(&own, 0) > 5_000, "{blue} pixels are unseen");
     assert_eq!(count(&filled, 2), 0, "blue is left");
-    // What the photographs see stays, and no pixel beside the surface has a colour.
+    // What the images show stays, and no pixel outside the surface has a colour.
     for (own, filled) in own.pixels().zip(filled.pixels()) {
         assert_eq!(own.0[..3] == [0; 3], filled.0[..3] == [0; 3]);
-        // Back sides are darker and of another hue.
+        // Back sides are darker and have another hue.
         if own[1] == 0 && own[2] == 0 {
             assert_eq!(own, filled);
         }
@@ -63,7 +63,7 @@ fn holes_have_the_colours_of_what_is_around_them_and_nothing_else_changes() {
 }
 
 #[test]
-fn filled_pictures_do_not_depend_on_the_number_of_threads() {
+fn filled_images_do_not_depend_on_thread_count() {
     let frame = red_on_blue();
     let packet = packet(&frame, &camera_at(&pose(70.0, -20.0)), &holes(PhotoHoles::Filled));
     let drawn_by = |threads: usize| {
@@ -113,7 +113,7 @@ fn both_renderers_fill_the_same_holes() {
 
 /// What is filled is not black, white or the points' own: all of the surface is red, seen or not.
 #[test]
-fn a_graphics_card_fills_holes_with_what_is_around_them() {
+fn the_gpu_fills_holes_with_their_surroundings() {
     let frame = red_on_blue();
     let filled = packet(&frame, &camera_at(&pose(100.0, 5.0)), &holes(PhotoHoles::Filled));
     let drawn = draw(&filled);

@@ -62,7 +62,7 @@ fn keep(picture: &RgbaImage, name: &str) {
 }
 
 #[test]
-fn views_between_photographs_show_what_is_there() {
+fn views_between_images_match_the_scene() {
     let with_photos = FRAME.with_photos(Arc::clone(&PHOTOS));
     for (at, view) in held_out().iter().enumerate() {
         let truth = textured(&pinhole(EDGE_PX), view);
@@ -76,7 +76,8 @@ fn views_between_photographs_show_what_is_there() {
             foreground_psnr_db(&picture, &truth)
         };
         let [vdts, colored, single] = [PhotoMode::Vdts, PhotoMode::Colored, PhotoMode::Single].map(by);
-        // View 0 has the long outline of the ring before the ball: flat disks, which reach beyond it, have 28.5 dB.
+        // View 0 has the long outline of the ring in front of the ball: flat disks, which extend beyond it, have 28.5
+        // dB.
         assert!(
             vdts >= 35.0 && vdts >= colored + 8.0,
             "view {at}: {vdts} dB beside {colored} dB"
@@ -86,7 +87,7 @@ fn views_between_photographs_show_what_is_there() {
 }
 
 #[test]
-fn the_view_of_a_photograph_is_that_photograph() {
+fn the_view_from_an_image_reproduces_that_image() {
     let with_photos = FRAME.with_photos(Arc::clone(&PHOTOS));
     let style = style().with(|style| style.photos.angle = 0.1);
     for number in [3, 14, 30] {
@@ -101,7 +102,7 @@ fn the_view_of_a_photograph_is_that_photograph() {
 
 /// By a tenth of a degree a step, past three photographs.
 #[test]
-fn pictures_are_steady_while_the_camera_turns() {
+fn images_are_stable_while_the_camera_turns() {
     let with_photos = FRAME.with_photos(Arc::clone(&PHOTOS));
     let mut renderer = CpuRenderer::new();
     let mut before: Option<RgbaImage> = None;
@@ -133,7 +134,7 @@ fn wall(z: f32, half: f32, color: [u8; 4]) -> (Vec<[f32; 3]>, Vec<[u8; 4]>) {
 
 /// Two walls: the small one in front is red, the large one behind it blue in all photographs that see it.
 #[test]
-fn what_is_in_front_does_not_colour_what_is_behind() {
+fn foreground_does_not_color_the_background() {
     use pointreel::cloud::{Attributes, Frame, Positions, RawCloud};
     let (mut places, mut colors) = wall(0.5, 0.4, [200, 200, 200, 255]);
     let (behind, more) = wall(-0.5, 1.5, [200, 200, 200, 255]);
@@ -187,7 +188,7 @@ fn what_is_in_front_does_not_colour_what_is_behind() {
     };
     let all = vec![posed_image(0, -20.0), posed_image(1, 20.0)];
     let frame = frame.with_photos(Arc::new(PosedImages::new(all, Some(0.7))));
-    // From the side, where much of what each photograph does not see of the wall behind is seen.
+    // From the side, where much of the wall behind that each image does not show is visible.
     for azimuth_deg in [-30.0, 0.0, 30.0] {
         let view = pose(azimuth_deg, 0.0);
         let camera = camera_at(&view);
@@ -203,7 +204,7 @@ fn what_is_in_front_does_not_colour_what_is_behind() {
             let at = |z: f64| {
                 world_from_camera.translation + direction * ((z - world_from_camera.translation.z) / direction.z)
             };
-            // Away from the rims of the disks.
+            // Away from the edges of the disks.
             let is_behind =
                 at(0.5).truncate().abs().max_element() > 0.46 && at(-0.5).truncate().abs().max_element() < 1.4;
             wrong += u32::from(is_behind && pixel[0] > pixel[2].max(60));
@@ -218,12 +219,12 @@ fn of_front() -> PosedImages {
 }
 
 #[test]
-fn what_no_photograph_sees_has_the_colours_of_its_points_or_is_left_out() {
+fn surfaces_no_image_sees_use_point_colors_or_are_omitted() {
     let front = of_front();
     assert_eq!(front.all().len(), 3);
     let frame = FRAME.with_photos(Arc::new(front));
     let back = camera_at(&pose(180.0, 5.0));
-    // The colours of the points, on the disks that photographs are put on.
+    // The colours of the points, on the disks that images are projected onto.
     let curved = frame.curved.clone().expect("its points are few");
     let mut on_curved = frame.clone();
     (on_curved.points, on_curved.shapes) = (curved.points, Some(curved.shapes));
@@ -245,7 +246,7 @@ fn what_no_photograph_sees_has_the_colours_of_its_points_or_is_left_out() {
 }
 
 #[test]
-fn both_renderers_put_the_same_photographs_on_the_surface() {
+fn both_renderers_project_the_same_images_onto_the_surface() {
     let with_photos = FRAME.with_photos(Arc::clone(&PHOTOS));
     for (primitive, clipping) in [
         (Primitive::Surfel, PhotoClipping::Vote),
@@ -273,7 +274,7 @@ fn both_renderers_put_the_same_photographs_on_the_surface() {
 
 /// Depths that are measured cut away what the photographs see through.
 #[test]
-fn measured_depths_clip_what_they_contradict() {
+fn measured_depths_clip_contradicted_surfaces() {
     let with_depths = |posed_image: &Arc<PosedImage>| {
         let center = posed_image.center();
         let world_from_camera = posed_image.camera_from_world.inverse();

@@ -38,7 +38,7 @@ fn ball(tilt: f32) -> PreparedFrame {
         ))
     };
     let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
-    // One colour alone tells nothing, and would not be shown by itself.
+    // A single colour carries no information, and would not be shown automatically.
     let needs = Scene::needs(&style().with(|style| style.colors = ColorSource::File.into()));
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
 }
@@ -102,7 +102,7 @@ fn difference(a: &RgbaImage, b: &RgbaImage) -> (f64, f64) {
 }
 
 #[test]
-fn a_ball_lit_anew_is_as_light_as_its_geometry_even_where_its_points_are_wrong() {
+fn a_relit_sphere_matches_its_geometry_even_where_its_points_are_wrong() {
     let rough = ball(0.2).with_photos(textured_ball([10, 20, 30]));
     for view in held_out() {
         let camera = camera_at(&view);
@@ -122,12 +122,12 @@ fn a_ball_lit_anew_is_as_light_as_its_geometry_even_where_its_points_are_wrong()
 }
 
 #[test]
-fn photographs_that_are_lit_anew_have_their_colours_times_the_light() {
+fn relit_images_are_their_colors_times_the_light() {
     let camera = camera_at(&held_out()[2]);
     let frame = ball(0.0).with_photos(textured_ball([200, 100, 50]));
     let fresh = draw_on_cpu(&packet(&frame, &camera, &lit(PhotoRelight::Photos)));
     let center = fresh.get_pixel(EDGE_PX / 2, EDGE_PX / 2);
-    // The head light on what faces the eye.
+    // The headlight on surfaces facing the eye.
     for (channel, color) in [200, 100, 50].into_iter().enumerate() {
         assert!(center[channel].abs_diff(color) <= 3, "{center:?}");
     }
@@ -137,7 +137,7 @@ fn photographs_that_are_lit_anew_have_their_colours_times_the_light() {
 
 /// Light that falls on splats becomes light on the surface where photographs are lit anew, and else none.
 #[test]
-fn without_a_choice_of_light_what_is_lit_anew_has_the_head_light() {
+fn relighting_defaults_to_the_headlight() {
     let camera = camera_at(&held_out()[1]);
     let frame = ball(0.0).with_photos(textured_ball([180, 180, 180]));
     let drawn = |lighting: Lighting, relight: PhotoRelight| {
@@ -155,10 +155,10 @@ fn without_a_choice_of_light_what_is_lit_anew_has_the_head_light() {
 }
 
 #[test]
-fn both_renderers_light_photographs_anew() {
+fn both_renderers_relight_images() {
     let of_ball = ball(0.1).with_photos(textured_ball([200, 100, 50]));
     let of_scene = FRAME.with_photos(Arc::clone(&PHOTOS));
-    // Depths of the scene are drawn of its disks, with steps between them.
+    // Depth maps of the scene are rendered from its disks, with discontinuities between them.
     for (name, frame, relight) in [
         ("ball", &of_ball, PhotoRelight::Photos),
         ("ball", &of_ball, PhotoRelight::DepthOnly),

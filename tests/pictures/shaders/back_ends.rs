@@ -52,7 +52,7 @@ fn every_back_end_writes_every_entry_point() {
         assert_eq!(module.entry_points.len() == 1, has_one_stage, "{label}");
         for entry in &module.entry_points {
             for (back_end, write) in BACK_ENDS {
-                // Where naga meets what it does not expect of a valid module, it panics.
+                // When naga finds something unexpected in a valid module, it panics.
                 let written = catch_unwind(AssertUnwindSafe(|| {
                     write_alone(&module, &info, (entry.stage, &entry.name), write)
                 }));
@@ -67,7 +67,7 @@ fn every_back_end_writes_every_entry_point() {
 
 /// Of the languages of adapters, SPIR-V alone has the conservative test of depths.
 #[test]
-fn what_writes_depths_says_that_it_is_not_nearer_than_its_quad() {
+fn depth_writing_shaders_declare_conservative_depth() {
     let permutations = Permutation::all().into_iter();
     let writing = permutations.filter(|permutation| {
         matches!(permutation, Permutation::Geometry(_, amplification, pass)
@@ -121,7 +121,7 @@ fn write_alone(
 /// FXC compiles for Direct3D 12 where DXC is not installed, and refuses `v[i] = x` of a vector (error X3500,
 /// <https://github.com/gfx-rs/wgpu/issues/4460>).
 #[test]
-fn no_variable_that_is_a_vector_is_indexed_by_another_variable() {
+fn no_vector_variable_is_indexed_dynamically() {
     let refused = Permutation::all().into_iter().filter(|&permutation| {
         let (module, info) = parse(permutation).unwrap();
         let functions = module.functions.iter();

@@ -101,7 +101,7 @@ fn spirv_entry_points(words: &[u32]) -> Result<Vec<String>, String> {
     const MAGIC: u32 = 0x0723_0203;
     const HEADER_WORDS: usize = 5;
     const OP_ENTRY_POINT: u32 = 15;
-    // The opcode, the stage and the function come before the name.
+    // The opcode, the stage and the function precede the name.
     const NAME_AT: usize = 3;
     if words.first() != Some(&MAGIC) {
         return Err(format!("begins with {:08x?}", words.first()));
@@ -153,7 +153,7 @@ pub(super) fn write_msl(entry: &EntryPoint<'_>, version: (u8, u8)) -> Result<(),
 }
 
 pub(super) fn write_hlsl(entry: &EntryPoint<'_>, model: hlsl::ShaderModel) -> Result<(), String> {
-    // Constant buffers, what is read and what is written: registers b, t and u.
+    // Constant buffers, read-only and read-write resources: registers b, t and u.
     let set = |kind| match kind {
         Kind::Uniform => 0,
         Kind::ReadOnlyStorage | Kind::Texture => 1,

@@ -61,7 +61,7 @@ fn shader_files() -> BTreeMap<String, String> {
 /// Numbers that Rust knows too are made of those of Rust. What the files themselves call a constant is known to one of
 /// them alone, so there is nothing that it could differ from.
 #[test]
-fn files_of_shaders_have_no_constants_of_their_own() {
+fn shader_files_define_no_constants() {
     let files = shader_files();
     let lines = files.values().flat_map(|text| text.lines());
     let found: Vec<&str> = lines.filter(|line| line.starts_with("const ")).collect();
@@ -69,7 +69,7 @@ fn files_of_shaders_have_no_constants_of_their_own() {
 }
 
 #[test]
-fn every_file_of_a_shader_is_drawn_with() {
+fn every_shader_file_is_used() {
     let sources = Permutation::all()
         .into_iter()
         .map(|permutation| permutation.source(false).unwrap());
@@ -87,7 +87,7 @@ fn every_file_of_a_shader_is_drawn_with() {
 }
 
 #[test]
-fn files_of_shaders_call_bind_groups_by_the_names_that_rust_gives_them() {
+fn shader_files_name_bind_groups_as_rust_does() {
     let groups = Permutation::all().into_iter().flat_map(|permutation| {
         let source = permutation.source(false).unwrap();
         let groups = source.split("@group(").skip(1);
@@ -129,7 +129,7 @@ macro_rules! assert_layout {
 }
 
 #[test]
-fn rust_and_wgsl_agree_on_the_layouts_of_records() {
+fn rust_and_wgsl_agree_on_record_layouts() {
     let layouts = wgsl_layouts();
     assert_layout!(layouts, PointRecord, position, color);
     assert_layout!(layouts, ShapeRecord, normal, radius, ellipse, scalar);
@@ -152,7 +152,7 @@ fn rust_and_wgsl_agree_on_the_layouts_of_records() {
 
 /// WGSL has rules of its own for where members are.
 #[test]
-fn structures_that_wgsl_is_made_of_lie_there_as_in_rust() {
+fn generated_wgsl_structures_have_the_rust_layout() {
     let layouts = wgsl_layouts();
     let mut names = BTreeSet::new();
     for layout in LAYOUTS.into_iter().chain(uniform_layouts()) {
@@ -166,7 +166,7 @@ fn structures_that_wgsl_is_made_of_lie_there_as_in_rust() {
 }
 
 #[test]
-fn the_view_is_a_camera_and_little_more() {
+fn the_view_uniform_has_little_more_than_a_camera() {
     let layouts = wgsl_layouts();
     let (members, _) = &layouts["View"];
     assert!(members.len() <= 25, "{members:?}");

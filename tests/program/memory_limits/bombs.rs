@@ -58,7 +58,7 @@ pub(super) fn draco(points: Option<u32>) -> Vec<u8> {
 
 /// A scan of `points` that are all alike: its columns take no bits. `claim` stands in place of their number.
 pub(super) fn e57(points: usize, claim: &str) -> Vec<u8> {
-    // The crate cannot write what has no bits.
+    // The crate cannot write zero-bit columns.
     let constant = RecordDataType::Integer { min: 0, max: 1 };
     let names = [RecordName::CartesianX, RecordName::CartesianY, RecordName::CartesianZ];
     let names_of_axes = 0..names.len();
@@ -94,7 +94,7 @@ fn replaced_in_pages(bytes: &[u8], old: &[u8], new: &[u8]) -> Vec<u8> {
     data.splice(at..at + old.len(), new.iter().copied());
     let more = new.len() as i64 - old.len() as i64;
     let number = |at: usize| u64::from_le_bytes(data[at..at + 8].try_into().unwrap());
-    // Of the description.
+    // Length of the XML description.
     let length = number(32).checked_add_signed(more).unwrap();
     data.resize(data.len().next_multiple_of(data_bytes), 0);
     let file_bytes = (data.len() / data_bytes * PAGE_BYTES) as u64;
@@ -176,7 +176,7 @@ fn packed() -> Vec<Case> {
         ),
         Case::whole("SPZ of streams", "a.spz", spz_of_streams(40_000_000)),
     ];
-    // A directory that lies about the size of its member.
+    // A directory with a false size for its member.
     let mut lie = zip("a.ply", &[(&cloud, 1), (&piece, 1025)]);
     let directory = lie.windows(4).rposition(|four| four == b"PK\x01\x02").unwrap();
     lie[directory + 24..directory + 28].copy_from_slice(&1000u32.to_le_bytes());

@@ -203,7 +203,7 @@ fn check(cases: Vec<Case>) {
 }
 
 #[test]
-fn sparse_files_of_gigabytes_are_refused_by_their_size() {
+fn sparse_files_of_gigabytes_are_rejected_by_size() {
     check(sparse::cases());
 }
 

@@ -25,7 +25,7 @@ fn clouds() -> Vec<Case> {
         true,
         &[("copc", 1, vec![0; 160]), ("laszip encoded", 22204, laszip(50_000))],
     );
-    // A page of the hierarchy far behind.
+    // A page of the hierarchy at a distant offset.
     let info = 375 + 54;
     copc_of_laz[info + 40..info + 48].copy_from_slice(&(1u64 << 31).to_le_bytes());
     copc_of_laz[info + 48..info + 56].copy_from_slice(&(1u64 << 30).to_le_bytes());
@@ -181,7 +181,7 @@ fn others() -> Vec<Case> {
 }
 
 #[test]
-fn walks_over_a_terabyte_of_zeros_end_at_the_first_of_them() {
+fn walks_over_a_terabyte_of_zeros_end_at_the_first_zero() {
     let lengthened = |case: Case| case.with_length(1 << 40);
     let walked = containers().into_iter().chain(others()).chain(text()).map(lengthened);
     super::check(walked.collect());

@@ -103,7 +103,7 @@ fn a_plane_does_not_hide_itself_from_any_side() {
             for px_per_spacing in [0.8, 1.3, 2.0, 3.1, 5.0, 9.0] {
                 let view = view_of(px_per_spacing);
                 let visible = estimate(&view, &points, SPACING as f32, Search::Fixed).visible;
-                // Its nearest row of pixels is all that there is before it: a line, and no plane.
+                // Its nearest row of pixels has nothing else in front of it: a line, not a plane.
                 let inside = |point: &PointRecord| {
                     let place = Vec3::from_array(point.position).as_dvec3() - flat.center;
                     let along = flat.along.map(|axis| place.dot(axis) / axis.length_squared());
@@ -111,7 +111,8 @@ fn a_plane_does_not_hide_itself_from_any_side() {
                 };
                 let retained = visible.slots.iter().filter(|&&slot| inside(&points[slot as usize]));
                 let (retained, all) = (retained.count(), points.iter().filter(|point| inside(point)).count());
-                // Beyond that some rows of pixels have more depth in them than half a pixel's slope and the radius.
+                // At steeper angles some rows of pixels have a larger depth range than half a pixel's slope plus the
+                // radius.
                 let min = if degrees < 81.0 { 0.98 } else { 0.8 };
                 assert!(
                     retained as f64 >= min * all as f64,
@@ -123,7 +124,7 @@ fn a_plane_does_not_hide_itself_from_any_side() {
 }
 
 #[test]
-fn of_points_that_are_smaller_than_a_pixel_each_pixel_keeps_its_nearest() {
+fn each_pixel_retains_its_nearest_subpixel_point() {
     for degrees in [60.0, 77.0, 85.0, 88.0] {
         let points = cloud_of(Flat::tilted(degrees).grid(20.0));
         for px_per_spacing in [0.2, 0.6] {
@@ -197,7 +198,7 @@ fn planes_are_closed_from_any_side() {
 }
 
 #[test]
-fn what_is_five_centimetres_behind_a_surface_is_hidden() {
+fn points_five_centimetres_behind_a_surface_are_hidden() {
     for degrees in [0.0, 60.0, 77.0, 85.0] {
         let front = Flat::tilted(degrees);
         let apart = -0.05 * front.normal() * front.normal().z.signum();
@@ -208,7 +209,7 @@ fn what_is_five_centimetres_behind_a_surface_is_hidden() {
                 let view = view_of(px_per_spacing);
                 let visible = estimate(&view, &points, SPACING as f32, Search::Fixed).visible;
                 let is_behind = |slot: u32| (slot as usize) < behind.len();
-                // What is seen beside the edges of the one in front of it.
+                // Excludes what is visible next to the edges of the surface in front.
                 let is_inside = |slot: u32| {
                     let ray = behind[slot as usize];
                     let hit = ray * (front.normal().dot(front.center) / front.normal().dot(ray)) - front.center;
@@ -219,7 +220,7 @@ fn what_is_five_centimetres_behind_a_surface_is_hidden() {
                 let all = (0..behind.len() as u32).filter(|&slot| is_inside(slot)).count();
                 assert!(all > 1000, "{degrees}: {all}");
                 let leaked = leaked.count();
-                // Seen from the side, points that are almost as far apart as their squares are wide leave gaps.
+                // At grazing angles, points that are almost as far apart as their squares are wide leave gaps.
                 assert!(
                     leaked * 2000 <= all,
                     "{degrees} degrees, {px_per_spacing} pixels, {turned}: {leaked} of {all}"
@@ -230,7 +231,7 @@ fn what_is_five_centimetres_behind_a_surface_is_hidden() {
 }
 
 #[test]
-fn a_thin_pole_hides_what_is_behind_it_and_no_more_than_a_point_beside_that() {
+fn a_thin_pole_hides_only_points_behind_it_or_next_to_those() {
     let pole = Flat {
         center: DVec3::new(0.0, 0.0, -AWAY),
         along: [0.035 * DVec3::X, 1.6 * DVec3::Y],
@@ -248,7 +249,7 @@ fn a_thin_pole_hides_what_is_behind_it_and_no_more_than_a_point_beside_that() {
             if pixel_of(&view, &points[slot]).is_none() || place.y.abs() > 0.7 {
                 continue;
             }
-            // Where its ray meets the plane of the pole.
+            // Where its ray hits the plane of the pole.
             let neighbor = (place.x * AWAY / (AWAY + 1.0)).abs();
             let is_retained = visible.slots.binary_search(&(slot as u32)).is_ok();
             assert!(
@@ -264,8 +265,8 @@ fn a_thin_pole_hides_what_is_behind_it_and_no_more_than_a_point_beside_that() {
 }
 
 #[test]
-fn the_sides_of_a_box_are_visible_up_to_their_edges_and_what_is_behind_is_not() {
-    // The front faces the eye but for four degrees, so the left side is seen at 87 degrees; a wall is behind.
+fn the_sides_of_a_box_are_visible_up_to_their_edges_and_points_behind_are_hidden() {
+    // The front faces the eye to within four degrees, so the left side is seen at 87 degrees; a wall is behind.
     let (sine, cosine) = 4f64.to_radians().sin_cos();
     let (right, back) = (DVec3::new(cosine, 0.0, -sine), DVec3::new(-sine, 0.0, -cosine));
     let center = DVec3::new(0.0, 0.0, -AWAY);
@@ -294,7 +295,7 @@ fn the_sides_of_a_box_are_visible_up_to_their_edges_and_what_is_behind_is_not() 
         let shares = [0, 1, 2, 3].map(|kind| {
             let slots = first..first + ends[kind];
             first = slots.end;
-            // Behind the box, of the wall.
+            // For the wall, only what is behind the box.
             let counts = |slot: usize| {
                 let place = Vec3::from_array(points[slot].position);
                 let is_behind = place.x.abs() < 0.4 && place.y.abs() < 0.4;
@@ -306,8 +307,8 @@ fn the_sides_of_a_box_are_visible_up_to_their_edges_and_what_is_behind_is_not() 
         });
         let [front, one_side, other_side, wall] = shares;
         let (seen, unseen) = (one_side.max(other_side), one_side.min(other_side));
-        // Beside the edge what is before a point is two planes, of which the front is the one that is not steep. A
-        // side that is hidden is seen through the gaps of points that are far apart.
+        // Next to the edge, the points in front of a point lie on two planes, of which the front one is not steep. A
+        // hidden side shows through the gaps between points that are far apart.
         assert!(
             front > 0.99 && seen > 0.5 && unseen < 0.25 && wall == 0.0,
             "{px_per_spacing}: {shares:?}"

@@ -76,7 +76,7 @@ impl Picture {
         let is_behind_another = self.nearest[&pixel] < depth;
         let is_small = is_less(half_width_px(depth), 0.5, 1.0);
         let covered = self.points.iter().flatten().map(|&(other_depth, other, _)| {
-            // Three pixels to each side at most.
+            // At most three pixels to each side.
             let steps = (0..2).map(|axis| pixel[axis].abs_diff(other[axis])).max()?;
             let covers = match steps {
                 0 => Some(true),
@@ -101,7 +101,7 @@ impl Picture {
             None => Some(false),
         }));
         let (mut squares, mut products, mut count, mut is_known) = (DMat3::ZERO, DVec3::ZERO, 0, true);
-        // Where there are few, in a wider window.
+        // Where there are few, a wider window is used.
         for reach in [3, 7] {
             (squares, products, count) = (DMat3::ZERO, DVec3::ZERO, 0);
             for (dx, dy) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy))) {
@@ -129,7 +129,7 @@ impl Picture {
             let plane = squares.inverse() * products;
             let slopes = plane.x.abs() + plane.y.abs();
             let before = plane.dot(DVec3::new(within[0], within[1], 1.0));
-            // Where depths are very different, sums in f32 lose more.
+            // Where depths differ greatly, sums in f32 lose more digits.
             let unit = 10.0 * (products.abs().max_element() + slopes);
             not(is_less(3.0 * self.spacing / depth, before - 0.5 * slopes, unit))
         };
@@ -143,12 +143,12 @@ proptest! {
         places in prop::collection::vec(
             (-0.9f32..0.9, -0.7f32..0.7, prop_oneof![0.3f32..4.0, 0.9f32..1.1, Just(0.0)]), 1..300,
         ),
-        // Of a plane that some of them are on: inverse depths, right and down.
+        // A plane that some of them lie on: inverse depths, right and down.
         slopes in (-1f32..1.0, -1f32..1.0),
         spacing in 0.001f32..0.2,
         px_per_slope in 20f32..90.0,
     ) {
-        // At their depths, all over the picture.
+        // At their own depths, all over the image.
         let points = records(places.iter().map(|&(x, y, depth)| {
             let on_plane = 1.0 / (2.0 + slopes.0 * x + slopes.1 * y);
             (if depth > 0.0 { depth } else { on_plane }) * Vec3::new(x, y, -1.0)

@@ -31,13 +31,13 @@ fn normals(eye: Vec3, points: &[PointRecord], sensor: Option<Vec3>) -> Vec<Vec3>
 }
 
 #[test]
-fn what_has_no_plane_of_its_own_has_that_of_a_neighbour() {
+fn points_without_a_plane_use_that_of_a_neighbour() {
     let points = floor_in_rows();
-    // A sixth and a seventeenth of them faced the eye.
+    // A sixth and a seventeenth of them used to face the eye.
     for (above, share) in [(0.3, 10), (0.4, 500)] {
         let eye = Vec3::new(0.0, FLOOR as f32 + above, 0.6);
         let normals = normals(eye, &points, None);
-        // Those that face the eye are farther off.
+        // Normals that face the eye are farther off.
         let wrong = normals.iter().filter(|normal| normal.y.abs() < 0.7).count();
         assert!(normals.len() > 10_000, "{}", normals.len());
         assert!(
@@ -49,8 +49,8 @@ fn what_has_no_plane_of_its_own_has_that_of_a_neighbour() {
 }
 
 #[test]
-fn nothing_is_lent_from_farther_than_neighbours_are_looked_for() {
-    // A wall, and points before it that nothing is near.
+fn normals_are_not_borrowed_from_beyond_the_search_radius() {
+    // A wall, and isolated points in front of it.
     let wall = depth_image(|ray| (ray.x.abs() < 0.3 && ray.y.abs() < 0.3).then_some(2.0 + 0.8 * ray.x));
     let alone = [Vec3::new(0.02, 0.03, -1.0), Vec3::new(-0.1, 0.1, -0.8)];
     let points: Vec<PointRecord> = wall.into_iter().chain(records(alone)).collect();
@@ -68,7 +68,7 @@ fn nothing_is_lent_from_farther_than_neighbours_are_looked_for() {
 }
 
 #[test]
-fn normals_that_are_lent_are_turned_to_the_sensor() {
+fn borrowed_normals_face_the_sensor() {
     let points = floor_in_rows();
     // From below the floor, with the sensor above it.
     let eye = Vec3::new(0.0, FLOOR as f32 - 0.4, 0.6);

@@ -94,7 +94,7 @@ fn a_tilted_plane_without_noise_has_its_normal_at_every_point() {
         DVec3::new(0.0, 1.4, 1.0),
     ] {
         let normal = normal.normalize();
-        // Meets the view axis at two metres.
+        // Intersects the view axis at two metres.
         let plane = |ray: DVec3| Some(-2.0 * normal.z / normal.dot(ray)).filter(|depth| (1.0..4.0).contains(depth));
         let points = depth_image(plane);
         let found = estimate(&sensor(), &points, 2.0 / 525.0, Search::Fixed);
@@ -117,7 +117,7 @@ fn a_tilted_plane_without_noise_has_its_normal_at_every_point() {
 }
 
 #[test]
-fn radii_close_a_square_grid_and_no_more_than_twice_that() {
+fn radii_close_a_square_grid_and_are_at_most_twice_as_large() {
     // A grid that faces the eye, from nearby and from far away.
     for px_per_spacing in [0.3, 0.8, 1.0, 1.7, 2.5, 3.4, 6.0, 11.0, 40.0] {
         let spacing = 0.01;
@@ -137,8 +137,8 @@ fn radii_close_a_square_grid_and_no_more_than_twice_that() {
             .map(|shape| f64::from(shape.radius / spacing.max(spacing / px_per_spacing)))
             .collect();
         radii.sort_by(f64::total_cmp);
-        // Half a diagonal closes it, of pixels where these are larger; at the rim of the grid half of a neighbourhood
-        // is empty.
+        // Half a diagonal closes it (of a pixel where pixels are larger); at the edge of the grid half of the
+        // neighbourhood is empty.
         let (min, median) = (radii[0], quantile(&radii, 0.5));
         assert!(min > 0.7, "{px_per_spacing}: {min}");
         assert!((0.75..1.5).contains(&median), "{px_per_spacing}: {median}");
@@ -192,7 +192,7 @@ fn curved_surfaces_have_their_normals_but_at_their_rims() {
     let spacing = 1.0 / 525.0;
     for search in [Search::Fixed, Search::Bisected] {
         let points = depth_image(ball);
-        // Of the ball the mean spacing is that of its front.
+        // For the ball, the mean spacing is that of its front.
         let errors = estimate(&sensor(), &points, spacing, search).errors(&points, ball_normal);
         let [median, max] = [0.5, 0.95].map(|share| quantile(&errors, share));
         assert!(median < 0.3 && max < 5.0, "ball {search:?}: {median} {max}");
@@ -205,7 +205,7 @@ fn curved_surfaces_have_their_normals_but_at_their_rims() {
 }
 
 #[test]
-fn normals_are_turned_to_the_sensor_where_one_is_known() {
+fn normals_face_the_sensor_where_one_is_known() {
     let points = depth_image(|_| Some(1.5));
     let (view, mut estimator) = (sensor(), ScreenEstimator::default());
     let cloud = ScreenCloud {
@@ -219,18 +219,18 @@ fn normals_are_turned_to_the_sensor_where_one_is_known() {
 }
 
 #[test]
-fn a_wall_behind_another_one_is_not_seen() {
+fn a_wall_behind_another_is_hidden() {
     let wall = |depth: f64| depth_image(move |_| Some(depth));
     let (front, behind) = (wall(1.0), wall(1.2));
     let points: Vec<PointRecord> = behind.iter().chain(&front).copied().collect();
-    // From somewhere between the pixels of the sensor, and nearer to it.
+    // From somewhere between the pixels of the sensor, and nearer than it.
     let view = ScreenView {
         eye_high: Vec3::new(0.013, -0.007, -0.1),
         ..view([1280, 960], 1000.0)
     };
     let visible = estimate(&view, &points, 1.0 / 525.0, Search::Fixed).visible;
     assert!(visible.slots.iter().all(|&slot| slot as usize >= behind.len()));
-    // All that is in the picture.
+    // Everything in the image.
     let is_in_picture = |point: &&PointRecord| {
         let place = view.see(point.position).unwrap().place_px;
         place[0] >= 0.0 && place[0] < 1280.0 && place[1] >= 0.0 && place[1] < 960.0
@@ -239,7 +239,7 @@ fn a_wall_behind_another_one_is_not_seen() {
 }
 
 #[test]
-fn results_are_the_same_for_any_number_of_threads_and_again() {
+fn results_are_independent_of_thread_count_and_repeatable() {
     let points: Vec<PointRecord> = depth_image(torus).into_iter().chain(depth_image(ball)).collect();
     let in_pool = |threads: usize| {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -251,7 +251,7 @@ fn results_are_the_same_for_any_number_of_threads_and_again() {
         assert_eq!(once.visible.slots, other.visible.slots);
         assert_eq!(once.shapes, other.shapes);
     }
-    // What is kept from another picture does not show.
+    // Buffers reused from another image do not affect the result.
     let (view, cloud) = (
         sensor(),
         ScreenCloud {

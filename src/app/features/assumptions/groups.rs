@@ -82,7 +82,7 @@ pub(in crate::app) fn groups(given: &Given<'_>) -> Vec<Group> {
     subjects.sort_unstable();
     subjects.dedup();
     let mut groups: Vec<Group> = subjects.into_iter().map(|subject| group(subject, given)).collect();
-    // What is least sure is seen first.
+    // The least certain assumptions come first.
     groups.sort_by_key(|group| Reverse(group.weakest()));
     groups
 }
@@ -214,7 +214,7 @@ fn with_reading(mut group: Group, row: &ReadRow, given: &Given<'_>) -> Group {
         return group;
     };
     if let Some(value) = chosen_reading(row, given) {
-        // Values that the program found with the choice tell more than the choice alone.
+        // Values that were found with the choice applied say more than the choice alone.
         if group.lines.is_empty() {
             group.lines = by_user(value);
         } else {
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn a_subject_has_a_place_in_the_window_where_it_has_alternatives() {
+    fn subjects_with_alternatives_have_a_place_in_the_window() {
         let open = usual();
         for group in groups(&given(Subject::all().map(assumed).collect(), &open)) {
             let has_place = assumed(group.subject).window.is_some();
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn a_choice_takes_the_place_of_the_assumption_and_can_be_taken_back() {
+    fn a_choice_replaces_the_assumption_and_can_be_undone() {
         let mut open = usual();
         ReadChange::Columns(Some(crate::io::ColumnMap::of_width(5))).apply(&mut open);
         ReadChange::DepthScale(Some(5000.0)).apply(&mut open);
@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_opened_again_has_no_alternatives_of_reading() {
+    fn inputs_that_cannot_be_reopened_offer_no_reading_alternatives() {
         let open = usual();
         let mut given = given(vec![assumed(Subject::Columns), assumed(Subject::Primitive)], &open);
         given.open = None;

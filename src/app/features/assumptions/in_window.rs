@@ -88,7 +88,7 @@ impl State {
         self.keep_document();
         match &read[..] {
             [] => {}
-            // A source with other filters takes them as chosen: only what is opened again has automatic ones.
+            // An open source takes filters as given: automatic ones are only determined when it is opened again.
             &[ReadChange::Filters(filters)] if filters != Filters::USUAL || !self.can_open_again() => {
                 self.filter_depth(filters);
             }
@@ -205,7 +205,7 @@ impl State {
         let turns = self.motion.turntable.is_on;
         self.with_document_stored(|state| state.open_session(sequence, read));
         (self.opening.opened.file, self.opening.opened.is_damaged) = (file, is_damaged);
-        // A choice in the window goes before what the command line says.
+        // A choice in the window overrides the command line.
         self.opening.opened.options = Some(open);
         self.motion.turntable.is_on = turns;
         self.play_with(|player, now| {

@@ -68,7 +68,7 @@ pub(in crate::app) fn assumptions_ui(ui: &mut Ui, is_open: &mut bool, groups: &[
             }
             ui.weak("Decided in your place. A choice is remembered for these inputs.");
             let resets: Vec<Change> = groups.iter().filter_map(|group| group.reset.clone()).collect();
-            // A list that is cut off without a word looks complete.
+            // A list cut off without a visible scroll bar looks complete.
             ui.spacing_mut().scroll = ScrollStyle::solid();
             ScrollArea::vertical().id_salt("list of assumptions").show(ui, |ui| {
                 for group in groups {

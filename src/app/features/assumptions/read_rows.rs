@@ -190,7 +190,7 @@ impl ReadRow {
 
     /// The row that changes what `option` of the command line changes.
     pub(super) fn of_option(option: &str) -> Option<&'static Self> {
-        // Which way poses lead is chosen where their file is.
+        // The direction of poses is chosen together with their file.
         let option = if option == "--invert-poses" { "--poses" } else { option };
         Self::ALL.iter().find(|row| row.subject.option() == Some(option))
     }
@@ -231,7 +231,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_offered_value_is_a_choice_and_the_automatic_one_is_none() {
+    fn every_offered_value_is_a_choice_except_the_automatic_one() {
         let mut usual = OpenOptions::default();
         ReadChange::Filters(Filters::USUAL).apply(&mut usual);
         for row in ReadRow::ALL {
@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn fields_take_what_is_sound_and_say_what_they_expect() {
+    fn fields_accept_valid_values_and_state_what_they_expect() {
         let of = |subject: Subject| {
             ReadRow::of_option(subject.option().unwrap())
                 .unwrap()

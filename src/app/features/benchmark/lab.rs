@@ -55,7 +55,7 @@ pub(in crate::app) fn lab_ui(ui: &mut Ui, points: &[Arc<LabPoint>]) -> Option<Ar
                 .id_salt("front")
                 .auto_shrink([false, true])
                 .max_height(LIST_HEIGHT)
-                // The window scrolls as well, and would leave it less.
+                // The window scrolls as well, and would leave less space to the list.
                 .min_scrolled_height(LIST_HEIGHT)
                 .show(ui, |ui| {
                     for index in front {
@@ -121,7 +121,7 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<
                     is_of_kind && style.drawing.renderer == renderer
                 };
                 let places: Vec<[f64; 2]> = points.iter().filter(is_of_it).map(|point| place(point)).collect();
-                // What is not there is not in the legend.
+                // Kinds without points are omitted from the legend.
                 if !places.is_empty() {
                     let marks = Points::new(format!("{kind}, {who}"), PlotPoints::from(places));
                     plot.points(marks.shape(shape).radius(4.5).color(color));

@@ -98,7 +98,7 @@ fn head(ui: &mut Ui, benchmark: &Benchmark, now: Duration) {
         Benchmark::Running(running) => {
             ui.strong(title_of(&running.suite));
             bar(ui, &running.work, now);
-            // However long the name of a step is, what is below stays where it is.
+            // However long the name of a step is, the layout below does not move.
             ui.add(Label::new(running.label()).truncate());
             cancel_button(ui, &running.work);
         }
@@ -153,7 +153,7 @@ fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<ReportFormat> {
     for note in &table.notes {
         ui.label(RichText::new(note).color(ui.visuals().warn_fg_color));
     }
-    // Ways by time and error, and by rate, have a plot of their own.
+    // Tables of variants by time and error, and by rate, have their own plots.
     if !table.bars.is_empty() && table.points.is_empty() && table.rates.is_empty() {
         ui.add_space(8.0);
         ui.label(&table.bars_title);
@@ -210,7 +210,7 @@ fn cells(ui: &mut Ui, table: &Table) {
 }
 
 fn chart(ui: &mut Ui, table: &BenchmarkTable) {
-    // The first row of the table at the top.
+    // The first row of the table is at the top.
     let bars: Vec<Bar> = (0..)
         .zip(table.bars.iter().rev())
         .map(|(place, (label, median_ms))| {

@@ -97,7 +97,7 @@ pub(super) fn rates_ui(ui: &mut Ui, points: &[Arc<RatePoint>]) -> Option<Arc<Rat
             ui.weak("A click shows the frame at that rate next to the original:");
             let list = ScrollArea::both().id_salt("rates").auto_shrink([false, true]);
             let list = list.max_height(LIST_HEIGHT);
-            // The window scrolls as well, and would leave it less.
+            // The window scrolls as well, and would leave less space to the list.
             let list = list.min_scrolled_height(LIST_HEIGHT);
             list.show(ui, |ui| {
                 for index in by_rate(points) {

@@ -35,7 +35,7 @@ pub(in crate::app) fn benchmark_job(
     Box::new(move |report, progress| {
         let context = Context::headless(&ContextOptions::default()).map_err(|error| error.to_string())?;
         let options = bench::BenchOptions {
-            // What a software adapter draws nobody would choose.
+            // No one would choose a mode drawn by a software adapter.
             modes: if context.is_software() {
                 bench::Modes::of_renderer(RendererChoice::Cpu)
             } else {
@@ -84,10 +84,10 @@ fn window_job(sequence: &Sequence, progress: &Progress) -> Result<BenchmarkTable
     let program = Helper::spawn(&mut command).map_err(say)?;
     let ended = loop {
         if progress.is_cancelled() {
-            // One that has just ended by itself needs no end.
+            // A process that has just ended by itself need not be killed.
             let _ = program.child().kill();
         }
-        // The lock on it is not held while it is waited for.
+        // The lock is not held while waiting for it.
         let status = program.child().try_wait().map_err(say)?;
         match status {
             Some(status) => break status,

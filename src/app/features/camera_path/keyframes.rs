@@ -176,7 +176,7 @@ fn change(path: &mut PathEditor, index: usize, what: Asked) -> Option<PathReques
         Asked::Go => return Some(PathRequest::GoTo(path.draft.keyframes()[index].time_s)),
         Asked::Replace => return Some(PathRequest::Replace(index)),
         Asked::Time(time_s) => {
-            // The time of the path stays with the keyframe that it is at.
+            // If the path is at this keyframe, its current time moves with the keyframe.
             let is_present = path.draft.key_at(path.time_s) == Some(index);
             path.edit(|draft| draft.set_time(index, time_s));
             if is_present {

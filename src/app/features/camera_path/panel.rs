@@ -58,7 +58,7 @@ fn time_ui(ui: &mut Ui, path: &mut PathEditor) -> Option<PathRequest> {
         && times_s.start() < times_s.end()
     {
         ui.spacing_mut().slider_width = ui.available_width();
-        // The time may be after the path, where the next keyframe comes.
+        // The time may be past the end of the path, where the next keyframe will be added.
         let mut along_s = time_s.clamp(*times_s.start(), *times_s.end());
         let slider = Slider::new(&mut along_s, times_s).show_value(false);
         let slider = ui.add(slider).on_hover_text("Shows the path at any time");

@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn it_plays_at_its_speed_to_the_end() {
+    fn the_preview_plays_at_its_speed_to_the_end() {
         let mut preview = Preview::new(path(), 6.0, camera(), at(400), false);
         let preview_time = preview.step(&camera(), at(900)).unwrap();
         let expected = PreviewTime {
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn where_nothing_is_left_it_begins_anew() {
+    fn the_preview_restarts_at_the_end() {
         for time_s in [0.0, 7.0, 80.0] {
             let mut preview = Preview::new(path(), time_s, camera(), at(0), false);
             assert_eq!(preview.step(&camera(), at(0)).unwrap().time_s, 5.0);
@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn whoever_takes_the_camera_has_it() {
+    fn moving_the_camera_stops_the_preview() {
         let mut preview = Preview::new(path(), 5.0, camera(), at(0), false);
         let mut taken = preview.step(&camera(), at(100)).unwrap().camera;
         taken.orbit(3.0, 0.0);

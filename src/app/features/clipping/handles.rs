@@ -64,7 +64,7 @@ pub(in crate::app) fn handles_ui(
 fn dragged(canvas: &PictureOverlay<'_>, clipping: &mut Clipping, handle: &Handle, response: &Response) -> Option<f64> {
     let pointer = response.interact_pointer_pos();
     if response.drag_started() {
-        // Where the button went down is not quite the middle of the handle.
+        // The button rarely goes down exactly at the centre of the handle.
         let slack = pointer.and_then(|pointer| canvas.along_line(handle.place, handle.direction, pointer));
         let slack = slack.unwrap_or(0.0);
         let place = handle.place;
@@ -156,7 +156,7 @@ fn paint_handle(canvas: &PictureOverlay<'_>, handle: &Handle, center: Pos2, is_h
         (handle.color, RADIUS)
     };
     canvas.knob(center, radius, fill);
-    // Above the handle, but where the picture ends there.
+    // Above the handle, unless the image ends there.
     let above = if canvas.has_space_above(center, LABEL_HEIGHT) {
         -1.0
     } else {

@@ -53,7 +53,7 @@ impl Feature<State> for FeatureOf<Clipping> {
     }
 
     fn forget_sequence(&self, state: &mut State) {
-        // Its numbers are those of the sequence before.
+        // Its coordinates are those of the previous sequence.
         state.style.clip = None;
         state.features.clipping.forget_frames();
     }

@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn a_box_around_all_frames_grows_with_those_that_are_read_until_it_is_changed() {
+    fn a_box_around_all_frames_grows_as_frames_are_read_until_edited() {
         let mut clipping = Clipping::default();
         let shape = frames(3.0, 3).around(ClipFit::AllFrames);
         clipping.note_fit(shape, ClipFit::AllFrames);
@@ -196,14 +196,14 @@ mod tests {
         max.x -= 17.0;
         clipping.grow(&mut clip, &frames(30.0, 24));
         assert_eq!(edge_of(clip), 7.0);
-        // Around one frame it does not grow either.
+        // Fitted to one frame it does not grow either.
         clipping.fit(&mut clip.as_mut().unwrap().shape, &frames(24.0, 24), ClipFit::ThisFrame);
         clipping.grow(&mut clip, &frames(30.0, 24));
         assert_eq!(edge_of(clip), 1.0);
     }
 
     #[test]
-    fn bounds_are_found_once_for_what_is_known() {
+    fn bounds_are_computed_once_for_the_known_frames() {
         let mut clipping = Clipping::default();
         let known = frames(3.0, 3).all;
         assert_eq!(clipping.bounds_of_all(7, || known), known);

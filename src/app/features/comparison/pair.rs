@@ -124,7 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pictures_are_compared_once_they_rest() {
+    fn images_are_compared_once_at_rest() {
         let mut pictures = PicturePair::default();
         let at = Duration::from_millis;
         assert!(!pictures.is_due(at(0)));
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn the_answer_for_a_picture_that_has_gone_is_not_taken() {
+    fn results_for_replaced_images_are_ignored() {
         let mut pictures = PicturePair::default();
         pictures.note_change(Duration::ZERO);
         let picture = RgbaImage::from_pixel(16, 16, image::Rgba([10, 20, 30, 255]));

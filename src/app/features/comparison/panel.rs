@@ -88,7 +88,7 @@ mod tests {
     use super::numbers;
 
     #[test]
-    fn equal_and_small_pictures_have_numbers_too() {
+    fn equal_and_small_images_have_numbers_too() {
         assert_eq!(numbers(0.0, f64::INFINITY, None), "FLIP 0.0000   PSNR ∞   SSIM –");
         assert_eq!(
             numbers(0.125, 31.26, Some(0.95)),

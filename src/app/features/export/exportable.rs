@@ -54,7 +54,7 @@ impl Export {
         let size_px = self.size_px.unwrap_or(window_px);
         let [width, height] = size_px.map(|edge| edge.clamp(1, max_edge_px));
         match (self.size_px, self.subject) {
-            // H.264 has even edges.
+            // H.264 requires even dimensions.
             (None, subject) if subject != ExportSubject::Picture => [width, height].map(|edge| (edge & !1).max(2)),
             _ => [width, height],
         }

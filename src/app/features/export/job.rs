@@ -87,7 +87,7 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
     } = job;
     let defaults = LoaderOptions::default();
     let loader_options = LoaderOptions {
-        // The other half is the window's.
+        // The other half is left to the window.
         workers: defaults.workers.div_ceil(2),
         budget_bytes,
         ..defaults

@@ -43,7 +43,7 @@ pub(in crate::app) fn export_ui(
     top: Pos2,
 ) -> Option<ExportRequest> {
     let mut request = None;
-    // Choices come and go below: those above stay where they are.
+    // Choices come and go below: those above do not move.
     let shown = tool_window(ui.ctx(), PanelId::EXPORT.name(), "Export")
         .open(is_open)
         .collapsible(false)

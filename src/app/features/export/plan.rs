@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sequence_is_shown_once_from_in_to_out_point() {
+    fn a_sequence_is_played_once_from_in_to_out_point() {
         let mut clock = Clock::new(10);
         clock.seek(5, NOW);
         assert_eq!(frames_of(&clock, 24.0), (0..10).collect::<Vec<_>>());
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_last_as_long_as_their_stamps_say() {
+    fn frame_durations_follow_the_timestamps() {
         let times: Vec<Duration> = [0, 100, 200, 500, 600].map(Duration::from_millis).into();
         let (pace, fps) = Pace::of_times(&times).unwrap();
         let mut clock = Clock::new(5);
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turntable_turns_evenly_while_the_range_loops() {
+    fn a_turntable_turns_at_constant_speed_while_the_range_loops() {
         let mut clock = Clock::new(10);
         clock.set_range(PlayRange::default().beginning_at(2).ending_at(4), NOW);
         clock.seek(3, NOW);

@@ -43,7 +43,7 @@ impl Anchor {
             frame: point.frame,
             place: point.place,
             clicked_in: point.frame,
-            // No file has so many: such a point stays where it is.
+            // No file has that many points: such a point stays where it is.
             points_in_file: point.point.points_in_file.unwrap_or(usize::MAX),
         }
     }

@@ -145,7 +145,7 @@ impl State {
         let split_view = self.features.split_view.as_ref();
         let of_b = split_view.filter(|split_view| split_view.is_of_b(place, [rect, other_rect]));
         let (found, side) = match of_b {
-            // Where there is no frame, the one before is not to be seen.
+            // Without a current frame, the previous one is not visible.
             Some(split_view) => {
                 split_view.companion.shown()?;
                 (split_view.drawing.point_at(place, other_rect), Side::B)

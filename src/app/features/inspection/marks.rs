@@ -25,7 +25,7 @@ fn paint_measurement(canvas: &PictureOverlay<'_>, kind: MeasurementKind, points:
         let [from, to] = [pair[0].place, pair[1].place];
         canvas.line([from, to], Stroke::new(1.5, ODD));
         if kind == MeasurementKind::Height {
-            // The height itself, from the first point upwards, and level from there.
+            // The vertical segment from the first point upwards, and a horizontal one from there.
             let up = canvas.up();
             let corner = from + up * (to - from).dot(up);
             canvas.line([from, corner], Stroke::new(1.5, Color32::WHITE));

@@ -139,10 +139,10 @@ impl Inspection {
     /// Takes a click on a point of `frame`, which is of the sequence `side`.
     pub(in crate::app) fn take(&mut self, side: Side, pick: Pick, frame: &PreparedFrame) {
         let anchor = Anchor::new(side, &pick, frame);
-        // The picture that was clicked on may be of the frame before the one that is shown next.
+        // The clicked image may be of the frame before the one that is shown next.
         self.followed[side as usize] = Some(frame.id);
         match self.tool {
-            // Labels are no measurements: they are kept elsewhere.
+            // Labels are not measurements: they are stored elsewhere.
             Tool::Camera | Tool::Label => {}
             Tool::Point => {
                 self.point = Some(Inspected { anchor, values: pick });
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_is_the_same_one_in_frames_of_as_many_points() {
+    fn points_are_followed_in_frames_with_equal_point_counts() {
         let origin = DVec3::new(1e6, 0.0, 0.0);
         let first = frame(0, &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], origin);
         let slot = first.frame.file_index().iter().position(|&index| index == 1);
@@ -218,13 +218,13 @@ mod tests {
             ..Inspection::default()
         };
         inspection.take(Side::A, pick, &first);
-        // In another order of places, with a hole in the file.
+        // In a different order of positions, with a hole in the file.
         let moved = frame(1, &[[f32::NAN; 3], [-5.0, 2.0, 0.0], [9.0, 0.0, 0.0]], origin);
         inspection.follow(Side::A, &moved, origin);
         let point = inspection.point.clone().unwrap();
         assert_eq!(point.values.position, origin + DVec3::new(-5.0, 2.0, 0.0));
         assert_eq!((point.anchor.frame, point.values.index_in_file), (1, 1));
-        // Fewer points: nobody knows which it is.
+        // Fewer points: it is unknown which one it is.
         inspection.follow(Side::A, &frame(2, &[[3.0; 3]], origin), origin);
         assert_eq!(inspection.point.clone().unwrap(), point);
         // The point itself is a hole.
@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn points_of_b_follow_their_own_frames_and_go_with_them() {
+    fn points_of_b_follow_frames_of_b_and_are_removed_with_them() {
         let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
         let (a, b) = (frame(0, &corners, DVec3::ZERO), frame(0, &corners, DVec3::ZERO));
         let mut inspection = Inspection {

@@ -135,7 +135,7 @@ fn place_rows(values: &Pick) -> Vec<ValueRow> {
         "Coordinate of the file, scene units; at most {:.1e} off, as frames hold f32 from the sequence's origin",
         values.precision
     );
-    // As many decimals as tell neighbours in the frame apart.
+    // As many decimals as are needed to distinguish neighbours in the frame.
     let decimals = (-values.precision.max(f64::MIN_POSITIVE).log10())
         .ceil()
         .clamp(0.0, 12.0);
@@ -198,7 +198,7 @@ fn trail_rows(measure: &TrailMeasure, unit: Option<LengthUnit>) -> Vec<ValueRow>
         ),
     ];
     let row = |(name, value, tooltip): (&str, f64, &str)| {
-        // Lengths a second, but for the first.
+        // Lengths per second, except for the first.
         let pace = match (name, unit) {
             ("Travelled", _) => "",
             (_, Some(_)) => "/s",

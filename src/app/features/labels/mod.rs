@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_are_bounded_and_forgotten() {
+    fn label_lists_are_bounded_and_can_be_cleared() {
         let mut labels = Labels {
             is_shown: false,
             ..Labels::default()

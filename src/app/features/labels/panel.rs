@@ -72,7 +72,7 @@ pub(in crate::app) fn labels_ui(
 fn list_ui(ui: &mut Ui, labels: &mut Labels, frame_count: usize) -> Option<LabelsRequest> {
     let mut asked = None;
     let written = labels.written.take();
-    // As wide as the rows, and in a small window these are scrolled to.
+    // As wide as the rows; in a small window it scrolls horizontally.
     let space = ui.ctx().content_rect().size();
     let area = ScrollArea::both()
         .max_width(space.x - MARGINS)
@@ -115,7 +115,7 @@ fn row_ui(ui: &mut Ui, number: usize, label: &Label, frame_count: usize, is_writ
     let field = TextEdit::singleline(&mut text)
         .char_limit(MAX_LABEL_CHARS)
         .desired_width(TEXT_WIDTH);
-    // A cell of a list is no wider than what was in it before, which is less than the field wants.
+    // A grid cell is no wider than its previous content, which is narrower than the field needs.
     let size = vec2(TEXT_WIDTH, ui.spacing().interact_size.y);
     let field = ui.add_sized(size, field);
     named(&field, format!("Text of label {number}"));
@@ -169,7 +169,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ends_of_the_sequence_are_open() {
+    fn label_times_are_open_at_the_ends_of_the_sequence() {
         assert_eq!(frames_of(1, 24, 24), PlayRange::default());
         assert_eq!(frames_of(3, 24, 24), PlayRange::default().beginning_at(2));
         assert_eq!(frames_of(1, 5, 24), PlayRange::default().ending_at(4));

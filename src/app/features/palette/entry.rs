@@ -162,7 +162,7 @@ fn values_of(described: &'static Described) -> Vec<Entry> {
             let entry = Entry::new(format!("{}…", described.name()), described.hint, show);
             vec![entry.also(described.also, &[])]
         }
-        // A command offers them: they depend on what is open.
+        // Colours are offered by a command: they depend on what is open.
         Values::Colors => Vec::new(),
     }
 }

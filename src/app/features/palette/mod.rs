@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn commands_are_found_by_parts_of_their_words() {
+    fn commands_are_found_by_partial_words() {
         assert_eq!(texts("next mark")[0], "Next marker");
         assert_eq!(texts("MARK next")[0], "Next marker");
         assert_eq!(texts("frme nxt")[0], "Next frame");
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn recent_ones_come_first() {
+    fn recent_commands_come_first() {
         let mut state = State::new(StateOptions::default());
         state.features.palette.remember("Background: White");
         state.features.palette.remember("Background: Sky");

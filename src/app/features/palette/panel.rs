@@ -16,7 +16,7 @@ pub(in crate::app) fn palette_ui(
 ) -> Option<Entry> {
     let search = open.as_mut()?;
     let ctx = ui.ctx();
-    // Taken before the field sees them: it would move its cursor or lose its focus by them.
+    // Consumed before the text field sees them: they would move its cursor or take its focus.
     let pressed = |key| ctx.input_mut(|input| input.consume_key(Modifiers::NONE, key));
     let (is_run, is_closed) = (pressed(Key::Enter), pressed(Key::Escape));
     let (up, down) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown));

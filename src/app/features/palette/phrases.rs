@@ -168,7 +168,7 @@ fn failures(state: &State, phrases: &[(&str, &[&str])]) -> Vec<String> {
 }
 
 #[test]
-fn phrases_of_people_find_what_they_ask_for() {
+fn everyday_phrases_find_the_right_command() {
     let state = State::new(StateOptions::default());
     for (name, phrases) in [("people", PHRASES), ("other programs", OF_OTHER_PROGRAMS)] {
         let failures = failures(&state, phrases);
@@ -214,6 +214,6 @@ fn fields_of_the_file_are_found() {
     }
     assert!(shown(&state), "the frame is read");
     assert_eq!(failures(&state, OF_FIELDS), [""; 0]);
-    // Beyond the last one.
+    // Past the last frame.
     assert!(!texts_of(&state, "frame 3").contains(&"Go to frame 3".to_owned()));
 }

@@ -235,14 +235,14 @@ mod tests {
     }
 
     #[test]
-    fn words_are_joined_as_people_do() {
+    fn compound_words_match_joined_or_split() {
         assert_eq!(ranked("fullscreen", &["Full screen"]), ["Full screen"]);
         assert_eq!(ranked("time line", &["Timeline"]), ["Timeline"]);
         assert_eq!(ranked("colormap", &["Colour map: Turbo"]), ["Colour map: Turbo"]);
     }
 
     #[test]
-    fn letters_are_in_one_word_or_in_none() {
+    fn letters_must_all_match_within_one_word() {
         assert_eq!(ranked("shdws", &["Shadows"]), ["Shadows"]);
         assert_eq!(ranked("delete", &["Describe level of the octree"]), [""; 0]);
         assert_eq!(ranked("gif", &["Relighting: Off"]), [""; 0]);
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_go_to_what_takes_them() {
+    fn numbers_match_entries_that_take_them() {
         let takes = |title, number| Text { number, ..text(title) };
         let texts = [
             takes("Set point size to 4", NumberUse::WithWords),
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn phrases_count_more_where_they_are_whole() {
+    fn complete_phrases_rank_higher() {
         let clip: &[&str] = &["bounding box"];
         let texts = [
             Text {

@@ -127,7 +127,7 @@ pub(super) fn likeness(word: &Word, other: &Word) -> f32 {
     } else if length >= MIN_MISTYPED && is_mistyped(typed, other_text) {
         0.5
     } else if is_abbreviated(typed, other_text) {
-        // Three of four letters are any short word: they need other words.
+        // Three of four letters match almost any short word: further words have to match too.
         if other_length < MIN_MISTYPED { 0.38 } else { 0.45 }
     } else {
         0.0
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn words_are_alike_by_spelling_stem_beginning_and_errors() {
+    fn words_match_by_spelling_stem_prefix_and_typos() {
         for (typed, other) in [
             ("color", "colours"),
             ("gray", "Grey"),
@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_are_words_without_marks() {
+    fn text_is_split_into_words_without_punctuation() {
         let texts = |text: &str| -> Vec<String> { words_of(text).into_iter().map(|word| word.text).collect() };
         assert_eq!(texts("Eye-dome lighting (EDL)…"), ["eye", "dome", "lighting", "edl"]);
         assert_eq!(texts("Compare A/B"), ["compare", "a", "b"]);

@@ -23,7 +23,7 @@ fn pyramid(photo: &Photo, midpoint: DVec3) -> [Vec<DVec3>; 3] {
     let length = LENGTH * (midpoint - photo.center()).length();
     let [width, height] = photo.camera.size_px().map(f64::from);
     let world_from_camera = photo.camera_from_world.inverse();
-    // The lens is left out: corners of a wide one have no rays.
+    // Lens distortion is ignored: corners of a wide-angle image may have no rays.
     let corner = |x: f64, y: f64| {
         let slope = (DVec2::new(x, y) - 0.5 - photo.camera.principal_px()) / photo.camera.focal_px();
         world_from_camera.transform_point3(length * slope.extend(1.0))
@@ -72,7 +72,7 @@ mod tests {
     use glam::DAffine3;
 
     #[test]
-    fn a_pyramid_reaches_from_the_camera_to_the_corners_of_its_image() {
+    fn a_frustum_reaches_from_the_camera_to_the_corners_of_its_image() {
         let camera = Camera::new([4, 2], DVec2::splat(2.0), DVec2::new(1.5, 0.5), Distortion::None);
         let photo = Photo {
             name: String::new(),

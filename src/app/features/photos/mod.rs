@@ -164,7 +164,7 @@ impl Photos {
             0 | 1 => PHOTO_BYTES,
             _ => PHOTO_BYTES / SHARES,
         };
-        // What is wanted first is the last to go.
+        // The set wanted first is evicted last.
         for set in wanted.iter().rev() {
             if let Some(at) = self.loaded.iter().position(|loaded| Arc::ptr_eq(&loaded.set, set)) {
                 let loaded = self.loaded.remove(at);
@@ -217,7 +217,7 @@ impl Photos {
             return;
         };
         if let Some(pool) = self.pool.get("images", 0) {
-            // The frame is there, so that nobody has to read it for this.
+            // The frame is loaded, so this does not have to read it.
             let origin = player.sequence().origin();
             self.frames.start(parts, *style, origin, tasks, pool);
         }

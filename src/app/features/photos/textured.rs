@@ -73,7 +73,7 @@ pub(in crate::app) struct TexturedFrame {
 
 impl TexturedFrame {
     fn new(of: Parts, style: Style, origin: DVec3) -> Self {
-        // The other side of a comparison may draw them where this one does not.
+        // The other side of a comparison may show images where this one does not.
         let style = style.with(|style| {
             style.of_sequence.has_photos = true;
             style.photos.mode = PhotoMode::Vdts;
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stood_for_a_frame_is_drawn_until_that_is_there() {
+    fn a_coarse_frame_is_drawn_until_the_complete_one_is_ready() {
         let posed_images = Arc::new(PosedImages::new(Vec::new(), None));
         let (coarse, whole, other) = (frame(3), frame(3), frame(4));
         let of_coarse = parts(&coarse, &posed_images);
@@ -244,18 +244,18 @@ mod tests {
         frames.running = frames.next(following());
         assert!(frames.running.as_ref() == Some(&of_whole) && frames.next(following()).is_none());
         frames.take_in(made(&of_whole));
-        // It was drawn without meanwhile, and is not made again.
+        // It was drawn without images in the meantime, and is not built again.
         let next = frames.next(following()).unwrap();
         assert_eq!(next.frame.index, 7);
         is_drawn(&mut frames, &of_whole, &whole);
-        // With other photographs, the frame itself stands for it, and not its coarse copy.
+        // With other images, the frame itself is used instead, and not its coarse copy.
         let others = Arc::new(PosedImages::new(Vec::new(), None));
         is_drawn(&mut frames, &parts(&whole, &others), &whole);
         assert!(frames.drawn(parts(&frame(5), &posed_images)).is_none());
     }
 
     #[test]
-    fn small_frames_are_kept_and_what_nobody_waits_for_is_dropped() {
+    fn small_frames_stay_cached_and_unrequested_ones_are_dropped() {
         let posed_images = Arc::new(PosedImages::new(Vec::new(), None));
         let mut frames = TexturedFrames::default();
         for index in 0..2 * RETAINED {

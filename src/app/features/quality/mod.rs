@@ -17,7 +17,7 @@ pub struct QualityLimits {
 
 impl Default for QualityLimits {
     fn default() -> Self {
-        // A tenth is seen when one looks for it; 16 ms are a picture of a screen of 60 Hz.
+        // An error of a tenth is visible when one looks for it; 16 ms are one refresh of a 60 Hz screen.
         Self {
             flip: 0.1,
             draw_ms: 16.0,

@@ -37,7 +37,7 @@ fn choose(ui: &mut Ui, quality: &Quality, limits: &mut QualityLimits, style: &Se
     let mut wanted = current;
     let before = *limits;
     rows(ui, "quality", |ui| {
-        // Without a place among the choices, the slider stands where the time of pictures would put it.
+        // If the current settings are not among the choices, the slider is placed by the draw time.
         let mut place = current.unwrap_or(choices.len() - 1);
         row(
             ui,

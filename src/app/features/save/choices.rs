@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_lossless_is_so_in_everything_until_it_is_chosen_otherwise() {
+    fn lossless_applies_to_every_attribute_until_changed() {
         let mut save = Save::default();
         let usual = ReelOptions {
             fps: Some(24.0),
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn lengths_are_round() {
+    fn default_lengths_are_round() {
         for (extent, length) in [(1.0, 1e-4), (3.0, 2e-4), (0.9, 5e-5), (70_000.0, 5.0), (0.0, 0.001)] {
             assert!((usual_length(extent) / length - 1.0).abs() < 1e-9, "{extent}");
         }

@@ -119,7 +119,7 @@ impl Estimates {
             is_playing,
         } = asked;
         let address = Arc::as_ptr(sequence).addr();
-        // While it plays, the frame that was shown before is as good as any.
+        // While playing, an estimate for the previously shown frame is good enough.
         let before = self
             .question
             .as_ref()
@@ -153,7 +153,7 @@ impl Estimates {
         self.problem = None;
         self.waiting = spread(&question.frames, question.shown);
         self.waiting.reverse();
-        // The first choices are judged at once.
+        // The first choices are estimated at once.
         self.due = if self.question.is_some() { now + REST } else { now };
         self.question = Some(question);
     }
@@ -224,7 +224,7 @@ impl Estimates {
         }
         if self.question.is_some() {
             *self = Self {
-                // What is under way says so when it ends.
+                // Work in progress reports when it ends.
                 running: self.running.take(),
                 pool: std::mem::take(&mut self.pool),
                 ..Self::default()
@@ -287,7 +287,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_shown_frame_is_judged_first_and_none_twice() {
+    fn the_shown_frame_is_estimated_first_and_none_twice() {
         assert_eq!(spread(&(0..=99), 99), [99, 10, 30, 50, 70]);
         assert_eq!(spread(&(0..=99), 50), [50, 10, 30, 70, 90]);
         assert_eq!(spread(&(5..=7), 6), [6, 5, 7]);

@@ -98,7 +98,7 @@ impl State {
         let Some((mut conversion, sequence)) = self.features.save.conversion(&of).zip(of.sequence.clone()) else {
             return;
         };
-        // What the person was told of is what may be replaced.
+        // Only what the user was told about may be replaced.
         let told = self.features.save.place(&of);
         self.features.save.found = None;
         if self.features.save.place(&of) != told {

@@ -19,7 +19,7 @@ pub struct SaveEnded {
 /// Writes `conversion`, tells `progress` of each frame, and stops soon after that was cancelled.
 pub(in crate::app) fn run(sequence: &Arc<Sequence>, conversion: Conversion, progress: &Progress) -> SaveEnded {
     let write = || convert(sequence, &conversion, progress);
-    // Its threads go behind those that draw and play.
+    // Its threads have lower priority than drawing and playback.
     let mut pool = PoolBehindDrawing::default();
     let result = match pool.get("save", 0) {
         Some(threads) => threads.install(write),

@@ -68,7 +68,7 @@ pub(in crate::app) fn save_ui(
                 request = place(ui, save, of);
             });
             ui.separator();
-            // Above the numbers, which come and go and may need to be scrolled.
+            // Above the numbers, which come and go and may have to be scrolled to.
             request = start(ui, save, of).or(request);
             ui.separator();
             request = numbers(ui, save, of).or(request);
@@ -288,7 +288,7 @@ fn numbers(ui: &mut Ui, save: &Save, of: &Savable) -> Option<SaveRequest> {
     let Some((estimate, is_old)) = estimate else {
         return request;
     };
-    // What belongs to the choices before is pale.
+    // Estimates for the previous choices are shown in a weak colour.
     let text = |ui: &Ui, text: String| {
         let text = RichText::new(text);
         if is_old {

@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_written_is_said() {
+    fn unwritable_combinations_are_reported() {
         let folder = tempfile::tempdir().unwrap();
         let mut of = savable(Sequence::demo());
         let mut save = Save::default();
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn places_that_were_chosen_have_their_name_and_folder() {
+    fn chosen_paths_are_split_into_folder_and_name() {
         let mut save = Save::default();
         save.take_place(Path::new("/scans/walk.v2.reel"));
         assert_eq!(
@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_are_all_or_those_between_in_and_out_point() {
+    fn frames_are_all_or_those_between_the_in_and_out_points() {
         let of = savable(Sequence::demo());
         let mut save = Save::default();
         assert_eq!(save.frames(&of), 0..=23);

@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn an_estimate_is_told_in_the_units_of_the_file() {
+    fn estimates_are_shown_in_the_units_of_the_file() {
         let told = texts(lines(&estimate(), 1024, Some(25_600_000), &savable("mm")));
         assert_eq!(
             told,
@@ -200,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn merging_says_what_it_costs_before_and_after_it_is_chosen() {
+    fn the_cost_of_merging_is_shown_before_and_after_choosing_it() {
         let expected = "Merges 1,000 of 2,000 points per frame (50 %): about 12.2 KiB instead of 24.4 KiB";
         assert_eq!(merge_price(&estimate(), true, 10).as_deref(), Some(expected));
         let unmerged = Estimate {
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn points_that_are_lost_are_a_warning_from_a_fifth_on() {
+    fn losing_a_fifth_of_the_points_is_a_warning() {
         let retained = |retained_points: f64| {
             warning(&Estimate {
                 retained_points,
@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nobody_knows_is_not_told() {
+    fn unknown_values_are_not_shown() {
         let bare = Estimate {
             retained_points: 2000.0,
             bytes_by_stream: None,

@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn what_only_one_has_is_far_from_the_other_one_way() {
+    fn points_missing_from_one_sequence_are_far_in_one_direction_only() {
         let (a, b) = (row(0.0, DVec3::ZERO, None), row(0.0, DVec3::ZERO, Some(101.0)));
         let found = between(&a, &b, DVec3::ZERO, || true).unwrap();
         assert_eq!((found.from_a.mean, found.from_a.largest), (0.0, 0.0));

@@ -32,7 +32,7 @@ impl State {
     fn compared(&self) -> Option<Compared> {
         let split_view = self.features.split_view.as_ref()?;
         let companion = &split_view.companion;
-        // Where there was no choice, the user made none.
+        // Where there was nothing to choose, the user made no choice.
         let has_choice = companion.times().is_some() || companion.numbers().is_some();
         Some(Compared {
             inputs: inputs_of(companion.sequence())?,
@@ -101,7 +101,7 @@ impl State {
     /// Shows the open sequence alone. Its memory is all its own again.
     pub(in crate::app) fn close_split_view(&mut self) {
         if let Some(split_view) = self.features.split_view.take() {
-            // Its threads end after the frame they are on; nobody waits for that here.
+            // Its threads end after the frame they are working on; nothing waits for that here.
             close(split_view);
             self.features.inspection.forget_points_of_b();
             self.share_budget();

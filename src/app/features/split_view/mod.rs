@@ -76,7 +76,7 @@ impl SplitView {
         let of_a = player.update_with_companion(now, style, |clock, is_playing| {
             companion.prepare(clock, is_playing, style)
         });
-        // While playing waits, both stay as they are: two frames that belong together.
+        // While playback is stalled, both sides keep their frames, which belong together.
         let is_held = player.is_playing() && player.waiting_for().is_some();
         let of_b = if is_held {
             PlayerChange::default()

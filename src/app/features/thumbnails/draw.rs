@@ -190,13 +190,13 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_is_drawn_from_its_file_and_broken_ones_are_marks() {
+    fn thumbnails_are_drawn_from_files_and_broken_frames_are_marked() {
         let Thumbnail::Picture(picture) = job(0).run() else {
             panic!("no picture");
         };
         let [red, behind] = [egui::Color32::RED, egui::Color32::from_rgb(24, 27, 34)];
         let count = |color| picture.pixels.iter().filter(|&&pixel| pixel == color).count();
-        // Eight squares of nine pixels, those at the edge cut.
+        // Eight squares of nine pixels, those at the edge clipped.
         assert!((300..=8 * 81).contains(&count(red)), "{}", count(red));
         assert_eq!(count(red) + count(behind), picture.pixels.len());
         for broken in [1, 2] {
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn of_many_points_some_are_drawn() {
+    fn large_clouds_are_drawn_from_a_sample() {
         let points = Arc::new(vec![PointRecord::zeroed(); MAX_POINTS + 5]);
         assert_eq!(some_points(&points).len(), MAX_POINTS);
         let few = Arc::new(vec![PointRecord::zeroed(); 5]);

@@ -71,7 +71,7 @@ fn thumbnails(ui: &mut Ui, state: &mut State) {
 impl State {
     /// Begins the next small picture if there is time for it.
     fn follow_thumbnails(&mut self) {
-        // The first picture goes first.
+        // The first image of the window has priority.
         let look = self.opening.looked.look().filter(|_| self.has_looked());
         let Some((player, look)) = self.player.as_ref().zip(look) else {
             return;

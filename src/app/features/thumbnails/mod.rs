@@ -206,13 +206,13 @@ impl Thumbnails {
             |&frame| {
                 material = match loader.get(frame, &needs) {
                     Slot::Ready(frame) | Slot::Coarse(frame) => Some(Material::Resident(frame)),
-                    // It is not broken; nobody can make a picture of it any more.
+                    // The frame is not broken, but it is gone and cannot be drawn any more.
                     Slot::Failed(error) if matches!(*error, FrameError::Gone { .. }) => None,
                     Slot::Failed(_) => {
                         broken.push(frame);
                         None
                     }
-                    // What is in other colours will be in these before long.
+                    // A frame with other colours will soon be recoloured.
                     Slot::Partial(_) | Slot::Stale(_) | Slot::Pending => {
                         let is_there = player.sequence().frames().contains(&frame);
                         let may_be_read = is_there && leisure == Leisure::Reading;
@@ -229,7 +229,7 @@ impl Thumbnails {
     }
 
     fn start<T: TaskOutcome + From<Box<Delivery>>>(&mut self, frame: usize, job: ThumbnailJob, tasks: &Tasks<T>) {
-        // One thread of low priority: thumbnails take none from drawing or from preparing frames.
+        // One thread of low priority: thumbnails take no time from drawing or from preparing frames.
         let Some(pool) = self.pool.get("thumbnails", 1) else {
             self.is_on = false;
             return;

@@ -90,7 +90,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn the_strip_has_the_frames_in_the_middles_of_its_cells() {
+    fn the_strip_shows_the_frame_at_the_center_of_each_cell() {
         assert_eq!(strip_frames(100, 4), [12, 37, 62, 87]);
         assert_eq!(strip_frames(3, 20), [0, 1, 2]);
         assert_eq!(strip_frames(1, 20), [0]);
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn the_pointer_goes_first_then_what_is_near_the_playhead() {
+    fn the_frame_at_the_pointer_comes_first_then_those_near_the_playhead() {
         let wanted = WantedFrames {
             strip: strip_frames(100, 5),
             hovered: Some(99),
@@ -110,7 +110,7 @@ mod tests {
             made.push(frame);
         }
         assert_eq!(made, [99, 50, 30, 70, 10, 90]);
-        // Of those in memory alone.
+        // Only among those in memory.
         let in_memory = [10, 70];
         let next = wanted.next(40, |_| false, |frame| in_memory.contains(frame));
         assert_eq!(next, Some(70));
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn there_is_time_for_what_disturbs_nobody() {
+    fn background_work_depends_on_what_else_is_running() {
         let idle = Bustle::default();
         assert_eq!(idle.leisure(), Leisure::Reading);
         let loading = Bustle {

@@ -124,7 +124,7 @@ mod tests {
         ColorImage::filled(PICTURE_PX.map(|edge| edge as usize), egui::Color32::RED)
     }
 
-    // A strip wider than any screen at 50 points a cell, and what is hovered, fit into the budget.
+    // A strip wider than any screen at 50 points per cell, plus the hovered frame, fits into the budget.
     const _: () = assert!(MAX_CELLS >= 150);
     const _: () = assert!((MAX_CELLS + 1) * PICTURE_BYTES <= BUDGET_BYTES);
 
@@ -137,7 +137,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(8))]
 
         #[test]
-        fn pictures_never_take_more_than_the_budget_and_wanted_ones_stay(
+        fn thumbnails_stay_within_the_budget_and_wanted_ones_stay_cached(
             frames in prop::collection::vec(0usize..2000, 300..700),
             wanted in prop::collection::btree_set(0usize..2000, 0..MAX_CELLS),
         ) {
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn textures_are_made_once_for_a_window() {
+    fn textures_are_created_once_per_window() {
         let mut store = Store::default();
         let ctx = Context::default();
         store.insert(3, picture(), &BTreeSet::new());

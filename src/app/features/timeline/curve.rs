@@ -127,7 +127,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn wide_frames_are_steps_and_narrow_ones_share_a_column() {
+    fn wide_frames_span_columns_and_narrow_ones_share_a_column() {
         let values = [Some(1.0), None, Some(3.0)];
         let one = |v: f32| Some((v, v));
         let expected = [one(1.0), one(1.0), None, None, one(3.0), one(3.0)];
@@ -140,12 +140,12 @@ mod tests {
     proptest! {
         /// No frame is in no column, and none is in a column that it does not touch.
         #[test]
-        fn every_frame_is_where_its_cell_is(count in 1usize..60, width in 1usize..60, frame in 0usize..60) {
+        fn every_frame_covers_the_columns_of_its_cell(count in 1usize..60, width in 1usize..60, frame in 0usize..60) {
             let frame = frame % count;
             let mut values = vec![None; count];
             values[frame] = Some(5.0);
             for (x, column) in columns(&values, width).into_iter().enumerate() {
-                // Cells of `width` and columns of `count` on a line of `width · count`.
+                // Cells of size `width` and columns of size `count` on a line of length `width · count`.
                 let touches = frame * width < (x + 1) * count && (frame + 1) * width > x * count;
                 prop_assert_eq!(column.is_some(), touches, "column {}", x);
             }

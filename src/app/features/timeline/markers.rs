@@ -94,7 +94,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn markers_come_go_and_have_names() {
+    fn markers_can_be_added_removed_and_named() {
         let mut markers = Markers::default();
         for frame in [7, 3, 9, 7] {
             markers.toggle(frame);
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_by_hand_are_put_in_order() {
+    fn hand_written_lists_are_sorted() {
         let marker = |frame, name: &str| Marker {
             frame,
             name: name.to_owned(),
@@ -142,7 +142,7 @@ mod tests {
     proptest! {
         /// Held against looking at every frame in turn.
         #[test]
-        fn jumps_go_to_the_nearest_around_the_ends(
+        fn jumps_go_to_the_nearest_marker_and_wrap_around(
             marked in prop::collection::btree_set(0usize..20, 0..8), frame in 0usize..16, count in 1usize..16,
         ) {
             let mut markers = Markers::default();

@@ -98,7 +98,7 @@ mod tests {
     proptest! {
         /// Whatever is turned, frames within the sequence are shown, and what is at the pointer stays there.
         #[test]
-        fn what_is_at_the_pointer_stays(
+        fn zooming_keeps_the_frame_at_the_pointer(
             turns in prop::collection::vec((0.5f64..2.0, 0f64..1.0), 1..20), count in 1usize..500,
         ) {
             let mut visible = VisibleFrames::default();

@@ -241,7 +241,7 @@ impl Trails {
         } else {
             Vec::new()
         };
-        // Those of the newest pick where frames have different numbers of points.
+        // Based on the newest pick where frames have different numbers of points.
         let newest = inspection.point.as_ref().map(|point| point.anchor);
         let first = newest.filter(|_| self.is_on).or(picked.last().copied());
         let (chosen_in, points_in_file) = first

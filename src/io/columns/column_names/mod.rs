@@ -225,7 +225,7 @@ impl Words {
         {
             words.push(index.to_owned());
         }
-        // `x_m` has its unit behind it, `Points_m_XYZ` in its middle.
+        // `x_m` has its unit at the end, `Points_m_XYZ` in the middle.
         if words.len() > 1
             && let Some(place) = words.iter().rposition(|word| unit_of(word).is_some())
             && place > 0
@@ -290,7 +290,7 @@ fn split_bracket(name: &str) -> (&str, Option<&str>) {
     match name.split_once(['(', '[', '{']) {
         Some((before, rest)) => {
             let inside = rest.split([')', ']', '}']).next().unwrap_or("").trim();
-            // A name may be in brackets as a whole.
+            // The whole name may be in brackets.
             if before.trim().is_empty() {
                 (inside, None)
             } else {
@@ -424,13 +424,13 @@ fn indexed(words: &[Words], stems: &[&str]) -> Option<[usize; 3]> {
 }
 
 fn with_word(words: &[Words], wanted: &[&str]) -> Option<usize> {
-    // Letters alone mean an axis only where nothing else stands in the name.
+    // Single letters mean an axis only if they are the whole name.
     let has = |words: &Words| {
         let is =
             |word: &String| wanted.contains(&word.as_str()) && (word.chars().count() > 1 || words.words.len() == 1);
         words.words.iter().any(is)
     };
-    // The better word first.
+    // Better matches first.
     let exact = |name: &&str| {
         words
             .iter()
@@ -446,7 +446,7 @@ fn survey(words: &[Words]) -> Option<Found> {
         (Some(east), Some(north)) => [east, north],
         _ => [plain(0)?, plain(1)?],
     };
-    // Up is a letter only next to east and north: elsewhere it is a velocity.
+    // A single u means up only next to east and north: elsewhere it is a velocity.
     let up = east.zip(north).and_then(|_| with_word(words, &["u"]));
     let columns = [horizontal[0], horizontal[1], plain(2).or(height).or(up)?];
     Some((columns, Match::Survey))

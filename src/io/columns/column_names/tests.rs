@@ -46,7 +46,7 @@ fn coordinates_are_found_under_many_names() {
 }
 
 #[test]
-fn other_vectors_and_words_are_no_coordinates() {
+fn other_vectors_and_words_are_not_coordinates() {
     for names in [
         "vx|vy|vz",
         "vel_x|vel_y|vel_z",
@@ -58,7 +58,7 @@ fn other_vectors_and_words_are_no_coordinates() {
     ] {
         assert_eq!(found(names), None, "{names}");
     }
-    // Two of unknown kind: neither is better.
+    // Two unknown kinds: neither is better.
     assert_eq!(found("left_x|left_y|left_z|right_x|right_y|right_z"), None);
     assert_eq!(found("vel_x|vel_y|vel_z|pos_x|pos_y|pos_z").unwrap().0, [3, 4, 5]);
     assert_eq!(found("lon|lat|alt|x|y|z").unwrap().0, [3, 4, 5]);
@@ -66,7 +66,7 @@ fn other_vectors_and_words_are_no_coordinates() {
 }
 
 #[test]
-fn markers_are_many_points_in_a_row() {
+fn marker_columns_are_several_points_per_row() {
     let of = |names: &str| markers(&names.split('|').collect::<Vec<&str>>()).len();
     assert_eq!(of("frame|x0|y0|z0|x1|y1|z1|x2|y2|z2"), 3);
     assert_eq!(
@@ -84,7 +84,7 @@ fn markers_are_many_points_in_a_row() {
 }
 
 #[test]
-fn units_are_in_brackets_or_the_last_word() {
+fn units_are_given_in_brackets_or_as_the_last_word() {
     for (names, unit) in [
         ("x [m]|y [m]|z [m]", Some(LengthUnit::Metre)),
         ("x (cm)|y (cm)|z (cm)", Some(LengthUnit::Centimetre)),

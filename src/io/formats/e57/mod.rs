@@ -135,7 +135,7 @@ fn open<T: Read + Seek>(mut file: T, length: u64) -> Result<E57Reader<T>, Fault>
         .read_to_end(&mut header)
         .and_then(|_| file.rewind())
         .map_err(|error| Fault::header(format!("the header cannot be read ({error})")))?;
-    // The crate allocates it before it reads it.
+    // The crate allocates the claimed length before reading.
     let claimed = header
         .get(DESCRIPTION_BYTES)
         .map_or(0, |raw| u64::from_le_bytes(super::las::take(raw, 0)));

@@ -289,7 +289,7 @@ impl ScanFields<'_> {
             RecordDataType::Single { min, max } => Some((f64::from(min?), f64::from(max?))),
             RecordDataType::Double { min, max } => Some((min?, max?)),
         };
-        // Limits that are none: the whole of the type.
+        // Invalid limits mean the full range of the type.
         let is_range = |&(min, max): &(f64, f64)| max > min && max - min <= f64::from(u32::MAX);
         by_scan
             .filter(is_range)
@@ -313,7 +313,7 @@ fn rotation(scan: &PointCloud) -> DQuat {
     let turn = &pose.rotation;
     let turn = DQuat::from_xyzw(turn.x, turn.y, turn.z, turn.w);
     let length = turn.length();
-    // A turn without a length is none.
+    // A quaternion without a length is not a rotation.
     if length.is_finite() && length > 0.0 {
         turn / length
     } else {

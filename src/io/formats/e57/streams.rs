@@ -61,7 +61,7 @@ impl FieldStream<'_> {
         if self.progress.is_cancelled() {
             return;
         }
-        // Numbers without an object for each, as the crate `e57` makes: 10 to 20 million points per second.
+        // Numbers without one object each, unlike in the crate `e57`: 10 to 20 million points per second.
         match self.record.data_type {
             RecordDataType::Single { .. } => {
                 for (index, raw) in self.bytes.as_chunks().0[..count].iter().enumerate() {
@@ -138,11 +138,11 @@ pub(super) fn read<'a>(
             return Err(Fault::cancelled());
         }
         let header = rest.get(..DATA_HEADER_BYTES).ok_or_else(cut)?;
-        // Packets begin at multiples of four.
+        // Packets are aligned to multiples of four.
         let length = (usize::from(u16::from_le_bytes(take(header, 2))) + 1).next_multiple_of(4);
         let (packet, others) = rest.split_at_checked(length).ok_or_else(cut)?;
         rest = others;
-        // Packets of an index, or without meaning, are passed over.
+        // Index packets and unknown ones are skipped.
         if header[0] != DATA_PACKET {
             if header[0] > 2 {
                 return Err(fault("there is a packet of an unknown kind among its points"));

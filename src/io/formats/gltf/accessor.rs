@@ -130,7 +130,7 @@ impl AccessorSource<'_> {
                 )?;
                 (0..accessor.count).map(|entry| read(&entries, entry)).collect()
             }
-            // Zeros, which the entries below may differ from.
+            // Zeros, which the sparse entries below may override.
             None => vec![zero; accessor.count],
         };
         // The crate `gltf` 1.4 unwraps in sparse accessors, and subtracts from counts that may be zero.
@@ -243,7 +243,7 @@ impl Entries<'_> {
 }
 
 fn components(accessor: &Accessor, index: usize) -> Result<usize, Fault> {
-    // Matrices of bytes and shorts have padding, but none of those is read here.
+    // Matrices of bytes and shorts have padding, but none of those are read here.
     match accessor.r#type.as_str() {
         "SCALAR" => Ok(1),
         "VEC2" => Ok(2),

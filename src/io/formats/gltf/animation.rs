@@ -84,7 +84,7 @@ pub(super) fn changes(source: &AccessorSource<'_>, animations: &[usize], time: f
                     .map(|key| unit(DQuat::from_array(key.map(f64::from))));
                 }
                 "weights" => change.weights = weights(source, sampler, time)?,
-                // Extensions animate other things, such as colours.
+                // Extensions animate other properties, such as colours.
                 _ => {}
             }
         }
@@ -147,7 +147,7 @@ fn sample<const N: usize>(
 ) -> Result<Option<[f32; N]>, Fault> {
     let times: Vec<[f32; 1]> = source.read(sampler.input)?;
     let kind = interpolation(sampler);
-    // A tangent, the value, another tangent.
+    // An in-tangent, the value, an out-tangent.
     let per_time = if kind == Interpolation::Cubic { 3 } else { 1 };
     if times
         .len()

@@ -119,7 +119,8 @@ impl Geometry {
             .indices
             .map(|accessor| source.read_indices(accessor))
             .transpose()?;
-        // Shapes may share one list of vertices, of which each has its part. The list, sorted, is there with it.
+        // Shapes may share one list of vertices, each using a part of it. The sorted index list is held in memory as
+        // well.
         let listed = indices.as_ref().map_or(count, Vec::len) as u64;
         source.spend(listed * INDEX_BYTES)?;
         let mut used: Vec<u32> = indices.clone().unwrap_or_else(|| (0..count as u32).collect());
@@ -160,7 +161,7 @@ impl Geometry {
             // Points and lines have no faces.
             _ => {}
         }
-        // What is mirrored shows its back, so the corners are counted the other way round.
+        // Mirroring shows the back of a shape, so the winding order is reversed.
         if bones.is_none() && transform.matrix3.determinant() < 0.0 {
             for face in &mut self.faces[first_face..] {
                 face.swap(1, 2);
@@ -308,7 +309,7 @@ impl PrimitiveAttributes {
         if total == 0.0 {
             return Ok(None);
         }
-        // Weights as bytes rarely add up to one.
+        // Weights stored as bytes rarely add up to one.
         sum.matrix3 *= 1.0 / total;
         sum.translation /= total;
         Ok(Some(sum))

@@ -140,7 +140,7 @@ fn in_picture(pbr: &Pbr, place: [f32; 2]) -> [f32; 2] {
 
 fn picture_of(source: &AccessorSource<'_>, texture: usize, path: &Path) -> Result<Option<RgbaImage>, Fault> {
     let texture = at(&source.document.textures, texture, "texture")?;
-    // Extensions have pictures in formats that are not read.
+    // Extensions have images in formats that are not supported.
     let Some(image) = texture.source else {
         return Ok(None);
     };
@@ -169,7 +169,7 @@ fn picture_of(source: &AccessorSource<'_>, texture: usize, path: &Path) -> Resul
 fn texel(picture: &RgbaImage, place: [f32; 2]) -> [u8; 4] {
     let index = |place: f32, size: u32| {
         let fraction = place - place.floor();
-        // What is not a number is the first one.
+        // NaN becomes the first texel.
         ((fraction * size as f32) as u32).min(size - 1)
     };
     picture

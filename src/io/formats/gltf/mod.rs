@@ -63,12 +63,12 @@ fn list_bytes(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Vec<En
     let options = &options.holding(buffers.owned_bytes());
     let source = AccessorSource::new(&document, &buffers, options);
     let (animations, seconds) = animation::played(&source)?;
-    // What is damaged fails here, and not in each of many frames.
+    // Damaged files fail here, and not in each of many frames.
     animation::changes(&source, &animations, 0.0)?;
     if seconds <= 0.0 {
         return Ok(vec![Entry::whole()]);
     }
-    // A moment that is late by rounding is still within the animation.
+    // A time that is late by rounding is still within the animation.
     let frames = ((seconds * FRAME_RATE + 1e-3) as usize)
         .saturating_add(1)
         .min(MAX_FRAMES);

@@ -17,7 +17,7 @@ pub(super) fn place(document: &Document, changes: &[NodePose]) -> Result<PlacedN
     let mut is_placed = vec![false; document.nodes.len()];
     let mut shown = Vec::new();
     let roots = scene_roots(document)?;
-    // Bones need not be in the scene: what hangs on other roots is placed as well, but not shown.
+    // Bones need not be in the scene: nodes under other roots are placed as well, but not shown.
     let others = free_nodes(document).filter(|node| !roots.contains(node));
     for (root, is_shown) in roots
         .iter()

@@ -47,11 +47,11 @@ impl<'a> Scene<'a> {
         let options = &options.holding(buffers.owned_bytes());
         let source = AccessorSource::new(&document, &buffers, options);
         let (played, _) = animation::played(&source)?;
-        // What is damaged fails here, and not in each frame.
+        // Damaged files fail here, and not in each frame.
         animation::changes(&source, &played, 0.0)?;
         let at_rest = pose(&source, &[], None)?;
         check_shown(&at_rest)?;
-        // Each frame has the limit of what its shapes may take, but the textures are there beside it.
+        // Each frame has the full memory limit for its shapes, in addition to the textures.
         source.spent_bytes.set(0);
         let textures = Textures::load(&source, &at_rest, path)?;
         let spent_bytes = source.spent_bytes.get();
@@ -150,7 +150,7 @@ fn sampled(
     count: NonZeroUsize,
     options: &ReadOptions,
 ) -> Result<RawCloud, Fault> {
-    // Colours are those of the surface there, not between those of the corners: textures are finer than meshes.
+    // Colours are sampled at the surface, not interpolated between the corners: textures are finer than meshes.
     let colors = surfaces.has_colors(&geometry).then(|| {
         let color = |place: &mesh::MeshSample| {
             let corners = geometry.faces[place.face as usize].map(|corner| corner as usize);

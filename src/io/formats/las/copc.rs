@@ -87,7 +87,7 @@ fn walk<'a>(
             });
         }
     }
-    // In the order of the file within a level, whatever that of the pages is.
+    // In the order of the file within a level, regardless of the order of the pages.
     for level in &mut levels {
         level.sort_by_key(|chunk| chunk.bytes.start);
     }

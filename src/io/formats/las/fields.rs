@@ -23,7 +23,7 @@ pub(super) fn unpack(items: &[LazItem], packed: &mut Cursor<&[u8]>, rows: &mut [
                 _ => chunk.set_fields_from(&vec![*item])?,
             }
         }
-        // No cloud has a place for wave packets.
+        // Clouds cannot store waveform data.
         chunk.set_selection(DecompressionSelection::all().skip_wavepacket());
         chunk.decompress_many(rows)?;
     } else {

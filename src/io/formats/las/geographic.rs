@@ -93,7 +93,7 @@ pub(super) fn note<'a>(cloud: &mut RawCloud, records: impl Iterator<Item = Recor
         let mut places = points.iter().map(|point| (point[longitude], point[latitude]));
         places.all(|(longitude, latitude)| Zone::are_degrees(longitude, latitude))
     };
-    // Programs reproject points and leave the record.
+    // Some programs reproject points but leave the record unchanged.
     let Some([longitude, latitude]) = ORDERS.into_iter().find(|&order| are_degrees(order)) else {
         return;
     };
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_and_text_say_degrees() {
+    fn geo_keys_and_wkt_declare_degrees() {
         let metres = Some(System::Geographic { height: None });
         let other = Some(System::Other);
         let feet = Some(System::Geographic {
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn degrees_stay_and_are_said() {
+    fn degrees_are_unchanged_and_reported() {
         let data = keys(&[(1024, 2), (4099, 9002)]);
         let noted = |points: Vec<[f64; 3]>| {
             let mut cloud = RawCloud::from_positions(Positions::F64(points));

@@ -90,7 +90,7 @@ impl LasHeader {
                 "LAS {major}.{minor} is not known: versions 1.0 to 1.4 are read"
             )));
         }
-        // The two highest bits say that the points are compressed.
+        // The two highest bits mark compressed points.
         let (format, compressed) = (bytes[104] & 0x3f, bytes[104] & 0xc0 != 0);
         let Some(&min_bytes) = POINT_BYTES.get(usize::from(format)) else {
             return Err(Fault::header(format!(

@@ -61,7 +61,7 @@ impl Compression {
         }
         Ok(Self {
             is_layered: items[0].version() >= LAYERED_VERSION,
-            // The first number says how the points are divided, 1 not at all.
+            // The first number says how the points are divided into chunks, 1 means not at all.
             is_single: data.starts_with(&[1, 0]),
             point_bytes: header.point_bytes,
             record,
@@ -117,12 +117,12 @@ impl Compression {
             let offset = usize::try_from(i64::from_le_bytes(take(raw, 0))).ok()?;
             (offset >= header.points_start + TABLE_OFFSET_BYTES).then_some(offset)
         };
-        // Writers that cannot go back put it at the end.
+        // Writers that cannot seek back put it at the end.
         let table_start =
             offset_at(header.points_start).or_else(|| offset_at(bytes.len().checked_sub(TABLE_OFFSET_BYTES)?))?;
         let table = bytes.get(table_start..)?;
         let entries = u32::from_le_bytes(take(table.get(..8)?, 4)) as usize;
-        // The crate allocates what the table claims. Even an entry that compresses well has its chunk.
+        // The crate allocates whatever the table claims. However well they compress, entries are no more than points.
         if entries > bytes.len() / self.point_bytes + 1 {
             return None;
         }

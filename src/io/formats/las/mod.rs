@@ -90,7 +90,7 @@ pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Prog
     let model_bytes = EXTRA_MODEL_BYTES * extra_bytes as u64 * rayon::current_num_threads() as u64;
     let what = format!("the unpacking of points with {extra_bytes} extra bytes each");
     options.claim(&what, model_bytes)?;
-    // Unpacked points and the cloud are there at the same time.
+    // Unpacked points and the cloud are in memory at the same time.
     let point_bytes = cloud_bytes + header.point_bytes as u64;
     let page = |range| bytes.get(range).map(Cow::Borrowed);
     let levels = copc::levels(&header, header.records(bytes), bytes.len(), page);

@@ -40,7 +40,7 @@ impl Layout {
     /// Returns the bytes that a point takes in the cloud, and in addition to it while it is read.
     pub(super) fn cloud_bytes(self, extra: &[ExtraField]) -> usize {
         let scalars = STANDARD.len() + usize::from(self.gps_time.is_some()) + extra.len();
-        // One column at a time is also there with all its digits. Most files have a few of the fields.
+        // One column at a time is held in double precision as well. Most files use only a few of the fields.
         size_of::<[f64; 3]>() + size_of::<[u8; 4]>() + scalars * size_of::<f32>() + size_of::<f64>()
     }
 }
@@ -73,12 +73,12 @@ pub(super) fn cloud(header: &LasHeader, extra: &[ExtraField], rows: &[u8]) -> Ra
     let used = used_bits(rows, step);
     let scalars = &mut cloud.attributes.scalars;
     for field in standard_fields(layout) {
-        // Points have a place for these whether anybody filled it or not. Intensity stays: other readers give it in
-        // any case.
+        // Points have these fields whether anyone filled them or not. Intensity stays: other readers return it in any
+        // case.
         if field.name == INTENSITY || field.is_in(&used) {
             scalars.push(field.decode(rows, step));
         }
-        // Behind the fields that are the better ones to colour by.
+        // After the fields that are better to colour by.
         if field.name == "classification" {
             let times = layout
                 .gps_time

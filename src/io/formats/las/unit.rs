@@ -23,7 +23,7 @@ fn of_text(text: &str) -> Option<LengthUnit> {
     let start = ["PROJCS[", "PROJCRS["]
         .iter()
         .find_map(|word| text.find(word).map(|at| at + word.len()))?;
-    // The system of angles that is projected has a unit as well, of angles.
+    // The geographic system that is projected has a unit as well, an angular one.
     let (mut depth, mut is_quoted) = (1, false);
     for (place, character) in text[start..].char_indices() {
         match character {
@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_and_text_say_units() {
+    fn geo_keys_and_wkt_declare_units() {
         let keys = |unit: u16| -> Vec<u8> {
             let numbers = [1, 1, 0, 2, 1024, 0, 1, 1, 3076, 0, 1, unit];
             numbers.iter().flat_map(|number| number.to_le_bytes()).collect()

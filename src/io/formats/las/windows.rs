@@ -104,7 +104,7 @@ impl<'a> Windows<'a> {
         };
         let compression = Compression::new(&header, record.data)?;
         let extra = extra::fields(&header, header.records(&head));
-        // Unpacked points and the cloud are there at the same time.
+        // Unpacked points and the cloud are in memory at the same time.
         let point_bytes = points::Layout::of(header.format).cloud_bytes(&extra) + header.point_bytes;
         let needed = |points: u64, packed: u64| points.saturating_mul(point_bytes as u64).saturating_add(packed);
         let (chunks, count) = coarse(levels, |points, packed| needed(points, packed) <= options.left_bytes());

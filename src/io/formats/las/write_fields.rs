@@ -93,7 +93,7 @@ impl<'a> StandardFields<'a> {
         let intensity = self
             .intensity
             .map_or(0.0, |(field, scale)| number(field, index) * scale);
-        // A cast of what is not a number or out of range gives the nearest one that is.
+        // Casts saturate, and turn NaN into zero.
         rows.extend((intensity.round() as u16).to_le_bytes());
         let returns = of(self.return_number, 1.0) as u8 | (of(self.number_of_returns, 1.0) as u8) << 4;
         let mut flags = (of(self.scanner_channel, 0.0) as u8) << 4;
@@ -185,7 +185,7 @@ pub(super) fn lost(scalars: &[ScalarField]) -> Vec<(Loss, f64)> {
     let mut check = |field: Option<&ScalarField>, scale: f64, largest: f64, what: &str| {
         let fits = |value: f64| value.fract() == 0.0 && (0.0..=largest).contains(&value);
         if let Some(field) = field
-            // A fraction of 1 in 16 bits is no more precise in other programs.
+            // Other programs store a fraction of 1 in 16 bits no more precisely.
             && (scale == 1.0 || field.values.iter().any(|value| !value.is_finite()))
             && !numbers(field).all(|value| fits(value * scale))
         {

@@ -29,12 +29,12 @@ const POSITIONS: [&str; 19] = [
     "coords",
     "coordinates",
     "point_cloud",
-    // Of networks that see a point in each pixel.
+    // From networks that predict a point per pixel.
     "world_points",
     "pts3d",
     "points3d",
     "pointmap",
-    // Of splats.
+    // From splats.
     "means3d",
     "means_3d",
     "mean3d",
@@ -167,7 +167,7 @@ pub(super) fn cloud_of_archive(
                 (records(array, count, options)?, count)
             }
         },
-        // Arrays of their own for x, y and z.
+        // Separate arrays for x, y and z.
         None => (
             Vec::new(),
             arrays
@@ -196,7 +196,7 @@ pub(super) fn cloud_of_archive(
     let mut cloud = growing::cloud(&columns, count, options)?;
     let splat_arrays = splat_arrays(&arrays, count);
     let used = splats::apply(&splat_arrays, &mut cloud);
-    // Of what may be of splats, the rest are fields as all others.
+    // Candidate splat arrays that are not used become ordinary fields.
     let unused = splat_arrays.iter().filter(|array| !used.contains(&array.name));
     for array in unused.filter(|array| !attributes::is_reserved(array.name)) {
         for column in &array.columns {
@@ -206,7 +206,7 @@ pub(super) fn cloud_of_archive(
     }
     match image {
         Some([height, width]) => cloud.grid = grid_of(width, height, count),
-        // What an image is, four dimensions say.
+        // With four dimensions it is known which of them are the image.
         None => cloud.assumptions.extend(assumption),
     }
     if let Some(([height, width], assumption)) = map {
@@ -241,7 +241,7 @@ fn add_columns_sidecar<'a>(
                 array.shape.first().unwrap_or(&0)
             )));
         }
-        // A row of all points, 1 × N, is one column.
+        // A single row with all points, 1 × N, is one column.
         let width = match array.shape[..] {
             [rows, width] if rows == count => width,
             _ => 1,
@@ -332,8 +332,8 @@ pub(super) fn unpacked(bytes: &[u8], options: &ReadOptions) -> Result<Vec<(Strin
         if member.size() > left {
             return Err(Fault::too_large(&format!("array `{name}`"), member.size(), options));
         }
-        // The size is a claim as well: it is believed as far as packed bytes can unpack to it, and ends what is
-        // unpacked.
+        // The size is a claim as well: it is believed up to what the packed bytes can expand to, and it limits the
+        // unpacked size.
         let claimed = member.size();
         let believed = claimed.min(member.compressed_size().saturating_mul(MAX_DEFLATED));
         let mut unpacked = Vec::new();
@@ -388,7 +388,7 @@ fn table<'a>(
     let numbers = parsed_numbers_of(array, width);
     options.claim_entries("the columns of the array", count, numbers * size_of::<f64>())?;
     let column = |index: usize| array.column(String::new(), index, width, count);
-    // What the columns behind the coordinates are is told by the same rule as for text.
+    // The columns after the coordinates are interpreted by the same rule as for text.
     let told_by: Vec<Vec<f64>> = (0..width)
         .map(|index| match width {
             5.. if (3..xyz::MAX_GUESSED_COLUMN).contains(&index) => column(index).to_f64(count),

@@ -121,7 +121,7 @@ fn entries(layers: Option<usize>) -> Vec<Entry> {
 /// The begin of an array; less where it cannot be read.
 fn head(reader: impl Read) -> Vec<u8> {
     let mut head = Vec::new();
-    // An error ends it: what is there is then too short for a header.
+    // An error ends it: what has been read is then too short for a header.
     let _ = reader.take(MAX_HEADER_BYTES).read_to_end(&mut head);
     head
 }
@@ -137,7 +137,7 @@ fn layers_of(file: File, file_bytes: u64) -> Option<usize> {
             heads.push((name.to_ascii_lowercase(), head(member)));
         }
     }
-    // Arrays of words and the like are no frames.
+    // Arrays of strings and similar types are not frames.
     let array = |(name, head): &(String, Vec<u8>)| Some((name.clone(), Array::parse_head(head)?));
     let arrays: Vec<(String, Array<'static>)> = heads.iter().filter_map(array).collect();
     let max_bytes = file_bytes.saturating_mul(MAX_DEFLATED);

@@ -120,7 +120,7 @@ impl<'a> Array<'a> {
 
     fn check_claim(&self, start: usize) -> Result<(), Fault> {
         let needed = self.claimed_bytes();
-        // Entries of no bytes would be as many as the header likes.
+        // A header could claim any number of zero-byte entries.
         if needed.is_none_or(|needed| needed > self.payload.len()) || self.row_bytes == 0 {
             return Err(Fault::new(
                 Place::Byte(start),

@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn an_image_of_points_is_told_from_frames() {
+    fn point_maps_are_distinguished_from_frames() {
         let is_map = |bytes: &[u8]| {
             let array = Array::parse(bytes).unwrap();
             can_be_point_map(&array) && is_point_map(&array)
@@ -300,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn other_arrays_are_refused_by_name() {
+    fn other_arrays_are_rejected_by_name() {
         let problem = |bytes: &[u8]| {
             let refused = refuse(&Array::parse(bytes).unwrap(), None);
             refused.map_or_else(|fault| fault.problem, |()| String::new())

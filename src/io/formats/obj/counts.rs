@@ -33,7 +33,7 @@ impl Counts {
                 let starts = spaces.filter(|pair| pair[0].is_ascii_whitespace() && !pair[1].is_ascii_whitespace());
                 starts.count()
             };
-            // What goes on in the next line may be a face.
+            // A line that is continued may be a face.
             let goes_on = line.ends_with(b"\\");
             let is_continued = corners_before > 0;
             match line {
@@ -95,18 +95,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn entries_are_counted_over_lines_that_go_on() {
+    fn entries_are_counted_across_continued_lines() {
         let vertices = "v 0 0 0\nvn 0 0 1\nvt 0 0\n  v 1 1 1\r\n";
         let faces = "f 1 2 3\nf  1/1 2/2\t3/3 4/4\nf 1 2 \\\n3 4 5\nusemtl a b\n# f 1 2 3\n";
         let counts = Counts::of([vertices, faces].concat().as_bytes());
         assert_eq!((counts.vertices, counts.normals, counts.places), (2, 1, 1));
         assert_eq!((counts.corners, counts.uses, counts.name_bytes), (6, 1, 10));
-        // One corner more than there is where a line goes on.
+        // Continuing a line counts one corner too many.
         assert_eq!(counts.triangles, 1 + 2 + 4);
     }
 
     #[test]
-    fn a_polygon_of_millions_is_refused() {
+    fn a_polygon_with_millions_of_corners_is_rejected() {
         let text = [b"v 0 0 0\nf".as_slice(), &b" 1".repeat(100_000)].concat();
         let counts = Counts::of(&text);
         assert_eq!(counts.triangles, 99_998);

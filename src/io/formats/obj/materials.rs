@@ -90,7 +90,7 @@ impl Reading<'_> {
 
     fn library(&self, name: &str) -> Result<Vec<tobj::Material>, String> {
         let bytes = self.bytes_sidecar(name)?;
-        // Names in other encodings are not found; all else is ASCII.
+        // Names in other encodings are not found; everything else is ASCII.
         let text = String::from_utf8_lossy(&bytes);
         let (materials, _) = tobj::load_mtl_buf(&mut text.as_bytes()).map_err(|error| format!("`{name}`: {error}"))?;
         Ok(materials)
@@ -177,7 +177,7 @@ mod tests {
     use super::picture_name;
 
     #[test]
-    fn options_stand_before_the_name_of_a_picture() {
+    fn options_precede_the_texture_file_name() {
         for statement in [
             "a b.png",
             " -s 1 1 1 a b.png ",

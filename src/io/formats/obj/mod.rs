@@ -39,7 +39,7 @@ pub(in crate::io) fn decode(file: &Encoded<'_>) -> Result<RawCloud, Fault> {
     let counts = Counts::of(bytes);
     let options = file.options.holding(counts.claim(file.options)?);
     let mut model = Model::with_capacity(&counts);
-    // A backslash at the end of a line goes on in the next one.
+    // A backslash at the end of a line continues it on the next one.
     let mut joined: Vec<u8> = Vec::new();
     for (index, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
         done += line.len() + 1;

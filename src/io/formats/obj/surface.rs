@@ -104,7 +104,7 @@ impl Corners {
             return Ok(());
         }
         // A vertex has one material and one pair of texture coordinates, which in OBJ belong to corners: vertices are
-        // duplicated only for triangles and samples, so a file read as plain vertices has their number unchanged.
+        // duplicated only for triangles and samples, so a file read as plain vertices keeps its number of them.
         if file.options.keeps_textures || file.options.sample_count.is_some() {
             self.split(cloud, materials);
         } else {
@@ -169,9 +169,9 @@ impl Corners {
         cloud.keep(&indices);
         cloud.faces = split;
         let paints: Vec<Paint> = kinds.iter().map(|kind| materials.paint(*kind)).collect();
-        // What has a picture is as light as that.
+        // Textured vertices are white.
         let color = |vertex: usize, paint: &Paint| match (paint, &cloud.attributes.colors) {
-            // Replaces the colour of its material, which many programs write as well.
+            // The texture replaces the colour of its material, which many programs write as well.
             (Paint::Picture(_), _) => [255; 4],
             (_, Some(colors)) => colors[vertex],
             (Paint::Color(color), None) => *color,

@@ -47,7 +47,7 @@ fn read(folder: &TempDir, options: &ReadOptions) -> RawCloud {
 }
 
 #[test]
-fn a_mesh_has_its_pictures_and_the_colors_of_its_materials() {
+fn a_mesh_has_its_textures_and_material_colors() {
     let cloud = read(&folder(Some(LIBRARY), true), &ReadOptions::default().of_meshes());
     assert_eq!(cloud.warnings, Vec::<String>::new());
     assert_eq!(cloud.faces.len(), 4);
@@ -72,12 +72,12 @@ fn a_mesh_has_its_pictures_and_the_colors_of_its_materials() {
             }
         }
     }
-    // Corner 2 is on two materials, corners 6 and 7 on two others.
+    // Corner 2 has two materials, corners 6 and 7 have two others.
     assert_eq!(cloud.positions.len(), 7 + 3);
 }
 
 #[test]
-fn points_on_faces_have_the_color_of_the_picture_there() {
+fn points_on_faces_have_the_texture_color() {
     let options = ReadOptions::default().with_sample_count(NonZeroUsize::new(40_000));
     let cloud = read(&folder(Some(LIBRARY), true), &options);
     assert!(cloud.texturing.is_none());
@@ -85,7 +85,7 @@ fn points_on_faces_have_the_color_of_the_picture_there() {
     let mut on_the_square = 0;
     for (index, color) in colors.into_iter().enumerate() {
         let [x, y, z] = cloud.positions.get(index).to_array();
-        // Between two texels their colours are mixed.
+        // Between two texels their colours are interpolated.
         let is_between =
             (x - 0.5).abs() < 0.05 || (y - 0.5).abs() < 0.05 || [x, y].iter().any(|c| !(0.05..0.95).contains(c));
         if x < 1.0 && y <= 1.0 && z == 0.0 && !is_between {
@@ -104,12 +104,12 @@ fn vertices_have_the_colors_of_their_first_faces() {
         (cloud.positions.len(), cloud.faces.len(), cloud.texturing.is_some()),
         (7, 4, false)
     );
-    // Corners of the picture lie between texels of all four sides, as it repeats.
+    // Corners of the texture lie between texels of all four sides, as it repeats.
     assert_eq!(cloud.attributes.colors.unwrap()[4..], [[255; 4], IRON, IRON]);
 }
 
 #[test]
-fn what_is_missing_is_said_and_leaves_the_shape() {
+fn missing_files_are_reported_and_the_shape_is_read() {
     let without_library = read(&folder(None, true), &ReadOptions::default().of_meshes());
     assert_eq!((without_library.positions.len(), without_library.faces.len()), (7, 4));
     assert!(without_library.attributes.colors.is_none() && without_library.texturing.is_none());
@@ -128,7 +128,7 @@ fn what_is_missing_is_said_and_leaves_the_shape() {
 }
 
 #[test]
-fn only_files_beside_the_model_are_read() {
+fn only_files_next_to_the_model_are_read() {
     let outside = tempfile::tempdir().unwrap();
     let secret = outside.path().join("secret.png");
     RgbaImage::new(1, 1).save(&secret).unwrap();
@@ -141,7 +141,7 @@ fn only_files_beside_the_model_are_read() {
         cloud.warnings[0]
     );
 
-    // The path of the machine where the model was made, and the picture is beside the model.
+    // An absolute path from the machine where the model was made, with the texture next to the model.
     let folder = folder(Some("newmtl skin\nmap_Kd C:\\work\\skin.png\n"), false);
     RgbaImage::from_pixel(1, 1, Rgba(RED))
         .save(folder.path().join("skin.png"))

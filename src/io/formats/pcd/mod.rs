@@ -105,7 +105,7 @@ pub(in crate::io) fn point_names(head: &[u8]) -> Option<Vec<String>> {
 /// Warnings about the header are reported when whole files are read.
 pub(in crate::io) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
     let header = Header::parse(head).ok()?;
-    // The last line of a header that is as long as `head` may be cut off.
+    // If a header is as long as `head`, its last line may be truncated.
     let is_plain = header.encoding == Encoding::Binary
         && header.byte_size < head.len()
         && header.warnings.is_empty()
@@ -293,7 +293,7 @@ impl Table {
         options.claim("the unpacked points", unpacked as u64)?;
         let block = match unpack_lzf(packed_bytes, unpacked) {
             Ok(block) => block,
-            // A block that was not worth compressing may be stored as it is.
+            // A block that was not worth compressing may be stored uncompressed.
             Err(_) if packed == unpacked => packed_bytes.to_vec(),
             Err(error) => return Err(fault(format!("the compressed block is damaged ({error})"))),
         };
@@ -363,7 +363,7 @@ impl Table {
             } else {
                 row += 1;
             }
-            // A point is a line: what follows its last field is of no field.
+            // A point is a line: anything after its last field belongs to no field.
             tokens.skip_line();
         }
         note_row(self.rows, self.rows, progress)?;

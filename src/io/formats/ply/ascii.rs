@@ -46,14 +46,14 @@ pub(super) fn read(
             let read = vertices(&mut tokens, element, rows_behind, &mut warnings, progress)?;
             let retained = columns.insert(read);
             if retained.is_empty() {
-                // Nothing is kept of these points, so there is no cloud to be made of them.
+                // None of these points are retained, so no cloud can be made of them.
                 break;
             }
             continue;
         }
         let claim = check_ascii_claim(element, payload);
         let read = match claim {
-            // The faces that are there are read.
+            // Faces are read as far as they are there.
             Err(_) if FaceList::of(element).is_none() => claim,
             claim => others(&mut tokens, element, &mut faces, progress).map_err(|fault| fault.explained_by(claim)),
         };
@@ -71,7 +71,7 @@ pub(super) fn read(
 
 /// Steps over the rows of an element that is not the points, and makes triangles of its faces if there are any.
 fn others(tokens: &mut Tokens<'_>, element: &Element, faces: &mut Faces, progress: &Progress) -> Result<(), Fault> {
-    // Rows of nothing take no time, however many are claimed.
+    // Empty rows take no time, however many are claimed.
     let rows = if element.properties.is_empty() {
         0
     } else {

@@ -83,7 +83,7 @@ impl Faces {
     /// The next vertex of the list in row `row` of `element`.
     pub(super) fn push(&mut self, kind: FaceList, element: &Element, row: usize, index: f64) {
         if kind.shape == FaceKind::Strip && index == RESTART {
-            // Memory that is missing is said at the end of the list.
+            // A lack of memory is reported at the end of the list.
             self.lacks_memory = self.lacks_memory.take().or(self.end_list(kind).err());
             return;
         }

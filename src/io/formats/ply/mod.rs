@@ -165,8 +165,8 @@ pub(in crate::io) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
     if let Some(rows) = &mut rows {
         rows.convention = writer::convention(head);
     }
-    // The last line of a header that is as long as `head` may be cut off in its ending. Splats are made of all their
-    // columns. What there is to say of the header the reading of whole files says.
+    // If a header is as long as `head`, the ending of its last line may be truncated. Splats need all their columns.
+    // Warnings about the header are reported when the whole file is read.
     rows.filter(|rows| {
         let is_there = |name: &str| rows.fields.iter().any(|field| field.name == name);
         let are_splats =

@@ -71,7 +71,7 @@ fn unpack(
         };
         let payload = bytes.get(start..).unwrap_or_default();
         element.check_claim(rows.row_bytes, payload.len())?;
-        // The words of a splat stay next to the cloud.
+        // The packed splats stay in memory next to the cloud.
         let row_bytes = names.len() * size_of::<f64>() + SPLAT_BYTES;
         options.claim_entries(&format!("{} splats", element.count), element.count, row_bytes)?;
         let columns = rows.columns(payload);

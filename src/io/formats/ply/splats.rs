@@ -107,7 +107,7 @@ impl<'a> Splats<'a> {
         });
         let missing = self.missing();
         let mut shares: Vec<f32> = vec![1.0; count];
-        // Colours of moving splats are light, not harmonics.
+        // Colours of moving splats are light, not spherical harmonics.
         let channel = if self.moving.is_some() {
             byte
         } else {

@@ -37,7 +37,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_signature_counts_in_comments_alone() {
+    fn writer_signatures_only_count_in_comments() {
         let of = |lines: &str| convention(format!("ply\nformat ascii 1.0\n{lines}\nend_header\n").as_bytes());
         let z_up = Some(AxisConvention::UsuallyZUp);
         assert_eq!(of("comment Created by CloudCompare v2.10.2"), z_up);

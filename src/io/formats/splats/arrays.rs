@@ -52,13 +52,13 @@ pub(in crate::io) fn apply<'a>(arrays: &[SplatArray<'a>], cloud: &mut RawCloud) 
     };
     let logits = find(&OPACITIES, 1..=1).map_or_else(Vec::new, |(_, mut opacities)| opacities.swap_remove(0));
     if let Some((name, mut scales)) = find(&SCALES, 1..=3) {
-        // Lengths are not negative, and logarithms of what is smaller than the unit are.
+        // Lengths are not negative, but logarithms of lengths below 1 are.
         let are_logarithms = name == "log_scales" || scales.iter().flatten().any(|&scale| scale <= 0.0);
         if !are_logarithms {
             scales.iter_mut().flatten().for_each(|scale| *scale = scale.ln());
         }
         match (&scales[..], find(&ROTATIONS, 4..=4)) {
-            // Which way a ball faces nobody knows: its normal is estimated.
+            // A ball has no orientation: its normal is estimated.
             ([radius], rotations) => {
                 used.push(name);
                 used.extend(rotations.map(|(name, _)| name));

@@ -133,7 +133,7 @@ fn of_streams(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
             header.version
         )));
     }
-    // Nothing is packed where there is nothing.
+    // An empty file has no packed data.
     if header.count == 0 {
         return Ok(cloud(&header, [&[]; 5]));
     }
@@ -198,7 +198,7 @@ fn cloud(header: &Header, [positions, alphas, colors, scales, rotations]: [&[u8]
         let unit = 0.5f64.powi(i32::from(header.fractional_bits));
         let position = |bytes: &[u8; 9]| {
             [0, 3, 6].map(|at| {
-                // The upper byte has the sign.
+                // The upper byte holds the sign.
                 let fixed = i32::from_le_bytes([0, bytes[at], bytes[at + 1], bytes[at + 2]]) >> 8;
                 (f64::from(fixed) * unit) as f32
             })

@@ -67,7 +67,7 @@ impl Counted {
         if lines.next_count().is_none() || lines.next().is_none_or(is_row) {
             return Ok(None);
         }
-        // A line of names behind the count, as some have it, is one of a table.
+        // A line of names after the count, which some files have, belongs to a table.
         let mut counted = Self {
             text: Vec::new(),
             blocks: Vec::new(),
@@ -75,7 +75,7 @@ impl Counted {
         let mut lines = Lines { rest: bytes, number: 0 };
         while !lines.rest.trim_ascii().is_empty() {
             let Some(count) = lines.next_count() else {
-                // Something else is behind the first rows: they are read as a table.
+                // Something else follows the first rows: they are read as a table.
                 return Ok(None);
             };
             let comment = lines.next().unwrap_or_default();
@@ -136,7 +136,7 @@ fn is_row(line: &[u8]) -> bool {
 /// Names of columns in the comment of an extended XYZ file, `Properties=species:S:1:pos:R:3`.
 pub(super) fn properties(comment: &str) -> Option<Vec<String>> {
     const KEY: &str = "properties=";
-    // Lower case is as long for ASCII.
+    // Converting ASCII to lower case does not change its length.
     let start = comment.to_ascii_lowercase().find(KEY)? + KEY.len();
     let list = comment.get(start..)?.trim_start_matches('"');
     let list = list.split([' ', '"', '\t']).next()?;
@@ -160,7 +160,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn blocks_are_found_by_their_counts() {
+    fn blocks_are_found_by_their_point_counts() {
         let text = "2\nfirst\nC 1 2 3\nO 4 5 6\n1\n\nC 7 8 9\n";
         let counted = Counted::of(text.as_bytes()).unwrap().unwrap();
         let blocks: Vec<(usize, &str)> = counted

@@ -28,7 +28,7 @@ pub(super) const SAMPLE_BYTES: usize = 64 << 10;
 /// The beginning of `text`, whole lines of it.
 pub(super) fn sample(text: &[u8]) -> &[u8] {
     let head = &text[..text.len().min(SAMPLE_BYTES)];
-    // The last line may be cut in the middle of a number.
+    // The last line may be truncated in the middle of a number.
     match head.iter().rposition(|&byte| byte == b'\n') {
         Some(end) if head.len() < text.len() => &head[..end],
         _ => head,
@@ -242,7 +242,7 @@ fn separates(lines: &[&[u8]], mark: u8) -> bool {
     const MIN_MARKS: usize = 2;
     let lines = lines.iter().filter(|line| comment(line).is_none());
     let counted: Vec<(&[u8], [usize; 2])> = lines.map(|line| (*line, counts(line, mark))).collect();
-    // Lines of text before and behind the table, and a count of points, say nothing.
+    // Lines of text before and after the table, and a point count, are not evidence.
     let of_rows = |(line, [all, _]): &&(&[u8], [usize; 2])| {
         *all >= MIN_MARKS || line.iter().filter(|byte| byte.is_ascii_digit()).count() > 2
     };
@@ -254,11 +254,11 @@ fn separates(lines: &[&[u8]], mark: u8) -> bool {
     };
     let fits = |(_, counts): &&&(&[u8], [usize; 2])| counts.contains(&usual) || counts[0] + 1 == usual;
     let fitting: Vec<&&(&[u8], [usize; 2])> = rows.iter().filter(fits).collect();
-    // Nine of ten lines.
+    // Nine out of ten lines.
     if fitting.len() * 10 < rows.len() * 9 {
         return false;
     }
-    // Between tabs and spaces that align columns there is nothing in every line.
+    // Where tabs and spaces align columns, there are columns that are empty in every line.
     let is_empty_in_all = |column: usize| {
         let mut cells = fitting
             .iter()
@@ -268,7 +268,7 @@ fn separates(lines: &[&[u8]], mark: u8) -> bool {
     if mark == b'\t' && (0..usual).any(is_empty_in_all) {
         return false;
     }
-    // Several numbers between two marks: the mark groups cells.
+    // Several numbers between two separators: the separator groups cells.
     let is_list = |cell: &[u8]| {
         let words = cell.split(u8::is_ascii_whitespace);
         let words: Vec<&[u8]> = words.filter(|word| !word.is_empty()).collect();
@@ -297,7 +297,7 @@ pub(super) fn seconds_of(word: &[u8]) -> Option<f64> {
 /// The text behind the mark of a comment.
 pub(super) fn comment(line: &[u8]) -> Option<&[u8]> {
     match line {
-        // Spreadsheets write errors so: the first cell is missing.
+        // Spreadsheets write errors this way: the first cell is missing.
         [b'#', ..] if begins_with_error(line) => None,
         [b'/', b'/', rest @ ..] | [b'#' | b'%' | b'!', rest @ ..] => Some(rest),
         // Where semicolons separate cells, the first one may be empty.
@@ -321,7 +321,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn errors_of_spreadsheets_are_no_comments() {
+    fn spreadsheet_errors_are_not_comments() {
         assert_eq!(comment(b"#N/A,#N/A,1"), None);
         assert_eq!(comment(b"#DIV/0!;1;2"), None);
         assert_eq!(comment(b"# N/A means missing"), Some(b" N/A means missing".as_slice()));
@@ -367,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn commas_and_marks_are_determined_by_their_neighbours() {
+    fn commas_and_decimal_marks_are_determined_by_their_neighbours() {
         for (text, decimal_comma, mark) in [
             ("1,5;2,5;3,5\n", true, Some(b';')),
             ("1,5 2,5 3,5\n", true, None),

@@ -20,12 +20,12 @@ pub(super) fn divide(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warning
             starts.push(rows);
         }
         starts.pop();
-        // Odd lines are not counted: blocks cannot be told apart then.
+        // Unusual lines are not counted: blocks cannot be distinguished then.
         if starts.is_empty() || rows != parsed.rows.len() {
             return Vec::new();
         }
         let comments: Vec<String> = counted.blocks.iter().map(|block| block.comment.clone()).collect();
-        // What extended XYZ says of all frames names none of them.
+        // Extended XYZ comments that describe all frames do not name any of them.
         let is_name = |comment: &&String| !comment.contains("Lattice=") && !comment.contains("Properties=");
         let name = |comment: &String| Some(comment).filter(is_name).cloned().unwrap_or_default();
         let names: Vec<String> = comments.iter().map(name).collect();
@@ -87,7 +87,7 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
                     "column `{name}` has {count} values for {} points: they are those of points",
                     parsed.rows.len()
                 ),
-                // One value per point cannot be meant otherwise, and the clock of a laser scanner stamps points.
+                // One value per point has only one interpretation, and the clock of a LiDAR stamps points.
                 if mean < 1.5 || evidence == Evidence::Convention {
                     Evidence::Convention
                 } else {
@@ -117,7 +117,7 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
                 groups.without
             ));
         }
-        // What a person says is not assumed.
+        // What the user says is not an assumption.
         if given != Some(column) {
             let why = format!("column `{name}` has {count} values, for {mean:.0} points each");
             let assumption = Assumption::new(Subject::Frames, count.to_string(), why, evidence);
@@ -126,7 +126,7 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
         let no_words = Vec::new();
         let words = parsed.rows.words.get(column).unwrap_or(&no_words);
         let mut found = groups.frames(name, seconds, words);
-        // A column of frames may have one of times next to it.
+        // A frame column may have a time column next to it.
         if seconds.is_none()
             && let Some(timed) = timed.filter(|timed| *timed != column)
         {
@@ -211,7 +211,7 @@ fn by_breaks(parsed: &Parsed, assumptions: &mut Vec<Assumption>) -> Vec<Frame> {
     if evidence != BlockEvidence::Overlap {
         return Vec::new();
     }
-    // The comment before a block names it, also that before the first one.
+    // The comment before a block names it, including the first one.
     let label = |row: usize| {
         let before = breaks.iter().find(|found| found.row == row);
         before.map_or_else(String::new, |found| found.label.clone())

@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn text_of_all_encodings_is_the_same() {
+    fn all_encodings_give_the_same_text() {
         let text = "x;y;höhe\n1;2;3\n";
         let units: Vec<u16> = std::iter::once(0xfeff).chain(text.encode_utf16()).collect();
         let little: Vec<u8> = units.iter().flat_map(|unit| unit.to_le_bytes()).collect();
@@ -70,7 +70,7 @@ mod tests {
             &[b"\xef\xbb\xbf", text.as_bytes()].concat(),
             &little,
             &big,
-            // Without the mark.
+            // Without the byte order mark.
             &little[2..],
             &big[2..],
         ] {

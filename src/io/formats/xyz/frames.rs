@@ -84,7 +84,7 @@ impl Counter {
             ["time", "step" | "frame"] | ["scan", "id" | "index" | "number"] => Some(Self::Frames),
             [first] if TIME_WORDS.contains(first) => Some(Self::Times(unit)),
             ["time", "stamp"] | ["date", "time"] => Some(Self::Times(unit)),
-            // The clock of a laser scanner stamps points, whatever the number of digits makes of it.
+            // The clock of a LiDAR stamps points, whatever its number of digits suggests.
             ["gpstime"] | ["gps", "time"] => Some(Self::Points(unit)),
             [first, second] if TIME_WORDS.contains(first) => unit_of(second).map(|unit| Self::Times(Some(unit))),
             _ => None,
@@ -143,7 +143,7 @@ impl Groups {
                 without += 1;
                 continue;
             }
-            // Zero has two signs.
+            // Normalises minus zero.
             let value = value + 0.0;
             runs += usize::from(value != before);
             rises += usize::from(value > before);
@@ -233,7 +233,7 @@ impl Groups {
         if is_of_lidar {
             return mean >= MIN_ROWS && self.coverage(positions) >= MIN_COVERAGE;
         }
-        // A clock that starts again and again stamps points in no order: nothing moves along its turns.
+        // A clock that starts over again and again stamps points in no order: nothing moves during its periods.
         if self.is_rising && !self.is_sorted && !moves_little(positions) {
             return false;
         }
@@ -408,7 +408,7 @@ pub(super) fn evidence(starts: &[usize], positions: [&[f64]; 3]) -> BlockEvidenc
     let overlap = |pair: &[Bounds]| -> f64 {
         (0..3)
             .map(|axis| {
-                // Flat blocks have no space: a little is added.
+                // Flat blocks have no extent: a small margin is added.
                 let margin = 0.02 * size(whole[axis]);
                 let [one, other] = [pair[0][axis], pair[1][axis]].map(|[low, high]| [low - margin, high + margin]);
                 let common = size([one[0].max(other[0]), one[1].min(other[1])]);
@@ -442,7 +442,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_say_what_counts_frames() {
+    fn frame_and_time_columns_are_recognised_by_name() {
         for (name, expected) in [
             ("frame", Some(Counter::Frames)),
             ("Frame_ID", Some(Counter::Frames)),
@@ -463,7 +463,7 @@ mod tests {
     }
 
     #[test]
-    fn times_of_points_are_no_frames() {
+    fn point_times_are_not_frames() {
         let flat = vec![0.0; 64_000];
         let groups = |values: Vec<f64>| {
             let groups = Groups::of(&values)?;
@@ -472,21 +472,21 @@ mod tests {
                 groups.are_times_of_frames(1.0, false, [&flat, &flat, &flat]),
             ))
         };
-        // Each point has its own.
+        // Each point has its own time.
         assert_eq!(groups((0..1000).map(f64::from).collect()), Some((1000, false)));
         assert_eq!(
             groups((0..1000).map(|i| f64::from(i / 100)).collect()),
             Some((10, true))
         );
-        // About a hundred points at times that were rounded to milliseconds.
+        // About a hundred points per time, rounded to milliseconds.
         let rounded = |i: i32| (f64::from(i) / 99.7).round() / 1000.0;
         assert_eq!(groups((0..2000).map(rounded).collect()), Some((21, false)));
-        // Tracks one after the other.
+        // Tracks one after another.
         assert_eq!(
             groups((0..1000).map(|i| f64::from(i % 100)).collect()),
             Some((100, true))
         );
-        // Each track moves by 1 at a time and begins 50 behind the one before; the other points are anywhere.
+        // Each track moves by 1 at a time and begins 50 after the one before; the other points are anywhere.
         let turns = Groups::of(&(0..6000).map(|i| f64::from(i % 60)).collect::<Vec<f64>>()).unwrap();
         let moving: Vec<f64> = (0..6000).map(|i| f64::from(i % 60 + 50 * (i / 60))).collect();
         let scattered: Vec<f64> = (0..6000).map(|i| f64::from((i * 7919) % 6007)).collect();
@@ -494,7 +494,7 @@ mod tests {
         assert!(turns.are_times_of_frames(1.0, false, [&moving, &zeros, &zeros]));
         assert!(!turns.are_times_of_frames(1.0, false, [&scattered, &zeros, &zeros]));
         assert_eq!(groups(vec![1.0; 10]), None);
-        // The packets of a LiDAR are sectors of a circle, its turns are all of it.
+        // The packets of a LiDAR are sectors of a circle, its revolutions cover all of it.
         let angle = |i: i32| f64::from(i) * std::f64::consts::TAU / 8000.0;
         let [x, y]: [Vec<f64>; 2] = [
             (0..64_000).map(|i| angle(i).cos()).collect(),
@@ -507,7 +507,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_have_their_rows_by_value() {
+    fn rows_are_grouped_into_frames_by_value() {
         let frames = Groups::of(&[2.0, 1.0, 2.0, f64::NAN, 1.0])
             .unwrap()
             .frames("t", Some(0.5), &[]);
@@ -524,7 +524,7 @@ mod tests {
     }
 
     #[test]
-    fn comments_may_say_times() {
+    fn comments_may_give_times() {
         let times = |comments: &[&str]| times_in(&comments.iter().map(|text| (*text).to_owned()).collect::<Vec<_>>());
         assert_eq!(
             times(&["t = 0.5", "t=1.5 s"]),
@@ -534,7 +534,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_are_frames_where_they_lie_on_each_other() {
+    fn overlapping_blocks_are_frames() {
         let cloud = |block: usize, i: usize| [(i % 7) as f64 + 0.1 * block as f64, (i % 5) as f64, (i % 3) as f64];
         let pieces = |block: usize, i: usize| [(i % 7) as f64, (i % 5) as f64 + 100.0 * block as f64, (i % 3) as f64];
         let lines = |block: usize, i: usize| [block as f64, i as f64, (i % 3) as f64];

@@ -42,7 +42,7 @@ pub(in crate::io) fn guessed_names(columns: &[Vec<f64>]) -> Vec<String> {
     let color = |names: &[Option<&str>], is_color: fn(&[Vec<f64>]) -> bool| {
         let fits = |(first, values): &(usize, &[Vec<f64>])| is_free(names, *first) && is_color(values);
         let found: Vec<usize> = triples().filter(fits).map(|(first, _)| first).collect();
-        // Intensity and colour of `.pts`; all four are in range where the last one is alpha as well.
+        // Intensity and colour as in `.pts`, unless the last column is alpha: then all four are in range, too.
         let has_alpha = width == 7 && is_alpha(&columns[6]);
         match found.as_slice() {
             [3, 4, ..] if width == 7 && !has_alpha => Some(4),
@@ -52,7 +52,7 @@ pub(in crate::io) fn guessed_names(columns: &[Vec<f64>]) -> Vec<String> {
     };
     let found = if width <= MAX_USUAL_COLUMNS {
         match color(&names, is_bytes) {
-            // Normals along axes are whole numbers as well: fractions elsewhere are more like a colour.
+            // Normals along axes are whole numbers as well: fractions elsewhere are more likely a colour.
             Some(first) if is_unit_length(&columns[first..first + 3]) => color(&names, is_fractions).or(Some(first)),
             Some(first) => Some(first),
             None => color(&names, is_fractions).or_else(|| color(&names, are_wide_bytes)),
@@ -72,7 +72,7 @@ pub(in crate::io) fn guessed_names(columns: &[Vec<f64>]) -> Vec<String> {
     {
         take(&mut names, first, &NORMAL);
     }
-    // The number behind colour or before it, as in the files of scanners.
+    // The remaining number before or after the colour, as in the files of scanners.
     if width == 7 && names.iter().filter(|name| name.is_none()).count() == 1 {
         for name in names.iter_mut().filter(|name| name.is_none()) {
             *name = Some("scalar");
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_without_names_are_known_by_their_values() {
+    fn unnamed_columns_are_recognised_by_their_values() {
         for (text, expected) in [
             ("1 2 3", "x y z"),
             ("1 2 3 4", "x y z scalar"),
@@ -171,7 +171,7 @@ mod tests {
             ("1 2 3 255 0 1", "x y z red green blue"),
             ("1 2 3 0.5 0.25 0.5", "x y z red green blue"),
             ("1 2 3 0.6 0 -0.8", "x y z nx ny nz"),
-            // One point that is red, and one normal along x: eight bits are the better guess.
+            // One red point, or one normal along x: eight-bit colour is the better guess.
             ("1 2 3 1 0 0", "x y z red green blue"),
             ("1 2 3 -900 255 0 1", "x y z scalar red green blue"),
             ("1 2 3 9 255 0 1\n1 2 3 9 255 0 7", "x y z scalar red green blue"),
@@ -186,7 +186,7 @@ mod tests {
             ("1 2 3 7.5 0 0.6 0.8", "x y z scalar nx ny nz"),
             ("1 2 3 0 0.6 0.8 7.5", "x y z nx ny nz scalar"),
             ("1 2 3 25 0 1 255 0 0.6 0.8", "x y z red green blue alpha nx ny nz"),
-            // Velocities and the like are no colours and no normals.
+            // Velocities and similar values are neither colours nor normals.
             ("1 2 3 -4 5.5 300", "x y z value_4 value_5 value_6"),
             ("1 2 3 0 0 0.0\n1 2 3 0.5 700 1", "x y z value_4 value_5 value_6"),
         ] {

@@ -190,7 +190,7 @@ impl Head {
             .find(has_axes);
         let named = named.or_else(|| lines.clone().find(|header| has_axes(header) && !header.is_comment));
         let named = named.or_else(|| lines.clone().find(|header| !header.is_comment && fits(header)));
-        // Names behind the mark of a comment that are no coordinates: whoever reads them must not be overruled.
+        // Names in a comment that are not coordinates: code that interprets them must not be overruled.
         let are_names = |header: &&Header| self.width == Some(header.names.len()) && are_names(&header.names);
         named.or_else(|| lines.clone().find(are_names)).cloned()
     }
@@ -360,7 +360,7 @@ pub(super) fn names_in(text: &[u8], dialect: Dialect) -> Vec<String> {
     } else {
         text.trim_ascii()
     };
-    // Names may be separated by other signs than the cells are: `# x, y, z`.
+    // Names may be separated by other characters than the cells are: `# x, y, z`.
     let has = |mark: u8| text.split(|&byte| byte == mark).count() > 2;
     let own = dialect.mark.filter(|mark| text.contains(mark));
     let mark = own.or_else(|| [b';', b'\t', b','].into_iter().find(|mark| has(*mark)));
@@ -407,7 +407,7 @@ fn is_header(head: &Head, content: &[u8], cells: &[Cell<'_>], behind: &[u8]) -> 
     if has_words {
         return axes(&strs(&names_in(content, head.dialect))).is_some();
     }
-    // pandas numbers columns that have no names: 0, 1, 2, and values with fractions follow.
+    // pandas numbers columns without names: 0, 1, 2, and values with fractions follow.
     let next = behind
         .split(|&byte| byte == b'\n')
         .map(|line| trimmed(line, head.dialect));
@@ -434,7 +434,7 @@ fn usual_width(rows: &[Vec<&[u8]>]) -> Option<usize> {
     let first = *widths.first()?;
     widths.sort_unstable();
     let median = widths[widths.len() / 2];
-    // Of two rows the first one is right.
+    // With only two rows, the first one is right.
     let width = if widths.len() < 3 { first } else { median };
     let mut last = rows
         .iter()
@@ -505,7 +505,7 @@ mod tests {
     }
 
     #[test]
-    fn kinds_are_those_of_most_rows() {
+    fn column_kinds_are_those_of_most_rows() {
         let head = head("t,x,y,z,label,s\n10:00:00,1,2,3,car,1\n10:00:01,1,2,,bus,\n10:00:02,1,2,3,,1\n");
         assert_eq!(
             head.kinds,

@@ -183,7 +183,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_surrounds_rows_is_taken_away() {
+    fn brackets_around_rows_are_removed() {
         for (text, expected) in [
             ("[1, 2, 3]\n[4, 5, 6]\n", " 1, 2, 3 \n 4, 5, 6 \n"),
             ("x,y,z\n(1,2,3)\n", "x,y,z\n 1,2,3 \n"),
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn tracks_of_colmap_are_cut_off() {
+    fn colmap_tracks_are_cut_off() {
         let text = "#   POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n\
                     1 5.5 9 1 255 0 0 0.5 1 2\n7 6 8 2 255 0 0 0.5 1 2 3 4\n";
         let plain = plain(text.as_bytes());

@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_before_coordinates_are_known_by_their_values() {
+    fn columns_before_the_coordinates_are_recognised_by_their_values() {
         let index = rows(|i| format!("{} {}.5 {} {} 9", i + 1, i * 7 % 11, i * 5 % 13, i * 3 % 7));
         assert_eq!(names(&index, false).as_deref(), Some("index"));
         let grid = rows(|i| format!("0 {i} {}.5 {}.25 {}.75 9 8 7", i * 7 % 11, i * 5 % 13, i * 3 % 7));

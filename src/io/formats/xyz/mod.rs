@@ -66,7 +66,7 @@ fn is_table_of_numbers(name: &Path, bytes: &[u8]) -> bool {
     let lines: Vec<&[u8]> = lines.take(MAX_LINES).collect();
     let width = |line: &&[u8]| rows::numbers_in(line, dialect).map_or(0, |row| row.len());
     let widths: Vec<usize> = lines.iter().map(width).skip_while(|width| *width < 3).collect();
-    // ZMap+ grids wrap their lines behind a header between two of these signs.
+    // ZMap+ grids wrap their lines after a header between two of these characters.
     let is_grid = lines.iter().any(|line| line.starts_with(b"@"));
     let is_max = |first: &usize| widths.iter().filter(|width| *width == first).count() * 2 > widths.len();
     !is_grid && widths.first().is_some_and(is_max)

@@ -170,7 +170,7 @@ impl Naming {
             let found = given
                 .map(|(column, _)| *column)
                 .or_else(|| of_header.as_ref().map(|axes| axes.columns[axis]));
-            // A map of other columns leaves the coordinates where they are.
+            // A mapping of other columns leaves the coordinates where they are.
             let has_axes = roles.iter().any(|(_, role)| AXES.contains(role));
             found
                 .or((!has_axes && raw.is_none()).then_some(axis))
@@ -209,7 +209,7 @@ fn aligned(header: &Header, head: &Head, width: usize) -> Option<Vec<String>> {
     if !names_fit(names.len(), width) && last.is_none_or(|last| last >= width) {
         return None;
     }
-    // R names the rows, and not that column.
+    // R has row names, but no name for their column.
     let numbers_rows = names.len() + 1 == width && head.first_is_index;
     if numbers_rows {
         names.insert(0, String::new());
@@ -243,7 +243,7 @@ fn with_roles(raw: &[String], positions: [usize; 3], given: &[(usize, &str)]) ->
             "" => format!("value_{}", column + 1),
             plain => plain.to_owned(),
         };
-        // Names of coordinates that are not taken for them must not look like them.
+        // The names of coordinates that are not used as such must not be confused with the ones that are.
         let is_taken = |name: &str| {
             let known = names.iter().any(|other| other.eq_ignore_ascii_case(name));
             known || roles.iter().flatten().any(|role| role.eq_ignore_ascii_case(name))
@@ -349,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn names_of_the_file_become_roles() {
+    fn column_names_become_roles() {
         for (text, expected) in [
             ("x,y,z,Rf,Gf,Bf\n1,2,3,1,1,1\n", "x y z red green blue"),
             ("id,pos_x,pos_y,pos_z\n1,2,3,4\n", "id x y z"),
@@ -370,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn degrees_that_a_person_takes_as_they_are_are_said() {
+    fn unprojected_degrees_chosen_by_the_user_are_reported() {
         let text = "Longitude,Latitude,Elevation\n8.5,47,400\n";
         let naming = naming(text, Some("x=Longitude,y=Latitude,z=Elevation")).unwrap();
         let [projection] = naming.assumptions.as_slice() else {
@@ -381,7 +381,7 @@ mod tests {
     }
 
     #[test]
-    fn unknown_names_are_refused_with_the_way_out() {
+    fn unknown_names_are_rejected_with_a_suggestion() {
         for (text, expected) in [
             ("a,b,c,d\n1,2,3,4\n", "0 a, 1 b, 2 c, 3 d"),
             (

@@ -31,7 +31,7 @@ pub(in crate::io) fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entr
         .read_to_end(&mut bytes)
         .map_err(failed)?;
     let may_be_sequence = has_counter(&bytes, options);
-    // Reading it as one frame says that it is too large.
+    // Reading it as one frame reports that it is too large.
     if size > options.max_memory_bytes || (!may_be_sequence && size > MAX_LISTED_BYTES) {
         return Ok(vec![Entry::whole()]);
     }

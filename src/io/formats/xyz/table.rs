@@ -276,7 +276,7 @@ impl Table {
                 Evidence::Convention,
             ));
         } else if first > 0 && names.len() == first + 3 {
-            // All is said already.
+            // Everything has already been reported.
         } else if names.len() > 3 {
             let values_tell = first > 0 || names.iter().any(|name| ["red", "nx"].contains(&name.as_str()));
             let (why, evidence) = if values_tell {
@@ -361,7 +361,7 @@ impl Table {
             }
             let mut scalar = Scalar::F64;
             if is_sequence && is_channel(&name) {
-                // Full intensity is that of all frames.
+                // Full intensity is determined over all frames.
                 scalar = Scalar::U8;
                 let factor = if full <= 1.0 {
                     255.0
@@ -461,7 +461,7 @@ impl Table {
         };
         cloud.unit = self.unit;
         cloud.assumptions.clone_from(&self.assumptions);
-        // Lines belong to the file, not to a frame of it.
+        // Warnings about lines belong to the file, not to one of its frames.
         if index == 0 {
             cloud.warnings.clone_from(&self.warnings);
         }
@@ -500,7 +500,7 @@ fn no_rows(head: &Head, text: &[u8]) -> Result<Table, Fault> {
     let known = usize::from(head.claimed.is_some()) + usize::from(has_names);
     match head.claimed {
         Some(claimed) if claimed > 0 => Err(cut_short(claimed, 0)),
-        // A header alone, or a count of none with or without a comment behind it, is a cloud of no points.
+        // A header alone, or a count of zero with or without a comment after it, is an empty cloud.
         _ if known > 0 && lines <= known + usize::from(head.claimed.is_some()) => Ok(Table::default()),
         _ => Err(Fault::new(
             Place::Line(1),
@@ -522,7 +522,7 @@ fn cut_short(claimed: usize, count: usize) -> Fault {
 fn claimed_points(first: Option<usize>, rows: &mut ParsedRows, width: usize) -> Option<usize> {
     let mut claimed = first;
     for lone in std::mem::take(&mut rows.lones) {
-        // A further count comes when all points of those before it are there.
+        // A further count follows once all points of those before it are complete.
         match (claimed, count_of_points(lone.value)) {
             (Some(before), Some(count)) if lone.row > 0 && lone.row == before => {
                 claimed = Some(before.saturating_add(count));

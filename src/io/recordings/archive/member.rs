@@ -66,7 +66,7 @@ pub(super) fn clean(name: &str) -> String {
     let name: String = name
         .chars()
         .map(|c| match c {
-            // Some writers on Windows use its own separator.
+            // Some writers on Windows use the native separator.
             '\\' => '/',
             c if c.is_control() => '?',
             c => c,

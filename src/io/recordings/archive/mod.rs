@@ -44,7 +44,7 @@ pub(in crate::io) fn list(path: &Path, format: Format, options: &ReadOptions) ->
             damage: None,
         }
     } else if is_gzip {
-        // What is in it is told by what comes out first.
+        // Its content is detected from the first unpacked bytes.
         let mut start = Vec::with_capacity(tar::BLOCK_BYTES);
         let unpacked = reader(Packing::Gzip, &mut file)
             .and_then(|packed| packed.take(tar::BLOCK_BYTES as u64).read_to_end(&mut start));

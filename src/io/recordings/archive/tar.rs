@@ -46,7 +46,7 @@ fn members(mut reader: impl Read + Seek, place: impl Fn(u64, u64) -> MemberPlace
     let length = length.map_err(|error| Fault::header(broken(&error)))?;
     let mut archive = tar::Archive::new(reader);
     let mut members = Vec::new();
-    // Where the last member ends, with what fills its last block.
+    // End of the last member, including the padding of its last block.
     let mut end = 0;
     let mut damage = None;
     let entries = archive
@@ -55,7 +55,7 @@ fn members(mut reader: impl Read + Seek, place: impl Fn(u64, u64) -> MemberPlace
     for entry in entries {
         let entry = match entry {
             Ok(entry) => entry,
-            // What came before the damage can be read.
+            // Whatever precedes the damage can be read.
             Err(error) if !members.is_empty() => {
                 damage = Some(format!(
                     "{}; the {} files before that are read",
@@ -100,7 +100,7 @@ pub(super) fn is_header(block: &[u8]) -> bool {
     if &block[MAGIC] == b"ustar" {
         return true;
     }
-    // The sum itself counts as spaces.
+    // The checksum field itself counts as spaces.
     let sum: u32 = (0..BLOCK_BYTES)
         .map(|at| u32::from(if SUM.contains(&at) { b' ' } else { block[at] }))
         .sum();

@@ -22,7 +22,7 @@ pub(super) fn members(file: File) -> Result<Vec<Member>, Fault> {
         if raw_name.ends_with(['/', '\\']) {
             continue;
         }
-        // Members are only located: one is read without the others, and nothing is unpacked to disk.
+        // Members are only located: each is read without the others, and nothing is unpacked to disk.
         let place = match archive.by_index_raw(index) {
             Ok(found) => place(&found),
             Err(error) => MemberPlace::Unreadable(format!("its header is not understood ({error}): it is damaged")),

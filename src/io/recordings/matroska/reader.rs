@@ -58,7 +58,7 @@ fn read_file(file: File, path: &Path) -> Result<Matroska, MatroskaError> {
         blocks: HashMap::new(),
     };
     reader.header()?;
-    // `matroska-demuxer` reads the bytes of each frame to come to the next, knows no attached files, and refuses
+    // `matroska-demuxer` reads the bytes of each frame to get to the next, does not know attached files, and rejects
     // truncated files.
     while reader.walk.left() > 0 {
         if reader.element().is_none() {
@@ -171,7 +171,7 @@ impl Reader {
             return None;
         };
         let is_laced = flags & LACING != 0;
-        // A lace of one frame has no lengths: what follows the number is the frame.
+        // A lace with one frame has no lengths: the frame follows the number directly.
         let more_frames = if is_laced { *rest.first()? } else { 0 };
         let before = (bytes.len() - rest.len()) as u64 + u64::from(is_laced);
         let blocks = self.blocks.entry(track).or_default();

@@ -108,10 +108,10 @@ fn clusters() -> [Vec<u8>; 2] {
     let second = [
         number(0xe7, 0),
         short(SIMPLE, &block(3, 33, 0x80, b"early")),
-        // Laces of one frame, and of three.
+        // Laces with one frame, and with three.
         short(SIMPLE, &block(3, 34, 0x86, b"\0laced")),
         short(SIMPLE, &block(3, 35, 0x82, b"\x02\x01\x01abc")),
-        // A track that nothing tells of.
+        // A track that is not described anywhere.
         short(SIMPLE, &block(9, 0, 0x80, b"else")),
     ];
     [first.concat(), second.concat()]
@@ -139,7 +139,7 @@ fn read(bytes: &[u8]) -> (Result<Matroska, MatroskaError>, tempfile::NamedTempFi
 }
 
 #[test]
-fn frames_are_found_whether_lengths_are_known_or_not() {
+fn frames_are_found_with_known_and_unknown_lengths() {
     for are_known in [true, false] {
         let (found, file) = read(&file(are_known));
         let found = found.unwrap();
@@ -181,7 +181,7 @@ fn frames_are_found_whether_lengths_are_known_or_not() {
 }
 
 #[test]
-fn times_count_milliseconds_unless_they_say_otherwise() {
+fn times_are_milliseconds_unless_stated_otherwise() {
     let cluster = [
         number(0xe7, 5),
         short(SIMPLE, &block(3, -7, 0, b"a")),
@@ -201,12 +201,12 @@ fn times_count_milliseconds_unless_they_say_otherwise() {
         .iter()
         .map(|block| block.time.as_millis())
         .collect();
-    // Nothing is before the beginning.
+    // No time is before the beginning.
     assert_eq!(times, [0, 7]);
 }
 
 #[test]
-fn a_file_that_breaks_off_is_read_as_far_as_it_goes() {
+fn a_truncated_file_is_read_as_far_as_it_goes() {
     let whole = file(false);
     let start = header("webm").len() + 12 + front().len();
     let mut counts = Vec::new();
@@ -225,14 +225,14 @@ fn a_file_that_breaks_off_is_read_as_far_as_it_goes() {
 }
 
 #[test]
-fn other_files_are_refused() {
+fn other_files_are_rejected() {
     for (bytes, expected) in [
         (Vec::new(), "first bytes"),
         (b"ply\nformat".to_vec(), "first bytes"),
         (header("avi"), "kind `avi`"),
         (header("matroska"), "no track"),
         ([header("matroska"), vec![0; 100]].concat(), "no track"),
-        // A length beyond the file, of a body that would be read.
+        // A length beyond the file, for a body that would be read.
         (
             [header("matroska"), short(0x1654_ae6b, &[]), open(0x1549_a966, 8)].concat(),
             "no track",
@@ -251,7 +251,7 @@ fn other_files_are_refused() {
 proptest! {
     /// Frames never reach beyond the file, whatever it claims.
     #[test]
-    fn damage_is_no_panic(places in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..12)) {
+    fn damage_never_panics(places in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..12)) {
         let mut bytes = file(true);
         for (place, byte) in places {
             let place = place.index(bytes.len());

@@ -78,7 +78,7 @@ pub(super) fn read(layout: &mut Arc<Layout>, bytes: &[u8], order: ByteOrder) -> 
             let interface = Interface {
                 link: Link::of(block.linktype.0),
                 ticks_per_second: ticks_per_second(block.if_tsresol).ok_or(Damaged)?,
-                // The crate reads it as little endian.
+                // The crate reads it as little-endian.
                 offset_s: match order {
                     ByteOrder::Little => block.if_tsoffset,
                     ByteOrder::Big => block.if_tsoffset.swap_bytes(),

@@ -91,7 +91,7 @@ impl Capture {
                     Clock::Stated | Clock::Nanoseconds if is_nanoseconds => 1,
                     Clock::MicrosecondParts | Clock::Stated | Clock::Nanoseconds => 1000,
                 },
-                // The upper bits tell of checksums behind frames.
+                // The upper bits describe checksums after frames.
                 link: Link::of(header.network.0 & 0xffff),
             })
         };
@@ -149,7 +149,7 @@ impl Capture {
         let length = records.order.u32(head, LENGTH_AT).ok_or_else(|| cut(offset))?;
         let count = self.take_record(head_bytes, length)?;
         let bytes = self.window.taken(count);
-        // Single records: the readers of `pcap-parser` cannot begin partway through a file, which is what a frame
+        // Single records: the readers of `pcap-parser` cannot start partway through a file, which is what a frame
         // needs.
         let parsed = match records.order {
             _ if records.is_modified => parse_pcap_frame_modified(bytes),
@@ -157,7 +157,7 @@ impl Capture {
             ByteOrder::Big => parse_pcap_frame_be(bytes),
         };
         let (_, frame) = parsed.map_err(|_| cut(offset))?;
-        // Zeros are no packet, and there may be terabytes of them in a sparse file.
+        // Zeros are not a packet, and a sparse file may contain terabytes of them.
         if frame.origlen == 0 && frame.caplen == 0 {
             return Err(damaged(offset, 0));
         }
@@ -189,7 +189,7 @@ impl Capture {
             if length < block::HEAD_BYTES as u32 {
                 return Err(damaged(offset, length));
             }
-            // What else is long, as keys of encryption, is nothing that is looked at.
+            // Other long records, such as encryption keys, are never read.
             if length > MAX_RECORD_BYTES && !matters {
                 let skipped = self.window.skip(u64::from(length));
                 skipped.map_err(|error| unreadable(offset, &error))?;

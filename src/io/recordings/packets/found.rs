@@ -199,7 +199,7 @@ impl FoundSensors {
         }
         notes.extend(problems.iter().map(|problem| format!("a sensor is skipped: {problem}")));
         notes.extend(self.traffic.notes());
-        // Addresses are in the order of numbers, topics in that of names.
+        // Addresses are sorted numerically, topics by name.
         read.sort_by(|left, right| left.0.cmp(&right.0));
         let max = read.iter().map(|(_, _, sensor)| sensor.rows.packets).max();
         let chosen = read.iter().position(|(name, _, sensor)| match wanted {

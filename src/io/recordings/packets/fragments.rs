@@ -70,7 +70,7 @@ impl Fragments {
         });
         let pieces = &mut self.open.get_mut(index)?.pieces;
         if pieces.add(fragment.offset, fragment.has_more, fragment.bytes).is_err() {
-            // Pieces that contradict one another are of datagrams that were mixed up.
+            // Contradictory pieces come from datagrams that were mixed up.
             self.give_up(index);
             return None;
         }

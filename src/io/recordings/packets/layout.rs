@@ -62,7 +62,7 @@ impl Interface {
     pub(super) fn time(&self, ticks: u64) -> Duration {
         let seconds = (ticks / self.ticks_per_second).saturating_add_signed(self.offset_s);
         let rest = u128::from(ticks % self.ticks_per_second) * 1_000_000_000 / u128::from(self.ticks_per_second);
-        // The rest is less than a second.
+        // The remainder is less than a second.
         Duration::new(seconds, rest as u32)
     }
 }

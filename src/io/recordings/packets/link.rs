@@ -73,7 +73,7 @@ impl Link {
             let kind = u16::from_be_bytes(bytes.get(at..at + 2)?.try_into().ok()?);
             Some(LaxSlicedPacket::from_ether_type(EtherType(kind), bytes.get(head..)?))
         };
-        // Lax, as packets may be cut by the snap length of the capture.
+        // Lenient, as packets may be truncated by the snap length of the capture.
         let packet = match self {
             Self::Ethernet => LaxSlicedPacket::from_ethernet(bytes).ok()?,
             Self::Ip => LaxSlicedPacket::from_ip(bytes).ok()?,

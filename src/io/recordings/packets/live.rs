@@ -75,7 +75,7 @@ impl Companion {
         read.map_err(|error| format!("{} cannot be read ({error})", path.display()))?;
         let text = String::from_utf8_lossy(&bytes);
         let told = |fault: Fault| format!("{}, {}: {}", path.display(), fault.place, fault.problem);
-        // What is none of any kind is told what the last one has.
+        // If it is of no known kind, the error is the one that the last kind reports.
         let kind = kinds()
             .find(|kind| (kind.is_one)(&text))
             .or_else(|| kinds().next_back());
@@ -128,7 +128,7 @@ impl LiveTurns {
         self.look(time);
         let datagram = Datagram {
             source: source.ip(),
-            // That of the socket is any that a person chose.
+            // The port of the socket is whatever the user chose.
             port: 0,
             byte_count: bytes.len(),
             bytes,

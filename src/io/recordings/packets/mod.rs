@@ -82,8 +82,8 @@ pub(in crate::io) fn list(path: &Path, wanted: Option<&str>, options: &ReadOptio
     let clock = found.end_probe(beginning.fractions());
     let mut capture = open(clock)?;
     let file_bytes = path.metadata().map_err(failed)?.len();
-    // Looks at the header of each packet and some bytes of its contents: 2 to 3 GB per second from memory, so the disk
-    // is the bottleneck.
+    // Reads the header of each packet and some bytes of its contents: 2 to 3 GB per second from memory, so the disk is
+    // the bottleneck.
     let mut long = LongWalk::new(path, file_bytes);
     let mut end = None;
     loop {
@@ -125,7 +125,7 @@ pub(in crate::io) fn read(
     };
     let file = File::open(path).map_err(failed)?;
     let layout = std::sync::Arc::clone(&turn.layout);
-    // Its own part of the file alone: 52,000 points of a VLP-16 take 4 ms, 111,000 of an Ouster 5 to 7 (AMD EPYC, one
+    // Only its own part of the file: 52,000 points of a VLP-16 take 4 ms, 111,000 of an Ouster 5 to 7 ms (AMD EPYC, one
     // thread).
     let mut capture = Capture::resume(file, layout, turn.place.begin).map_err(failed)?;
     let mut reading = Reading {

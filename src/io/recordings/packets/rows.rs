@@ -71,7 +71,7 @@ impl Rows {
     /// Adds a packet of a frame that has a number; `row` is the frame if it begins with it.
     pub(super) fn add_frame(&mut self, row: Row) {
         self.packets += 1;
-        // Packets that come late belong to the frame before: all with the same frame number are one frame.
+        // Late packets belong to the previous frame: all with the same frame number form one frame.
         let mut recent = self.all.iter_mut().rev().take(2);
         match recent.find(|known| known.place.part == row.place.part) {
             Some(known) => {
@@ -87,7 +87,7 @@ impl Rows {
     /// mid-revolution; returns a sentence that reports it.
     pub(super) fn drop_stubs(&mut self) -> Option<String> {
         let whole = self.whole_packets()?;
-        // The automatic settings would be chosen for a partial revolution.
+        // The automatic settings would otherwise be chosen for a partial revolution.
         let is_stub = |row: Option<&Row>| row.is_some_and(|row| row.packets * 2 < whole);
         let is_last = is_stub(self.all.last());
         let is_first = is_stub(self.all.first());

@@ -83,7 +83,7 @@ impl Coverage {
         let mut largest = (0, 0);
         let mut second = 0;
         let mut length = 0;
-        // Once around, from a measured bin to that bin again.
+        // Once around, from a measured bin back to the same bin.
         for step in 1..=BINS {
             let bin = (first + step) % BINS;
             if self.0[bin] {
@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn revolutions_are_cut_outside_the_window() {
         assert_eq!(seam(0..360), 0);
-        // Gaps that hold azimuth 0, and small ones.
+        // Gaps that include azimuth 0, and small ones.
         assert_eq!(seam(45..315), 0);
         assert_eq!(seam(0..270), 0);
         assert_eq!(seam((0..180).chain(190..360)), 0);
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn narrow_windows_fall_by_less() {
+    fn narrow_windows_have_a_smaller_azimuth_drop() {
         let mut coverage = Coverage::default();
         (-600..600).for_each(|azimuth| coverage.add(azimuth));
         let seam = coverage.seam();

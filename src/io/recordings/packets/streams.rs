@@ -168,10 +168,10 @@ mod tests {
     }
 
     #[test]
-    fn a_run_of_packets_has_the_place_and_one_that_strays_has_not() {
+    fn only_a_run_of_packets_takes_the_free_slot() {
         let mut streams = Streams::new(ms(3000));
         assert_eq!(streams.add(address(1), &VLP, ms(0)), PacketUse::Skipped);
-        // Packets of several kinds are no stream of a sensor, nor are those that come once in a while.
+        // Packets of several kinds do not form a sensor stream, nor do occasional ones.
         for at in 0..200 {
             let sort = if at % 2 == 0 { VLP } else { OUSTER };
             assert_eq!(streams.add(address(2), &sort, ms(at)), PacketUse::Skipped);
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn a_second_sensor_is_named_once_and_gets_in_after_silence() {
+    fn a_second_sensor_is_reported_once_and_shown_after_silence() {
         let mut streams = Streams::new(ms(3000));
         streams.show(address(1), VLP, ms(0));
         let PacketUse::Second(said) = run(&mut streams, address(2), &VLP, 0) else {
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flood_of_addresses_takes_no_memory_and_keeps_no_sensor_out() {
+    fn a_flood_of_addresses_takes_no_memory_and_blocks_no_sensor() {
         let mut streams = Streams::new(ms(3000));
         let mut packet_use = PacketUse::Skipped;
         for at in 0..100 * u64::from(RUN_PACKETS) {

@@ -31,7 +31,7 @@ const UNREAD: &[Unread] = &[
         advice: "export PCD or LAS from PandarView 2, or play the capture into HesaiLidar_ROS_2.0 and record the \
             PointCloud2 topic as a bag",
         is_one: |_, bytes| {
-            // Pandar40P has blocks from its first byte on, all others a header.
+            // Pandar40P packets start with blocks, all others with a header.
             let is_pandar_40 = matches!(bytes.len(), 1256 | 1262 | 1266) && bytes.starts_with(b"\xff\xee");
             bytes.starts_with(b"\xee\xff") || is_pandar_40
         },

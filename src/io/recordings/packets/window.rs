@@ -98,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_come_once_and_in_order() {
+    fn bytes_are_delivered_once_and_in_order() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("bytes");
         let bytes: Vec<u8> = (0..3 * PIECE_BYTES).map(|index| (index % 251) as u8).collect();

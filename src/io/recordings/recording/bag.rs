@@ -169,7 +169,7 @@ fn record(
         let length = u64::from(Bytes::new(&walk.take(4)?).u32()?);
         (length <= max).then_some(length)
     };
-    // Zeros are no record, and there may be terabytes of them in a sparse file.
+    // Zeros are not a record, and a sparse file may contain terabytes of them.
     let header_bytes = length(MAX_HEADER_BYTES).filter(|&length| length > 0)?;
     let header = RecordHeader::parse(&walk.take(header_bytes)?)?;
     let data_bytes = u64::from(Bytes::new(&walk.take(4)?).u32()?);

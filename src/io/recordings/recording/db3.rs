@@ -183,7 +183,7 @@ fn cut_of(path: &Path, file_bytes: u64) -> Option<String> {
         1 => 1 << 16,
         bytes => u64::from(bytes),
     };
-    // Old programs do not count; then the two numbers of changes differ.
+    // Old programs do not maintain the page count; then the two change counters differ.
     let is_counted = number(24) == number(92);
     let claimed = page_bytes * u64::from(number(28));
     (is_counted && claimed > file_bytes)

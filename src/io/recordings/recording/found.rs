@@ -152,7 +152,7 @@ impl FoundMessages {
 
     /// True when nothing within chunks is looked for.
     pub(super) fn is_complete(&self) -> bool {
-        // A recording with clouds is opened as clouds: its chunks are not unpacked to look for images.
+        // A recording with clouds is opened as clouds: its chunks are not unpacked to search for images.
         self.has_clouds && self.wanted == Wanted::Cameras { with_clouds: false }
     }
 
@@ -193,7 +193,7 @@ impl FoundMessages {
     pub(super) fn contents(self, wanted: Option<&str>) -> Contents {
         let damage = self.damage();
         let described = self.describe();
-        // The same topic may have several numbers, one for each of its publishers.
+        // The same topic may have several ids, one for each of its publishers.
         let mut by_name: BTreeMap<&str, Vec<(Duration, Message)>> = BTreeMap::new();
         for topic in self.topics.values().flatten() {
             by_name.entry(&topic.name).or_default();

@@ -91,7 +91,7 @@ pub(super) fn json_stamp(start: &[u8]) -> Option<Duration> {
     loop {
         let at = rest.windows(TIMESTAMP.len()).position(|key| key == TIMESTAMP)?;
         rest = &rest[at + TIMESTAMP.len()..];
-        // A field of the points may have that name, too; a value follows the key alone.
+        // A field of the points may have that name, too; only the key is followed by a value.
         if let Some(value) = rest.trim_ascii_start().strip_prefix(b":") {
             let mut value = serde_json::Deserializer::from_slice(value);
             let time = JsonTime::deserialize(&mut value).ok()?;
@@ -236,7 +236,7 @@ impl Pose {
         if !position.is_finite() || !orientation.is_finite() {
             return Err(Fault::header("the pose has numbers that are not finite"));
         }
-        // One that is left out is all zeros.
+        // An absent rotation is all zeros.
         let rotation = if orientation.length_squared() > 0.0 {
             orientation.normalize()
         } else {

@@ -103,7 +103,7 @@ impl Finder {
         let (kind, length) = (head.u8()?, head.u64()?);
         let body = walk.position();
         let end = body.checked_add(length)?;
-        // Zeros are no records, and there may be terabytes of them in a sparse file.
+        // Zeros are not records, and a sparse file may contain terabytes of them.
         if length > walk.left() || kind == 0 {
             return None;
         }
@@ -158,7 +158,7 @@ impl Finder {
             let mut next = || {
                 let (kind, length) = (records.u8()?, records.u64()?);
                 let start = records.position() as u64;
-                // Zeros are no records.
+                // Zeros are not records.
                 (kind != 0).then_some(())?;
                 Some((kind, start, records.take(usize::try_from(length).ok()?)?))
             };

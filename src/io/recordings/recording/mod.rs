@@ -118,7 +118,7 @@ fn find(path: &Path, format: Format, wanted: Wanted, options: &ReadOptions) -> R
 pub(in crate::io) fn read(path: &Path, message: &Message, options: &ReadOptions) -> Result<RawCloud, IoError> {
     let bytes = message_bytes(path, message, options)?;
     let (format, place) = place_of(path, message);
-    // Of a message in a chunk the room of the chunk.
+    // For a message in a chunk, this is the capacity of the chunk.
     let options = options.holding(bytes.capacity());
     let cloud = message.encoding.decode(&bytes, &options).map_err(|fault| {
         let problem = format!("the point cloud: {}", fault.problem);
@@ -173,7 +173,7 @@ pub(crate) fn read_all_parsed<'a, T>(
         } => {
             if unpacked.as_ref().is_none_or(|(known, _)| *known != chunk) {
                 let mut file = File::open(path).ok()?;
-                // One that cannot be unpacked is not tried again for each of its messages.
+                // If it cannot be unpacked, that is not tried again for each of its messages.
                 let bytes = chunk.unpack(&mut file, options).unwrap_or_default();
                 unpacked = Some((chunk, bytes));
             }
@@ -203,7 +203,7 @@ fn place_of(path: &Path, message: &Message) -> (Format, Place) {
             },
         ),
         (&MessagePlace::File { offset, .. } | &MessagePlace::Chunk { offset, .. }, encoding) => (
-            // A ROS 1 message may be in an MCAP file, too; the file's name says which.
+            // A ROS 1 message may be in an MCAP file, too; the name of the file decides.
             match encoding {
                 Encoding::Ros(Serialisation::Ros1) | Encoding::Livox(Serialisation::Ros1)
                     if containers::BAG.has_extension_of(path) =>

@@ -38,7 +38,7 @@ fn parse(message: &[u8], serialisation: Serialisation) -> Option<Cloud<'_>> {
     let frame_id = serialisation.header(&mut fields)?.frame_id;
     let (height, width) = (fields.u32()?, fields.u32()?);
     let field_count = fields.u32()?;
-    // Not allocated for the count that is claimed: every field takes bytes that must be there.
+    // Not allocated for the claimed count: every field takes bytes that must be there.
     let mut list = Vec::new();
     for _ in 0..field_count {
         list.push(PointField {
@@ -93,7 +93,7 @@ impl Grid {
         let (width, height) = (u64::from(cloud.width), u64::from(cloud.height));
         let (point_step, row_step) = (u64::from(cloud.point_step), u64::from(cloud.row_step));
         let row_bytes = width * point_step;
-        // Rows of one line need no step; some writers leave it at zero.
+        // A single line needs no row step; some writers leave it at zero.
         let row_step = if height <= 1 { row_bytes } else { row_step };
         let needed = row_step
             .saturating_mul(height.saturating_sub(1))

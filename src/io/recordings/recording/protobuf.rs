@@ -94,7 +94,7 @@ impl<'a> Iterator for MessageFields<'a> {
         }
         let field = self.field();
         if field.is_none() {
-            // Nothing can be made of what follows.
+            // The rest cannot be interpreted.
             self.0 = Bytes::new(&[]);
         }
         Some(field)
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_cut_or_none_ends() {
+    fn truncated_or_invalid_data_ends_the_fields() {
         for broken in [
             &[0x08][..],
             &[0x08, 0x80],
@@ -144,7 +144,7 @@ mod tests {
             &[0x12, 255, 255, 255, 255, 255, 255, 255, 255, 255, 1],
             &[0x1d, 1, 2, 3],
             &[0x21, 1],
-            // Groups are of versions before this one; a varint has ten bytes at most.
+            // Groups were removed from this version; a varint has ten bytes at most.
             &[0x0b],
             &[0x08, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 1],
         ] {

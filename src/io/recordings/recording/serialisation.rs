@@ -40,7 +40,8 @@ impl Serialisation {
             Self::Ros1 => Some(Bytes::new(message)),
             Self::Cdr => {
                 let (head, rest) = message.split_at_checked(CDR_HEAD_BYTES)?;
-                // Plain CDR of the first version, and of the second, in which numbers of 8 bytes lie at multiples of 4.
+                // Plain CDR of the first version, and of the second, in which 8-byte numbers are aligned to multiples
+                // of 4.
                 match head[..2] {
                     [0, 0] => Some(Bytes::aligned(rest, true, 8)),
                     [0, 1] => Some(Bytes::aligned(rest, false, 8)),
@@ -65,7 +66,7 @@ impl Serialisation {
     /// When the content of a message was taken that begins with a header, if `start`, its first bytes, says so.
     pub(super) fn stamp(self, start: &[u8]) -> Option<Duration> {
         let (seconds, nanos) = self.time(&mut self.body(start)?)?;
-        // ROS 2 counts seconds in 32 bits with a sign: before 1970 is no time of a recording.
+        // ROS 2 has signed 32-bit seconds: no recording is from before 1970.
         let is_negative = self == Self::Cdr && seconds > i32::MAX as u32;
         let is_time = !is_negative && nanos < NANOS_PER_SECOND && (seconds, nanos) != (0, 0);
         is_time.then(|| Duration::new(seconds.into(), nanos))

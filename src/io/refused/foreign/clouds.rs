@@ -10,7 +10,7 @@ pub(super) const ROWS: &[Foreign] = &[
         writer: "CloudCompare",
         advice: "open it in CloudCompare and save its clouds as PLY, LAS or E57, or run CloudCompare -SILENT -O \
             FILE.bin -C_EXPORT_FMT PLY -SAVE_CLOUDS",
-        // The fourth byte is flags, as a character.
+        // The fourth byte holds flags, as a character.
         magic: &[Magic::start(b"CCB")],
         ..ROW
     },

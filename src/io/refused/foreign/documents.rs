@@ -60,7 +60,7 @@ pub(super) const ROWS: &[Foreign] = &[
         advice: IMAGE_ADVICE,
         magic: &[
             Magic::start(b"\x89PNG\r\n\x1a\n"),
-            // The fourth byte, too: three are also the first ones of plausible coordinates.
+            // Including the fourth byte: the first three may also begin plausible coordinates.
             Magic::start(b"\xff\xd8\xff\xe0"),
             Magic::start(b"\xff\xd8\xff\xe1"),
             Magic::start(b"\xff\xd8\xff\xe2"),

@@ -293,7 +293,7 @@ fn samples_are_recognised_by_their_content() {
 }
 
 #[test]
-fn names_tell_where_content_does_not() {
+fn names_decide_where_content_does_not() {
     for (name, words) in BY_NAME {
         let kind = recognise(Path::new(name), b"\x01\x02\x03\x04").unwrap_or_else(|| panic!("{name}"));
         assert!(kind.to_string().contains(words), "{name}: {kind}");
@@ -335,7 +335,7 @@ fn every_row_has_a_sample() {
 }
 
 #[test]
-fn rows_do_not_take_extensions_of_formats_that_are_read() {
+fn rows_do_not_claim_extensions_of_supported_formats() {
     let read: HashSet<&str> = crate::io::supported_extensions().collect();
     for row in rows() {
         for extension in row.extensions {
@@ -354,7 +354,7 @@ fn rows_do_not_take_extensions_of_formats_that_are_read() {
 }
 
 #[test]
-fn files_that_are_read_are_not_caught() {
+fn supported_files_are_not_claimed() {
     let floats: Vec<u8> = [12.5f32, -3.25, 1.75, 0.5]
         .iter()
         .flat_map(|number| number.to_le_bytes())

@@ -24,7 +24,7 @@ pub(super) fn cameras(path: &Path) -> Result<Cameras, PhotosError> {
         let number = bytes.u32()?.cast_signed();
         let size = [bytes.u64()?, bytes.u64()?];
         let Some(model) = Model::of_number(number) else {
-            // How long its row is is not known, so that what follows cannot be read.
+            // The length of its row is unknown, so that the rest cannot be read.
             return Err(bytes.error(format!(
                 "camera {id} has model number {number}, expected 0 to 6: undistort the images first"
             )));

@@ -17,7 +17,7 @@ pub fn colmap_depth(path: &Path) -> Result<DepthImage, PhotosError> {
     let problem = || PhotosError::invalid(path, "byte 0", "expected `WIDTH&HEIGHT&1&` before the depths");
     let mut rest = file.as_slice();
     let mut side = || {
-        // A side has a few digits: no search through a file that is none of these.
+        // A side has only a few digits: other files are not searched.
         let end = rest.iter().take(12).position(|&byte| byte == b'&')?;
         let number: usize = std::str::from_utf8(&rest[..end]).ok()?.trim().parse().ok()?;
         rest = &rest[end + 1..];
@@ -60,14 +60,14 @@ mod tests {
     }
 
     #[test]
-    fn depths_come_line_by_line() {
+    fn depths_are_read_row_by_row() {
         let image = read("3&2&1&", &[1.0, 2.0, 3.0, -1.0, f32::NAN, 6.0]).unwrap();
         assert_eq!(image.size_px(), [3, 2]);
         assert_eq!(image.metres(), [1.0, 2.0, 3.0, 0.0, 0.0, 6.0]);
     }
 
     #[test]
-    fn claims_of_many_depths_are_refused() {
+    fn oversized_depth_maps_are_rejected() {
         let error = read("60000&60000&1&", &[1.0]).unwrap_err().to_string();
         assert!(error.contains("60000 × 60000 depths are claimed, found 1"), "{error}");
         for head in [

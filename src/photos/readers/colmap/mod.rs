@@ -48,7 +48,7 @@ const FOLDERS: &[&str] = &[
     "dslr_calibration_undistorted",
     "rig_calibration_undistorted",
     "dslr/colmap",
-    // Lenses that are not shown, mostly: who opens the scene is told so.
+    // Mostly unsupported lenses: opening the scene reports that.
     "distorted/sparse",
     "dslr_calibration_jpg",
     "rig_calibration",
@@ -82,7 +82,7 @@ fn model_in(folder: &Path) -> Option<PathBuf> {
         let size = |name: &str| fs::metadata(model.join(name)).map_or(0, |file| file.len());
         size("images.bin").max(size("images.txt"))
     };
-    // From the last on, as the last of equals would be taken. A number may be missing; folders without 0 have none.
+    // In reverse, because the last of equals would be taken. Numbers may have gaps; folders without 0 have no models.
     let first = folder.join("0").is_dir();
     let models: Vec<PathBuf> = numbered.take_while(|_| first).filter(|model| is_in(model)).collect();
     models.into_iter().rev().max_by_key(size_of)
@@ -138,7 +138,7 @@ fn draft(image: &Image, cameras: &Cameras, folders: &[PathBuf]) -> Draft {
     let lens = lens.unwrap_or_else(|| Err(format!("its camera, number {}, is not among the cameras", image.camera)));
     let [w, x, y, z] = image.quaternion;
     let quaternion = DQuat::from_xyzw(x, y, z, w);
-    // A quaternion without length is no rotation, and refused as such.
+    // A quaternion of zero length is not a rotation, and is refused as such.
     let turn = if !quaternion.is_finite() {
         DMat3::NAN
     } else if quaternion.length_squared() > 0.0 {

@@ -56,7 +56,7 @@ impl LevelChanges {
     /// Changes the nodes of a level.
     fn apply(self, schema: &Schema, level: &mut FollowedLevel) {
         for (position, step) in level.positions.iter_mut().zip(&self.steps) {
-            // Damaged bytes may move a node on and on.
+            // Damaged bytes may move a node without limit.
             *position = [0, 1, 2].map(|axis| position[axis].saturating_add(step[axis]));
         }
         let values = &mut level.values;

@@ -58,7 +58,7 @@ pub(in crate::reel) fn encode(schema: &Schema, followed: &mut Followed, mut chan
     for (kind, of_sections) in coders {
         for (section, coder) in sections.iter_mut().zip(of_sections) {
             if let Some(mut bytes) = coder.map(RangeEncoder::finish) {
-                // A stream that is not listed did not change.
+                // A stream that is not listed has not changed.
                 if bytes.is_empty() {
                     bytes.push(0);
                 }

@@ -68,7 +68,7 @@ impl Followed {
             let of_each = points.cell_of_each(&deepest.cells);
             let placed = of_each.zip(&points.below).map(|((cell, missing), below)| {
                 let cell = morton::decode(cell);
-                // The middle of what the bits below the cell tell apart.
+                // The centre of the range that is resolved by the bits below the cell.
                 [0, 1, 2].map(|axis| {
                     let center = (2 * below[axis] as i32 + (1 << missing)) << (part_bits - bits);
                     (cell[axis] << part_bits) as i32 | center >> 1
@@ -143,7 +143,7 @@ fn plans_of(levels: &[Level], has_points: bool) -> (Vec<Vec<Known>>, Vec<Family>
         };
         return (vec![Vec::new(); levels.len()], vec![nobody; levels.len()]);
     }
-    // The root is the only child of a node that is alone.
+    // The root is the only child of a single node.
     let mut masks: &[u8] = &[1];
     let mut families = vec![Family {
         neighbours: vec![ALONE],
@@ -161,7 +161,7 @@ fn plans_of(levels: &[Level], has_points: bool) -> (Vec<Vec<Known>>, Vec<Family>
         if place + 1 < levels.len() || has_points {
             let neighbours = neighbours_below(links);
             masks = &level.masks;
-            // Points are no octants: their number is told otherwise.
+            // Points are not octants: their number is encoded differently.
             let first = first_children(masks);
             families.push(Family { neighbours, first });
         }

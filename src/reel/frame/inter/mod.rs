@@ -56,19 +56,19 @@ impl MotionScale {
 /// Returns the precision of the motion of a frame's nodes.
 fn motion_scale(schema: &Schema) -> MotionScale {
     match schema.retained {
-        // Points that are kept one by one are off by half a cell at most: a tolerance, half a step, and rounding.
+        // Individually stored points are off by at most half a cell: a tolerance, half a step, and rounding.
         Retained::Bits(bits) => MotionScale {
             part_bits: u32::from(bits) + 3,
             steps: [3, 3],
             tolerance: 1.9,
         },
-        // Half a cell at most.
+        // At most half a cell.
         _ => MotionScale {
             part_bits: 8,
             steps: [129, 17],
-            // A quarter of a cell. If every frame encoded the error of the previous one, that noise would be taken for
-            // motion and used for prediction: 6 bits per point for the walking man with steps of a quarter of a cell,
-            // instead of 1.2.
+            // A quarter of a cell. If every frame encoded the error of the previous one, that noise would be mistaken
+            // for motion and used for prediction: 6 bits per point for the walking man with steps of a quarter of a
+            // cell, instead of 1.2.
             tolerance: 64.0,
         },
     }

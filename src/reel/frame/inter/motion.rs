@@ -37,8 +37,8 @@ pub(super) fn code_motion<C: BitCoder>(
         let of_level = &followed.levels[level];
         let differences = match level.checked_sub(1) {
             None => vec![[0; 3]; steps.len()],
-            // Without this gradient, predicted as colours are, the walking man (merged points) takes 2.4 bits per point
-            // instead of 1.2.
+            // Without this gradient, predicted in the same way as colours, the walking man (merged points) takes 2.4
+            // bits per point instead of 1.2.
             Some(above) => Below {
                 family: &followed.families[above],
                 steps: parents,
@@ -48,9 +48,9 @@ pub(super) fn code_motion<C: BitCoder>(
             .differences(),
         };
         if let Some(coder) = &mut coders[places[level]] {
-            // Not by how many levels are decoded: a prefix of them moves as it does among all.
-            // With one step size for all levels, every level encodes the rounding error of the level above again: 3.9
-            // bits per point for the walking man instead of 1.2.
+            // Independent of how many levels are decoded: a prefix of them moves as it does within all of them. With
+            // one step size for all levels, every level encodes the rounding error of the level above again: 3.9 bits
+            // per point for the walking man instead of 1.2.
             let step = scale.step(followed.depth.saturating_sub(level as u32));
             code_level(
                 coder,
@@ -90,7 +90,7 @@ fn code_level<C: BitCoder>(
         differences,
     } = *foreseen;
     let mut last_parent = NONE;
-    // What the sisters moved otherwise than was foreseen, and what the node before was off by.
+    // The prediction errors of the siblings, and that of the preceding node.
     let mut others = [0i32; 3];
     let mut before = 0usize;
     for (node, known) in plan.iter().enumerate() {
@@ -103,7 +103,7 @@ fn code_level<C: BitCoder>(
         let mut sum = 0u32;
         for axis in 0..3 {
             let made_up = divided(left - 2 * others[axis], 2 * left);
-            // Displacements of the previous frame as a predictor made it worse, as they are rounded.
+            // Using the displacements of the previous frame as a predictor made it worse, as they are rounded.
             let foreseen = parent[axis] + differences[node][axis];
             let predicted = (foreseen + made_up).clamp(-MAX_CHANGE, MAX_CHANGE);
             let context = usize::from(left == 1) * 3 + axis;
@@ -114,7 +114,7 @@ fn code_level<C: BitCoder>(
             } else {
                 (steps[node][axis] - predicted + unit / 2).div_euclid(unit)
             };
-            // What damaged bytes say may be any number.
+            // Damaged bytes may give any number.
             let max = i64::from(MAX_CHANGE);
             let units = model
                 .code_signed(coder, &mut models.rest, i64::from(units))

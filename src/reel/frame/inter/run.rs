@@ -65,7 +65,7 @@ impl<'a> Run<'a> {
             let anchor = |(position, mean): (&[i32; 3], DVec3)| {
                 DVec3::from_array(position.map(f64::from)) - (mean - plan.grid.min) * run.parts_per_unit
             };
-            // The distance that a node has from the mean of its points in the key frame stays, so that the pattern of
+            // The offset of a node from the mean of its points in the key frame is retained, so that the pattern of
             // points moves with the surface and nothing flickers.
             run.anchors = followed
                 .levels
@@ -127,7 +127,7 @@ impl<'a> Run<'a> {
         let Some(largest) = self.plan.largest_cells(index) else {
             return scale.tolerance;
         };
-        // Less half a step, and rounding.
+        // Minus half a step, and rounding.
         let half = 0.5 * largest[self.order[node] as usize] * self.parts_per_unit;
         (half - 2.1).max(scale.tolerance)
     }
@@ -153,7 +153,8 @@ impl<'a> Run<'a> {
         let of_points = PointValues::new(self.schema, &self.plan.grid, cloud);
         let mut summaries = of_points.leaves(&self.nodes, self.order);
         if let (Some((covering, largest)), Some(single)) = (&self.radii, self.schema.radius_single()) {
-            // A disk that reached over the points of a node does so while these stay together, however they turn.
+            // A disk that covered the points of a node still does so while these stay together, whatever their
+            // rotation.
             let now = of_points.largest_radii(&self.nodes, self.order);
             let grown = covering
                 .iter()
@@ -220,8 +221,8 @@ pub(in crate::reel) fn follows(plan: &GroupPlan, clouds: &[&RawCloud], key: usiz
         && order.len() == clouds[key].positions.len()
         && plan.order(other).len() == order.len()
         && order.len() > 1;
-    // Resampled frames stand alone. Block motion, and points tracked within parts of a cell, still took 92 % of the
-    // bits of geometry and 82 % of those of colours, at five times the decoding time.
+    // Resampled frames are encoded independently. Block motion, and points tracked within parts of a cell, still took
+    // 92 % of the bits of geometry and 82 % of those of colours, at five times the decoding time.
     if !is_alike {
         return false;
     }

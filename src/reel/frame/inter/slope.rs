@@ -107,7 +107,7 @@ mod tests {
 
     /// A body that turns, and is sheared: eight nodes around one of which the children are asked.
     #[test]
-    fn a_linear_motion_is_foreseen() {
+    fn linear_motion_is_predicted() {
         let way_of = |index: i32| [index % 3 - 1, index / 3 % 3 - 1, index / 9 - 1];
         let step_of = |[x, y, z]: [i32; 3]| [y / 8 + 7, -x / 8 - 3, x / 16 + z / 4];
         let mut family = Family {
@@ -133,7 +133,7 @@ mod tests {
             edge: 1024.0,
         };
         let differences = below.differences();
-        // x += y / 8, y −= x / 8, z += x / 16 + z / 4, of the way (256, −256, 256), less what the stiffness takes.
+        // x += y / 8, y −= x / 8, z += x / 16 + z / 4, for the offset (256, −256, 256), reduced by the stiffness.
         let found = differences[27];
         let expected = [-32, -32, 80];
         assert!(
@@ -141,7 +141,7 @@ mod tests {
             "{found:?}"
         );
         assert_eq!(differences[26].map(|along| -along), found);
-        // Nothing is known around the others.
+        // The others have no known neighbours.
         assert_eq!(differences[0], [0; 3]);
     }
 }

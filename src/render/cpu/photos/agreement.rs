@@ -33,8 +33,8 @@ pub(super) fn agreed(shown: &[Shown]) -> Vec3 {
             let off2 = shown.color.distance_squared(agreed);
             let belief = 1.0 / (1.0 + PHOTO_PER_DISAGREEMENT2 * off2);
             // Nearness everywhere, not only where images disagree, is up to 0.4 dB better for images that COLMAP
-            // calibrated, but Redwood's noisy ones have 37.14 dB instead of 37.33; with its root 37.26. In the first
-            // mean only: 30.14 instead of 30.57 dB with every third image (castle).
+            // calibrated, but Redwood's noisy ones have 37.14 dB instead of 37.33; with its square root 37.26. In the
+            // first mean only: 30.14 instead of 30.57 dB with every third image (castle).
             shown.share * belief * (belief + (1.0 - belief) * shown.nearness)
         });
     }
@@ -67,31 +67,31 @@ mod tests {
     }
 
     #[test]
-    fn the_one_of_four_that_shows_something_else_hardly_counts() {
+    fn one_outlier_of_four_hardly_counts() {
         let wall = Vec3::new(0.6, 0.5, 0.4);
         let wrong = Vec3::new(0.1, 0.1, 0.9);
         let found = agreed(&alike([(wall, 1.0), (wall, 0.8), (wrong, 0.9), (wall, 0.5)]));
         assert!(found.distance(wall) < 0.01, "{found}");
-        // It is by its own share that it counts alone.
+        // Alone, it counts by its own share.
         assert!(agreed(&alike([(wrong, 0.2), (wall, 0.0)])).distance(wrong) < 1e-6);
     }
 
     #[test]
-    fn what_differs_by_noise_is_averaged() {
+    fn colors_that_differ_by_noise_are_averaged() {
         let noise = [-0.006, 0.004, 0.003, -0.001];
         let shown = noise.map(|noise| (Vec3::splat(0.5 + noise), 1.0));
         assert!(agreed(&alike(shown)).distance(Vec3::splat(0.5)) < 3e-4);
     }
 
     #[test]
-    fn of_two_that_disagree_the_larger_share_counts_more_and_both_count() {
+    fn of_two_that_disagree_the_larger_weight_counts_more() {
         let found = agreed(&alike([(Vec3::ZERO, 1.0), (Vec3::ONE, 0.5)]));
         assert!(found.x > 0.0 && found.x < 1.0 / 3.0, "{found}");
         assert_eq!(agreed(&alike([(Vec3::ZERO, 1.0), (Vec3::ONE, 1.0)])), Vec3::splat(0.5));
     }
 
     #[test]
-    fn the_nearest_is_right_where_they_disagree_and_one_of_all_where_they_agree() {
+    fn disagreement_favours_the_nearest_and_agreement_uses_all() {
         let from_aside = |color: f32| Shown {
             color: Vec3::splat(color),
             share: 0.8,
@@ -112,7 +112,7 @@ mod tests {
     proptest! {
         /// Between the least and the largest of all, and steady: a little more of one changes little.
         #[test]
-        fn colours_are_between_those_shown(
+        fn colors_are_between_those_of_the_images(
             shown in prop::collection::vec(
                 (prop::array::uniform3(0.0_f32..1.0), 0.01_f32..1.0, 0.05_f32..1.0), 1..8,
             ),

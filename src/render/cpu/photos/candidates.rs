@@ -188,7 +188,7 @@ impl Scores {
     #[inline(always)]
     pub(super) fn take_best(&mut self) -> Option<usize> {
         let (mut group, mut cosine) = (0, Self::NONE);
-        // Not over all cosines: a fifth of the time went into finding the best that way.
+        // Not over all cosines: searching for the best that way took a fifth of the time.
         for (at, &value) in self.largest.iter().enumerate() {
             if value > cosine {
                 (group, cosine) = (at, value);
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_direction_comes_first_and_each_comes_once() {
+    fn candidates_are_unique_and_sorted_by_angle() {
         let centers: Vec<Vec3> = (0..11).map(|at| Vec3::new(0.1 * at as f32 - 0.42, 0.0, 2.0)).collect();
         let candidates = Candidates::of(&looking_down(&centers));
         let mut scores = Scores::default();
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn squares_of_all_angles_are_right() {
+    fn squared_angles_are_accurate() {
         for step in 0..=225 {
             let degrees = |lane: usize| 0.1 * (LANES * step + lane) as f64;
             let cosines: Eight = std::array::from_fn(|lane| degrees(lane).to_radians().cos() as f32);
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_look_at_a_place_is_none() {
+    fn cameras_that_do_not_see_a_place_are_not_candidates() {
         let behind = Vec3::new(0.0, 0.0, -3.0);
         let aside = Vec3::new(3.0, 0.0, 2.0);
         let above = Vec3::new(0.0, 0.1, 2.0);

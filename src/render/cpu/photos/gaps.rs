@@ -76,7 +76,7 @@ impl Projected<'_> {
                 continue;
             }
             let in_gap = is_within_reach.then(|| drawn.depth_in_gap([x, y], max)).flatten();
-            // Images are sampled in the gap: filling it with the colours around it would close the handles of real
+            // Images are sampled in the gap: filling it with the surrounding colours would close the handles of real
             // objects too.
             let answer = in_gap.map(|in_gap| {
                 let own = drawn.depths[at];
@@ -185,7 +185,7 @@ impl Drawn<'_> {
     fn depth_in_gap(&self, pixel: [i32; 2], widest: i32) -> Option<f32> {
         let mut found = None;
         let mut shortest = f32::INFINITY;
-        // The one that a slit is open along.
+        // The line along which a slit is open.
         let mut open_lines = 0;
         let mut is_at_border = false;
         for line in PIXEL_LINES {
@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_in_a_plane_is_on_the_plane() {
+    fn a_gap_in_a_plane_is_filled_on_the_plane() {
         let is_open = |[x, y]: [i32; 2]| (10..15).contains(&x) && (8..14).contains(&y);
         for pixel in [[10, 8], [12, 11], [14, 13], [11, 10]] {
             let depth = found(plane, is_open, pixel).unwrap();
@@ -270,7 +270,7 @@ mod tests {
         assert_eq!(found(plane, beyond_outline, [16, 12]), None);
         let corner = |[x, y]: [i32; 2]| x > 15 && y > 12;
         assert_eq!(found(plane, corner, [16, 13]), None);
-        // It is open along itself.
+        // A slit is open along its own direction.
         let slit = |[x, _]: [i32; 2]| (12..16).contains(&x);
         assert_eq!(found(plane, slit, [12, 12]), None);
         let hole = |[x, y]: [i32; 2]| (6..18).contains(&x) && (6..18).contains(&y);
@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn slits_of_half_the_width_are_closed_along_their_whole_length() {
+    fn half_width_slits_are_closed_along_their_whole_length() {
         let upright = |[x, _]: [i32; 2]| (12..15).contains(&x);
         let level = |[_, y]: [i32; 2]| (12..15).contains(&y);
         for way in [12, 13, 14] {
@@ -289,16 +289,16 @@ mod tests {
                 assert!((depth - plane([along, way])).abs() < 1e-6, "{along}, {way}: {depth}");
             }
         }
-        // Nor is what lies between the surface and the border.
+        // Nor is a strip between the surface and the border.
         let strip = |[x, _]: [i32; 2]| x > 29;
         assert_eq!(found(plane, strip, [30, 12]), None);
-        // What ends in the other direction is no slit, and is open there.
+        // A notch that ends in the other direction is not a slit, and is open there.
         let notch = |[x, y]: [i32; 2]| x > 12 && (10..15).contains(&y);
         assert_eq!(found(plane, notch, [14, 12]), None);
     }
 
     #[test]
-    fn specks_are_small_along_all_lines_and_have_the_mean_of_what_is_around() {
+    fn specks_are_small_in_all_directions_and_get_the_surrounding_mean() {
         let specks = |is_open: &dyn Fn([i32; 2]) -> bool, y: i32, widest: i32| {
             let all = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
             let pixels: Vec<[u8; 4]> = all
@@ -319,7 +319,7 @@ mod tests {
             drawn.specks_of_row([0.0; 3], y, widest)
         };
         let at = |x: usize, y: usize| SIZE[0] as usize * y + x;
-        // The mean of a plane is that of its middle.
+        // The mean over a plane is its value at the centre.
         let two = |pixel| pixel == [10, 8] || pixel == [20, 8];
         assert_eq!(
             specks(&two, 8, 2),
@@ -336,23 +336,23 @@ mod tests {
     }
 
     #[test]
-    fn beyond_the_border_nothing_speaks_against_a_gap() {
+    fn gaps_are_closed_at_the_image_border() {
         let at_border = |[x, y]: [i32; 2]| x < 3 && (10..13).contains(&y);
         let depth = found(plane, at_border, [0, 11]).unwrap();
         assert!((depth - plane([0, 11])).abs() < 0.01, "{depth}");
-        // An empty picture is no gap, however small it is.
+        // An empty image has no gaps, however small it is.
         assert_eq!(found(plane, |_| true, [0, 0]), None);
     }
 
     #[test]
-    fn between_two_things_lies_the_farther() {
+    fn a_gap_between_two_objects_takes_the_farther_depth() {
         let two = |[x, _]: [i32; 2]| if x < 12 { 0.8 } else { 0.2 };
         let is_open = |[x, y]: [i32; 2]| (11..14).contains(&x) && (4..20).contains(&y);
         assert_eq!(
             found(two, |[x, y]| is_open([x, y]) && (10..13).contains(&y), [12, 11]),
             Some(0.2)
         );
-        // Ends of one thing count, where the shortest line has them.
+        // Ends on the same object count, if the shortest line has them.
         let above = |[x, y]: [i32; 2]| if y < 12 && x < 20 { 0.8 } else { 0.2 };
         assert_eq!(
             found(above, |[x, y]| (10..12).contains(&x) && (9..12).contains(&y), [10, 10]),

@@ -210,7 +210,7 @@ impl<'a> Projected<'a> {
                 through += share * self.weight(angle2 - min);
                 continue;
             }
-            // Less weight also for images whose depth is slightly off the point, or that look from another side,
+            // Also giving less weight to images whose depth is slightly off the point, or that look from another side,
             // changed Redwood by −0.15 to +0.05 dB, and cost sets of few images up to 1.3 dB.
             let trust = share * trust(angle2, is_near_step);
             seeing[count] = Seeing {
@@ -230,8 +230,8 @@ impl<'a> Projected<'a> {
             let of_each = seeing.iter().map(|seen| seen.share * self.weight(seen.angle2 - min));
             of_each.sum()
         };
-        // One texel of each depth map votes: votes of four by bilinear weights, or that count less the farther a
-        // position is in front of the depth, clip no other pixels (557 beyond an outline of 54,224), which are within
+        // One texel of each depth map votes: bilinear votes of four texels, or votes that count less the farther a
+        // position is in front of the depth, clip the same pixels (557 beyond an outline of 54,224), which are within
         // every tolerance.
         let is_clipped = match self.views.clipping {
             PhotoClipping::Off => false,
@@ -261,7 +261,7 @@ impl<'a> Projected<'a> {
         let blended = &seeing[..seeing.len().min(self.views.blended)];
         // Subtracted from all weights, so that no image appears or vanishes abruptly (Buehler et al. 2001).
         let beyond = seeing.get(self.views.blended).map_or(0.0, weight);
-        // Where that is as near as the nearest, all count alike.
+        // Where the last is as near as the nearest, all have the same weight.
         let beyond = if beyond < 0.999 { beyond } else { 0.0 };
         let (mut sum, mut object, mut background) = (0.0, 0.0, 0.0);
         let same_angle2 = PHOTO_SAME_ANGLE2 / self.views.per_sigma2;
@@ -322,7 +322,7 @@ impl<'a> Projected<'a> {
             (at[0] - of_view.principal[0]) / of_view.focal[0],
             (at[1] - of_view.principal[1]) / of_view.focal[1],
         ];
-        // Not by `map`, whose calls stay calls here.
+        // Not by `map`, whose closure is not inlined here.
         let moves = |step: Vec3| {
             let deeper = z.truncate().dot(step);
             [
@@ -398,12 +398,12 @@ impl Place {
         let per_px = if normal == Vec3::ZERO {
             per_px
         } else {
-            // Along the ray, down to the plane through the place.
+            // Along the ray, onto the tangent plane.
             let down_to = |step: Vec3| step + to_eye * (-normal.dot(step) / cosine.max(PHOTO_MIN_COSINE));
             [down_to(per_px[0]), down_to(per_px[1])]
         };
         Self {
-            // Not moved along the ray to where the depths of four images have it: 35.51 → 35.82 dB with exact depths,
+            // Not moved along the ray to where the depths of four images put it: 35.51 → 35.82 dB with exact depths,
             // but 35.33 with the noise of a depth camera. To where images agree most: 36.63 to 36.84 dB instead of
             // 36.91.
             position: distance * ray,

@@ -42,12 +42,12 @@ impl DepthView<'_> {
     fn between_texels(&self, place: [f32; 2]) -> Vec3 {
         let [(left, right, across), (top, bottom, down)] = [0, 1].map(|axis| {
             let last = self.map.size[axis] as i32 - 1;
-            // Not `clamp`: what is no number is at the border.
+            // Not `clamp`: NaN has to end up at the border.
             let at = (place[axis] - 0.5).max(0.0).min(last as f32);
             let before = at as i32;
             (before, (before + 1).min(last), at - before as f32)
         });
-        // Computed where needed, some 16 per pixel: maps of normals would take three times the memory of the depths.
+        // Computed where needed, about 16 per pixel: normal maps would take three times the memory of the depths.
         let sum = self.at(left, top) * ((1.0 - across) * (1.0 - down))
             + self.at(right, top) * (across * (1.0 - down))
             + self.at(left, bottom) * ((1.0 - across) * down)
@@ -144,11 +144,11 @@ mod tests {
     }
 
     proptest! {
-        // Each draws a map.
+        // Each case renders a map.
         #![proptest_config(ProptestConfig::with_cases(32))]
 
         #[test]
-        fn planes_have_their_normals(
+        fn planes_have_exact_normals(
             [tilt, turn] in [-1.2_f32..1.2, -1.2_f32..1.2],
             [x, y] in [8.0_f32..248.0, 8.0_f32..248.0],
         ) {
@@ -157,7 +157,7 @@ mod tests {
             let through = Vec3::new(0.0, 0.0, 3.0);
             let map = map(EDGE, &view, |ray| expected.dot(through) / expected.dot(ray));
             let facing = -expected.dot(ray(&view, [x, y]).normalize());
-            // Planes that are seen edge-on, or from behind, or beyond the tolerance from texel to texel.
+            // Skips planes seen edge-on, from behind, or beyond the tolerance from texel to texel.
             prop_assume!(facing > 0.3);
             let found = normal(&map, &view, [x, y]);
             prop_assert!(degrees_between(found, in_view(expected)) < 0.1, "{found} {expected}");
@@ -165,12 +165,12 @@ mod tests {
     }
 
     #[test]
-    fn balls_have_their_normals() {
+    fn spheres_have_exact_normals() {
         let view = view(512);
         let map = map(512, &view, on_ball);
         let mut compared = 0;
         for at in 0..64 * 64 {
-            // Between texels, at all shares of them.
+            // Between texels, at all fractions.
             let place = [at % 64, at / 64].map(|step| 8.13 * step as f32);
             let ray = ray(&view, place);
             let expected = (on_ball(ray) * ray - CENTER) / RADIUS;
@@ -189,7 +189,7 @@ mod tests {
 
     /// A map of a quarter of the texels tells the same, less exactly.
     #[test]
-    fn maps_that_are_coarser_than_photographs_are_told_in_their_own_texels() {
+    fn depth_maps_coarser_than_images_are_sampled_in_their_own_texels() {
         let view = view(512);
         let map = map(256, &view, on_ball);
         for place in [[270.0, 230.0], [301.25, 199.0], [200.5, 260.75]] {
@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn there_are_no_normals_beside_steps_nor_of_what_is_seen_from_the_side() {
+    fn there_are_no_normals_next_to_steps_or_at_grazing_angles() {
         let view = view(EDGE);
         let neighbor = |place: [f32; 2]| {
             let step = map(EDGE, &view, |ray| if ray.x < 0.0 { 3.0 } else { 5.0 });
@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_none_and_maps_of_one_texel_have_no_normals() {
+    fn nan_places_and_single_texel_maps_have_no_normals() {
         let view = view(EDGE);
         let map = map(EDGE, &view, |_| 3.0);
         for place in [[f32::NAN, 2.0], [f32::INFINITY, -4.0], [-1e30, 1e30]] {

@@ -142,8 +142,8 @@ mod tests {
     }
 
     #[test]
-    fn a_hole_has_the_colours_of_its_rim() {
-        // The left is red and the right green; between them, two columns are unseen.
+    fn a_hole_has_the_colors_of_its_border() {
+        // The left is red and the right green; two columns between them are unseen.
         let row = |column: usize| match column {
             0..7 => shown([1.0, 0.0, 0.0]),
             7..9 => PhotoAnswer::Unseen,
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_surface_neither_gives_nor_takes() {
+    fn clipped_pixels_are_neither_sources_nor_filled() {
         let mut found = vec![PhotoAnswer::Clipped; 30 * 7];
         found[3] = shown([0.25, 0.5, 0.75]);
         found[30 * 6 + 29] = PhotoAnswer::Unseen;
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn where_nothing_is_seen_nothing_changes() {
+    fn an_empty_image_is_unchanged() {
         for size in [[1, 1], [5, 3], [64, 1]] {
             let mut found = vec![PhotoAnswer::Unseen; (size[0] * size[1]) as usize];
             fill_holes(&mut found, size);
@@ -193,7 +193,7 @@ mod tests {
     proptest! {
         /// Of colours between two, and all pixels that can be filled are.
         #[test]
-        fn holes_have_colours_between_those_around(
+        fn holes_have_colors_between_those_around(
             width in 1_u32..40,
             height in 1_u32..40,
             kinds in prop::collection::vec(0_u8..4, 40 * 40),

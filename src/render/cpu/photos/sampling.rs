@@ -25,7 +25,7 @@ pub(super) fn sample(texture: &Texture, footprint: &Footprint) -> [f32; 4] {
     };
     let taps = (long_len / short_len.max(1.0)).ceil().clamp(1.0, PHOTO_MAX_TAPS);
     let per_tap = long_len / taps;
-    // The branch saves the logarithm, a function call, wherever a step is not larger than a texel.
+    // The branch saves the logarithm, a function call, wherever a step is at most a texel.
     let lod = if per_tap > 1.0 { per_tap.log2() } else { 0.0 };
     let mut sum = Vec4::ZERO;
     for tap in 0..taps as usize {
@@ -61,7 +61,7 @@ mod tests {
 
     /// A checker of single texels seen from afar is grey; seen from the side it is so as well, and stays sharp across.
     #[test]
-    fn what_a_pixel_covers_is_averaged() {
+    fn texels_covered_by_a_pixel_are_averaged() {
         let checker = (0..64).map(|at| [255 * ((at % 8 + at / 8) % 2) as u8; 3]);
         let checker = checker.map(|[red, green, blue]| [red, green, blue, 255]);
         let checker = textured(checker.collect());

@@ -38,7 +38,7 @@ impl Placed for Mesh<'_> {
     fn reach(&self, record: usize) -> f32 {
         let center = self.records.center(record);
         let [a, b, c] = self.records.corners(record).map(|corner| corner.distance(center));
-        // A little more, for the rounding of the middle.
+        // Slightly larger, to allow for the rounding of the centre.
         1.0001 * a.max(b).max(c)
     }
 }
@@ -170,7 +170,7 @@ impl SeenMesh<'_> {
         if !may_touch(outline, clip) {
             return;
         }
-        // Most triangles cover no pixel of a tile, or none at all: nothing is worked out for these.
+        // Most triangles cover no pixel of a tile, or none at all: nothing is computed for these.
         let mut seen: Option<ShadedTriangle<'_>> = None;
         for_each_span(
             outline,
@@ -290,7 +290,7 @@ fn in_front(view: &PixelView, corners: [&SeenVertex; 3]) -> (usize, [[f64; 2]; 4
         if is_in_front(corner) {
             add(corner.px);
         }
-        // From what is in front on, so that triangles on both sides of an edge are cut at the same place.
+        // Starting from the corner in front, so that triangles on both sides of an edge are cut at the same position.
         match (is_in_front(corner), is_in_front(next)) {
             (true, false) => add(to_px(view, on_near_plane(view, corner.place, next.place))),
             (false, true) => add(to_px(view, on_near_plane(view, next.place, corner.place))),

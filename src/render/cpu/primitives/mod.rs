@@ -52,7 +52,7 @@ impl<'a> Drawable<'a> {
     fn with_slack(packet: &'a ScenePacket, [slack_radii, slack_of_cells]: [f32; 2]) -> Self {
         let style = &packet.style;
         match &packet.content {
-            // What is selected was gathered before.
+            // Selected records were gathered before.
             Content::Nothing | Content::Selected(_) | Content::Visible(_) => Self::Nothing,
             Content::Points(records) => Self::Points(Points::new(packet, records, None)),
             Content::Surfels(surfels) if style.primitive == Primitive::Point => {

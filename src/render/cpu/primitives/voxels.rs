@@ -197,7 +197,7 @@ impl<S: Simd> EightCells<S> {
     #[inline(always)]
     fn faces(&self, simd: S, canvas: &Canvas<'_>, axis: usize) -> (Patches<S>, Facets) {
         let offset = [self.offsets.x, self.offsets.y, self.offsets.z][axis];
-        // For an eye between the planes of two faces, both are turned away and culled.
+        // For an eye between the planes of two faces, both face away and are culled.
         let towards_eye = self.half_edges.copysign(-offset);
         let rotation = canvas.view.rotation();
         let along = |axis: usize| Vectors::splat(simd, rotation.col(axis));

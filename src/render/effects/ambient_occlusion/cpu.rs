@@ -74,7 +74,7 @@ impl<'a> Occlusion<'a> {
             let [aside_px, below_px] = [column_there - column, row_there - row];
             let [aside, below] = [aside_px * per_radius, below_px * per_radius];
             let top = (1.0 - aside.mul_add(aside, below * below)).max(nothing).sqrt();
-            // Where the plane is not seen from the eye, it is far behind the ball.
+            // Where the plane is not visible from the eye, it is far behind the ball.
             let facing_there = across
                 .mul_add(aside_px, along.mul_add(below_px, facing))
                 .min(splat(-1e-6));

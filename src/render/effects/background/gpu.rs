@@ -43,7 +43,7 @@ shared_struct! {
 
 fn uniform(packet: &ScenePacket) -> BackgroundUniform {
     let background = packet.style.backdrop.background;
-    // Of a part of a picture the gradient is a part too.
+    // A part of an image shows only a part of the gradient.
     let [top, bottom] = packet.view.rows_of_whole.map(|share| {
         let [top, bottom] = [background.top, background.bottom].map(normalized);
         top * (1.0 - share) + bottom * share

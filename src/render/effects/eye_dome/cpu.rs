@@ -91,7 +91,7 @@ impl<'a> EyeDome<'a> {
                 |row: &[f32], to_right: isize| {
                     let mut eight = [0.0; LANES];
                     for (lane, depth) in eight.iter_mut().enumerate() {
-                        // The last pixel of the row stands for all beyond it.
+                        // The last pixel of the row stands in for all beyond it.
                         let own = (x + lane).min(row.len() - 1);
                         *depth = row[own.saturating_add_signed(to_right).min(row.len() - 1)];
                     }
@@ -155,12 +155,12 @@ fn exp_of_minus<S: Simd>(simd: S, x: f32x8<S>) -> f32x8<S> {
     let y = (x * -std::f32::consts::LOG2_E).max(-60.0);
     let whole = y.floor();
     let part = y - whole;
-    // 2^part for 0 to 1, exact at both ends: the polynomial with the least relative error, 3.3e-6.
+    // 2^part for 0 to 1, exact at both ends: the polynomial with the smallest relative error, 3.3e-6.
     let series = part.mul_add(0.013_555_74, 0.052_032_36);
     let series = part.mul_add(series, 0.241_379_78);
     let series = part.mul_add(series, 0.693_032_1);
     let series = part.mul_add(series, 1.0);
-    // The exponent's bits are above 23 others.
+    // The exponent's bits are above the 23 bits of the mantissa.
     let exponent = (simd.cvt_i32_f32x8(whole) + 127) << 23;
     series * exponent.bitcast::<f32x8<S>>()
 }
@@ -176,7 +176,7 @@ fn shaded<S: Simd>(simd: S, pixels: &mut [[u8; 4]], shade: f32x8<S>, background:
         green.mul_add(shade, behind * behind_green),
         blue.mul_add(shade, behind * behind_blue),
     ];
-    // Gaps and rims follow, and ask for opacities.
+    // Gap filling and soft edges follow, and need opacities.
     repack(simd, colors, pixels);
 }
 
@@ -224,7 +224,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_pixel_is_as_dark_as_its_neighbours_say(
+        fn shading_matches_the_definition_at_every_pixel(
             depths in prop::collection::vec(prop_oneof![Just(0.0f32), 0.4f32..0.5], 37 * 9),
             reach_px in prop::array::uniform2(1u32..12),
         ) {
@@ -238,7 +238,7 @@ mod tests {
         }
 
         #[test]
-        fn powers_are_those_of_e(x in 0.0f32..30.0) {
+        fn exponentials_are_accurate(x in 0.0f32..30.0) {
             let power = dispatch!(Level::new(), simd => exp_of_minus(simd, f32x8::splat(simd, x))[0]);
             prop_assert!((power - (-x).exp()).abs() < 1e-5 * (-x).exp() + 1e-12, "{} {}", power, (-x).exp());
         }

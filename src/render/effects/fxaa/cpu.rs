@@ -140,7 +140,7 @@ impl AliasedPicture<'_> {
     fn covered(&self, place: [i32; 2], center: f32, other: f32, neighbor: [i32; 2], along: [i32; 2]) -> f32 {
         let border = 0.5 * (center + other);
         let limit = FXAA_END_OF_EDGE * (other - center).abs();
-        // How many pixels away the edge ends, and how much lighter both sides are there.
+        // The distance in pixels to the end of the edge, and how much lighter both sides are there.
         let end = |direction: i32| {
             let (mut steps, mut difference) = (0, 0.0f32);
             while steps < Antialiasing::FXAA_SEARCH_STEPS as i32 && difference.abs() < limit {
@@ -156,7 +156,8 @@ impl AliasedPicture<'_> {
         if (difference < 0.0) == (center < border) {
             return 0.0;
         }
-        // 0.06 of a pixel off on average on the outline of a cube; four samples per pixel 0.09, no antialiasing 0.25.
+        // The error on the outline of a cube is 0.06 of a pixel on average; four samples per pixel 0.09, no
+        // antialiasing 0.25.
         0.5 - (nearest - 0.5) / (back.0 + ahead.0 - 1.0)
     }
 }

@@ -96,7 +96,7 @@ impl Grid {
         let second = second.seen(simd, self, ray, [per_facing, distance]);
         let away = first[0].mul_add(first[0], second[0] * second[0]).sqrt();
         let fading = (2.0 - away * (2.0 / ground.reach)).max(0.0).min(1.0);
-        // Not along the plane, behind the eye or too near.
+        // False if parallel to the plane, behind the eye or too near.
         let is_seen = distance.simd_gt(view.near) & per_facing.abs().simd_lt(1e6) & fading.simd_gt(0.0);
         if !simd.any_true_mask32x8(is_seen) {
             return None;

@@ -19,7 +19,7 @@ pub(super) fn average(drawn: &RgbaImage, shown: &mut RgbaImage) {
                     let (pixels, _) = drawn_row.as_chunks::<4>();
                     for drawn in &pixels[samples * x..samples * (x + 1)] {
                         for (sum, &channel) in sums.iter_mut().zip(drawn) {
-                            // Display-referred: averages of linear light would make bright sides of edges wider.
+                            // Display-referred: averaging linear light would widen the bright sides of edges.
                             *sum += u32::from(channel);
                         }
                     }

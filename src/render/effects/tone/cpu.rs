@@ -17,7 +17,7 @@ pub(super) fn step(packet: &ScenePacket) -> Option<Box<dyn RowStep>> {
 impl Curve {
     fn of(exponent: f32) -> Self {
         Self(array::from_fn(|byte| {
-            // A table of 256 bytes differs from the GPU's power by one step at most.
+            // A table of 256 bytes differs from the GPU's power function by one step at most.
             let channel = (byte as f32 / 255.0).powf(exponent);
             (channel * 255.0 + 0.5) as u8
         }))
@@ -39,7 +39,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn black_and_white_stay_and_what_is_between_gets_brighter() {
+    fn black_and_white_are_unchanged_and_tones_between_get_brighter() {
         let Curve(brighter) = Curve::of(1.0 / 2.0);
         assert_eq!([brighter[0], brighter[64], brighter[255]], [0, 128, 255]);
         assert!(brighter.is_sorted());

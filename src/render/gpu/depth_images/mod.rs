@@ -121,7 +121,7 @@ impl DepthMaker {
             let uniform = uploaded_uniform(context, DepthImaging { is_coded, ..uniform });
             let of_samples = uploaded_samples(context, samples);
             made.uploaded_bytes += samples.byte_size() as u64;
-            // The times of a frame are those of its own image.
+            // The reported times of a frame are those of its own image.
             let timer = self.timer.as_mut().filter(|_| number == to_do.len());
             let mut filtering = Filtering {
                 recording: Recording::new(context, &mut encoder, timer),

@@ -33,7 +33,7 @@ fn forget(code: &mut String, count: usize) {
     for low in 0..count / 2 {
         exchange(code, low, count - 1 - low);
     }
-    // The middle of an odd number is in both halves.
+    // The median of an odd count is in both halves.
     for place in 1..count.div_ceil(2) {
         exchange(code, 0, place);
     }
@@ -51,7 +51,7 @@ fn exchange(code: &mut String, low: usize, high: usize) {
 }
 
 fn line(code: &mut String, text: std::fmt::Arguments<'_>) {
-    // A string takes everything.
+    // Writing to a String cannot fail.
     let _ = writeln!(code, "    {text}");
 }
 
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn the_middle_of_25_values_is_left() {
+    fn the_median_of_25_values_is_found() {
         let code = center_of_window();
         for step in [1_u32, 2, 3, 7, 11, 12, 19, 24] {
             let window: [f32; 25] = std::array::from_fn(|place| (place as u32 * step * step % 25) as f32);

@@ -85,7 +85,7 @@ impl Tables {
         if !self.rays.as_ref().is_some_and(|(known, _)| Arc::ptr_eq(known, rays)) {
             let told = |&[x, y]: &[f32; 2]| {
                 let is_ray = x.abs() < NO_RAY && y.abs() < NO_RAY;
-                // Shaders see neither NaN nor infinities: not where a lens shows nothing, either.
+                // Shaders see neither NaN nor infinities: not outside the lens, either.
                 if is_ray { [x, y] } else { [NO_RAY; 2] }
             };
             let slopes: Vec<[f32; 2]> = rays.rays().iter().map(told).collect();
@@ -130,7 +130,7 @@ pub(super) fn uploaded_buffer(context: &Context, bytes: &[u8]) -> wgpu::Buffer {
     let bytes = if whole == bytes.len() {
         bytes
     } else {
-        // Memory is mapped by words.
+        // Memory is mapped in whole words.
         padded.extend_from_slice(bytes);
         padded.resize(whole, 0);
         &padded

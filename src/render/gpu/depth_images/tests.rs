@@ -47,7 +47,7 @@ fn metres([width, height]: [u32; 2], seed: u32) -> Vec<f32> {
         f32::NAN,
         f32::INFINITY,
         f32::NEG_INFINITY,
-        // Less is zero to a card.
+        // GPUs flush anything smaller to zero.
         f32::MIN_POSITIVE,
         f32::MAX,
     ];
@@ -120,7 +120,7 @@ fn filters_of(text: &str) -> Filters {
 }
 
 #[test]
-fn range_median_and_flying_pixels_are_those_of_the_processor_to_the_bit() {
+fn range_median_and_flying_pixel_filters_match_the_cpu_bit_for_bit() {
     let context = context();
     let mut maker = DepthMaker::default();
     let near = Filters {
@@ -167,7 +167,7 @@ fn range_median_and_flying_pixels_are_those_of_the_processor_to_the_bit() {
                 let images = images_of(samples, size_px, filters);
                 let expected = images.frame.filtered().unwrap();
                 let found = depths(&made(&mut maker, &context, &images));
-                // What is too far for a point is none.
+                // Depths too far away for a point count as none.
                 let is_point = |depth: &f32| if *depth < 1e28 { *depth } else { 0.0 };
                 let expected: Vec<f32> = expected.metres().iter().map(is_point).collect();
                 assert_eq!(found, expected, "{size_px:?} {filters:?}");
@@ -177,7 +177,7 @@ fn range_median_and_flying_pixels_are_those_of_the_processor_to_the_bit() {
 }
 
 #[test]
-fn the_bilateral_filter_is_what_its_definition_says() {
+fn the_bilateral_filter_matches_its_definition() {
     let context = context();
     let mut maker = DepthMaker::default();
     let all = [
@@ -214,14 +214,14 @@ fn the_bilateral_filter_is_what_its_definition_says() {
 }
 
 #[test]
-fn a_plane_comes_back_with_its_holes_and_a_step_stays_one() {
+fn a_plane_retains_its_holes_and_a_step_stays_sharp() {
     let context = context();
     let mut maker = DepthMaker::default();
     let size_px = [45, 23];
     let plane: Vec<f32> = (0..45 * 23)
         .map(|at| if at % 7 == 3 { 0.0 } else { 1.234_567 })
         .collect();
-    // Corners have too few neighbours for pixels that do not fly.
+    // `flying` would drop the corners, which have too few neighbours.
     let filters = Filters {
         flying: None,
         ..Filters::USUAL
@@ -243,7 +243,7 @@ fn a_plane_comes_back_with_its_holes_and_a_step_stays_one() {
 }
 
 #[test]
-fn all_filters_together_are_those_of_the_processor() {
+fn all_filters_together_match_the_cpu() {
     let context = context();
     let mut maker = DepthMaker::default();
     for size_px in SIZES {
@@ -251,7 +251,7 @@ fn all_filters_together_are_those_of_the_processor() {
         let found = depths(&made(&mut maker, &context, &images));
         let expected = images.frame.filtered().unwrap();
         let differing = found.iter().zip(expected.metres()).filter(|(found, expected)| {
-            // The processor's powers of two are off by two thousandths.
+            // The CPU's powers of two are off by two thousandths.
             (*found - *expected).abs() > 1e-4 * expected.max(1.0)
         });
         assert_eq!(differing.count(), 0, "{size_px:?}");
@@ -271,7 +271,7 @@ fn group(size_px: [u32; 2], count: usize, filters: Filters) -> Vec<PointImages> 
 }
 
 #[test]
-fn the_mean_over_time_is_that_of_the_processor_and_of_a_frame_alone() {
+fn the_temporal_mean_matches_the_cpu_and_a_frame_alone() {
     let context = context();
     for text in [
         "temporal",
@@ -294,7 +294,7 @@ fn the_mean_over_time_is_that_of_the_processor_and_of_a_frame_alone() {
                 let alone = made(&mut DepthMaker::default(), &context, images);
                 assert_eq!(points, alone, "{text} {size_px:?}: frame {index}");
             }
-            // Once more, and back: what is kept of the last frame serves the same frame alone.
+            // Once more, and back: state cached from the last frame is only used for the same frame.
             let last = made(&mut going_on, &context, &frames[5]);
             assert_eq!(
                 made(&mut going_on, &context, &frames[2]),
@@ -306,7 +306,7 @@ fn the_mean_over_time_is_that_of_the_processor_and_of_a_frame_alone() {
 }
 
 #[test]
-fn a_frame_that_goes_on_uploads_one_image() {
+fn consecutive_frames_upload_one_image() {
     let context = context();
     let size_px = [32, 20];
     let frames = group(size_px, 4, filters_of("temporal"));
@@ -321,7 +321,7 @@ fn a_frame_that_goes_on_uploads_one_image() {
 }
 
 #[test]
-fn points_are_where_the_processor_has_them_in_the_colours_of_the_image() {
+fn points_match_the_cpu_and_have_the_colors_of_the_image() {
     let context = context();
     let mut maker = DepthMaker::default();
     for size_px in SIZES {
@@ -352,7 +352,7 @@ fn points_are_where_the_processor_has_them_in_the_colours_of_the_image() {
 }
 
 #[test]
-fn pixels_that_a_lens_does_not_show_are_holes() {
+fn pixels_outside_the_lens_are_holes() {
     let context = context();
     let size_px = [40, 30];
     let lens = Distortion::Brown {
@@ -370,7 +370,7 @@ fn pixels_that_a_lens_does_not_show_are_holes() {
 }
 
 #[test]
-fn a_renderer_tells_what_its_passes_take_where_it_makes_points() {
+fn a_renderer_reports_pass_times_where_it_generates_points() {
     let context = context();
     let size_px = [64, 48];
     let filters = filters_of("near,median,bilateral,flying,temporal");

@@ -155,7 +155,7 @@ impl Instancing for Compute {
     fn amplify(&mut self, recording: &mut Recording<'_>, view: ViewBinding<'_>, draw: &Draw<'_>) -> u64 {
         let amplification = draw.amplification;
         let context = recording.context;
-        // What an earlier cloud left over must not be drawn.
+        // Left-overs of an earlier cloud must not be drawn.
         self.amplified.truncate(draw.chunk_count());
         if !amplification.compute_amplifies || draw.chunk_count() == 0 {
             return 0;

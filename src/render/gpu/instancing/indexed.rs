@@ -172,7 +172,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn parts_have_all_triangles_in_their_order_with_their_own_vertices(
+        fn chunks_have_all_triangles_in_order_with_their_own_vertices(
             corners in prop::collection::vec(prop::array::uniform3(0u32..30), 1..80),
             max_triangles in 1usize..40,
             max_vertices in 3usize..40,

@@ -39,7 +39,7 @@ impl Storage {
 
 impl Storage {
     fn chunk(&self, context: &Context, buffer: &wgpu::Buffer, record_count: usize) -> Chunk {
-        // There may be room for more: compute passes see how many records are bound.
+        // The buffer may be larger: compute passes derive the number of records from the bound size.
         let records = wgpu::BufferBinding {
             buffer,
             offset: 0,

@@ -80,7 +80,7 @@ impl Draw<'_> {
 
     /// Draws `records` records by vertex index, from bound streams.
     pub(super) fn pulled(&self, pass: &mut wgpu::RenderPass<'_>, records: u32) {
-        // One draw of all quads by index, not one small instance per record: only `vertex` needs hardware instancing.
+        // One indexed draw of all quads, not one small instance per record: only `vertex` needs hardware instancing.
         self.instanced(pass, records, 0..1);
     }
 

@@ -53,7 +53,7 @@ impl RecordInstancing for Texture {
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
         let row_bytes = ROW_RECORDS * RECORD_BYTES;
         let texture = texture_for(context, records.len() / RECORD_BYTES);
-        // Whole rows with one copy, then what is left of the last row.
+        // Whole rows with one copy, then the rest of the last row.
         let whole_rows = (records.len() / row_bytes) as u32;
         let (whole, rest) = records.split_at(whole_rows as usize * row_bytes);
         let rest_records = (rest.len() / RECORD_BYTES) as u32;

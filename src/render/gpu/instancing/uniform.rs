@@ -72,7 +72,7 @@ impl Instancing for Uniform {
 
 impl RecordInstancing for Uniform {
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
-        // The last batch is bound whole, so the buffer must reach to its end.
+        // The last batch is bound as a whole, so the buffer must extend to its end.
         let buffer = buffer_with(context, wgpu::BufferUsages::UNIFORM, records, BATCH_BYTES);
         self.chunk(context, &buffer, records.len() / RECORD_BYTES)
     }

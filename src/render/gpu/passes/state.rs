@@ -101,7 +101,7 @@ impl ScreenPass {
         let textures = self.textures().into_iter();
         let textures = textures.map(|(name, kind)| format!("var {name}: {}", kind.wgsl()));
         for (binding, variable) in textures.enumerate() {
-            // A string takes everything.
+            // Writing to a String cannot fail.
             let _ = writeln!(text, "@group(SOURCE_GROUP) @binding({binding}) {variable};");
         }
         if self.uniforms().next().is_none() {

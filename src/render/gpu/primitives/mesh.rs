@@ -25,7 +25,7 @@ pub(super) const TRIANGLE: Amplification = Amplification {
 };
 
 pub(super) fn drawable<'a>(mesh: &'a Arc<MeshRecords>, style: &DrawSettings) -> Drawable<'a> {
-    // Fragments that may be discarded are tested late, all of them.
+    // If fragments may be discarded, all of them are depth-tested late.
     let has_disks = mesh.has_points() && style.drawn_points().shape == PointShape::Disk;
     let (passes, resolve): (Passes, Option<&'static ScreenPass>) = match (style.light.lighting.is_deferred(), has_disks)
     {
@@ -40,7 +40,7 @@ pub(super) fn drawable<'a>(mesh: &'a Arc<MeshRecords>, style: &DrawSettings) -> 
         selection: None,
         visible: None,
         chunked_for: &TRIANGLE,
-        // Files turn their faces as they like.
+        // Files have either winding order.
         cull_back_faces: false,
         passes,
         depth_pass: Some((&TRIANGLE, &DEPTH)),

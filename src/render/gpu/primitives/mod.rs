@@ -50,7 +50,7 @@ pub const AMPLIFICATIONS: [&Amplification; 12] = [
 pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
     let style = &packet.style;
     match &packet.content {
-        // Of the first two only the background is drawn: byte codes are for the processor alone.
+        // For the first two only the background is drawn: byte codes are for the CPU renderer only.
         Content::Nothing | Content::Coded(_) | Content::Points(_) => points::drawable(packet),
         Content::Selected(selected) => of_surfels(packet).selecting(&selected.selection),
         Content::Visible(visible) => of_surfels(packet).of_visible(visible),

@@ -86,7 +86,7 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
         streams: points.into_iter().chain(shapes).collect(),
         selection: None,
         visible: None,
-        // Of all that is drawn from a cloud, surfels have the smallest chunks: switching the primitive uploads nothing
+        // Of everything drawn from a cloud, surfels have the smallest chunks: switching the primitive does not upload
         // again.
         chunked_for: &surfels::DISK,
         cull_back_faces: packet.style.culls_back_faces(),

@@ -79,8 +79,8 @@ pub(super) const SPRITE: Amplification = Amplification {
     files: &[shader_file!("primitives/disk_axes.wgsl")],
     varyings: shader_file!("primitives/sprites.wgsl"),
     writes_depths: true,
-    // A corner has three times as many numbers as one on a surface.
-    // The vertex stage computes it once anyway: `compute` draws sprites as `storage` does.
+    // A corner has three times as many values as one on a surface. The vertex stage computes it only once anyway:
+    // `compute` draws sprites in the same way as `storage`.
     compute_amplifies: false,
     ..DISK
 };

@@ -37,8 +37,8 @@ pub(super) fn drawable<'a>(voxels: &'a Voxels, style: &DrawSettings) -> Drawable
         (&[&SOLID], None)
     };
     let normals = voxels.normals.as_ref();
-    // Lit by the mean normal of its points, the three faces of a cube have one shade, and the image shows the surface.
-    // Light on the faces is for frames whose voxel normals are not ready.
+    // Lit by the mean normal of its points, the three faces of a cube have the same shade, and the image shows the
+    // surface. Lighting the faces is for frames whose voxel normals are not ready.
     let amplification = match normals {
         Some(_) => &LIT_BY_NORMALS,
         None => &LIT_BY_FACES,
@@ -52,7 +52,7 @@ pub(super) fn drawable<'a>(voxels: &'a Voxels, style: &DrawSettings) -> Drawable
         selection: None,
         visible: None,
         chunked_for: amplification,
-        // The faces of a cube that do not face the eye are never right to draw.
+        // It is never right to draw the faces of a cube that face away from the eye.
         cull_back_faces: true,
         passes,
         depth_pass: Some((amplification, &DEPTH)),

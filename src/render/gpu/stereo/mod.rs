@@ -67,8 +67,8 @@ impl CardMatcher {
 
     /// Returns the stereo matcher for the machine where this context draws: its GPU, or the CPU if that draws as well.
     pub fn shared(context: &Arc<Context>) -> SharedMatcher {
-        // lavapipe (2 cores, one in use), 128 × 128 pixels, 64 disparities: 54 ms local, 377 semi-global; the CPU code
-        // takes 11 and 19. An NVIDIA H200 takes 0.42 and 1.29 ms, 16 threads of its host 1.48 and 5.99.
+        // lavapipe (2 cores, one in use), 128 × 128 pixels, 64 disparities: 54 ms local, 377 ms semi-global; the CPU
+        // code takes 11 and 19 ms. An NVIDIA H200 takes 0.42 and 1.29 ms, 16 threads of its host 1.48 and 5.99 ms.
         if context.is_software() {
             SharedMatcher::default()
         } else {
@@ -190,7 +190,7 @@ impl<'a> Job<'a> {
             label: Some("stereo"),
             timestamp_writes: None,
         });
-        // Labels go from one image to the other.
+        // Labels ping-pong between two buffers.
         let mut place = 0;
         let mut record = |which: Pass| {
             let group = programs.group(context, which, |binding| match binding {

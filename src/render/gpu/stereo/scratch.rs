@@ -38,7 +38,7 @@ impl Sizes {
     }
 
     fn sums(&self) -> u64 {
-        // All sums at once, not by bands as on the CPU: a GPU has the memory, and would gain nothing from bands.
+        // All sums at once, not in bands as on the CPU: a GPU has the memory, and would gain nothing from bands.
         self.pixels * self.labels / 2 * WORD_BYTES
     }
 
@@ -52,7 +52,7 @@ impl Sizes {
 
     /// Returns the total size of all buffers.
     fn all(&self) -> u64 {
-        // Winners of both images, labels before and after, and what is read back.
+        // Winners of both images, labels before and after, and the readback.
         let of_pixels = 2 * CENSUS_BYTES + 5 * WORD_BYTES;
         self.sums() + self.columns() + self.brightnesses() + self.pixels * of_pixels
     }

@@ -52,7 +52,7 @@ fn image([width, height]: [u32; 2], pixel: impl Fn(u32, u32) -> u8) -> GrayImage
 /// Pairs that have nothing, little and much in common.
 fn pairs(size: [u32; 2], seed: u64) -> Vec<(&'static str, [GrayImage; 2])> {
     let noise = |seed, levels: u8| image(size, |x, y| random(x.into(), y.into(), seed) % levels);
-    // A slanted wall, and a square before it whose texture is fine.
+    // A slanted wall, and a square in front of it with a fine texture.
     let is_front = |x: f32, y: u32| (40.0..80.0).contains(&x) && (20..90).contains(&y);
     let left = image(size, |x, y| {
         let place = if is_front(x as f32, y) { 3.0 } else { 1.0 };
@@ -64,7 +64,7 @@ fn pairs(size: [u32; 2], seed: u64) -> Vec<(&'static str, [GrayImage; 2])> {
         let (place, x) = if is_front(front, y) { (3.0, front) } else { (1.0, back) };
         texture(x * place, y as f32 * place, seed) as u8
     });
-    // Stripes that are as good everywhere, with an even part.
+    // Stripes that match equally well at several places, with a textureless part.
     let stripes = |shift: u32| {
         image(
             size,
@@ -99,7 +99,7 @@ fn all_matchings() -> Vec<Matching> {
         between.map(|between| Matching {
             gathering,
             between,
-            // Whatever differs is to be seen, and what is usual as well.
+            // Covers both the options that differ and the default values.
             unique_percent: [3, 0, 5, 0, 0][number],
             min_area_px: [100, 0, 0, 0, 0][number],
         })
@@ -149,7 +149,7 @@ fn pairs_of(size: [u32; 2], seed: u64) -> Vec<(&'static str, [GrayImage; 2])> {
 }
 
 #[test]
-fn disparities_are_those_of_the_processor() {
+fn disparities_match_the_cpu() {
     let matcher = CardMatcher::new(Arc::clone(&CONTEXT));
     let mut found = [0; 2];
     for (number, size) in SIZES.into_iter().enumerate() {
@@ -159,7 +159,7 @@ fn disparities_are_those_of_the_processor() {
                 for &ends in if is_small { &RANGES[..] } else { &RANGES[1..2] } {
                     let (count, most) = compare(&matcher, &matching, &pair, range(ends));
                     let by_lines = matching.between == Between::Lines;
-                    // Places by a parabola are quotients of whole numbers.
+                    // Positions from a parabola are quotients of integers.
                     let allowed = if by_lines { 1e-3 } else { 0.0 };
                     assert!(
                         most <= allowed,
@@ -172,7 +172,8 @@ fn disparities_are_those_of_the_processor() {
             }
         }
     }
-    // Where nothing is found nothing can differ: of two pairs by five gatherings, at least half of the pixels.
+    // Where nothing is found nothing can differ: for two pairs and five ways of cost aggregation, at least half of the
+    // pixels must be found.
     let pixels = 10 * 128 * 128;
     assert!(found.iter().all(|&count| 2 * count >= pixels), "{found:?} of {pixels}");
 }
@@ -202,7 +203,7 @@ fn sums_along_paths(costs: &[u32], guide: &GrayImage, count: usize, penalties: P
         let mut path = vec![0_u32; costs.len()];
         for place in 0..width * height {
             let [x, y] = [place % width, place / width];
-            // From the side that the path comes from.
+            // From the side where the path starts.
             let x = if dx < 0 { width - 1 - x } else { x };
             let y = if dy < 0 { height - 1 - y } else { y };
             let at = y * width + x;
@@ -307,7 +308,7 @@ fn bits_of_both(matcher: &CardMatcher, matching: &Matching, [left, right]: &[Gra
 }
 
 #[test]
-fn where_the_card_fails_the_processor_answers() {
+fn the_cpu_takes_over_where_the_gpu_fails() {
     let (_, pair) = pairs([90, 50], 5).swap_remove(3);
     let matching = Matching::default();
     let context = context();
@@ -325,7 +326,7 @@ fn where_the_card_fails_the_processor_answers() {
 }
 
 #[test]
-fn what_is_not_for_the_card_is_told_or_matched_by_the_processor() {
+fn pairs_unsuitable_for_the_gpu_are_errors_or_matched_by_the_cpu() {
     let matcher = CardMatcher::new(Arc::clone(&CONTEXT));
     let image = image([60, 20], |x, y| random(x.into(), y.into(), 1));
     let smaller = GrayImage::new([60, 19], image.pixels()[60..].to_vec()).unwrap();
@@ -358,7 +359,7 @@ fn what_is_not_for_the_card_is_told_or_matched_by_the_processor() {
 }
 
 #[test]
-fn pairs_beyond_memory_and_dispatches_are_not_for_the_card() {
+fn pairs_beyond_gpu_memory_or_dispatch_limits_are_not_for_the_gpu() {
     let is_for_card = |size: [u32; 2], gathering| {
         let image = image(size, |_, _| 0);
         let matching = Matching {
@@ -371,7 +372,7 @@ fn pairs_beyond_memory_and_dispatches_are_not_for_the_card() {
         Gathering::SemiGlobal(Penalties::default()),
         Gathering::Local { radius_px: 3 },
     );
-    // 2 bytes of each of 64 labels, twice for squares.
+    // 2 bytes for each of 64 labels, doubled for squares.
     for (size, gathering, expected) in [
         ([1024, 512], paths, true),
         ([2048, 1024], squares, false),
@@ -393,7 +394,7 @@ fn pairs_beyond_memory_and_dispatches_are_not_for_the_card() {
 }
 
 #[test]
-fn an_adapter_that_is_a_program_leaves_pairs_to_the_processor() {
+fn a_software_adapter_leaves_pairs_to_the_cpu() {
     let is_of_processor = CardMatcher::shared(&CONTEXT) == SharedMatcher::default();
     assert_eq!(is_of_processor, CONTEXT.is_software());
     let by_card = SharedMatcher(Arc::new(CardMatcher::new(Arc::clone(&CONTEXT))));
@@ -401,7 +402,7 @@ fn an_adapter_that_is_a_program_leaves_pairs_to_the_processor() {
 }
 
 #[test]
-fn threads_share_a_card() {
+fn threads_share_a_gpu() {
     let matcher = CardMatcher::new(Arc::clone(&CONTEXT));
     let matching = Matching {
         between: Between::Parabola,

@@ -100,7 +100,7 @@ impl VisibleMaker {
         let sizes = sizes_of(visible, &screening);
         let mut record_buffers = self.made.take().map_or_else(Vec::new, |made| made.record_buffers);
         record_buffers.resize_with(STREAMS, Vec::new);
-        // Space for all points: the number of visible ones is known on the GPU alone, and querying it would stall each
+        // Space for all points: the number of visible ones is only known on the GPU, and querying it would stall each
         // image.
         let count = visible.record_count();
         let streams: Vec<Stream> = record_buffers

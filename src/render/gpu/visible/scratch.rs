@@ -69,7 +69,7 @@ impl Sizes {
     /// workgroups at once.
     pub(super) fn fit(&self, context: &Context) -> bool {
         let invocations = self.points.max(self.bordered()).max(self.cells_of(0));
-        // 65,535 workgroups are some 16 million points or pixels; beyond, the CPU makes the records.
+        // 65,535 workgroups are about 16 million points or pixels; beyond that, the CPU makes the records.
         let groups = invocations.div_ceil(GROUP_RECORDS);
         let max_bytes = OWN.into_iter().map(|binding| self.bytes(binding)).max();
         groups <= context.limits.max_compute_workgroups_per_dimension

@@ -143,7 +143,7 @@ fn read<T: bytemuck::Pod>(context: &Context, from: &wgpu::Buffer) -> Vec<T> {
 }
 
 #[test]
-fn passes_find_the_points_and_normals_of_the_processor() {
+fn passes_find_the_same_points_and_normals_as_the_cpu() {
     let options = ContextOptions {
         prefer_software: true,
         ..ContextOptions::default()
@@ -190,7 +190,7 @@ fn agree(context: &Context, name: &str, points: &[PointRecord], view: &ScreenVie
     let (mut both, mut off) = (0, 0);
     let mut slots = 0..points.len();
     for (point, shape) in drawn[..count].iter().zip(&shapes) {
-        // In their order.
+        // They are in order.
         let slot = slots.find(|&slot| points[slot] == *point).unwrap();
         if let Some(expected) = of_processor[slot] {
             both += 1;

@@ -79,7 +79,7 @@ impl Described {
             Values::Words(words) => {
                 let words = words.list.iter().chain(self.shorthands.iter().map(|short| &short.word));
                 let mut words: Vec<_> = words.map(|word| word.word).collect();
-                // People say: on or off.
+                // The usual order is: on, off.
                 let is_switch = words.contains(&"on");
                 words.sort_by_key(|word| ["on", "off"].iter().position(|it| is_switch && it == word).unwrap_or(2));
                 words

@@ -44,7 +44,7 @@ impl Curve {
         };
         let [leave, arrive] = [self.slopes[index], self.slopes[index + 1]].map(|slope| slope * span);
         let (rest, way) = (1.0 - share, to - from);
-        // Bernstein's form about `from`: exact at both ends, and where nothing moves.
+        // Bernstein form relative to `from`: exact at both ends, and where nothing moves.
         let inner = 3.0 * rest * share;
         let value =
             from + inner * rest * (leave / 3.0) + inner * share * (way - arrive / 3.0) + share * share * share * way;
@@ -54,7 +54,7 @@ impl Curve {
 
 /// The slope at a value between two secants over these times.
 fn inner_slope([before, after]: [f64; 2], [arriving, leaving]: [f64; 2]) -> f64 {
-    // Monotone: with Catmull–Rom a resting camera would not rest, and an elevation could swing over a pole.
+    // Monotone: with Catmull–Rom a resting camera would not rest, and an elevation could overshoot a pole.
     if arriving * leaving <= 0.0 {
         return 0.0;
     }
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn even_steps_are_a_straight_line() {
+    fn even_steps_give_a_straight_line() {
         let curve = Curve::through(&[0.0, 1.0, 2.0], vec![5.0, 7.0, 9.0], false);
         for share in [0.0, 0.25, 0.5, 1.0] {
             assert!((curve.at(0, share, 1.0) - (5.0 + 2.0 * share)).abs() < 1e-12);
@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn ease_starts_and_ends_at_rest() {
-        // The smooth step 3t² - 2t³.
+        // Smoothstep, 3t² - 2t³.
         let curve = Curve::through(&[0.0, 4.0], vec![0.0, 1.0], true);
         for share in [0.0, 0.1, 0.5, 0.9, 1.0] {
             let expected = share * share * (3.0 - 2.0 * share);

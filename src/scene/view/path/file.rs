@@ -244,7 +244,7 @@ struct WrittenPath {
 }
 
 fn line(key: &Keyframe) -> String {
-    // Numbers alone: nothing of it can fail.
+    // Numbers only: this cannot fail.
     serde_json::to_string(&written_keyframe(key)).unwrap_or_default()
 }
 

@@ -146,7 +146,7 @@ impl CameraPath {
     ) -> Result<Self, PathError> {
         let steps = (picture_count - 1.0).max(0.0);
         let turned_deg = 360.0 * turns * steps / picture_count.max(1.0);
-        // A quarter of a turn at most between keyframes, so that there is one short way round.
+        // At most a quarter of a turn between keyframes, so that the shortest way round is unique.
         let count = if steps > 0.0 {
             (turned_deg.abs() / 90.0).ceil().max(1.0)
         } else {
@@ -229,7 +229,7 @@ fn unwrapped(keyframes: &[Keyframe], angle_deg: fn(&Camera) -> f64) -> Vec<f64> 
     let mut last = angle_deg(&keyframes[0].camera);
     let angle = |key: &Keyframe| {
         let step = angle_deg(&key.camera) - last;
-        // Half a turn goes the way it is written.
+        // Up to half a turn goes the way it is written.
         let is_short = step.abs() <= 180.0;
         last += if is_short { step } else { wrapped(step) };
         last

@@ -31,14 +31,14 @@ fn frames_at(path: &CameraPath, times: &[f64]) -> Vec<usize> {
 }
 
 #[test]
-fn frames_are_held_slowed_down_and_reversed() {
+fn frames_can_be_held_slowed_down_and_reversed() {
     let keys = vec![
         key(0.0, 0.0),
-        // 24 frames a second.
+        // 24 frames per second.
         key(1.0, 24.0),
-        // Held.
+        // Paused.
         key(2.0, 24.0),
-        // Slow motion: four frames a second.
+        // Slow motion: four frames per second.
         key(3.0, 28.0),
         // Backwards.
         key(4.0, 4.0),
@@ -56,7 +56,7 @@ fn frames_are_held_slowed_down_and_reversed() {
 }
 
 #[test]
-fn a_turntable_turns_at_one_speed_and_joins_its_own_end() {
+fn a_turntable_turns_at_constant_speed_and_closes_the_loop() {
     let path = CameraPath::turntable(camera(), 1.0, [36.0, 12.0], [3.0, 0.5]).unwrap();
     assert_eq!(path.picture_count(12.0), 36);
     for picture in 0..36 {
@@ -91,7 +91,7 @@ fn the_camera_goes_the_short_way_round_and_zooms_evenly() {
 }
 
 #[test]
-fn wrong_keyframes_are_refused_by_number() {
+fn invalid_keyframes_are_rejected_by_number() {
     let of = |keys: Vec<Keyframe>| CameraPath::new(keys, false).unwrap_err().to_string();
     assert_eq!(of(Vec::new()), "a path has at least one keyframe");
     assert!(of(vec![key(0.0, 0.0), key(f64::NAN, 0.0)]).starts_with("keyframe 2: time_s is NaN"));
@@ -108,7 +108,7 @@ fn wrong_keyframes_are_refused_by_number() {
 }
 
 #[test]
-fn wrong_files_are_refused_by_line() {
+fn invalid_files_are_rejected_by_line() {
     let good = CameraPath::new(vec![key(0.0, 0.0), key(1.0, 2.0)], true)
         .unwrap()
         .to_json();
@@ -195,7 +195,7 @@ proptest! {
     }
 
     #[test]
-    fn between_keyframes_nothing_is_beyond_them(path in any_path(), share in 0f64..1.0) {
+    fn values_between_keyframes_do_not_overshoot(path in any_path(), share in 0f64..1.0) {
         let seconds = share * path.duration_s();
         let (camera, frame) = path.at(seconds);
         let keys = path.keyframes();
@@ -215,7 +215,7 @@ proptest! {
     /// No corners: the speeds a moment before and after a keyframe differ by no more than the curves beside it can
     /// accelerate.
     #[test]
-    fn the_camera_has_one_speed_at_a_keyframe(path in any_path()) {
+    fn the_camera_speed_is_continuous_at_keyframes(path in any_path()) {
         const AT_TIME_S: f64 = 1e-6;
         for keys in path.keyframes().windows(3) {
             let here_s = keys[1].time_s - path.keyframes()[0].time_s;
@@ -236,7 +236,7 @@ proptest! {
     }
 
     #[test]
-    fn frames_that_rise_never_fall(path in any_path(), shares in prop::collection::vec(0f64..1.0, 20)) {
+    fn increasing_frames_interpolate_monotonically(path in any_path(), shares in prop::collection::vec(0f64..1.0, 20)) {
         let mut keys = path.keyframes().to_vec();
         let mut frame = 0.0;
         for key in &mut keys {
@@ -250,12 +250,12 @@ proptest! {
     }
 
     #[test]
-    fn files_read_back_equal(path in any_path()) {
+    fn files_round_trip(path in any_path()) {
         let text = path.to_json();
         let back = CameraPath::of_json(text.as_bytes(), Path::new("")).unwrap();
         prop_assert_eq!(back.eases(), path.eases());
         prop_assert_eq!(back.keyframes().len(), path.keyframes().len());
-        // Numbers are read to the last digit or the one beside it.
+        // Numbers are read back exactly or to the neighbouring float.
         let is_near = |a: f64, b: f64| (a - b).abs() <= f64::EPSILON * b.abs();
         for (back, key) in back.keyframes().iter().zip(path.keyframes()) {
             let (a, b) = (back.camera, key.camera);

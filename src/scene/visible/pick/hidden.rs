@@ -21,7 +21,7 @@ pub fn hidden(packet: &ScenePacket, places: &[(DVec3, DVec2)]) -> Vec<bool> {
     if !places.iter().any(|&(_, px)| is_seen(px)) {
         return vec![false; places.len()];
     }
-    // What is left to who draws is put together once for all of them.
+    // Records that the renderer would gather are gathered once for all places.
     if let Some(surfels) = packet.content.gathered() {
         let content = Content::Surfels(surfels);
         let packet = ScenePacket {
@@ -35,10 +35,10 @@ pub fn hidden(packet: &ScenePacket, places: &[(DVec3, DVec2)]) -> Vec<bool> {
 }
 
 fn is_behind(packet: &ScenePacket, place: DVec3, px: DVec2) -> bool {
-    // A ray against the packet, as for a click: right for every primitive without reading back a depth buffer.
+    // A ray against the packet, as for a click: correct for every primitive without reading back a depth buffer.
     let ray = Ray::new(packet, px.to_array());
     let depth = ray.depth_of(place);
-    // The eye of parallel rays is far away, whatever the cloud's size.
+    // With parallel rays the eye is far away, whatever the cloud's size.
     let slack = SLACK * depth / f64::from(packet.view.telephoto);
     nearest_place(packet, &ray).is_some_and(|nearest| ray.depth_of(nearest) < depth - slack)
 }

@@ -30,7 +30,7 @@ fn style(points: PointStyle) -> Style {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
     #[test]
-    fn the_triangle_that_is_picked_is_the_one_that_a_look_at_each_finds(
+    fn the_picked_triangle_matches_brute_force(
         positions in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 3..120),
         faces in prop::collection::vec(prop::array::uniform3(0u32..120), 1..90),
         distance in 0.2f64..4.0,
@@ -49,7 +49,7 @@ proptest! {
         let place_px = [f64::from(px.0) + 0.3, f64::from(px.1) + 0.9];
         let oracle = Oracle { packet: &packet, px: DVec2::new(f64::from(px.0) + 0.5, f64::from(px.1) + 0.5) };
         let Some(records) = packet.content.mesh() else {
-            // Not one of the faces has three corners.
+            // None of the faces has three distinct corners.
             prop_assert!(frame.mesh.unwrap().mesh().triangles().is_empty());
             return Ok(());
         };
@@ -58,7 +58,7 @@ proptest! {
         let expected = oracle.triangle();
         prop_assert_eq!(found.is_some(), expected.is_some());
         if let (Some(seen), Some((record, place))) = (found, expected) {
-            // Of two triangles with the same corners rounding says which is nearer.
+            // Of two triangles with the same corners rounding decides which is nearer.
             let corners = |record: usize| {
                 let mut corners = records.triangles[record].corners;
                 corners.sort_unstable();
@@ -81,7 +81,7 @@ fn wedge() -> PreparedFrame {
 }
 
 #[test]
-fn beside_a_triangle_its_sides_are_near_and_the_circle_around_it_is_not() {
+fn picking_next_to_a_triangle_measures_to_its_edges_not_its_circumcircle() {
     let frame = wedge();
     let camera = Camera {
         elevation_deg: 0.0,
@@ -98,12 +98,12 @@ fn beside_a_triangle_its_sides_are_near_and_the_circle_around_it_is_not() {
     let beside = px_of(DVec3::ZERO) + DVec2::new(2.5, -2.5);
     assert_eq!(at(beside, 2.5), None);
     assert!(at(beside, 5.0).is_some());
-    // Behind the eye and on the background nothing is met.
+    // Behind the eye and on the background there is no hit.
     assert_eq!(at(DVec2::new(2.0, 2.0), 5.0), None);
 }
 
 #[test]
-fn a_clip_takes_whole_triangles_by_their_middles() {
+fn triangles_are_clipped_as_a_whole_by_their_centroids() {
     let positions = [
         [0.0, 0.0, 0.0],
         [1.0, 0.0, 0.0],

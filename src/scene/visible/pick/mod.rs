@@ -134,12 +134,12 @@ pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], rad
                 let sprites = Sprites::new(packet, &surfels.points, Some(&surfels.shapes));
                 ray.choose(&sprites, radius_px)?
             } else {
-                // The blended surfel with the largest weight, which an index buffer could not hold: it has one surfel
-                // per pixel.
+                // The blended surfel with the largest weight, which an index buffer could not hold: it stores one
+                // surfel per pixel.
                 ray.choose(&Disks::new(surfels, &packet.style), radius_px)?
             };
             if packet.style.has_screen_normals() {
-                // Of the visible points alone, so that places tell which they are.
+                // Only among the visible points, so that positions identify them.
                 let place = Vec3::from_array(surfels.points.get(chosen.record)?.position);
                 return nearest_drawn(packet, frame, place.as_dvec3(), |_| true);
             }
@@ -147,7 +147,7 @@ pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], rad
             if kind.and_then(|kind| frame.levels.get(kind)).is_none() {
                 return slot_of(packet, frame, &surfels.points, chosen.record);
             }
-            // A surfel stands for points of a cell.
+            // A surfel represents the points of a cell.
             nearest_drawn(packet, frame, chosen.place, |_| true)
         }
         Content::Voxels(voxels) => {
@@ -157,7 +157,7 @@ pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], rad
             nearest_drawn(packet, frame, chosen.place, |place| cell.contains(place))
         }
         Content::Mesh(mesh) => {
-            // A point of the frame, not the place on the triangle: measuring, trails and the point panel work on
+            // A point of the frame, not the position on the triangle: measuring, trails and the point panel work on
             // points.
             let chosen = ray.choose(&Triangles::new(mesh, packet), radius_px)?;
             nearest_drawn(packet, frame, chosen.place, |_| true)

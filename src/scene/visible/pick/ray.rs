@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Most records of a block.
-// With boxes, 1,000,000 points take 2.0 to 2.7 ms, surfels 3.5 to 5.0; one read of all positions takes 1.7 (development
-// build, two busy cores).
+// With boxes, 1,000,000 points take 2.0 to 2.7 ms, surfels 3.5 to 5.0 ms; one read of all positions takes 1.7 ms
+// (development build, two busy cores).
 const BLOCK: usize = 64;
 
 /// Blocks that are worth handing to another thread.
@@ -130,7 +130,7 @@ impl Ray {
             .collect();
         let met = seen.iter().filter(|seen| seen.miss_px.is_none());
         let backmost = met.clone().map(|seen| seen.depth + seen.slack).reduce(f64::min);
-        // Of equals the last: what stands later is drawn over what is as near.
+        // Of equals the last: later records are drawn over equally near ones.
         match backmost {
             Some(backmost) => met
                 .rev()
@@ -194,7 +194,7 @@ impl Ray {
         let midpoint = self.view_from_frame * (0.5 * (low + high) - self.eye);
         let half = self.view_from_frame.abs() * (0.5 * (high - low));
         let farthest = half.z - midpoint.z;
-        // For rounding.
+        // Allows for rounding.
         let slack = 1e-9 * (midpoint.length() + half.length() + reach);
         let widening = radius_px / self.px_per_slope.min_element() * farthest;
         let is_near = |axis: usize| {

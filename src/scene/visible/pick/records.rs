@@ -74,7 +74,7 @@ fn meet_sprite(depth: f64, aside_px: DVec2, half_px: f64, shape: PointShape) -> 
     let aside_max_px = aside_px.abs().max_element();
     let covers = match shape {
         PointShape::Square => aside_max_px <= half_px,
-        // And the pixel that the point is in.
+        // And the pixel that contains the point.
         PointShape::Disk | PointShape::Gaussian => aside_px.length() <= half_px || aside_max_px <= 0.5,
     };
     covers.then_some(Met {
@@ -155,7 +155,7 @@ impl Drawn for Disks<'_> {
         let (normal, direction) = (self.normal(record), ray.direction());
         let depth = normal.dot(offset) / normal.dot(direction);
         let aside = self.share_of_rim(record, depth * direction - offset);
-        // Neither holds for a disk that is seen edge-on, or has no size.
+        // Neither holds for a disk that is seen edge-on, or has zero size.
         (depth > 0.0 && aside <= 1.0).then_some(Met {
             depth,
             slack: self.radius(record),
@@ -238,7 +238,7 @@ impl Drawn for Cubes<'_> {
             enter = enter.max(a.min(b));
             leave = leave.min(a.max(b));
         }
-        // From within a cube none of its faces is drawn.
+        // From inside a cube none of its faces is drawn.
         (enter <= leave && enter > 0.0).then_some(Met {
             depth: enter,
             slack: 0.0,
@@ -309,12 +309,12 @@ impl Drawn for Triangles<'_> {
         }
         let [a, b, c] = self.corners_from_eye(record, offset);
         let direction = ray.direction();
-        // The ray passes all sides on the same hand.
+        // The ray passes all sides on the same side.
         let sides = [(a, b), (b, c), (c, a)].map(|(from, to)| from.cross(to).dot(direction));
         let is_inside = sides.iter().all(|&side| side >= 0.0) || sides.iter().all(|&side| side <= 0.0);
         let normal = (b - a).cross(c - a);
         let depth = normal.dot(a) / normal.dot(direction);
-        // Not where it is seen edge-on.
+        // False if it is seen edge-on.
         (is_inside && depth > 0.0 && depth.is_finite()).then_some(Met {
             depth,
             slack: 0.0,

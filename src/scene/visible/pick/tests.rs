@@ -40,7 +40,7 @@ fn cloud(places: &[[f32; 3]], radius: f32, origin: DVec3) -> PreparedFrame {
         .iter()
         .map(|&place| (origin + Vec3::from_array(place).as_dvec3()).to_array());
     let mut raw = RawCloud::from_positions(Positions::F64(positions.collect()));
-    // Anywhere, and different.
+    // Anywhere, and distinct.
     let normals = places.iter().enumerate().map(|(index, &[x, y, z])| {
         let turned = Vec3::new(y - 0.3, z + 0.2, x + 0.1 * (index % 7) as f32);
         turned.normalize_or(Vec3::Z).to_array()
@@ -81,7 +81,7 @@ pub(super) fn packet_of(frame: &PreparedFrame, origin: DVec3, camera: &Camera, s
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
     #[test]
-    fn what_is_picked_is_what_a_look_at_every_record_finds(
+    fn the_picked_record_matches_brute_force(
         places in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 0..700),
         distance in 0.2f64..4.0,
         azimuth_deg in -180f64..180.0,
@@ -123,7 +123,7 @@ proptest! {
                     let voxels = packet.content.voxels().unwrap();
                     let cell = Cubes::new(voxels).cell(record);
                     let holds = |slot: usize| cell.contains(Vec3::from_array(frame.points[slot].position).as_dvec3());
-                    // No point is inside of a gap between cells.
+                    // No point is inside a gap between cells.
                     let is_gap = !(0..frame.points.len()).any(holds);
                     prop_assert!(found.is_some_and(|slot| is_gap || holds(slot)));
                 }
@@ -132,7 +132,7 @@ proptest! {
     }
 
     #[test]
-    fn beside_what_is_drawn_the_nearest_on_the_picture_is_picked(
+    fn next_to_drawn_points_the_nearest_in_the_image_is_picked(
         places in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 1..60),
         px in (0..SIZE[0], 0..SIZE[1]),
         radius_px in 0f64..40.0,
@@ -149,7 +149,7 @@ proptest! {
         };
         let nearest = (0..frame.points.len()).map(apart).reduce(f64::min).unwrap();
         match found {
-            // Within half a pixel, the size of the square, all are as near.
+            // Within half a pixel, the size of the square, all are equally near.
             Some(slot) => prop_assert!(apart(slot) <= nearest.max(0.5f64.sqrt()) + 0.5, "{} {}", apart(slot), nearest),
             None => prop_assert!(nearest > radius_px + 0.499),
         }
@@ -160,7 +160,7 @@ proptest! {
 }
 
 #[test]
-fn nothing_is_picked_where_nothing_is() {
+fn empty_space_picks_nothing() {
     let origin = DVec3::ZERO;
     let camera = camera(3.0, 0.0, origin);
     for &primitive in Primitive::ALL {
@@ -171,7 +171,7 @@ fn nothing_is_picked_where_nothing_is() {
         let empty = cloud(&[], 0.1, origin);
         let packet = packet_of(&empty, origin, &camera, &style);
         assert_eq!(pick(&packet, &empty, [80.0, 60.0], 1e9), None);
-        // Twice as far behind the eye as the target is before it.
+        // Twice as far behind the eye as the target is in front of it.
         let eye = camera.eye_in_world();
         let behind = cloud(&[(eye * 3.0).as_vec3().to_array()], 0.1, origin);
         let packet = packet_of(&behind, origin, &camera, &style);
@@ -187,7 +187,7 @@ fn nothing_is_picked_where_nothing_is() {
         let packet = packet_of(&bare, origin, &camera, &style);
         let expected = style.draws_points().then_some(0);
         assert_eq!(pick(&packet, &bare, [80.0, 60.0], 5.0), expected);
-        // Places that no picture has.
+        // Positions outside any image.
         for place_px in [[f64::NAN; 2], [f64::INFINITY; 2], [-1e300, 1e300]] {
             assert_eq!(pick(&packet, &bare, place_px, 5.0), None);
         }
@@ -195,7 +195,7 @@ fn nothing_is_picked_where_nothing_is() {
 }
 
 #[test]
-fn the_front_one_wins_and_of_equals_the_last() {
+fn the_frontmost_is_picked_and_the_last_of_equals() {
     let origin = DVec3::ZERO;
     let camera = Camera {
         elevation_deg: 0.0,
@@ -248,7 +248,7 @@ fn back_faces_are_picked_only_where_they_are_drawn() {
 }
 
 #[test]
-fn a_lone_point_is_picked_from_beside_it() {
+fn a_lone_point_is_picked_from_next_to_it() {
     let origin = ECEF;
     let frame = cloud(&[[0.0; 3]], 1e-6, origin);
     let camera = camera(2.0, 77.0, origin);
@@ -259,7 +259,7 @@ fn a_lone_point_is_picked_from_beside_it() {
         });
         let packet = packet_of(&frame, origin, &camera, &style);
         assert_eq!(pick(&packet, &frame, [84.0, 57.0], 6.0), Some(0), "{primitive}");
-        // The cell of a lone point is as large as one pleases.
+        // The cell of a single point may have any size.
         if primitive != Primitive::Voxel {
             assert_eq!(pick(&packet, &frame, [84.0, 57.0], 3.0), None, "{primitive}");
         }
@@ -267,7 +267,7 @@ fn a_lone_point_is_picked_from_beside_it() {
 }
 
 #[test]
-fn a_pick_has_all_that_the_file_says_of_the_point() {
+fn a_pick_has_all_file_values_of_the_point() {
     let mut raw = RawCloud::from_positions(Positions::F64(vec![
         [f64::NAN; 3],
         (ECEF + DVec3::new(0.25, 0.5, -0.125)).to_array(),
@@ -288,7 +288,7 @@ fn a_pick_has_all_that_the_file_says_of_the_point() {
     assert_eq!(pick.scalars[0], ("intensity".to_owned(), 0.5));
     let (name, time) = &pick.scalars[1];
     assert_eq!(name, "gps_time");
-    // As far apart as f64 tells such times.
+    // As precise as f64 is for such times.
     assert!((time - (1.3e9 + 0.001)).abs() < 5e-7, "{time}");
     assert_eq!(Pick::of(&frame, ECEF, 1), None);
 
@@ -299,7 +299,7 @@ fn a_pick_has_all_that_the_file_says_of_the_point() {
 }
 
 #[test]
-fn each_structure_of_levels_is_picked_where_it_is_drawn() {
+fn every_level_structure_is_picked_where_it_is_drawn() {
     let places: Vec<[f32; 3]> = (0..4000)
         .map(|index| {
             let (x, y) = ((index % 63) as f32 / 31.5 - 1.0, (index / 63) as f32 / 31.5 - 1.0);

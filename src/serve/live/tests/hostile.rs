@@ -52,7 +52,7 @@ fn refused(url: &Path) -> String {
 }
 
 #[test]
-fn servers_of_other_kinds_are_told_apart() {
+fn other_kinds_of_servers_are_distinguished() {
     let head = StreamHead {
         session: 1,
         clock_ns: 0,
@@ -86,7 +86,7 @@ fn servers_of_other_kinds_are_told_apart() {
 }
 
 #[test]
-fn nobody_listening_is_said_with_what_to_do() {
+fn a_refused_connection_is_reported_with_advice() {
     let free = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let text = refused(Path::new(&format!("tcp://{free}")));
     assert!(text.contains("pointreel serve INPUT --live"), "{text}");
@@ -105,7 +105,7 @@ fn opening_can_be_cancelled() {
 }
 
 #[test]
-fn clients_that_talk_nonsense_are_left() {
+fn clients_that_send_garbage_are_disconnected() {
     let server = Running::new(points(3, 10), 100.0, RAW);
     let quick = opened(&server.url());
     let nonsense: [&[u8]; 3] = [
@@ -140,8 +140,8 @@ fn crowd(server: &Running) -> Vec<TcpStream> {
 }
 
 #[test]
-fn clients_that_never_read_keep_nobody_out() {
-    // Larger than what sockets hold, so that a sender waits for its client.
+fn clients_that_never_read_do_not_block_others() {
+    // Larger than socket buffers, so that a sender waits for its client.
     let server = Running::new(points(2, 400_000), 20.0, RAW);
     let stuck = crowd(&server);
     assert_served_at_once(&server);
@@ -149,7 +149,7 @@ fn clients_that_never_read_keep_nobody_out() {
 }
 
 #[test]
-fn clients_that_say_nothing_keep_nobody_out_though_buffers_hold_their_frames() {
+fn silent_clients_do_not_block_others_although_buffers_hold_their_frames() {
     let server = Running::new(points(2, 10), 20.0, RAW);
     let silent = crowd(&server);
     assert_served_at_once(&server);
@@ -157,7 +157,7 @@ fn clients_that_say_nothing_keep_nobody_out_though_buffers_hold_their_frames() {
 }
 
 #[test]
-fn where_all_who_are_there_take_part_others_are_told_so() {
+fn a_full_server_of_active_clients_turns_others_away() {
     let deadlines = ServerDeadlines {
         stuck: Duration::from_hours(1),
         place: Duration::from_millis(100),
@@ -175,7 +175,7 @@ fn where_all_who_are_there_take_part_others_are_told_so() {
 }
 
 #[test]
-fn a_client_that_takes_a_frame_too_slowly_is_left() {
+fn a_client_that_reads_a_frame_too_slowly_is_disconnected() {
     let deadlines = ServerDeadlines {
         message: MinRate {
             grace: Duration::from_millis(200),
@@ -200,7 +200,7 @@ fn a_client_that_takes_a_frame_too_slowly_is_left() {
 }
 
 #[test]
-fn floods_resets_and_half_closed_clients_leave_the_server_as_it_was() {
+fn floods_resets_and_half_closed_clients_do_not_harm_the_server() {
     let server = Running::new(points(3, 10), 100.0, RAW);
     let view = View {
         eye: DVec3::ZERO,
@@ -240,11 +240,11 @@ fn floods_resets_and_half_closed_clients_leave_the_server_as_it_was() {
     ];
     for round in 0..8 * said.len() {
         let mut client = TcpStream::connect(server.address()).unwrap();
-        // It may have been left before the end.
+        // The server may have closed the connection before the end.
         let _ = client.write_all(&said[round % said.len()]);
         if round % 2 == 0 {
             let _ = client.shutdown(Shutdown::Write);
-            // What is unread then is a reset.
+            // Closing with unread data causes a reset.
             let _ = client.read(&mut [0; 64]);
         }
     }
@@ -253,7 +253,7 @@ fn floods_resets_and_half_closed_clients_leave_the_server_as_it_was() {
 }
 
 #[test]
-fn a_server_that_drips_is_left_however_often_it_says_a_byte() {
+fn a_dripping_server_is_abandoned_however_often_it_sends_a_byte() {
     let head = StreamHead {
         session: 1,
         clock_ns: 0,
@@ -290,7 +290,7 @@ fn failing() -> FrameList {
 }
 
 #[test]
-fn a_frame_that_the_program_fails_on_ends_no_stream() {
+fn a_failing_frame_does_not_end_the_stream() {
     let server = Running::new(failing(), 100.0, RAW);
     let client = opened(&server.url());
     wait_for("frames of several rounds", || client.status().received_frames > 10);

@@ -88,7 +88,7 @@ impl Running {
         let tell = move |event| told.lock().unwrap().push(event);
         let mut tell = Some(tell);
         let begun = Instant::now();
-        // A port that was just left may be busy for a moment.
+        // A port that was just released may be busy for a while.
         let server = loop {
             let hear = tell.clone().unwrap();
             match LiveServer::bind(Arc::clone(source), schedule.clone(), address, options, hear) {
@@ -171,7 +171,7 @@ fn number(source: &dyn Source, index: usize) -> u64 {
 }
 
 #[test]
-fn known_points_arrive_as_they_are() {
+fn known_points_arrive_unchanged() {
     let server = Running::new(points(5, 40), 200.0, RAW);
     let stream = opened(&server.url());
     wait_for("frames", || stream.look_again().is_ok() && stream.frames().end >= 12);
@@ -219,7 +219,7 @@ fn text(cloud: &RawCloud) -> String {
 }
 
 #[test]
-fn images_arrive_raw_and_become_the_clouds_that_files_do_whatever_the_filters() {
+fn images_arrive_raw_and_give_the_same_clouds_as_files_with_any_filters() {
     let folder = tempfile::tempdir().unwrap();
     recording(folder.path());
     for (coding, filters) in [
@@ -254,7 +254,7 @@ fn images_arrive_raw_and_become_the_clouds_that_files_do_whatever_the_filters() 
 }
 
 #[test]
-fn a_temporal_filter_sees_the_frames_before() {
+fn a_temporal_filter_sees_the_previous_frames() {
     let folder = tempfile::tempdir().unwrap();
     recording(folder.path());
     let mut options = OpenOptions::default();
@@ -308,11 +308,11 @@ impl Reader {
 }
 
 #[test]
-fn a_slow_reader_gets_the_newest_and_stops_nobody() {
+fn a_slow_reader_gets_the_newest_frame_and_does_not_delay_others() {
     let server = Running::new(points(4, 100), 100.0, RAW);
     let mut slow = Reader::new(server.address(), true);
     let quick = opened(&server.url());
-    // What has queued before it said what it receives.
+    // Frames that were queued before it acknowledged any.
     for _ in 0..4 {
         slow.frame();
     }
@@ -322,7 +322,7 @@ fn a_slow_reader_gets_the_newest_and_stops_nobody() {
         let served = server.server.report().served_frames;
         late.push(served.saturating_sub(slow.frame().head.number));
     }
-    // Two were on the way while it slept, of 15 frames each, and two in the mailbox: not hundreds in buffers.
+    // Two were in transit while it slept, of 15 frames each, and two in the mailbox: not hundreds in buffers.
     late.sort_unstable();
     assert!(late[4] <= 45, "frames late: {late:?}");
     quick.look_again().unwrap();
@@ -336,9 +336,9 @@ fn a_slow_reader_gets_the_newest_and_stops_nobody() {
 }
 
 #[test]
-fn a_reader_that_takes_nothing_stops_nobody() {
+fn a_reader_that_takes_nothing_does_not_delay_others() {
     let server = Running::new(points(4, 20_000), 100.0, RAW);
-    // Buffers of the network fill up with its frames.
+    // Its frames fill up the network buffers.
     let stuck = TcpStream::connect(server.address()).unwrap();
     let quick = opened(&server.url());
     let before = quick.status().received_frames;
@@ -372,7 +372,7 @@ fn a_client_connects_again_after_the_server_has_died() {
 }
 
 #[test]
-fn clients_are_told_that_it_is_over() {
+fn clients_are_notified_of_the_end() {
     let server = Running::new(points(3, 10), 100.0, RAW);
     let mut reader = Reader::new(server.address(), false);
     reader.frame();
@@ -404,7 +404,7 @@ fn a_sequence_that_is_not_repeated_ends() {
 }
 
 #[test]
-fn the_newest_seconds_are_kept() {
+fn the_newest_seconds_are_retained() {
     let server = Running::new(points(3, 1000), 100.0, RAW);
     let options = OpenOptions {
         live_seconds: Some(0.3),
@@ -416,7 +416,7 @@ fn the_newest_seconds_are_kept() {
     assert!(frames.start > 0 && frames.len() >= 2, "{frames:?}");
     let status = stream.status();
     assert!(status.buffered_s < 2.0, "{status:?}");
-    // What is gone is an error.
+    // Frames that are gone are an error.
     let entry = stream.entry(0);
     let gone = stream.decoder().decode(0, &entry, usize::MAX, &Progress::default());
     assert!(gone.unwrap_err().to_string().contains("gone for good"));
@@ -425,13 +425,13 @@ fn the_newest_seconds_are_kept() {
 }
 
 #[test]
-fn the_delay_is_known_as_exactly_as_a_ping_tells() {
+fn the_delay_is_known_to_the_accuracy_of_a_ping() {
     let server = Running::new(points(3, 10), 50.0, RAW);
     let stream = opened(&server.url());
     let delay = || stream.status().delay_s;
     wait_for("a ping", || delay().is_some());
     let (delay, wrong) = delay().unwrap();
-    // One clock, one machine: not long, and the truth (above 0) is within the bound.
+    // One clock, one machine: a short delay, and the true value (above 0) is within the bound.
     assert!(
         delay + wrong >= 0.0 && delay < 10.0 && wrong < 10.0,
         "{delay} ± {wrong} s"
@@ -439,7 +439,7 @@ fn the_delay_is_known_as_exactly_as_a_ping_tells() {
 }
 
 #[test]
-fn what_arrives_is_recorded_and_opened_again() {
+fn a_received_stream_can_be_recorded_and_reopened() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("kept.pointreel-stream");
     let server = Running::new(points(5, 40), 100.0, RAW);
@@ -467,7 +467,7 @@ fn what_arrives_is_recorded_and_opened_again() {
         assert!(number >= first + index as u64);
         assert_eq!(decoded(&*recorded, index), cloud((number % 5) as f32, 40));
     }
-    // A file that breaks off has what is whole, and says where it ends.
+    // A truncated file has the complete frames, and says where it ends.
     let whole = std::fs::read(&path).unwrap();
     let cut = folder.path().join("cut.pointreel-stream");
     std::fs::write(&cut, &whole[..whole.len() - 100]).unwrap();
@@ -479,11 +479,11 @@ fn what_arrives_is_recorded_and_opened_again() {
         broken.notes()
     );
     assert_eq!(broken.damage(), broken.notes(), "check tells of it");
-    // A stream that sends nothing more takes the place of no recording.
+    // A stream that sends nothing more does not replace a recording.
     live.start_recording(&cut).unwrap();
     drop(live.stop_recording().unwrap());
     assert!(open(&cut).is_ok_and(|cut| !cut.frames().is_empty()));
-    // Bytes that were changed are one lost frame.
+    // Modified bytes lose one frame.
     let mut changed = whole.clone();
     let at = changed.len() - 50;
     changed[at] ^= 1;
@@ -496,7 +496,7 @@ fn what_arrives_is_recorded_and_opened_again() {
         .decode(last, &entry, usize::MAX, &Progress::default())
         .unwrap_err();
     assert!(error.to_string().contains("checksum"), "{error}");
-    // A head alone is no recording.
+    // A head alone is not a recording.
     std::fs::write(&cut, &whole[..60]).unwrap();
     assert!(open(&cut).err().unwrap().to_string().contains("no whole frame"));
     // And a recording can be served.
@@ -528,7 +528,7 @@ fn memory_stays_flat_over_thousands_of_frames() {
     wait_for("the first thousand", || received() > FRAMES / 6);
     let (memory, buffered) = (resident_bytes(), stream.status().buffered_bytes);
     wait_for("all frames", || {
-        // Whoever watches asks for the newest.
+        // A client that watches requests the newest.
         if stream.look_again().unwrap() > 0 {
             let newest = stream.frames().end - 1;
             let entry = stream.entry(newest);
@@ -538,7 +538,7 @@ fn memory_stays_flat_over_thousands_of_frames() {
         }
         received() > FRAMES
     });
-    // A frame is 8 KB: 5,000 of them would be 40 MB; what the server keeps of its own frames is counted apart.
+    // A frame is 8 KB: 5,000 of them would be 40 MB; what the server retains of its own frames is counted separately.
     let grown = resident_bytes().saturating_sub(memory);
     let buffered_by_server = made.load(Ordering::Relaxed) * 8200;
     assert!(
@@ -560,7 +560,7 @@ fn resident_bytes() -> usize {
 }
 
 #[test]
-fn what_is_sent_is_what_content_says() {
+fn the_stream_sends_what_its_content_states() {
     let server = Running::new(points(1, 3), 50.0, RAW);
     let frame = Reader::new(server.address(), false).frame();
     assert_eq!(frame.head.index, 0);

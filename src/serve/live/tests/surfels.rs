@@ -15,7 +15,7 @@ fn walls(at: DVec3) -> FrameList {
                 (at + DVec3::new(0.01 * (column - 29.5), 0.01 * (row - 29.5), -depth)).to_array()
             })
         };
-        // The one behind comes first.
+        // The rear one comes first.
         let mut cloud = RawCloud::from_positions(Positions::F64(wall(2.0).chain(wall(1.0)).collect()));
         cloud.attributes.colors = Some((0..7200).map(|index| [(index / 3600) as u8, 2, 3, 255]).collect());
         Ok(cloud)
@@ -47,7 +47,7 @@ fn newest(stream: &LiveStream) -> RawCloud {
 }
 
 #[test]
-fn a_client_is_sent_what_it_sees_and_others_all() {
+fn a_client_with_a_view_is_sent_what_it_sees_and_others_everything() {
     for at in [DVec3::ZERO, DVec3::new(4e6, -3e5, 100.0)] {
         let server = Running::new(walls(at), 50.0, RAW);
         let (seeing, all) = (surfels(&server.url()), opened(&server.url()));
@@ -57,7 +57,7 @@ fn a_client_is_sent_what_it_sees_and_others_all() {
         seeing.look_from(view(at));
         wait_for("what is seen", || newest(&seeing).positions.len() < 7200);
         let seen = newest(&seeing);
-        // The wall before the other one, and all of that.
+        // The wall in front of the other one, all of it.
         assert_eq!(seen.positions.len(), 3600);
         let Positions::F64(places) = &seen.positions else {
             panic!("coordinates stay as exact as they were")
@@ -91,7 +91,7 @@ fn a_client_is_sent_what_it_sees_and_others_all() {
         assert!(seeing.status().received_frames > before.received_frames);
         drop(seeing);
         wait_for("it to leave", || !server.left().is_empty());
-        // Half of the points, which have twice as many bytes each: normals and radii.
+        // Half of the points, each with twice as many bytes: normals and radii.
         let report = &server.left()[0];
         let share = report.sent_bytes as f64 / report.whole_bytes.unwrap() as f64;
         assert!((0.9..1.1).contains(&share), "{report:?}");
@@ -102,7 +102,7 @@ fn a_client_is_sent_what_it_sees_and_others_all() {
 }
 
 #[test]
-fn a_server_that_begins_again_is_told_what_is_looked_at() {
+fn a_restarted_server_is_sent_the_current_view() {
     let source: Arc<dyn Source> = Arc::new(walls(DVec3::ZERO));
     let first = Running::at(&source, 50.0, RAW, "127.0.0.1:0".parse().unwrap());
     let (url, address) = (first.url(), first.address());
@@ -121,7 +121,7 @@ fn a_server_that_begins_again_is_told_what_is_looked_at() {
 }
 
 #[test]
-fn a_stream_of_frames_does_not_care_what_is_looked_at() {
+fn a_stream_of_frames_ignores_the_view() {
     let server = Running::new(walls(DVec3::ZERO), 50.0, RAW);
     let stream = opened(&server.url());
     stream.look_from(view(DVec3::ZERO));
@@ -131,7 +131,7 @@ fn a_stream_of_frames_does_not_care_what_is_looked_at() {
 }
 
 #[test]
-fn a_client_whose_view_cannot_be_is_left() {
+fn a_client_with_an_impossible_view_is_disconnected() {
     let server = Running::new(walls(DVec3::ZERO), 50.0, RAW);
     let mut client = TcpStream::connect(server.address()).unwrap();
     let mut wrong = view(DVec3::ZERO);

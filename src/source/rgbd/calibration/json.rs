@@ -83,7 +83,7 @@ pub(super) fn calibration(text: &str, because: String) -> Result<Calibration, St
     let depth = intrinsics(json.get("depth").unwrap_or(&json))?;
     let color = match json.get("color").filter(|color| !color.is_null()) {
         Some(color) => {
-            // Without a place of its own the colour camera is where the depth camera is: colours were registered.
+            // Without a pose of its own the colour camera coincides with the depth camera: colours were registered.
             let color_from_depth = if color.get("color_from_depth").is_none() {
                 DAffine3::IDENTITY
             } else {

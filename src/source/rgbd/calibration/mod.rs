@@ -51,7 +51,7 @@ impl Calibration {
             Some('<') => xml::calibration(&text, because).map_err(wrong)?,
             _ => text::calibration(path, &text, because)?,
         };
-        // A camera that is none is said here, and not at each frame.
+        // An invalid camera is reported here, and not at each frame.
         let sizes = [
             &Some(&calibration.depth),
             &calibration.color.as_ref().map(|(color, _)| color),

@@ -64,7 +64,7 @@ impl Intrinsics {
             }
             _ => 1.0,
         };
-        // Centres of pixels are at integers: the corner of the image is at −½ in every size.
+        // Pixel centres are at integers: the corner of the image is at −½ in every size.
         let principal = scale * (self.principal_px + 0.5) - 0.5;
         Camera::new(size_px, scale * self.focal_px, principal, self.distortion).map_err(NoCamera::Numbers)
     }

@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn every_way_to_write_a_camera_says_the_same() {
+    fn every_notation_of_a_camera_gives_the_same_result() {
         for text in [
             "577.5 578.5 319.5 239.5",
             "577.5 0 319.5\n0 578.5 239.5\n0 0 1\n",
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn units_are_a_number_or_the_length_of_one() {
+    fn units_are_given_per_metre_or_as_the_length_of_one() {
         let camera = "fx: 1\nfy: 1\ncx: 1\ncy: 1\n";
         for (scale, expected) in [("DepthMapFactor: 5000.0", 5000.0), ("depth_scale: 0.001", 1000.0)] {
             assert_eq!(read(&format!("{camera}{scale}\n")).units_per_metre, Some(expected));

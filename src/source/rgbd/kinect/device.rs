@@ -42,7 +42,7 @@ struct DeviceCamera {
 impl Device {
     /// Parses the calibration in the attached file; the error is the end of a sentence.
     pub(super) fn of_json(bytes: &[u8]) -> Result<Self, String> {
-        // Some are written with the zero that ends their text.
+        // Some are written with the terminating zero of their text.
         let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
         let json: Value = serde_json::from_slice(&bytes[..end]).map_err(|error| error.to_string())?;
         let cameras = json
@@ -83,7 +83,8 @@ impl Device {
                 "the colour images have {width} × {height} pixels: 4:3 or 16:9 was expected"
             ));
         }
-        // As high as what was calibrated is in an image of this width; the first devices were for the middle alone.
+        // Relative to the height of the calibrated image at this width; the first devices were calibrated for the
+        // central part only.
         let [sensor_width, sensor_height] = camera.sensor_px;
         let is_four_thirds = 3 * sensor_width == 4 * sensor_height;
         if !is_four_thirds && 9 * sensor_width != 16 * sensor_height {
@@ -152,7 +153,7 @@ impl DeviceCamera {
     fn part(&self, sensor: DVec2, offset: DVec2, size_px: [u32; 2]) -> Intrinsics {
         Intrinsics {
             focal_px: self.focal * sensor,
-            // Centres of pixels are at integers.
+            // Pixel centres are at integers.
             principal_px: self.principal * sensor - offset - 0.5,
             distortion: self.distortion,
             for_size_px: Some(size_px),
@@ -234,7 +235,7 @@ mod tests {
 
     /// By hand, from the table of the SDK: sizes of the sensor, what is cut, and half a pixel.
     #[test]
-    fn modes_of_the_depth_camera_are_parts_of_its_sensor() {
+    fn depth_camera_modes_are_parts_of_its_sensor() {
         let device = device(&json([4096, 3072])).unwrap();
         for (size_px, focal, center) in [
             ([640, 576], 501.76, [319.5, 351.98]),
@@ -255,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn images_of_sixteen_to_nine_are_the_middle_of_the_sensor() {
+    fn sixteen_to_nine_images_are_the_center_of_the_sensor() {
         let device = device(&json([4096, 3072])).unwrap();
         for (size_px, sensor_height, cut) in [
             ([1280, 720], 960.0, 120.0),
@@ -276,11 +277,12 @@ mod tests {
 
     /// A device that was calibrated for the middle sees the same: 16:9 numbers are those of 4:3 in other units.
     #[test]
-    fn the_first_devices_were_calibrated_for_the_middle() {
+    fn early_devices_were_calibrated_for_the_center() {
         let mut of_center = json([3840, 2160]);
         let parameters = of_center.pointer_mut("/CalibrationInformation/Cameras/0/Intrinsics/ModelParameters");
         let parameters = parameters.unwrap();
-        // Heights of 3/4 of the width are 4/3 of those of 9/16; the middle begins an eighth below the top.
+        // Heights relative to 9/16 of the width are 4/3 of those relative to 3/4; the central part starts an eighth
+        // below the top.
         parameters[1] = ((COLOR_NUMBERS[1] - 0.125) * 4.0 / 3.0).into();
         parameters[3] = (COLOR_NUMBERS[3] * 4.0 / 3.0).into();
         let [of_center, whole] = [of_center, json([4096, 3072])].map(|json| device(&json).unwrap());
@@ -300,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_calibration_says_what_is_missing() {
+    fn invalid_calibrations_say_what_is_missing() {
         let whole = json([4096, 3072]);
         let zeros = [whole.to_string().as_bytes(), b"\0\0"].concat();
         assert_eq!(Device::of_json(&zeros), device(&whole));

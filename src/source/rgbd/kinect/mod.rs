@@ -63,7 +63,7 @@ fn find(path: &Path, options: &RgbdOptions, read: &ReadOptions) -> Result<FoundR
     let mut notes = Vec::new();
     let mut color = recording.color(&mut notes);
     let calibration = if options.intrinsics.is_some() {
-        // Whoever names the camera needs none.
+        // If the user specifies the camera, none is needed.
         Calibration::of_depth(Intrinsics::pinhole([1.0, 1.0, 0.0, 0.0], None), "--intrinsics")
     } else {
         let device = recording.device(read.max_memory_bytes).map_err(wrong)?;

@@ -73,12 +73,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn modes_are_told_by_their_sizes() {
+    fn modes_are_recognised_by_their_sizes() {
         for mode in MODES {
             for tag in [None, Some(mode.name), Some("A_LATER_MODE")] {
                 assert_eq!(of_depth(tag, mode.size_px), Ok(mode));
             }
-            // The part is within the sensor.
+            // The region is within the sensor.
             for axis in 0..2 {
                 assert!(mode.offset_px[axis] + mode.size_px[axis] <= mode.sensor_px[axis]);
             }

@@ -26,7 +26,7 @@ fn is_likely(folder: &Folder) -> bool {
 }
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
-    // A data set has them below the mesh of the scene.
+    // In a data set they are below the mesh of the scene.
     let frames = folder.folders().iter().find(|name| name.ends_with("_frames"));
     let below = match frames {
         Some(name) if folder.sub(&["lowres_depth"]).is_none() => Some(Folder::read(&folder.path.join(name))?),

@@ -20,7 +20,7 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
         let mut parts = name.split(|c: char| !c.is_ascii_alphabetic());
         parts.any(|part| words.contains(&part))
     };
-    // Photographs of many kinds have pictures of depths: one of them would be no recording.
+    // Image sets of many kinds include depth images: a single one does not make a recording.
     let depths = folder.files(|name| is_image(name) && has_word(name, &["depth"]));
     let colors = folder.files(|name| is_image(name) && has_word(name, &COLOR) && !has_word(name, &["depth"]));
     let others = folder.images().len() - depths.len() - colors.len();
@@ -54,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn words_of_names_tell_depths_from_colours() {
+    fn words_in_names_distinguish_depths_from_colors() {
         let viewer = [
             "cam_Depth_1600000000000.00000.png",
             "cam_Color_1600000000005.00000.png",

@@ -136,7 +136,7 @@ impl FoundRecording {
                 let trajectory_len = trajectory.len();
                 self.take_poses(&if is_inverse { trajectory.inverse() } else { trajectory });
                 let mut count = self.pose_count();
-                // One matrix next to many images says where another sensor is.
+                // One matrix for many images is the pose of another sensor.
                 if count == 1 && self.frames.len() > 2 && trajectory_len == 1 {
                     self.frames.iter_mut().for_each(|frame| frame.world_from_camera = None);
                     count = 0;

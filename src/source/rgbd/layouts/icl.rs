@@ -66,10 +66,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_axes_of_a_rendered_camera_are_those_of_others() {
+    fn the_axes_of_a_rendered_camera_match_those_of_others() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scene.txt");
-        // At the height of a metre, looking along z with y up; in POV-Ray x is then to the right.
+        // At a height of one metre, looking along z with y up; in POV-Ray x is then to the right.
         let text = "cam_pos = [0.5, 1.0, 2.0]';\ncam_dir = [0.0, 0.0, 2.0]';\ncam_up = [0.0, 1.0, 0.0]';\n";
         std::fs::write(&path, text).unwrap();
         let pose = pose_of_pov(&path).unwrap().unwrap();

@@ -85,7 +85,7 @@ fn calibration() -> Calibration {
             size,
         )
     };
-    // By columns: the inverse of the rows as they are printed.
+    // By columns: the inverse of the rows as printed.
     let rotation = DMat3::from_cols(
         DVec3::new(
             9.999_779_894_082_926e-1,

@@ -39,7 +39,7 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let usual = Calibration::usual(CAMERA, "PCL's grabbers");
     let mut found = FoundRecording::of_pairs(depths, pairs, usual, DepthCode::per_metre(1000.0));
     found.units = Units::Usual("PCL's grabbers");
-    // A time is told by the whole name: `_depth` would be its end.
+    // The whole name gives the time: with `_depth`, that would be its end.
     let names: Vec<String> = time_steps.iter().map(|time_step| format!("{time_step}.pcd")).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let mut cameras = Cameras::of(folder);

@@ -37,7 +37,7 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     };
     let depths = images.files(|name| numbered(&["depth"])(name) && (is_image(name) || has_extension(name, &["npy"])));
     let colors = images.files(|name| numbered(&["frame", "rgb", "color"])(name) && is_image(name));
-    // The folder of the images themselves may be opened.
+    // The image folder itself may be opened.
     let around = images.path.join("..");
     let sidecars = |name: &str| -> Option<PathBuf> {
         let places = [

@@ -28,7 +28,7 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     }
     let colors = folder.files(|name| name.starts_with("frame_") && is_image(name));
     let mut pairs = by_name(&depths, &colors);
-    // The film has more images than the depth camera.
+    // The video has more images than the depth camera.
     pairs
         .notes
         .retain(|note| !note.contains("colour images have no depth image"));

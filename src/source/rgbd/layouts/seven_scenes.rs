@@ -107,14 +107,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn colours_are_taken_beside_the_depths_through_a_wider_lens() {
+    fn colors_come_from_a_camera_next_to_the_depth_camera_with_a_wider_lens() {
         let Ok(rig) = calibration().rig([640, 480], Some([640, 480])) else {
             panic!("both are of 640 × 480");
         };
         let color = rig.color.unwrap();
         let turn = color.color_from_depth.matrix3;
         assert!((turn.transpose() * turn).abs_diff_eq(DMat3::IDENTITY, 1e-9));
-        // What is 2 m before the depth camera, in its middle and 1 m aside.
+        // A point 2 m in front of the depth camera, on its axis, and one 1 m to the side.
         let center = color
             .camera
             .pixel(color.color_from_depth.transform_point3(DVec3::new(0.0, 0.0, 2.0)));

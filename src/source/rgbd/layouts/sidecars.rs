@@ -153,7 +153,7 @@ pub(super) fn take_poses(folder: &Folder, found: &mut FoundRecording) -> Result<
     };
     for name in folder.folders().iter().filter(is_of_poses) {
         let files = Folder::read(&folder.path.join(name))?.files(|name| has_extension(name, &["txt", "npy"]));
-        // A name alone says little.
+        // A name alone means little.
         if files.is_empty() {
             continue;
         }
@@ -186,7 +186,7 @@ impl Distinct {
                 && known.color == calibration.color
                 && known.units_per_metre == calibration.units_per_metre
         };
-        // A camera that focuses has others in each frame: only the last ones are looked at.
+        // A camera with autofocus has different parameters in each frame: only the last ones are compared.
         if let Some(known) = self.0.iter().rev().take(8).find(is_same) {
             return Arc::clone(known);
         }
@@ -222,7 +222,7 @@ pub(super) fn trajectories(folder: &Folder) -> Vec<PathBuf> {
             has_extension(&name, TRAJECTORY_FILES) && name.contains(word) && !name.contains("intrinsic")
         }
     };
-    // ICL-NUIM has those of its images by this extension.
+    // ICL-NUIM stores the poses of its images under this extension.
     let freiburg = folder.files(|name| has_extension(name, &["freiburg"]));
     let transforms = folder.files(|name| name == TRANSFORMS);
     let mut found: Vec<PathBuf> = Vec::new();

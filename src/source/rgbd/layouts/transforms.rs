@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn photographs_without_depths_are_another_thing() {
+    fn images_without_depths_are_not_an_rgbd_recording() {
         let folder = folder("");
         fs::remove_dir_all(folder.path().join("depths")).unwrap();
         assert!(found(&folder).is_none());

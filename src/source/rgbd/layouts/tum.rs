@@ -22,7 +22,7 @@ fn is_likely(folder: &Folder) -> bool {
 }
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
-    // Both lists are no accident: a model next to them was made of the images.
+    // Both lists are not a coincidence: a model next to them was made from the images.
     let is_certain = folder.has_file("rgb.txt");
     if !folder.has_file("depth.txt") || (folder.has_clouds() && !is_certain) {
         return Ok(None);

@@ -69,7 +69,7 @@ impl BetterHalf {
         self.sums.fill(0);
         for (rank, sorted) in (0_u8..).zip(self.sorted.chunks_exact(self.width)) {
             for ((sum, &sorted), &count) in self.sums.iter_mut().zip(sorted).zip(&self.counts) {
-                // The half is `count / 2`, rounded up.
+                // Half means `count / 2`, rounded up.
                 let counts = 2 * u16::from(rank) < u16::from(count);
                 *sum += if counts { u16::from(sorted) } else { 0 };
             }
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn the_better_half_of_the_costs_counts() {
+    fn the_lower_half_of_the_costs_is_averaged() {
         for (costs, mean) in [
             (vec![], 9),
             (vec![UNSEEN_COST], 9),
@@ -126,7 +126,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn means_are_those_of_sorted_costs(
+        fn means_match_those_of_sorted_costs(
             lines in prop::collection::vec(prop::collection::vec(prop_oneof![0_u8..=62, Just(UNSEEN_COST)], 40), 1..64),
             beyond in prop::collection::vec(0_u8..=62, 40),
         ) {

@@ -165,7 +165,7 @@ impl PlaneSweep {
     /// From the farthest plane on, evenly.
     fn inverse_depths(&self, size: [usize; 2], others: &[Other]) -> Vec<f32> {
         let range = [1.0 / self.far, 1.0 / self.near];
-        // One pixel per plane: finer planes doubled the error, as costs of neighbours hardly differ.
+        // One pixel per plane: finer planes doubled the error, as costs of neighbouring planes hardly differ.
         let count = self.planes.unwrap_or_else(|| {
             let shifts = others.iter().map(|other| other.shift(size, range));
             (shifts.fold(0.0, f32::max) as usize + 1).min(MAX_PLANES)

@@ -94,7 +94,7 @@ fn depths_of(views: &[View<'_>], index: usize, sweep: &PlaneSweep) -> DepthImage
 }
 
 #[test]
-fn the_depths_of_a_sphere_are_found_and_those_that_three_views_agree_on_are_on_it() {
+fn sphere_depths_are_found_and_those_agreed_by_three_views_are_on_it() {
     let scene = Scene::new(5);
     let views = scene.views();
     let sweep = PlaneSweep::between(2.5, 5.0);
@@ -114,7 +114,7 @@ fn the_depths_of_a_sphere_are_found_and_those_that_three_views_agree_on_are_on_i
     errors.sort_by(f64::total_cmp);
     let count = errors.len();
     assert!(count * 100 >= 70 * of_sphere, "{count} of {of_sphere}");
-    // A tenth of a pixel of the views beside, to which places of the front move by 10 px a unit of depth.
+    // A tenth of a pixel in the adjacent views, in which positions on the front move by 10 px per unit of depth.
     assert!(errors[count / 2] <= 0.01, "{}", errors[count / 2]);
 
     let retained = consistent(&maps, &views, Consistency::default()).unwrap();
@@ -134,7 +134,7 @@ fn the_depths_of_a_sphere_are_found_and_those_that_three_views_agree_on_are_on_i
         .collect();
     off.sort_by(f64::total_cmp);
     let of = |percent: usize| off[(off.len() - 1) * percent / 100];
-    // The even colour beside the sphere is as near as its rim to any window that has both.
+    // The uniform colour next to the sphere seems as near as its edge to any window that contains both.
     assert!(
         of(50) <= 0.005 && of(90) <= 0.02 && of(99) <= 0.1,
         "{} {} {}",
@@ -145,7 +145,7 @@ fn the_depths_of_a_sphere_are_found_and_those_that_three_views_agree_on_are_on_i
 }
 
 #[test]
-fn a_second_view_is_enough_and_the_local_winner_finds_the_same() {
+fn two_views_are_enough_and_local_selection_finds_the_same() {
     let scene = Scene::new(2);
     let views = scene.views();
     let mut sweep = PlaneSweep::between(2.5, 5.0);
@@ -170,7 +170,7 @@ fn any_number_of_threads_finds_the_same_depths() {
 }
 
 #[test]
-fn progress_comes_to_its_end_and_a_cancelled_sweep_says_so() {
+fn progress_reaches_its_end_and_a_cancelled_sweep_reports_it() {
     let scene = Scene::new(3);
     let views = scene.views();
     let sweep = PlaneSweep::between(2.5, 5.0);
@@ -191,7 +191,7 @@ fn progress_comes_to_its_end_and_a_cancelled_sweep_says_so() {
 
 /// Views that are turned about their axes, and one that is nearer.
 #[test]
-fn turned_and_nearer_views_tell_the_same_depths() {
+fn rotated_and_nearer_views_find_the_same_depths() {
     let mut scene = Scene::new(3);
     for (pose, (degrees, nearer)) in scene.poses.iter_mut().zip([(25.0_f64, 0.0), (0.0, 0.0), (-10.0, 0.4)]) {
         let turn = DAffine3::from_rotation_z(degrees.to_radians());
@@ -217,7 +217,7 @@ fn turned_and_nearer_views_tell_the_same_depths() {
 }
 
 #[test]
-fn what_shows_nothing_has_no_depth() {
+fn untextured_areas_have_no_depth() {
     let scene = Scene::new(3);
     let even = ColorImage::new(SIZE, vec![[9; 3]; (SIZE[0] * SIZE[1]) as usize]).unwrap();
     let mut views = scene.views();
@@ -228,7 +228,7 @@ fn what_shows_nothing_has_no_depth() {
 }
 
 #[test]
-fn views_and_depths_that_are_none_are_told() {
+fn invalid_views_and_depths_are_reported() {
     let scene = Scene::new(3);
     let views = scene.views();
     let sweep = PlaneSweep::between(2.5, 5.0);

@@ -46,7 +46,7 @@ const ONE: f64 = (1_u64 << FRACTION) as f64;
 const MAX_PLACES: f32 = 16_777_216.0;
 
 /// Shares of the two places around one.
-// Rounded to a quarter of a pixel, not interpolated, the median error is 0.75 instead of 0.71 ‰.
+// Rounded to a quarter of a pixel instead of interpolated, the median error is 0.75 instead of 0.71 ‰.
 const SHARES: u32 = 16;
 
 /// Another view before its picture is laid.
@@ -165,7 +165,7 @@ impl Other {
                 let to = line + other_from_first.x_axis * x as f32;
                 let at = to.truncate() / to.z;
                 *is_seen = to.z > 0.0 && at.cmpge(Vec2::splat(-0.5)).all() && at.cmple(max).all();
-                // Beyond the border is the border: where all is even, no plane costs more than others.
+                // Outside the image the border is repeated: in uniform areas, no plane costs more than others.
                 *pixel = self.image.bilinear(at.x, at.y);
             }
         });
@@ -229,7 +229,7 @@ impl Turned {
         let phases = PHASES as f32;
         let place = Vec2::new(shift.x, scale * y as f32 + shift.y) - self.first;
         let [mut first, mut row] = (phases * place).to_array();
-        // What is not mixed is rounded.
+        // The coordinate that is not interpolated is rounded.
         let mixes_along = self.moves.x.abs() >= self.moves.y.abs();
         *(if mixes_along { &mut row } else { &mut first }) += 0.5;
         let first = first.clamp(-MAX_PLACES, MAX_PLACES);
@@ -278,7 +278,7 @@ impl Lines<'_> {
     /// `second` has the other bits to mix, and how much of them.
     #[inline(always)]
     fn costs(&self, own: &[u64], costs: &mut [u8], second: impl Fn(&Self, i64, usize) -> (u64, u32)) {
-        // Pixels whose place and the next one are within the line.
+        // Pixels for which this position and the next are within the line.
         let places = self.rows[0].len() as i64 - 1;
         let until = |place: i64| {
             let pixels = ((place << FRACTION) - self.start + self.step - 1).div_euclid(self.step);

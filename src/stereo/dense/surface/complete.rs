@@ -58,7 +58,7 @@ pub(super) fn complete(inverse: &mut [f32], colors: &[[u8; 3]], width: usize) {
             inverse[at] += BEYOND * (mean - inverse[at]);
         }
     }
-    // A step beyond the mean can end below nothing.
+    // Over-relaxation can overshoot below zero.
     let min = start.iter().copied().fold(f32::INFINITY, f32::min);
     for &at in &unknown {
         inverse[at] = inverse[at].max(min);
@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hole_in_a_plane_is_on_the_plane() {
+    fn a_hole_in_a_plane_is_filled_on_the_plane() {
         let all: Vec<f32> = (0..WIDTH * 30).map(plane).collect();
         let mut inverse = all.clone();
         (0..inverse.len())
@@ -122,8 +122,8 @@ mod tests {
     }
 
     #[test]
-    fn a_step_in_a_hole_is_where_colours_have_one() {
-        // Known at both sides, unknown from 4 to 35; the colour changes at 30.
+    fn a_depth_step_in_a_hole_follows_the_color_edge() {
+        // Known on both sides, unknown from 4 to 35; the colour changes at 30.
         let color = |at: usize| if at % WIDTH < 30 { [200, 60, 60] } else { [60, 60, 200] };
         let known = |at: usize| match at % WIDTH {
             0..4 => 1.0,
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_made_of_nothing() {
+    fn empty_maps_stay_empty() {
         let mut nothing = vec![0.0; 12];
         complete(&mut nothing, &[[0; 3]; 12], 4);
         assert_eq!(nothing, [0.0; 12]);

@@ -94,8 +94,8 @@ pub fn photo_surface(
         .collect();
     let looking: Vec<View<'_>> = looked_at.iter().map(|&index| views[index]).collect();
     let measured = measured.ok()?;
-    // Specks of fewer than 30 pixels stay: removing them as pairwise stereo does, a room and a temple had 22.47 and
-    // 21.14 dB instead of 23.09 and 21.26.
+    // Specks of fewer than 30 pixels stay: when they were removed, as pairwise stereo does, a room and a temple had
+    // 22.47 and 21.14 dB instead of 23.09 and 21.26.
     let retained = consistent(&measured, &looking, Consistency::default()).ok()?;
     let of_two = consistent(&measured, &looking, OF_TWO).ok()?;
     let maps = retained.into_iter().zip(looking).zip(&looked_at);
@@ -108,16 +108,16 @@ pub fn photo_surface(
         })
         .collect();
     forget_doubted(&mut maps);
-    // Depths of three views only, as an ordinary cloud: 20.96 dB, 0.67 drawn, instead of 23.09, 0.90 (room). What two
-    // views see and what others carry over is worth 1.2 dB over the whole image.
+    // With depths of three views only, as for an ordinary cloud: 20.96 dB, 0.67 drawn, instead of 23.09, 0.90 (room).
+    // Depths from two views and those that others carry over are worth 1.2 dB over the whole image.
     add_pairs(&mut maps, &of_two);
     add_points(set, &mut maps);
     carry_over(&mut maps);
     maps.par_iter_mut()
         .zip(&looked_at)
-        // Measured depths stay next to steps: those within two pixels filled in again by colours, 23.08 instead of
-        // 23.09 dB. Without unconfirmed ones beyond 10 px from known depths: 23.62 dB, 0.89 drawn (room), 20.45, 0.32
-        // (temple), before carrying over.
+        // Measured depths stay next to depth discontinuities: with those within two pixels filled in again by colours,
+        // 23.08 instead of 23.09 dB. Without unconfirmed ones beyond 10 px from known depths: 23.62 dB, 0.89 drawn
+        // (room), 20.45, 0.32 (temple), before carrying over.
         .for_each(|(map, &index)| map.complete(&small[index].is_scene));
     let surface = fuse(&maps, origin);
     (!surface.points.is_empty()).then_some(surface)

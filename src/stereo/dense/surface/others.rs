@@ -15,7 +15,8 @@ pub(super) const BEFORE: f64 = 0.02;
 const MAX_AGAINST: f64 = 0.25;
 
 /// Maximum difference of the colour channels of one position in two images.
-// With 20 of 255: 23.31 dB instead of 23.63 (room) and 21.70 instead of 21.74 (temple), 0.92 and 0.42 drawn with both.
+// With 20 out of 255: 23.31 dB instead of 23.63 (room) and 21.70 instead of 21.74 (temple), 0.92 and 0.42 drawn with
+// both.
 const ALIKE: u8 = 8;
 
 /// Forgets what was measured where more views look through it than [`MAX_AGAINST`] of those that have it as well: a
@@ -153,10 +154,10 @@ mod tests {
     }
 
     #[test]
-    fn what_others_look_through_is_forgotten_and_walls_stay() {
+    fn depths_others_see_through_are_removed_and_walls_stay() {
         let (camera, images) = (camera(), vec![image([90; 3]); 7]);
         let mut maps = maps(&camera, &images);
-        // Two have something before it, and five look through it.
+        // Two have something in front of it, and five see through it.
         for map in &mut maps[..2] {
             map.depths[CENTER] = 2.0;
         }
@@ -181,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn what_two_agree_on_is_taken_unless_a_third_looks_through_it() {
+    fn depths_two_views_agree_on_are_used_unless_a_third_sees_through() {
         let (camera, images) = (camera(), vec![image([90; 3]); 3]);
         let of_two = |depth: f32| {
             let mut depths = vec![0.0; PIXELS];
@@ -202,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_depth_of_the_same_colour_is_carried_over() {
+    fn the_nearest_depth_of_the_same_color_is_transferred() {
         let camera = camera();
         let images = [image([90; 3]), image([90; 3]), image([97, 90, 90]), image([98, 90, 90])];
         let mut maps = maps(&camera, &images);
@@ -210,7 +211,7 @@ mod tests {
         maps[2].depths.fill(3.0);
         maps[3].depths.fill(2.0);
         carry_over(&mut maps);
-        // Of the third, whose colour is alike, and not of the fourth.
+        // Taken from the third, whose colour matches, and not from the fourth.
         assert!((maps[0].depths[CENTER] - 3.0).abs() < 1e-6);
         assert!(!maps[0].is_measured[CENTER]);
         assert_eq!(maps[0].depths[0], WALL);

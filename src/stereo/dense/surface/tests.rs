@@ -85,26 +85,26 @@ fn posed_images() -> PosedImages {
 }
 
 #[test]
-fn a_wall_that_shows_nothing_in_its_middle_is_whole_and_flat() {
+fn a_wall_untextured_in_its_center_is_complete_and_flat() {
     let origin = DVec3::new(0.0, 0.0, 3.0);
     let surface = photo_surface(&set(), &posed_images(), origin, &Progress::default()).unwrap();
     assert_eq!(surface.points.len(), surface.shapes.len());
     let places: Vec<Vec3> = surface.points.iter().map(|point| point.position.into()).collect();
     let off = places.iter().filter(|place| (place.z - 1.0).abs() > 0.08).count();
     assert!(off * 50 < places.len(), "{off} of {}", places.len());
-    // Each square of 0.1 within what most photographs see has a disk: in the plain square as well.
+    // Each square of 0.1 within what most images show has a disk: in the uniform square as well.
     for cell in 0..16 * 12 {
         let center = DVec2::new(0.1 * f64::from(cell % 16) - 0.75, 0.1 * f64::from(cell / 16) - 0.55).as_vec2();
         let is_here = |place: &&Vec3| (place.truncate() - center).abs().max_element() < 0.06;
         assert!(places.iter().any(|place| is_here(&place)), "{center}");
     }
-    // Pixels are 0.027 wide there, and each place is there about once.
+    // Pixels are 0.027 wide there, and each position occurs about once.
     assert!(surface.shapes.iter().all(|shape| shape.radius < 0.1));
     assert!(places.len() < 3 * 160 * 120, "{}", places.len());
 }
 
 #[test]
-fn photographs_with_depths_and_few_of_them_have_no_surface_of_their_own() {
+fn images_with_depths_and_small_sets_get_no_separate_surface() {
     let surface = |posed_images: &PosedImages, set: &ViewSet| {
         photo_surface(set, posed_images, DVec3::ZERO, &Progress::default()).is_some()
     };
@@ -122,7 +122,7 @@ fn photographs_with_depths_and_few_of_them_have_no_surface_of_their_own() {
 }
 
 #[test]
-fn points_are_sound_that_three_photographs_see_where_they_say() {
+fn points_are_valid_where_three_images_see_them() {
     let set = set();
     let last = set.points.len() - 1;
     let is_sound = |point: usize, track: &[Observation]| is_sound(&set, set.points.positions()[point], track);
@@ -136,7 +136,7 @@ fn points_are_sound_that_three_photographs_see_where_they_say() {
 }
 
 #[test]
-fn nobody_who_cancels_waits() {
+fn cancelling_returns_at_once() {
     let progress = Progress::default();
     progress.cancel();
     assert!(photo_surface(&set(), &posed_images(), DVec3::ZERO, &progress).is_none());

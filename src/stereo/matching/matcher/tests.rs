@@ -91,7 +91,7 @@ fn a_slanted_plane_is_found_to_a_tenth_of_a_pixel() {
     ] {
         let map = matching.disparities(&left, &right, range(0, 40)).unwrap();
         let (count, median, most) = errors(&map, &truth);
-        // Those whose partners are on the right image: a twelfth of the width is not.
+        // Pixels whose partners are inside the right image: a twelfth of the width are not.
         assert!(count * 100 >= 85 * WIDTH * HEIGHT, "{count} pixels by {matching:?}");
         assert!(
             median <= median_px && most <= max_px,
@@ -102,7 +102,7 @@ fn a_slanted_plane_is_found_to_a_tenth_of_a_pixel() {
 
 /// Sums along paths alone would draw them to whole ones.
 #[test]
-fn places_between_pixels_are_not_drawn_to_whole_ones() {
+fn subpixel_disparities_are_not_biased_towards_whole_pixels() {
     let texture = Texture::new(5);
     let left = image(|x, y| texture.at(x as f32, y as f32));
     for part in [0.0, 0.125, 0.25, 0.375, 0.5, 0.75] {
@@ -120,7 +120,7 @@ fn places_between_pixels_are_not_drawn_to_whole_ones() {
 }
 
 #[test]
-fn a_negative_disparity_is_one_as_others() {
+fn negative_disparities_are_treated_like_others() {
     let texture = Texture::new(3);
     let left = image(|x, y| texture.at(x as f32, y as f32));
     let right = image(|x, y| texture.at(x as f32 - 5.25, y as f32));
@@ -132,7 +132,7 @@ fn a_negative_disparity_is_one_as_others() {
 
 /// A square 20 px before a wall at 4: what is left of it is seen by the left image alone.
 #[test]
-fn what_one_image_alone_sees_has_no_disparity() {
+fn pixels_visible_in_one_image_only_have_no_disparity() {
     let (wall, front) = (Texture::new(1), Texture::new(2));
     let is_front = |x: f32, y: usize| (80.0..140.0).contains(&x) && (30..90).contains(&y);
     let left = image(|x, y| {
@@ -183,7 +183,7 @@ fn brightness_and_contrast_of_one_image_change_nothing() {
 }
 
 #[test]
-fn an_even_image_has_no_disparity_anywhere() {
+fn a_uniform_image_has_no_disparity_anywhere() {
     let even = image(|_, _| 90.0);
     for matching in [Matching::default(), Matching::fast()] {
         let map = matching.disparities(&even, &even, range(0, 31)).unwrap();
@@ -192,7 +192,7 @@ fn an_even_image_has_no_disparity_anywhere() {
 }
 
 #[test]
-fn images_of_a_few_pixels_are_matched_without_a_word() {
+fn tiny_images_are_matched_without_errors() {
     for size in [[1, 1], [1, 9], [9, 1], [3, 2]] {
         let pixels = (0..size[0] * size[1]).map(|value| value as u8 * 9).collect();
         let image = GrayImage::new(size, pixels).unwrap();
@@ -206,7 +206,7 @@ fn images_of_a_few_pixels_are_matched_without_a_word() {
 }
 
 #[test]
-fn images_that_differ_in_size_or_have_none_are_told() {
+fn images_of_different_or_zero_size_are_reported() {
     let of = |size: [u32; 2]| GrayImage::new(size, vec![0; (size[0] * size[1]) as usize]);
     assert_eq!(of([0, 5]), None);
     let error = Matching::default()
@@ -225,7 +225,7 @@ fn images_that_differ_in_size_or_have_none_are_told() {
 }
 
 #[test]
-fn any_number_of_threads_finds_the_same() {
+fn any_number_of_threads_finds_the_same_disparities() {
     let (left, right, _) = slanted_plane();
     for matching in [Matching::default(), Matching::fast()] {
         let of = |threads| {

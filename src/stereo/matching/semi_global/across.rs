@@ -126,7 +126,7 @@ impl Line<'_> {
             let x = from + at;
             let neighbours = [x.saturating_sub(1), x, (x + 1).min(last)];
             let before = [0, 1, 2].map(|path| {
-                // Pixel x is at place x + 1.
+                // Pixel x is at index x + 1.
                 let place = 3 * (x + path) + path;
                 Before {
                     costs: &self.before.costs[place * each..(place + 1) * each],

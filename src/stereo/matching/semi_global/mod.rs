@@ -48,8 +48,8 @@ pub(in crate::stereo) fn semi_global<T: Send>(
     let [width, height] = costs.size();
     let count = costs.count();
     debug_assert!(out.len() == width * height && guide.width() == width && guide.height() == height);
-    // By bands, three of eight paths and the matching costs are computed twice, but the process takes 160 MB, not 640
-    // for the sums alone (1.4 megapixels), and all sums stay in the caches.
+    // With bands, three of eight paths and the matching costs are computed twice, but the process takes 160 MB, not 640
+    // MB for the sums alone (1.4 megapixels), and all sums stay in the caches.
     let band = height.isqrt().max(1);
     check_memory(width, height, count, band)?;
 
@@ -100,7 +100,7 @@ pub(in crate::stereo) fn semi_global<T: Send>(
 
 fn check_memory(width: usize, height: usize, count: usize, band: usize) -> Result<(), StereoError> {
     let line = (width * count) as u64;
-    // Costs and sums of a band, and three paths for each band.
+    // Costs and sums of a band, and three paths per band.
     let needed = line * (3 * band.min(height) + 3 * height.div_ceil(band) + 12) as u64;
     if needed > MAX_BYTES {
         return Err(StereoError::TooLarge {

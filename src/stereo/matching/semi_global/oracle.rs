@@ -109,7 +109,7 @@ fn any_number_of_threads_gives_the_same_sums() {
 }
 
 #[test]
-fn penalties_that_bytes_cannot_hold_are_refused() {
+fn penalties_that_do_not_fit_bytes_are_rejected() {
     let default = Penalties::default();
     for (p1, p2_min, p2) in [(24, 24, 120), (24, 60, 59), (100, 110, 120), (255, 255, 255)] {
         let penalties = Penalties {
@@ -124,7 +124,7 @@ fn penalties_that_bytes_cannot_hold_are_refused() {
 }
 
 #[test]
-fn what_would_take_gigabytes_is_refused_before_any_memory_is_taken() {
+fn matching_that_needs_gigabytes_is_rejected_before_allocating() {
     struct Huge;
     impl Costs for Huge {
         fn size(&self) -> [usize; 2] {

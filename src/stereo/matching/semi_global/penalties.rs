@@ -19,8 +19,8 @@ pub struct Penalties {
 impl Default for Penalties {
     fn default() -> Self {
         Self {
-            // The P1 with the fewest mistakes, for positions from lines: a parabola through the sums is biased by it:
-            // it turned 0.25 px into 0.05, and into 0.08 with P1 = 10.
+            // The P1 with the fewest errors, for positions from lines: it biases a parabola through the sums, which
+            // turned 0.25 px into 0.05, and into 0.08 with P1 = 10.
             p1: 24,
             p2: 120,
             p2_min: 44,

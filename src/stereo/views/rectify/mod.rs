@@ -52,7 +52,7 @@ impl Rectified {
             .iter()
             .map(|camera| camera.focal_px().element_sum() / 4.0)
             .sum::<f64>();
-        // Pixels around an axis through (0, 0) first, to see how far both images reach.
+        // First in pixels around an axis through (0, 0), to find the extent of both images.
         let focal_only = DMat3::from_diagonal(DVec3::new(focal, focal, 1.0));
         let turned = [0, 1].map(|index| {
             focal_only * rotation * poses[index].matrix3.transpose() * pixels_from_rays(cameras[index]).inverse()
@@ -72,8 +72,8 @@ impl Rectified {
             ));
         }
         let size = [width as u32 + 1, height as u32 + 1];
-        // Whole pixels, so that disparities differ from angles by whole numbers.
-        // One principal point each: with a common one, converging views would share only half of their images.
+        // Whole pixels, so that disparities differ from angles by integers. Separate principal points: with a common
+        // one, converging views would share only half of their images.
         let left = [first, second].map(|[min, max]| f64::midpoint(min.x, max.x - width).round());
         let rectified = |index: usize| {
             let principal = DVec2::new(-left[index], -top);

@@ -26,7 +26,7 @@ fn pose(place: DVec3, target: DVec3, turn: f64) -> DAffine3 {
 }
 
 fn triangulated(rectified: &Rectified, pixels: [DVec2; 2]) -> DVec3 {
-    // The middle of the shortest line between two rays.
+    // The midpoint of the shortest line between two rays.
     let rays = [0, 1].map(|index| {
         let pose = rectified.camera_from_world()[index];
         let direction = pose.matrix3.transpose() * rectified.cameras()[index].ray(pixels[index]).unwrap();
@@ -84,7 +84,7 @@ proptest! {
             prop_assert!(found.distance(expected) <= 1e-9 * scale, "{found} and {expected}");
             prop_assert!(found.distance(point) <= 1e-8 * scale, "{found} and {point}");
         }
-        // What is farther has less disparity, down to that of infinity.
+        // Farther points have smaller disparities, down to that of infinity.
         let infinite = rectified.cameras()[0].principal_px().x - rectified.cameras()[1].principal_px().x;
         prop_assert_eq!(places.point(DVec2::new(100.0, 100.0), infinite - 0.5), None);
     }
@@ -111,7 +111,7 @@ fn posed_image(camera: &Camera, pose: DAffine3, normal: DVec3) -> ColorImage {
 }
 
 #[test]
-fn depths_of_a_wall_are_found_by_pairs_beside_and_above_each_other() {
+fn depths_of_a_wall_are_found_by_horizontal_and_vertical_pairs() {
     let cameras = [camera([240, 200], 260.0), camera([220, 210], 250.0)];
     let normal = DVec3::new(0.2, -0.1, 1.0);
     for (step, turn) in [
@@ -141,14 +141,14 @@ fn depths_of_a_wall_are_found_by_pairs_beside_and_above_each_other() {
             count * 100 >= 70 * (width * height) as usize,
             "{count} of {width} × {height}, {step}"
         );
-        // A tenth of a pixel is 3 ‰ of the depth here.
+        // Here, a tenth of a pixel is 3 ‰ of the depth.
         let (median, max) = (errors[count / 2], errors[count * 95 / 100]);
         assert!(median <= 2e-3 && max <= 8e-3, "{median} {max} of {step}");
     }
 }
 
 #[test]
-fn views_that_cannot_be_rectified_are_told_apart() {
+fn reasons_against_rectification_are_distinguished() {
     let pinhole = camera([64, 48], 60.0);
     let lens = Distortion::Brown {
         k: [0.1, 0.0, 0.0],

@@ -71,11 +71,11 @@ fn paint(ui: &Ui, rect: Rect, columns: &[Option<(f32, f32)>], min: f32, max: f32
     let stroke = Stroke::new(1.0, ACCENT);
     let span = max - min;
     let y = |value: f32| {
-        // A value that never changes lies in the middle.
+        // A constant value is drawn at the centre.
         let part = if span > 0.0 { (value - min) / span } else { 0.5 };
         egui::lerp(rect.bottom() - MARGIN..=rect.top() + MARGIN, part)
     };
-    // One line for each run of columns that are known: lines as short as a column are rounded away.
+    // One polyline for each run of known columns: lines as short as a column are rounded away.
     let mut line: Vec<Pos2> = Vec::new();
     for (x, column) in columns.iter().chain([&None]).enumerate() {
         let Some((low, high)) = column.map(|(low, high)| (y(low), y(high))) else {
@@ -83,7 +83,7 @@ fn paint(ui: &Ui, rect: Rect, columns: &[Option<(f32, f32)>], min: f32, max: f32
             continue;
         };
         let x = rect.left() + x as f32;
-        // The nearer end first, so that the line does not go back.
+        // The nearer end first, so that the line does not double back.
         let is_upwards = line
             .last()
             .is_none_or(|last| (last.y - low).abs() <= (last.y - high).abs());
@@ -97,7 +97,7 @@ fn text_of(quantity: Quantity, value: f32) -> String {
         Quantity::Points => grouped(value as u64),
         Quantity::Loss => format!("{:.2} %", 100.0 * value),
         Quantity::Bounds => format!("{value:.4}"),
-        // Errors are small beside the bounds.
+        // Errors are small compared with the bounds.
         Quantity::Error => format!("{value:.3e}"),
     }
 }

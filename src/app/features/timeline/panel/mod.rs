@@ -22,7 +22,7 @@ pub(in crate::app) fn timeline_ui(ui: &mut Ui, context: &mut TimelineContext<'_>
         player.refresh_runs();
         if transport::is_still(player) {
             ui.horizontal(|ui| transport::still_ui(ui, player));
-            // It is the picture in the list of what was opened lately.
+            // It is the thumbnail in the list of recent files.
             if context.thumbnails.is_on {
                 context.thumbnails.want(vec![0]);
             }

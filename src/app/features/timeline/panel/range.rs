@@ -44,7 +44,7 @@ pub(super) fn range_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> bool {
         let shown = if is_in { edge + 1 } else { edge };
         handle.widget_info(|| WidgetInfo::slider(true, shown as f64, name));
         if let Some(pointer) = handle.interact_pointer_pos().filter(|_| handle.dragged()) {
-            // A frame stays between the points.
+            // At least one frame stays between the in and out points.
             let edge = cells.edge_at(pointer.x);
             let moved = if is_in {
                 range.beginning_at(edge.min(frames.end.saturating_sub(1)))

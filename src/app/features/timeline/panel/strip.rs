@@ -80,7 +80,7 @@ fn paint(ui: &Ui, cell: Rect, look: ThumbnailState) {
             painter.line_segment([left, left + vec2(14.0, 14.0)], stroke);
             painter.line_segment([right, right + vec2(-14.0, 14.0)], stroke);
         }
-        // A white cell in a light window would be taken for a picture.
+        // A white cell in a light window would look like an image.
         ThumbnailState::Unknown => _ = painter.rect_filled(rect, 2.0, ui.visuals().faint_bg_color),
     }
 }

@@ -33,7 +33,7 @@ pub(super) fn row_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option<C
     let mut command = None;
     if ui.available_width() < ONE_ROW_WIDTH {
         ui.horizontal(|ui| command = transport_and_place(ui, context));
-        // The menu Playback has it as well.
+        // The Playback menu has it as well.
         if ui.ctx().content_rect().height() >= MIN_PACE_HEIGHT {
             ui.horizontal_wrapped(|ui| {
                 curve_choice(ui, context.timeline);
@@ -44,7 +44,7 @@ pub(super) fn row_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option<C
         return command;
     }
     ui.horizontal(|ui| {
-        // From the right, so that a narrow window cuts the name of the file and nothing else.
+        // Right to left, so that a narrow window truncates only the name of the file.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             pace(ui, context);
             legend_ui(ui);
@@ -259,7 +259,7 @@ fn held_ui(ui: &mut Ui, player: &Player) {
     } else {
         ui.visuals().text_color()
     };
-    // Frames that make up for late ones are no more than was asked for.
+    // Frames that catch up after late ones must not exceed the requested rate.
     let text = format!("{:.0} of {asked:.0} fps", held.min(asked));
     ui.label(RichText::new(text).monospace().color(color))
         .on_hover_text(format!(

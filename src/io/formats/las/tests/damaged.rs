@@ -58,14 +58,14 @@ fn try_read(what: &str, bytes: &[u8]) -> Option<RawCloud> {
 }
 
 #[test]
-fn truncated_files_are_refused_or_whole() {
+fn truncated_files_are_rejected_or_complete() {
     for (what, file) in files() {
         let whole = read(&file).positions;
         for length in 0..file.len() {
             let Some(cloud) = try_read(what, &file[..length]) else {
                 continue;
             };
-            // What lies behind the points may be missing: tables are found again by the chunks.
+            // Whatever follows the points may be missing: tables are reconstructed from the chunks.
             assert_ne!(what, "plain", "{length} of {}", file.len());
             let mut found: Vec<_> = (0..whole.len()).map(|i| cloud.positions.get(i).x).collect();
             let mut expected: Vec<_> = (0..whole.len()).map(|i| whole.get(i).x).collect();
@@ -79,7 +79,7 @@ fn truncated_files_are_refused_or_whole() {
 #[test]
 fn changed_bytes_never_panic() {
     for (what, file) in files() {
-        // Small changes matter where there are numbers that say what follows.
+        // Small changes matter where numbers describe what follows.
         let points_start = u32::from_le_bytes(take(&file, POINTS_AT)) as usize;
         for at in 0..file.len() {
             let changes: &[u8] = if at < points_start { &[0x01, 0xff] } else { &[0xff] };
@@ -108,19 +108,19 @@ fn chunks_are_found_without_their_table() {
 }
 
 #[test]
-fn the_oldest_files_are_one_stream_without_chunks() {
+fn the_oldest_files_are_a_single_unchunked_stream() {
     let mut file = older(100);
     let expected = read(&file);
     let start = u32::from_le_bytes(take(&file, POINTS_AT)) as usize;
     file.drain(start..start + 8);
-    // The record of the compression begins with the way in which points are divided.
+    // The compression record begins with how points are divided.
     file[375 + 54] = 1;
     assert_eq!(read(&file), expected);
     assert_eq!(expected.positions.get(3).x, 9.0 * 0.5 + 100.0);
 }
 
 #[test]
-fn claims_are_held_against_the_file_and_the_memory() {
+fn declared_counts_are_checked_against_file_size_and_memory() {
     let refused = |file: &[u8], expected: &str| {
         let problem = decode(file, &options(), &Progress::default()).unwrap_err().problem;
         assert!(problem.contains(expected), "{problem}");
@@ -137,7 +137,7 @@ fn claims_are_held_against_the_file_and_the_memory() {
         assert!(try_read(what, &more).is_none(), "{what}");
     }
     let mut file = written(&sample(3), true);
-    // A count of records that no file has, and then none for the compression.
+    // An impossible count of records, and then no record for the compression.
     file[RECORDS_AT..RECORDS_AT + 4].copy_from_slice(&u32::MAX.to_le_bytes());
     assert_eq!(read(&file).positions.len(), 3);
     file[RECORDS_AT..RECORDS_AT + 4].copy_from_slice(&0u32.to_le_bytes());
@@ -153,7 +153,7 @@ fn claims_are_held_against_the_file_and_the_memory() {
 
 /// The crate would allocate 9,600 bytes for each of them on each thread, whatever the file has.
 #[test]
-fn extra_bytes_are_held_against_the_memory() {
+fn extra_bytes_are_checked_against_the_memory_limit() {
     let problem = |extra_bytes: u16| {
         let compression = LazVlrBuilder::default().with_point_format(6, extra_bytes);
         let mut described = Vec::new();
@@ -174,7 +174,7 @@ fn extra_bytes_are_held_against_the_memory() {
 }
 
 #[test]
-fn headers_that_nobody_has_filled_are_said() {
+fn unfinished_headers_are_reported() {
     let cloud = RawCloud::from_positions(Positions::F64(
         (0..50).map(|index| [f64::from(index), 2.0, 3.0]).collect(),
     ));
@@ -192,7 +192,7 @@ fn headers_that_nobody_has_filled_are_said() {
     let empty = RawCloud::from_positions(Positions::F64(Vec::new()));
     assert!(read(&written(&empty, false)).warnings.is_empty());
     assert!(read(&written(&empty, true)).warnings.is_empty());
-    // A scale of zero puts all points at one place.
+    // A scale of zero puts all points at one position.
     let mut flat = written(&cloud, false);
     flat[139..147].fill(0);
     let fault = decode(&flat, &options(), &Progress::default()).unwrap_err();

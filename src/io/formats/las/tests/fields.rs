@@ -124,7 +124,7 @@ fn ranges() -> impl Strategy<Value = (i64, i64)> {
 
 fn rows((items, time_at): &(Vec<LazItem>, usize), points: &[Next], range: (i64, i64)) -> Vec<u8> {
     let mut row = vec![0; point_bytes(items)];
-    // A microsecond and some, hours apart.
+    // A little over a microsecond, hours apart.
     let step = 9_000;
     let within = |time: i64| time.clamp(range.0, range.1);
     let mut lines: [i64; 6] = std::array::from_fn(|line| within((200_000.0f64 + 5e3 * line as f64).to_bits() as i64));
@@ -143,13 +143,13 @@ fn rows((items, time_at): &(Vec<LazItem>, usize), points: &[Next], range: (i64, 
                 row[4 * axis] = row[4 * axis].wrapping_add(random() & 15);
             }
             row[12] ^= random() & 3;
-            // Returns, flags, class or anything else, often nothing.
+            // Returns, flags, class or anything else, often unchanged.
             let at = 14 + usize::from(random());
             if let Some(byte) = row.get_mut(at) {
                 *byte ^= 1 << (random() & 7);
             }
         }
-        // Wave packets of noise are too far apart for the crate.
+        // Random waveform packets are too far apart for the crate.
         if let Some(packet) = row.get_mut(38..67) {
             packet.fill(0);
         }
@@ -175,7 +175,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn points_are_unpacked_as_the_crate_packs_and_unpacks_them(points in points(), range in ranges()) {
+    fn points_are_unpacked_as_the_laz_crate_does(points in points(), range in ranges()) {
         for kind in kinds() {
             let rows = rows(&kind, &points, range);
             let items = &kind.0;
@@ -263,7 +263,7 @@ fn changing(changes: usize) -> [(Vec<LazItem>, u8, usize, Vec<u8>); 2] {
 }
 
 #[test]
-fn times_that_change_to_other_sequences_are_those_of_the_crate() {
+fn times_that_switch_sequences_match_the_laz_crate() {
     for changes in 0..=4 {
         for (items, format, time_at, chunk) in changing(changes) {
             let mut rows = vec![0; 2 * point_bytes(&items)];
@@ -279,7 +279,7 @@ fn times_that_change_to_other_sequences_are_those_of_the_crate() {
 }
 
 #[test]
-fn times_that_change_without_end_are_refused_on_a_small_stack() {
+fn endless_time_sequence_switches_are_rejected_on_a_small_stack() {
     const STACK_BYTES: usize = 256 << 10;
     for changes in [5, 1_000_000] {
         for (items, format, _, chunk) in changing(changes) {

@@ -50,10 +50,10 @@ fn point(format: u8, red: u16, extra: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn every_format_has_its_fields_where_the_standard_says() {
+fn every_format_has_its_fields_at_the_standard_offsets() {
     for (format, (bytes, time, colors, infrared)) in FORMATS.into_iter().enumerate() {
         let format = format as u8;
-        // Bytes behind a point that nothing describes are passed over.
+        // Bytes after a point that nothing describes are skipped.
         for extra in [0, 3] {
             let mut file = header(format, bytes + extra, 2, 0, 375);
             for red in [65535, 0] {
@@ -97,7 +97,8 @@ fn every_format_is_unpacked() {
                 let mut row = point(format, 65535 - index as u16, &[7; 3][..usize::from(extra)]);
                 row[..4].copy_from_slice(&((index * index) as i32).to_le_bytes());
                 row[12] = index as u8;
-                // A wave packet is the last field of the format: which description, where, how long, and four floats.
+                // A waveform packet is the last field of the format: the description index, the offset, the length, and
+                // four floats.
                 if [4, 5, 9, 10].contains(&format) {
                     let mut packet = vec![1 + (index % 3) as u8];
                     packet.extend((60 + 256 * index as u64).to_le_bytes());
@@ -131,7 +132,7 @@ fn every_format_is_unpacked() {
 }
 
 #[test]
-fn what_nobody_filled_is_left_out() {
+fn unfilled_fields_are_omitted() {
     for (format, names) in [
         (3, vec!["position", "color", "intensity"]),
         (6, vec!["position", "intensity"]),
@@ -140,7 +141,7 @@ fn what_nobody_filled_is_left_out() {
         let mut file = header(format, bytes, 2, 0, 375);
         file.extend(vec![0; 2 * usize::from(bytes)]);
         assert_eq!(read(&file).point_names(), names, "{format}");
-        // One point that has a class.
+        // One point with a class.
         let class = file.len() - usize::from(bytes) + if format >= 6 { 16 } else { 15 };
         file[class] = 2;
         assert_eq!(numbers(&read(&file), "classification"), [0.0, 2.0], "{format}");
@@ -148,7 +149,7 @@ fn what_nobody_filled_is_left_out() {
 }
 
 #[test]
-fn colours_of_eight_bits_in_sixteen_are_told_by_the_brightest() {
+fn eight_bit_colors_in_sixteen_bits_are_detected_by_the_brightest() {
     for (red, expected) in [(255u16, [255, 0, 100, 255]), (256, [1, 0, 0, 255])] {
         let mut file = header(2, 26, 1, 0, 375);
         file.extend(point(2, red, &[]));
@@ -157,22 +158,22 @@ fn colours_of_eight_bits_in_sixteen_are_told_by_the_brightest() {
 }
 
 #[test]
-fn either_count_of_version_1_4_counts() {
+fn either_point_count_of_version_1_4_is_used() {
     let mut file = header(0, 20, 0, 0, 375);
     file.extend(point(0, 0, &[]));
-    // Neither does: nobody has finished the file, whose points are read with a warning.
+    // Neither count is set: the file was never finished, and its points are read with a warning.
     let unfinished = read(&file);
     assert_eq!((unfinished.positions.len(), unfinished.warnings.len()), (1, 1));
     file[107..111].copy_from_slice(&1u32.to_le_bytes());
     assert_eq!(read(&file).positions.len(), 1);
-    // Before 1.4 there is no other, whatever is at its place.
+    // Before 1.4 there is no second count, whatever bytes are in its place.
     file[COUNT_AT..COUNT_AT + 8].copy_from_slice(&u64::MAX.to_le_bytes());
     file[25] = 2;
     assert_eq!(read(&file).positions.len(), 1);
 }
 
 #[test]
-fn extra_bytes_are_scalars_as_far_as_they_are_plain_numbers() {
+fn plain_numeric_extra_bytes_become_scalars() {
     let describe = |kind: u8, options: u8, name: &str| {
         let mut description = vec![0; 192];
         description[2..4].copy_from_slice(&[kind, options]);
@@ -184,11 +185,11 @@ fn extra_bytes_are_scalars_as_far_as_they_are_plain_numbers() {
     };
     let described = [
         describe(3, 1 | 8 | 16, "Height"),
-        // Two bytes without a meaning, three u8, and then a signed number.
+        // Two undefined bytes, three u8, and then a signed number.
         describe(0, 2, "raw"),
         describe(21, 0, "triple"),
         describe(4, 0, "Intensity"),
-        // No room for it.
+        // It does not fit.
         describe(10, 0, "outside"),
     ]
     .concat();

@@ -34,7 +34,7 @@ pub(super) fn octree() -> Vec<u8> {
         for index in first..first + points {
             let mut row = vec![0; usize::from(POINT_BYTES)];
             row[..4].copy_from_slice(&(index as i32).to_le_bytes());
-            // Classes of zeros alone would be left out.
+            // Classes that are all zero would be skipped.
             row[16] = level as u8 + 1;
             rows.extend(row);
         }
@@ -98,15 +98,15 @@ fn expected(levels: usize) -> Vec<f64> {
 }
 
 #[test]
-fn points_come_level_by_level() {
+fn points_are_read_level_by_level() {
     let cloud = read(&octree());
     assert_eq!(levels(&cloud), expected(3));
-    // Raw numbers from 45 on are the voxels of level 1, behind the five of the root.
+    // Raw numbers from 45 on are the voxels of level 1, after the five of the root.
     assert_eq!(cloud.positions.get(5).x, 45.0 * 0.5 + 100.0);
 }
 
 #[test]
-fn as_many_levels_are_read_as_there_is_memory_for() {
+fn levels_are_read_up_to_the_memory_limit() {
     let file = octree();
     let mut seen = Vec::new();
     for bytes in (0..10_000).step_by(97) {
@@ -127,7 +127,7 @@ fn as_many_levels_are_read_as_there_is_memory_for() {
 }
 
 #[test]
-fn levels_of_a_file_beyond_the_limit_are_read_by_windows() {
+fn files_beyond_the_limit_are_read_level_by_level_through_windows() {
     const FILE_BYTES: u64 = 1 << 20;
     let file = tempfile::Builder::new().suffix(".laz").tempfile().unwrap();
     std::fs::write(file.path(), octree()).unwrap();
@@ -159,7 +159,7 @@ fn levels_of_a_file_beyond_the_limit_are_read_by_windows() {
 }
 
 #[test]
-fn a_damaged_hierarchy_is_not_needed() {
+fn a_damaged_hierarchy_is_ignored() {
     let file = octree();
     let in_file_order = [vec![0.0; 5], vec![2.0; 40], vec![1.0; 30]].concat();
     let root = root_start(&file);

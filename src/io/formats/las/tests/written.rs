@@ -8,7 +8,7 @@ fn scale(file: &[u8]) -> f64 {
 }
 
 #[test]
-fn all_that_is_written_is_read_back() {
+fn everything_written_is_read_back() {
     // More than one chunk when compressed.
     let cloud = sample(120_000);
     for compressed in [false, true] {
@@ -43,7 +43,7 @@ fn the_scale_is_the_coarsest_that_loses_nothing() {
             1e-3,
         ),
         (Positions::F64(vec![[4_602_888.125_47, 0.0, 0.0]]), 1e-5),
-        // No decimal: the finest that fits, or the last bit of single precision.
+        // Not a decimal fraction: the finest step that fits, or the last bit of single precision.
         (Positions::F64(vec![[-1.0 / 3.0, 0.0, 0.0], [1000.0, 0.0, 0.0]]), 1e-6),
         (Positions::F32(vec![[1.0 / 3.0, 0.0, 0.0], [0.1, 0.0, 0.0]]), 1e-8),
         // Too far apart for millimetres.
@@ -87,7 +87,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn finite_points_come_back_to_the_resolution(
+    fn finite_points_round_trip_within_the_resolution(
         points in prop::collection::vec([coordinate(), coordinate(), coordinate()], 0..40),
         compressed: bool,
         single: bool,
@@ -104,7 +104,7 @@ proptest! {
             .filter(|position| position.is_finite())
             .collect();
         prop_assert_eq!(back.positions.len(), finite.len());
-        // All of them are within a cube of 5000 km: millimetres at the worst.
+        // All of them are within a cube of 5000 km: millimetres in the worst case.
         for (index, expected) in finite.into_iter().enumerate() {
             let error = (back.positions.get(index) - expected).abs().max_element();
             prop_assert!(error <= 0.5e-3 + 1e-9, "{} at {}", error, expected);

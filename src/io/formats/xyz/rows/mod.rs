@@ -63,7 +63,7 @@ impl<'a> Cells<'a> {
             return None;
         }
         self.skip_spaces();
-        // Behind the last sign of a mix there is no cell, behind a mark there is an empty one.
+        // After a last whitespace there is no cell, after a separator there is an empty one.
         let is_at_end = self.at >= self.line.len();
         (!is_at_end || (self.dialect.mark.is_some() && !self.line.is_empty())).then_some(())
     }
@@ -101,7 +101,7 @@ impl<'a> Cells<'a> {
             Some(&byte) if self.dialect.is_mark(byte) => true,
             Some(&byte) if !self.dialect.is_space(byte) => false,
             Some(_) if self.dialect.mark.is_none() => true,
-            // Several words may be a cell.
+            // Several words may form one cell.
             Some(_) => {
                 let rest = self.line[end..].iter();
                 let mut behind = rest.skip_while(|&&byte| self.dialect.is_space(byte));
@@ -279,7 +279,7 @@ pub(in crate::io) fn parse(
             }
             let mut parsed = parse_block(block, kinds, dialect);
             parsed.values.shrink_to_fit();
-            // What is parsed is put together in columns, next to the blocks.
+            // Parsed rows are assembled into columns, while the blocks are still in memory.
             let more = 2 * parsed.bytes();
             let bytes = taken.fetch_add(more, Ordering::Relaxed).saturating_add(more);
             options.claim("the numbers of its lines", bytes)?;
@@ -426,7 +426,7 @@ impl<'a> LineBlock<'a> {
         loop {
             let value = match kinds.get(found) {
                 Some(Kind::Text) => cells.word().map(|word| {
-                    // Words of lines that are skipped are none of the column.
+                    // Words on lines that are skipped do not belong to the column.
                     self.new_words.push((found, word));
                     if word.is_empty() { f64::NAN } else { 0.0 }
                 }),
@@ -459,7 +459,7 @@ impl<'a> LineBlock<'a> {
             }
         }
         if !has_value && wrong.is_none() {
-            // Separators alone are an empty line of a spreadsheet, but words for missing values are a point.
+            // A line of separators only is an empty spreadsheet row, but one of words for missing values is a point.
             if line
                 .iter()
                 .all(|&byte| dialect.is_mark(byte) || dialect.is_space(byte) || byte == b'"')
@@ -469,9 +469,9 @@ impl<'a> LineBlock<'a> {
             }
         }
         match found {
-            // A mark behind the last cell.
+            // A separator after the last cell.
             _ if wrong.is_none() && found == width + 1 && is_last_missing => {}
-            // A mark behind the last cell but one.
+            // A separator after the last cell but one.
             _ if wrong.is_none() && found + 1 == width && line.last().is_some_and(|&byte| dialect.is_mark(byte)) => {
                 self.values.push(f64::NAN);
             }

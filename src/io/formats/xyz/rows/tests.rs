@@ -34,7 +34,7 @@ fn empty_cells_are_missing() {
 }
 
 #[test]
-fn many_blocks_are_parsed_as_one_and_name_the_line() {
+fn parsing_in_blocks_matches_parsing_as_one_and_errors_name_the_line() {
     let mut text: Vec<String> = (0..200_000).map(|i| format!("{i} {} -{i}.5 7", i * 2)).collect();
     let (options, progress) = (ReadOptions::default(), Progress::default());
     let kinds = [Kind::Required, Kind::Required, Kind::Required, Kind::Number];
@@ -73,7 +73,7 @@ fn many_blocks_are_parsed_as_one_and_name_the_line() {
 }
 
 #[test]
-fn lines_take_no_more_memory_than_they_may() {
+fn parsing_stays_within_the_memory_limit() {
     let kinds = [Kind::Required; 3];
     let parse = |line: &str, max_bytes: u64| {
         let text = line.repeat(1 << 20);
@@ -93,7 +93,7 @@ fn lines_take_no_more_memory_than_they_may() {
 }
 
 #[test]
-fn words_become_their_places_in_order() {
+fn words_become_indices_in_order() {
     let lines = ["1 2 3 car\n", "1 2 3 bus\n", "1 2 3 -\n", "1 2 3 van\n"];
     let text = lines.concat().repeat(150_000 / 4);
     let kinds = [Kind::Required, Kind::Required, Kind::Required, Kind::Text];

@@ -155,7 +155,7 @@ impl<'a> Sections<'a> {
 
     fn profile(self) -> Result<&'static Profile, Fault> {
         match self.profile_name() {
-            // Firmware before 2.3 knew no other.
+            // Firmware before 2.3 had no other profile.
             None => Ok(LEGACY),
             Some(name) => Profile::of(name).ok_or_else(|| {
                 let names = Profile::names();
@@ -173,7 +173,7 @@ impl<'a> Sections<'a> {
         let header = self.config("header_type").or_else(|| self.format("header_type"));
         let profile = self.profile()?;
         match header.and_then(Value::as_str) {
-            // Firmware that had the profile, and no other with that header, did not say it.
+            // Firmware that had this profile, and no other profile with that header, did not state it.
             None => Ok(self.profile_name() == Some(FUSA)),
             Some("STANDARD") => Ok(false),
             Some("FUSA") => Ok(profile != LEGACY),

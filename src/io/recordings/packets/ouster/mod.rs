@@ -57,7 +57,7 @@ impl Scanner {
         let ring = |beam: usize| (0..altitudes.len()).filter(|&other| is_lower(other, beam)).count() as u16;
         let beams = angles.enumerate().map(|(index, (altitude_deg, azimuth_deg))| {
             let (rise, run) = altitude_deg.to_radians().sin_cos();
-            // Azimuths of beams are clockwise from above.
+            // Beam azimuths are clockwise seen from above.
             let (sin, cos) = (-azimuth_deg).to_radians().sin_cos();
             Beam {
                 direction: DVec3::new(run * cos, run * sin, rise),

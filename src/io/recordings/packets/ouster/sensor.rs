@@ -65,7 +65,7 @@ impl Sidecar {
     /// The metadata of the sensor that sent a datagram, and whether it is of another one of the same kind.
     fn of(&self, datagram: &Datagram<'_>) -> Option<(&Metadata, bool)> {
         let fits = |metadata: &&Metadata| metadata.shape.packet_bytes() == datagram.byte_count;
-        // Of equals the first is the nearest by its name.
+        // Among equals, the first has the closest name.
         let rank = |metadata: &&Metadata| {
             let serial = metadata.shape.serial(datagram.bytes);
             let has_other_serial = serial.zip(metadata.serial).is_some_and(|(sent, known)| sent != known);

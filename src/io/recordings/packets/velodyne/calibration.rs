@@ -65,7 +65,7 @@ pub(super) fn parse(text: &str) -> Result<Calibration, Fault> {
         )));
     }
     let options = ParsingOptions {
-        // The files have a document type, without entities.
+        // The files have a document type declaration, without entities.
         allow_dtd: true,
         nodes_limit: MAX_NODES,
         ..ParsingOptions::default()
@@ -90,7 +90,7 @@ pub(super) fn parse(text: &str) -> Result<Calibration, Fault> {
     }
     Ok(Calibration {
         lasers: lasers.into_iter().flatten().collect(),
-        // 2 mm where the file is of the first sensors, which have none.
+        // 2 mm if the file is for the first sensors, which do not state it.
         unit_m: unit_cm.filter(|cm| *cm > 0.0).unwrap_or(0.2) / 100.0,
     })
 }
@@ -102,7 +102,7 @@ fn corrected(node: Node<'_, '_>) -> Option<Corrected> {
         elevation_deg: child(node, "vertCorrection_")?,
         azimuth_deg: child(node, "rotCorrection_")?,
         far_m: metres("distCorrection_"),
-        // The first sensors were measured at one distance alone.
+        // The first sensors were measured at only one distance.
         near_m: near_m.iter().any(|near| *near != 0.0).then_some(near_m),
         height_m: metres("vertOffsetCorrection_"),
         aside_m: metres("horizOffsetCorrection_"),

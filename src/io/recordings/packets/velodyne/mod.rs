@@ -180,7 +180,7 @@ impl<'a> Unpacking<'a> {
             let step = if cycle + 1 < count {
                 packet.block((cycle + 1) * blocks).azimuth - azimuth
             } else {
-                // Of a packet with one cycle, the step to it stands for the one from it.
+                // For a packet with one cycle, the step before it is used instead of the one after it.
                 self.azimuth.map_or(0, |before| azimuth - before)
             };
             let step = if step < -TURN / 2 { step + TURN } else { step };
@@ -208,7 +208,7 @@ impl<'a> Unpacking<'a> {
             seen[bank].get_or_insert(index);
             for shot in 0..SHOTS {
                 let measured = block.shot(shot);
-                // Where there is one echo, it is told twice.
+                // A single echo is reported twice.
                 let is_told = first.is_some_and(|first| first.shot(shot) == measured);
                 if measured.distance == 0 || is_told {
                     continue;

@@ -41,7 +41,7 @@ impl Model {
     /// # Errors
     /// The byte that tells of it, where it is of none that is known.
     pub(super) fn of(packet: DataPacket<'_>) -> Result<Self, u8> {
-        // The HDL-64E has other things where others tell their model, but names its banks.
+        // The HDL-64E has other data where others state their model, but names its banks.
         let has_bank = |bank: usize| (0..4).any(|index| packet.block(index).bank == Some(bank));
         match packet.product() {
             _ if has_bank(1) && !has_bank(2) && !is_dual_vls(packet) => Ok(Self::Hdl64),
@@ -61,9 +61,8 @@ impl Model {
             azimuth_deg: 0.0,
             height_m: height_mm / 1000.0,
         };
-        // The manuals give the heights of lasers for the VLP-16 alone. The drawings of the others show where beams
-        // meet, from which heights follow.
-        // Beams that meet before the axis cross it above and below the origin.
+        // The manuals give the heights of lasers for the VLP-16 only. The drawings of the others show where beams meet,
+        // from which heights follow. Beams that meet before the axis cross it above and below the origin.
         let meeting = |focus_mm: f64, elevation_deg: f64, azimuth_deg: f64| Laser {
             elevation_deg,
             azimuth_deg,
@@ -103,7 +102,7 @@ impl Model {
     /// From the first shot of such blocks to the first of the next ones.
     pub(super) fn cycle_us(self) -> f64 {
         match self {
-            // Twice: 32 shots of 16 lasers.
+            // Two cycles: 32 shots of 16 lasers.
             Self::Vlp16 | Self::PuckHiRes => 110.592,
             Self::Hdl32 => 46.08,
             Self::Vlp32 => 55.296,
@@ -118,7 +117,7 @@ impl Model {
             Self::Vlp16 | Self::PuckHiRes => 55.296 * (index / 16) as f64 + 2.304 * (index % 16) as f64,
             Self::Hdl32 => 1.152 * index as f64,
             Self::Vlp32 => 2.304 * (index / 2) as f64,
-            // Both banks fire together, four lasers of each in turn.
+            // Both banks fire together, four lasers of each at a time.
             Self::Hdl64 => 6.0 * (index / 4) as f64 + [0.0, 1.26, 2.46, 3.66][index % 4],
             // Eight at a time, with a pause after half of them.
             Self::Vls128 => {
@@ -148,7 +147,7 @@ impl Model {
         /// Two echoes; with how sure they are.
         const DUAL: [u8; 2] = [0x39, 0x3a];
         let is_dual = match self {
-            // Four blocks of one azimuth are both banks twice.
+            // Four blocks with the same azimuth are both banks twice.
             Self::Hdl64 => packet.block(0).azimuth == packet.block(2).azimuth,
             _ => DUAL.contains(&packet.return_mode()),
         };

@@ -50,7 +50,7 @@ impl Mosaic {
             }
             let own_channel = self.channels[y % 2][x % 2];
             std::array::from_fn(|channel| match counts[channel] {
-                // An image of one line lacks a colour.
+                // A single-line image lacks a colour.
                 0 => own,
                 _ if channel == own_channel => own,
                 count => ((sums[channel] + count / 2) / count) as u8,
@@ -68,8 +68,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_plane_of_each_colour_comes_back() {
-        // Red grows to the right, green downwards, blue both ways: bilinear means are exact within.
+    fn a_plane_of_each_color_is_reconstructed() {
+        // Red increases to the right, green downwards, blue in both directions: bilinear means are exact in the
+        // interior.
         let [width, height] = [8_u32, 6];
         let truth = |x: u32, y: u32| [20 * x, 10 + 20 * y, 10 * (x + y)].map(|value| value as u8);
         for (name, channels) in [
@@ -100,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn the_smallest_images_are_grey() {
+    fn the_smallest_images_are_gray() {
         let mosaic = Mosaic::of("bayer_rggb8").unwrap();
         assert_eq!(mosaic.colors(&[9], [1, 1]), [[9; 3]]);
         assert_eq!(mosaic.colors(&[9, 5], [2, 1]), [[9, 5, 9], [9, 5, 5]]);

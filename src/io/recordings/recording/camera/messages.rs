@@ -158,7 +158,7 @@ pub(crate) fn camera_info(bytes: &[u8], message: &Message) -> Option<CameraInfo>
         distortion,
         k,
         p: fields.f64s()?,
-        // Old messages end before it.
+        // Old messages end before this field.
         window: window(&mut fields).unwrap_or_default(),
     })
 }
@@ -179,7 +179,7 @@ pub(crate) fn links(bytes: &[u8], message: &Message) -> Option<Vec<Link>> {
     let serialisation = serialisation(message)?;
     let mut fields = serialisation.body(bytes)?;
     let count = fields.u32()?;
-    // Not allocated for the count that is claimed: every link takes bytes that must be there.
+    // Not allocated for the claimed count: every link takes bytes that must be there.
     let mut links = Vec::new();
     for _ in 0..count {
         let header = serialisation.header(&mut fields)?;

@@ -19,14 +19,14 @@ enum Pixels {
 
 impl Pixels {
     fn of(encoding: &str) -> Result<Self, String> {
-        // `librealsense` writes some of them in capitals.
+        // `librealsense` writes some of them in upper case.
         let name = encoding.to_ascii_lowercase();
         Ok(match name.as_str() {
             "mono8" | "8uc1" => Self::Gray8,
             "mono16" | "16uc1" => Self::Gray16,
             "32fc1" => Self::GrayF32,
             "rgb8" => Self::Colors(3, [0, 1, 2]),
-            // OpenCV's order is that of bgr8.
+            // OpenCV's channel order is that of bgr8.
             "bgr8" | "8uc3" => Self::Colors(3, [2, 1, 0]),
             "rgba8" => Self::Colors(4, [0, 1, 2]),
             "bgra8" | "8uc4" => Self::Colors(4, [2, 1, 0]),
@@ -91,7 +91,7 @@ pub(super) fn raster(image: &RawImage<'_>, max_bytes: u64) -> Result<Raster, Str
             image.step
         ));
     }
-    // As many bytes as are there, or three for one of them, are made of it.
+    // The decoded image takes as many bytes as the message, or three for each of them.
     if there > max_bytes {
         return Err(format!(
             "it has {there} bytes, and {max_bytes} are read: raise --max-memory if that is right"
@@ -157,12 +157,12 @@ mod tests {
     }
 
     #[test]
-    fn images_need_the_bytes_of_all_their_lines() {
+    fn images_need_the_bytes_of_all_their_rows() {
         for (encoding, size_px, step, needed) in [
             ("16UC1", [4, 2], 10, 18),
             ("uyvy", [4, 3], 8, 24),
             ("nv12", [4, 4], 6, 34),
-            // The last line of chromas is of one line of luma.
+            // The last line of chroma covers only one line of luma.
             ("NV21", [2, 3], 2, 10),
             ("bayer_bggr16", [3, 3], 6, 18),
             ("rgb8", [5, 1], 0, 15),
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_image_says_why() {
+    fn invalid_images_are_rejected_with_a_reason() {
         for (encoding, size_px, step, expected) in [
             ("yuyv", [3, 2], 6, "3 pixels wide"),
             ("nv12", [1, 2], 1, "1 pixels wide"),

@@ -25,7 +25,7 @@ pub(crate) enum CameraMessage {
 impl CameraMessage {
     /// Returns the kind of camera message of this type on this topic; `None` if no camera publishes it.
     pub(in crate::io::recordings::recording) fn of(kind: &str, topic: &str) -> Option<Self> {
-        // ROS 2 has a folder more in its names.
+        // ROS 2 names have one more path component.
         let (package, name) = kind.split_once('/')?;
         let name = name.strip_prefix("msg/").unwrap_or(name);
         Some(match (package, name) {

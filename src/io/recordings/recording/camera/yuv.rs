@@ -69,7 +69,7 @@ fn color(y: u8, u: u8, v: u8) -> [u8; 3] {
     let y = 255.0 / 219.0 * (f32::from(y) - 16.0);
     let [u, v] = [u, v].map(|chroma| 255.0 / 224.0 * (f32::from(chroma) - 128.0));
     let channels = [y + 1.402 * v, y - 0.344_136 * u - 0.714_136 * v, y + 1.772 * u];
-    // The conversion ends at 0 and 255.
+    // Casts saturate at 0 and 255.
     channels.map(|channel| channel.round() as u8)
 }
 
@@ -79,7 +79,7 @@ mod tests {
 
     /// The bars of a test card in BT.601, as its tables have them.
     #[test]
-    fn bars_have_their_colours() {
+    fn color_bars_have_their_colors() {
         for (yuv, expected) in [
             ([16, 128, 128], [0, 0, 0]),
             ([235, 128, 128], [255, 255, 255]),
@@ -100,8 +100,8 @@ mod tests {
     }
 
     #[test]
-    fn every_order_has_the_same_pixels() {
-        // Four columns and two lines: the left half is red, the right one blue, luma of its own in each pixel.
+    fn every_byte_order_has_the_same_pixels() {
+        // Four columns and two lines: the left half is red, the right one blue, with a different luma in each pixel.
         let luma = [[81, 82, 41, 42], [83, 84, 43, 44]];
         let chroma = [[90, 240], [240, 110]];
         let expected: Vec<[u8; 3]> = luma

@@ -23,7 +23,7 @@ const SECTORS: usize = 4;
 /// The class of a normal in view space, of any orientation.
 pub(super) fn class_of(normal: Vec3) -> u32 {
     let towards_eye = if normal.z < 0.0 { -normal } else { normal };
-    // What is no number has some class.
+    // NaN gets some class.
     quantise_direction(towards_eye, CLASS_LEVEL) % CLASSES as u32
 }
 
@@ -65,7 +65,7 @@ impl Footprints {
 
     #[inline(always)]
     pub(super) fn at(&self, class: u32, x_px: f32, y_px: f32) -> &Footprint {
-        // What is beyond the picture is in a sector at its border.
+        // Positions outside the image are in a sector at its border.
         let sector = |px: f32, axis: usize| (px * self.sectors_per_px[axis]).clamp(0.0, SECTORS as f32 - 1.0) as usize;
         let sector = SECTORS * sector(y_px, 1) + sector(x_px, 0);
         &self.of_sectors[CLASSES * sector + class as usize]
@@ -75,18 +75,18 @@ impl Footprints {
 /// The footprint of a disk with a normal in view space, where a ray leads so far to the right and downwards for each
 /// unit of distance.
 fn footprint(normal: Vec3, [right, down]: [f32; 2]) -> Footprint {
-    // A step on the disk moves what is seen by these products, in radii on the screen.
+    // A step on the disk moves its projection by these products, in radii on the screen.
     let to_right = Vec3::new(1.0, 0.0, right);
     let downwards = Vec3::new(0.0, -1.0, down);
     let [along_x, along_y] = [to_right, downwards].map(|axis| axis.dot(normal));
-    // The ellipse's matrix: the sum of the squares of the images of two directions across the normal.
+    // The ellipse's matrix: the sum of the squares of the images of two directions perpendicular to the normal.
     let xx = to_right.length_squared() - along_x * along_x;
     let xy = to_right.dot(downwards) - along_x * along_y;
     let yy = downwards.length_squared() - along_y * along_y;
     let (center, half_difference) = (0.5 * (xx + yy), 0.5 * (xx - yy));
     let spread = half_difference.hypot(xy);
     let (longer2, shorter2) = (center + spread, (center - spread).max(0.0));
-    // The direction of the shorter axis: the eigenvector of the smaller value, of the two forms it has the longer.
+    // The direction of the shorter axis: the eigenvector of the smaller eigenvalue, the longer of its two forms.
     let (a, b) = (Vec2::new(xy, shorter2 - xx), Vec2::new(shorter2 - yy, xy));
     let shorter = if a.length_squared() > b.length_squared() { a } else { b };
     let tilt2 = (1.0 - shorter2 / longer2).max(0.0);
@@ -102,7 +102,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn disks_straight_ahead_keep_their_radius() {
+    fn disks_straight_ahead_have_their_exact_radius() {
         for normal in &quantised_directions(CLASS_LEVEL)[..CLASSES] {
             let footprint = footprint(*normal, [0.0, 0.0]);
             assert!((footprint.stretch - 1.0).abs() < 1e-3);
@@ -115,7 +115,7 @@ mod tests {
     /// Facing the eye in the corner of the picture: a circle across the ray, which the plane of the picture cuts as an
     /// ellipse that is longer outwards, by the ray's length.
     #[test]
-    fn disks_beside_the_middle_are_stretched_outwards() {
+    fn off_center_disks_are_stretched_outwards() {
         let ray = Vec3::new(0.4, -0.3, -1.0);
         let footprint = footprint(-ray.normalize(), [0.4, 0.3]);
         let length = ray.length();

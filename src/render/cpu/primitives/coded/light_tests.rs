@@ -71,7 +71,7 @@ fn assert_pixels(
     packet.style.codes.footprint = footprint;
     packet.style.light.lighting = lighting;
     packet.style.codes.normal_bits = normal_bits;
-    // In the middles of cells.
+    // At cell centres.
     packet.style.codes.offset_bits = OffsetBits::None;
     packet.style.surfels.back_faces = BackFaces::Drawn;
     let mut image = RgbaImage::new(640, 480);
@@ -101,7 +101,7 @@ fn assert_pixels(
         let found = image.get_pixel(x, y).0;
         let wanted = expected(*normal, center.as_dvec3() - eye, to_center);
         for (found, wanted) in found.into_iter().zip(wanted) {
-            // A byte is rounded, and one of its colour may be.
+            // The byte is rounded, and one of its colour may be too.
             let error = (f64::from(found) - wanted).abs();
             assert!(
                 error <= 1.0,
@@ -117,7 +117,7 @@ const FOOTPRINTS: [Footprint; 2] = [Footprint::Pixels, Footprint::Masks];
 
 /// Lighting once per normal: from the eye to the centre of the cloud, wherever the point is.
 #[test]
-fn light_once_a_surfel_is_that_of_its_normal_from_infinity() {
+fn per_surfel_light_uses_the_normal_and_a_viewer_at_infinity() {
     for footprint in FOOTPRINTS {
         for &bits in NormalBits::ALL {
             let lighting = Lighting::PerSurfel;
@@ -129,7 +129,7 @@ fn light_once_a_surfel_is_that_of_its_normal_from_infinity() {
 
 /// Finer light takes the way from the eye to each point.
 #[test]
-fn finer_light_is_that_of_the_way_from_the_eye() {
+fn finer_light_uses_the_direction_from_the_eye() {
     for footprint in FOOTPRINTS {
         for lighting in [Lighting::PerVertex, Lighting::PerFragment] {
             let bits = NormalBits::Thirteen;
@@ -140,7 +140,7 @@ fn finer_light_is_that_of_the_way_from_the_eye() {
 }
 
 #[test]
-fn without_light_colours_stay_as_they_are() {
+fn without_light_colors_are_unchanged() {
     for footprint in FOOTPRINTS {
         let colors = assert_pixels(footprint, Lighting::Unlit, NormalBits::Thirteen, |_, _, _| {
             [0, 1, 2].map(|channel| f64::from(COLOR[channel]))

@@ -33,8 +33,8 @@ const SIZE_BITS: u32 = 2;
 const SMALLEST_PX: f32 = 0.5;
 
 /// Radii from here on have no mask.
-// Larger splats are exact disks, which are not slower: with masks, 100,000 surfels took 82 ms instead of 63 (full view,
-// one thread), as the table only partly fits into the caches.
+// Larger splats are exact disks, which are not slower: with masks, 100,000 surfels took 82 ms instead of 63 ms (full
+// view, one thread), as the table only partly fits into the caches.
 pub(super) const LARGEST_PX: f32 = 16.0;
 
 const SIZES: usize = 5 << SIZE_BITS;
@@ -220,7 +220,7 @@ impl Quadric {
     /// with the zeros after it.
     fn mask(&self, center: [f32; 2]) -> (Mask, Vec<u8>) {
         let covered = |axis: usize| -> Range<i32> {
-            // Pixels whose middles are inside.
+            // Pixels whose centres are inside.
             let low = (center[axis] - self.reach[axis] - 0.5).ceil() as i32;
             let high = (center[axis] + self.reach[axis] - 0.5).floor() as i32;
             low..high + 1

@@ -57,7 +57,7 @@ pub(super) fn seen(packet: &ScenePacket, view: &PixelView, bits: u32) -> Vec<See
             SeenNormal {
                 facing: Vec4::new(facing.per_px[0], facing.per_px[1], facing.at_origin, 0.0),
                 image: homogeneous(view, normal).extend(0.0),
-                // A lamp at infinity, as in the paper: near the object, 15 dB against exact disks.
+                // A lamp at infinity, as in the paper: near the object, 15 dB compared with exact disks.
                 light: light(packet.style.light.lighting, normal, to_center),
                 class: classes[coarser],
             }

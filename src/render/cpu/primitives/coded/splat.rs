@@ -48,7 +48,7 @@ fn for_each_eight(
     let width = (tile_rect.end[0] - tile_x).min(left + i32::from(mask.width));
     let height = (tile_rect.end[1] - tile_y).min(top + i32::from(mask.height));
     let lanes = LANES as i32;
-    // Divisions that round down, of what is 0 at least.
+    // Divisions that round down, of non-negative numbers.
     let first_eight = left.max(0) / lanes;
     let end_eight = (width + lanes - 1) / lanes;
     let [per_column, per_row] = place.depth_per_px;

@@ -74,7 +74,7 @@ proptest! {
     /// Every node of every block is where a product of a matrix and its middle says, in f64: off by at most 2⁻²¹ of the
     /// sizes of what was added up (each of at most 21 additions rounds by 2⁻²⁴ of its result, but the sizes halve).
     #[test]
-    fn sums_of_vectors_are_products_of_a_matrix(
+    fn incremental_positions_match_matrix_products(
         points in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 1..300),
         depth in 0u32..12,
         camera in any_camera(),
@@ -106,7 +106,7 @@ proptest! {
     }
 
     #[test]
-    fn pixels_lead_back_to_view_space(vector in prop::array::uniform3(-9f32..9.0)) {
+    fn pixels_unproject_to_view_space(vector in prop::array::uniform3(-9f32..9.0)) {
         let view = crate::render::cpu::tests::view_of([320, 200]);
         let vector = Vec3::from_array(vector);
         let back = in_view(&view, homogeneous(&view, vector).extend(0.0));
@@ -115,7 +115,7 @@ proptest! {
 
     /// All nodes of the level that is drawn are in one block, or in none if they cannot be seen.
     #[test]
-    fn blocks_hold_each_node_that_is_seen_once(
+    fn blocks_contain_each_visible_node_once(
         points in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 1..400),
         depth in 0u32..9,
         camera in any_camera(),
@@ -155,14 +155,14 @@ proptest! {
 }
 
 fn per_slope_of(view: &PixelView) -> f32 {
-    // Pixels from the middle, and the middle itself.
+    // The distance in pixels from the centre, and the centre itself.
     view.px_per_slope[0].abs().max(1.0) + view.center_px[0].max(view.center_px[1])
 }
 
 /// The weights of a mask beside the definition, sampled at the middles of pixels: the ellipse of a disk that is seen
 /// from straight ahead, a little wider for the filter.
 #[test]
-fn masks_are_disks_seen_from_straight_ahead() {
+fn masks_match_disks_seen_face_on() {
     let normals = [
         Vec3::Z,
         Vec3::new(0.6, 0.0, 0.8),
@@ -179,7 +179,7 @@ fn masks_are_disks_seen_from_straight_ahead() {
                 let y = f32::from(row) + f32::from(mask.top);
                 for (column, &weight) in MASKS.row(mask, row.into()).iter().enumerate() {
                     let x = column as f32 + f32::from(mask.left);
-                    // In the plane of the disk, along the normal's direction on the screen and across it.
+                    // In the plane of the disk, along the screen direction of the normal and across it.
                     let tilt = normal.truncate();
                     let along = tilt.normalize_or(glam::Vec2::X);
                     let offset = glam::Vec2::new(x, y);
@@ -201,11 +201,11 @@ fn masks_are_disks_seen_from_straight_ahead() {
                 }
             }
             assert!(weights >= 0.5, "{normal} {radius}: twice what makes a pixel opaque");
-            // Half the distance of places, which is that of the middle of a pixel from the next place, and a tenth for
-            // sampling.
+            // Half the spacing of mask positions, which is the distance from a pixel centre to the next position, plus
+            // a tenth for sampling.
             let off = if radius < 3.0 { 0.125 } else { 0.25 } + 0.1;
             let [x, y] = [sum_x, sum_y].map(|sum: f32| (sum / weights).abs());
-            // Of what is narrower than its pixels, samples do not tell the middle.
+            // For splats narrower than a pixel, samples do not determine the centre.
             if radius * normal.z >= 1.0 {
                 assert!(x < off && y < off, "{normal} {radius}: {x} {y}");
             }
@@ -221,7 +221,7 @@ fn masks_are_disks_seen_from_straight_ahead() {
 }
 
 #[test]
-fn sizes_are_quarters_of_octaves() {
+fn mask_sizes_are_quarters_of_octaves() {
     assert_eq!(masks::size_of(0.0), Some(0));
     assert_eq!(masks::size_of(0.5), Some(0));
     assert_eq!(masks::size_of(0.6249), Some(0));
@@ -233,7 +233,7 @@ fn sizes_are_quarters_of_octaves() {
 }
 
 #[test]
-fn opposite_normals_have_one_shape() {
+fn opposite_normals_share_one_shape() {
     for &normal in quantised_directions(4) {
         assert_eq!(masks::shape_of(normal), masks::shape_of(-normal), "{normal}");
     }

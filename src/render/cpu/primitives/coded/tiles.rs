@@ -150,7 +150,7 @@ impl CodedTiles<'_> {
         let footprint = self.footprints.at(node.normal.class, node.x_px, node.y_px);
         let radius_px = node.radius * node.per_distance * self.view.px_per_slope[0] * footprint.stretch;
         let [visibility, attribute] = self.coded.scales.map(|scale| scale * radius_px);
-        // With what filtering and rounding may add.
+        // Including what filtering and rounding may add.
         let reach = MASK_SLACK * visibility.max(attribute) + 2.0;
         let rect = tile.rect();
         let is_outside =
@@ -184,7 +184,7 @@ impl CodedTiles<'_> {
     fn place(&self, node: &SeenNode<'_>, [x, y]: [f32; 2], scale: f32) -> SplatPlacement {
         let depth = self.view.near * node.per_distance;
         let reach = (scale * node.radius * node.per_distance).min(1.0);
-        // Seen edge on, the depth of the middle has to do.
+        // Seen edge-on, the depth of the centre has to do.
         let is_steep = node.facing.abs() < 1e-3 * node.at.z;
         let per_facing = if is_steep { 0.0 } else { self.view.near / node.facing };
         let per_column = node.normal.facing.x * per_facing;
@@ -221,7 +221,7 @@ impl CodedTiles<'_> {
         let center = in_view(self.view, node.at);
         let light = match self.lighting {
             Lighting::Unlit | Lighting::PerSurfel => Light::Same(node.normal.light),
-            // Where shading is deferred, no codes are drawn.
+            // Codes are not drawn with deferred shading.
             Lighting::PerVertex | Lighting::Lambert | Lighting::BlinnPhong | Lighting::Physical => {
                 Light::Same(self.light_at(node))
             }
@@ -301,7 +301,7 @@ impl CodedTiles<'_> {
         let byte = |channel: f32| (channel * 255.0 + 0.5) as u32;
         let [red, green, blue] = self.lit_color(node);
         let color = byte(red) | byte(green) << 8 | byte(blue) << 16;
-        // The bits of positive numbers are in their order.
+        // Positive floats have the same order as their bits.
         let depth = self.view.near * node.per_distance;
         let key = u64::from(depth.to_bits()) << 32 | u64::from(color);
         let there = &mut tile.keys[place];

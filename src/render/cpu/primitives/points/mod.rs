@@ -38,7 +38,7 @@ impl Placed for Points<'_> {
     }
 
     fn reach(&self, record: usize) -> f32 {
-        // As that of surfels: blocks that were made for these are right for points, too.
+        // The same as for surfels: blocks that were built for these are valid for points, too.
         let reach = |shapes: &[ShapeRecord]| SQUARE_REACH_RADII * shapes[record].radius;
         self.shapes.map_or(0.0, reach)
     }
@@ -222,7 +222,7 @@ fn draw_pixels<S: Simd>(simd: S, tile: &mut Tile, clip: PixelRect, count: usize,
     if !simd.any_true_mask32x8(are_seen) {
         return;
     }
-    // Each lane has a nowhere of its own: writing to the same one would have to wait for the last.
+    // Each lane has its own dummy location: writing to a shared one would have to wait for the previous write.
     let nowhere = lane_numbers(simd) + NOWHERE as f32;
     let places = simd.select_f32x8(are_seen, y.mul_add(splat(WIDTH as f32), x), nowhere);
     let places: i32x8<S> = simd.cvt_i32_f32x8(places);
@@ -236,13 +236,13 @@ fn draw_pixels<S: Simd>(simd: S, tile: &mut Tile, clip: PixelRect, count: usize,
 /// Depth above colour.
 #[inline(always)]
 fn key(depth_bits: u32, color_bits: u32) -> u64 {
-    // The bits of positive numbers are in their order.
+    // Positive floats have the same order as their bits.
     u64::from(depth_bits) << 32 | u64::from(color_bits)
 }
 
 /// Replaces what is behind, or as far away.
 #[inline(always)]
 fn put(there: &mut u64, key: u64) {
-    // Written in any case: which of two points is nearer nobody can foresee.
+    // Always written: which of two points is nearer is unpredictable.
     *there = if key >> 32 >= *there >> 32 { key } else { *there };
 }

@@ -114,7 +114,7 @@ impl Points<'_> {
             return;
         }
         let facets = Facets::new(simd, canvas, &patches, may_touch);
-        // ε-z, as of surfels.
+        // ε-z, as for surfels.
         let distances = patches.centers.dot(patches.centers).sqrt().max(view.near);
         let push_back = 1.0 / (1.0 + half_edges * DEPTH_SLACK_RADII / distances);
         let seen = EightPoints {

@@ -94,7 +94,7 @@ impl<S: Simd> EightCenters<S> {
     pub(super) fn normals(&self, simd: S, view: &PixelView, cull_back_faces: bool) -> Option<EightNormals<S>> {
         let in_frame = oct_decode_each(simd, self.normals);
         let in_view = view.rotate_each(simd, in_frame);
-        // A little more, for what is seen edge-on.
+        // Slightly more, for those seen edge-on.
         let slack = self.centers.largest() * EDGE_ON_COSINE;
         let may_face = in_view.dot(self.centers).simd_le(slack) & self.may_touch;
         let are_seen = !cull_back_faces || simd.any_true_mask32x8(may_face);

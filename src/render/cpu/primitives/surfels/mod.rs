@@ -115,8 +115,8 @@ impl DrawnRecords for Surfels<'_> {
         let pyramid = Pyramid::of(view, clip);
         for range in records {
             let end = range.end;
-            // Eight at a time took 100,000 surfels from 68 to 45 ms, and voxels from 52 to 25: before, patches were set
-            // up one by one, and each bounding sphere was projected with divisions (1920×1080, two threads).
+            // Eight at a time took 100,000 surfels from 68 to 45 ms, and voxels from 52 to 25 ms: before, patches were
+            // set up one by one, and each bounding sphere was projected with divisions (1920×1080, two threads).
             for first in range.step_by(LANES) {
                 let Some(midpoints) = self.midpoints(simd, view, &pyramid, first..end.min(first + LANES)) else {
                     continue;
@@ -170,7 +170,7 @@ impl<'a> Surfels<'a> {
             style,
             filter: style.splat_filter(),
             lighting: match style.light.lighting {
-                // Sprites have no vertices on their disks but the middles.
+                // The centres are the only vertices that sprites have on their disks.
                 Lighting::PerVertex if style.draws_sprites() => Lighting::PerSurfel,
                 lighting => lighting,
             },
@@ -230,7 +230,7 @@ impl<'a> Surfels<'a> {
         if self.filter == SplatFilter::Clamp {
             return Fate::Drawn;
         }
-        // Corners of squares are as far away, whether disks or ellipses touch their edges.
+        // Corners of squares are equally far away, whether disks or ellipses touch their edges.
         let are_squares = matches!(self.style.surfels.splatting, Splatting::Regular | Splatting::NoDepth);
         let reach = if are_squares {
             f32x8::splat(simd, SQUARE_REACH_RADII)
@@ -270,7 +270,7 @@ impl<'a> Surfels<'a> {
         let mut canvas = self.canvas(view, clip);
         match surfels.splatting {
             Splatting::Regular | Splatting::NoDepth => {
-                // Only what is on a surface has corners.
+                // Only quads on the surface have corners.
                 if self.style.primitive != Primitive::Sprite {
                     canvas.outline = Outline::Parallelogram;
                 }
@@ -295,8 +295,8 @@ impl<'a> Surfels<'a> {
                 }
             }
             Splatting::Visibility | Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => {
-                // Not filtered: the union of splats as they are is the surface. Filtered ones that are seen almost
-                // edge-on reach far out of it, towards the eye as well, and hid what they should blend with.
+                // Not filtered: the union of unfiltered splats is the surface. Filtered ones that are seen almost
+                // edge-on extend far beyond it, towards the eye as well, and occluded what they should blend with.
                 let splats = seen.splats(simd, visibility);
                 let push_back = self.push_back(simd, view, seen, visibility);
                 let facets = splats.facets(simd, &canvas, seen);

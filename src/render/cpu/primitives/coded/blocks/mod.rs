@@ -80,7 +80,7 @@ impl<'a> Traversal<'a> {
             px_per_slope: view.px_per_slope[0],
             block_levels: (0..=cloud.depth()).map(block_level).collect(),
             octants: transform.front_to_back(),
-            // Both the axis and what is drawn are off by this; and rounding.
+            // Both the axis and the drawn normal are off by this much; plus rounding.
             cone_slack: 2.0 * largest_normal_error + 2e-3,
         }
     }
@@ -119,7 +119,7 @@ impl<'a> Traversal<'a> {
         while let Some(node) = waiting.pop() {
             let first = waiting.len();
             self.visit(node, blocks, &mut |child| waiting.push(child));
-            // What is pushed last is visited first.
+            // The last one pushed is visited first.
             waiting[first..].reverse();
         }
     }

@@ -44,7 +44,7 @@ fn is_outside(view: &PixelView, center: DVec3, half: DVec3) -> bool {
         let per_slope = f64::from(view.px_per_slope[axis]);
         let slope = (side_px - f64::from(view.center_px[axis])) / per_slope;
         let beyond = outwards * per_slope.signum() * (center[axis] + slope * center.z);
-        // Of the corner that is farthest inwards.
+        // For the corner that is farthest inwards.
         beyond > half[axis] + slope.abs() * half.z
     };
     let sides = |axis: usize| {
@@ -86,7 +86,7 @@ prop_compose! {
 proptest! {
     /// Every node that is in the picture and faces the eye, by its own middle and normal alone, is in a block.
     #[test]
-    fn nothing_that_can_be_seen_is_skipped(packet in any_packet(3.0)) {
+    fn nothing_visible_is_skipped(packet in any_packet(3.0)) {
         traversed(&packet, |traversal, blocks| {
             let (coded, view) = (traversal.coded, traversal.view);
             let cloud = coded.cloud;
@@ -116,7 +116,7 @@ proptest! {
 
     /// No block is beyond a side of the picture, or behind the eye, with all that its splats may reach.
     #[test]
-    fn what_is_certainly_outside_is_skipped(packet in any_packet(3.0)) {
+    fn blocks_certainly_outside_the_view_are_skipped(packet in any_packet(3.0)) {
         traversed(&packet, |traversal, blocks| {
             let cloud = traversal.coded.cloud;
             for block in blocks {
@@ -138,11 +138,11 @@ proptest! {
     /// No block shows only its back, by more than what normals and cones are rounded by. All points have one normal: so
     /// the cones below are as narrow as they get.
     #[test]
-    fn what_is_certainly_turned_away_is_skipped(packet in any_packet(0.0)) {
+    fn blocks_certainly_back_facing_are_skipped(packet in any_packet(0.0)) {
         traversed(&packet, |traversal, blocks| {
             let cloud = traversal.coded.cloud;
-            // A step of half openings; what is added at each level that they are gathered through, and as much for
-            // rounding of cosines near 1; and twice the error of a normal.
+            // One step of half opening angles; what is added at each level through which they are gathered, and the
+            // same amount for rounding of cosines near 1; and twice the error of a normal.
             let rounding = std::f64::consts::PI / 255.0
                 + 2e-3 * f64::from(cloud.depth() + 1)
                 + 2.0 * f64::from(largest_normal_error(traversal.coded.normal_bits) + 1e-3);
@@ -154,7 +154,7 @@ proptest! {
                 let normal = quantised_normals(FINEST_NORMAL_BITS)
                     [cloud.attributes()[block.node].normal() as usize];
                 let normal = traversal.view.rotate(normal).as_dvec3();
-                // The angle between the normal and the ways from the eye to all that the block has.
+                // The angle between the normal and the directions from the eye to everything in the block.
                 let off_normal = normal.angle_between(center) + share.min(1.0).asin();
                 prop_assert!(
                     share >= 1.0 || off_normal + rounding > std::f64::consts::FRAC_PI_2,
@@ -191,7 +191,7 @@ fn assert_nearer_octants_first(packet: &ScenePacket) {
 
 /// A ball has blocks farther down than octants of octants.
 #[test]
-fn nearer_octants_come_first_farther_down() {
+fn nearer_octants_come_first_on_deeper_levels() {
     for (azimuth_deg, elevation_deg) in [(10.0, 20.0), (100.0, -50.0), (-160.0, 70.0)] {
         let packet = packet_of_surfels(&ball(), 7, &camera_at(azimuth_deg, elevation_deg, 0.0));
         let deepest = traversed(&packet, |_, blocks| blocks.iter().map(|block| block.level).max());
@@ -229,9 +229,9 @@ fn camera_at(azimuth_deg: f64, elevation_deg: f64, target_y: f64) -> Camera {
 
 /// How much is skipped of a ball that shows its front, and of one that is above the picture but for its rim.
 #[test]
-fn of_a_ball_much_is_skipped() {
-    // From 4 radii, 38 % of it face the eye; blocks whose cones reach over the rim come too. Blocks have edges of a
-    // quarter, and their own splats, which may reach into the picture, twice that.
+fn much_of_a_sphere_is_skipped() {
+    // From 4 radii, 38 % of it faces the eye; blocks whose cones extend over the silhouette are added. Blocks have
+    // edges of a quarter, and their own splats, which may reach into the image, twice that.
     let above = -4.0 * 30f64.to_radians().tan() - 0.9;
     for (target_y, back_faces, largest_share) in [(0.0, BackFaces::Culled, 0.6), (above, BackFaces::Drawn, 0.6)] {
         let mut packet = packet_of_surfels(&ball(), 7, &camera_at(0.0, 0.0, target_y));
