@@ -109,7 +109,7 @@ impl Cover {
         }
         match best {
             Some((share, _, view)) => (share, view),
-            // A picture without pixels.
+            // An empty image.
             None => (
                 0.0,
                 CloserView {
@@ -128,7 +128,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn an_object_in_the_colour_of_one_background_is_counted() {
+    fn an_object_in_the_color_of_one_background_is_counted() {
         let [black, white] = [[0u8; 3], [255u8; 3]];
         let on_black = RgbaImage::from_pixel(4, 2, Rgba([0, 0, 0, 255]));
         let mut on_white = RgbaImage::from_pixel(4, 2, Rgba([255; 4]));
@@ -143,7 +143,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn shares_of_rectangles_are_those_of_counting(
+        fn shares_of_rectangles_match_counting_pixels(
             pixels in prop::collection::vec(any::<bool>(), 7 * 5),
             x in (0usize..7, 1usize..8), y in (0usize..5, 1usize..6),
         ) {
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn the_closer_view_is_the_largest_that_is_covered_as_wanted() {
+    fn the_closer_view_is_the_largest_with_the_wanted_coverage() {
         // A block of 24×16 at the lower right of 96×64: a quarter of each edge.
         let cover = Cover::from_fn([96, 64], |x, y| (72..96).contains(&x) && y >= 48);
         let view = cover.closer_view(0.5, 0.1);
@@ -168,19 +168,19 @@ mod tests {
             (view.scale - 0.25 * 2f64.sqrt()).abs() <= 1.0 / STEPS as f64,
             "{view:?}"
         );
-        // As a whole within the picture: in its corner.
+        // Entirely within the image: in its corner.
         let expected = [48.0, 32.0].map(|half| half * (1.0 - view.scale));
         for (offset, expected) in view.offset_px.iter().zip(expected) {
             assert!((offset - expected).abs() <= 1.0, "{view:?}");
         }
         assert_eq!(cover.closer_view(0.01, 0.1).scale, 1.0);
-        // Never closer than asked, but then where most is.
+        // Never closer than the limit, but then where the coverage is largest.
         let far = cover.closer_view(0.9, 0.5);
         assert_eq!((far.scale, far.offset_px), (0.5, [24.0, 16.0]));
     }
 
     #[test]
-    fn nothing_to_see_keeps_the_aim() {
+    fn an_empty_image_keeps_the_aim() {
         let view = Cover::from_fn([96, 64], |_, _| false).closer_view(0.5, 0.5);
         assert_eq!(view.offset_px, [0.0; 2]);
         let none = Cover::from_fn([0, 0], |_, _| false);

@@ -58,7 +58,7 @@ mod tests {
     use super::cpu_model;
 
     #[test]
-    fn the_model_is_read_if_it_is_there() {
+    fn the_cpu_model_is_read_if_available() {
         let text = "processor\t: 0\nmodel name\t: Some CPU @ 2.60GHz\nmodel name\t: other\n";
         assert_eq!(cpu_model(text).as_deref(), Some("Some CPU @ 2.60GHz"));
         assert_eq!(cpu_model("processor : 0\nFeatures : fp asimd\n"), None);

@@ -52,7 +52,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steps_and_numbers_name_photographs() {
+    fn steps_and_numbers_select_images() {
         let of = |text: &str| text.parse::<Excluded>().map(|choice| choice.of(10));
         assert_eq!(of("every:4"), Ok(vec![0, 4, 8]));
         assert_eq!(of("2, 5,17"), Ok(vec![2, 5]));

@@ -141,7 +141,7 @@ impl QualityKey {
         });
         for text in machine.into_iter().map(str::to_owned).chain(entries) {
             hash.update(text.as_bytes());
-            // So that no two lists of texts are alike.
+            // A separator, so that no two lists of texts hash alike.
             hash.update([0]);
         }
         Self(hex(&hash.finalize()))
@@ -171,12 +171,12 @@ mod tests {
     }
 
     #[test]
-    fn the_front_is_what_nothing_beats() {
+    fn the_pareto_front_is_undominated() {
         let mut points =
             [(1.0, 0.5), (2.0, 0.6), (3.0, 0.2), (3.0, 0.3), (4.0, 0.2)].map(|(draw_ms, flip)| point(draw_ms, flip));
         mark_front(&mut points);
         assert_eq!(points.map(|point| point.is_on_front), [true, false, true, false, false]);
-        // Equal ones are both as good as it gets; those of another sequence do not count.
+        // Equal points are both optimal; those of another sequence do not count.
         let mut points = [point(1.0, 0.5), point(1.0, 0.5), point(0.5, 0.1)];
         points[2].sequence = "other".to_owned();
         mark_front(&mut points);
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn what_may_be_spent_decides() {
+    fn the_time_budget_decides() {
         let points = [(1.0, 0.5), (3.0, 0.2), (10.0, 0.05), (11.0, 0.4)].map(|(ms, flip)| point(ms, flip));
         let quality = Quality::of(&points).unwrap();
         assert_eq!(quality.choices().len(), 3);
@@ -199,7 +199,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn along_the_front_errors_fall(pairs in prop::collection::vec((0.0f64..9.0, 0.0f64..1.0), 1..40),
+        fn errors_decrease_along_the_pareto_front(pairs in prop::collection::vec((0.0f64..9.0, 0.0f64..1.0), 1..40),
             spent in 0.0f64..9.0) {
             let points: Vec<LabPoint> = pairs.iter().map(|&(ms, flip)| point(ms, flip)).collect();
             let quality = Quality::of(&points).unwrap();

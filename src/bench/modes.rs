@@ -93,19 +93,19 @@ mod tests {
         let admits = |text: &str, style: &Style| text.parse::<Modes>().unwrap().admit(style);
         assert!(Modes::default().admit(&voxel));
         assert!(admits("cpu", &voxel) && !admits("gpu", &voxel));
-        // Surfels of one mode, and voxels.
+        // Surfels in one splatting mode, and voxels.
         let words = "cpu, two-pass,voxel";
         assert!(admits(words, &voxel) && admits(words, &surfel(cpu, Splatting::TwoPass)));
         assert!(!admits(words, &surfel(cpu, Splatting::Regular)));
         assert!(!admits(words, &surfel(gpu, Splatting::TwoPass)));
-        // The processor has no strategy.
+        // The CPU has no strategies.
         assert!(admits("storage", &surfel(gpu, Splatting::Regular)));
         assert!(!admits("vertex", &surfel(gpu, Splatting::Regular)));
         assert!(!admits("storage", &voxel));
     }
 
     #[test]
-    fn what_is_no_mode_is_said() {
+    fn unknown_modes_are_reported() {
         for wrong in ["auto", "", "cpu,", "disks of surfels"] {
             let error = wrong.parse::<Modes>().unwrap_err().to_string();
             assert!(error.contains("is not a mode: expected cpu, gpu"), "{error}");

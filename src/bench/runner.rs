@@ -130,7 +130,7 @@ fn single_record(packet: &ScenePacket) -> ScenePacket {
             let first = mesh.triangles.iter().copied().take(1);
             Content::Mesh(Arc::new(mesh.with_triangles(first.collect())))
         }
-        // All of these are needed to tell which one is seen.
+        // All of these are needed to determine what is visible.
         Content::Nothing | Content::Coded(_) | Content::Visible(_) => packet.content.clone(),
     };
     ScenePacket {

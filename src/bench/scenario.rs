@@ -122,7 +122,7 @@ fn climb<E>(
         let moved_cover = measure(&camera)?;
         let coverage = moved_cover.share();
         let gain = distance_to_band(best.coverage) - distance_to_band(coverage);
-        // Out of a picture that is full, the first steps change nothing.
+        // When backing away from a full image, the first steps change nothing.
         let is_on_the_way_out = is_too_close && gain == 0.0;
         if gain > 0.0 || is_on_the_way_out {
             best = Viewpoint { camera, coverage };
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn an_object_of_any_size_is_brought_into_the_band() {
+    fn objects_of_any_size_are_brought_into_the_coverage_band() {
         for half in [0.2, 0.5, 1.0, 3.0, 8.0] {
             let viewpoint = place_board([0.0; 2], [half, half], 1);
             assert!(viewpoint.is_in_band(), "{half}: {viewpoint:?}");
@@ -223,24 +223,24 @@ mod tests {
     }
 
     #[test]
-    fn an_object_off_the_middle_is_aimed_at() {
+    fn an_off_center_object_is_aimed_at() {
         for center in [[0.9, 0.4], [-0.5, -0.8], [0.0, 0.9]] {
             let viewpoint = place_board(center, [0.25, 0.25], 1);
             assert!(viewpoint.is_in_band(), "{center:?}: {viewpoint:?}");
         }
-        // High and narrow, as a person: all of its height and the band exclude each other.
+        // Tall and narrow, like a person: full height and the coverage band are mutually exclusive.
         assert!(place_board([0.1, 0.0], [0.15, 0.9], 1).is_in_band());
     }
 
     #[test]
-    fn an_object_with_gaps_fills_the_picture() {
-        // A third of its pixels: in the band only when most of the picture shows it.
+    fn an_object_with_gaps_fills_the_image() {
+        // A third of its pixels: in the band only when most of the image shows it.
         let viewpoint = place_board([0.3, 0.2], [0.4, 0.4], 3);
         assert!(viewpoint.is_in_band(), "{viewpoint:?}");
     }
 
     #[test]
-    fn what_is_in_the_band_is_not_moved() {
+    fn objects_within_the_coverage_band_are_not_moved() {
         let start = camera();
         let mut measured = 0;
         let mut draw = board([0.0; 2], [1.3, 1.3], 1);
@@ -253,10 +253,10 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_brought_into_the_band_is_reported_as_it_is() {
+    fn objects_that_cannot_reach_the_band_are_reported_with_their_coverage() {
         let nothing = place_board([0.0; 2], [0.0; 2], 1);
         assert_eq!((nothing.coverage, nothing.is_in_band()), (0.0, false));
-        // A fifth of its pixels, however close; and a camera that stays outside.
+        // A fifth of its pixels, no matter how close; and a camera that stays outside.
         let sparse = place_board([0.0; 2], [0.5, 0.5], 5);
         assert!(!sparse.is_in_band());
         assert!((0.19..0.21).contains(&sparse.coverage), "{sparse:?}");
@@ -264,9 +264,9 @@ mod tests {
     }
 
     #[test]
-    fn pictures_are_bounded() {
+    fn image_sizes_are_bounded() {
         let mut pictures = 0;
-        // Never the same, never in the band.
+        // Always different, never in the band.
         let viewpoint = place(camera(), SIZE_PX[1] as f64, |_| {
             pictures += 1;
             Ok::<_, Infallible>(Cover::from_fn(SIZE_PX, |x, y| x == 5 && y < pictures))
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn coverage_counts_what_is_outside_of_the_band() {
+    fn the_coverage_report_counts_views_outside_the_band() {
         let coverage = Coverage::of(&[0.2, 0.25, 0.5, 0.85, 0.95]).unwrap();
         assert_eq!((coverage.outside, coverage.count), (2, 5));
         assert!((coverage.mean - 0.55).abs() < 1e-12);

@@ -71,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_middle_of_mass_is_where_most_points_are() {
+    fn the_center_of_mass_is_where_most_points_are() {
         let positions = [Vec3::ZERO, Vec3::X, Vec3::X, Vec3::new(2.0, 4.0, 0.0)];
         assert_eq!(mean_position(&positions), DVec3::new(1.0, 1.0, 0.0));
         assert_eq!(mean_position(&[]), DVec3::ZERO);

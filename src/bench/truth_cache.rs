@@ -43,9 +43,10 @@ impl TruthCache {
         let Some(folder) = &self.folder else {
             return make();
         };
-        // SHA-256: a checksum of 32 bits would mistake one cloud for another.
+        // SHA-256: a 32-bit checksum would confuse different clouds.
         let mut hash = Sha256::new();
-        // All inputs, not a name: a ground truth takes seconds, so it is reused wherever the inputs are the same.
+        // All inputs, not a name: a ground truth takes seconds to compute, so it is reused wherever the inputs are the
+        // same.
         hash.update(VERSION.to_le_bytes());
         key.for_each_bytes(&mut |bytes| {
             hash.update((bytes.len() as u64).to_le_bytes());
@@ -125,7 +126,7 @@ fn drop_oldest(folder: &Path, max_bytes: u64) {
         if bytes <= max_bytes {
             break;
         }
-        // Another run of the program may have been first.
+        // Another run of the program may have got there first.
         let _ = fs::remove_file(file);
         bytes -= size;
     }
@@ -150,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn a_truth_is_made_once_and_read_equal() {
+    fn a_ground_truth_is_rendered_once_and_read_back_equal() {
         let folder = tempfile::tempdir().unwrap();
         let cache = TruthCache::new(Some(folder.path().join("truth")));
         let sphere = RayTraced {
@@ -168,7 +169,7 @@ mod tests {
         let first = get([40, 30], sphere);
         assert_eq!(get([40, 30], sphere), first);
         assert_eq!(made.get(), 1);
-        // Another size or shape is another truth.
+        // A different size or shape needs a different ground truth.
         get([41, 30], sphere);
         let cube = RayTraced {
             shape: Shape::Cube,
@@ -176,7 +177,7 @@ mod tests {
         };
         get([40, 30], cube);
         assert_eq!(made.get(), 3);
-        // What is damaged is made again.
+        // Damaged files are recomputed.
         let file = fs::read_dir(folder.path().join("truth"))
             .unwrap()
             .next()
@@ -191,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn the_oldest_go_first() {
+    fn the_oldest_entries_are_evicted_first() {
         let folder = tempfile::tempdir().unwrap();
         for (age, name) in ["c", "b", "a"].iter().enumerate() {
             let file = folder.path().join(name);

@@ -213,7 +213,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_array_keeps_the_entries_that_are_asked_for(indices in prop::collection::vec(0u32..50, 0..60)) {
+        fn every_array_retains_the_requested_entries(indices in prop::collection::vec(0u32..50, 0..60)) {
             let of_all = all(50);
             let gathered = of_all.gathered(&indices);
             let mut retained = of_all.clone();
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn every_array_is_in_the_list() {
+    fn every_array_is_listed() {
         let mut attributes = all(3);
         let names: Vec<&str> = attributes.names().collect();
         assert_eq!(names, ["color", "normal", "radius", "ellipse", "heat", "t"]);
@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn absurd_radii_are_missing() {
+    fn absurd_radii_count_as_missing() {
         let place = |index: usize| DVec3::new(index as f64, 1.0, if index == 7 { 1e30 } else { 0.0 });
         let max = max_radius(1001, place);
         assert!((500_000.0..1_100_000.0).contains(&max), "{max}");
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn ellipses_stay_where_there_are_a_normal_and_a_radius() {
+    fn ellipses_are_retained_where_a_normal_and_a_radius_exist() {
         let mut attributes = all(4);
         let ellipse = Ellipse {
             axis: Vec3::Y,

@@ -11,7 +11,7 @@ const MAX_FROM_ZERO: f64 = 9e15;
 
 /// Cells along the edge of a block. Points that follow each other are mostly in the same one, so its cells are found
 /// without asking the table again.
-// With one entry of the table per cell, the look-ups took longer than everything else.
+// With one table entry per cell, the look-ups took longer than everything else.
 const BLOCK_EDGE: i64 = 1 << BLOCK_BITS;
 const BLOCK_BITS: i64 = 2;
 const BLOCK_CELLS: usize = 1 << (3 * BLOCK_BITS);
@@ -274,7 +274,7 @@ mod tests {
         let (mut colors, mut normals, mut radii) = (Vec::new(), Vec::new(), Vec::new());
         let mut values = Vec::new();
         for position in positions {
-            // Each point has numbers of its own, but the same wherever it stands in the list.
+            // Each point has different numbers, which do not depend on its position in the list.
             let number = position.iter().sum::<f64>();
             colors.push([(number.abs() * 37.0 % 256.0) as u8, 9, 200, 255]);
             normals.push([1.0, 0.0, number as f32 % 2.0]);
@@ -306,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn points_of_a_cell_are_their_mean_on_both_sides_of_zero() {
+    fn points_of_a_cell_become_their_mean_on_both_sides_of_zero() {
         let (positions, attributes) = joined(&[cloud(&[[0.5, 0.0, 0.0], [-0.5, 0.0, 0.0], [0.0, 0.5, 0.5]])], 1.0, 0);
         assert_eq!(positions, [[0.25, 0.25, 0.25], [-0.5, 0.0, 0.0]]);
         assert_eq!(attributes.scalars[0].values, [0.75, -0.5]);
@@ -335,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_cloud_lacks_the_joined_points_lack() {
+    fn merged_points_lack_what_the_cloud_lacks() {
         let mut bare = cloud(&[[3.0; 3]]);
         bare.attributes.colors = None;
         let (positions, attributes) = joined(&[cloud(&[[1.0; 3]]), bare], 1.0, 0);
@@ -346,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_that_cannot_be_counted_are_refused() {
+    fn uncountable_cells_are_rejected() {
         let mut cells = Cells::new(1e-9);
         let error = cells.add(&cloud(&[[1e9, 0.0, 0.0]])).unwrap_err();
         assert!(error.to_string().contains("above 1e-7"), "{error}");
@@ -356,7 +356,7 @@ mod tests {
     proptest! {
         /// Whichever way points come to be in their cells, at once or over finer ones, in one cloud or several.
         #[test]
-        fn cells_of_twice_the_edge_hold_what_they_would_have_held(
+        fn doubling_the_edge_matches_cells_of_that_edge(
             positions in prop::collection::vec(prop::array::uniform3(-4.0_f64..4.0), 1..60),
             split in 0_usize..60,
         ) {

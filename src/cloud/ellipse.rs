@@ -31,7 +31,7 @@ impl Ellipse {
     /// The ellipse of which two half diameters are `p` and `q`, each parallel to the tangents at the ends of the other:
     /// what a linear map makes of the half axes of an ellipse. A circle where it has no area.
     pub fn of_conjugate_diameters(p: Vec3, q: Vec3) -> Self {
-        // Squared lengths of p cos t + q sin t are their mean plus a wave of 2 t; its crest is the longer half axis.
+        // The squared length of p cos t + q sin t is its mean plus a wave of 2 t; its maximum is the longer half axis.
         let (mean, x, y) = (
             0.5 * (p.length_squared() + q.length_squared()),
             0.5 * (p.length_squared() - q.length_squared()),
@@ -135,7 +135,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn ellipses_survive_packing(
+        fn ellipses_round_trip_through_packing(
             packed_normal in prop::array::uniform2(-32767i16..=32767),
             along in prop::array::uniform3(-1.0f32..1.0),
             ratio in 1e-4f32..1.0,
@@ -155,7 +155,7 @@ mod tests {
 
         /// The farthest and the nearest of many places on the rim are where the half axes end.
         #[test]
-        fn conjugate_diameters_and_half_axes_are_of_one_ellipse(
+        fn conjugate_diameters_and_semi_axes_describe_one_ellipse(
             p in prop::array::uniform3(-1.0f32..1.0),
             q in prop::array::uniform3(-1.0f32..1.0),
         ) {
@@ -182,19 +182,19 @@ mod tests {
                 prop_assert!((norm - 1.0).abs() < 1e-2, "{norm}");
             }
             prop_assert!((farthest / longer - 1.0).abs() < 1e-3, "{farthest} {longer}");
-            // The nearest place is passed by at most half a step, which is longer the longer the ellipse is.
+            // The nearest position is missed by at most half a step, which is longer the longer the ellipse is.
             let passed = shorter.hypot(longer * std::f32::consts::PI / STEPS as f32);
             prop_assert!(nearest > 0.999 * shorter && nearest < 1.001 * passed, "{nearest} {shorter}");
         }
     }
 
     #[test]
-    fn circles_are_zero() {
+    fn circles_pack_to_zero() {
         for normal in [Vec3::Z, Vec3::NEG_Z, Vec3::X] {
             let normal = oct_encode(normal);
             assert_eq!(encode_ellipse(normal, Ellipse::CIRCLE), 0);
             assert_eq!(decode_ellipse(normal, 0), Ellipse::CIRCLE);
-            // The thinnest is not taken for one.
+            // The thinnest ellipse is not mistaken for a circle.
             let axis = tangent_basis(oct_decode(normal))[0];
             for axis in [axis, -axis] {
                 assert_ne!(encode_ellipse(normal, Ellipse { axis, ratio: 0.0 }), 0);
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_area_or_no_axis_is_a_circle() {
+    fn ellipses_without_area_or_axis_are_circles() {
         for (axis, ratio) in [
             (Vec3::ZERO, 0.5),
             (Vec3::NAN, 0.5),

@@ -82,7 +82,7 @@ impl Frame {
         drop(moved);
         let mut attributes = raw.attributes;
         attributes.keep(&file_index);
-        // After all are at their places: a processor that waits for roots fetches little from memory meanwhile.
+        // After all points are in place: a CPU that waits for square roots fetches little from memory in the meantime.
         let max_radius = if attributes.radii.is_some() {
             max_radius(positions.len(), |index| positions[index].as_dvec3())
         } else {
@@ -163,13 +163,42 @@ impl Frame {
         self
     }
 
-    /// At most `max_points` of the points, taken evenly in their order, and where each of them stands here. Radii of
-    /// the file grow, so that they cover what all cover.
+    /// At most `max_points` of the points, and where each of them stands here: those that
+    /// [`Frame::from_raw_sample`] takes from the file. Radii of the file grow, so that they cover what all cover.
     pub fn sample(&self, max_points: usize) -> Result<(Self, Vec<u32>), CloudError> {
-        let taken = even_slots(self.len(), max_points);
+        let (taken, dropped_points) = self.slots_of_sample(max_points);
         let mut attributes = self.attributes.gathered(&taken);
         attributes.scale_splats(radius_factor(self.len(), taken.len()));
-        self.with_points(&taken, attributes)
+        let (mut part, slots) = self.with_points(&taken, attributes)?;
+        part.skipped -= dropped_points;
+        part.dropped_points = dropped_points;
+        Ok((part, slots))
+    }
+
+    /// The slots of the points that are taken evenly in the order of the file, and how many of those taken were dropped.
+    // Not in Morton order, in which one point that moves shifts all after it: points at rest would come and go from
+    // frame to frame, and a sample of the file would be another one.
+    fn slots_of_sample(&self, max_points: usize) -> (Vec<u32>, usize) {
+        if self.len() <= max_points {
+            return ((0..self.len() as u32).collect(), 0);
+        }
+        let wanted = if self.is_sample() {
+            let mut indices = self.file_index.clone();
+            indices.sort_unstable();
+            gather(&indices, &even_slots(indices.len(), max_points))
+        } else {
+            even_slots(self.points_in_file(), max_points)
+        };
+        let mut is_wanted = vec![false; self.points_in_file()];
+        for &index in &wanted {
+            is_wanted[index as usize] = true;
+        }
+        let indices = self.file_index.iter().zip(0..);
+        let taken: Vec<u32> = indices
+            .filter_map(|(&index, slot)| is_wanted[index as usize].then_some(slot))
+            .collect();
+        let dropped_points = wanted.len() - taken.len();
+        (taken, dropped_points)
     }
 
     /// The points at these slots without radii and ellipses.
@@ -463,9 +492,9 @@ mod tests {
     }
 
     #[test]
-    fn points_stand_in_morton_order_and_know_where_they_were() {
+    fn points_are_in_morton_order_and_know_their_file_index() {
         let corner = |octant: u32| [0, 1, 2].map(|axis| (octant >> axis & 1) as f32);
-        // All corners backwards, then a duplicate of the first octant, and a hole in between.
+        // All corners in reverse, then a duplicate of the first octant, and a hole in between.
         let mut positions: Vec<[f32; 3]> = (0..8).rev().map(corner).collect();
         positions.insert(3, [f32::NAN; 3]);
         positions.push(corner(0));
@@ -486,7 +515,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sample_knows_where_its_points_were() {
+    fn a_sample_knows_the_file_index_of_its_points() {
         let position = |i: usize| [(i * 7 % 100) as f32, (i % 10) as f32, (i / 10) as f32];
         let mut raw = RawCloud::from_positions(Positions::F32((0..100).map(position).collect()));
         raw.attributes.radii = Some(vec![0.5; 100]);
@@ -527,7 +556,7 @@ mod tests {
     }
 
     #[test]
-    fn points_of_an_organised_cloud_know_their_cells() {
+    fn points_of_an_organised_cloud_know_their_grid_cells() {
         let whole = Frame::from_raw(image(16, 9), DVec3::ZERO).unwrap();
         let (of_memory, _) = whole.sample(40).unwrap();
         let part = whole.part_without_splats(&[70, 3, 11]).unwrap();
@@ -546,7 +575,7 @@ mod tests {
     }
 
     #[test]
-    fn ellipses_of_a_sample_grow_with_its_radii() {
+    fn ellipses_of_a_sample_scale_with_its_radii() {
         let mut raw = RawCloud::from_positions(Positions::F32((0..100).map(|x| [x as f32, 0.0, 0.0]).collect()));
         let ellipse = Ellipse {
             axis: Vec3::X,
@@ -569,14 +598,14 @@ mod tests {
     }
 
     #[test]
-    fn millimetres_survive_at_ten_thousand_kilometres() {
+    fn millimetres_are_preserved_at_ten_thousand_kilometres() {
         let raw = RawCloud::from_positions(Positions::F64(vec![[1e7 + 0.001, -1e7, 3e6 + 0.002]]));
         let frame = Frame::from_raw(raw, DVec3::new(1e7, -1e7, 3e6)).unwrap();
         assert!((frame.positions()[0] - Vec3::new(0.001, 0.0, 0.002)).length() < 1e-8);
     }
 
     #[test]
-    fn a_short_attribute_is_refused() {
+    fn an_attribute_array_that_is_too_short_is_rejected() {
         let mut raw = RawCloud::from_positions(Positions::F32(vec![[0.0; 3]; 2]));
         raw.attributes.scalars = vec![ScalarField::new("scalar", vec![1.0])];
         assert_eq!(

@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cells_are_counted_line_by_line() {
+    fn cells_are_numbered_row_by_row() {
         let grid = ImageGrid::of(3, 2, 6).unwrap();
         let cells: Vec<[u32; 2]> = (0..6).map(|index| grid.cell(index)).collect();
         assert_eq!(cells, [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]]);

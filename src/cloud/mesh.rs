@@ -35,7 +35,7 @@ impl Mesh {
         };
         let mut triangles: Vec<[u32; 3]> = faces.into_iter().filter_map(triangle).collect();
         // By their first corner, the smallest: as vertices are in Morton order, blocks of 64 triangles are compact
-        // without code of their own.
+        // without any extra code.
         triangles.sort_unstable();
         Ok(Self {
             texturing: texturing.map(|texturing| texturing.gathered(vertices.file_index())),
@@ -70,7 +70,7 @@ impl Mesh {
             normal: oct_encode(self.doubled_area(corners).normalize_or_zero()),
         };
         let point = |slot: u32| TriangleRecord {
-            // Drawn as a point in the same pass, at its place in the order: renderers, clipping and picking have a
+            // Drawn as a point in the same pass, in its place in the order: renderers, clipping and picking have a
             // single list.
             corners: [slot; 3],
             normal: [0; 2],
@@ -142,7 +142,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn triangles_are_those_of_the_file_seen_from_the_same_side(
+        fn triangles_of_the_file_keep_their_winding(
             positions in prop::collection::vec(prop::array::uniform3(-9f32..9.0), 3..40),
             holes in prop::collection::vec(0usize..40, 0..3),
             faces in prop::collection::vec(prop::array::uniform3(0u32..40), 0..60),
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn vertices_without_a_face_are_points_and_normals_are_those_of_faces() {
+    fn unreferenced_vertices_are_points_and_normals_come_from_faces() {
         let positions = vec![
             [0.0, 0.0, 0.0],
             [1.0, 0.0, 0.0],

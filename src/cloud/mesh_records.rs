@@ -54,7 +54,7 @@ impl MeshRecords {
     /// Returns the centroid of a triangle.
     pub fn center(&self, triangle: usize) -> Vec3 {
         let [a, b, c] = self.corners(triangle);
-        // From the first corner on: nothing overflows, and a point is exactly where it is.
+        // Relative to the first corner: nothing overflows, and a point stays exactly where it is.
         a + ((b - a) + (c - a)) / 3.0
     }
 

@@ -131,7 +131,7 @@ static LARGEST_ERRORS: LazyLock<Vec<f32>> = LazyLock::new(|| {
             let center = corners.iter().sum::<Vec3>().normalize();
             corners.map(|corner| (corner - center).length())
         });
-        // Rounding of corners and indices.
+        // Allowance for the rounding of corners and indices.
         1e-5 + 2.0 * (0.5 * chords.fold(0f32, f32::max)).asin()
     };
     (0..=FINEST_LEVEL).map(largest).collect()
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn every_index_of_every_precision_reads_back() {
+    fn every_index_of_every_precision_round_trips() {
         for bits in [13, 15, 17] {
             let normals = quantised_normals(bits);
             assert_eq!(normals.len(), 1 << bits);
@@ -172,7 +172,7 @@ mod tests {
 
     /// Dropping low bits names the triangle around: its direction is the precise one but for the coarser precision.
     #[test]
-    fn masked_bits_are_the_coarser_triangle() {
+    fn masking_bits_gives_the_coarser_triangle() {
         for (index, &normal) in quantised_normals(17).iter().enumerate() {
             for bits in [15, 13] {
                 let coarser = quantised_normals(bits)[coarser_normal(index as u32, bits) as usize];
@@ -188,7 +188,7 @@ mod tests {
     /// The middle part of a triangle has its direction, which is what lets an index with zeros for low bits stand for
     /// it.
     #[test]
-    fn middle_parts_have_the_direction_of_the_whole() {
+    fn central_subtriangles_have_the_direction_of_their_parent() {
         for (index, &normal) in quantised_normals(13).iter().enumerate() {
             let center = quantised_normals(17)[index << 4];
             assert!(angle(normal, center).to_degrees() < 0.03, "{normal} {center}");
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn each_two_bits_halve_the_error() {
+    fn every_two_bits_halve_the_error() {
         for (bits, mean_max_deg) in [(13, 1.0), (15, 0.5), (17, 0.25)] {
             let all = quantised_normals(bits);
             let (mut sum, mut largest) = (0.0, 0f32);
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn odd_directions_have_some_index() {
+    fn degenerate_directions_have_an_index() {
         for odd in [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY, -Vec3::splat(1e-45)] {
             assert!(quantise_normal(odd) < 1 << FINEST_NORMAL_BITS);
         }

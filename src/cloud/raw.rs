@@ -152,7 +152,7 @@ pub struct RawCloud {
     /// Coordinates; holes of organised clouds are NaN.
     pub positions: Positions,
     /// Point attributes in addition to positions.
-    // One word more at each access, but flat fields would be listed again in `Frame` and in every conversion.
+    // One more indirection per access, but flat fields would be listed again in `Frame` and in every conversion.
     pub attributes: Attributes,
     /// The image that the points are, line by line, in an organised cloud; of a sample, that of all points.
     pub grid: Option<ImageGrid>,
@@ -220,7 +220,7 @@ impl RawCloud {
         self.skipped_faces += self.faces.len();
         self.faces.clear();
         self.texturing = None;
-        // The cell of a point follows from its index in the file, which is another one now.
+        // The grid cell of a point follows from its index in the file, which has changed.
         self.grid = None;
         self.made_from = None;
     }
@@ -262,7 +262,7 @@ impl RawCloud {
         for ellipse in self.attributes.ellipses.iter_mut().flatten() {
             ellipse.axis = rotation * ellipse.axis;
         }
-        // Clouds are in the coordinates of their sensor before.
+        // Until now, clouds are in the coordinates of their sensor.
         self.sensor = Some(pose.transform_point3(self.sensor.unwrap_or(DVec3::ZERO)));
         self.integer_limits = None;
         self.made_from = None;

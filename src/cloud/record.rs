@@ -4,7 +4,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec2Swizzles, Vec3};
 
-// These records live here and not in `render/gpu`: worker threads to the left of the renderer write them.
+// These records live here and not in `render/gpu`: worker threads in modules below the renderer write them.
 /// Point record with the data that every mode needs.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -96,7 +96,7 @@ pub fn oct_encode(unit: Vec3) -> [i16; 2] {
     if unit.z < 0.0 {
         folded = (Vec2::ONE - folded.yx().abs()) * sign_not_zero(folded);
     }
-    // Halves away from zero, like `round`, which is a call on processors that are not asked what they can.
+    // Rounds halves away from zero, like `round`, which is a function call on CPUs for which no features are assumed.
     let scaled = folded * f32::from(i16::MAX);
     (scaled + 0.5 * sign_not_zero(scaled))
         .to_array()
@@ -126,7 +126,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn normals_survive_packing(x in -1.0f32..1.0, y in -1.0f32..1.0, z in -1.0f32..1.0) {
+        fn normals_round_trip_through_packing(x in -1.0f32..1.0, y in -1.0f32..1.0, z in -1.0f32..1.0) {
             let v = Vec3::new(x, y, z);
             prop_assume!(v.length() > 1e-3);
             let unit = v.normalize();

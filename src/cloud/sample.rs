@@ -35,11 +35,14 @@ fn fraction(number: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cloud::attributes::gather;
+    use crate::cloud::{Frame, Positions, RawCloud};
+    use glam::DVec3;
     use proptest::prelude::*;
 
     proptest! {
         #[test]
-        fn places_are_one_in_each_part(count in 0usize..5000, max in 0usize..6000) {
+        fn one_sample_is_taken_from_each_stratum(count in 0usize..5000, max in 0usize..6000) {
             let places = even_places(count, max);
             prop_assert_eq!(places.len(), count.min(max));
             prop_assert!(places.is_sorted_by(|a, b| a < b));
@@ -51,12 +54,46 @@ mod tests {
     }
 
     #[test]
-    fn columns_of_an_organised_cloud_are_all_met() {
+    fn samples_cover_all_columns_of_an_organised_cloud() {
         let width = 640;
         let mut met = vec![0; width];
         for place in even_places(640 * 480, 640 * 480 / 16) {
             met[place % width] += 1;
         }
         assert!(met.iter().all(|&times| (5..=80).contains(&times)), "{met:?}");
+    }
+
+    #[test]
+    fn moving_points_do_not_change_which_ones_are_sampled() {
+        let line = |moved: f32| {
+            let mut positions: Vec<[f32; 3]> = (0..1000).map(|index| [index as f32, 0.5, 0.0]).collect();
+            positions[17] = [moved, 9.0, 3.0];
+            positions[400] = [f32::NAN; 3];
+            RawCloud::from_positions(Positions::F32(positions))
+        };
+        let taken = |frame: &Frame| {
+            let mut indices = frame.file_index().to_vec();
+            indices.sort_unstable();
+            indices
+        };
+        let from_file = Frame::from_raw_sample(line(0.0), DVec3::ZERO, 100).unwrap();
+        for moved in [0.0, 312.0, 999.0] {
+            let frame = Frame::from_raw(line(moved), DVec3::ZERO).unwrap();
+            let (sample, slots) = frame.sample(100).unwrap();
+            assert_eq!(taken(&sample), taken(&from_file), "{moved}");
+            let counts = |frame: &Frame| [frame.len(), frame.dropped_points(), frame.points_in_file()];
+            assert_eq!(counts(&sample), counts(&from_file));
+            assert_eq!(gather(frame.file_index(), &slots), sample.file_index());
+            assert!(sample.is_sample());
+        }
+        // A sample of a sample has no others.
+        let (smaller, _) = from_file.sample(10).unwrap();
+        assert_eq!(smaller.len(), 10);
+        assert!(
+            smaller
+                .file_index()
+                .iter()
+                .all(|index| from_file.file_index().contains(index))
+        );
     }
 }

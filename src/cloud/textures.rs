@@ -106,7 +106,7 @@ fn between(coordinate: f32, size: u32) -> [f32; 3] {
     let fraction = coordinate - coordinate.floor();
     let at = fraction * size as f32 - 0.5;
     let before = at.floor();
-    // What is no number is the first texel, as conversions have it.
+    // NaN becomes the first texel, as with conversions.
     let first = if before < 0.0 { last } else { before.min(last) };
     let second = if first < last { first + 1.0 } else { 0.0 };
     [first, second, at - before]
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn texels_have_their_colours_in_their_middles_and_pictures_repeat() {
+    fn texels_have_exact_colors_at_their_centers_and_textures_repeat() {
         let textures = two_by_two();
         assert_eq!(textures.color(0, [0.3, 0.7]), [1.0; 3]);
         for whole in [0.0, 1.0, -3.0] {
@@ -141,17 +141,17 @@ mod tests {
             assert_eq!(at(0.25, 0.75), [0.0, 0.0, 1.0]);
             assert_eq!(at(0.75, 0.75), [1.0, 1.0, 1.0]);
             assert_eq!(at(0.5, 0.25), [0.5, 0.5, 0.0]);
-            // Over the border, the first column follows the last one.
+            // Across the border, the first column follows the last one.
             assert_eq!(at(1.0, 0.25), [0.5, 0.5, 0.0]);
             assert_eq!(at(0.5, 0.5), [0.5, 0.5, 0.5]);
         }
     }
 
     #[test]
-    fn numbers_that_are_none_have_a_colour_and_large_pictures_are_halved() {
+    fn nan_coordinates_have_a_color_and_large_textures_are_halved() {
         let textures = two_by_two();
         for odd in [f32::NAN, f32::INFINITY, f32::MAX, -f32::MAX, 1e-45] {
-            // It may be no number, but it is answered.
+            // It may be NaN or infinite, but a colour is returned.
             let _ = textures.color(1, [odd, 0.25]);
         }
         let large = RgbaImage::from_pixel(8192, 4096, Rgba([9, 8, 7, 255]));

@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn other_frames_count_as_much_as_the_first() {
+    fn all_frames_have_equal_weight() {
         let mut sample = ValueSample::of_raw(&raw(4), &[], DVec3::ZERO);
         let mut other = raw(2);
         other.attributes.scalars[0].values = vec![100.0, 200.0];
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn a_large_cloud_has_a_sample_of_bounded_size_and_like_percentiles() {
+    fn a_large_cloud_has_a_bounded_sample_with_similar_percentiles() {
         let sample = ValueSample::of_raw(&raw(200_000), &[], DVec3::ZERO);
         assert_eq!(sample.positions.len(), MAX_SAMPLE);
         let sorted = sample.sorted(ValueKind::Field(0));

@@ -43,7 +43,7 @@ impl Change {
                 places.iter().map(distance).collect()
             })
             .collect();
-        // Added up in the order of the points: any number of threads gives the same bits.
+        // Summed in the order of the points: any number of threads gives the same bits.
         let distances = parts?.concat();
         let sum: f64 = distances.iter().sum();
         let mean = sum / distances.len().max(1) as f64;
@@ -94,7 +94,7 @@ impl Change {
     pub fn colors(&self, range: f64, map: ColorMap) -> Vec<[u8; 4]> {
         let share = |&distance: &f32| match f64::from(distance) / range {
             share if share.is_finite() => share as f32,
-            // Of no range at all: what has changed is beyond it.
+            // With an empty range, anything that has changed is beyond it.
             _ => f32::from(u8::from(distance > 0.0)),
         };
         self.distances
@@ -122,7 +122,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_distance_is_that_of_a_look_at_all(a in places(0..200), b in places(1..200), threshold in 0.0f64..0.5) {
+        fn distances_match_brute_force(a in places(0..200), b in places(1..200), threshold in 0.0f64..0.5) {
             let change = Change::between(&a, &b, || true).unwrap();
             let expected: Vec<f64> = a
                 .iter()
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn known_poses_have_known_changes() {
+    fn known_poses_have_known_change_maps() {
         let row = |y: f32| (0..100).map(move |x| Vec3::new(x as f32, y, 0.0));
         let a: Vec<Vec3> = row(0.0).collect();
         let mut b: Vec<Vec3> = row(0.25).collect();
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn colors_run_to_the_range_and_no_range_shows_what_has_changed() {
+    fn colors_span_the_range_and_a_zero_range_marks_all_changes() {
         let places = [0.0, 0.5, 1.0, 9.0].map(|x| Vec3::new(x, 0.0, 0.0));
         let change = Change::between(&places, &[Vec3::ZERO], || true).unwrap();
         let map = ColorMap::Turbo;
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_wanted_or_has_nothing_to_be_measured_to_is_none() {
+    fn cancelled_or_empty_comparisons_have_no_result() {
         assert_eq!(Change::between(&[Vec3::ZERO], &[], || true), None);
         assert_eq!(Change::between(&[Vec3::ZERO], &[Vec3::ONE], || false), None);
         let empty = Change::between(&[], &[Vec3::ONE], || true).unwrap();

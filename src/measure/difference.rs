@@ -58,7 +58,7 @@ mod tests {
     }
 
     #[test]
-    fn no_pixels_do_not_differ_and_sizes_must_agree() {
+    fn empty_images_do_not_differ_and_sizes_must_match() {
         let none = RgbaImage::new(0, 0);
         assert_eq!(PixelDifference::of(&none, &none).unwrap().share(), 0.0);
         assert!(PixelDifference::of(&none, &RgbaImage::new(1, 1)).is_err());

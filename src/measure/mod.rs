@@ -6,6 +6,7 @@
 //! | [`psnr_db`] | two images | decibels, 0 to ∞ (equal) | peak signal to noise over 8-bit channels |
 //! | [`flip`] | two images | 0 (equal) to 1 | Andersson et al. 2020, differences that a person notices when flipping between them |
 //! | [`ssim()`] | two images | −1 to 1 (equal) | Wang et al. 2004, preservation of luminance, contrast and structure |
+//! | [`TemporalError`] | two consecutive images, and of the truth | FLIP, 0 to 1; share of a channel's range, 0 to 2 | – |
 //! | [`PixelDifference`] | two images | pixels; steps of a channel, 0 to 255 | – |
 //! | [`SurfaceError`] | depths of two views | pixels; fractions 0 to 1 | – |
 //! | [`GeometryError`] | two clouds | scene units (squared: means); decibels | Tian et al. 2017, D1 and D2 of MPEG's `pc_error` |
@@ -25,6 +26,7 @@ mod normals;
 mod psnr;
 mod ssim;
 mod surface;
+mod temporal;
 
 pub use change::Change;
 pub use difference::PixelDifference;
@@ -34,6 +36,7 @@ pub use normals::{AngularError, Orientation, angle_deg};
 pub use psnr::{mean_squared_error, psnr_db};
 pub use ssim::{SSIM_WINDOW_PX, SsimError, ssim};
 pub use surface::{DepthImage, DepthTolerance, SurfaceError, SurfaceMismatch};
+pub use temporal::{Consecutive, TemporalError};
 
 use image::RgbaImage;
 

@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_are_those_of_construction() {
+    fn angles_match_the_construction() {
         for (degrees, plane) in [
             (0.0f32, 0.0),
             (0.001, 0.001),
@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn mean_quantile_and_largest() {
+    fn mean_quantile_and_maximum_are_known() {
         // 0, 1 … 99 degrees: 95 of the 100 do not exceed 94.
         let found: Vec<Vec3> = (0..100).map(|degrees| in_plane(degrees as f32)).collect();
         let error = AngularError::of(&found, &[Vec3::X; 100], Orientation::Matters).unwrap();

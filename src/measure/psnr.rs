@@ -50,7 +50,7 @@ mod tests {
     }
 
     #[test]
-    fn alpha_is_not_compared_and_every_channel_counts_the_same() {
+    fn alpha_is_ignored_and_every_channel_counts_equally() {
         let reference = RgbaImage::from_pixel(2, 2, Rgba([10, 20, 30, 255]));
         let mut test = reference.clone();
         test.put_pixel(1, 0, Rgba([10, 20, 30, 0]));
@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_must_agree() {
+    fn sizes_must_match() {
         let error = mean_squared_error(&RgbaImage::new(4, 3), &RgbaImage::new(3, 4)).unwrap_err();
         assert_eq!(
             error.to_string(),

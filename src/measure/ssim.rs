@@ -21,8 +21,8 @@ pub const SSIM_WINDOW_PX: u32 = 11;
 const WINDOW: usize = SSIM_WINDOW_PX as usize;
 
 /// Standard deviation of the window's Gaussian, pixels.
-// `image-compare` 0.5 has separate squares of 8×8 without Gaussian weights, and sums, not variances: its numbers are
-// not the published ones, except for flat images.
+// `image-compare` 0.5 uses separate 8×8 squares without Gaussian weights, and sums, not variances: its results are not
+// the published ones, except for flat images.
 const SIGMA_PX: f64 = 1.5;
 
 /// (K1 L)² and (K2 L)² of the paper, with K1 = 0.01, K2 = 0.03 and L = 255: they keep quotients of dark or flat windows
@@ -65,7 +65,7 @@ pub fn ssim(reference: &RgbaImage, test: &RgbaImage) -> Result<f64, SsimError> {
     let pixels: Vec<[f64; 2]> = luma(reference).zip(luma(test)).map(<[f64; 2]>::from).collect();
     let weights = weights();
     let [columns, rows] = size_px.map(|edge| edge as usize + 1 - WINDOW);
-    // A sum for each row, added up in order.
+    // One sum per row, added up in order.
     let sums: Vec<f64> = (0..rows)
         .into_par_iter()
         .map(|row| sum_of_row(&pixels[row * width..][..WINDOW * width], width, &weights))
@@ -91,7 +91,7 @@ fn weights() -> [f64; WINDOW] {
 
 /// Sums the similarities of all windows in eleven rows of pixels (reference and test next to each other).
 fn sum_of_row(rows: &[[f64; 2]], width: usize, weights: &[f64; WINDOW]) -> f64 {
-    // Of each column the weighted sums of x, y, x², y² and x y.
+    // The weighted sums of x, y, x², y² and x y for each column.
     let mut columns = vec![[0.0; 5]; width];
     for (row, &weight) in rows.chunks_exact(width).zip(weights) {
         for (sums, &[x, y]) in columns.iter_mut().zip(row) {
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_pictures_are_1_exactly() {
+    fn equal_images_are_exactly_1() {
         for size in [[11, 11], [37, 20]] {
             let image = gray(size, waves);
             assert_eq!(ssim(&image, &image), Ok(1.0));
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn flat_pictures_have_the_closed_form() {
+    fn flat_images_match_the_closed_form() {
         for [a, b] in [[0u8, 255], [100, 120], [0, 0], [254, 255]] {
             let found = ssim(&gray([16, 13], |_, _| a), &gray([16, 13], |_, _| b)).unwrap();
             let [a, b] = [a, b].map(f64::from);
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn a_shift_of_brightness_is_more_similar_than_noise_of_the_same_squares() {
+    fn a_brightness_shift_is_more_similar_than_noise_of_equal_mse() {
         let image = gray([48, 48], |x, y| (60 + x + 2 * y) as u8);
         let brighter = gray([48, 48], |x, y| (68 + x + 2 * y) as u8);
         let noisy = gray([48, 48], |x, y| {
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_compared_is_said() {
+    fn incomparable_images_are_reported() {
         let error = ssim(&RgbaImage::new(20, 10), &RgbaImage::new(20, 10)).unwrap_err();
         assert_eq!(error, SsimError::TooSmall { size_px: [20, 10] });
         assert_eq!(error.to_string(), "a picture of 20x10 pixels has no window of 11x11");
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn threads_do_not_change_a_bit() {
+    fn results_do_not_depend_on_thread_count() {
         let [reference, test] = [gray([90, 70], waves), gray([90, 70], |x, y| waves(y, x))];
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
         let alone = pool.unwrap().install(|| ssim(&reference, &test));
@@ -233,7 +233,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(24))]
         #[test]
-        fn random_pictures_have_the_value_of_the_definition(
+        fn random_images_match_the_definition(
             size in prop::array::uniform2(11u32..22),
             bytes in prop::collection::vec(any::<[u8; 2]>(), 4 * 21 * 21),
         ) {

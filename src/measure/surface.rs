@@ -107,9 +107,9 @@ impl SurfaceError {
                 (true, false) => error.hole_count += 1,
                 (false, true) => error.extra_count += 1,
                 (true, true) => {
-                    // In f64, so that rounding the difference does not decide.
+                    // In f64, so that the rounding of the difference does not decide.
                     let apart = (f64::from(truth) - f64::from(test)).abs();
-                    // By depths, not by colours; a splat is as thick as it is wide, so its diameter is the tolerance.
+                    // By depth, not by colour; a splat is as thick as it is wide, so its diameter is the tolerance.
                     let is_wrong = apart > f64::from(tolerance.at(pixel));
                     error.wrong_surface_count += u64::from(is_wrong);
                 }
@@ -194,7 +194,7 @@ mod tests {
             pixel_count: 8,
             surface_count: 5,
             hole_count: 1,
-            // 0.6 behind and 4 in front; half a unit is still the surface.
+            // 0.6 behind and 4 in front; half a unit still counts as the surface.
             wrong_surface_count: 2,
             extra_count: 1,
         };
@@ -213,8 +213,8 @@ mod tests {
     }
 
     #[test]
-    fn a_moved_square_leaves_a_hole_and_covers_as_much() {
-        // 6×6 pixels at depth 2 in 16×16, moved by two to the right.
+    fn a_shifted_square_leaves_a_hole_and_covers_as_much_background() {
+        // 6×6 pixels at depth 2 in 16×16, shifted by two to the right.
         let square = |left: usize| DepthImage {
             size_px: [16, 16],
             depth: (0..256)
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_of_nothing_have_no_error() {
+    fn empty_images_have_no_error() {
         for size_px in [[0, 0], [3, 2]] {
             let nothing = DepthImage {
                 size_px,
@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_compared_is_said() {
+    fn incomparable_images_are_reported() {
         let good = row(&[1.0, 2.0]);
         let short = DepthImage {
             size_px: [2, 2],

@@ -106,7 +106,12 @@ impl Shape {
     /// `count` points with the normals of where they were before `noise` moved them: its standard deviation along each
     /// axis as a part of the diameter.
     pub(crate) fn sample(self, count: usize, noise: f32) -> Sampled {
-        let mut random = Random(0x5eed + self as u64);
+        self.sample_of_scan(count, noise, 0)
+    }
+
+    /// [`Shape::sample`] of one scan of several, each of which has other points.
+    fn sample_of_scan(self, count: usize, noise: f32, scan: u32) -> Sampled {
+        let mut random = Random((u64::from(scan) << 32) + 0x5eed + self as u64);
         let mut sampled = Sampled::default();
         while sampled.positions.len() < count {
             if let Some((position, normal)) = self.draw(&mut random) {
@@ -156,7 +161,7 @@ impl Shape {
             Self::Saddle => {
                 let [x, y] = [(); 2].map(|()| 2.0 * random.unit() - 1.0);
                 let across = Vec3::new(-2.0 * x, 2.0 * y, 1.0);
-                // Its length is the area of the surface over that of its shadow, at most that of the corners, 3.
+                // Its length is the ratio of the surface area to its projection, at most 3, the value at the corners.
                 let is_retained = random.unit() * 3.0 < across.length();
                 is_retained.then(|| (Vec3::new(x, y, x * x - y * y), across.normalize()))
             }
@@ -165,6 +170,18 @@ impl Shape {
 }
 
 impl Shape {
+    /// Mean distance between neighbouring points of a sample of `count`.
+    pub(crate) fn spacing(self, count: usize) -> f32 {
+        let area = match self {
+            Self::Sphere => 2.0 * TAU,
+            Self::Torus => TAU * TAU * Self::TUBE,
+            Self::Cube => 24.0,
+            // By integration.
+            Self::Saddle => 7.446,
+        };
+        (area / count.max(1) as f32).sqrt()
+    }
+
     /// The unit normal, outwards or upwards, at a place on it.
     pub(crate) fn normal_at(self, position: DVec3) -> DVec3 {
         match self {
@@ -208,7 +225,12 @@ impl Shape {
 
     /// `count` points with normals and colours.
     pub(super) fn cloud(self, count: usize) -> RawCloud {
-        let Sampled { positions, normals } = self.sample(count, 0.0);
+        self.scan(count, 0)
+    }
+
+    /// Scan number `scan` of the shape at rest: `count` points, not those of the other scans, with normals and colours.
+    pub(crate) fn scan(self, count: usize, scan: u32) -> RawCloud {
+        let Sampled { positions, normals } = self.sample_of_scan(count, 0.0, scan);
         let color = |position: &Vec3| {
             let [red, green, blue] = Self::color_at(position.as_dvec3());
             [red, green, blue, 255]
@@ -236,7 +258,7 @@ impl Random {
     /// Three numbers of mean 0 and variance 1 (Box and Muller 1958).
     fn normal_deviates(&mut self) -> Vec3 {
         Vec3::from_array([(); 3].map(|()| {
-            // From 1 down to above 0, of which there is a logarithm.
+            // In the half-open interval from 1 down to 0, so that the logarithm is defined.
             let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
             radius * (TAU * self.unit()).cos()
         }))
@@ -248,7 +270,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn points_are_on_their_surface_and_normals_across_it() {
+    fn points_are_on_their_surface_and_normals_perpendicular() {
         for shape in Shape::ALL {
             let Sampled { positions, normals } = shape.sample(5_000, 0.0);
             assert_eq!((positions.len(), normals.len()), (5_000, 5_000));
@@ -265,7 +287,7 @@ mod tests {
                     [Vec3::X, Vec3::Y, Vec3::Z]
                         .map(|axis| height(position + axis * 1e-3) - height(position - axis * 1e-3)),
                 );
-                // Differences reach over an edge that is nearer than their step.
+                // Finite differences cross an edge that is closer than their step.
                 let near_faces = position.abs().cmpgt(Vec3::splat(0.998));
                 let is_at_edge = shape == Shape::Cube && near_faces.bitmask().count_ones() > 1;
                 assert!(
@@ -280,7 +302,7 @@ mod tests {
 
     #[test]
     fn points_are_spread_evenly() {
-        // Mean of x² over the area: 1/3 of the sphere; (4 · 1/3 + 2 · 1) / 6 of the cube; the torus and the saddle by
+        // Mean of x² over the area: 1/3 for the sphere; (4 · 1/3 + 2 · 1) / 6 for the cube; the torus and the saddle by
         // integration.
         let expected = |shape: Shape| match shape {
             Shape::Sphere => 1.0 / 3.0,
@@ -346,7 +368,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_as_large_as_asked() {
+    fn noise_has_the_requested_size() {
         let exact = Shape::Torus.sample(20_000, 0.0);
         let noisy = Shape::Torus.sample(20_000, 0.01);
         assert_eq!(exact.normals, noisy.normals);

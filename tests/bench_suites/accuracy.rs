@@ -6,9 +6,9 @@ use pointreel::progress::Progress;
 use std::cell::RefCell;
 
 #[test]
-fn errors_are_measured_beside_times() {
+fn errors_are_measured_alongside_times() {
     let options = BenchOptions {
-        // Leaves of a few pixels, so that every threshold but the finest changes the picture.
+        // Leaves of a few pixels, so that every threshold but the finest changes the image.
         viewport_px: [384, 256],
         frames: 1,
         warmup: 0,
@@ -20,7 +20,7 @@ fn errors_are_measured_beside_times() {
     let never = Progress::default();
     let report = run(&demo(), &options, Some(&common::context()), &watch, &never).unwrap();
     let last_step = last_step.into_inner().unwrap();
-    // 24 kinds of shapes; preparing, leaves, two distances, and voxels beside surfels.
+    // 24 combinations of shapes; preparing, leaves, two distances, and voxels compared with surfels.
     assert_eq!((last_step.done, last_step.total), (28, 29));
     assert_files_agree(&report);
     let names: Vec<String> = report.tables().into_iter().map(|table| table.name).collect();
@@ -69,7 +69,7 @@ fn assert_normals(report: &Report) {
             "{name}: more neighbours average more noise: {noisiest:?}"
         );
     }
-    // One point in twenty far off: a robust fit is nearer to the truth on each shape.
+    // One point in twenty is far off: a robust fit is closer to the ground truth on each shape.
     let robust = column(report, &rows, "robust_angle_deg_mean");
     for (plain, robust) in mean.chunks(18).zip(robust.chunks(18)) {
         let outliers_alone = 12..15;
@@ -101,7 +101,7 @@ fn assert_leaves(report: &Report) {
     ]
     .map(|key| column(report, &rows, key));
     for place in 0..5 {
-        // Middles are rounded to f32.
+        // Centres are rounded to f32.
         assert!(
             max[place] <= bound[place] * 1.0001,
             "{} of {}",
@@ -109,7 +109,7 @@ fn assert_leaves(report: &Report) {
             bound[place]
         );
         assert!(bound[place] == 0.75f64.sqrt());
-        // Of points anywhere in a cube 0.48; a surface through it is somewhat nearer to its middle.
+        // For points anywhere in a cube 0.48; a surface through it is somewhat closer to its centre.
         assert!((0.4..0.55).contains(&mean[place]), "{}", mean[place]);
         assert!((distance[place] / edge[place] / mean[place] - 1.0).abs() < 1e-9);
     }
@@ -121,8 +121,8 @@ fn assert_leaves(report: &Report) {
 fn assert_voxels_beside_surfels(report: &Report) {
     let rows = rows_of(report, "closed");
     let [covered, outside, flip] = ["covered", "outside", "flip_surfels_mean"].map(|key| column(report, &rows, key));
-    // The paper's δ, leaves as large as the spacing lit by faces, and by normals. From these two sides surfels of thin
-    // limbs reach beyond cells by more than a hundredth; tests/pictures/closed_voxels.rs looks from all.
+    // The paper's δ, leaves as large as the spacing lit by faces, and by normals. Seen from these two sides, surfels of
+    // thin limbs extend beyond cells by more than a hundredth; tests/pictures/closed_voxels.rs looks from all sides.
     assert!(covered[0] < 0.9 && covered[1] > 0.98, "{covered:?}");
     assert_eq!(covered[1], covered[2], "light changes no silhouette");
     assert!(outside[0] < outside[1] && outside[1] < 0.3, "{outside:?}");
@@ -142,11 +142,11 @@ fn assert_levels_of_detail(report: &Report) {
         }
         let voxels = column(report, rows, "drawn_voxels");
         assert!(voxels.windows(2).all(|pair| pair[0] >= pair[1]), "{voxels:?}");
-        // A coarser cell hides the finer ones in it.
+        // A coarser cell hides the finer ones inside it.
         let shares = column(report, rows, "object_share");
         assert!(shares.windows(2).all(|pair| pair[0] <= pair[1]), "{shares:?}");
         assert!(shares[0] > 0.0 && shares[4] < 0.5, "{shares:?}");
-        // The truth has no error.
+        // The ground truth has no error.
         for key in ["psnr_db", "flip_mean", "flip_object_mean", "flip_max"] {
             assert_eq!(report.value(rows[0], key), Some(&Cell::Missing), "{key}");
         }

@@ -40,7 +40,7 @@ fn surfels_are_measured_with_every_strategy() {
     let report = measure(&small(suites::SURFELS));
     assert_draw_rows(&report);
     assert_files_agree(&report);
-    // Points and shapes of 16 bytes each, uploaded once a frame; both passes draw all of them.
+    // Points and shapes of 16 bytes each, uploaded once per frame; both passes draw all of them.
     let points = numbers(&report, "points");
     assert_eq!(points[0], report.sequences[0].mean_points);
     assert_eq!(numbers(&report, "instances")[0], 2.0 * points[0]);
@@ -64,14 +64,14 @@ fn voxels_are_measured_with_every_strategy() {
     assert_draw_rows(&report);
     assert_files_agree(&report);
     assert!(numbers(&report, "octree_depth").iter().all(|&depth| depth > 3.0));
-    // By voxels, not by surfels, which are drawn from elsewhere.
+    // Determined with voxels, not with surfels, which are drawn from other viewpoints.
     let coverage = report.sequences[0].coverage.unwrap();
     assert_eq!(coverage.count, 4);
     assert!(
         coverage.min >= 0.15 && coverage.max <= 0.85,
         "a sparse cloud fills the picture as far as it can: {coverage:?}"
     );
-    // Who is outside is named.
+    // Viewpoints outside the band are reported.
     assert_eq!(
         coverage.outside > 0,
         report.notes.iter().any(|note| note.contains("in the band")),
@@ -81,7 +81,7 @@ fn voxels_are_measured_with_every_strategy() {
 }
 
 #[test]
-fn octrees_are_measured_at_the_losses_of_the_paper() {
+fn octrees_are_measured_at_the_loss_thresholds_of_the_paper() {
     let report = measure(&small(suites::OCTREE));
     assert_files_agree(&report);
     assert_eq!(numbers(&report, "delta"), [0.02, 0.1, 0.5]);
@@ -115,7 +115,7 @@ fn octrees_are_measured_at_the_losses_of_the_paper() {
 }
 
 #[test]
-fn structures_of_levels_of_detail_are_measured_from_three_distances() {
+fn level_of_detail_structures_are_measured_from_three_distances() {
     let report = measure(&small(suites::LOD));
     assert_files_agree(&report);
     let rows = rows_of(&report, "structures");
@@ -137,11 +137,11 @@ fn structures_of_levels_of_detail_are_measured_from_three_distances() {
     for structure in &drawn[1..] {
         assert!(structure[0] < structure[1], "fewer from afar: {drawn:?}");
     }
-    // The whole object is in view: those of one tree draw the same nodes.
+    // The whole object is in view: variants with the same tree draw the same nodes.
     for view in [0, 1] {
         let [qsplat, sequential, hierarchical] = [2, 3, 5].map(|structure: usize| drawn[structure][view]);
         assert_eq!(sequential, hierarchical);
-        // Rounded spheres are wider.
+        // Quantised spheres are wider.
         assert!(qsplat >= sequential, "{qsplat} {sequential}");
     }
     for (structure, duplicates) in of("duplicates").into_iter().enumerate() {
@@ -169,7 +169,7 @@ fn assert_passes_are_timed(report: &Report) {
 }
 
 #[test]
-fn primitives_are_measured_with_the_work_of_their_shaders() {
+fn primitives_are_measured_with_the_cost_of_their_shaders() {
     let options = BenchOptions {
         cloud_points: vec![3000],
         ..small(suites::PRIMITIVES)
@@ -184,7 +184,7 @@ fn primitives_are_measured_with_the_work_of_their_shaders() {
     assert_eq!(speed.len(), 3 * (2 * primitives + 1));
     assert_passes_are_timed(&report);
     let records = column(&report, &speed, "records");
-    // All points from every distance, but for voxels, of which there are as many leaves.
+    // All points from every distance, except for voxels, of which there are as many as leaves.
     assert!(
         records[..3 * (primitives - 1)].iter().all(|&count| count == 3000.0),
         "{records:?}"
@@ -195,7 +195,7 @@ fn primitives_are_measured_with_the_work_of_their_shaders() {
     ] {
         let [means, rates] = [mean, rate].map(|key| column(&report, &speed, key));
         for ((mean, rate), records) in means.iter().zip(rates).zip(&records) {
-            // All pictures have as many records, so the ratio of sums is that of means.
+            // All images have the same number of records, so the ratio of sums is that of means.
             assert!(
                 (rate * mean * 1e3 / records - 1.0).abs() < 1e-9,
                 "{rate} {mean} {records}"
@@ -237,7 +237,7 @@ fn the_renderers_are_measured_side_by_side() {
 }
 
 #[test]
-fn without_an_adapter_the_processor_is_measured() {
+fn without_an_adapter_the_cpu_is_measured() {
     for suite in [suites::SURFELS, suites::VOXELS, suites::RENDER, suites::ACCURACY] {
         let options = BenchOptions {
             frames: 1,

@@ -33,7 +33,7 @@ fn sequence_files_are_measured_by_stream() {
     let bits = |options| number(options, "bits_per_point").unwrap();
     let [every_point, density, _, alone, voxels, _, lossless] = of_reel.map(bits);
     assert!(voxels < lossless && density < every_point && every_point < lossless);
-    // Frames of a group share a directory, and their coordinates one cube.
+    // Frames of a group share a directory, and one cube for their coordinates.
     assert!(density < 1.05 * alone, "{density} {alone}");
     let streams = [
         "geometry", "position", "color", "normal", "offset", "radius", "scalar", "order", "motion",
@@ -46,7 +46,7 @@ fn sequence_files_are_measured_by_stream() {
     for key in ["encode_ms", "decode_ms"] {
         assert!(numbers(&report, key).iter().all(|&ms| ms > 0.0));
     }
-    // Ten bits keep a tenth of a percent of the longest side; without loss there is no error, and so no ratio to it.
+    // Ten bits preserve a tenth of a percent of the longest side; lossless coding has no error, and so no ratio to it.
     let psnr = number("10 bits", "d1_psnr").unwrap();
     assert!(psnr > 60.0);
     assert_eq!(number("lossless", "d1_psnr"), None);
@@ -57,7 +57,7 @@ fn sequence_files_are_measured_by_stream() {
         colors("sampling density") < colors("10 bits"),
         "merging points mixes colours"
     );
-    // Draco is given the same cells, and loses nothing of them; places are rounded once more on their way back.
+    // Draco is given the same cells, and loses nothing of them; positions are rounded once more when converted back.
     let [positions, kd_tree, sequential] = of_draco.map(bits);
     assert!(positions < kd_tree && positions < sequential);
     for options in of_draco {
@@ -77,13 +77,13 @@ fn filters_of_depth_images_are_measured_one_by_one() {
     };
     let report = measure(&options);
     assert_files_agree(&report);
-    // Rows of filters and of clouds have columns of their own.
+    // Rows of filters and of clouds have different columns.
     let there = |key: &str| -> Vec<f64> {
         let cells = report.rows.iter().filter_map(|row| report.value(row, key));
         cells.filter_map(Cell::number).collect()
     };
-    // The demo has no images: no decoding, five filters, all of them, and points. Then the sizes of the paper, and a
-    // frame.
+    // The demo has no images: no decoding, five filters, all of them together, and points. Then the sizes of the paper,
+    // and a frame.
     let (filters, clouds) = (7, 5);
     assert_eq!(report.rows.len(), filters + clouds);
     for (key, rows) in [
@@ -103,7 +103,7 @@ fn filters_of_depth_images_are_measured_one_by_one() {
     }
     let retained = there("valid_after");
     let measured = there("valid");
-    // Median and bilateral filter neither drop nor fill.
+    // The median and the bilateral filter neither drop nor fill pixels.
     assert_eq!((retained[1], retained[2]), (measured[1], measured[2]));
     assert!(
         retained
@@ -125,7 +125,7 @@ fn filters_of_depth_images_are_measured_one_by_one() {
 }
 
 #[test]
-fn playing_is_counted_frame_by_frame() {
+fn playback_is_counted_frame_by_frame() {
     let options = BenchOptions {
         frames: 30,
         ..small(suites::PLAY)

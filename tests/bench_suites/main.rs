@@ -9,6 +9,7 @@ mod drawing;
 mod error;
 mod inputs;
 mod runs;
+mod temporal;
 
 use pointreel::bench::{BenchOptions, Cell, Column, Input, Report, Row, Suite, run};
 use pointreel::progress::Progress;
@@ -84,7 +85,7 @@ fn assert_files_agree(report: &Report) {
                 Cell::Text(text) => assert_eq!((field, value.as_str()), (text.as_str(), Some(text.as_str()))),
                 Cell::Number(number) => {
                     assert_eq!(field.parse(), Ok(*number), "{} in CSV", column.key);
-                    // serde_json reads the last digit of some numbers wrong.
+                    // serde_json reads the last digit of some numbers incorrectly.
                     let error = (value.as_f64().unwrap() - number).abs();
                     assert!(
                         error <= 1e-14 * number.abs(),

@@ -31,7 +31,7 @@ fn progress_reaches_its_total() {
 
 #[test]
 fn a_cancelled_run_stops_at_the_next_step() {
-    // A window measures itself, and is cancelled by being closed.
+    // A window measures itself, and is cancelled by closing it.
     for suite in suites::all().filter(|&suite| suite != suites::WINDOW) {
         let progress = Progress::default();
         let seen = RefCell::new(0);
@@ -48,7 +48,7 @@ fn a_cancelled_run_stops_at_the_next_step() {
 }
 
 #[test]
-fn broken_frames_are_skipped_and_said() {
+fn broken_frames_are_skipped_and_reported() {
     let folder = tempfile::tempdir().unwrap();
     let cloud = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 0\n";
     std::fs::write(folder.path().join("scan_0.xyz"), "not a cloud\n").unwrap();

@@ -38,7 +38,7 @@ impl Report {
             "points": points,
         });
         let title = format!("pointreel {}: time and error", self.environment.version);
-        // Within a script element only its end tag means anything.
+        // Within a script element only its end tag has a meaning.
         let data = data.to_string().replace("</", "<\\/");
         PAGE.replace("TITLE", &escaped(&title)).replace("DATA", &data)
     }

@@ -102,7 +102,7 @@ impl Report {
             if !head.contains(strategy) {
                 head.push(strategy.clone());
             }
-            // Rows of a sequence follow each other and start over with the first strategy.
+            // Rows of a sequence are consecutive and start over with the first strategy.
             match lines.last_mut() {
                 Some(line) if line.len() < head.len() && line[0] == *sequence => line.push(median),
                 _ => lines.push(vec![sequence.clone(), median]),
@@ -160,7 +160,7 @@ mod tests {
     use super::align;
 
     #[test]
-    fn columns_stand_under_each_other() {
+    fn columns_are_aligned() {
         let rows = [["sequence", "δ"], ["a", "2 %"], ["long name", "10 %"]];
         let rows = rows.map(|row| row.map(str::to_owned).to_vec());
         assert_eq!(align(&rows), "sequence      δ\na           2 %\nlong name  10 %\n");

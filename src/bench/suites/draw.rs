@@ -106,7 +106,7 @@ pub(super) fn measure_voxels(run: &mut Run<'_>) -> Result<(), BenchError> {
 
 fn measure(run: &mut Run<'_>, style: &Style) -> Result<(), BenchError> {
     let variants = variants(run);
-    // One step to prepare a frame, one to place its viewpoints, one for each way.
+    // One step to prepare a frame, one to place its viewpoints, one per variant.
     let steps_per_frame = 2 + variants.len();
     for subject in run.subjects(steps_per_frame)? {
         measure_sequence(run, &subject, style, &variants, steps_per_frame)?;
@@ -140,8 +140,8 @@ fn measure_sequence(
         run.begin_step(format!("{}: placing viewpoints", subject.named(index)))?;
         let viewpoints = run.viewpoints(subject, &frame, style)?;
         coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
-        // The pictures whose coverage was counted left the streams on the adapter; a renderer takes a copy for another
-        // cloud, so that its upload can be measured.
+        // Measuring the coverage left the streams on the adapter; a renderer takes a copy for a different cloud, so
+        // that its upload can be measured.
         frame.points = Arc::new(frame.points.to_vec());
         frame.shapes = frame.shapes.map(|shapes| Arc::new(shapes.to_vec()));
         let packets: Vec<ScenePacket> = viewpoints
@@ -195,7 +195,7 @@ fn measure_way(
     for packet in &packets {
         run.check_cancelled()?;
         let upload = run.runner.upload(packet)?;
-        // Surfels upload once a frame, voxels once a viewpoint.
+        // Surfels are uploaded once per frame, voxels once per viewpoint.
         if upload.bytes > 0 {
             samples.upload_ms.push(upload.wall_ms);
             samples.upload_bytes.push(upload.bytes as f64);

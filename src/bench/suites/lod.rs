@@ -135,7 +135,7 @@ fn of_paper(structure: LevelStructure) -> Option<[OfPaper; VIEWS.len()]> {
             [44.0, 86.0, 32.0],
             [687_051.0, 1_097_956.0, 493_014.0],
         )),
-        // The paper's sequential point trees are drawn by the rule that it prints.
+        // The paper's sequential point trees are drawn by the rule as printed.
         LevelStructure::Printed => Some(row(
             [0.0; 3],
             [110.0, 230.0, 230.0],
@@ -272,7 +272,7 @@ impl Measured {
         frame: &PreparedFrame,
         structure: LevelStructure,
     ) -> Result<Subjected, BenchError> {
-        // Who draws decides whether records of all nodes stay on the adapter.
+        // Whether records of all nodes stay on the adapter depends on the renderer.
         let style = style(structure).drawn_by(run.runner.is_processor());
         let needs = Scene::needs(&style);
         let build = || complete(frame, &needs, &PrepareCounters::default());
@@ -393,7 +393,7 @@ impl Subjected {
                 Content::Selected(selected) => selected.selection.count_drawn(),
                 content => content.record_count(),
             };
-            // Where nothing is chosen, all points are looked at by who draws them.
+            // Without a selection, the renderer processes all points.
             let processed = if stats.traversals > 0 {
                 stats.visited_nodes
             } else {

@@ -14,6 +14,7 @@ mod primitives;
 mod reel;
 mod render;
 mod rgbd;
+mod temporal;
 mod torus_mesh;
 mod traversals;
 mod turning;
@@ -30,6 +31,7 @@ pub use primitives::PRIMITIVES;
 pub use reel::{RATE, REEL};
 pub use render::RENDER;
 pub use rgbd::RGBD;
+pub use temporal::TEMPORAL;
 pub use vdts::VDTS;
 pub use window::{WINDOW, WindowAction, window_report, window_report_of_json};
 
@@ -50,6 +52,7 @@ const TABLE: &[(&Suite, Measure)] = &[
     (PLAY, play::measure),
     (WINDOW, window::measure),
     (ERROR, error::measure),
+    (TEMPORAL, temporal::measure),
     (LOD, lod::measure),
     (PRIMITIVES, primitives::measure),
     (REEL, reel::measure),
@@ -91,20 +94,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_suite_reads_back_from_its_name() {
+    fn every_suite_is_parsed_from_its_name() {
         for suite in all() {
             assert_eq!(named(suite.name()), Ok(suite));
         }
         let error = named("disks").unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`disks` is not a suite: expected surfels, octree, voxels, accuracy, render, play, window, error, lod, \
-             primitives, reel, rate, rgbd or vdts"
+            "`disks` is not a suite: expected surfels, octree, voxels, accuracy, render, play, window, error, \
+             temporal, lod, primitives, reel, rate, rgbd or vdts"
         );
     }
 
     #[test]
-    fn headlines_are_columns() {
+    fn every_headline_is_a_column() {
         for suite in all() {
             let mut columns = suite.columns.iter();
             assert!(columns.any(|column| column.key == suite.headline), "{suite}");

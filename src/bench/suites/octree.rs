@@ -173,7 +173,7 @@ fn one_thread() -> Result<ThreadPool, BenchError> {
 }
 
 fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>, one_thread: &ThreadPool) -> Result<(), BenchError> {
-    // What placing viewpoints needs; octrees are built by the clock.
+    // Only what is needed to place viewpoints; octrees are built while the clock runs.
     let needs = Scene::needs(&surfel_style());
     let mut samples: Vec<OctreeSamples> = DELTAS.iter().map(|_| OctreeSamples::default()).collect();
     let (mut point_counts, mut coverages) = (Vec::new(), Vec::new());
@@ -226,7 +226,7 @@ fn measure_builds(
             if round >= run.options.warmup * run.options.viewpoints {
                 times_ms.push(build_ms);
             }
-            // Freeing the one before is not part of building.
+            // Freeing the previous one is not part of the build.
             octree = built;
         }
     }
@@ -344,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn builds_begin_with_the_order_of_the_file_and_with_morton_order() {
+    fn builds_start_from_file_order_and_from_morton_order() {
         let pool = one_thread().unwrap();
         let beginnings = Beginnings::of(&prepared(), &pool);
         let raw = of_file();
@@ -363,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn every_way_builds_the_same_octree() {
+    fn every_variant_builds_the_same_octree() {
         let pool = one_thread().unwrap();
         assert_eq!(pool.current_num_threads(), 1);
         let beginnings = Beginnings::of(&prepared(), &pool);

@@ -41,7 +41,7 @@ mod tests {
     use crate::render::PassTime;
 
     #[test]
-    fn passes_of_one_name_are_one_and_those_without_a_time_are_left_out() {
+    fn passes_with_the_same_name_are_merged_and_untimed_ones_skipped() {
         let time = |(pass, gpu_ms)| PassTime { pass, gpu_ms };
         let mut samples = PassSamples::default();
         let pictures = [

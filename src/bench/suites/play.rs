@@ -149,7 +149,7 @@ fn loader_options(budget_bytes: Option<usize>, wake: SyncSender<()>) -> LoaderOp
         keeps_coarse_frames: true,
         budget_bytes: budget_bytes.unwrap_or(default.budget_bytes),
         wake: Arc::new(move || {
-            // A full channel has a wake in it already.
+            // A full channel already contains a wake-up.
             let _ = wake.try_send(());
         }),
         ..default
@@ -181,7 +181,7 @@ fn play_by_the_clock(
             .shown()
             .filter(|shown| !last.as_ref().is_some_and(|last| Arc::ptr_eq(last, shown)));
         if let Some(frame) = new.map(Arc::clone) {
-            // The clock starts with the first frame, however long its picture takes.
+            // The clock starts with the first frame, however long it takes to draw.
             first_shown.get_or_insert_with(|| begin.elapsed());
             let picture_ms = screen.draw(&frame)?;
             player.note_picture_ms(frame.frame.len(), picture_ms);

@@ -137,7 +137,7 @@ const KINDS: [Kind; 17] = [
         style.primitive = Primitive::Voxel;
         style.levels.lod = Lod::ThresholdPx(0.0);
     }),
-    // Drawn of triangles, where there are some.
+    // Drawn as triangles, where there are some.
     ("mesh", |style| style.primitive = Primitive::Mesh),
 ];
 
@@ -295,7 +295,7 @@ impl Samples {
                 run.check_cancelled()?;
                 let processor_ms = processor.draw(packet)?.wall_ms;
                 let of_adapter = if has_adapter {
-                    // What is uploaded is not drawing.
+                    // Uploading is not part of drawing.
                     run.runner.upload(packet)?;
                     Some(run.runner.draw(packet)?)
                 } else {

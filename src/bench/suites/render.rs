@@ -154,7 +154,7 @@ impl RenderSamples {
         for round in 0..run.options.warmup + run.options.repeat {
             for packet in packets {
                 run.check_cancelled()?;
-                // What a picture is chosen from may have changed: that is made ready before the clock starts.
+                // The data that an image is selected from may have changed: it is prepared before the clock starts.
                 processor.upload(packet)?;
                 let processor_ms = processor.draw(packet)?.wall_ms;
                 let adapter_ms = if run.runner.is_processor() {

@@ -266,7 +266,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_action_is_told_a_second_and_a_picture() {
+    fn an_action_is_reported_per_second_and_per_frame() {
         let action = WindowAction {
             sequence: "walk".to_owned(),
             seconds: 2.0,

@@ -141,7 +141,7 @@ impl Bulk {
         }
         let mut repeated = Vec::new();
         let mut zero_axes = [false; 3];
-        // Vertices of meshes are repeated by nature.
+        // Vertices of meshes are naturally repeated.
         if !known.has_faces {
             repeated = remove_repeated(&mut sample);
             zero_axes = std::array::from_fn(|axis| zeros_are_missing(&sample, axis));

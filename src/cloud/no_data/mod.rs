@@ -129,7 +129,7 @@ impl MissingPoints {
                 Self::where_missing(positions, is_missing, &Naming::of_place(place, known))
             }
             NoData::Auto => match Bulk::of(positions, &all, known) {
-                // Otherwise one pass is all that it costs: no zeros, no repetition, nothing far outside the bulk.
+                // Otherwise a single pass suffices: no zeros, no repetition, nothing far outside the bulk.
                 Some(bulk) if bulk.may_miss(&all) => {
                     let repeats = Repeats::find(positions, &bulk, &all);
                     let is_missing = |position: DVec3| bulk.misses(position) || repeats.contain(position, &bulk);

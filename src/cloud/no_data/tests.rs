@@ -20,7 +20,7 @@ fn found(points: &[DVec3]) -> MissingPoints {
 const UTM: DVec3 = DVec3::new(431_000.0, 4_581_000.0, 120.0);
 
 #[test]
-fn one_zero_and_many_are_found_in_a_survey() {
+fn one_and_many_zeros_are_found_in_a_survey() {
     for count in [1, 20, 1500] {
         let mut points = ground(UTM);
         points.splice(7..7, vec![DVec3::ZERO; count]);
@@ -34,7 +34,7 @@ fn one_zero_and_many_are_found_in_a_survey() {
 }
 
 #[test]
-fn constants_are_found_by_their_coordinate() {
+fn constants_are_found_per_coordinate() {
     for constant in [-9999.0, 65_535.0, -2_147_483.648, 1e30, -3.4e38, -32_768.0] {
         let mut points = ground(DVec3::ZERO);
         points[100].z = constant;
@@ -47,7 +47,7 @@ fn constants_are_found_by_their_coordinate() {
 }
 
 #[test]
-fn what_is_absurdly_far_is_missing_and_what_is_far_is_not() {
+fn absurdly_distant_points_are_missing_and_distant_ones_are_not() {
     for (x, is_missing) in [(1e9, true), (-3e6, true), (400.0, false)] {
         let mut points = ground(DVec3::ZERO);
         points[3].x = x;
@@ -57,12 +57,12 @@ fn what_is_absurdly_far_is_missing_and_what_is_far_is_not() {
 
 #[test]
 fn measurements_are_not_missing() {
-    // A model at zero with a vertex there; a ground that has z = 0; one around zero; one of another size.
+    // A model at the origin with a vertex there; ground at z = 0; ground around the origin; one of another size.
     assert!(found(&ground(DVec3::ZERO)).is_empty());
     assert!(found(&ground(DVec3::new(-25.0, -20.0, 0.0))).is_empty());
     let flat: Vec<DVec3> = ground(DVec3::ZERO).iter().map(|point| point.with_z(0.0)).collect();
     assert!(found(&flat).is_empty());
-    // Elevations that pass 999.
+    // Elevations around 999.
     let high: Vec<DVec3> = ground(DVec3::ZERO)
         .iter()
         .map(|point| point + DVec3::Z * 999.0)
@@ -75,8 +75,8 @@ fn measurements_are_not_missing() {
 }
 
 #[test]
-fn zeros_in_a_void_are_missing_and_a_sweep_around_them_stays() {
-    // A scanner in a room that writes 0 0 0 where nothing came back.
+fn zeros_in_a_void_are_missing_and_a_sweep_around_them_is_not() {
+    // A scanner in a room that writes 0 0 0 where it got no return.
     let mut points: Vec<DVec3> = (0..4000)
         .map(|index| {
             let turn = f64::from(index) * 0.37;
@@ -90,7 +90,7 @@ fn zeros_in_a_void_are_missing_and_a_sweep_around_them_stays() {
 }
 
 #[test]
-fn a_user_says_what_is_missing() {
+fn the_user_can_define_the_no_data_value() {
     let positions = ground(DVec3::ZERO).iter().map(glam::DVec3::to_array).collect();
     let positions = Positions::F64(positions);
     let find = |rule| MissingPoints::find(&positions, rule, Known::default());
@@ -152,7 +152,7 @@ fn many_points_at_one_place_are_missing_whatever_the_number() {
     }
     let (points, _) = replaced(&table(DVec3::ZERO), 20, |_, _| DVec3::splat(100.0));
     assert_eq!(found(&points).values[0].value, "100 100 100");
-    // Most points, near the rest, in a void.
+    // Most of the points, near the rest, in a void.
     let (points, indices) = replaced(&table(DVec3::new(0.0, 0.0, 3.0)), 1, |index, point| {
         if index % 3 == 0 { point } else { DVec3::NEG_ONE }
     });
@@ -160,8 +160,8 @@ fn many_points_at_one_place_are_missing_whatever_the_number() {
 }
 
 #[test]
-fn what_is_repeated_and_real_stays() {
-    // Two objects far from one another; a far object; places that all have copies; the tip of a needle of triangles.
+fn repeated_real_points_are_retained() {
+    // Two objects far apart; a far object; positions that all have copies; the tip of a needle of triangles.
     let (points, _) = replaced(&table(DVec3::ZERO), 2, |_, point| point + DVec3::X * 50.0);
     assert!(found(&points).is_empty());
     let (points, _) = replaced(&table(DVec3::ZERO), 20, |_, point| point + DVec3::X * 200.0);
@@ -198,7 +198,7 @@ fn a_minority_of_local_coordinates_does_not_move_a_survey() {
         (&missing.indices, missing.values[0].value.as_str()),
         (&indices, "x = y = 0")
     );
-    // Two halves: nobody knows which is wrong.
+    // Two halves: it is unknown which one is wrong.
     let (points, _) = replaced(&table(UTM), 2, |_, point| point - UTM);
     assert!(found(&points).is_empty());
 }
@@ -214,14 +214,14 @@ fn heights_of_zero_far_below_the_rest_are_missing() {
     let positions = Positions::F64(points.iter().map(DVec3::to_array).collect());
     let said = MissingPoints::find(&positions, NoData::Value(0.0), Known::default());
     assert_eq!(said.indices, indices);
-    // A floor below things that hang above it.
+    // A floor below objects that hang above it.
     let floor = |_: usize, point: DVec3| DVec3::new(point.x * 5.0, point.y * 5.0, 0.0);
     let (points, _) = replaced(&table(DVec3::Z * 9.0), 3, floor);
     assert!(found(&points).is_empty());
 }
 
 #[test]
-fn equal_distances_in_all_directions_are_the_end_of_a_range() {
+fn equal_distances_in_all_directions_are_the_maximum_range() {
     for range in [65.535, 1000.0, 12.3 * 7.0] {
         let far = |index: usize, _: DVec3| {
             let turn = index as f64 * 2.399_963;
@@ -239,7 +239,7 @@ fn equal_distances_in_all_directions_are_the_end_of_a_range() {
 }
 
 #[test]
-fn ends_of_integers_are_named() {
+fn limits_of_integer_types_are_named() {
     let limits = [0, 1, 2].map(|axis| [i32::MIN, i32::MAX].map(|integer| f64::from(integer) * 0.001 + UTM[axis]));
     let (points, indices) = replaced(&table(UTM), 100, |_, _| {
         DVec3::new(limits[0][0], limits[1][0], limits[2][0])
@@ -273,7 +273,7 @@ fn ends_of_integers_are_named() {
 proptest! {
     /// The bounds are those of a cloud without the missing points, and the holes are these alone.
     #[test]
-    fn bounds_are_those_of_what_is_there(
+    fn bounds_exclude_missing_points(
         x in -1e6f64..1e6, y in -1e7f64..1e7, count in 1usize..200, place in 0usize..2000,
     ) {
         let at = DVec3::new(x, y, 50.0);

@@ -23,7 +23,7 @@ static MATRICES: LazyLock<Matrices> = LazyLock::new(|| {
     let xyz = |[x, y]: [f64; 2]| DVec3::new(x / y, 1.0, (1.0 - x - y) / y);
     let white = xyz(WHITE);
     let primaries = DMat3::from_cols_array_2d(&PRIMARIES.map(|primary| xyz(primary).to_array()));
-    // As much of each primary as makes white together.
+    // The amount of each primary that adds up to white.
     let shares = primaries.inverse() * white;
     let xyz_from_linear = primaries * DMat3::from_diagonal(shares);
     let from_linear = DMat3::from_diagonal(white.recip()) * xyz_from_linear;
@@ -94,10 +94,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn black_white_and_grey_have_no_chroma() {
+    fn black_white_and_gray_have_no_chroma() {
         for (stored, lightness) in [(0u8, 0.0), (119, 50.0), (255, 100.0)] {
             let lab = hunt_lab_from_linear(linear_from_stored([stored; 3]));
-            // The stored 119 is nearest to the grey of lightness 50: 50.03.
+            // The stored 119 is the closest to the grey of lightness 50: 50.03.
             assert!((lab.x - lightness).abs() < 0.05, "{lab}");
             assert!(lab.y.abs() < 1e-3 && lab.z.abs() < 1e-3, "{lab}");
         }
@@ -109,15 +109,15 @@ mod tests {
     }
 
     #[test]
-    fn red_is_where_tables_have_it() {
-        // L*a*b* of sRGB red under D65: 53.24, 80.09, 67.20; Hunt takes 0.01 L of the last two.
+    fn red_matches_published_values() {
+        // L*a*b* of sRGB red under D65: 53.24, 80.09, 67.20; Hunt multiplies the last two by 0.01 L.
         let red = hunt_lab_from_linear(Vec3::X);
         let expected = Vec3::new(53.24, 0.5324 * 80.09, 0.5324 * 67.20);
         assert!((red - expected).abs().max_element() < 0.05, "{red}");
     }
 
     #[test]
-    fn filtering_space_reads_back() {
+    fn filtering_space_round_trips() {
         for stored in [[0, 0, 0], [255, 0, 17], [12, 200, 90], [3, 9, 251]] {
             let linear = linear_from_stored(stored);
             let back = linear_from_ycxcz(ycxcz_from_linear(linear));

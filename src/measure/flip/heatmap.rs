@@ -34,12 +34,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ends_and_middle_are_those_of_the_table() {
+    fn ends_and_center_match_the_table() {
         assert_eq!(color(0.0), [0x00, 0x00, 0x04]);
         assert_eq!(color(-1.0), color(0.0));
         assert_eq!(color(1.0), [0xfc, 0xfd, 0xbf]);
         assert_eq!(color(2.0), color(1.0));
-        // A colour of the table between the steps of the map.
+        // A colour of the table that lies between the steps of the map.
         let off = color(124.0 / 255.0).into_iter().zip([0xb0, 0x35, 0x7b]);
         assert!(off.map(|(a, b): (u8, u8)| a.abs_diff(b)).max() <= Some(2));
     }
@@ -50,13 +50,13 @@ mod tests {
             let [red, green, blue] = color(error as f32 / 1000.0).map(f64::from);
             0.2126 * red + 0.7152 * green + 0.0722 * blue
         };
-        // A step of a thousandth is less than the rounding of its channels.
+        // A step of a thousandth is smaller than the rounding of its channels.
         assert!((0..1000).all(|error| luma(error + 1) > luma(error) - 1.0));
         assert!((0..100).all(|error| luma(10 * error + 10) > luma(10 * error)));
     }
 
     #[test]
-    fn pixels_stand_where_their_errors_do() {
+    fn pixels_are_at_the_positions_of_their_errors() {
         let map = ErrorMap {
             size_px: [2, 3],
             errors: vec![0.0, 1.0, 0.0, 0.0, 0.0, 0.0],

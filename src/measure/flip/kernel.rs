@@ -128,13 +128,13 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn signs_are_normalised_apart() {
+    fn positive_and_negative_weights_are_normalised_separately() {
         let smooth = Kernel::normalized(1, |x| 3.0 - x.abs());
         assert_eq!(smooth.weights, [2.0 / 7.0, 3.0 / 7.0, 2.0 / 7.0]);
         let slope = Kernel::normalized(2, |x| -x);
         let expected = [2.0 / 3.0, 1.0 / 3.0, 0.0, -1.0 / 3.0, -2.0 / 3.0];
         assert_eq!(slope.weights, expected);
-        // What is next to nothing is not multiplied with.
+        // Negligible weights are dropped.
         let narrow = Kernel::normalized(9, |x| (-10.0 * x * x).exp());
         assert_eq!(narrow.weights.len(), 3);
     }
@@ -142,7 +142,7 @@ mod tests {
     proptest! {
         /// Against the double sum over clamped coordinates.
         #[test]
-        fn separable_filters_are_double_sums(
+        fn separable_filters_match_double_sums(
             values in prop::collection::vec(-1.0f32..1.0, 7 * 5), a in 1u8..9, b in 1u8..9,
         ) {
             let plane = Plane { width: 7, values };

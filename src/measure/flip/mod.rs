@@ -169,7 +169,7 @@ fn blurred_colors(ycxcz: &[Plane; 3], pixels_per_degree: f64) -> Vec<Vec3> {
 /// A sum of Gaussians is not separable, each of them is: the weighted sum of their answers.
 fn blurred(plane: &Plane, terms: &[[f64; 2]], radius_px: usize, pixels_per_degree: f64) -> Plane {
     let gaussian = |b: f64| move |x: f64| (-(PI * x / pixels_per_degree).powi(2) / b).exp();
-    // What each term adds up to over all pixels of its square.
+    // The sum of each term over all pixels of its square.
     let totals: Vec<f64> = terms
         .iter()
         .map(|&[a, b]| {

@@ -42,7 +42,7 @@ fn error_of(reference: &RgbaImage, test: &RgbaImage, pixels_per_degree: f64) -> 
 /// Mean, largest, and the errors at (20, 24), (0, 0) and (63, 47), as the authors' evaluator gives them (Python package
 /// `flip-evaluator` 1.7, `evaluate(reference, test, "LDR", applyMagma=False)`) at 67.02064 and 20 pixels a degree.
 #[test]
-fn errors_are_those_of_the_authors_evaluator() {
+fn errors_match_the_authors_evaluator() {
     let gradient = |brighter: u32| picture(|x, y| [(4 * x + brighter).min(255), 5 * y, 255 - 4 * x]);
     let checks = picture(|x, y| [if (x / 2 + y / 2) % 2 == 0 { 200 } else { 60 }; 3]);
     let line = picture(|x, _| [if x == 20 { 255 } else { 0 }; 3]);
@@ -77,8 +77,8 @@ fn errors_are_those_of_the_authors_evaluator() {
             let at = |x: usize, y: usize| f64::from(map.errors[y * SIZE_PX[0] as usize + x]);
             let found = [map.mean(), f64::from(map.max()), at(20, 24), at(0, 0), at(63, 47)];
             for (found, expected) in found.into_iter().zip(expected) {
-                // Both compute in f32; theirs has 0.967 365 for the mean of black against white, which is 0.967 387 at
-                // every pixel.
+                // Both compute in f32; theirs gives 0.967 365 for the mean of black against white, which is 0.967 387
+                // at every pixel.
                 assert!(
                     (found - expected).abs() < 3e-5,
                     "{name} at {pixels_per_degree} pixels a degree: {found} for {expected}"
@@ -89,7 +89,7 @@ fn errors_are_those_of_the_authors_evaluator() {
 }
 
 #[test]
-fn equal_pictures_have_no_error() {
+fn equal_images_have_no_error() {
     for image in [noise(0), disk(30), solid([255; 3])] {
         let map = flip(&image, &image).unwrap();
         assert_eq!((map.mean(), map.max()), (0.0, 0.0));
@@ -104,14 +104,14 @@ fn a_larger_difference_is_a_larger_error() {
         .into();
     assert!(means.windows(2).all(|pair| pair[0] < pair[1]), "{means:?}");
     assert!(means.iter().all(|mean| (0.0..=1.0).contains(mean)), "{means:?}");
-    // An edge that moves farther.
+    // An edge that moves farther and farther.
     let moved: Vec<f64> = (30..36).map(|x| flip(&disk(30), &disk(x)).unwrap().mean()).collect();
     assert!(moved.windows(2).all(|pair| pair[0] < pair[1]), "{moved:?}");
 }
 
 #[test]
-fn the_eye_blurs_noise_that_mean_squares_see() {
-    // Checks of a pixel against their mean light, and a flat change of the same squares.
+fn fine_noise_counts_less_than_a_constant_change() {
+    // A one-pixel checkerboard against its mean, and the same difference as a constant change.
     let checks = picture(|x, y| [if (x + y) % 2 == 0 { 120 } else { 136 }; 3]);
     let flat = solid([128; 3]);
     let brighter = solid([136; 3]);
@@ -120,7 +120,7 @@ fn the_eye_blurs_noise_that_mean_squares_see() {
 }
 
 #[test]
-fn a_part_of_the_picture_can_be_asked_for() {
+fn a_region_of_the_image_can_be_evaluated() {
     let map = ErrorMap {
         size_px: [2, 2],
         errors: vec![0.0, 0.5, 1.0, 0.1],
@@ -132,7 +132,7 @@ fn a_part_of_the_picture_can_be_asked_for() {
 }
 
 #[test]
-fn odd_sizes_are_defined() {
+fn odd_sizes_are_handled() {
     for size in [[0, 0], [1, 1], [1, 9], [5, 1]] {
         let [black, white] =
             [0, 255].map(|value| RgbaImage::from_pixel(size[0], size[1], Rgba([value, value, value, 255])));
@@ -148,7 +148,7 @@ fn odd_sizes_are_defined() {
 }
 
 #[test]
-fn threads_do_not_change_a_bit() {
+fn results_do_not_depend_on_thread_count() {
     let [reference, test] = [noise(0), noise(1)];
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let alone = one.install(|| flip(&reference, &test).unwrap());

@@ -106,7 +106,7 @@ impl Distances {
     /// reference's box for others; 3 p² is then the squared diagonal of the cube around it. `None` unless it is
     /// positive and finite.
     pub fn psnr_db(&self, peak: f64) -> Option<f64> {
-        // Logarithms one by one, which no square overflows.
+        // Separate logarithms, so that no square overflows.
         let ratio = || 10.0 * (3f64.log10() - self.mean_squared().log10()) + 20.0 * peak.log10();
         (peak > 0.0 && peak.is_finite()).then(ratio)
     }

@@ -171,7 +171,7 @@ impl Comparable {
             colors: colors.map(|colors| finite.iter().map(|&index| color(&colors[index])).collect()),
             normals: normals.map(|normals| finite.iter().map(|&index| normals[index].into()).collect()),
         };
-        // In both clouds: models have several normals at a corner, and a lossless file has zero error whatever its
+        // In both clouds: models have several normals per corner, and a lossless file has zero error whatever its
         // order.
         comparable.level_coincident();
         comparable
@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn the_same_cloud_in_another_order_has_no_error() {
         let mut cloud = layers();
-        // Three points at one place that differ in colour and normal, and a hole.
+        // Three points at one position that differ in colour and normal, and a hole.
         let Positions::F32(positions) = &mut cloud.positions else {
             panic!("of single precision");
         };
@@ -243,10 +243,10 @@ mod tests {
     }
 
     #[test]
-    fn errors_are_those_of_construction() {
+    fn errors_match_the_construction() {
         let reference = ReferenceCloud::new(&layers()).unwrap();
         assert_eq!(reference.compare(&layers()).unwrap().peak, 7.0);
-        // Lifted by an eighth: along the normals of the lower layer, across those of the upper one.
+        // Raised by an eighth: along the normals of the lower layer, perpendicular to those of the upper one.
         let mut lifted = layers();
         let Positions::F32(positions) = &mut lifted.positions else {
             panic!("of single precision");
@@ -254,7 +254,7 @@ mod tests {
         for position in positions {
             position[2] += 0.125;
         }
-        // Red is off by 6 in every other point; normals lean over by 45 degrees in the lower layer.
+        // Red is off by 6 in every other point; normals are tilted by 45 degrees in the lower layer.
         for color in lifted.attributes.colors.as_mut().unwrap().iter_mut().step_by(2) {
             color[0] += 6;
         }
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_is_not_compared() {
+    fn missing_attributes_are_not_compared() {
         let bare = RawCloud::from_positions(layers().positions);
         let reference = ReferenceCloud::new(&bare).unwrap();
         let error = reference.compare(&layers()).unwrap();
@@ -285,7 +285,7 @@ mod tests {
             (error.color_squared, error.normals, error.d2_psnr_db()),
             (None, None, None)
         );
-        // Planes are found where the file has no normals: a point that slides along one is near to it.
+        // Planes are estimated where the file has no normals: a point that slides along one stays close to it.
         let plane = (0..400).map(|index| [(index % 20) as f32, (index / 20) as f32, 5.0]);
         let plane = RawCloud::from_positions(Positions::F32(plane.collect()));
         let mut slid = plane.clone();

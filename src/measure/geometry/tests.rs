@@ -31,7 +31,7 @@ fn equal_clouds_have_no_error() {
 }
 
 #[test]
-fn a_plane_that_is_moved() {
+fn a_shifted_plane_has_the_error_of_its_shift() {
     let cloud = plane(Vec3::ZERO);
     for (shift, d1, d2) in [
         ([0.25, 0.0, 0.0], 0.0625, 0.0),
@@ -69,21 +69,22 @@ fn an_outlier_is_seen_from_the_test_and_a_hole_from_the_reference() {
 
     let row: Vec<Vec3> = (0..10).map(|x| Vec3::X * x as f32).collect();
     let error = GeometryError::of(&row, None, &row[..7]).unwrap();
-    // 1, 2 and 3 away from the last that is left.
+    // 1, 2 and 3 away from the last remaining point.
     assert_eq!(error.point_to_point.from_reference.mean_squared, 1.4);
     assert_eq!(error.point_to_point.from_reference.largest, 3.0);
     assert_eq!(error.point_to_point.from_test.largest, 0.0);
 }
 
 #[test]
-fn the_test_has_the_mean_normal_of_those_whose_nearest_it_is() {
+fn test_normals_are_means_over_the_reference_points_nearest_to_them() {
     let reference = [Vec3::X, -Vec3::X];
     let error = GeometryError::of(&reference, Some(&[Vec3::X, Vec3::Y]), &[Vec3::ZERO]).unwrap();
     let found = error.point_to_plane.unwrap();
-    // The mean of x and y is half as long along x; the nearest of the test is the first of two equally near ones.
+    // The mean of x and y has half the length along x; the nearest neighbour of the test point is the first of two
+    // equally near ones.
     assert_eq!(found.from_reference.mean_squared, 0.25);
     assert_eq!(found.from_test.mean_squared, 1.0);
-    // Without a normal the whole way counts.
+    // Without a normal the full distance counts.
     for none in [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY] {
         let error = GeometryError::of(&reference, Some(&[none; 2]), &[Vec3::ZERO]).unwrap();
         assert_eq!(error.point_to_plane, Some(error.point_to_point));
@@ -91,7 +92,7 @@ fn the_test_has_the_mean_normal_of_those_whose_nearest_it_is() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_said() {
+fn incomparable_clouds_are_reported() {
     let one = [Vec3::ZERO];
     let odd = [Vec3::ZERO, Vec3::new(0.0, f32::NAN, 0.0)];
     let cases: [(&[Vec3], &[Vec3], &str); 4] = [
@@ -109,7 +110,7 @@ fn what_cannot_be_compared_is_said() {
 }
 
 #[test]
-fn numbers_at_the_ends_of_their_range_make_no_nan() {
+fn extreme_numbers_produce_no_nan() {
     for [a, b] in [[Vec3::MAX, Vec3::MIN], [Vec3::splat(f32::MIN_POSITIVE), Vec3::ZERO]] {
         let error = GeometryError::of(&[a], Some(&[Vec3::splat(1.0e-40)]), &[b]).unwrap();
         for found in [error.point_to_point, error.point_to_plane.unwrap()] {
@@ -124,7 +125,7 @@ fn numbers_at_the_ends_of_their_range_make_no_nan() {
 }
 
 #[test]
-fn threads_do_not_change_a_bit() {
+fn results_do_not_depend_on_thread_count() {
     let wave = |i: u32, by: f32| {
         let [x, y] = [(i % 150) as f32 * 0.07, (i / 150) as f32 * 0.09];
         Vec3::new(x + by, y, (x * 1.3).sin() + by * y)
@@ -161,7 +162,7 @@ fn summary(lengths: &[f64]) -> [f64; 2] {
 
 proptest! {
     #[test]
-    fn random_clouds_have_the_distances_of_all_pairs(
+    fn random_clouds_match_brute_force(
         reference in prop::collection::vec(prop::array::uniform6(-9i8..9), 1..60),
         test in prop::collection::vec(prop::array::uniform3(-9i8..9), 1..60),
     ) {

@@ -111,7 +111,7 @@ impl Chain {
         for turn in 0..4 {
             let mut turned = *camera;
             turned.orbit(77.0 * f64::from(turn), 20.0 * f64::from(turn) - 30.0);
-            // From afar, and from within or beside it.
+            // From afar, and from inside or next to it.
             turned.zoom([1.0, 0.4, 0.1, 3.0][turn as usize]);
             for lod_px in [0.0, 2.0, 30.0] {
                 let view = self.select_view(&turned, lod_px);
@@ -131,7 +131,7 @@ impl Chain {
     fn check_positions(&self, name: &str, file: &[DVec3]) {
         assert_eq!(self.frame.frame.dropped_points(), 0, "{name}");
         let sorted = |positions: Vec<Vec3>| -> Vec<[f32; 3]> {
-            // Adding 0 makes −0 a 0.
+            // Adding 0 turns −0 into 0.
             let mut positions: Vec<_> = positions.iter().map(|p| (*p + 0.0).to_array()).collect();
             positions.sort_by(|a, b| a.partial_cmp(b).unwrap());
             positions

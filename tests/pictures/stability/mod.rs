@@ -139,7 +139,7 @@ fn planes() {
         let chain = check(&format!("a plane across {normal}"), &plane);
         for (found, _) in chain.surface().into_values() {
             let off = angle_deg(found, normal, Orientation::Ignored);
-            // The octahedral record of 2 × 16 bits is good to 0.01°.
+            // The octahedral record of 2 × 16 bits is accurate to 0.01°.
             assert!(off < 0.02, "{found} is {off}° from {normal}");
         }
     }
@@ -184,7 +184,7 @@ fn duplicates() {
 fn outliers_a_thousand_away() {
     let cloud = sphere(2000);
     let alone = load(&cloud, DELTA).surface();
-    // Farther ones stand for no measurement.
+    // Farther points mean no measurement.
     let far = [DVec3::splat(1e3), DVec3::new(-1e3, 0.0, 0.0)];
     for outliers in [&far[..1], &far[..]] {
         let with_outliers: Vec<DVec3> = cloud.iter().chain(outliers).copied().collect();
@@ -203,7 +203,7 @@ fn outliers_a_thousand_away() {
             let (_, radius) = surface.remove(&key).unwrap();
             assert!(radius < 1.0, "{name}: an outlier of radius {radius} hides the cloud");
         }
-        // What is far away changes nothing here.
+        // Distant points change nothing here.
         assert_eq!(surface.len(), alone.len());
         for (position, (normal, radius)) in surface {
             let (normal_alone, radius_alone) = alone[&position];
@@ -221,7 +221,7 @@ fn outliers_a_thousand_away() {
 
 /// Multiplying by a power of two changes the exponents of all numbers and nothing else.
 #[test]
-fn powers_of_two_change_nothing() {
+fn scaling_by_powers_of_two_changes_nothing() {
     let cloud = sphere(2000);
     let base = load(&cloud, DELTA);
     let base_tree = base.frame.levels.octree().unwrap();
@@ -252,7 +252,7 @@ fn powers_of_two_change_nothing() {
 
 /// Other factors round every coordinate to 24 bits once more.
 #[test]
-fn other_factors_change_next_to_nothing() {
+fn scaling_by_other_factors_changes_almost_nothing() {
     let cloud = sphere(2000);
     let base = load(&cloud, DELTA);
     let base_tree = base.frame.levels.octree().unwrap();
@@ -261,8 +261,8 @@ fn other_factors_change_next_to_nothing() {
         let tree = chain.frame.levels.octree().unwrap();
         assert_eq!(tree.depth(), base_tree.depth(), "× {factor:e}");
         for (found, expected) in tree.level_counts().iter().zip(base_tree.level_counts()) {
-            // A point changes cells when it is within 2⁻²⁴ of the edge of the cube from a border, of which three axes
-            // have fewer than 2¹⁰: hardly one of 2000. One that does may fill a cell and empty another.
+            // A point changes cells if it is within 2⁻²⁴ of the cube's edge length from a border, of which the three
+            // axes have fewer than 2¹⁰: hardly one of 2000. One that does may fill a cell and empty another.
             assert!(found.abs_diff(*expected) <= 4, "× {factor:e}: {found} for {expected}");
         }
         for primitive in [Primitive::Surfel, Primitive::Voxel] {
@@ -306,7 +306,7 @@ fn millimetres() -> Vec<DVec3> {
     sphere(3000)
         .iter()
         .map(|&position| (position * 1024.0).round() / 1024.0)
-        // Adding 0 makes −0 a 0.
+        // Adding 0 turns −0 into 0.
         .map(|position| position + 0.0)
         .collect()
 }
@@ -361,7 +361,7 @@ fn ten_million_away_with_millimetres() {
             );
         }
 
-        // What f32 would have kept of it cannot pass.
+        // Positions rounded to f32 must not pass.
         let rounded: Vec<DVec3> = shifted_cloud
             .iter()
             .map(|position| position.as_vec3().as_dvec3())

@@ -45,7 +45,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::number("leaf_distance_max_edges", "most / edge", 3),
     Column::number("leaf_distance_bound_edges", "bound / edge", 3),
     Column::number("points_without_leaf", "without leaf", 0),
-    // Levels of detail, and voxels beside surfels.
+    // Levels of detail, and voxels compared with surfels.
     Column::text("way", "voxels are"),
     Column::number("drawn_voxels", "voxels", 0),
     Column::number("visited_nodes", "visited", 0),

@@ -99,11 +99,11 @@ fn leaf_distances(positions: &[Vec3], tree: &Octree) -> Vec<f64> {
     let cube = tree.cube();
     let cells_along = f64::from(1u32 << tree.depth());
     let cell_of = |place: DVec3| {
-        let cell = (place - cube.min.as_dvec3()) / f64::from(cube.edge) * cells_along;
+        let cell = (place - cube.min) / f64::from(cube.edge) * cells_along;
         // The upper faces of the cube belong to the last cells.
         cell.to_array().map(|index| index.floor().min(cells_along - 1.0) as u32)
     };
-    // A middle is half an edge away from the next cell, whatever the rounding.
+    // A cell centre is half an edge away from the next cell, whatever the rounding.
     let centers: HashMap<[u32; 3], DVec3> = tree
         .level_voxels(tree.depth())
         .iter()
@@ -122,7 +122,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn distances_are_those_to_the_middles() {
+    fn distances_are_measured_to_the_centers() {
         // Four corners of a cube of edge 2 and a point: at depth 1, cells of edge 1.
         let positions = [
             Vec3::ZERO,
@@ -138,7 +138,7 @@ mod tests {
         for (found, expected) in distances.iter().zip([corner, corner, corner, 0.25, corner]) {
             assert!((found - expected).abs() < 1e-6, "{distances:?}");
         }
-        // A point that the tree does not have.
+        // A point that the tree does not contain.
         let elsewhere = leaf_distances(&[Vec3::new(0.5, 0.5, 1.5)], &tree);
         assert_eq!(elsewhere, [0.0f64; 0]);
         let mut samples = DeltaSamples::default();

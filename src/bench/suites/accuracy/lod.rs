@@ -106,7 +106,7 @@ impl ThresholdSamples {
         let traverse = Quantiles::of(&self.traversals.times_ms);
         let is_compared = !self.flip.is_empty();
         let if_compared = |error: f64| Cell::maybe(is_compared.then_some(error));
-        // Of equal pictures it is infinite, which JSON cannot say.
+        // For identical images it is infinite, which JSON cannot represent.
         let ratio_db = Some(psnr_db(mean(&self.squared_error))).filter(|ratio| ratio.is_finite());
         row(
             LOD,

@@ -38,7 +38,7 @@ pub(super) const STEPS: usize = Shape::ALL.len() * DISTURBANCES.len();
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     for shape in Shape::ALL {
         for (noise, has_outliers) in DISTURBANCES {
-            // Written as a person would: free of the rounding to f32.
+            // As one would write it: without the rounding to f32.
             let noise_share = f64::from((noise * 1e4).round()) / 1e4;
             let outlier_share = f64::from(u8::from(has_outliers)) / OUTLIERS as f64;
             run.begin_step(format!(
@@ -110,7 +110,7 @@ fn measure_fit(
         if round >= run.options.warmup {
             times_ms.push(time_ms);
         }
-        // Freeing those before is not part of estimating.
+        // Freeing the previous normals is not part of the estimation.
         normals = estimated;
     }
     let error = AngularError::of(&normals, &truth.normals, Orientation::Ignored);

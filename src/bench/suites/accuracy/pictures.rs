@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn the_part_that_is_compared_holds_all_objects_and_a_margin() {
+    fn the_compared_region_contains_all_objects_and_a_margin() {
         let drawings = [block(40..50, 30..31, [255, 0, 0]), block(47..60, 5..20, [0, 255, 0])];
         assert_eq!(object_rectangle(&drawings), [24..76, 0..47]);
         let nothing = [block(0..0, 0..0, [0; 3])];
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_of_the_part_are_those_of_the_whole() {
+    fn errors_of_the_region_match_those_of_the_full_image() {
         let drawings = [block(50..70, 30..50, [255, 0, 0]), block(52..75, 30..48, [200, 30, 90])];
         let whole = [0..120, 0..80];
         let part = object_rectangle(&drawings);
@@ -204,7 +204,7 @@ mod tests {
             ]
         });
         for (part, whole) in of_part.into_iter().zip(of_whole) {
-            // Filtered the same; added up in another order.
+            // Filtered in the same way, but summed in a different order.
             assert!((part - whole).abs() <= 1e-9 * whole, "{part} for {whole}");
         }
         assert_eq!(of_part[0], 23.0 * 18.0 / 9600.0);

@@ -9,8 +9,8 @@
 //! Depths, which distinguish surfaces, are drawn by the software renderer for the adapter's modes too: both draw the
 //! same surfaces, which `tests/pictures/cpu_renderer.rs` checks.
 
-mod variants;
-mod view;
+pub(super) mod variants;
+pub(super) mod view;
 
 use crate::bench::lab::{LabPoint, mark_front};
 use crate::bench::report::{Cell, Column, Row};
@@ -136,7 +136,7 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
         depths: CpuRenderer::new(),
         cache: TruthCache::new(run.options.truth_folder.clone()),
     };
-    // One step to prepare a frame, one for its truth, one for each way.
+    // One step to prepare a frame, one for its ground truth, one per variant.
     let steps_per_frame = 2 + variants.len();
     for subject in run.subjects(steps_per_frame)? {
         measure_sequence(run, &mut runners, &subject, &variants, steps_per_frame)?;
@@ -151,7 +151,7 @@ fn measure_sequence(
     variants: &[Settings],
     steps_per_frame: usize,
 ) -> Result<(), BenchError> {
-    // Surfels are the truth, and what viewpoints are placed by.
+    // Surfels are the ground truth, and viewpoints are placed with them.
     let needs = Scene::needs(&Style::default());
     let mut samples: Vec<ErrorSamples> = variants.iter().map(|_| ErrorSamples::default()).collect();
     let (mut point_counts, mut coverages) = (Vec::new(), Vec::new());
@@ -228,12 +228,12 @@ fn measure_way(
     samples: &mut ErrorSamples,
 ) -> Result<(), BenchError> {
     let mut frame = complete(frame, &Scene::needs(way), &PrepareCounters::default());
-    // A renderer takes a copy for another cloud, so that its upload is counted.
+    // A renderer takes a copy for a different cloud, so that its upload is counted.
     frame.points = Arc::new(frame.points.to_vec());
     frame.shapes = frame.shapes.map(|shapes| Arc::new(shapes.to_vec()));
     let viewport_px = run.options.viewport_px;
     let packet = |view: &View, style: &Style| {
-        // As when the camera has moved: cells are chosen anew.
+        // As after a camera move: cells are selected again.
         let mut scene = Scene::default();
         let packet = subject.packet(&mut scene, &frame, &view.camera, style, viewport_px);
         (packet, scene.stats().visited_nodes)
@@ -250,12 +250,7 @@ fn measure_way(
         let (drawn_packet, visited_nodes) = packet(view, way);
         let image = runner.image(&drawn_packet)?;
         let uploaded_bytes = runner.stats().uploaded_bytes - uploaded_before;
-        let on_white = way.with(|style| style.backdrop.background = Background::solid([255; 3]));
-        let white_packet = ScenePacket {
-            style: on_white.painted(),
-            ..drawn_packet.clone()
-        };
-        let on_white = runner.image(&white_packet)?;
+        let on_white = runner.image(&on_white(&drawn_packet))?;
         let depth = depths(&mut runners.depths, &drawn_packet)?;
         let drawn = DrawnWay { image, on_white, depth };
         let (error, image) = view.compare(drawn)?;
@@ -276,6 +271,14 @@ fn measure_way(
         }
     }
     Ok(())
+}
+
+/// The same image on white. The packet's own settings, since composition decides some by the scene: points as wide as
+/// their spacing are drawn as single pixels otherwise, with holes all over.
+fn on_white(drawn: &ScenePacket) -> ScenePacket {
+    let mut packet = drawn.clone();
+    packet.style.backdrop.background = Background::solid([255; 3]);
+    packet
 }
 
 /// Returns true if depths can be drawn of what a mode shows: not for splats without depth, nor for byte codes.

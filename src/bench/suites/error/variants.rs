@@ -9,7 +9,7 @@ use crate::scene::{
 };
 
 /// Behind the object: a grey of medium lightness, so that it is no colour of most objects.
-pub(super) const BACKGROUND: [u8; 3] = [119; 3];
+pub(in crate::bench::suites) const BACKGROUND: [u8; 3] = [119; 3];
 
 /// Resolution scales to draw at, as fractions of an image's edges, in addition to full resolution.
 const RESOLUTIONS: [f32; 2] = [0.75, 0.5];
@@ -91,7 +91,7 @@ fn of_points(point: &Settings) -> Vec<Settings> {
 
 /// Surfels, ellipses and sprites by mode, size, light and filter.
 fn of_splats(base: &Settings) -> Vec<Settings> {
-    // A picture of depths is none of colours.
+    // Depth images cannot be compared with colour images.
     let modes = Splatting::ALL.iter().filter(|&&mode| mode != Splatting::Visibility);
     let mut variants: Vec<Settings> = modes
         .map(|&splatting| base.with(|style| style.surfels.splatting = splatting))
@@ -116,13 +116,13 @@ fn of_splats(base: &Settings) -> Vec<Settings> {
 fn of_structures(base: &Settings, voxel: &Settings) -> Vec<Settings> {
     let detail = base.with(|style| style.levels.surfel_lod = true);
     let mut variants = Vec::new();
-    // Of the octree: below.
+    // The octree follows below.
     for &structure in LevelStructure::ALL
         .iter()
         .filter(|&&structure| structure != LevelStructure::Octree)
     {
         let coarse = detail.with(|style| style.levels.structure = structure);
-        // A plain list has no cells that a threshold could be held against.
+        // A plain list has no cells to which a threshold could apply.
         let lods = match structure {
             LevelStructure::None => [Lod::Budget(1 << 16), Lod::Budget(1 << 14)],
             _ => [Lod::ThresholdPx(1.0), Lod::ThresholdPx(4.0)],
@@ -152,7 +152,7 @@ fn of_codes(base: &Settings) -> Vec<Settings> {
 }
 
 /// A way in a few words: what it draws, how finely, and who draws it, as the descriptions of settings tell it.
-pub(super) fn label(way: &Settings) -> String {
+pub(in crate::bench::suites) fn label(way: &Settings) -> String {
     let (drawn, usual) = (way.decided(), Settings::default().settings());
     let mut told: Vec<(Place, String)> = way
         .settings()
@@ -169,7 +169,7 @@ pub(super) fn label(way: &Settings) -> String {
             Some((place, told(described, value, pattern)?))
         })
         .collect();
-    // Stable: what is in one place is in the order of the descriptions.
+    // Stable: entries with the same place stay in the order of the descriptions.
     told.sort_by_key(|(place, _)| *place);
     let words: Vec<String> = told.into_iter().map(|(_, text)| text).collect();
     words.join(" ")
@@ -199,7 +199,7 @@ mod tests {
     use std::collections::HashSet;
 
     #[test]
-    fn no_way_is_measured_twice_and_each_has_its_words() {
+    fn no_variant_is_measured_twice_and_each_has_its_own_words() {
         let variants = variants(true);
         let labels: HashSet<String> = variants.iter().map(label).collect();
         assert_eq!(
@@ -214,7 +214,7 @@ mod tests {
                 .iter()
                 .all(|way| way.drawing.renderer == RendererChoice::Cpu)
         );
-        // Three footprints of byte codes are the processor's; twelve strategies the adapter's.
+        // Three footprints of byte codes exist only on the CPU, twelve strategies only on the GPU.
         assert_eq!(variants.len(), 2 * of_processor.len() - 3 + 12);
         let first = label(&of_processor[0]);
         assert_eq!(first, "point 1 px CPU");

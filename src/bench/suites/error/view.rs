@@ -14,9 +14,9 @@ use glam::DVec3;
 use image::RgbaImage;
 
 /// A view and what it should look like.
-pub(super) struct View {
+pub(in crate::bench::suites) struct View {
     pub(super) camera: Camera,
-    pub(super) truth: Truth,
+    pub(in crate::bench::suites) truth: Truth,
     perceived: Perceived,
 }
 
@@ -44,7 +44,7 @@ pub(super) struct DrawnWay {
 impl View {
     /// The view of `frame` from `camera`; what it was sampled from is the truth, if it is known, else its disks, or its
     /// ellipses if it has them.
-    pub(super) fn new(
+    pub(in crate::bench::suites) fn new(
         cache: &TruthCache,
         frame: &PreparedFrame,
         shape: Option<Shape>,
@@ -116,7 +116,7 @@ impl View {
             match (shows_object[pixel], known) {
                 (false, _) => f32::INFINITY,
                 (true, Some(depth)) => depth,
-                // Of a pixel that only an enlarged splat covers; 0 where the truth shows nothing, too.
+                // For a pixel covered only by an enlarged splat; 0 where the ground truth shows nothing, too.
                 (true, None) if self.truth.depth.depth[pixel].is_finite() => self.truth.depth.depth[pixel],
                 (true, None) => 0.0,
             }
@@ -160,14 +160,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_shows_of_two_backgrounds_tells_how_much_is_covered() {
+    fn coverage_is_computed_from_images_on_two_backgrounds() {
         assert_eq!(opacity([119, 119, 119, 255], [255; 4]), 0.0);
         assert_eq!(opacity([10, 20, 30, 255], [10, 20, 30, 255]), 1.0);
         assert_eq!(opacity([119; 4], [187; 4]), 0.5);
     }
 
     #[test]
-    fn depths_are_enlarged_by_repeating_them() {
+    fn depths_are_upscaled_by_repetition() {
         let depth = DepthImage {
             size_px: [2, 1],
             depth: vec![1.0, f32::INFINITY],

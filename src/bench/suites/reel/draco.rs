@@ -210,7 +210,7 @@ mod tests {
     use crate::cloud::Attributes;
 
     #[test]
-    fn draco_gives_back_the_cells_that_it_was_given() {
+    fn draco_returns_the_cells_it_was_given() {
         let places: Vec<[f64; 3]> = (0..500)
             .map(|index| [index % 10, index / 10 % 10, index / 100].map(|cell| 1e6 + 0.25 * f64::from(cell)))
             .collect();

@@ -115,7 +115,7 @@ fn variants() -> Vec<(&'static str, ReelOptions)> {
 
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     let variants = variants();
-    // One step to draw the original, one for each row.
+    // One step to draw the original, one per row.
     for subject in run.subjects(1 + variants.len() + Coder::ALL.len())? {
         measure_sequence(run, &subject, &variants)?;
     }
@@ -129,7 +129,7 @@ fn measure_sequence(
 ) -> Result<(), BenchError> {
     let frames = consecutive(subject)?;
     run.begin_step(format!("{}: the original", subject.name))?;
-    // The last one is told by all before it, where any is.
+    // The last frame is encoded relative to all before it, wherever any is.
     let last = frames.len() - 1;
     let mut judge = Judge::new(run.options, subject, frames[last].index, &frames[last].cloud)?;
     let (repeats, progress) = (run.options.repeat, run.progress);

@@ -107,7 +107,7 @@ fn choices(cloud: &RawCloud) -> Vec<Choice> {
     choices.extend(POSITION_BITS.map(|bits| Choice::positions(format!("{bits} bits"), Precision::Bits(bits))));
     let lengths = LENGTH_POWERS.map(|power| extent / 2f64.powi(power));
     choices.extend(lengths.into_iter().filter(|length| *length > 0.0).map(|length| {
-        // Two digits say enough of a length.
+        // Two digits are enough for a length.
         let label = format!("{length:.1e}");
         let length = label.parse().unwrap_or(length);
         Choice::positions(format!("within {length}"), Precision::Length(length))
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_a_frame_has_is_swept_and_all_of_it_can_be_meant() {
+    fn sweeps_cover_exactly_the_attributes_of_a_frame() {
         let count = |cloud: &RawCloud, sweep| choices(cloud).iter().filter(|choice| choice.sweep == sweep).count();
         let bare = RawCloud::from_positions(sphere().positions);
         for (sweep, all, of_bare) in [
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn more_bits_lose_less() {
+    fn more_bits_mean_a_smaller_error() {
         let sequence = Sequence::with_decoder(vec![FrameEntry::file("sphere.ply")], |_| Ok(sphere()));
         let input = Input {
             name: "sphere".to_owned(),

@@ -100,7 +100,7 @@ impl RetainedSamples {
         cells.extend(times.map(|ms| Cell::maybe(ms.map(rate))));
         cells.extend([error.d1_psnr_db(), error.d2_psnr_db(), error.color_psnr_db()].map(finite));
         cells.push(Cell::maybe(error.normals.map(|normals| normals.mean_deg)));
-        // A picture in other colours is no measure of what was lost.
+        // An image in other colours does not measure what was lost.
         let flip = self.has_attributes.then_some(distortion.flip);
         cells.push(Cell::maybe(flip));
         cells.push(Cell::Number(self.bytes as f64));

@@ -32,7 +32,7 @@ pub(super) fn pinhole(size_px: [u32; 2]) -> Result<Camera, BenchError> {
 /// About so many points of the scene: every pixel of as many images as it takes, or some pixels of one.
 pub(super) fn made_cloud(points: usize) -> RawCloud {
     let pixels = (MADE_PX[0] * MADE_PX[1]) as usize;
-    // Nine of ten pixels measure something.
+    // Nine of ten pixels have a measurement.
     let views = (points as f64 / (0.92 * pixels as f64)).ceil().max(1.0) as u32;
     let step = (0.92 * pixels as f64 / points as f64).sqrt().round().max(1.0) as u32;
     let mut positions = Vec::new();
@@ -56,7 +56,7 @@ fn pose(view: u32) -> DAffine3 {
     if view == 0 {
         return DAffine3::IDENTITY;
     }
-    // Even by the golden ratio.
+    // Evenly distributed by the golden ratio.
     let (across, up) = (f64::from(view) * 0.618_034, f64::from(view) * 0.754_878);
     let place = DVec3::new(0.6 * (across.fract() - 0.5), 0.4 * (up.fract() - 0.5), 0.0);
     let forward = (SCENE_CENTER - place).normalize();
@@ -86,7 +86,7 @@ fn measured_z(pose: &DAffine3, at: u32, view: u32) -> f64 {
 /// The depth of the scene along a ray of a sensor.
 fn true_z(pose: &DAffine3, ray: DVec3) -> f64 {
     let (from, along) = (pose.translation, pose.transform_vector3(ray));
-    // |from + t·along − middle|² = radius².
+    // |from + t·along − centre|² = radius².
     let to_center = SCENE_CENTER - from;
     let (square, center) = (along.length_squared(), along.dot(to_center));
     let under_root = center * center - square * (to_center.length_squared() - BALL_RADIUS * BALL_RADIUS);
@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_image_that_is_made_has_what_a_sensor_has() {
+    fn synthetic_images_have_the_holes_and_range_of_a_sensor() {
         let image = made().unwrap();
         let valid = image.valid_count() as f64 / image.metres().len() as f64;
         assert!((0.90..0.94).contains(&valid), "{valid}");
@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn merged_views_are_of_one_scene() {
+    fn merged_views_show_one_scene() {
         let cloud = made_cloud(36_000);
         assert!((30_000..40_000).contains(&cloud.positions.len()));
         for view in [0, 3, 11] {

@@ -194,7 +194,7 @@ fn filter(
         run.begin_step(label(name))?;
         let filters: Filters = name.parse().unwrap_or_default();
         let apply = |image: &DepthImage| match filters.temporal {
-            // The second of two images: the first has nothing before it.
+            // The second of two images: the first has no predecessor.
             Some(temporal) => {
                 let mut filter = TemporalFilter::new(temporal);
                 filter.next(image.clone());
@@ -247,7 +247,7 @@ fn on_card(run: &mut Run<'_>, image: &DepthImage, rays: &Arc<RayTable>) -> Resul
     for round in 0..run.options.warmup + run.options.repeat {
         run.check_cancelled()?;
         let samples = || Arc::new(DepthSamples::metres(image.metres().to_vec()));
-        // The second of two images, as the processor's.
+        // The second of two images, as on the CPU.
         let Some(frame) = DepthFrame::new(vec![samples()], samples(), Arc::clone(rays), None, filters) else {
             break;
         };
@@ -310,7 +310,7 @@ impl Stage {
         let one = Quantiles::of(&self.one_thread_ms);
         let all = Quantiles::of(&self.all_threads_ms);
         let on_card = Quantiles::of(&self.card_ms);
-        // Frames add up in counts; a time is that of one.
+        // Counts add up over frames; a time is that of one frame.
         let frames = self.frames.max(1) as f64;
         let pixels = self.pixels as f64 / frames;
         let mut cells = vec![

@@ -64,7 +64,7 @@ pub(super) fn measure_made(run: &mut Run<'_>) -> Result<Vec<Row>, BenchError> {
             continue;
         };
         let frame = prepared(frame);
-        // As the sensor that the first of the views is from.
+        // Seen like the sensor of the first view.
         let camera = Camera {
             target_in_world: SCENE_CENTER,
             ..Camera::of_pinhole(&pinhole(MADE_PX)?, DAffine3::IDENTITY, SCENE_CENTER.z, UpAxis::NegY)
@@ -159,7 +159,7 @@ fn measure(run: &mut Run<'_>, seen: &ViewedCloud<'_>) -> Result<Row, BenchError>
         let bisected_ms = milliseconds_since(start);
         let mut passes = PassTimes::default();
         if !run.runner.is_processor() {
-            // Surfels of a packet are made once, so those of an equal one are made anew.
+            // Surfels of a packet are computed once, so those of an equal packet are computed again.
             passes = run.runner.draw(&new_packet())?.gpu_passes;
             run.runner.draw(&packet)?;
         }

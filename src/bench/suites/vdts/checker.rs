@@ -198,7 +198,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_truth_is_the_checker_near_by_and_grey_from_afar() {
+    fn the_ground_truth_is_a_checker_up_close_and_gray_from_afar() {
         let (pinhole, near) = looking(PHOTO_PX, 0.0, 2.5).unwrap();
         let in_square = DVec2::splat(0.5 / SQUARES);
         let pixel = pinhole
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn the_plane_has_both_colours() {
+    fn the_plane_has_both_colors() {
         let colors = plane().attributes.colors.unwrap();
         assert_eq!(colors.len(), POINTS * POINTS);
         assert!(colors.iter().any(|color| color[0] < 30) && colors.iter().any(|color| color[0] > 200));

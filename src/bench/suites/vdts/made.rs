@@ -53,7 +53,7 @@ pub(super) fn make(
         let pictures = [runner.image(&packets[0])?, runner.image(&packets[1])?];
         depths.prepare(&packets[0])?;
         let depth = depths.draw_depths()?;
-        // Beside it, photographs see far.
+        // Next to the object, the images see the far distance.
         let far = (distance + 2.0 * f64::from(look.trimmed.radius())) as f32;
         let depth = depth
             .depth
@@ -82,7 +82,7 @@ pub(super) fn make(
             depth: DepthImage::new([EDGE_PX; 2], depth.collect()),
         });
     }
-    // Directions are spread evenly over the sphere.
+    // Directions are evenly distributed over the sphere.
     let angle = (4.0 * std::f64::consts::PI / COUNT as f64).sqrt();
     Ok(Some(PosedImages::new(posed_images, Some(angle))))
 }

@@ -135,7 +135,7 @@ fn measure_sequence(
         }
         let all = &loaded.posed_images;
         let used = all.without(&skipped(run, all));
-        // What is left out is not to tell where the surface is.
+        // Skipped images must not influence the estimated surface.
         let used = used.with_surface(photo_surface(&set, &used, origin, run.progress()));
         let shown = MultiView {
             name: subject.name,
@@ -277,14 +277,14 @@ fn compare<'a>(
     }
     let [on_dark, on_bright] = [runner.image(&packets[0])?, runner.image(&packets[1])?];
     let truth = truth_of(posed_image);
-    // Pixels of the photograph that show nothing (beyond its lens, or masked out) are no truth.
+    // Pixels of the image that show nothing (outside its lens, or masked out) are not ground truth.
     let pixels = on_dark.pixels().zip(on_bright.pixels()).zip(truth.pixels());
     let compared: Vec<bool> = pixels
         .map(|((dark, bright), truth)| is_covered(*dark, *bright) && truth[3] == u8::MAX)
         .collect();
     let count = compared.iter().filter(|&&is_compared| is_compared).count();
     let mut picture = on_dark;
-    // What is not compared has no error.
+    // Pixels that are not compared have no error.
     for ((pixel, truth), &is_compared) in picture.pixels_mut().zip(truth.pixels()).zip(&compared) {
         if !is_compared {
             *pixel = *truth;

@@ -153,7 +153,7 @@ impl Points {
         let other = leaf.normal.cross(across);
         let radius = leaf.radius * numbers.next().sqrt();
         let at = radius * DVec2::from_angle(TAU * numbers.next());
-        // Lighter along the middle.
+        // Lighter along the centre line.
         let light = if at.x.abs() < 0.15 * leaf.radius { 1.3 } else { 1.0 };
         self.push(
             leaf.center + at.x * across + at.y * other,
@@ -168,7 +168,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_tree_has_as_many_points_as_are_asked_for_and_is_the_same_each_time() {
+    fn a_tree_has_the_requested_point_count_and_is_reproducible() {
         let tree = cloud(50_000);
         let count = tree.positions.len();
         assert!((50_000..90_000).contains(&count), "{count}");
