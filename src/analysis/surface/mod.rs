@@ -11,6 +11,8 @@ pub(super) mod file_surface;
 pub(super) mod four_matrices;
 pub(super) mod holes;
 pub(super) mod noise;
+#[cfg(test)]
+pub(super) mod noise_tests;
 pub(super) mod normals;
 pub(super) mod orientation;
 pub(super) mod outlier;

@@ -17,7 +17,7 @@ use crate::analysis::search::lanes::axes_of_four;
 use crate::analysis::search::neighbours::Neighbours;
 use crate::analysis::search::point_tree::{PointTree, SlotPoint};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x4, f64x4};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
