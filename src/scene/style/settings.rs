@@ -104,6 +104,7 @@ impl Settings {
     pub fn edit(&mut self, edit: &mut dyn FnMut(&'static Described, Value) -> Value) {
         self.primitive.edit(&Self::PRIMITIVE, edit);
         self.surfels.edit(edit);
+        self.estimation.edit(edit);
         self.codes.edit(edit);
         self.photos.edit(edit);
         self.light.edit(edit);
