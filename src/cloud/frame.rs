@@ -182,7 +182,7 @@ impl Frame {
         self.with_points(taken, attributes).map(|(part, _)| part)
     }
 
-    /// The same points at other `positions`, with a `warning` that says so.
+    /// Copies the frame with its points at other `positions`, and with a `warning` that says so.
     ///
     /// # Panics
     /// Precondition: as many positions as points.

@@ -42,7 +42,7 @@ fn edited(edit: &Edit) -> RawCloud {
 }
 
 #[test]
-fn smoothed_points_are_near_their_sheet_and_what_moved_is_told() {
+fn smoothed_points_are_near_their_sheet_and_the_distances_are_reported() {
     let height = |at: u32| f64::from(at.wrapping_mul(0x9e37_79b9) >> 8) / f64::from(1 << 24) - 0.5;
     let place = |at: u32| [7e6 + f64::from(at % 30), height(at), f64::from(at / 30)];
     let mut places: Vec<[f64; 3]> = (0..900).map(place).collect();

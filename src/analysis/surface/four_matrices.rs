@@ -28,7 +28,7 @@ pub(in crate::analysis) struct FourMatrices<S: Simd> {
 }
 
 impl<S: Simd> FourMatrices<S> {
-    /// Of single precision.
+    /// Widens matrices of single precision.
     #[inline(always)]
     pub(super) fn of_singles(simd: S, diagonal: [f32x4<S>; 3], neighbor: [f32x4<S>; 3]) -> Self {
         let zero = f64x4::splat(simd, 0.0);

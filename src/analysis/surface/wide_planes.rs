@@ -101,13 +101,13 @@ pub(in crate::analysis) fn widen(
         });
         std::mem::swap(&mut neighbourhoods, &mut widened);
     }
-    let kept: Vec<Vec3> = without_plane.iter().map(|&slot| normals[slot as usize]).collect();
+    let retained: Vec<Vec3> = without_plane.iter().map(|&slot| normals[slot as usize]).collect();
     normals
         .par_iter_mut()
         .zip(&neighbourhoods)
         .with_min_len(1 << 13)
         .for_each(|(normal, neighbourhood)| *normal = neighbourhood.normal());
-    for (&slot, normal) in without_plane.iter().zip(kept) {
+    for (&slot, normal) in without_plane.iter().zip(retained) {
         normals[slot as usize] = normal;
     }
 }

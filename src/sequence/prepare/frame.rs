@@ -167,7 +167,7 @@ impl PreparedFrame {
             return textured;
         }
         let is_outlier = is_outlier(&self.frame);
-        let shrunk = without_outliers(&self.frame, shapes, &is_outlier).map(Arc::new);
+        let shrunk = without_outliers(&self.frame, shapes, self.surface, &is_outlier).map(Arc::new);
         let of_points = shrunk.as_ref().unwrap_or(shapes);
         textured.curved = curved_surface(&self.frame, &self.points, of_points, &is_outlier);
         if let Some(shapes) = shrunk {
