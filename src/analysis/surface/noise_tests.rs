@@ -155,7 +155,13 @@ fn options_hold_with_and_without_a_sensor() {
                     let surface = estimate_surface_observed(&shape.positions, sensor, options, &Progress::default());
                     let pairs = surface.normals.iter().zip(&planes);
                     assert!(pairs.into_iter().all(|(a, b)| *a == *b || *a == -*b), "{options:?}");
-                    assert!(surface.radii.iter().all(|radius| (0.005..0.3).contains(radius)));
+                    let mut radii = surface.radii;
+                    radii.sort_by(f32::total_cmp);
+                    let median = radii[radii.len() / 2] / spacing(4.0 * PI, 17_000);
+                    assert!(
+                        (0.9..1.4).contains(&median),
+                        "a median radius of {median} spacings, {options:?}"
+                    );
                 }
             }
         }
