@@ -222,6 +222,7 @@ fn of_versions() -> [(&'static str, Preferences); 7] {
             style.points = of_version_6().settings.points;
             style.drawing = of_version_6().settings.drawing;
             style.photos = PhotoStyle::default();
+            style.estimation = EstimationStyle::default();
             style.light = LightSettings {
                 eye_dome: style.light.eye_dome,
                 eye_dome_strength: style.light.eye_dome_strength,
