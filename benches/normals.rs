@@ -5,6 +5,8 @@
 //! to sensor* without the spanning tree, *radii* what a file with normals needs, *neighbours* tree and neighbours with
 //! the lists put into file order, *planes* normals alone.
 //!
+//! *noisy surface* is the same of points with noise of half their spacing, next to that of twelve neighbours.
+//!
 //! *large* is 4,000,000 points, whose signs are those of representatives: *surface*, *surface to sensor*, and beside
 //! them the neighbours alone, as sorted lists, and a plain read of the positions.
 //!
@@ -13,9 +15,11 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
 use pointreel::analysis::{
-    DEFAULT_NEIGHBOURS, PlaneFit, estimate_planes, estimate_surface, nearest_neighbours, splat_ellipses, splat_radii,
+    DEFAULT_NEIGHBOURS, PlaneFit, SurfaceOptions, estimate_planes, estimate_surface, estimate_surface_observed,
+    nearest_neighbours, splat_ellipses, splat_radii,
 };
 use pointreel::math::{Cube, order_of_codes};
+use pointreel::progress::Progress;
 
 mod shapes;
 
@@ -40,7 +44,23 @@ fn normals(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("analysis/100000");
     group.throughput(Throughput::Elements(POINTS as u64));
     group.sample_size(20);
-    let functions: [(&str, &(dyn Fn() -> usize + Sync)); 7] = [
+    let noisy = noisy(&positions);
+    let on_noisy = |options, sensor| {
+        let never = Progress::default();
+        let surface = estimate_surface_observed(&noisy, sensor, options, &never);
+        assert_eq!(
+            surface.basis.is_widened,
+            options == SurfaceOptions::AUTO,
+            "noise decides"
+        );
+        surface.normals.len()
+    };
+    let sensor = Some(Vec3::splat(9.0));
+    let functions: [(&str, &(dyn Fn() -> usize + Sync)); 11] = [
+        ("noisy surface", &|| on_noisy(SurfaceOptions::AUTO, None)),
+        ("noisy surface, k = 12", &|| on_noisy(TWELVE, None)),
+        ("noisy surface to sensor", &|| on_noisy(SurfaceOptions::AUTO, sensor)),
+        ("noisy surface to sensor, k = 12", &|| on_noisy(TWELVE, sensor)),
         ("surface", &|| surface(&positions, None)),
         ("surface to sensor", &|| surface(&positions, Some(Vec3::splat(9.0)))),
         ("radii", &|| splat_radii(&positions, &known).len()),
@@ -53,6 +73,26 @@ fn normals(criterion: &mut Criterion) {
     ];
     bench_on_threads(&mut group, [1, cores], &functions);
     group.finish();
+}
+
+/// What noisy clouds had before neighbourhoods were widened.
+const TWELVE: SurfaceOptions = SurfaceOptions {
+    neighbours: Some(DEFAULT_NEIGHBOURS as u16),
+    ..SurfaceOptions::AUTO
+};
+
+/// The points of the torus, moved by about half their spacing: sums of four uniform numbers along each axis.
+fn noisy(positions: &[Vec3]) -> Vec<Vec3> {
+    let spacing = (16.0 / POINTS as f32).sqrt();
+    let mut state = 1u32;
+    let mut uniform = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / (1 << 24) as f32 - 0.5
+    };
+    // Four uniform numbers have a standard deviation of 0.58.
+    let mut deviate = || (uniform() + uniform() + uniform() + uniform()) * (0.5 / 0.577);
+    let mut moved = |&position: &Vec3| position + spacing * Vec3::new(deviate(), deviate(), deviate());
+    positions.iter().map(&mut moved).collect()
 }
 
 fn surface(positions: &[Vec3], sensor: Option<Vec3>) -> usize {

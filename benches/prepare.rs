@@ -10,7 +10,7 @@
 //! picture of 100 frames within 0.5 s of opening. Criterion's `thrpt` is frames a second.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use pointreel::analysis::fake_color;
+use pointreel::analysis::{SurfaceOptions, fake_color};
 use pointreel::cloud::{Frame, PointRecord, Positions, RawCloud, ScalarField};
 use pointreel::memory::Allocator;
 use pointreel::sequence::{
@@ -37,6 +37,8 @@ const SURFELS: Needs = Needs {
     mesh: false,
     levels: None,
     colors: Coloring::of(ColorSource::Auto),
+    surface: SurfaceOptions::AUTO,
+    smoothing: 0.0,
     hints: ColorHints::NONE,
 };
 

@@ -7,6 +7,7 @@
 )]
 
 use glam::{DVec3, Vec3};
+use pointreel::analysis::SurfaceOptions;
 use pointreel::cloud::{Frame, Positions, RawCloud};
 use pointreel::io::ReadOptions;
 use pointreel::levels::octree::StopCriterion;
@@ -50,6 +51,8 @@ const SURFELS: Needs = Needs {
     mesh: false,
     levels: None,
     colors: Coloring::of(ColorSource::Auto),
+    surface: SurfaceOptions::AUTO,
+    smoothing: 0.0,
     hints: ColorHints::NONE,
 };
 

@@ -31,6 +31,7 @@ use glam::Vec3;
 use search::places::Places;
 use search::point_tree::PointTree;
 use surface::blocks::SlotSurface;
+use surface::normals::SlotPlanes;
 use surface::steps::{NEIGHBOURS_STEPS, OUTWARDS_STEPS, PLANES_STEPS, RADII_STEPS, REPRESENTATIVES_STEPS, TREE_STEPS};
 
 /// Number of neighbours that normals and radii are estimated from.
@@ -68,6 +69,8 @@ pub struct Surface {
     /// The points whose neighbours define no plane, ascending: they lie on a line or in one place, as far as f32
     /// coordinates tell, or there are fewer than three. Their normals are across the line, or +Z.
     pub without_plane: Vec<u32>,
+    /// What normals were estimated from.
+    pub basis: NormalBasis,
 }
 
 /// The planes that fit the points around each point best, in the order of the points.
@@ -77,6 +80,8 @@ pub struct Planes {
     pub normals: Vec<Vec3>,
     /// The points whose neighbours define no plane, ascending: see [`Surface::without_plane`].
     pub without_plane: Vec<u32>,
+    /// What they were estimated from.
+    pub basis: NormalBasis,
 }
 
 /// Method of fitting a plane to neighbours.
@@ -103,19 +108,167 @@ impl PlaneFit {
     }
 }
 
-/// Estimates normals alone, from `k` neighbours and without turning them to one side. Those of [`estimate_surface`] are
-/// [`PlaneFit::LeastSquares`].
-pub fn estimate_planes(positions: &[Vec3], k: usize, fit: PlaneFit) -> Planes {
-    let tree = PointTree::new(positions);
-    let neighbours = tree.neighbours(k);
-    let mut planes = surface::normals::fit_planes(&tree, &neighbours, 0..tree.len());
-    if fit == PlaneFit::Robust {
-        surface::robust_planes::refine(&tree, &neighbours, &planes.without_plane, &mut planes.normals);
+/// Options of estimating normals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub struct SurfaceOptions {
+    /// Neighbours that a normal is estimated from; `None` for [`DEFAULT_NEIGHBOURS`], widened where the cloud is noisy.
+    pub neighbours: Option<u16>,
+    /// Method of fitting planes to them.
+    pub fit: PlaneFit,
+}
+
+impl SurfaceOptions {
+    /// Options where no one has chosen.
+    pub const AUTO: Self = Self {
+        neighbours: None,
+        fit: PlaneFit::LeastSquares,
+    };
+}
+
+/// Basis of estimated normals: the neighbours, and the noise that was found.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct NormalBasis {
+    /// Neighbours of each point that were searched for.
+    pub neighbours: usize,
+    /// Standard deviation of the noise in point spacings; 0 if nobody asked.
+    pub noise: f32,
+    /// True if neighbourhoods were widened by those of their neighbours, to points that count as
+    /// [`WIDENED_NEIGHBOURS`] do.
+    pub is_widened: bool,
+}
+
+impl NormalBasis {
+    /// Number of neighbours that normals are as good as estimated from.
+    pub fn reach(&self) -> usize {
+        if self.is_widened {
+            WIDENED_NEIGHBOURS
+        } else {
+            self.neighbours
+        }
     }
+}
+
+/// Neighbours of a plain fit whose normals are as good on a noisy plane as those of widened neighbourhoods.
+pub const WIDENED_NEIGHBOURS: usize = 40;
+
+/// Most points whose neighbourhoods are widened: their lists of neighbours are in memory at once.
+pub const MAX_WIDENED: usize = 1 << 23;
+
+/// Estimates normals alone, from `k` neighbours and without turning them to one side.
+pub fn estimate_planes(positions: &[Vec3], k: usize, fit: PlaneFit) -> Planes {
+    let neighbours = Some(k.min(usize::from(u16::MAX)) as u16);
+    estimate_planes_with(positions, SurfaceOptions { neighbours, fit })
+}
+
+/// The normals of [`estimate_surface`] with these options, each of any sign.
+pub fn estimate_planes_with(positions: &[Vec3], options: SurfaceOptions) -> Planes {
+    let tree = PointTree::new(positions);
+    let basis = basis_of(&tree, options);
+    let neighbours = tree.neighbours(basis.neighbours);
+    let planes = planes_of(&tree, &neighbours, options.fit, basis);
     Planes {
         normals: tree.to_file_order(&planes.normals),
         without_plane: tree.to_file_indices(&planes.without_plane),
+        basis,
     }
+}
+
+/// What the normals of a cloud are estimated from.
+fn basis_of(tree: &PointTree, options: SurfaceOptions) -> NormalBasis {
+    if let Some(neighbours) = options.neighbours {
+        return NormalBasis {
+            neighbours: usize::from(neighbours),
+            ..NormalBasis::default()
+        };
+    }
+    let noise = surface::noise::noise(tree);
+    NormalBasis {
+        neighbours: DEFAULT_NEIGHBOURS,
+        noise: noise as f32,
+        is_widened: tree.len() <= MAX_WIDENED && surface::wide_planes::share_of_neighbours(noise as f32) > 0.0,
+    }
+}
+
+/// The planes of all points of a tree. Precondition: `neighbours` are those of the basis.
+fn planes_of(tree: &PointTree, neighbours: &Neighbours, fit: PlaneFit, basis: NormalBasis) -> SlotPlanes {
+    let refine = |planes: &mut SlotPlanes| {
+        if fit == PlaneFit::Robust {
+            surface::robust_planes::refine(tree, neighbours, 0, &planes.without_plane, &mut planes.normals);
+        }
+    };
+    if !basis.is_widened {
+        let mut planes = surface::normals::fit_planes(tree, neighbours, 0..tree.len());
+        refine(&mut planes);
+        return planes;
+    }
+    let (mut planes, mut neighbourhoods) = surface::normals::fit_neighbourhoods(tree, neighbours);
+    refine(&mut planes);
+    if fit == PlaneFit::Robust {
+        surface::wide_planes::set_normals(&mut neighbourhoods, &planes.normals);
+    }
+    let share = surface::wide_planes::share_of_neighbours(basis.noise);
+    let SlotPlanes { normals, without_plane } = &mut planes;
+    surface::wide_planes::widen(neighbourhoods, neighbours, share, without_plane, normals);
+    planes
+}
+
+/// Points that were moved onto the surface around them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Smoothed {
+    /// The positions, in the order of the points.
+    pub positions: Vec<Vec3>,
+    /// Median of the distances by which points moved.
+    pub median_distance: f32,
+    /// The largest of them.
+    pub max_distance: f32,
+}
+
+impl Smoothed {
+    /// Says how far points were moved, for people.
+    pub fn told(&self, radius_spacings: f32) -> String {
+        let count = self.positions.len();
+        format!(
+            "{count} points are smoothed (moving least squares within {radius_spacings} point spacings): moved by {} in \
+             the median, {} at most",
+            self.median_distance, self.max_distance
+        )
+    }
+}
+
+/// Moves finite `positions` onto the surface around them, from neighbourhoods of a radius in point spacings (moving
+/// least squares; Alexa et al. 2003). Advances `progress` by the number of points; once that is cancelled, the result
+/// is not usable.
+pub fn smooth(positions: &[Vec3], radius_spacings: f32, progress: &Progress) -> Smoothed {
+    let smoothed = if let Some(places) = Places::of(positions) {
+        let distinct = smooth_distinct(&places.positions, radius_spacings, progress);
+        progress.advance(positions.len() - places.positions.len());
+        places.spread(&distinct)
+    } else {
+        smooth_distinct(positions, radius_spacings, progress)
+    };
+    let distances = smoothed.iter().zip(positions).map(|(to, from)| to.distance(*from));
+    let mut distances: Vec<f32> = distances.collect();
+    let center = distances.len() / 2;
+    let median_distance = match distances.get(center) {
+        Some(_) => *distances.select_nth_unstable_by(center, f32::total_cmp).1,
+        None => 0.0,
+    };
+    Smoothed {
+        positions: smoothed,
+        median_distance,
+        max_distance: distances.iter().copied().fold(0.0, f32::max),
+    }
+}
+
+fn smooth_distinct(positions: &[Vec3], radius_spacings: f32, progress: &Progress) -> Vec<Vec3> {
+    let tree = PointTree::new(positions);
+    let projected = surface::smoothing::projected(&tree, radius_spacings, progress);
+    let mut smoothed = tree.to_file_order(&projected);
+    for (to, &from) in smoothed.iter_mut().zip(positions) {
+        let scaled = *to * tree.unit();
+        *to = if scaled.is_finite() { scaled } else { from };
+    }
+    smoothed
 }
 
 /// Most points whose normals are made to agree over all of their neighbourhood graph.
@@ -125,40 +278,47 @@ pub fn estimate_planes(positions: &[Vec3], k: usize, fit: PlaneFit) -> Planes {
 /// frame, and keep the exact signs.
 pub const MAX_JOINED: usize = 1 << 21;
 
-/// Estimates normals and radii from [`DEFAULT_NEIGHBOURS`] neighbours.
+/// Estimates normals and radii with the default [`SurfaceOptions`].
 ///
 /// Normals point to `sensor` if it is given; else they are made consistent over the neighbourhood graph, and each
 /// connected component faces outwards: of all points up to [`MAX_JOINED`], beyond it of representatives. Positions
 /// must be finite. Any number of points is valid: a point without a surface around it (fewer than three distinct points
 /// nearby, or all in a line) gets a normal across what there is, and +Z where there is nothing.
 ///
-/// Takes at most some 70 bytes per point in addition to the positions and the result; 130 where all points are joined.
+/// Takes at most some 70 bytes per point in addition to the positions and the result; 130 where all points are joined,
+/// and 100 more where neighbourhoods are widened.
 pub fn estimate_surface(positions: &[Vec3], sensor: Option<Vec3>) -> Surface {
-    estimate_surface_observed(positions, sensor, &Progress::default())
+    estimate_surface_observed(positions, sensor, SurfaceOptions::default(), &Progress::default())
 }
 
-/// [`estimate_surface`], which advances `progress` by [`surface_steps`]. Once that is cancelled, the rest is skipped
-/// and the result is not usable.
-pub fn estimate_surface_observed(positions: &[Vec3], sensor: Option<Vec3>, progress: &Progress) -> Surface {
+/// [`estimate_surface`] with options, which advances `progress` by [`surface_steps`]. Once that is cancelled, the rest
+/// is skipped and the result is not usable.
+pub fn estimate_surface_observed(
+    positions: &[Vec3],
+    sensor: Option<Vec3>,
+    options: SurfaceOptions,
+    progress: &Progress,
+) -> Surface {
     let orientation = orientation_of(positions.len(), sensor);
-    surface_oriented_by(orientation, positions, sensor, progress)
+    surface_oriented_by(orientation, positions, sensor, options, progress)
 }
 
 /// [`estimate_surface`] for a picture that is soon replaced: without a sensor, points agree with representatives
 /// however few they are.
-pub(crate) fn estimate_surface_fast(positions: &[Vec3], sensor: Option<Vec3>) -> Surface {
+pub(crate) fn estimate_surface_fast(positions: &[Vec3], sensor: Option<Vec3>, options: SurfaceOptions) -> Surface {
     let orientation = orientation_of(usize::MAX, sensor);
-    surface_oriented_by(orientation, positions, sensor, &Progress::default())
+    surface_oriented_by(orientation, positions, sensor, options, &Progress::default())
 }
 
 fn surface_oriented_by(
     orientation: Orientation,
     positions: &[Vec3],
     sensor: Option<Vec3>,
+    options: SurfaceOptions,
     progress: &Progress,
 ) -> Surface {
     if let Some(places) = Places::of(positions) {
-        let surface = surface_of_distinct(orientation, &places.positions, sensor, progress);
+        let surface = surface_of_distinct(orientation, &places.positions, sensor, options, progress);
         let copies = positions.len() - places.positions.len();
         progress.advance(surface_steps(copies, sensor));
         return Surface {
@@ -166,23 +326,26 @@ fn surface_oriented_by(
             orientation: surface.orientation,
             radii: places.spread(&surface.radii),
             without_plane: places.points_of(&surface.without_plane),
+            basis: surface.basis,
         };
     }
-    surface_of_distinct(orientation, positions, sensor, progress)
+    surface_of_distinct(orientation, positions, sensor, options, progress)
 }
 
 fn surface_of_distinct(
     orientation: Orientation,
     positions: &[Vec3],
     sensor: Option<Vec3>,
+    options: SurfaceOptions,
     progress: &Progress,
 ) -> Surface {
-    let estimated = estimated_surface(positions, sensor, orientation, progress);
+    let estimated = estimated_surface(positions, sensor, orientation, options, progress);
     estimated.unwrap_or_else(|| Surface {
         normals: vec![Vec3::Z; positions.len()],
         orientation,
         radii: vec![0.0; positions.len()],
         without_plane: Vec::new(),
+        basis: NormalBasis::default(),
     })
 }
 
@@ -202,6 +365,7 @@ fn estimated_surface(
     positions: &[Vec3],
     sensor: Option<Vec3>,
     orientation: Orientation,
+    options: SurfaceOptions,
     progress: &Progress,
 ) -> Option<Surface> {
     let goes_on = |steps: usize| {
@@ -212,23 +376,31 @@ fn estimated_surface(
     // Computing surfaces of single points on demand (`LazySurface`) was removed: any search needs this tree over all
     // points first, which is a quarter to a third of the whole estimation.
     goes_on(TREE_STEPS)?;
-    let mut by_slot = if orientation == Orientation::Neighbours {
-        let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);
+    let basis = basis_of(&tree, options);
+    let joins_all = orientation == Orientation::Neighbours;
+    let mut by_slot = if joins_all || basis.is_widened {
+        let neighbours = tree.neighbours(basis.neighbours);
         goes_on(NEIGHBOURS_STEPS)?;
-        let planes = surface::normals::fit_planes(&tree, &neighbours, 0..tree.len());
+        let planes = planes_of(&tree, &neighbours, options.fit, basis);
         goes_on(PLANES_STEPS)?;
+        let neighbours = match basis.neighbours {
+            DEFAULT_NEIGHBOURS => neighbours,
+            _ => tree.neighbours(DEFAULT_NEIGHBOURS),
+        };
         let radii = surface::radii::closing_radii(&tree, &neighbours, &planes.normals);
         goes_on(RADII_STEPS)?;
         let mut normals = planes.normals;
-        surface::orientation::face_outwards(&tree, &neighbours, &mut normals);
-        goes_on(OUTWARDS_STEPS)?;
+        if joins_all {
+            surface::orientation::face_outwards(&tree, &neighbours, &mut normals);
+            goes_on(OUTWARDS_STEPS)?;
+        }
         SlotSurface {
             normals,
             radii,
             without_plane: planes.without_plane,
         }
     } else {
-        surface::blocks::surface(&tree, DEFAULT_NEIGHBOURS, progress)?
+        surface::blocks::surface(&tree, basis.neighbours, options.fit, progress)?
     };
     tree.forget_boxes();
     if let Some(sensor) = sensor {
@@ -248,6 +420,7 @@ fn estimated_surface(
         orientation,
         radii: order.of(&radii),
         without_plane,
+        basis,
     })
 }
 

@@ -510,12 +510,12 @@ fn progress_steps_add_up_and_cancelling_stops_after_the_first_stage() {
     let torus = test_shapes::torus(500, 0.4, &mut Random(8)).positions;
     for sensor in [None, Some(Vec3::Z)] {
         let progress = Progress::default();
-        let surface = estimate_surface_observed(&torus, sensor, &progress);
+        let surface = estimate_surface_observed(&torus, sensor, SurfaceOptions::default(), &progress);
         assert_eq!(progress.done(), surface_steps(500, sensor));
         assert_eq!(surface.normals, estimate_surface(&torus, sensor).normals);
         let cancelled = Progress::default();
         cancelled.cancel();
-        estimate_surface_observed(&torus, sensor, &cancelled);
+        estimate_surface_observed(&torus, sensor, SurfaceOptions::default(), &cancelled);
         assert_eq!(cancelled.done(), TREE_STEPS * 500, "the first stage alone");
     }
 }

@@ -211,6 +211,29 @@ impl Frame {
         self.with_points(taken, attributes).map(|(part, _)| part)
     }
 
+    /// Copies the frame with its points at other `positions`, and with a `warning` that says so.
+    ///
+    /// # Panics
+    /// Precondition: as many positions as points.
+    pub(crate) fn moved(&self, positions: &[Vec3], warning: String) -> Result<Self, CloudError> {
+        assert_eq!(positions.len(), self.len(), "one position for each point");
+        let raw = RawCloud {
+            attributes: self.attributes.clone(),
+            grid: self.grid,
+            sensor: self.sensor.map(Vec3::as_dvec3),
+            convention: self.convention,
+            unit: self.unit,
+            warnings: self.warnings.iter().cloned().chain([warning]).collect(),
+            ..RawCloud::from_positions(Positions::F32(positions.iter().map(Vec3::to_array).collect()))
+        };
+        let mut moved = Self::from_raw(raw, DVec3::ZERO)?;
+        moved.file_index = gather(&self.file_index, &moved.file_index);
+        (moved.dropped_points, moved.skipped) = (self.dropped_points, self.skipped);
+        (moved.points_of_finer, moved.has_faces) = (self.points_of_finer, self.has_faces);
+        moved.share_sample(Arc::clone(self.value_sample()));
+        Ok(moved)
+    }
+
     /// The points at these slots with their `attributes`, and where each of them stands here.
     fn with_points(&self, taken: &[u32], attributes: Attributes) -> Result<(Self, Vec<u32>), CloudError> {
         let raw = RawCloud {

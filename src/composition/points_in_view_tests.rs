@@ -1,5 +1,5 @@
 use super::*;
-use crate::analysis::estimate_surface_fast;
+use crate::analysis::{SurfaceOptions, estimate_surface_fast};
 use crate::cloud::{Frame, Positions, RawCloud};
 use crate::scene::{Camera, ClipShape, PicturePlane, Projection, UpAxis};
 use glam::{DVec3, Vec4};
@@ -87,7 +87,7 @@ fn points_retained_at_a_grazing_angle_define_the_plane_of_a_floor() {
     let floor = in_morton_order(&floor);
     let retained = retained(&floor, &camera(3.0), None);
     assert!((2_000..200_000).contains(&retained.len()), "{}", retained.len());
-    let surface = estimate_surface_fast(&retained, None);
+    let surface = estimate_surface_fast(&retained, None, SurfaceOptions::AUTO);
     let upright = surface.normals.iter().filter(|normal| normal.y.abs() > 0.999);
     let share = upright.count() as f64 / retained.len() as f64;
     assert!(share > 0.999, "{share}");

@@ -1,9 +1,11 @@
-//! Edits of a frame during conversion: transform, voxel downsampling, subsampling, normal estimation; in this order.
+//! Edits of a frame during conversion: transform, voxel downsampling, subsampling, smoothing, normal estimation; in this
+//! order.
 
-use crate::analysis::FileSurface;
-use crate::cloud::{Cells, Ellipse, Positions, RawCloud, TooManyCells};
+use crate::analysis::{FileSurface, PlaneFit, SurfaceOptions, smooth};
+use crate::cloud::{Cells, Ellipse, Frame, Positions, RawCloud, TooManyCells};
 use crate::math::{Cube, order_of_codes};
-use glam::{DMat3, DMat4, Vec3};
+use crate::progress::Progress;
+use glam::{DMat3, DMat4, DVec3, Vec3};
 use std::fmt;
 use std::num::NonZeroUsize;
 
@@ -16,8 +18,12 @@ pub struct Edit {
     pub voxel_edge: Option<f64>,
     /// Most points that are left, spread evenly over the cloud. Meshes are sampled from their faces when they are read.
     pub sample_count: Option<NonZeroUsize>,
+    /// Radius in point spacings of the neighbourhoods by which points are moved onto the surface around them.
+    pub smoothing: Option<f32>,
     /// Normals and radii are estimated where the frame has none.
     pub estimates_normals: bool,
+    /// Options of that.
+    pub surface: SurfaceOptions,
 }
 
 /// Why a frame cannot be changed so.
@@ -56,8 +62,11 @@ impl Edit {
             let text = format!("its {face_count} faces are not written: --voxel and --sample leave points alone");
             cloud.warnings.push(text);
         }
+        if let Some(radius_spacings) = self.smoothing {
+            move_onto_surface(cloud, radius_spacings)?;
+        }
         if self.estimates_normals && cloud.attributes.normals.is_none() {
-            estimate_normals(cloud)?;
+            estimate_normals(cloud, self.surface)?;
         }
         Ok(())
     }
@@ -75,8 +84,14 @@ impl fmt::Display for Edit {
         if let Some(count) = self.sample_count {
             words.push(format!("{count} points"));
         }
+        if let Some(radius_spacings) = self.smoothing {
+            words.push(format!("smoothed within {radius_spacings} point spacings"));
+        }
         if self.estimates_normals {
             words.push("normals estimated".to_owned());
+            let SurfaceOptions { neighbours, fit } = self.surface;
+            words.extend(neighbours.map(|neighbours| format!("from {neighbours} neighbours")));
+            words.extend((fit != PlaneFit::default()).then(|| format!("{} fit", fit.name())));
         }
         if words.is_empty() {
             words.push("as it is".to_owned());
@@ -176,9 +191,41 @@ fn subsample(cloud: &mut RawCloud, count: usize) {
     cloud.keep(&retained);
 }
 
+/// Moves the points onto the surface around them, and says so in the warnings. Normals stay.
+fn move_onto_surface(cloud: &mut RawCloud, radius_spacings: f32) -> Result<(), EditError> {
+    let (_, Some((min, max))) = cloud.positions.finite_bounds() else {
+        return Ok(());
+    };
+    let points = RawCloud::from_positions(cloud.positions.clone());
+    let frame = Frame::from_raw(points, min * 0.5 + max * 0.5)?;
+    let smoothed = smooth(frame.positions(), radius_spacings, &Progress::default());
+    let mut moved: Vec<[f64; 3]> = (0..cloud.positions.len())
+        .map(|index| cloud.positions.get(index).to_array())
+        .collect();
+    let places = frame.positions().iter().zip(&smoothed.positions);
+    for (&index, (&from, &to)) in frame.file_index().iter().zip(places) {
+        // What did not move keeps all digits of the file.
+        let position = &mut moved[index as usize];
+        *position = (DVec3::from_array(*position) + (to - from).as_dvec3()).to_array();
+    }
+    cloud.positions = match cloud.positions {
+        Positions::F32(_) => {
+            let singles = moved
+                .into_iter()
+                .map(|position| position.map(|coordinate| coordinate as f32));
+            Positions::F32(singles.collect())
+        }
+        Positions::F64(_) => Positions::F64(moved),
+    };
+    cloud.made_from = None;
+    cloud.integer_limits = None;
+    cloud.warnings.push(smoothed.told(radius_spacings));
+    Ok(())
+}
+
 /// Adds the normals that the window would estimate, and radii where there are none; points that are none get zeros.
-fn estimate_normals(cloud: &mut RawCloud) -> Result<(), EditError> {
-    if let Some(FileSurface { normals, radii }) = FileSurface::of(cloud)? {
+fn estimate_normals(cloud: &mut RawCloud, options: SurfaceOptions) -> Result<(), EditError> {
+    if let Some(FileSurface { normals, radii }) = FileSurface::of(cloud, options)? {
         cloud.attributes.normals = Some(normals);
         cloud.attributes.radii.get_or_insert(radii);
     }

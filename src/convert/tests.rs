@@ -42,6 +42,42 @@ fn edited(edit: &Edit) -> RawCloud {
 }
 
 #[test]
+fn smoothed_points_are_near_their_sheet_and_the_distances_are_reported() {
+    let height = |at: u32| f64::from(at.wrapping_mul(0x9e37_79b9) >> 8) / f64::from(1 << 24) - 0.5;
+    let place = |at: u32| [7e6 + f64::from(at % 30), height(at), f64::from(at / 30)];
+    let mut places: Vec<[f64; 3]> = (0..900).map(place).collect();
+    places.push([f64::NAN; 3]);
+    let mut cloud = RawCloud::from_positions(Positions::F64(places.clone()));
+    let edit = Edit {
+        smoothing: Some(3.0),
+        estimates_normals: true,
+        ..Edit::default()
+    };
+    edit.apply(&mut cloud).unwrap();
+    let roughness = |height: &dyn Fn(usize) -> f64| (0..900).map(|at| height(at).abs()).sum::<f64>() / 900.0;
+    let (before, after) = (
+        roughness(&|at| places[at][1]),
+        roughness(&|at| cloud.positions.get(at).y),
+    );
+    assert!(after < 0.5 * before, "{before} before, {after} after");
+    assert!(cloud.positions.get(900).is_nan());
+    assert!((cloud.positions.get(17).x - 7e6 - 17.0).abs() < 0.5);
+    let [told] = &cloud.warnings[..] else {
+        panic!("{:?}", cloud.warnings);
+    };
+    assert!(
+        told.starts_with("900 points are smoothed") && told.contains("at most"),
+        "{told}"
+    );
+    assert!(
+        cloud.attributes.normals.unwrap()[..900]
+            .iter()
+            .all(|normal| normal[1].abs() > 0.9)
+    );
+    assert_eq!(edit.to_string(), "smoothed within 3 point spacings, normals estimated");
+}
+
+#[test]
 fn transforms_move_points_and_turn_normals() {
     // Z becomes X, twice as long, and 5,000,000 m away.
     let transform = DMat4::from_translation(DVec3::new(5e6, 0.0, 0.0))

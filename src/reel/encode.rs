@@ -4,7 +4,7 @@ use super::error::ReelError;
 use super::file::{Directory, FrameRecord, SectionRecord, StreamRecord};
 use super::frame::{CodedSection, Followed, GroupPlan, Run, Schema, encode_inter, encode_pose, follows, prepare};
 use super::options::{Precision, ReelOptions};
-use crate::analysis::FileSurface;
+use crate::analysis::{FileSurface, SurfaceOptions};
 use crate::cloud::RawCloud;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -171,7 +171,7 @@ fn with_normals<'a>(frame: &NewFrame<'a>, options: &ReelOptions) -> Result<Cow<'
     if has_normals || !options.estimates_normals || options.precision != Precision::SamplingDensity {
         return Ok(Cow::Borrowed(frame.cloud));
     }
-    let surface = FileSurface::of(frame.cloud).map_err(|error| ReelError::Cloud {
+    let surface = FileSurface::of(frame.cloud, SurfaceOptions::AUTO).map_err(|error| ReelError::Cloud {
         name: frame.name.to_owned(),
         problem: error.to_string(),
     })?;

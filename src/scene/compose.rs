@@ -174,6 +174,8 @@ impl Scene {
                 stop: style.octree_stop(),
             }),
             colors: style.colors,
+            surface: style.estimation.surface(),
+            smoothing: style.estimation.smoothing,
             hints: style.of_sequence.color_hints,
         }
     }

@@ -46,11 +46,11 @@ pub use photos::photos_in_frame::PhotosInFrame;
 pub(crate) use style::choices;
 pub use style::{
     Antialiasing, Automatic, BackFaces, Backdrop, Background, Choice, CodeStyle, DrawSettings, DrawingSettings,
-    DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure, LevelStyle, LightRig, LightSettings, LightStyle,
-    Lighting, NormalBits, NormalSource, OfSequence, OffsetBits, OnOff, Painted, ParseChoiceError, PhotoClipping,
-    PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle, PointLight, PointShape, PointSizing, PointStyle,
-    Primitive, RendererChoice, Settings, SplatFilter, SplatGeometry, Splatting, Strategy, Style, SurfelColors,
-    SurfelSettings, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
+    DrawingStyle, EstimationStyle, EyeDome, Footprint, Kernel, LevelStructure, LevelStyle, LightRig, LightSettings,
+    LightStyle, Lighting, NormalBits, NormalFit, NormalSource, OfSequence, OffsetBits, OnOff, Painted,
+    ParseChoiceError, PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle, PointLight,
+    PointShape, PointSizing, PointStyle, Primitive, RendererChoice, Settings, SplatFilter, SplatGeometry, Splatting,
+    Strategy, Style, SurfelColors, SurfelSettings, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
 };
 pub use view::camera::{Camera, Projection, UpAxis, ViewPreset, ViewTransform};
 pub use view::ground::{GroundPlane, SeenGround};

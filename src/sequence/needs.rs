@@ -1,6 +1,7 @@
 //! Needs of an image from a frame: what is not needed is not computed.
 
 use super::{ColorHints, Coloring};
+use crate::analysis::SurfaceOptions;
 use crate::levels::LevelsKey;
 
 /// Needs of an image from a frame beyond its points.
@@ -16,6 +17,11 @@ pub struct Needs {
     pub levels: Option<LevelsKey>,
     /// The colours of points and voxels.
     pub colors: Coloring,
+    /// Options by which missing normals are estimated.
+    pub surface: SurfaceOptions,
+    /// Radius in point spacings of the neighbourhoods by which points are moved onto the surface around them; 0 if they
+    /// stay where they are.
+    pub smoothing: f32,
     /// Colour hints: knowledge beyond the frames that colours can depend on.
     pub hints: ColorHints,
 }

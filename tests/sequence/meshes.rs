@@ -1,6 +1,7 @@
 //! Triangles of frames: read when they are asked for, and not before.
 
 use super::*;
+use pointreel::analysis::SurfaceOptions;
 use pointreel::scene::{Camera, Content, FirstLook, Primitive, Scene, Settings, UpAxis};
 
 const SQUARE: &str = "OFF\n5 2 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n5 5 5\n3 0 1 2\n3 2 1 3\n";
@@ -11,6 +12,8 @@ const MESH: Needs = Needs {
     mesh: true,
     levels: None,
     colors: Coloring::of(ColorSource::Auto),
+    surface: SurfaceOptions::AUTO,
+    smoothing: 0.0,
     hints: ColorHints::NONE,
 };
 

@@ -238,7 +238,8 @@ fn frames_without_points_and_with_one_are_prepared() {
                 mesh: true,
                 levels: Some(levels(LevelsKind::Codes, 0.05)),
                 colors: Coloring::of(source),
-                hints: ColorHints::NONE,
+                smoothing: 3.0,
+                ..Needs::default()
             };
             let prepared = prepare(0, frame_of(raw.clone()), 0.0, &needs, &PrepareCounters::default());
             assert_eq!(prepared.points.len(), count);
@@ -247,6 +248,94 @@ fn frames_without_points_and_with_one_are_prepared() {
             assert!(prepared.satisfies(&needs));
         }
     }
+}
+
+/// A sheet of 900 points without normals, off its plane by up to half their spacing.
+fn rough_sheet() -> RawCloud {
+    let height = |at: u32| (at.wrapping_mul(0x9e37_79b9) >> 8) as f32 / (1 << 24) as f32 - 0.5;
+    let place = |at: u32| [(at % 30) as f32, height(at), (at / 30) as f32];
+    RawCloud::from_positions(Positions::F32((0..900).map(place).collect()))
+}
+
+#[test]
+fn other_options_of_normals_estimate_them_again_and_nothing_else() {
+    let counters = PrepareCounters::default();
+    let automatic = Needs {
+        levels: Some(levels(LevelsKind::Surfels, 0.05)),
+        colors: Coloring::of(ColorSource::Uniform),
+        ..SURFELS
+    };
+    let few = Needs {
+        surface: SurfaceOptions {
+            neighbours: Some(5),
+            ..SurfaceOptions::AUTO
+        },
+        ..automatic
+    };
+    let first = prepare(0, frame_of(rough_sheet()), 0.0, &automatic, &counters);
+    assert!(first.satisfies(&automatic) && !first.satisfies(&few));
+    let second = complete(&first, &few, &counters);
+    assert!(second.satisfies(&few) && !second.satisfies(&automatic));
+    assert_eq!((counters.surfaces_estimated(), counters.octrees_built()), (2, 1));
+    assert!(Arc::ptr_eq(&first.points, &second.points) && first.id == second.id);
+    assert_ne!(first.shapes, second.shapes);
+    let at_once = prepare(0, frame_of(rough_sheet()), 0.0, &few, &counters);
+    assert_eq!(second.shapes, at_once.shapes);
+    assert_eq!(complete(&second, &automatic, &counters).shapes, first.shapes);
+    // Points in the colours of their normals have other colours.
+    let by_normal = |needs: Needs| Needs {
+        colors: Coloring::of(ColorSource::Normal),
+        ..needs
+    };
+    let colored = complete(&first, &by_normal(automatic), &counters);
+    let recolored = complete(&colored, &by_normal(few), &counters);
+    assert!(colored.id != recolored.id && colored.points != recolored.points);
+    // Normals of a file are what they are.
+    let given = prepare(0, frame_of(complete_sheet(10, 0)), 0.0, &automatic, &counters);
+    assert!(given.satisfies(&few));
+}
+
+#[test]
+fn smoothed_points_are_moved_once_told_and_taken_back() {
+    let counters = PrepareCounters::default();
+    let smooth = Needs {
+        smoothing: 3.0,
+        ..SURFELS
+    };
+    let roughness = |frame: &PreparedFrame| {
+        let heights = frame.points.iter().map(|point| point.position[1].abs());
+        heights.sum::<f32>() / frame.points.len() as f32
+    };
+    let first = prepare(0, frame_of(rough_sheet()), 0.0, &SURFELS, &counters);
+    let moved = complete(&first, &smooth, &counters);
+    assert!(
+        roughness(&moved) < 0.5 * roughness(&first),
+        "{} {}",
+        roughness(&first),
+        roughness(&moved)
+    );
+    assert!(!first.satisfies(&smooth) && moved.satisfies(&smooth) && !moved.satisfies(&SURFELS));
+    assert!(!moved.is_sample() && moved.byte_size() > first.byte_size());
+    let told = moved.frame.warnings().concat();
+    assert!(
+        told.starts_with("900 points are smoothed") && told.contains("in the median"),
+        "{told}"
+    );
+    let mut indices = moved.frame.file_index().to_vec();
+    indices.sort_unstable();
+    assert!(indices.into_iter().eq(0..900));
+    // Each other radius begins with the points of the file.
+    let wider = Needs {
+        smoothing: 4.5,
+        ..SURFELS
+    };
+    let at_once = prepare(0, frame_of(rough_sheet()), 0.0, &wider, &counters);
+    let after = complete(&moved, &wider, &counters);
+    assert_eq!((&after.points, &after.shapes), (&at_once.points, &at_once.shapes));
+    let back = complete(&moved, &SURFELS, &counters);
+    assert!(Arc::ptr_eq(&back.frame, &first.frame));
+    assert_eq!((&back.points, &back.shapes), (&first.points, &first.shapes));
+    assert!(back.frame.warnings().is_empty());
 }
 
 #[test]

@@ -15,6 +15,23 @@ pub(in crate::analysis) fn axes<S: Simd>(simd: S, point: impl Fn(usize) -> Vec4)
     ]
 }
 
+/// The four numbers of each of four points, each in a register of its own.
+#[inline(always)]
+pub(in crate::analysis) fn registers_of_four<S: Simd>(simd: S, point: impl Fn(usize) -> Vec4) -> [f32x4<S>; 4] {
+    let a = f32x4::from_slice(simd, point(0).as_ref());
+    let b = f32x4::from_slice(simd, point(1).as_ref());
+    let c = f32x4::from_slice(simd, point(2).as_ref());
+    let d = f32x4::from_slice(simd, point(3).as_ref());
+    let (xy_even, xy_odd) = (simd.zip_low_f32x4(a, c), simd.zip_low_f32x4(b, d));
+    let (zw_even, zw_odd) = (simd.zip_high_f32x4(a, c), simd.zip_high_f32x4(b, d));
+    [
+        simd.zip_low_f32x4(xy_even, xy_odd),
+        simd.zip_high_f32x4(xy_even, xy_odd),
+        simd.zip_low_f32x4(zw_even, zw_odd),
+        simd.zip_high_f32x4(zw_even, zw_odd),
+    ]
+}
+
 /// The coordinates of four points, each in a register of its own.
 #[inline(always)]
 pub(in crate::analysis) fn axes_of_four<S: Simd>(simd: S, point: impl Fn(usize) -> Vec4) -> [f32x4<S>; 3] {

@@ -11,9 +11,11 @@
 
 use super::normals;
 use super::radii::{self, Limits};
+use super::robust_planes;
 use super::steps::{NEIGHBOURS_STEPS, PLANES_STEPS, RADII_STEPS};
 use crate::analysis::search::neighbours::Neighbours;
 use crate::analysis::search::point_tree::{LANES, PointTree};
+use crate::analysis::{DEFAULT_NEIGHBOURS, PlaneFit};
 use crate::progress::Progress;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -43,9 +45,14 @@ struct Rim {
     without_plane: Vec<u32>,
 }
 
-/// The planes and radii of all points, from `k` neighbours each. Advances `progress` by the steps of these stages;
-/// `None` once it is cancelled.
-pub(in crate::analysis) fn surface(tree: &PointTree, k: usize, progress: &Progress) -> Option<SlotSurface> {
+/// The planes of all points, from `k` neighbours each, and their radii, from the default number. Advances `progress` by
+/// the steps of these stages; `None` once it is cancelled.
+pub(in crate::analysis) fn surface(
+    tree: &PointTree,
+    k: usize,
+    fit: PlaneFit,
+    progress: &Progress,
+) -> Option<SlotSurface> {
     let count = tree.len();
     let mut normals = vec![Vec3::Z; count];
     let mut cells = vec![0.0; count];
@@ -64,7 +71,14 @@ pub(in crate::analysis) fn surface(tree: &PointTree, k: usize, progress: &Progre
             // Lists for one block at a time: 13.8 million points take 1.0 GB, against 1.7 GB with the lists of all
             // points at once.
             let neighbours = tree.neighbours_of(slots.clone(), k);
-            let planes = normals::fit_planes(tree, &neighbours, slots.clone());
+            let mut planes = normals::fit_planes(tree, &neighbours, slots.clone());
+            if fit == PlaneFit::Robust {
+                robust_planes::refine(tree, &neighbours, first, &planes.without_plane, &mut planes.normals);
+            }
+            let neighbours = match k {
+                DEFAULT_NEIGHBOURS => neighbours,
+                _ => tree.neighbours_of(slots.clone(), DEFAULT_NEIGHBOURS),
+            };
             let measured = radii::cell_radii(tree, &neighbours, &planes.normals, slots.clone());
             normals.copy_from_slice(&planes.normals);
             cells.copy_from_slice(&measured);
@@ -78,7 +92,7 @@ pub(in crate::analysis) fn surface(tree: &PointTree, k: usize, progress: &Progre
     if progress.is_cancelled() {
         return None;
     }
-    let per_point = k.min(count.saturating_sub(1));
+    let per_point = DEFAULT_NEIGHBOURS.min(count.saturating_sub(1));
     let of_rims = rims.iter().flat_map(|rim| {
         let lists = rim.lists.chunks_exact(per_point.max(1));
         rim.slots.iter().zip(lists)

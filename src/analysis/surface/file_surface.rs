@@ -1,8 +1,8 @@
 //! The surface of a cloud as its file has it: in the order of the file, with holes.
 
-use crate::analysis::Surface;
-use crate::analysis::estimate_surface;
+use crate::analysis::{Surface, SurfaceOptions, estimate_surface_observed};
 use crate::cloud::{CloudError, Frame, RawCloud};
+use crate::progress::Progress;
 
 /// The surface around each point, in the order of the file; zeros where a point is none.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,11 +14,12 @@ pub struct FileSurface {
 }
 
 impl FileSurface {
-    /// Estimates the surface around the points of `cloud` with [`estimate_surface`]; `None` for a cloud without points.
+    /// Estimates the surface around the points of `cloud` as [`estimate_surface`](crate::analysis::estimate_surface)
+    /// does; `None` for a cloud without points.
     ///
     /// # Errors
     /// Points that cannot become a frame.
-    pub fn of(cloud: &RawCloud) -> Result<Option<Self>, CloudError> {
+    pub fn of(cloud: &RawCloud, options: SurfaceOptions) -> Result<Option<Self>, CloudError> {
         let (_, Some((min, max))) = cloud.positions.finite_bounds() else {
             return Ok(None);
         };
@@ -27,7 +28,9 @@ impl FileSurface {
             ..RawCloud::from_positions(cloud.positions.clone())
         };
         let frame = Frame::from_raw(positions, min * 0.5 + max * 0.5)?;
-        let Surface { normals, radii, .. } = estimate_surface(frame.positions(), frame.sensor());
+        let never = Progress::default();
+        let surface = estimate_surface_observed(frame.positions(), frame.sensor(), options, &never);
+        let Surface { normals, radii, .. } = surface;
         let mut surface = Self {
             normals: vec![[0.0; 3]; cloud.positions.len()],
             radii: vec![0.0; cloud.positions.len()],

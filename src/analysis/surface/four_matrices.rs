@@ -9,7 +9,7 @@
 //! When it wins: over one matrix after the other, about three times on surfaces.
 
 use crate::math::SymmetricMat3;
-use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f64x4, mask64x4};
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x4, f64x4, mask64x4};
 use glam::DVec3;
 
 /// Matrices side by side.
@@ -28,6 +28,21 @@ pub(in crate::analysis) struct FourMatrices<S: Simd> {
 }
 
 impl<S: Simd> FourMatrices<S> {
+    /// Widens matrices of single precision.
+    #[inline(always)]
+    pub(super) fn of_singles(simd: S, diagonal: [f32x4<S>; 3], neighbor: [f32x4<S>; 3]) -> Self {
+        let zero = f64x4::splat(simd, 0.0);
+        let mut matrices = Self {
+            diagonal: [zero; 3],
+            neighbor: [zero; 3],
+        };
+        for entry in 0..3 {
+            matrices.diagonal[entry] = widened(simd, diagonal[entry]);
+            matrices.neighbor[entry] = widened(simd, neighbor[entry]);
+        }
+        matrices
+    }
+
     /// One of them.
     #[cold]
     pub(in crate::analysis) fn lane(&self, lane: usize) -> SymmetricMat3 {
@@ -164,6 +179,13 @@ impl<S: Simd> FourMatrices<S> {
             -(v[2] * cos - u[2] * sin),
         ]
     }
+}
+
+/// Widens the numbers to f64.
+#[inline(always)]
+pub(super) fn widened<S: Simd>(simd: S, row: f32x4<S>) -> f64x4<S> {
+    let row: [f32; FOUR] = row.into();
+    f64x4::from_slice(simd, &row.map(f64::from))
 }
 
 /// The roots of `t³ − 3t − 2r` in [√3, 2], by the same three steps of Newton's method.

@@ -10,6 +10,9 @@ pub(super) mod ellipses;
 pub(super) mod file_surface;
 pub(super) mod four_matrices;
 pub(super) mod holes;
+pub(super) mod noise;
+#[cfg(test)]
+pub(super) mod noise_tests;
 pub(super) mod normals;
 pub(super) mod orientation;
 pub(super) mod outlier;
@@ -17,4 +20,6 @@ pub(super) mod outlier;
 pub(super) mod plane_tests;
 pub(super) mod radii;
 pub(super) mod robust_planes;
+pub(super) mod smoothing;
 pub(super) mod steps;
+pub(super) mod wide_planes;

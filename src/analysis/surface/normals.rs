@@ -11,7 +11,8 @@
 //!
 //! The sign is arbitrary here; [`super::orientation`] decides it.
 
-use super::four_matrices::{FOUR, FourMatrices};
+use super::four_matrices::{FOUR, FourMatrices, widened};
+use super::wide_planes::Neighbourhood;
 use crate::analysis::search::lanes::axes_of_four;
 use crate::analysis::search::neighbours::Neighbours;
 use crate::analysis::search::point_tree::{PointTree, SlotPoint};
@@ -54,6 +55,42 @@ pub(in crate::analysis) fn fit_planes(tree: &PointTree, neighbours: &Neighbours,
     }
 }
 
+/// [`fit_planes`] of all points, and what the planes were fitted to.
+pub(in crate::analysis) fn fit_neighbourhoods(
+    tree: &PointTree,
+    neighbours: &Neighbours,
+) -> (SlotPlanes, Vec<Neighbourhood>) {
+    let level = Level::new();
+    let mut normals = vec![Vec3::Z; tree.len()];
+    let mut neighbourhoods = vec![Neighbourhood::default(); tree.len()];
+    let without_plane: Vec<Vec<u32>> = normals
+        .par_chunks_mut(POINTS_PER_TASK)
+        .zip(neighbourhoods.par_chunks_mut(POINTS_PER_TASK))
+        .enumerate()
+        .map(|(task, (normals, neighbourhoods))| {
+            let mut without_plane = Vec::new();
+            dispatch!(level, simd => {
+                let first_slot = POINTS_PER_TASK * task;
+                let slots = (first_slot..).step_by(FOUR);
+                let fours = normals.chunks_mut(FOUR).zip(neighbourhoods.chunks_mut(FOUR));
+                for ((normals, neighbourhoods), slot) in fours.zip(slots) {
+                    let sums = sum_four(simd, tree.points(), slot, neighbours);
+                    let fitted = sums.normals(simd);
+                    let four = sums.neighbourhoods(simd, &fitted);
+                    neighbourhoods.copy_from_slice(&four[..neighbourhoods.len()]);
+                    take_four(normals, &fitted, slot, &mut without_plane);
+                }
+            });
+            without_plane
+        })
+        .collect();
+    let planes = SlotPlanes {
+        normals,
+        without_plane: without_plane.concat(),
+    };
+    (planes, neighbourhoods)
+}
+
 /// Writes the normals of consecutive points, and adds the slots of those without a plane.
 #[inline(always)]
 fn fit_all<S: Simd>(
@@ -65,12 +102,18 @@ fn fit_all<S: Simd>(
     without_plane: &mut Vec<u32>,
 ) {
     for (normals, slot) in normals.chunks_mut(FOUR).zip((first_slot..).step_by(FOUR)) {
-        let fitted = fit_four(simd, points, slot, neighbours);
-        for ((normal, (fitted, is_plane)), slot) in normals.iter_mut().zip(fitted).zip(slot..) {
-            *normal = fitted;
-            if !is_plane {
-                without_plane.push(slot as u32);
-            }
+        let fitted = sum_four(simd, points, slot, neighbours).normals(simd);
+        take_four(normals, &fitted, slot, without_plane);
+    }
+}
+
+/// Writes four normals, or fewer at the end, and adds the slots of those without a plane.
+#[inline(always)]
+fn take_four(normals: &mut [Vec3], fitted: &[(Vec3, bool); FOUR], first_slot: usize, without_plane: &mut Vec<u32>) {
+    for ((normal, &(fitted, is_plane)), slot) in normals.iter_mut().zip(fitted).zip(first_slot..) {
+        *normal = fitted;
+        if !is_plane {
+            without_plane.push(slot as u32);
         }
     }
 }
@@ -82,7 +125,7 @@ pub(in crate::analysis) fn fill_missing(tree: &PointTree, neighbours: &Neighbour
         if !normals.contains(&Vec3::ZERO) {
             continue;
         }
-        let fitted = dispatch!(level, simd => fit_four(simd, tree.points(), slot, neighbours));
+        let fitted = dispatch!(level, simd => sum_four(simd, tree.points(), slot, neighbours).normals(simd));
         for (normal, (fitted, _)) in normals.iter_mut().zip(fitted) {
             if *normal == Vec3::ZERO {
                 *normal = fitted;
@@ -91,16 +134,22 @@ pub(in crate::analysis) fn fill_missing(tree: &PointTree, neighbours: &Neighbour
     }
 }
 
-/// Normals of four consecutive points, and whether their neighbours define a plane. The normal of a single place is +Z.
-/// Inlined, so that it is compiled for each level of SIMD.
+/// Four consecutive points with their neighbours.
+struct FourSums<S: Simd> {
+    /// The points.
+    centers: [f32x4<S>; 3],
+    /// Offsets from the points to the means of their neighbourhoods.
+    means: [f64x4<S>; 3],
+    /// About the means, not divided by the number of points.
+    covariances: FourMatrices<S>,
+    /// Points of a neighbourhood.
+    count: f64,
+}
+
+/// Adds up the neighbourhoods of four consecutive points. Inlined, so that it is compiled for each level of SIMD.
 #[inline(always)]
-fn fit_four<S: Simd>(
-    simd: S,
-    points: &[SlotPoint],
-    first_slot: usize,
-    neighbours: &Neighbours,
-) -> [(Vec3, bool); FOUR] {
-    // Lanes beyond the last point repeat it. Blocks of slots end at multiples of four, or at the last point.
+fn sum_four<S: Simd>(simd: S, points: &[SlotPoint], first_slot: usize, neighbours: &Neighbours) -> FourSums<S> {
+    // Lanes beyond the last point repeat it. Blocks of slots end at multiples of four, or with it.
     let last = points.len() - 1;
     let slot_of = |lane: usize| (first_slot + lane).min(last);
     let centers = axes_of_four(simd, |lane| points[slot_of(lane)].register());
@@ -126,27 +175,65 @@ fn fit_four<S: Simd>(
         }
     }
     let count = (neighbours.per_point() + 1) as f64;
+    let mut means = [zero; 3];
     for axis in 0..3 {
         let mean = sums[axis] * (1.0 / count);
         squares[axis] -= sums[axis] * mean;
         products[axis] -= sums[(axis + 1) % 3] * mean;
+        means[axis] = mean;
     }
-    let covariances = FourMatrices {
-        diagonal: squares,
-        neighbor: products,
-    };
-    let is_plane = covers_a_plane(simd, &covariances, centers, count);
-    // Four at a time, as a single matrix mostly waits for its own roots and quotients: normals of 100,000 points take 6
-    // ms on one thread, 19 ms one at a time.
-    let vectors = covariances.smallest_eigenvectors(simd);
-    let traces = covariances.traces();
-    let mut fitted = [(Vec3::Z, false); FOUR];
-    for (lane, fitted) in fitted.iter_mut().enumerate() {
-        if traces[lane] > 0.0 {
-            *fitted = (vectors[lane].as_vec3(), is_plane[lane]);
+    FourSums {
+        centers,
+        means,
+        covariances: FourMatrices {
+            diagonal: squares,
+            neighbor: products,
+        },
+        count,
+    }
+}
+
+impl<S: Simd> FourSums<S> {
+    /// The normals, and whether the neighbours define a plane. The normal of a single place is +Z.
+    #[inline(always)]
+    fn normals(&self, simd: S) -> [(Vec3, bool); FOUR] {
+        let is_plane = covers_a_plane(simd, &self.covariances, self.centers, self.count);
+        // Four side by side, as a single matrix mostly waits for its own roots and quotients: normals of 100,000 points
+        // take 6 ms of one thread, 19 one at a time.
+        let vectors = self.covariances.smallest_eigenvectors(simd);
+        let traces = self.covariances.traces();
+        let mut fitted = [(Vec3::Z, false); FOUR];
+        for (lane, fitted) in fitted.iter_mut().enumerate() {
+            if traces[lane] > 0.0 {
+                *fitted = (vectors[lane].as_vec3(), is_plane[lane]);
+            }
         }
+        fitted
     }
-    fitted
+
+    /// The neighbourhoods with these normals.
+    #[inline(always)]
+    fn neighbourhoods(&self, simd: S, fitted: &[(Vec3, bool); FOUR]) -> [Neighbourhood; FOUR] {
+        let share = f64x4::splat(simd, 1.0 / self.count);
+        let mut vectors = [[Vec3::ZERO; 3]; FOUR];
+        // Closures would not be compiled for the level of SIMD; loops are.
+        for axis in 0..3 {
+            let centers: [f32; FOUR] = self.centers[axis].into();
+            let means: [f64; FOUR] = self.means[axis].into();
+            let diagonal: [f64; FOUR] = (self.covariances.diagonal[axis] * share).into();
+            let neighbor: [f64; FOUR] = (self.covariances.neighbor[axis] * share).into();
+            for (lane, vectors) in vectors.iter_mut().enumerate() {
+                vectors[0][axis] = centers[lane] + means[lane] as f32;
+                vectors[1][axis] = diagonal[lane] as f32;
+                vectors[2][axis] = neighbor[lane] as f32;
+            }
+        }
+        let mut neighbourhoods = [Neighbourhood::default(); FOUR];
+        for (neighbourhood, (vectors, (normal, _))) in neighbourhoods.iter_mut().zip(vectors.into_iter().zip(fitted)) {
+            *neighbourhood = Neighbourhood::new(vectors, *normal);
+        }
+        neighbourhoods
+    }
 }
 
 /// Returns, per lane, true if points (their covariances not divided by their number, `count`) spread in a second
@@ -168,11 +255,4 @@ fn covers_a_plane<S: Simd>(simd: S, covariances: &FourMatrices<S>, centers: [f32
     let lanes = simd.select_f64x4(is_plane, f64x4::splat(simd, 1.0), f64x4::splat(simd, 0.0));
     let lanes: [f64; FOUR] = lanes.into();
     lanes.map(|lane| lane > 0.0)
-}
-
-/// Widens the numbers to f64.
-#[inline(always)]
-fn widened<S: Simd>(simd: S, row: f32x4<S>) -> f64x4<S> {
-    let row: [f32; FOUR] = row.into();
-    f64x4::from_slice(simd, &row.map(f64::from))
 }

@@ -30,10 +30,12 @@ const SCALE: f64 = 3.6;
 /// Points that are worth handing to another thread.
 const POINTS_PER_TASK: usize = 1 << 9;
 
-/// Fits the planes of all points again, starting from `normals` (by slot). Slots in `without_plane` (ascending) stay.
+/// Fits the planes of points from `first_slot` on again, starting from their `normals`. Slots in `without_plane`
+/// (ascending) stay.
 pub(in crate::analysis) fn refine(
     tree: &PointTree,
     neighbours: &Neighbours,
+    first_slot: usize,
     without_plane: &[u32],
     normals: &mut [Vec3],
 ) {
@@ -42,7 +44,7 @@ pub(in crate::analysis) fn refine(
         .enumerate()
         .for_each(|(task, normals)| {
             let mut samples = Vec::with_capacity(neighbours.per_point() + 1);
-            for (normal, slot) in normals.iter_mut().zip(POINTS_PER_TASK * task..) {
+            for (normal, slot) in normals.iter_mut().zip(first_slot + POINTS_PER_TASK * task..) {
                 if without_plane.binary_search(&(slot as u32)).is_err() {
                     gather(tree.points(), slot, neighbours.of(slot), &mut samples);
                     *normal = refit(&mut samples, normal.as_dvec3()).as_vec3();

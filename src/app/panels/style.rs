@@ -79,7 +79,7 @@ fn number_row(ui: &mut Ui, title: &str, hint: &str, numbers: &Numbers, number: f
     }
 }
 
-fn slider<'a>(numbers: &Numbers, shown: &'a mut f64) -> Slider<'a> {
+fn slider<'a>(numbers: &'a Numbers, shown: &'a mut f64) -> Slider<'a> {
     let factor = match numbers.unit {
         Unit::Percent => 100.0,
         Unit::Is(_) | Unit::Share => 1.0,
@@ -87,6 +87,25 @@ fn slider<'a>(numbers: &Numbers, shown: &'a mut f64) -> Slider<'a> {
     let [min, max] = numbers.offered.map(|end| f64::from(end * factor));
     let slider = Slider::new(shown, min..=max).logarithmic(numbers.is_logarithmic);
     match numbers.unit {
+        _ if !numbers.zero.is_empty() => {
+            let slider = if numbers.are_whole() {
+                slider.integer()
+            } else {
+                slider.max_decimals(numbers.decimals)
+            };
+            slider
+                .custom_formatter(|number, decimals| match number {
+                    0.0 => numbers.zero.to_owned(),
+                    _ => format!("{number:.*}", decimals.end()),
+                })
+                .custom_parser(|text| {
+                    if numbers.is_zero_word(text.trim()) {
+                        Some(0.0)
+                    } else {
+                        text.trim().parse().ok()
+                    }
+                })
+        }
         _ if numbers.are_whole() => slider.integer(),
         Unit::Is(suffix) => slider.max_decimals(numbers.decimals).suffix(suffix),
         Unit::Percent => slider.max_decimals(numbers.decimals).suffix(" %"),

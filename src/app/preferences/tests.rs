@@ -5,11 +5,11 @@ use crate::analysis::ColorMap;
 use crate::levels::octree::StopCriterion;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
-    Antialiasing, BackFaces, Backdrop, Background, Choice, CodeStyle, DrawingSettings, Environment, EyeDome, Footprint,
-    Kernel, LevelStructure, LevelStyle, LightRig, LightSettings, Lighting, NormalBits, NormalSource, OffsetBits, OnOff,
-    PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle, PointLight, PointShape, PointSizing,
-    PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy, SurfelColors,
-    SurfelSettings, VoxelLight, VoxelStyle,
+    Antialiasing, BackFaces, Backdrop, Background, Choice, CodeStyle, DrawingSettings, Environment, EstimationStyle,
+    EyeDome, Footprint, Kernel, LevelStructure, LevelStyle, LightRig, LightSettings, Lighting, NormalBits, NormalFit,
+    NormalSource, OffsetBits, OnOff, PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle,
+    PointLight, PointShape, PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting,
+    Strategy, SurfelColors, SurfelSettings, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -79,6 +79,11 @@ fn unusual() -> Preferences {
                 relight: PhotoRelight::DepthOnly,
                 gains: PhotoGains::Off,
             },
+            estimation: EstimationStyle {
+                neighbours: 24.0,
+                fit: NormalFit::Robust,
+                smoothing: 3.0,
+            },
             backdrop: Backdrop {
                 grid: true,
                 background: Background {
@@ -142,6 +147,7 @@ fn of_version_6() -> Preferences {
             style.light.gamma = 1.0;
             style.backdrop.grid = false;
             style.photos = PhotoStyle::default();
+            style.estimation = EstimationStyle::default();
             style.points = PointStyle {
                 size_px: style.points.size_px,
                 ..PointStyle::default()
@@ -216,6 +222,7 @@ fn of_versions() -> [(&'static str, Preferences); 7] {
             style.points = of_version_6().settings.points;
             style.drawing = of_version_6().settings.drawing;
             style.photos = PhotoStyle::default();
+            style.estimation = EstimationStyle::default();
             style.light = LightSettings {
                 eye_dome: style.light.eye_dome,
                 eye_dome_strength: style.light.eye_dome_strength,

@@ -3,9 +3,9 @@
 use super::*;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
-    Antialiasing, BackFaces, Backdrop, Background, Choice, CodeStyle, DrawingSettings, Environment, Footprint,
-    LevelStructure, LevelStyle, LightSettings, Lighting, NormalBits, OffsetBits, OnOff, PhotoStyle, PointStyle,
-    RendererChoice, Splatting, Strategy, SurfelSettings, VoxelLight, VoxelStyle,
+    Antialiasing, BackFaces, Backdrop, Background, Choice, CodeStyle, DrawingSettings, Environment, EstimationStyle,
+    Footprint, LevelStructure, LevelStyle, LightSettings, Lighting, NormalBits, OffsetBits, OnOff, PhotoStyle,
+    PointStyle, RendererChoice, Splatting, Strategy, SurfelSettings, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorSource, Coloring};
 
@@ -92,6 +92,7 @@ fn of_version_1() -> Settings {
             gamma: 1.0,
         },
         photos: PhotoStyle::default(),
+        estimation: EstimationStyle::default(),
         backdrop: Backdrop {
             grid: false,
             background: Background {

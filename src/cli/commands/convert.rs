@@ -1,5 +1,6 @@
 //! `pointreel convert`: frames in another format, moved, subsampled, with normals.
 
+use crate::analysis::SurfaceOptions;
 use crate::assumption::Subject;
 use crate::cli::info_parts::reel_info::ReelInfo;
 use crate::cli::options::arguments::{FrameRange, ReadArgs, open_sequence_and_tell};
@@ -13,6 +14,8 @@ use crate::io::WriteFormat;
 use crate::messages::frame_with_index;
 use crate::progress::Progress;
 use crate::reel::ReelFile;
+use crate::scene::describe::{Described, Value};
+use crate::scene::{EstimationStyle, NormalFit};
 use crate::sequence::Sequence;
 use crate::{regular_file, signals};
 use anyhow::bail;
@@ -50,6 +53,19 @@ pub(in crate::cli) struct ConvertArgs {
     #[arg(long)]
     estimate_normals: bool,
 
+    /// Neighbours that normals are estimated from (auto: 12, and more where the points are noisy)
+    #[arg(long, value_name = "auto|N", value_parser = neighbours, requires = "estimate_normals")]
+    normals_k: Option<NeighbourCount>,
+
+    /// Fit of estimated normals to neighbours: plain, or robust against outliers [default: plain]
+    #[arg(long, value_name = "plain|robust", requires = "estimate_normals")]
+    fit: Option<NormalFit>,
+
+    /// Move the points onto the surface around them, from neighbours within RADIUS point spacings, such as 3 (moving
+    /// least squares)
+    #[arg(long, value_name = "RADIUS", value_parser = radius)]
+    smooth: Option<f32>,
+
     /// Convert shard i of n (i from 1), for several machines at once; of a sequence file `walk.reel` it is written to
     /// `walk.part-i-of-n.reel`
     #[arg(long, hide_short_help = true, value_name = "i/n", value_parser = shard)]
@@ -64,7 +80,7 @@ pub(in crate::cli) struct ConvertArgs {
     #[arg(
         long,
         hide_short_help = true,
-        conflicts_with_all = ["format", "frames", "voxel", "transform", "estimate_normals", "shard"],
+        conflicts_with_all = ["format", "frames", "voxel", "transform", "estimate_normals", "smooth", "shard"],
     )]
     join: bool,
 
@@ -73,6 +89,21 @@ pub(in crate::cli) struct ConvertArgs {
 
     #[command(flatten)]
     read: ReadArgs,
+}
+
+/// Number of neighbours of a normal; `None` if that is chosen by the noise.
+#[derive(Debug, Clone, Copy)]
+struct NeighbourCount(Option<u16>);
+
+impl ConvertArgs {
+    fn surface(&self) -> SurfaceOptions {
+        EstimationStyle {
+            neighbours: self.normals_k.and_then(|count| count.0).map_or(0.0, f32::from),
+            fit: self.fit.unwrap_or(NormalFit::Plain),
+            ..EstimationStyle::default()
+        }
+        .surface()
+    }
 }
 
 pub(in crate::cli) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
@@ -98,7 +129,9 @@ pub(in crate::cli) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
             transform: arguments.transform,
             voxel_edge: arguments.voxel,
             sample_count: open.read.sample_count,
+            smoothing: arguments.smooth,
             estimates_normals: arguments.estimate_normals,
+            surface: arguments.surface(),
         },
         format,
         output,
@@ -309,6 +342,26 @@ fn edge(text: &str) -> Result<f64, String> {
         .ok()
         .filter(|edge: &f64| edge.is_finite() && *edge > 0.0)
         .ok_or_else(|| "expected a length above 0".to_owned())
+}
+
+/// A number as the settings take it.
+fn number(described: &Described, text: &str) -> Result<f64, String> {
+    match described.parse(text)?.first() {
+        Some(&(_, Value::Number(number))) => Ok(number),
+        _ => Err("expected a number".to_owned()),
+    }
+}
+
+fn neighbours(text: &str) -> Result<NeighbourCount, String> {
+    let count = number(&EstimationStyle::NEIGHBOURS, text)?;
+    Ok(NeighbourCount((count > 0.0).then_some(count as u16)))
+}
+
+fn radius(text: &str) -> Result<f32, String> {
+    let radius = number(&EstimationStyle::SMOOTHING, text)? as f32;
+    Some(radius)
+        .filter(|&radius| radius > 0.0)
+        .ok_or_else(|| "expected a number of point spacings from 1 to 6".to_owned())
 }
 
 /// `2/8` is the second of eight shares.

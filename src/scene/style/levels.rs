@@ -174,6 +174,7 @@ const LODS: &[Kind] = &[
                 unit: Unit::Is(" px"),
                 decimals: 1,
                 is_logarithmic: true,
+                ..Numbers::USUAL
             },
         }),
     },

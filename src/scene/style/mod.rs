@@ -18,6 +18,7 @@ pub mod coloring;
 mod conditions;
 pub mod describe;
 mod drawing;
+mod estimation;
 mod levels;
 mod light;
 mod of_sequence;
@@ -39,6 +40,7 @@ pub use choice::{Automatic, Choice};
 pub(crate) use choices::choices;
 pub use codes::{CodeStyle, Footprint, NormalBits, OffsetBits};
 pub use drawing::{Antialiasing, DrawingSettings, DrawingStyle, Primitive, RendererChoice, Strategy};
+pub use estimation::{EstimationStyle, NormalFit};
 pub use levels::{LevelStructure, LevelStyle};
 pub use light::{EyeDome, LightRig, LightSettings, LightStyle, Lighting, OnOff};
 pub use of_sequence::OfSequence;
@@ -80,6 +82,8 @@ pub struct Style<C = Coloring> {
     pub light: LightStyle,
     /// View-dependent texturing style.
     pub photos: PhotoStyle,
+    /// Estimation style: how normals are estimated, and whether points are smoothed.
+    pub estimation: EstimationStyle,
     /// Backdrop: what is shown in addition to the cloud.
     pub backdrop: Backdrop,
     /// Style data that belongs to one sequence.
@@ -107,6 +111,7 @@ impl Style {
             codes,
             light,
             photos,
+            estimation,
             backdrop,
             of_sequence,
         } = *self;
@@ -121,6 +126,7 @@ impl Style {
             codes,
             light,
             photos,
+            estimation,
             backdrop,
             of_sequence,
         }

@@ -7,8 +7,8 @@ use crate::scene::FirstLook;
 use crate::sequence::ColorSource;
 
 impl Settings {
-    /// Returns these settings with the render mode of `way`: the colours, the background and the grid stay, as do the
-    /// clip region and back-face culling. Eye-dome lighting is that of `way` where that decides, which render modes
+    /// Returns these settings with the render mode of `way`: the colours, estimation, the background and the grid stay,
+    /// as do the clip region and back-face culling. Eye-dome lighting is that of `way` where that decides, which render modes
     /// that are measured do not.
     #[must_use]
     pub fn drawn_as(&self, way: &Self) -> Self {
@@ -25,6 +25,7 @@ impl Settings {
                 eye_dome_strength: light.light.eye_dome_strength,
                 ..way.light
             },
+            estimation: self.estimation,
             backdrop: self.backdrop,
             clip: self.clip,
             ..*way

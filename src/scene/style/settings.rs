@@ -2,8 +2,8 @@
 
 use super::describe::{Described, Label, Place, Section, Setting as _, Shorthand, Value, Values, Word};
 use super::{
-    Backdrop, Choice, CodeStyle, DrawingSettings, LevelStyle, LightSettings, OfSequence, PhotoStyle, PointStyle,
-    Primitive, RendererChoice, SplatFilter, Style, SurfelSettings, VoxelStyle, coloring,
+    Backdrop, Choice, CodeStyle, DrawingSettings, EstimationStyle, LevelStyle, LightSettings, OfSequence, PhotoStyle,
+    PointStyle, Primitive, RendererChoice, SplatFilter, Style, SurfelSettings, VoxelStyle, coloring,
 };
 use crate::scene::Clip;
 use crate::sequence::Coloring;
@@ -43,6 +43,9 @@ pub struct Settings {
     /// View-dependent texturing settings.
     #[serde(flatten)]
     pub photos: PhotoStyle,
+    /// Estimation settings.
+    #[serde(flatten)]
+    pub estimation: EstimationStyle,
     /// Backdrop: what is shown in addition to the cloud.
     #[serde(flatten)]
     pub backdrop: Backdrop,
@@ -101,6 +104,7 @@ impl Settings {
     pub fn edit(&mut self, edit: &mut dyn FnMut(&'static Described, Value) -> Value) {
         self.primitive.edit(&Self::PRIMITIVE, edit);
         self.surfels.edit(edit);
+        self.estimation.edit(edit);
         self.codes.edit(edit);
         self.photos.edit(edit);
         self.light.edit(edit);
@@ -144,6 +148,7 @@ impl Settings {
             codes: self.codes,
             light: self.light.with_rig().decided(),
             photos: self.photos,
+            estimation: self.estimation,
             backdrop: self.backdrop,
             of_sequence: OfSequence {
                 clip: self.clip,
@@ -172,6 +177,7 @@ impl Default for Settings {
             codes: CodeStyle::default(),
             light: LightSettings::default(),
             photos: PhotoStyle::default(),
+            estimation: EstimationStyle::default(),
             backdrop: Backdrop::default(),
             clip: None,
         }

@@ -4,7 +4,7 @@
 use super::counters::{PrepareCounters, Timings};
 use super::frame::{PreparedFrame, next_id};
 use super::mesh::PreparedMesh;
-use crate::analysis::{Orientation, Surface, estimate_surface_observed, surface_steps};
+use crate::analysis::{Orientation, Surface, SurfaceOptions, estimate_surface_observed, surface_steps};
 use crate::cloud::{Frame, Mesh, PointRecord, ShapeRecord};
 use crate::levels::{CloudRecords, LevelsSet, LevelsWork};
 use crate::progress::Progress;
@@ -31,6 +31,12 @@ pub(super) struct Build<'a> {
     pub(super) mesh_of: Option<&'a PreparedFrame>,
     /// Shapes that are known.
     pub(super) shapes: Option<Shapes>,
+    /// Options by which their normals were estimated, where they were.
+    pub(super) surface: SurfaceOptions,
+    /// Radius of the neighbourhoods by which the points of `frame` were moved; 0 if they were not.
+    pub(super) smoothing: f32,
+    /// The frame before that.
+    pub(super) unsmoothed: Option<Arc<Frame>>,
     /// True if they have ellipses.
     pub(super) has_ellipses: bool,
     pub(super) timings: Timings,
@@ -52,6 +58,10 @@ impl Build<'_> {
             (self.shapes, self.has_ellipses) = (None, false);
         }
         if needs.shapes || colors_need_shapes {
+            if self.surface != needs.surface && self.frame.all_normals().is_none() {
+                (self.shapes, self.has_ellipses) = (None, false);
+            }
+            self.surface = needs.surface;
             self.complete_shapes();
         }
         if needs.shapes && needs.ellipses {
@@ -73,6 +83,9 @@ impl Build<'_> {
             frame: self.frame,
             points,
             shapes,
+            surface: self.surface,
+            smoothing: self.smoothing,
+            unsmoothed: self.unsmoothed,
             has_ellipses: self.has_ellipses,
             orientation,
             mesh,
@@ -91,7 +104,7 @@ impl Build<'_> {
         }
         let estimate = |positions: &[Vec3], sensor| {
             self.progress.set(0, surface_steps(positions.len(), sensor));
-            estimate_surface_observed(positions, sensor, self.progress)
+            estimate_surface_observed(positions, sensor, self.surface, self.progress)
         };
         let frame = &self.frame;
         let (shapes, by) = estimated_shapes(frame, &mut self.timings, self.counters, estimate);
@@ -168,7 +181,7 @@ pub(super) fn estimated_shapes(
             counters.surfaces_estimated.fetch_add(1, Ordering::Relaxed);
         }
     }
-    timings.analysis_ms = milliseconds_since(start) as f32;
+    timings.analysis_ms += milliseconds_since(start) as f32;
     let start = Instant::now();
     let shapes = records::shape_records(frame, &surface);
     timings.records_ms += milliseconds_since(start) as f32;

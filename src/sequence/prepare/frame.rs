@@ -3,7 +3,7 @@
 use super::counters::Timings;
 use super::mesh::PreparedMesh;
 use super::textured::{curved_surface, is_outlier, without_outliers};
-use crate::analysis::Orientation;
+use crate::analysis::{Orientation, SurfaceOptions};
 use crate::cloud::{Frame, MeshRecords, PointRecord, ShapeRecord};
 use crate::levels::{CloudRecords, LevelsSet};
 use crate::photos::{PhotoSurface, PosedImages};
@@ -24,6 +24,13 @@ pub struct PreparedFrame {
     pub points: Arc<Vec<PointRecord>>,
     /// One record a point, if asked for, or if estimating normals for colours brought them anyway.
     pub shapes: Option<Arc<Vec<ShapeRecord>>>,
+    /// Options by which the normals in `shapes` were estimated, where the file has none.
+    pub surface: SurfaceOptions,
+    /// Radius in point spacings of the neighbourhoods by which the points were moved; 0 if they are where the file has
+    /// them.
+    pub smoothing: f32,
+    /// The frame before its points were moved, if they were.
+    pub(super) unsmoothed: Option<Arc<Frame>>,
     /// True if `shapes` contain ellipses, which define how much longer than wide splats are; otherwise all are disks.
     pub has_ellipses: bool,
     /// By what the signs of the normals in `shapes` were decided: the back of a surfel says nothing unless they are
@@ -48,6 +55,7 @@ impl PreparedFrame {
     /// True when completing it for `needs` would change nothing.
     pub fn satisfies(&self, needs: &Needs) -> bool {
         self.is_painted_for(needs)
+            && self.smoothing == needs.smoothing
             && (!needs.shapes || self.has_shapes_for(needs))
             && !self.lacks_mesh_for(needs)
             && needs.levels.is_none_or(|key| self.levels.has(key, needs.shapes))
@@ -72,11 +80,25 @@ impl PreparedFrame {
     /// Estimated ellipses have the radii of disks, those of a file have not.
     fn has_shapes_for(&self, needs: &Needs) -> bool {
         let are_disks = !self.has_ellipses || self.frame.ellipses().is_none();
-        self.shapes.is_some() && if needs.ellipses { self.has_ellipses } else { are_disks }
+        self.shapes.is_some()
+            && self.has_surface_of(needs)
+            && if needs.ellipses { self.has_ellipses } else { are_disks }
+    }
+
+    /// Returns true if the normals of shapes are those that are needed: of the file, or estimated in that way.
+    fn has_surface_of(&self, needs: &Needs) -> bool {
+        self.surface == needs.surface || self.frame.all_normals().is_some()
+    }
+
+    /// The frame as the file has it.
+    pub(super) fn original(&self) -> &Arc<Frame> {
+        self.unsmoothed.as_ref().unwrap_or(&self.frame)
     }
 
     pub(super) fn is_painted_for(&self, needs: &Needs) -> bool {
-        self.asked == (needs.colors, needs.hints) || self.paint == needs.colors.paint(&needs.hints, &self.frame)
+        let is_asked = self.asked == (needs.colors, needs.hints);
+        (is_asked || self.paint == needs.colors.paint(&needs.hints, &self.frame))
+            && (self.paint != Paint::Normal || self.has_surface_of(needs))
     }
 
     /// Returns the colour source of the points: see [`Paint::source`].
@@ -145,7 +167,7 @@ impl PreparedFrame {
             return textured;
         }
         let is_outlier = is_outlier(&self.frame);
-        let shrunk = without_outliers(&self.frame, shapes, &is_outlier).map(Arc::new);
+        let shrunk = without_outliers(&self.frame, shapes, self.surface, &is_outlier).map(Arc::new);
         let of_points = shrunk.as_ref().unwrap_or(shapes);
         textured.curved = curved_surface(&self.frame, &self.points, of_points, &is_outlier);
         if let Some(shapes) = shrunk {
@@ -171,6 +193,7 @@ impl PreparedFrame {
     pub fn byte_size(&self) -> usize {
         let shapes = self.shapes.as_ref();
         self.frame.byte_size()
+            + self.unsmoothed.as_ref().map_or(0, |frame| frame.byte_size())
             + size_of_val(self.points.as_slice())
             + shapes.map_or(0, |shapes| size_of_val(shapes.as_slice()))
             + self.mesh.as_ref().map_or(0, PreparedMesh::byte_size)

@@ -9,6 +9,8 @@
 //! | stop criterion | – | – | octree, its points not sorted again |
 //! | colours | – | – | points; octree if one is needed |
 //! | shapes wanted now | – | normals and radii the file has not | shapes |
+//! | options of normals | – | normals and radii the file has not | shapes; points in their colours; levels made of them |
+//! | smoothing | – | positions, and all that is made of them | all |
 //! | ellipses wanted now | – | ellipses | shapes; levels that are made of them |
 //! | triangles wanted now | the file once more, by the loader | – | triangles |
 //!
@@ -30,11 +32,12 @@ pub use frame::PreparedFrame;
 pub use mesh::PreparedMesh;
 
 use super::Needs;
-use crate::analysis::estimate_surface_fast;
+use crate::analysis::{estimate_surface_fast, smooth};
 use crate::cloud::{CloudError, Frame, Mesh, ShapeRecord, radius_factor};
 use crate::progress::Progress;
 use crate::stopwatch::milliseconds_since;
 use build::{Build, estimated_shapes};
+use glam::Vec3;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -62,10 +65,11 @@ pub(super) fn prepare_observed(
     counters: &PrepareCounters,
     progress: &Progress,
 ) -> PreparedFrame {
-    let timings = Timings {
+    let mut timings = Timings {
         decode_ms,
         ..Timings::default()
     };
+    let (frame, unsmoothed) = smoothed(&frame, needs.smoothing, &mut timings, progress);
     let build = Build {
         index,
         frame,
@@ -73,6 +77,9 @@ pub(super) fn prepare_observed(
         loaded_mesh: mesh,
         mesh_of: None,
         shapes: None,
+        surface: needs.surface,
+        smoothing: needs.smoothing,
+        unsmoothed,
         has_ellipses: false,
         timings,
         counters,
@@ -91,30 +98,38 @@ pub(super) fn prepare_sample(
     counters: &PrepareCounters,
 ) -> Result<PreparedFrame, CloudError> {
     let start = Instant::now();
-    let (frame, slots) = existing.frame.sample(max_points)?;
+    // Points that are fewer are moved by what is around them then, and not twice.
+    let (frame, slots) = existing.original().sample(max_points)?;
     let factor = radius_factor(existing.frame.len(), slots.len());
-    let shapes = existing.shapes.as_ref().map(|shapes| {
+    let is_smoothed = existing.unsmoothed.is_some() || needs.smoothing > 0.0;
+    let known = existing.shapes.as_ref().filter(|_| !is_smoothed);
+    let shapes = known.map(|shapes| {
         let shape = |&slot: &u32| ShapeRecord {
             radius: factor * shapes[slot as usize].radius,
             ..shapes[slot as usize]
         };
         Arc::new(slots.iter().map(shape).collect::<Vec<_>>())
     });
-    let timings = Timings {
+    let mut timings = Timings {
         records_ms: milliseconds_since(start) as f32,
         ..Timings::default()
     };
+    let never = Progress::default();
+    let (frame, unsmoothed) = smoothed(&Arc::new(frame), needs.smoothing, &mut timings, &never);
     let build = Build {
         index: existing.index,
-        frame: Arc::new(frame),
+        frame,
         existing: None,
         loaded_mesh: mesh,
         mesh_of: needs.mesh.then_some(existing),
+        has_ellipses: existing.has_ellipses && shapes.is_some(),
         shapes: shapes.zip(existing.orientation),
-        has_ellipses: existing.has_ellipses,
+        surface: existing.surface,
+        smoothing: needs.smoothing,
+        unsmoothed,
         timings,
         counters,
-        progress: &Progress::default(),
+        progress: &never,
     };
     Ok(build.finish(needs))
 }
@@ -130,7 +145,8 @@ pub fn prepare_part(
 ) -> Result<PreparedFrame, CloudError> {
     let mut timings = Timings::default();
     let frame = existing.frame.part_without_splats(slots)?;
-    let (shapes, orientation) = estimated_shapes(&frame, &mut timings, counters, estimate_surface_fast);
+    let estimate = |positions: &[Vec3], sensor| estimate_surface_fast(positions, sensor, needs.surface);
+    let (shapes, orientation) = estimated_shapes(&frame, &mut timings, counters, estimate);
     let build = Build {
         index: existing.index,
         frame: Arc::new(frame),
@@ -138,6 +154,9 @@ pub fn prepare_part(
         loaded_mesh: None,
         mesh_of: None,
         shapes: Some((Arc::new(shapes), orientation)),
+        surface: needs.surface,
+        smoothing: existing.smoothing,
+        unsmoothed: None,
         has_ellipses: false,
         timings,
         counters,
@@ -162,6 +181,26 @@ pub(super) fn complete_observed(
     if existing.satisfies(needs) {
         return existing.clone();
     }
+    if existing.smoothing != needs.smoothing {
+        let mut timings = Timings::default();
+        let (frame, unsmoothed) = smoothed(existing.original(), needs.smoothing, &mut timings, progress);
+        let build = Build {
+            index: existing.index,
+            frame,
+            existing: None,
+            loaded_mesh: mesh,
+            mesh_of: Some(existing),
+            shapes: None,
+            surface: needs.surface,
+            smoothing: needs.smoothing,
+            unsmoothed,
+            has_ellipses: false,
+            timings,
+            counters,
+            progress,
+        };
+        return build.finish(needs);
+    }
     let build = Build {
         index: existing.index,
         frame: Arc::clone(&existing.frame),
@@ -169,10 +208,36 @@ pub(super) fn complete_observed(
         loaded_mesh: mesh,
         mesh_of: Some(existing),
         shapes: existing.shapes.clone().zip(existing.orientation),
+        surface: existing.surface,
+        smoothing: existing.smoothing,
+        unsmoothed: existing.unsmoothed.clone(),
         has_ellipses: existing.has_ellipses,
         timings: Timings::default(),
         counters,
         progress,
     };
     build.finish(needs)
+}
+
+/// Moves the points of a frame onto the surface around them, from neighbourhoods of a radius in point spacings. Returns
+/// the frame as it was in addition, unless that is the same.
+fn smoothed(
+    frame: &Arc<Frame>,
+    radius_spacings: f32,
+    timings: &mut Timings,
+    progress: &Progress,
+) -> (Arc<Frame>, Option<Arc<Frame>>) {
+    if radius_spacings <= 0.0 {
+        return (Arc::clone(frame), None);
+    }
+    let start = Instant::now();
+    progress.set(0, frame.len());
+    let smoothed = smooth(frame.positions(), radius_spacings, progress);
+    let moved = frame.moved(&smoothed.positions, smoothed.told(radius_spacings));
+    timings.analysis_ms += milliseconds_since(start) as f32;
+    match moved {
+        Ok(moved) => (Arc::new(moved), Some(Arc::clone(frame))),
+        // A frame of these points exists.
+        Err(_) => (Arc::clone(frame), None),
+    }
 }

@@ -10,9 +10,10 @@
 //! A disk of few points reaches beyond an outline, and takes the images from what is behind it. So [splats are
 //! curved](bent_disks): smaller ones on the curved surface are drawn, and images are occluded by these.
 
-use crate::analysis::{Disk, Surface, curved_splats, estimate_surface, outliers, splat_radii};
+use crate::analysis::{Disk, Surface, SurfaceOptions, curved_splats, estimate_surface_observed, outliers, splat_radii};
 use crate::cloud::{Frame, PointRecord, ShapeRecord, oct_decode, oct_encode};
 use crate::photos::PhotoSurface;
+use crate::progress::Progress;
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -36,14 +37,19 @@ pub(super) fn is_outlier(frame: &Frame) -> Vec<bool> {
     outliers(frame.positions())
 }
 
-/// Returns the shapes of a frame without its outliers; `None` if there are none of these. Precondition: a shape for
+/// Returns the shapes of a frame without its outliers, estimated with `options`; `None` if there are none of these. Precondition: a shape for
 /// each point.
-pub(super) fn without_outliers(frame: &Frame, shapes: &[ShapeRecord], is_outlier: &[bool]) -> Option<Vec<ShapeRecord>> {
+pub(super) fn without_outliers(
+    frame: &Frame,
+    shapes: &[ShapeRecord],
+    options: SurfaceOptions,
+    is_outlier: &[bool],
+) -> Option<Vec<ShapeRecord>> {
     let cached: Vec<usize> = (0..is_outlier.len()).filter(|&at| !is_outlier[at]).collect();
     if cached.len() == is_outlier.len() {
         return None;
     }
-    let surface = surface_of(frame, shapes, &cached);
+    let surface = surface_of(frame, shapes, options, &cached);
     let mut shapes = shapes.to_vec();
     for (shape, _) in shapes.iter_mut().zip(is_outlier).filter(|(_, is_outlier)| **is_outlier) {
         shape.radius *= SHRUNK;
@@ -90,14 +96,20 @@ pub(super) fn curved_surface(
 }
 
 /// Normals, as records have them, and radii of some points alone. Normals of the file stay.
-fn surface_of(frame: &Frame, shapes: &[ShapeRecord], cached: &[usize]) -> Vec<([i16; 2], f32)> {
+fn surface_of(
+    frame: &Frame,
+    shapes: &[ShapeRecord],
+    options: SurfaceOptions,
+    cached: &[usize],
+) -> Vec<([i16; 2], f32)> {
     let places: Vec<Vec3> = cached.iter().map(|&at| frame.positions()[at]).collect();
     if frame.normals().is_some() {
         let records: Vec<[i16; 2]> = cached.iter().map(|&at| shapes[at].normal).collect();
         let normals: Vec<Vec3> = records.iter().map(|&normal| oct_decode(normal)).collect();
         return records.into_iter().zip(splat_radii(&places, &normals)).collect();
     }
-    let Surface { normals, radii, .. } = estimate_surface(&places, frame.sensor());
+    let surface = estimate_surface_observed(&places, frame.sensor(), options, &Progress::default());
+    let Surface { normals, radii, .. } = surface;
     normals.into_iter().map(oct_encode).zip(radii).collect()
 }
 

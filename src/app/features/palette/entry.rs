@@ -214,7 +214,7 @@ fn taken(numbers: &Numbers, number: f64) -> Option<f64> {
 
 fn shown(numbers: &Numbers, number: f64) -> String {
     match numbers.unit {
-        Unit::Is(unit) => format!("{}{unit}", number as f32),
+        Unit::Is(unit) => format!("{}{unit}", numbers.typed_text(number)),
         Unit::Share | Unit::Percent => numbers.told(number),
     }
 }

@@ -16,6 +16,8 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::percent("noise", "noise", 1),
     Column::percent("outliers", "outliers", 0),
     Column::number("neighbours", "k", 0),
+    Column::text("chosen", "chosen"),
+    Column::number("noise_found", "noise in spacings", 2),
     // Leaves and levels of detail.
     Column::text("sequence", "sequence"),
     Column::percent("delta", "δ", 0),

@@ -1,11 +1,11 @@
 //! Normals on known shapes: angle to the truth and time by noise, outliers and number of neighbours, of least squares
-//! and of robust fits.
+//! and of robust fits; and what the automatic choice finds.
 //!
 //! Signs are not compared: they come later, from the neighbourhood graph or the sensor. The time is that of the whole
 //! estimate (tree, neighbours, planes) on all threads that the program has.
 
 use super::columns::{NORMALS, row};
-use crate::analysis::{PlaneFit, estimate_planes};
+use crate::analysis::{PlaneFit, SurfaceOptions, estimate_planes_with};
 use crate::bench::report::Cell;
 use crate::bench::run::Run;
 use crate::bench::{BenchError, Quantiles};
@@ -29,8 +29,12 @@ const DISTURBANCES: [(f32, bool); 6] = [
     (0.005, true),
 ];
 
-/// Numbers of neighbours; the program's own 12 is between the first two.
-const NEIGHBOURS: [usize; 3] = [8, 16, 32];
+/// Numbers of neighbours; `None` for the automatic choice, which the program makes where no one else does.
+const NEIGHBOURS: [Option<u16>; 4] = [Some(8), Some(16), Some(32), None];
+
+fn options(neighbours: Option<u16>, fit: PlaneFit) -> SurfaceOptions {
+    SurfaceOptions { neighbours, fit }
+}
 
 /// One for each shape with each disturbance.
 pub(super) const STEPS: usize = Shape::ALL.len() * DISTURBANCES.len();
@@ -52,15 +56,24 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
                 shape.scatter(&mut truth);
             }
             for neighbours in NEIGHBOURS {
+                let basis = estimate_planes_with(&truth.positions, options(neighbours, PlaneFit::default())).basis;
+                let is_automatic = neighbours.is_none();
                 let mut cells = vec![
                     ("shape", Cell::Text(shape.name().to_owned())),
                     ("noise", Cell::Number(noise_share)),
                     ("outliers", Cell::Number(outlier_share)),
-                    ("neighbours", Cell::Number(neighbours as f64)),
+                    ("neighbours", Cell::Number(basis.reach() as f64)),
+                    (
+                        "chosen",
+                        Cell::Text(if is_automatic { "auto" } else { "given" }.to_owned()),
+                    ),
                     ("points", Cell::Number(POINTS as f64)),
                 ];
+                if is_automatic {
+                    cells.push(("noise_found", Cell::Number(f64::from(basis.noise))));
+                }
                 for fit in PlaneFit::ALL {
-                    let values = measure_fit(run, &truth, neighbours, fit)?;
+                    let values = measure_fit(run, &truth, options(neighbours, fit))?;
                     let keys = keys(fit);
                     cells.extend(keys.into_iter().zip(values.map(Cell::maybe)));
                 }
@@ -94,18 +107,13 @@ fn keys(fit: PlaneFit) -> [&'static str; 6] {
 }
 
 /// Median and quartiles of the time in milliseconds; mean, 95th percentile and largest of the angles in degrees.
-fn measure_fit(
-    run: &mut Run<'_>,
-    truth: &Sampled,
-    neighbours: usize,
-    fit: PlaneFit,
-) -> Result<[Option<f64>; 6], BenchError> {
+fn measure_fit(run: &mut Run<'_>, truth: &Sampled, options: SurfaceOptions) -> Result<[Option<f64>; 6], BenchError> {
     let mut times_ms = Vec::new();
     let mut normals = Vec::new();
     for round in 0..run.options.warmup + run.options.repeat {
         run.check_cancelled()?;
         let start = Instant::now();
-        let estimated = estimate_planes(black_box(&truth.positions), neighbours, fit).normals;
+        let estimated = estimate_planes_with(black_box(&truth.positions), options).normals;
         let time_ms = milliseconds_since(start);
         if round >= run.options.warmup {
             times_ms.push(time_ms);

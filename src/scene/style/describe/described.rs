@@ -103,7 +103,7 @@ impl Described {
     pub fn typed(&self, value: Value) -> Option<String> {
         match (&self.values, value) {
             (Values::Words(words), Value::Word(place)) => Some(words.list.get(place)?.word.to_owned()),
-            (Values::Number(_), Value::Number(number)) => Some((number as f32).to_string()),
+            (Values::Number(numbers), Value::Number(number)) => Some(numbers.typed_text(number)),
             (Values::Switch(_), Value::Switch(is_on)) => Some(if is_on { "on" } else { "off" }.to_owned()),
             (Values::Environment, Value::Environment(environment)) => Some(environment.to_string()),
             (Values::Colors, Value::Colors(colors)) => Some(colors.source.to_string()),

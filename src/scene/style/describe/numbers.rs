@@ -1,5 +1,7 @@
 //! Numeric ranges of settings, and how the numbers are written.
 
+use crate::spelling::is_same_word;
+
 /// Numeric range of a setting.
 #[derive(Debug)]
 pub struct Numbers {
@@ -15,6 +17,8 @@ pub struct Numbers {
     pub decimals: usize,
     /// Equal ways on the slider are equal factors.
     pub is_logarithmic: bool,
+    /// Word for 0 where that is not a number like the others; empty where it is.
+    pub zero: &'static str,
 }
 
 /// Numbers that the command line accepts.
@@ -52,6 +56,7 @@ impl Numbers {
         unit: Unit::Is(""),
         decimals: 2,
         is_logarithmic: false,
+        zero: "",
     };
 
     /// Returns true if the numbers are integers.
@@ -68,6 +73,9 @@ impl Numbers {
     /// A number of the command line. `Err` says what was expected.
     pub fn parse(&self, text: &str) -> Result<f64, String> {
         let [min, max] = self.retained;
+        if self.is_zero_word(text) {
+            return Ok(0.0);
+        }
         let number = || match self.typed {
             Typed::Whole | Typed::WholePositive => text.parse::<u32>().ok().map(f64::from),
             _ => text.parse::<f32>().ok().map(f64::from),
@@ -81,16 +89,31 @@ impl Numbers {
         number().filter(is_taken).ok_or_else(|| match self.typed {
             Typed::Positive => "expected a number above 0".to_owned(),
             Typed::NotNegative => "expected a number from 0 up".to_owned(),
-            Typed::Retained(expected) => format!("expected {expected}"),
-            Typed::Whole => format!("expected a whole number from {min} to {max}"),
+            Typed::Retained(expected) if self.zero.is_empty() => format!("expected {expected}"),
+            Typed::Retained(expected) => format!("expected {} or {expected}", self.zero),
+            Typed::Whole if self.zero.is_empty() => format!("expected a whole number from {min} to {max}"),
+            Typed::Whole => format!("expected {} or a whole number up to {max}", self.zero),
             Typed::WholePositive => "expected a whole number from 1 up".to_owned(),
         })
+    }
+
+    /// Returns true if a text is the word for 0.
+    pub fn is_zero_word(&self, text: &str) -> bool {
+        !self.zero.is_empty() && is_same_word(self.zero, text)
+    }
+
+    /// A number as the command line takes it.
+    pub fn typed_text(&self, number: f64) -> String {
+        if number == 0.0 && !self.zero.is_empty() {
+            return self.zero.to_owned();
+        }
+        (number as f32).to_string()
     }
 
     /// A number in a label.
     pub fn told(&self, number: f64) -> String {
         match self.unit {
-            Unit::Is(_) => (number as f32).to_string(),
+            Unit::Is(_) => self.typed_text(number),
             Unit::Share | Unit::Percent => format!("{:.0} %", number * 100.0),
         }
     }
