@@ -19,7 +19,7 @@ pub struct Modes {
 /// Parse error for a word that names no render mode.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{0}` is not a mode: expected cpu, gpu, a primitive (surfel, voxel, point), a splatting mode (regular, \
+    "`{0}` is not a mode: expected cpu, gpu, a primitive (surfel, mesh, voxel, point), a splatting mode (regular, \
      two-pass-enlarged …) or an instancing strategy (storage, vertex …), separated by commas"
 )]
 pub struct ParseModeError(String);
