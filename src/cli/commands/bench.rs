@@ -51,7 +51,7 @@ pub(in crate::cli) struct BenchArgs {
     modes: Option<Modes>,
 
     #[arg(long, value_name = "PERCENT", help = format!(
-        "Draw this share of the points in {}, such as 10%, and compare with the ground truth of all of them",
+        "Draw this share of the points in {}, such as 10%; the ground truth is of all of them",
         names(OptionGroup::Modes)
     ))]
     subsample: Option<PointShare>,
