@@ -1,7 +1,7 @@
 //! Render modes as points of time and error, and the selection of the best one for a given budget.
 //!
-//! How it works: a mode is on the *front* (Pareto) if no other in the same light is both as fast and as accurate. Fastest below an error,
-//! best within a time, and a slider from fast to exact all choose from the front alone.
+//! How it works: a mode is on the *front* (Pareto) if no other in the same light is both as fast and as accurate.
+//! Fastest below an error, best within a time, and a slider from fast to exact all choose from the front alone.
 
 use super::Environment;
 use crate::binary::hex;

@@ -270,7 +270,8 @@ mod tests {
             for (eye, to) in eyes {
                 let direction = if to == eye { DVec3::X } else { to - eye };
                 let ray = Ray::new(eye, direction);
-                prop_assert_eq!(tree.nearest(&ray), by_brute_force(&triangles, &ray), "from {} along {}", eye, direction);
+                let expected = by_brute_force(&triangles, &ray);
+                prop_assert_eq!(tree.nearest(&ray), expected, "from {} along {}", eye, direction);
             }
         }
 
