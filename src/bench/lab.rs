@@ -40,8 +40,8 @@ impl LabPoint {
         self.style.decided().light.lighting.at_each_pixel()
     }
 
-    /// Returns true if another render mode for the same sequence in the same light dominates it: at least as fast and as
-    /// accurate, and strictly better in one of the two.
+    /// Returns true if another render mode for the same sequence in the same light dominates it: at least as fast and
+    /// as accurate, and strictly better in one of the two.
     pub fn is_beaten_by(&self, other: &Self) -> bool {
         let is_no_worse = other.draw_ms <= self.draw_ms && other.flip <= self.flip;
         let is_better = other.draw_ms < self.draw_ms || other.flip < self.flip;

@@ -1,8 +1,8 @@
 //! Selection of the render modes to compare, in the words of the command line.
 //!
 //! Words of one group are alternatives, groups must all be met: renderer (cpu, gpu), primitive (surfel, mesh, voxel,
-//! point, or surfels of one splatting mode), and how instances reach the GPU (storage, uniform …). A group without words
-//! is no condition.
+//! point, or surfels of one splatting mode), and how instances reach the GPU (storage, uniform …). A group without
+//! words is no condition.
 
 use crate::scene::{Primitive, RendererChoice, Splatting, Strategy, Style};
 use std::str::FromStr;
