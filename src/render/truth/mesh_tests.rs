@@ -233,7 +233,7 @@ fn a_finely_tessellated_sphere_is_the_sphere() {
         cull_back_faces: true,
     };
     let exact = Truth::of_shape(traced, &view, 0.5);
-    let [coarse, fine] = [12, 48].map(|rows| {
+    let [coarse, fine] = [12, 96].map(|rows| {
         let truth = truth(&tessellated_sphere(rows), &view);
         let both = truth.depth.depth.iter().zip(&exact.depth.depth);
         let off = both
@@ -249,7 +249,7 @@ fn a_finely_tessellated_sphere_is_the_sphere() {
             flip(&exact.image, &truth.image).unwrap().mean(),
         )
     });
-    // Chords are a sixteenth as far from an arc of a quarter; near the outline depths differ by the root of that.
+    // Chords of an eighth are a sixty-fourth as far from an arc; near the outline depths differ by the root of that.
     assert!(fine.0 < 0.05 && fine.1 < 8 && fine.2 < 0.01, "{fine:?}");
     assert!(
         fine.2 < 0.5 * coarse.2 && fine.1 <= coarse.1,
