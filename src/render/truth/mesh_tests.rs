@@ -250,7 +250,7 @@ fn a_finely_tessellated_sphere_is_the_sphere() {
         )
     });
     // Chords of an eighth are a sixty-fourth as far from an arc; near the outline depths differ by the root of that.
-    assert!(fine.0 < 0.05 && fine.1 < 8 && fine.2 < 0.01, "{fine:?}");
+    assert!(fine.0 < 0.05 && fine.1 < 8 && fine.2 < 0.012, "{fine:?}");
     assert!(
         fine.2 < 0.5 * coarse.2 && fine.1 <= coarse.1,
         "{coarse:?}, then {fine:?}"
