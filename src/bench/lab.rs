@@ -1,12 +1,12 @@
 //! Render modes as points of time and error, and the selection of the best one for a given budget.
 //!
-//! How it works: a mode is on the *front* (Pareto) if no other is both as fast and as accurate. Fastest below an error,
-//! best within a time, and a slider from fast to exact all choose from the front alone.
+//! How it works: a mode is on the *front* (Pareto) if no other in the same light is both as fast and as accurate.
+//! Fastest below an error, best within a time, and a slider from fast to exact all choose from the front alone.
 
 use super::Environment;
 use crate::binary::hex;
 use crate::persist;
-use crate::scene::Settings;
+use crate::scene::{Lighting, Settings};
 use crate::sequence::Sequence;
 use image::RgbaImage;
 use serde::{Deserialize, Serialize};
@@ -35,12 +35,18 @@ pub struct LabPoint {
 }
 
 impl LabPoint {
-    /// Returns true if another render mode for the same sequence dominates it: at least as fast and as accurate, and
-    /// strictly better in one of the two.
+    /// Returns the light of the mode, at each pixel: an image in another light is another image.
+    pub fn lighting(&self) -> Lighting {
+        self.style.decided().light.lighting.at_each_pixel()
+    }
+
+    /// Returns true if another render mode for the same sequence in the same light dominates it: at least as fast and
+    /// as accurate, and strictly better in one of the two.
     pub fn is_beaten_by(&self, other: &Self) -> bool {
         let is_no_worse = other.draw_ms <= self.draw_ms && other.flip <= self.flip;
         let is_better = other.draw_ms < self.draw_ms || other.flip < self.flip;
-        other.sequence == self.sequence && is_no_worse && is_better
+        let is_comparable = other.sequence == self.sequence && other.lighting() == self.lighting();
+        is_comparable && is_no_worse && is_better
     }
 }
 
@@ -72,10 +78,13 @@ pub struct QualityChoice {
 }
 
 impl Quality {
-    /// The front of `points`, all of one sequence; `None` without any.
+    /// The front of `points`, all of one sequence, in the default light; `None` without any.
     pub fn of(points: &[LabPoint]) -> Option<Self> {
+        let lighting = Settings::default().decided().light.lighting.at_each_pixel();
         let is_beaten = |point: &&LabPoint| points.iter().any(|other| point.is_beaten_by(other));
-        let on_front = points.iter().filter(|point| !is_beaten(point));
+        let on_front = points
+            .iter()
+            .filter(|point| point.lighting() == lighting && !is_beaten(point));
         let mut choices: Vec<QualityChoice> = on_front
             .map(|point| QualityChoice {
                 label: point.label.clone(),
@@ -181,6 +190,21 @@ mod tests {
         points[2].sequence = "other".to_owned();
         mark_front(&mut points);
         assert!(points.iter().all(|point| point.is_on_front));
+        // Nor do those in another light; where the headlight is evaluated makes no other light of it.
+        let in_light = |draw_ms: f64, lighting: Lighting| LabPoint {
+            style: Settings::default().with(|style| style.light.lighting = lighting.into()),
+            ..point(draw_ms, 0.5)
+        };
+        let mut points = [
+            in_light(1.0, Lighting::Physical),
+            in_light(2.0, Lighting::PerFragment),
+            in_light(3.0, Lighting::PerSurfel),
+        ];
+        mark_front(&mut points);
+        assert_eq!(points.each_ref().map(|point| point.is_on_front), [true, true, false]);
+        let quality = Quality::of(&points).unwrap();
+        assert_eq!(quality.choices().len(), 1);
+        assert_eq!(quality.choices()[0].draw_ms, 2.0);
     }
 
     #[test]

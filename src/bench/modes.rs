@@ -1,8 +1,8 @@
 //! Selection of the render modes to compare, in the words of the command line.
 //!
-//! Words of one group are alternatives, groups must all be met: renderer (cpu, gpu), primitive (surfel, voxel, point,
-//! or surfels of one splatting mode), and how instances reach the GPU (storage, uniform …). A group without words is no
-//! condition.
+//! Words of one group are alternatives, groups must all be met: renderer (cpu, gpu), primitive (surfel, mesh, voxel,
+//! point, or surfels of one splatting mode), and how instances reach the GPU (storage, uniform …). A group without
+//! words is no condition.
 
 use crate::scene::{Primitive, RendererChoice, Splatting, Strategy, Style};
 use std::str::FromStr;
@@ -19,7 +19,7 @@ pub struct Modes {
 /// Parse error for a word that names no render mode.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{0}` is not a mode: expected cpu, gpu, a primitive (surfel, voxel, point), a splatting mode (regular, \
+    "`{0}` is not a mode: expected cpu, gpu, a primitive (surfel, mesh, voxel, point), a splatting mode (regular, \
      two-pass-enlarged …) or an instancing strategy (storage, vertex …), separated by commas"
 )]
 pub struct ParseModeError(String);

@@ -3,6 +3,7 @@
 use super::excluded::Excluded;
 use super::lab::LabPoint;
 use super::modes::Modes;
+use super::point_share::PointShare;
 use super::rate::RatePoint;
 use super::suite::{Defaults, OptionGroup, Suite};
 use crate::persist;
@@ -31,6 +32,9 @@ pub struct BenchOptions {
     pub repeat: usize,
     /// Render modes compared by the suite that compares them; all by default.
     pub modes: Modes,
+    /// Share of the points of each frame that is drawn, by the suite that compares it with the truth of all of them; all
+    /// by default.
+    pub subsample: Option<PointShare>,
     /// Point counts of the clouds that are generated in addition to the inputs, by the suite that generates some.
     pub cloud_points: Vec<usize>,
     /// Images held out by the suite that compares with them.
@@ -58,6 +62,7 @@ impl BenchOptions {
             warmup: 1,
             repeat: 3,
             modes: Modes::default(),
+            subsample: None,
             cloud_points: if suite.takes(OptionGroup::Clouds) {
                 vec![1_000_000, 4_000_000]
             } else {

@@ -30,7 +30,8 @@ impl Report {
                         (*cell != Cell::Missing).then(|| json!([column.title, column.show(cell)]))
                     })
                     .collect();
-                point_data(point, &details)
+                let truth = self.value(row, "truth");
+                point_data(point, truth, &details)
             })
             .collect();
         let data = json!({
@@ -44,12 +45,13 @@ impl Report {
     }
 }
 
-fn point_data(point: &LabPoint, details: &[Value]) -> Value {
+fn point_data(point: &LabPoint, truth: Option<&Cell>, details: &[Value]) -> Value {
     json!({
         "sequence": point.sequence,
         "label": point.label,
         "renderer": point.style.drawing.renderer.name(),
         "primitive": point.style.primitive.name(),
+        "truth": truth,
         "ms": point.draw_ms,
         "flip": point.flip,
         "front": point.is_on_front,

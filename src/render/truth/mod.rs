@@ -1,23 +1,28 @@
 //! Ground-truth rendering: slow reference images of a view in f64 that those of renderers are measured against.
 //!
-//! How it works: each pixel is the mean of 8×8 samples, and each sample intersects its ray with the scene. For a cloud
-//! that is all of its disks, or the ellipses of its file, without levels of detail (`surfels.rs`); for a shape with a
-//! formula it is the shape itself (`shapes.rs`). Light is computed at each sample. Depths are those at the pixel
-//! centres.
+//! How it works: each pixel is the mean of 8×8 samples, and each sample intersects its ray with the scene. For a shape
+//! with a formula that is the shape itself (`shapes.rs`), for a file with triangles these (`mesh.rs`); for another cloud
+//! it is all of its disks, or the ellipses of its file, without levels of detail (`surfels.rs`). Light is computed at
+//! each sample (`light.rs`). Depths are those at the pixel centres.
 //!
 //! When it wins: only here is nothing rounded to a pixel, a byte or an f32 before the end, and nothing omitted; it
 //! takes seconds where renderers take milliseconds.
 
+mod key;
+mod light;
+mod mesh;
 mod rays;
 mod shapes;
 mod surfels;
+mod triangle_tree;
 
+pub use key::TruthKey;
+pub use mesh::TracedMesh;
 pub use rays::TruthView;
 pub use shapes::RayTraced;
 pub use surfels::Disks;
 
 use crate::measure::DepthImage;
-use crate::scene::Lighting;
 use glam::DVec3;
 use image::RgbaImage;
 use rayon::prelude::*;
@@ -38,78 +43,6 @@ pub struct Truth {
     pub tolerance: Vec<f32>,
 }
 
-/// Everything that a truth depends on, by which it is known again.
-#[derive(Debug, Clone, Copy)]
-pub struct TruthKey<'a> {
-    view: &'a TruthView,
-    of: TruthSubject<'a>,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum TruthSubject<'a> {
-    Disks(Disks<'a>),
-    Shape(RayTraced, f64),
-}
-
-impl<'a> TruthKey<'a> {
-    /// That of [`Truth::of_disks`].
-    pub fn of_disks(disks: Disks<'a>, view: &'a TruthView) -> Self {
-        Self {
-            view,
-            of: TruthSubject::Disks(disks),
-        }
-    }
-
-    /// That of [`Truth::of_shape`].
-    pub fn of_shape(shape: RayTraced, view: &'a TruthView, tolerance: f64) -> Self {
-        Self {
-            view,
-            of: TruthSubject::Shape(shape, tolerance),
-        }
-    }
-
-    /// Width and height of the picture.
-    pub fn size_px(&self) -> [u32; 2] {
-        self.view.size_px
-    }
-
-    /// Hands over the bytes of all that it is made of, in pieces.
-    pub fn for_each_bytes(&self, take: &mut dyn FnMut(&[u8])) {
-        let TruthView {
-            view_from_frame,
-            eye,
-            px_per_slope,
-            axis_px,
-            size_px,
-            lighting,
-            background,
-        } = self.view;
-        let numbers = view_from_frame.to_cols_array().into_iter();
-        let plane = px_per_slope.to_array().into_iter().chain(axis_px.to_array());
-        for number in numbers.chain(eye.to_array()).chain(plane) {
-            take(&number.to_le_bytes());
-        }
-        for edge in size_px {
-            take(&edge.to_le_bytes());
-        }
-        take(&[u8::from(*lighting == Lighting::Unlit)]);
-        take(&background.top);
-        take(&background.bottom);
-        match self.of {
-            TruthSubject::Disks(disks) => {
-                take(&[u8::from(disks.cull_back_faces), u8::from(disks.are_ellipses)]);
-                take(bytemuck::cast_slice(disks.points));
-                take(bytemuck::cast_slice(disks.shapes));
-            }
-            TruthSubject::Shape(shape, tolerance) => {
-                take(&[u8::from(shape.cull_back_faces)]);
-                take(shape.shape.name().as_bytes());
-                take(&tolerance.to_le_bytes());
-            }
-        }
-    }
-}
-
 impl Truth {
     /// The true picture of the disks of a cloud.
     pub fn of_disks(disks: &Disks<'_>, view: &TruthView) -> Self {
@@ -119,6 +52,11 @@ impl Truth {
     /// The true picture of a shape, with the tolerance of its depths.
     pub fn of_shape(shape: RayTraced, view: &TruthView, tolerance: f64) -> Self {
         Self::of(&shapes::Traced { shape, tolerance }, view)
+    }
+
+    /// The true picture of triangles, with the tolerance of their depths.
+    pub fn of_mesh(mesh: &TracedMesh, view: &TruthView, tolerance: f64) -> Self {
+        Self::of(&mesh::ToleratedMesh { mesh, tolerance }, view)
     }
 
     fn of(visible: &impl Visible, view: &TruthView) -> Self {
@@ -191,5 +129,7 @@ fn mean_colors(
         .map(move |(pixel, sum)| ([pixel % width, pixel / width], sum * share))
 }
 
+#[cfg(test)]
+mod mesh_tests;
 #[cfg(test)]
 mod tests;

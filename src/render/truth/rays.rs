@@ -1,15 +1,15 @@
 //! Ray casting for the ground truth: rays of a view, and their intersections.
 
-use crate::render::constants::{HEADLIGHT_AMBIENT, HEADLIGHT_SHININESS, HEADLIGHT_SPECULAR};
-use crate::scene::{Background, Camera, Lighting};
+use crate::scene::{Background, Camera, Lighting, PhysicalLight};
 use glam::{DMat3, DVec2, DVec3};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Pixels along each edge of the squares that are worked out at a time.
 pub(super) const TILE_PX: u32 = 32;
 
 /// A view in f64, and how its surfaces are lit.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct TruthView {
     pub(super) view_from_frame: DMat3,
     /// In the space of the frame.
@@ -20,6 +20,8 @@ pub struct TruthView {
     pub(super) axis_px: DVec2,
     pub(super) size_px: [u32; 2],
     pub(super) lighting: Lighting,
+    /// Light of an environment on a material, instead of the headlight.
+    pub(super) physical: Option<Arc<PhysicalLight>>,
     pub(super) background: Background,
 }
 
@@ -49,8 +51,8 @@ pub(super) struct SampleGrid {
 }
 
 impl TruthView {
-    /// Creates the view of `camera` of frames relative to `origin`. Surfaces are lit at each sample unless they are not
-    /// lit at all.
+    /// Creates the view of `camera` of frames relative to `origin`. Surfaces are lit by the headlight at each sample
+    /// unless they are not lit at all.
     pub fn new(camera: &Camera, origin: DVec3, size_px: [u32; 2], lighting: Lighting, background: Background) -> Self {
         let (px_per_slope, axis) = camera.px_per_slope(size_px);
         Self {
@@ -60,7 +62,18 @@ impl TruthView {
             axis_px: DVec2::new(axis.x, f64::from(size_px[1]) - axis.y),
             size_px,
             lighting,
+            physical: None,
             background,
+        }
+    }
+
+    /// Returns the view with the light of an environment on a material, instead of the headlight. Precondition: no lamp
+    /// shines.
+    #[must_use]
+    pub fn with_physical_light(self, physical: PhysicalLight) -> Self {
+        Self {
+            physical: Some(Arc::new(physical)),
+            ..self
         }
     }
 
@@ -73,19 +86,8 @@ impl TruthView {
         )
     }
 
-    pub(super) fn to_view(self, position_in_frame: DVec3) -> DVec3 {
+    pub(super) fn to_view(&self, position_in_frame: DVec3) -> DVec3 {
         self.view_from_frame * (position_in_frame - self.eye)
-    }
-
-    /// Returns a colour (0 to 1) lit by the headlight of `shaders/common/light.wgsl`. Vectors in view space.
-    pub(super) fn lit(&self, color: DVec3, normal: DVec3, ray: DVec3) -> DVec3 {
-        if self.lighting == Lighting::Unlit {
-            return color;
-        }
-        let [ambient, specular] = [HEADLIGHT_AMBIENT, HEADLIGHT_SPECULAR].map(f64::from);
-        let facing = normal.dot(ray.normalize()).abs();
-        let lit = color * (ambient + (1.0 - ambient) * facing) + specular * facing.powi(HEADLIGHT_SHININESS as i32);
-        lit.min(DVec3::ONE)
     }
 
     pub(super) fn background_at(&self, y_px: f64) -> DVec3 {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::cloud::{Ellipse, PointRecord, ShapeRecord, encode_ellipse, oct_encode};
 use crate::measure::{DepthTolerance, SurfaceError, flip};
-use crate::scene::{Background, Camera, PicturePlane, Projection, UpAxis};
+use crate::scene::{Background, Camera, Lighting, PicturePlane, Projection, UpAxis};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use glam::Vec3;
 use std::sync::Arc;

@@ -370,6 +370,7 @@ group! {
             hint: "Screen-space size of a cell or a sphere that is compared with the threshold",
             section: Section::LevelOfDetail,
             when: |style| style.draws_cells() || style.draws_codes(),
+            label: Label::Unusual(Place::HowFine, "by {}"),
             full_name: "Level-of-detail metric",
             also: &["lod", "screen-space error"],
             values: Values::Words(METRICS),

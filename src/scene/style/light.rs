@@ -29,6 +29,15 @@ choices! {
 }
 
 impl Lighting {
+    /// Returns the light that this is, at each pixel: the headlight is one light, wherever it is evaluated.
+    #[must_use]
+    pub fn at_each_pixel(self) -> Self {
+        match self {
+            Self::PerSurfel | Self::PerVertex => Self::PerFragment,
+            other => other,
+        }
+    }
+
     /// Returns true if shading is deferred: light falls on the blended surface, not on splats.
     pub fn is_deferred(self) -> bool {
         matches!(self, Self::Lambert | Self::BlinnPhong | Self::Physical)

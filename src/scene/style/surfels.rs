@@ -296,6 +296,7 @@ group! {
             hint: "Further factor on the radius in the enlarged passes; the paper uses 2",
             section: Section::Surfels,
             when: |drawn| drawn.enlarges_surfels(),
+            label: Label::Unusual(Place::What, "by ×{}"),
             values: Values::Number(Numbers {
                 retained: [0.01, 100.0],
                 offered: [1.0, 4.0],

@@ -1,16 +1,20 @@
 //! The error lab: how fast *and how wrong* each render mode is.
 //!
-//! How it works: each frame is seen from viewpoints around it. The ground truth of a view is ray-traced where the input
-//! is a shape with a formula, else drawn from all points, 8×8 samples per pixel (`render/truth`). Each mode draws the
-//! same views; its time is from the camera to the finished image, traversal and uploads of what it chose included, as a
-//! user who turns the object waits for them. Its errors are means over all images. For each sequence the modes that no
-//! other beats in both form its front.
+//! How it works: each frame is seen from viewpoints around it. The ground truth of a view has 8×8 samples per pixel
+//! (`render/truth`). It is of the shape that the points were sampled from, of the triangles of the file, of its
+//! ellipses, or of the disks of all points (`truths.rs`). Each mode draws the same views; its time is from the camera to
+//! the finished image, traversal and uploads of what it chose included, as a user who turns the object waits for them.
+//! Its errors are means over all images. For each sequence the modes that no other beats in both form its front.
+//!
+//! Like is compared with like: a mode is held against the truth in its light, points are lit by their normals as all
+//! else is, and a front is of modes in one light.
 //!
 //! Depths, which distinguish surfaces, are drawn by the software renderer for the adapter's modes too: both draw the
 //! same surfaces, which `tests/pictures/cpu_renderer.rs` checks.
 
+pub(super) mod truths;
 pub(super) mod variants;
-pub(super) mod view;
+mod view;
 
 use crate::bench::lab::{LabPoint, mark_front};
 use crate::bench::report::{Cell, Column, Row};
@@ -28,19 +32,24 @@ use crate::measure::{SurfaceError, psnr_db};
 use crate::render::cpu::CpuRenderer;
 use crate::render::{AnyRenderer, Renderer};
 use crate::scene::describe::Conditions as _;
-use crate::scene::{Background, Primitive, RendererChoice, Scene, ScenePacket, Settings, Style};
-use crate::sequence::{PrepareCounters, PreparedFrame, complete};
+use crate::scene::{
+    BackFaces, Background, Camera, FirstLook, Lighting, PhysicalLight, Primitive, RendererChoice, Scene, ScenePacket,
+    Settings, Style,
+};
+use crate::sequence::{PrepareCounters, PreparedFrame, PreparedMesh, complete, prepare};
 use crate::stopwatch::milliseconds_since;
 use image::RgbaImage;
 use std::sync::Arc;
 use std::time::Instant;
-use view::{DrawnWay, PictureError, View};
+use truths::{FrameTruth, TruthKind, TruthLight};
+use view::{DrawnWay, LitTruth, PictureError, View};
 
 /// Columns, in the order in which [`ErrorSamples::row`] fills them.
 const COLUMNS: &[Column] = &[
     Column::text("sequence", "sequence"),
     Column::text("way", "way"),
     Column::text("front", "front"),
+    Column::text("truth", "truth"),
     Column::text("renderer", "renderer").hidden(),
     Column::text("primitive", "primitive").hidden(),
     Column::text("splatting", "splatting").hidden(),
@@ -76,11 +85,12 @@ pub const ERROR: &Suite = &Suite {
     hint: "Time and error of every render mode, against the truth; a click on a point selects its mode",
     description: "image errors against the truth and times, for every render mode",
     measured: "CPU wall time from camera to finished image, including traversal and uploads of what it chose; errors \
-        against the truth (a shape ray-traced, else all points in f64, as ellipses where the file has them and as \
-        disks elsewhere; 8x8 samples per pixel): FLIP over the pixels that show the object and over all, PSNR, SSIM, \
+        against the truth in the same light (the formula of a sampled shape, else the triangles of the file, its \
+        ellipses, or disks of all points, of which --subsample draws a part: a dense twin; 8x8 samples per pixel in \
+        f64): FLIP over the pixels that show the object and over all, PSNR, SSIM, \
         background where the surface is (holes), another surface than a splat's diameter away (wrong surface), surface \
         where the background is (too much); bytes uploaded for a first image; on the front is what no other mode beats \
-        in time and FLIP of the object",
+        in the same light in time and FLIP of the object",
     not_measured: "decoding, normals, octrees, reading back, showing",
     covered_by: "surfels",
     defaults: Defaults {
@@ -110,6 +120,8 @@ struct ErrorSamples {
     drawn_records: Vec<f64>,
     visited_nodes: Vec<f64>,
     drawn_px: [u32; 2],
+    /// Kinds of truth that the frames had.
+    truths: Vec<TruthKind>,
     /// Thumbnails of the first view.
     thumbnails: Option<[RgbaImage; 2]>,
 }
@@ -151,71 +163,158 @@ fn measure_sequence(
     variants: &[Settings],
     steps_per_frame: usize,
 ) -> Result<(), BenchError> {
-    // Surfels are the ground truth, and viewpoints are placed with them.
+    // Viewpoints are placed by surfels.
     let needs = Scene::needs(&Style::default());
     let mut samples: Vec<ErrorSamples> = variants.iter().map(|_| ErrorSamples::default()).collect();
     let (mut point_counts, mut coverages) = (Vec::new(), Vec::new());
     let mut first_failure = None;
     for &index in &subject.chosen {
-        let frame = match run.load(subject, index, steps_per_frame, &needs)? {
-            Ok(frame) => frame,
+        let whole = match run.load(subject, index, steps_per_frame, &needs)? {
+            Ok(frame) => with_triangles(run, subject, frame)?,
             Err(reason) => {
                 first_failure.get_or_insert(reason);
                 continue;
             }
         };
+        let frame = subsampled(run, subject, &whole)?;
         point_counts.push(frame.points.len() as f64);
         run.begin_step(format!("{}: the truth", subject.named(index)))?;
-        let viewpoints = run.viewpoints(subject, &frame, &Style::default())?;
-        let of_truth = of_truth(&frame);
+        let viewpoints = run.viewpoints(subject, &whole, &Style::default())?;
+        let truth = FrameTruth::new(subject.shape, &whole, &frame);
         coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
         let mut views = Vec::new();
         for viewpoint in viewpoints {
-            run.check_cancelled()?;
-            views.push(View::new(
+            views.push(view(
+                run,
                 &runners.cache,
-                of_truth.as_ref().unwrap_or(&frame),
-                subject.shape,
-                subject.sequence.origin(),
+                subject,
+                &truth,
+                &frame,
                 viewpoint.camera,
-                run.options.viewport_px,
-            ));
+                variants,
+            )?);
         }
+        let back_faces = back_faces(subject, &whole, truth.kind());
         for (way, samples) in variants.iter().zip(&mut samples) {
             let label = variants::label(way);
             run.begin_step(format!("{}: {label}", subject.named(index)))?;
-            measure_way(run, runners, subject, &frame, &views, &way.decided(), samples)?;
+            if way.primitive == Primitive::Mesh && frame.triangles().is_none() {
+                continue;
+            }
+            let style = way.decided().with(|style| style.surfels.back_faces = back_faces);
+            measure_way(run, runners, subject, &frame, &views, &style, samples)?;
+            if !samples.truths.contains(&truth.kind()) {
+                samples.truths.push(truth.kind());
+            }
             run.say_measured(samples.point(subject.name, way));
         }
     }
     Run::check_measured(subject, &point_counts, first_failure)?;
-    let mut points: Vec<LabPoint> = variants
-        .iter()
-        .zip(&samples)
+    let measured = || {
+        let all = variants.iter().zip(&samples);
+        all.filter(|(_, samples)| !samples.flip.is_empty())
+    };
+    let mut points: Vec<LabPoint> = measured()
         .map(|(way, samples)| samples.point(subject.name, way))
         .collect();
     mark_front(&mut points);
     let rows: Vec<Row> = points
         .iter()
-        .zip(&samples)
-        .map(|(point, samples)| samples.row(point))
+        .zip(measured())
+        .map(|(point, (_, samples))| samples.row(point))
         .collect();
+    for kind in samples.first().map_or(&[][..], |samples| samples.truths.as_slice()) {
+        run.note(format!("{}: the truth is {}", subject.name, kind.described()));
+    }
     run.finish(subject, &point_counts, &coverages, rows);
     run.add_points(points);
     Ok(())
 }
 
-/// The frame as its file has it, where that is another: with the ellipses of Gaussian splats, against which disks of
-/// the same area are measured as well. Ellipses that are estimated are no truth: they are measured against the disks of
-/// all points, as all else is.
-fn of_truth(frame: &PreparedFrame) -> Option<PreparedFrame> {
-    frame.frame.ellipses()?;
-    let of_ellipses = Style::default().with(|style| style.primitive = Primitive::Ellipse);
-    Some(complete(
-        frame,
-        &Scene::needs(&of_ellipses),
-        &PrepareCounters::default(),
-    ))
+/// The frame with the triangles of its file, if it has some that can be read.
+pub(super) fn with_triangles(
+    run: &mut Run<'_>,
+    subject: &Subject<'_>,
+    mut frame: PreparedFrame,
+) -> Result<PreparedFrame, BenchError> {
+    if !frame.frame.has_faces() {
+        return Ok(frame);
+    }
+    let mesh = subject.sequence.load_mesh(frame.index, run.progress());
+    run.check_cancelled()?;
+    match mesh {
+        Ok(mesh) => frame.mesh = Some(PreparedMesh::new(Arc::new(mesh), frame.paint())),
+        Err(reason) => run.note(format!(
+            "{}: drawn without its triangles: {reason}",
+            subject.named(frame.index)
+        )),
+    }
+    Ok(frame)
+}
+
+/// The part of a frame that is drawn, prepared as if the others had never been scanned; the frame itself unless a part
+/// was asked for.
+fn subsampled(run: &mut Run<'_>, subject: &Subject<'_>, whole: &PreparedFrame) -> Result<PreparedFrame, BenchError> {
+    let Some(share) = run.options.subsample else {
+        return Ok(whole.clone());
+    };
+    let named = subject.named(whole.index);
+    let failure = |reason: crate::cloud::CloudError| BenchError::NoFrame {
+        sequence: named.clone(),
+        reason: reason.to_string(),
+    };
+    let (part, _) = whole.frame.sample(share.of(whole.points.len())).map_err(failure)?;
+    run.note(format!(
+        "{named}: {} of {} points are drawn",
+        part.len(),
+        whole.points.len()
+    ));
+    let needs = Scene::needs(&Style::default());
+    let mut part = prepare(whole.index, Arc::new(part), 0.0, &needs, &PrepareCounters::default());
+    part.mesh = whole.mesh.clone();
+    Ok(part)
+}
+
+/// The view from `camera`, with the truth in each light that a mode has.
+fn view(
+    run: &Run<'_>,
+    cache: &TruthCache,
+    subject: &Subject<'_>,
+    truth: &FrameTruth,
+    frame: &PreparedFrame,
+    camera: Camera,
+    variants: &[Settings],
+) -> Result<View, BenchError> {
+    let (origin, size_px) = (subject.sequence.origin(), run.options.viewport_px);
+    let mut truths: Vec<LitTruth> = Vec::new();
+    let mut seen: Vec<Lighting> = Vec::new();
+    for way in variants {
+        let way = way.decided();
+        let lighting = way.light.lighting.at_each_pixel();
+        if seen.contains(&lighting) {
+            continue;
+        }
+        run.check_cancelled()?;
+        seen.push(lighting);
+        let physical = (lighting == Lighting::Physical)
+            .then(|| subject.packet(&mut Scene::default(), frame, &camera, &way, size_px))
+            .and_then(|packet| PhysicalLight::of(&packet));
+        let light = TruthLight { lighting, physical };
+        let truth = truth.seen(cache, origin, &camera, size_px, &light);
+        truths.push(LitTruth::new(lighting, truth));
+    }
+    Ok(View { camera, truths })
+}
+
+/// The back faces that surfels have: as their truth. Disks and shapes are culled there. A mesh has two sides, and what
+/// is seen from inside of a surface that is not closed is drawn; not darker, as the truth is not.
+fn back_faces(subject: &Subject<'_>, frame: &PreparedFrame, kind: TruthKind) -> BackFaces {
+    let is_closed = || FirstLook::of(&[&frame.frame], subject.sequence.origin()).is_closed;
+    if kind == TruthKind::Mesh && !is_closed() {
+        BackFaces::Drawn
+    } else {
+        BackFaces::Culled
+    }
 }
 
 fn measure_way(
@@ -253,7 +352,7 @@ fn measure_way(
         let on_white = runner.image(&on_white(&drawn_packet))?;
         let depth = depths(&mut runners.depths, &drawn_packet)?;
         let drawn = DrawnWay { image, on_white, depth };
-        let (error, image) = view.compare(drawn)?;
+        let (error, image) = view.truth_in(way.light.lighting)?.compare(drawn)?;
         samples.add(&drawn_packet, visited_nodes, uploaded_bytes, &error);
         if samples.thumbnails.is_none() {
             samples.thumbnails = Some([small(&image), small(&error.map.to_heatmap())]);
@@ -349,6 +448,13 @@ impl ErrorSamples {
             Cell::Text(point.sequence.clone()),
             Cell::Text(point.label.clone()),
             text_if(point.is_on_front, "yes"),
+            Cell::Text(
+                self.truths
+                    .iter()
+                    .map(|kind| kind.name())
+                    .collect::<Vec<_>>()
+                    .join(", "),
+            ),
             Cell::Text(way.drawing.renderer.to_string()),
             Cell::Text(way.primitive.to_string()),
             text_if(is_surfel, way.surfels.splatting.name()),

@@ -1,11 +1,11 @@
 //! Compared render modes: the default, and what it becomes when one choice after the other changes.
 
-use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
+use crate::levels::{Lod, LodMetric};
 use crate::scene::describe::{Described, Label, Place, Value, Values};
 use crate::scene::{
-    Antialiasing, Background, Footprint, LevelStructure, Lighting, PointLight, PointShape, PointSizing, Primitive,
-    RendererChoice, Settings, SplatFilter, Splatting, Strategy, VoxelLight,
+    Antialiasing, Background, Footprint, Kernel, LevelStructure, Lighting, NormalSource, PointLight, PointShape,
+    PointSizing, Primitive, RendererChoice, Settings, SplatFilter, SplatGeometry, Splatting, Strategy, VoxelLight,
 };
 
 /// Behind the object: a grey of medium lightness, so that it is no colour of most objects.
@@ -20,12 +20,20 @@ const THRESHOLDS_PX: [f32; 3] = [2.0, 4.0, 8.0];
 /// Acceptable losses, in addition to leaves as large as the spacing of points.
 const DELTAS: [f32; 4] = [0.02, 0.05, 0.2, 0.5];
 
+/// Factors on the radii of splats.
+const SPLAT_SCALES: [f32; 4] = [0.7, 1.2, 1.4, 2.0];
+
+/// Factors on them in the second pass alone, in addition to 2.
+const ENLARGEMENTS: [f32; 2] = [1.2, 1.5];
+
 /// All ways, first those of the processor, then those of the adapter if there is one.
 pub(super) fn variants(has_adapter: bool) -> Vec<Settings> {
     let base = Settings::default().with(|style| {
         style.primitive = Primitive::Surfel.into();
         style.backdrop.background = Background::solid(BACKGROUND);
         style.drawing.renderer = RendererChoice::Cpu.into();
+        // Like the truth and all other primitives: without light, an image of points is another image.
+        style.points.light = PointLight::Normals;
     });
     let mut variants = of_renderer(&base);
     if has_adapter {
@@ -35,13 +43,10 @@ pub(super) fn variants(has_adapter: bool) -> Vec<Settings> {
             let others = Strategy::ALL
                 .iter()
                 .filter(|&&strategy| strategy != base.drawing.strategy);
-            variants.extend(others.map(|&strategy| {
-                base.with(|style| {
-                    style.primitive = primitive.into();
-                    style.drawing.strategy = strategy;
-                })
-            }));
+            let base = base.with(|style| style.primitive = primitive.into());
+            variants.extend(others.map(|&strategy| base.with(|style| style.drawing.strategy = strategy)));
         }
+        variants.push(base.with(|style| style.surfels.geometry = SplatGeometry::Triangle));
     }
     variants
 }
@@ -49,9 +54,12 @@ pub(super) fn variants(has_adapter: bool) -> Vec<Settings> {
 fn of_renderer(base: &Settings) -> Vec<Settings> {
     let point = base.with(|style| style.primitive = Primitive::Point.into());
     let voxel = base.with(|style| style.primitive = Primitive::Voxel.into());
+    let mesh = base.with(|style| style.primitive = Primitive::Mesh.into());
     let detail = base.with(|style| style.levels.surfel_lod = true);
     let mut variants = of_points(&point);
     variants.extend(of_splats(base));
+    // Where the file has triangles.
+    variants.push(mesh);
     variants.extend(of_structures(base, &voxel));
     if base.drawing.renderer == RendererChoice::Cpu {
         variants.extend(of_codes(base));
@@ -61,7 +69,7 @@ fn of_renderer(base: &Settings) -> Vec<Settings> {
         variants.extend(RESOLUTIONS.map(|resolution| whole.with(|style| style.drawing.resolution = resolution)));
     }
     let opaque = base.with(|style| style.surfels.splatting = Splatting::Opaque);
-    for stepped in [*base, opaque, voxel, point] {
+    for stepped in [*base, opaque, mesh, voxel, point] {
         variants.extend(
             [Antialiasing::Fxaa, Antialiasing::Supersample]
                 .map(|antialiasing| stepped.with(|style| style.drawing.antialiasing = antialiasing)),
@@ -82,9 +90,8 @@ fn of_points(point: &Settings) -> Vec<Settings> {
     for sizing in [PointSizing::Projected, PointSizing::Adaptive] {
         variants.extend([PointShape::Disk, PointShape::Gaussian].map(|shape| of_scene(sizing, shape)));
     }
+    variants.push(of_scene(PointSizing::Projected, PointShape::Square));
     let blended = of_scene(PointSizing::Adaptive, PointShape::Gaussian);
-    let squares = of_scene(PointSizing::Projected, PointShape::Square);
-    variants.extend([blended, squares].map(|points| points.with(|style| style.points.light = PointLight::Normals)));
     variants.push(blended.with(|style| style.levels.surfel_lod = true));
     variants
 }
@@ -96,9 +103,13 @@ fn of_splats(base: &Settings) -> Vec<Settings> {
     let mut variants: Vec<Settings> = modes
         .map(|&splatting| base.with(|style| style.surfels.splatting = splatting))
         .collect();
-    variants.extend([0.7, 1.4].map(|splat_scale| base.with(|style| style.surfels.splat_scale = splat_scale)));
+    variants.extend(SPLAT_SCALES.map(|splat_scale| base.with(|style| style.surfels.splat_scale = splat_scale)));
+    let enlarged = base.with(|style| style.surfels.splatting = Splatting::TwoPassEnlarged);
+    variants.extend(ENLARGEMENTS.map(|factor| enlarged.with(|style| style.surfels.enlargement = factor)));
+    variants.extend([Kernel::Hat, Kernel::Flat].map(|kernel| base.with(|style| style.surfels.kernel = kernel)));
+    variants.push(base.with(|style| style.surfels.normals = NormalSource::Screen));
     variants.extend(
-        [Lighting::PerSurfel, Lighting::PerVertex]
+        [Lighting::PerSurfel, Lighting::PerVertex, Lighting::Physical]
             .map(|lighting| base.with(|style| style.light.lighting = lighting.into())),
     );
     let ellipse = base.with(|style| style.primitive = Primitive::Ellipse.into());
@@ -129,6 +140,9 @@ fn of_structures(base: &Settings, voxel: &Settings) -> Vec<Settings> {
         };
         variants.extend(lods.map(|lod| coarse.with(|style| style.levels.lod = lod)));
     }
+    let by_area = detail.with(|style| style.levels.metric = LodMetric::Area);
+    variants
+        .extend([Lod::ThresholdPx(1.0), Lod::ThresholdPx(4.0)].map(|lod| by_area.with(|style| style.levels.lod = lod)));
     let ellipse = detail.with(|style| style.primitive = Primitive::Ellipse.into());
     for coarse in [detail, ellipse, *voxel] {
         variants.push(coarse);
@@ -214,9 +228,9 @@ mod tests {
                 .iter()
                 .all(|way| way.drawing.renderer == RendererChoice::Cpu)
         );
-        // Three footprints of byte codes exist only on the CPU, twelve strategies only on the GPU.
-        assert_eq!(variants.len(), 2 * of_processor.len() - 3 + 12);
+        // Three footprints of byte codes are the processor's; twelve strategies and a geometry the adapter's.
+        assert_eq!(variants.len(), 2 * of_processor.len() - 3 + 13);
         let first = label(&of_processor[0]);
-        assert_eq!(first, "point 1 px CPU");
+        assert_eq!(first, "point 1 px lit by normals CPU");
     }
 }

@@ -2,21 +2,26 @@
 
 use super::variants::BACKGROUND;
 use crate::bench::BenchError;
-use crate::bench::truth_cache::TruthCache;
 use crate::measure::{
     DepthImage, DepthTolerance, ErrorMap, PIXELS_PER_DEGREE, Perceived, SurfaceError, mean_squared_error, ssim,
 };
 use crate::render::scaled_to;
-use crate::render::truth::{Disks, RayTraced, Truth, TruthKey, TruthView};
-use crate::scene::{Background, Camera, Lighting};
-use crate::sequence::{PreparedFrame, Shape};
-use glam::DVec3;
+use crate::render::truth::Truth;
+use crate::scene::{Camera, Lighting};
 use image::RgbaImage;
 
 /// A view and what it should look like.
-pub(in crate::bench::suites) struct View {
+pub(super) struct View {
     pub(super) camera: Camera,
-    pub(in crate::bench::suites) truth: Truth,
+    /// One for each light of the modes.
+    pub(super) truths: Vec<LitTruth>,
+}
+
+/// A ground truth in some light.
+pub(super) struct LitTruth {
+    /// Evaluated at each pixel.
+    lighting: Lighting,
+    truth: Truth,
     perceived: Perceived,
 }
 
@@ -42,40 +47,23 @@ pub(super) struct DrawnWay {
 }
 
 impl View {
-    /// The view of `frame` from `camera`; what it was sampled from is the truth, if it is known, else its disks, or its
-    /// ellipses if it has them.
-    pub(in crate::bench::suites) fn new(
-        cache: &TruthCache,
-        frame: &PreparedFrame,
-        shape: Option<Shape>,
-        origin: DVec3,
-        camera: Camera,
-        size_px: [u32; 2],
-    ) -> Self {
-        let background = Background::solid(BACKGROUND);
-        let view = TruthView::new(&camera, origin, size_px, Lighting::PerFragment, background);
-        let shapes = frame.shapes.as_deref().map_or(&[][..], Vec::as_slice);
-        let truth = if let Some(shape) = shape {
-            let traced = RayTraced {
-                shape,
-                cull_back_faces: true,
-            };
-            let radii = shapes.iter().map(|shape| f64::from(shape.radius));
-            let tolerance = 2.0 * radii.sum::<f64>() / shapes.len().max(1) as f64;
-            cache.get(&TruthKey::of_shape(traced, &view, tolerance), || {
-                Truth::of_shape(traced, &view, tolerance)
-            })
-        } else {
-            let disks = Disks {
-                points: &frame.points,
-                shapes,
-                are_ellipses: frame.has_ellipses,
-                cull_back_faces: true,
-            };
-            cache.get(&TruthKey::of_disks(disks, &view), || Truth::of_disks(&disks, &view))
-        };
+    /// The truth in the light that a mode has.
+    ///
+    /// # Errors
+    /// Without a truth in that light.
+    pub(super) fn truth_in(&self, lighting: Lighting) -> Result<&LitTruth, BenchError> {
+        let truth = self
+            .truths
+            .iter()
+            .find(|truth| truth.lighting == lighting.at_each_pixel());
+        truth.ok_or_else(|| BenchError::Nothing(format!("there is no ground truth in {lighting} light")))
+    }
+}
+
+impl LitTruth {
+    pub(super) fn new(lighting: Lighting, truth: Truth) -> Self {
         Self {
-            camera,
+            lighting,
             perceived: Perceived::of(&truth.image, PIXELS_PER_DEGREE),
             truth,
         }

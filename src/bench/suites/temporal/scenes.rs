@@ -4,10 +4,11 @@ use super::STEPS;
 use crate::bench::BenchError;
 use crate::bench::run::Run;
 use crate::bench::subject::Subject;
-use crate::bench::suites::error::view::View;
+use crate::bench::suites::error::truths::{FrameTruth, TruthLight};
+use crate::bench::suites::error::with_triangles;
 use crate::bench::truth_cache::TruthCache;
 use crate::cloud::{CloudError, Frame, Positions, RawCloud};
-use crate::scene::{Camera, Scene, Style};
+use crate::scene::{Camera, Lighting, Scene, Style};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Shape, prepare};
 use glam::DVec3;
 use image::RgbaImage;
@@ -41,6 +42,14 @@ pub(super) enum SceneKind {
     CameraTurns,
     /// Consecutive frames of a sequence, of which no truth is known.
     NextFrames,
+}
+
+/// The images of a scene.
+pub(super) struct Pictures {
+    /// Source of the ground truth.
+    pub(super) truth: &'static str,
+    /// In the order of time, from each viewpoint.
+    pub(super) views: Vec<Vec<Picture>>,
 }
 
 /// One image of a scene, and the truth of it where it is not at rest.
@@ -78,13 +87,11 @@ impl SceneKind {
         }
     }
 
-    /// Source of the truth.
-    pub(super) fn truth(self, subject: &Subject<'_>) -> &'static str {
+    /// Source of the ground truth, in reports.
+    fn truth(self, of_frame: &FrameTruth) -> &'static str {
         match self {
             Self::OnePointMoves | Self::SampledAgain | Self::SampledAgainByFewer => "at rest",
-            Self::ShapeMoves => "formula",
-            Self::CameraTurns if subject.shape.is_some() => "formula",
-            Self::CameraTurns => "own disks",
+            Self::ShapeMoves | Self::CameraTurns => of_frame.kind().name(),
             Self::NextFrames => "none",
         }
     }
@@ -96,11 +103,11 @@ pub(super) fn pictures(
     cache: &TruthCache,
     subject: &Subject<'_>,
     kind: SceneKind,
-) -> Result<Result<Vec<Vec<Picture>>, String>, BenchError> {
+) -> Result<Result<Pictures, String>, BenchError> {
     let first = subject.chosen[0];
     let needs = Scene::needs(&Style::default());
     let frame = match run.load(subject, first, 1, &needs)? {
-        Ok(frame) => frame,
+        Ok(frame) => with_triangles(run, subject, frame)?,
         Err(reason) => return Ok(Err(reason)),
     };
     let cameras = subject.views(&frame, run.options.viewpoints, 1.0);
@@ -108,6 +115,7 @@ pub(super) fn pictures(
         cache,
         subject,
         frame: &frame,
+        truth: FrameTruth::new(subject.shape, &frame, &frame),
         needs: &needs,
         viewport_px: run.options.viewport_px,
     };
@@ -137,7 +145,10 @@ pub(super) fn pictures(
             }
         });
     }
-    Ok(Ok(views))
+    Ok(Ok(Pictures {
+        truth: kind.truth(&builder.truth),
+        views,
+    }))
 }
 
 /// The points of a shape, and one more on a circle around it.
@@ -162,6 +173,7 @@ struct Builder<'a> {
     cache: &'a TruthCache,
     subject: &'a Subject<'a>,
     frame: &'a PreparedFrame,
+    truth: FrameTruth,
     needs: &'a Needs,
     viewport_px: [u32; 2],
 }
@@ -173,9 +185,14 @@ impl Builder<'_> {
     }
 
     fn truth(&self, camera: Camera) -> RgbaImage {
-        let (shape, origin) = (self.subject.shape, self.subject.sequence.origin());
-        let view = View::new(self.cache, self.frame, shape, origin, camera, self.viewport_px);
-        view.truth.image
+        let light = TruthLight {
+            lighting: Lighting::PerFragment,
+            physical: None,
+        };
+        let origin = self.subject.sequence.origin();
+        self.truth
+            .seen(self.cache, origin, &camera, self.viewport_px, &light)
+            .image
     }
 
     /// The camera and the shape at rest.

@@ -3,7 +3,9 @@
 use crate::bench::suites::error::variants::BACKGROUND;
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
-use crate::scene::{Background, PointShape, PointSizing, Primitive, RendererChoice, Settings, Splatting, VoxelLight};
+use crate::scene::{
+    Background, PointLight, PointShape, PointSizing, Primitive, RendererChoice, Settings, Splatting, VoxelLight,
+};
 
 /// All modes, first those of the CPU, then those of the adapter if there is one.
 pub(super) fn variants(has_adapter: bool) -> Vec<Settings> {
@@ -31,8 +33,10 @@ fn of_renderer(base: &Settings) -> Vec<Settings> {
         })
     };
     let voxel = of(Primitive::Voxel);
+    // Lit as the ground truth is.
+    let point = of(Primitive::Point).with(|style| style.points.light = PointLight::Normals);
     let points = |sizing, shape| {
-        of(Primitive::Point).with(|style| {
+        point.with(|style| {
             style.points.sizing = sizing;
             style.points.shape = shape;
         })
@@ -48,7 +52,7 @@ fn of_renderer(base: &Settings) -> Vec<Settings> {
         voxel.with(|style| style.levels.lod = Lod::ThresholdPx(4.0)),
         voxel.with(|style| style.voxels.light = VoxelLight::Faces),
         voxel.with(|style| style.levels.stop = StopCriterion::PAPER),
-        of(Primitive::Point),
+        point,
         points(PointSizing::Projected, PointShape::Square),
         points(PointSizing::Adaptive, PointShape::Gaussian),
     ]
