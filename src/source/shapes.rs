@@ -207,7 +207,7 @@ impl Shape {
     }
 
     /// `count` points with normals and colours.
-    pub(super) fn cloud(self, count: usize) -> RawCloud {
+    pub(crate) fn cloud(self, count: usize) -> RawCloud {
         let Sampled { positions, normals } = self.sample(count, 0.0);
         let color = |position: &Vec3| {
             let [red, green, blue] = Self::color_at(position.as_dvec3());

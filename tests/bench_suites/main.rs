@@ -9,6 +9,7 @@ mod drawing;
 mod error;
 mod inputs;
 mod runs;
+mod stability;
 
 use pointreel::bench::{BenchOptions, Cell, Column, Input, Report, Row, Suite, run};
 use pointreel::progress::Progress;

@@ -14,6 +14,7 @@ mod primitives;
 mod reel;
 mod render;
 mod rgbd;
+mod stability;
 mod torus_mesh;
 mod traversals;
 mod turning;
@@ -30,6 +31,7 @@ pub use primitives::PRIMITIVES;
 pub use reel::{RATE, REEL};
 pub use render::RENDER;
 pub use rgbd::RGBD;
+pub use stability::STABILITY;
 pub use vdts::VDTS;
 pub use window::{WINDOW, WindowAction, window_report, window_report_of_json};
 
@@ -56,6 +58,7 @@ const TABLE: &[(&Suite, Measure)] = &[
     (RATE, reel::measure_rates),
     (RGBD, rgbd::measure),
     (VDTS, vdts::measure),
+    (STABILITY, stability::measure),
 ];
 
 /// Every suite.
@@ -99,7 +102,7 @@ mod tests {
         assert_eq!(
             error.to_string(),
             "`disks` is not a suite: expected surfels, octree, voxels, accuracy, render, play, window, error, lod, \
-             primitives, reel, rate, rgbd or vdts"
+             primitives, reel, rate, rgbd, vdts or stability"
         );
     }
 
