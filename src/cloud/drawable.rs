@@ -23,7 +23,7 @@ impl Frame {
             let length = if is_small { extent } else { extent.max(reach) };
             return Err(CloudError::Undrawable {
                 length,
-                factor: 10f64.powi(-(length.log10().round() as i32)),
+                exponent: -(length.log10().round() as i32),
             });
         }
         Ok(self)

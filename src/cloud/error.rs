@@ -31,13 +31,13 @@ pub enum CloudError {
     /// Coordinates that squares cannot be taken of.
     #[error(
         "the points reach over {length:.0e} units, and images are drawn of {:e} to {:e}: write the coordinates in \
-         another unit, {factor:e} times as large",
+         another unit, 1e{exponent} times as large",
         DRAWABLE_EXTENTS.start(), DRAWABLE_EXTENTS.end()
     )]
     Undrawable {
         /// Extent of the points, or their distance from the origin of the sequence, scene units.
         length: f64,
-        /// Factor that makes it about 1.
-        factor: f64,
+        /// Power of ten by which coordinates of about 1 result.
+        exponent: i32,
     },
 }

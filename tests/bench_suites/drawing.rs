@@ -245,7 +245,6 @@ fn without_an_adapter_the_processor_is_measured() {
         suites::ACCURACY,
         suites::LOD,
         suites::PRIMITIVES,
-        suites::OCTREE,
     ];
     for suite in all {
         let options = BenchOptions {

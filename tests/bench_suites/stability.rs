@@ -6,7 +6,7 @@ use pointreel::progress::Progress;
 
 fn options() -> BenchOptions {
     BenchOptions {
-        viewport_px: [128, 96],
+        viewport_px: [80, 60],
         frames: 1,
         warmup: 0,
         repeat: 1,

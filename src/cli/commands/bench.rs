@@ -101,8 +101,8 @@ pub(in crate::cli) struct BenchArgs {
     ))]
     present: Option<PresentChoice>,
 
-    /// Render on the GPU or the CPU; `cpu` measures the CPU renderer alone, without opening a driver, `auto` an adapter as
-    /// well if there is one
+    /// Render on the GPU or the CPU; `cpu` measures the CPU renderer alone, without opening a driver, `auto` an adapter
+    /// as well if there is one
     #[arg(long, value_name = "auto|gpu|cpu")]
     renderer: Option<Choice<RendererChoice>>,
 

@@ -1,10 +1,10 @@
 //! The near plane of an image, by what is drawn.
 //!
 //! **How it works.** Depth is `near / distance` in floating point, so it resolves the same fraction of a distance
-//! whatever the near plane is, over all seven orders from [`NEAREST_OF_FARTHEST`] on. The near plane is therefore chosen
-//! by the box around the content: it lies between the eye and the box; where the eye is in or next to the box, it is a
-//! fixed, small fraction of the farthest distance in it. It is never farther away than a fraction of the distance of the
-//! target ([`NEAR_FRACTION`](super::camera::NEAR_FRACTION)): most images are drawn with that one.
+//! whatever the near plane is. The near plane is therefore chosen by the box around the content: it lies between the
+//! eye and the box; where the eye is in or next to the box, it is [`NEAREST_OF_FARTHEST`] of the farthest distance in
+//! it. It is never farther away than a fraction of the distance of the target
+//! ([`NEAR_FRACTION`](super::camera::NEAR_FRACTION)): most images are drawn with that one.
 //!
 //! Orthographic views keep the plane of their telephoto lens. Its eye is a thousand times as far away as the target
 //! appears, and what is next to it would be enlarged as parallel rays enlarge nothing.

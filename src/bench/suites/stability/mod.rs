@@ -6,9 +6,9 @@
 //! of the same cloud without the difficulty elsewhere; and the image of the GPU with that of the CPU. Where there is no
 //! adapter, the CPU renderer is judged alone.
 //!
-//! A row is red if its image is empty and the reference is not (or the other way round), if the images of CPU and GPU, or
-//! those of equal scenes, are more than 40 dB apart (a PSNR below 40), if splats leave holes in a closed surface, or if
-//! nothing could be drawn.
+//! A row is red if its image is empty and the reference is not (or the other way round), if the images of CPU and GPU,
+//! or those of equal scenes, are more than 40 dB apart (a PSNR below 40), if splats leave holes in a closed surface, or
+//! if nothing could be drawn.
 
 mod cases;
 mod judged;
@@ -57,8 +57,8 @@ pub const STABILITY: &Suite = &Suite {
     hint: "Clouds and cameras that break numerics, as every primitive on both renderers: errors, times and a verdict",
     description: "clouds and cameras that break numerics, as every primitive, on both renderers",
     measured: "FLIP and PSNR against the reference: a shape or disks ray-traced in f64, or the CPU's image of an equal \
-        scene without the difficulty; PSNR between CPU and GPU (99 where equal); background where the reference shows a \
-        surface (holes); CPU wall time of a resident image; red where an image is empty, CPU and GPU or equal \
+        scene without the difficulty; PSNR between CPU and GPU (99 where equal); background where the reference shows \
+        a surface (holes); CPU wall time of a resident image; red where an image is empty, CPU and GPU or equal \
         scenes have a PSNR below 40 dB, splats leave more than 5 % holes, or nothing could be drawn",
     not_measured: "decoding, normals, octrees, uploads, showing",
     covered_by: "the primitive",
@@ -120,27 +120,18 @@ fn measure_case(run: &mut Run<'_>, processor: &mut Runner, case: &Case) -> Resul
         (Err(message), _) => return Ok(vec![row_without_image(case.name, Judged::failed(message))]),
         (Ok(seen), _) => seen,
     };
-    let reference_of = |processor: &mut Runner, primitive: Primitive| match case.expected {
-        Expected::Shape(shape) => {
-            let traced = RayTraced {
-                shape,
-                cull_back_faces: true,
-            };
-            Ok(Reference::traced(&Truth::of_shape(traced, &seen.truth_view(run), 0.0)))
-        }
-        Expected::Of(scenery) => match Seen::of(scenery) {
-            Ok(other) => {
-                let packet = other.packet(run, primitive, true);
-                Ok(Reference::drawn(processor.image(&packet)?))
-            }
-            Err(message) => Err(BenchError::Nothing(message)),
-        },
-        Expected::Disks => Ok(seen.disks(run)),
-        Expected::Background | Expected::Refusal => Ok(Reference::empty(run.options.viewport_px)),
-    };
+    let shared = seen.reference(run, case.expected);
     let mut references = Vec::new();
     for &primitive in case.primitives {
-        references.push((primitive, reference_of(processor, primitive)?));
+        let reference = match (&shared, case.expected) {
+            (None, Expected::Of(scenery)) => {
+                let equal = Seen::of(scenery).map_err(BenchError::Nothing)?;
+                Reference::drawn(processor.image(&equal.packet(run, primitive, true))?)
+            }
+            (Some(shared), _) => shared.clone(),
+            (None, _) => Reference::empty(run.options.viewport_px),
+        };
+        references.push((primitive, reference));
     }
     measure_seen(run, processor, case.name, &seen, &references)
 }
@@ -290,6 +281,21 @@ impl Seen {
             Lighting::PerFragment,
             background,
         )
+    }
+
+    /// The reference image of all primitives, ray-traced once; `None` where each has its own, or nothing is seen.
+    fn reference(&self, run: &Run<'_>, expected: Expected) -> Option<Reference> {
+        match expected {
+            Expected::Shape(shape) => {
+                let traced = RayTraced {
+                    shape,
+                    cull_back_faces: true,
+                };
+                Some(Reference::traced(&Truth::of_shape(traced, &self.truth_view(run), 0.0)))
+            }
+            Expected::Disks => Some(self.disks(run)),
+            Expected::Of(_) | Expected::Background | Expected::Refusal => None,
+        }
     }
 
     /// The ray-traced image of the disks of all points.
