@@ -30,7 +30,7 @@ fn coordinates_beyond_single_precision_are_refused_with_a_remedy() {
         assert!(!output.status.success() && !image.exists(), "× {factor:e}: {said}");
         for part in [
             "helix.xyz",
-            "1e-12 to 1e12 units",
+            "1e-12 to 1e12",
             &format!("{times_as_large} times as large"),
         ] {
             assert!(said.contains(part), "× {factor:e}: no {part:?} in {said}");
@@ -55,18 +55,13 @@ fn coordinates_of_nine_orders_up_and_down_are_drawn() {
                 "--up",
                 "z",
             ])
-            .args(["--size", "64x48", "--renderer", "cpu", "--colors", "uniform:ff8000"])
+            .args(["--size", "64x48", "--renderer", "cpu"])
             .output()
             .unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         image::load_from_memory(&output.stdout).unwrap().to_rgba8()
     });
-    let lit = |image: &image::RgbaImage| {
-        image
-            .pixels()
-            .filter(|pixel| pixel.0[0] > 200 && pixel.0[2] < 80)
-            .count()
-    };
+    let lit = |image: &image::RgbaImage| image.pixels().filter(|pixel| *pixel != image.get_pixel(0, 0)).count();
     assert!(lit(&images[1]) > 60, "{}", lit(&images[1]));
     for image in &images {
         assert!(
