@@ -55,7 +55,7 @@ fn coordinates_of_nine_orders_up_and_down_are_drawn() {
                 "--up",
                 "z",
             ])
-            .args(["--size", "64x48", "--renderer", "cpu"])
+            .args(["--size", "64x48", "--renderer", "cpu", "--bg", "#000000"])
             .output()
             .unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
