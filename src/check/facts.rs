@@ -1,6 +1,6 @@
 //! Frame facts: what is remembered of a frame after inspection.
 
-use crate::cloud::{Frame, MissingPoints, NoData, Positions, RawCloud, make_holes, max_radius};
+use crate::cloud::{Frame, MissingPoints, NoData, Positions, RawCloud, make_holes, usable_radii};
 use crate::scene::{FirstLook, UpAxis};
 use glam::DVec3;
 
@@ -81,8 +81,9 @@ fn noted(raw: &RawCloud) -> Vec<String> {
 /// Counts the radii that cannot be drawn.
 fn absurd_radii(raw: &RawCloud) -> usize {
     let Some(radii) = &raw.attributes.radii else { return 0 };
-    let most = max_radius(raw.positions.len(), |index| raw.positions.get(index));
-    let is_absurd = |radius: &&f32| !radius.is_finite() || **radius > most;
+    let usable = usable_radii(raw.positions.len(), |index| raw.positions.get(index));
+    // 0 and less stand for none.
+    let is_absurd = |radius: &&f32| !radius.is_finite() || **radius > 0.0 && !usable.contains(*radius);
     radii.iter().filter(is_absurd).count()
 }
 

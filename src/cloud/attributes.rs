@@ -3,6 +3,7 @@
 use super::{Ellipse, ScalarField, even_places};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use std::ops::RangeInclusive;
 
 /// Points that are worth handing to another thread.
 const POINTS_PER_TASK: usize = 1 << 15;
@@ -101,11 +102,11 @@ impl Attributes {
 
     /// Sanitises attributes: normals become unit vectors, or zero where there is no direction; radii become drawable, 0
     /// where there is none; scalars finite or NaN. Ellipses are kept next to a normal and a radius, and are circles
-    /// otherwise. Radii above `max_radius` are missing.
-    pub(super) fn make_usable(&mut self, max_radius: f32) {
+    /// otherwise. Radii outside of `usable_radii` are missing.
+    pub(super) fn make_usable(&mut self, usable_radii: &RangeInclusive<f32>) {
         for_each(self.normals.as_deref_mut(), |normal| *normal = unit_or_zero(*normal));
         for_each(self.radii.as_deref_mut(), |radius| {
-            *radius = usable_radius(*radius, max_radius);
+            *radius = usable_radius(*radius, usable_radii);
         });
         for field in &mut self.scalars {
             for_each(Some(&mut field.values), |scalar| {
@@ -148,28 +149,32 @@ fn unit_or_zero(normal: [f32; 3]) -> [f32; 3] {
     if (vector.length_squared() - 1.0).abs() <= 1e-6 {
         normal
     } else {
-        vector.normalize_or_zero().to_array()
+        let largest = vector.abs().max_element();
+        // The square of a length of 1e30 is infinite, that of 1e-30 is 0; the direction is known all the same.
+        let is_square_finite = (1e-15..1e15).contains(&largest);
+        let scale = if is_square_finite { 1.0 } else { largest };
+        (vector / scale).normalize_or_zero().to_array()
     }
 }
 
-fn usable_radius(radius: f32, max_radius: f32) -> f32 {
-    if radius.is_finite() && radius <= max_radius {
-        radius.max(0.0)
-    } else {
-        0.0
-    }
+fn usable_radius(radius: f32, usable: &RangeInclusive<f32>) -> f32 {
+    if usable.contains(&radius) { radius } else { 0.0 }
 }
 
-/// The largest radius that a splat among `count` points can have: a disk a thousand times as wide as most of the cloud
-/// is a wrong number, which would cover everything. The few points far away do not count.
-pub(crate) fn max_radius(count: usize, position: impl Fn(usize) -> DVec3) -> f32 {
+/// The radii that splats among `count` points can have. A disk a thousand times as wide as most of the cloud is a wrong
+/// number, which would cover everything; one of a billionth of a thousandth of the width is another, which no image
+/// shows. The few points far away do not count.
+pub(crate) fn usable_radii(count: usize, position: impl Fn(usize) -> DVec3) -> RangeInclusive<f32> {
     const SAMPLE: usize = 1 << 12;
     const MIN: usize = 20;
-    const EXTENTS: f64 = 1000.0;
+    const MAX_EXTENTS: f64 = 1000.0;
+    const MIN_EXTENTS: f64 = 1e-12;
+    // Squares of these are normal numbers.
+    const ANY: RangeInclusive<f32> = 1e-15..=1e15;
     let places = even_places(count, SAMPLE).into_iter().map(position);
     let sample: Vec<DVec3> = places.filter(|position| position.is_finite()).collect();
     if sample.len() < MIN {
-        return f32::MAX;
+        return ANY;
     }
     let extent = |axis: usize| {
         let mut values: Vec<f64> = sample.iter().map(|position| position[axis]).collect();
@@ -178,9 +183,9 @@ pub(crate) fn max_radius(count: usize, position: impl Fn(usize) -> DVec3) -> f32
     };
     let extent = DVec3::new(extent(0), extent(1), extent(2)).length();
     if extent > 0.0 {
-        (EXTENTS * extent) as f32
+        (MIN_EXTENTS * extent) as f32..=(MAX_EXTENTS * extent) as f32
     } else {
-        f32::MAX
+        ANY
     }
 }
 
@@ -251,14 +256,35 @@ mod tests {
     #[test]
     fn absurd_radii_count_as_missing() {
         let place = |index: usize| DVec3::new(index as f64, 1.0, if index == 7 { 1e30 } else { 0.0 });
-        let max = max_radius(1001, place);
-        assert!((500_000.0..1_100_000.0).contains(&max), "{max}");
-        assert_eq!(max_radius(5, place), f32::MAX);
-        assert_eq!(max_radius(100, |_| DVec3::ONE), f32::MAX);
-        for radius in [1e20, f32::INFINITY, f32::NAN, -1.0, f32::NEG_INFINITY] {
-            assert_eq!(usable_radius(radius, max), 0.0, "{radius}");
+        let usable = usable_radii(1001, place);
+        assert!((500_000.0..1_100_000.0).contains(usable.end()), "{usable:?}");
+        for radius in [1e20, 1e-12, 1e-30, f32::INFINITY, f32::NAN, -1.0, f32::NEG_INFINITY] {
+            assert_eq!(usable_radius(radius, &usable), 0.0, "{radius}");
         }
-        assert_eq!(usable_radius(3.5, max), 3.5);
+        assert_eq!(usable_radius(3.5, &usable), 3.5);
+        // Whatever the extent is, squares of radii are numbers.
+        for usable in [usable_radii(5, place), usable_radii(100, |_| DVec3::ONE)] {
+            for radius in [1e30, 1e-30, f32::NAN] {
+                assert_eq!(usable_radius(radius, &usable), 0.0, "{radius}");
+            }
+            assert_eq!(usable_radius(1e9, &usable), 1e9);
+        }
+    }
+
+    #[test]
+    fn the_direction_of_a_normal_of_any_length_is_known() {
+        let direction = Vec3::new(0.6, 0.0, -0.8);
+        for length in [1e-40, 1e-30, 1e-3, 0.5, 1.0, 7.0, 1e19, 1e30, 3e38] {
+            let [x, y, z] = (direction * length).to_array();
+            let normal = Vec3::from_array(unit_or_zero([x, y, z]));
+            // Numbers below 1e-38 have fewer digits.
+            assert!((normal - direction).length() < 1e-4, "{length}: {normal}");
+            assert!((normal.length() - 1.0).abs() < 1e-6, "{length}: {normal}");
+        }
+        for bad in [0.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            assert_eq!(unit_or_zero([bad, 0.0, 0.0]), [0.0; 3], "{bad}");
+            assert_eq!(unit_or_zero([bad; 3]), [0.0; 3], "{bad}");
+        }
     }
 
     #[test]
@@ -275,10 +301,10 @@ mod tests {
             radii: None,
             ..attributes.clone()
         };
-        attributes.make_usable(f32::MAX);
+        attributes.make_usable(&(0.0..=f32::MAX));
         let expected = [ellipse, Ellipse::CIRCLE, Ellipse::CIRCLE, ellipse];
         assert_eq!(attributes.ellipses.unwrap(), expected);
-        bare.make_usable(f32::MAX);
+        bare.make_usable(&(0.0..=f32::MAX));
         assert_eq!(bare.ellipses, None);
     }
 }

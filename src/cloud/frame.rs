@@ -3,37 +3,16 @@
 //! Points that are close in space are close in memory: whoever reads the points around a point, or the texels under it,
 //! finds them in the cache. [`Frame::file_index`] leads back to the file.
 
-use super::attributes::{gather, max_radius};
+use super::attributes::{gather, usable_radii};
+use super::error::MAX_POINTS;
 use super::value_sample::{SharedSample, ValueSample};
 use super::{
-    Attributes, AxisConvention, Ellipse, ImageGrid, LengthUnit, MadeFrom, Positions, RawCloud, ScalarField,
+    Attributes, AxisConvention, CloudError, Ellipse, ImageGrid, LengthUnit, MadeFrom, Positions, RawCloud, ScalarField,
     even_places, radius_factor,
 };
 use crate::math::{Aabb, Cube, order_of_codes};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
-
-/// Why a decoded cloud cannot become a frame.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum CloudError {
-    /// An attribute array does not have one entry a point.
-    #[error("{attribute} has {found} entries for {expected} points")]
-    LengthMismatch {
-        /// Name of the attribute.
-        attribute: String,
-        /// Number of points.
-        expected: usize,
-        /// Number of entries.
-        found: usize,
-    },
-    /// More points than indices of 31 bits tell apart.
-    #[error("{found} points are more than a frame can hold ({})", Frame::MAX_POINTS)]
-    TooManyPoints {
-        /// Number of points.
-        found: usize,
-    },
-}
 
 /// One frame: a structure of arrays, all of one length.
 ///
@@ -67,7 +46,7 @@ pub struct Frame {
 
 impl Frame {
     /// Most points a frame can hold.
-    pub const MAX_POINTS: usize = 1 << 31;
+    pub const MAX_POINTS: usize = MAX_POINTS;
 
     /// Validates `raw`, moves it to `origin` (in f64), drops points without finite coordinates and puts the others in
     /// Morton order.
@@ -82,13 +61,13 @@ impl Frame {
         drop(moved);
         let mut attributes = raw.attributes;
         attributes.keep(&file_index);
-        // After all points are in place: a CPU that waits for square roots fetches little from memory in the meantime.
-        let max_radius = if attributes.radii.is_some() {
-            max_radius(positions.len(), |index| positions[index].as_dvec3())
+        // After all are at their places: a processor that waits for roots fetches little from memory meanwhile.
+        let usable_radii = if attributes.radii.is_some() {
+            usable_radii(positions.len(), |index| positions[index].as_dvec3())
         } else {
-            f32::MAX
+            0.0..=f32::MAX
         };
-        attributes.make_usable(max_radius);
+        attributes.make_usable(&usable_radii);
         Ok(Self {
             bounds,
             dropped_points: point_count - file_index.len(),

@@ -42,7 +42,10 @@ impl ViewOfFrame {
         Some(Self {
             frame: frame.id,
             needs: Scene::needs(style),
-            view: view.camera.transform(view.origin, viewport_px),
+            view: view
+                .camera
+                .transform(view.origin, viewport_px)
+                .near_for(&frame.frame.bounds()),
             viewport_px,
             clip: clip.map(|clip| clip.relative_to(view.origin)),
         })

@@ -193,7 +193,8 @@ impl Scene {
         viewport_px: [u32; 2],
     ) -> ScenePacket {
         let viewport_px = style.drawn_px(viewport_px);
-        let view = camera.transform(origin, viewport_px);
+        let bounds = frame.frame.bounds();
+        let view = camera.transform(origin, viewport_px).near_for(&bounds);
         let mut style = *style;
         let clip = style.of_sequence.clip.take().filter(|clip| clip.is_on);
         style.of_sequence.has_photos = frame.posed_images.is_some();
@@ -214,7 +215,6 @@ impl Scene {
             point_spacing: self.point_spacing(frame, &style),
             clip: clip.map(|clip| clip.relative_to(origin)),
         };
-        let bounds = frame.frame.bounds();
         let ground = style.backdrop.grid.then(|| {
             let ground_box = style.of_sequence.ground_box.unwrap_or(bounds);
             GroundPlane::under(&ground_box, origin, camera.up, style.backdrop.background)

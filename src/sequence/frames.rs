@@ -374,7 +374,8 @@ impl Sequence {
                 .renew_sample(index, || self.sample_of(index, &decoded.cloud, origin));
         }
         let has_levels = decoded.level.is_some();
-        let frame = validated(decoded, origin, detail).map_err(|reason| self.invalid(index, reason))?;
+        let frame = validated(decoded, origin, detail).and_then(Frame::drawable);
+        let frame = frame.map_err(|reason| self.invalid(index, reason))?;
         if let Some(sample) = self.origin.sample() {
             frame.share_sample(sample);
         }
@@ -453,7 +454,7 @@ impl Sequence {
             Some(_) => validated(sample, origin, Detail::Full),
             None => Frame::from_sampled(sample.cloud, origin, point_count),
         };
-        let frame = frame.ok()?;
+        let frame = frame.and_then(Frame::drawable).ok()?;
         Some(LoadedFrame {
             frame,
             decode_ms: milliseconds_since(start) as f32,

@@ -224,7 +224,7 @@ impl Shape {
     }
 
     /// `count` points with normals and colours.
-    pub(super) fn cloud(self, count: usize) -> RawCloud {
+    pub(crate) fn cloud(self, count: usize) -> RawCloud {
         self.scan(count, 0)
     }
 

@@ -238,7 +238,15 @@ fn the_renderers_are_measured_side_by_side() {
 
 #[test]
 fn without_an_adapter_the_cpu_is_measured() {
-    for suite in [suites::SURFELS, suites::VOXELS, suites::RENDER, suites::ACCURACY] {
+    let all = [
+        suites::SURFELS,
+        suites::VOXELS,
+        suites::RENDER,
+        suites::ACCURACY,
+        suites::LOD,
+        suites::PRIMITIVES,
+    ];
+    for suite in all {
         let options = BenchOptions {
             frames: 1,
             viewpoints: 1,
@@ -256,6 +264,11 @@ fn without_an_adapter_the_cpu_is_measured() {
             assert!(has("draw_ms_median"), "{suite}");
         } else if suite == suites::RENDER {
             assert!(has("processor_ms_median") && !has("adapter_ms_median"));
+        } else if suite == suites::LOD {
+            assert!(has("render_ms_median") && has("total_ms_median") && !has("gpu_ms_median"));
+            assert!(rows_of(&report, "passes").is_empty(), "no adapter has timed one");
+        } else if suite == suites::PRIMITIVES {
+            assert!(has("processor_ms_mean") && !has("adapter_ms_mean"));
         }
     }
 }

@@ -26,11 +26,7 @@ fn surfaces_at_rest_stand_still_whatever_else_moves() {
     assert_files_agree(&report);
     let number = |row, key: &str| report.value(row, key).and_then(Cell::number).unwrap();
     let rows = |scene: &str| {
-        let rows: Vec<_> = report
-            .rows
-            .iter()
-            .filter(|row| report.cells(row)[1] == scene)
-            .collect();
+        let rows: Vec<_> = report.rows.iter().filter(|row| report.cells(row)[1] == scene).collect();
         assert!(rows.len() >= 10, "{scene}");
         rows
     };

@@ -10,6 +10,7 @@ mod compare;
 mod compare_frames;
 #[path = "../common/data.rs"]
 mod data;
+mod extremes;
 mod fields;
 #[cfg(all(feature = "window", feature = "bench", feature = "gpu", feature = "sqlite"))]
 mod help;

@@ -91,7 +91,8 @@ fn view_of(camera: &Camera, size_px: [u32; 2]) -> View {
     View {
         eye,
         rotation: view.rotation,
-        near: view.near,
+        // The server knows what is near the eye; the client does not, until it has been sent.
+        near: 0.0,
         size_px: [0, 1].map(|axis| view.size_px[axis] + 2 * margin_px[axis]),
         px_per_slope: view.px_per_slope,
         center_px: [0, 1].map(|axis| view.center_px[axis] + margin_px[axis] as f32),

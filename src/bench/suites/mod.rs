@@ -14,6 +14,7 @@ mod primitives;
 mod reel;
 mod render;
 mod rgbd;
+mod stability;
 mod temporal;
 mod torus_mesh;
 mod traversals;
@@ -31,6 +32,7 @@ pub use primitives::PRIMITIVES;
 pub use reel::{RATE, REEL};
 pub use render::RENDER;
 pub use rgbd::RGBD;
+pub use stability::STABILITY;
 pub use temporal::TEMPORAL;
 pub use vdts::VDTS;
 pub use window::{WINDOW, WindowAction, window_report, window_report_of_json};
@@ -59,6 +61,7 @@ const TABLE: &[(&Suite, Measure)] = &[
     (RATE, reel::measure_rates),
     (RGBD, rgbd::measure),
     (VDTS, vdts::measure),
+    (STABILITY, stability::measure),
 ];
 
 /// Every suite.
@@ -102,7 +105,7 @@ mod tests {
         assert_eq!(
             error.to_string(),
             "`disks` is not a suite: expected surfels, octree, voxels, accuracy, render, play, window, error, \
-             temporal, lod, primitives, reel, rate, rgbd or vdts"
+             temporal, lod, primitives, reel, rate, rgbd, vdts or stability"
         );
     }
 

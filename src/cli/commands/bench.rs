@@ -107,7 +107,8 @@ pub(in crate::cli) struct BenchArgs {
     ))]
     present: Option<PresentChoice>,
 
-    /// Render the images in it on the GPU or the CPU
+    /// Render on the GPU or the CPU; `cpu` measures the CPU renderer alone, without opening a driver, `auto` an adapter
+    /// as well if there is one
     #[arg(long, value_name = "auto|gpu|cpu")]
     renderer: Option<Choice<RendererChoice>>,
 
@@ -183,11 +184,7 @@ fn refuse_foreign_options(arguments: &BenchArgs) -> anyhow::Result<()> {
             arguments.first_frame.is_some(),
         ),
         (OptionGroup::Photos, "--leave-out", arguments.leave_out.is_some()),
-        (
-            OptionGroup::Window,
-            "--present and --renderer",
-            arguments.present.is_some() || arguments.renderer.is_some(),
-        ),
+        (OptionGroup::Window, "--present", arguments.present.is_some()),
     ] {
         if is_given && !suite.takes(group) {
             let takers = suites::all().filter(|suite| suite.takes(group));
@@ -246,7 +243,7 @@ pub(in crate::cli) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
     let report = if arguments.suite.takes(OptionGroup::Window) {
         measure_window(&inputs, options, arguments.present, arguments.renderer)?
     } else {
-        measure(&inputs, &options)?
+        measure(&inputs, &options, arguments.renderer.unwrap_or_default())?
     };
     if arguments.json.as_deref() == Some(Path::new("-")) {
         answer(&report.to_json());
@@ -259,17 +256,26 @@ pub(in crate::cli) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
 }
 
 /// Runs a suite that needs no window.
-fn measure(inputs: &[Input], options: &BenchOptions) -> anyhow::Result<Report> {
-    let context = match Context::headless(&ContextOptions::default()) {
-        Ok(context) => Some(context),
-        Err(error) => {
-            say(&format!("the software renderer is measured alone: {error}"));
-            None
-        }
-    };
+fn measure(inputs: &[Input], options: &BenchOptions, renderer: Choice<RendererChoice>) -> anyhow::Result<Report> {
+    let context = open_adapter(renderer)?;
     let report = bench::run(inputs, options, context.as_ref(), &show_progress, &Progress::default());
     clear_progress();
     Ok(report?)
+}
+
+/// Opens the adapter to measure, unless the CPU renderer is measured alone.
+fn open_adapter(renderer: Choice<RendererChoice>) -> anyhow::Result<Option<Arc<Context>>> {
+    if renderer == RendererChoice::Cpu {
+        return Ok(None);
+    }
+    match Context::headless(&ContextOptions::default()) {
+        Ok(context) => Ok(Some(context)),
+        Err(error) if renderer.is_open() => {
+            say(&format!("the software renderer is measured alone: {error}"));
+            Ok(None)
+        }
+        Err(error) => Err(error.into()),
+    }
 }
 
 /// Opens an input; of a shape the truth is known.

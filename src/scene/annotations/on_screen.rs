@@ -3,18 +3,26 @@
 use crate::scene::Camera;
 use glam::{DVec2, DVec3};
 
+/// Nearest distance of a place that has pixels, as a part of the distance of the target.
+const NEAREST_MARK: f64 = 1e-8;
+
 impl Camera {
-    /// The place on a picture of `viewport_px` in pixels, from its upper left corner; `None` behind the near plane.
+    /// The place on a picture of `viewport_px` in pixels, from its upper left corner; `None` behind the eye.
     pub fn to_px(&self, place_in_world: DVec3, viewport_px: [u32; 2]) -> Option<DVec2> {
         let place = self.in_view_space(place_in_world);
-        (-place.z >= self.lens().near()).then(|| self.view_to_px(place, viewport_px))
+        // Images are drawn from where their content begins, which may be next to the eye.
+        (-place.z >= NEAREST_MARK * self.lens().distance).then(|| self.view_to_px(place, viewport_px))
     }
 
-    /// Both ends of the part of a line that is in front of the near plane, as [`Camera::to_px`]; `None` where there is
-    /// none.
+    /// Both ends of the part of a line that is in front of the eye, as [`Camera::to_px`]; `None` where there is none.
     pub fn line_to_px(&self, ends_in_world: [DVec3; 2], viewport_px: [u32; 2]) -> Option<[DVec2; 2]> {
-        let near = self.lens().near();
         let [a, b] = ends_in_world.map(|end| self.in_view_space(end));
+        let nearest = NEAREST_MARK * self.lens().distance;
+        let in_front = [a, b].map(|end| -end.z).into_iter().filter(|&depth| depth >= nearest);
+        // Lines that pass the eye end where coordinates of pixels are not yet huge.
+        let near = in_front
+            .fold(self.lens().near(), |near, depth| near.min(0.5 * depth))
+            .max(nearest);
         let [in_front_a, in_front_b] = [a, b].map(|end| -end.z >= near);
         let on_near_plane = || a.lerp(b, (-near - a.z) / (b.z - a.z));
         let [a, b] = match (in_front_a, in_front_b) {
@@ -29,7 +37,7 @@ impl Camera {
     /// Returns the distance from `place` along `direction` of the position that is seen nearest to the pixel `px`, in
     /// lengths of `direction`: it follows a pointer that drags it. `None` where the line is seen end on, or not at all.
     pub fn along_line(&self, place: DVec3, direction: DVec3, px: DVec2, viewport_px: [u32; 2]) -> Option<f64> {
-        let near = self.lens().near();
+        let near = NEAREST_MARK * self.lens().distance;
         let from = self.in_view_space(place);
         let step = self.view_from_world_rotation() * direction;
         let [width, height] = viewport_px.map(f64::from);

@@ -99,7 +99,8 @@ impl Lights {
             head,
             specular,
             lamps: all,
-            usual_distance: (-center.z).max(packet.view.near),
+            // From within a cloud, what is seen of it is about as far away as it is large.
+            usual_distance: (-center.z).max(0.5 * radius).max(packet.view.near),
         })
     }
 }

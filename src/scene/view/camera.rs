@@ -190,8 +190,8 @@ pub(in crate::scene) const TELEPHOTO_FOCAL: f64 = 1_145.915_299_281_798;
 /// Fraction of the image height that the bounding sphere fills after [`Camera::frame_bounds`].
 const FRAMED_FRACTION: f64 = 0.95;
 
-/// The near plane, as a part of the distance to the target.
-const NEAR_FRACTION: f64 = 0.005;
+/// The near plane, as a part of the distance to the target; nearer where content is, see [`ViewTransform::near_for`].
+pub(super) const NEAR_FRACTION: f64 = 0.005;
 
 impl Camera {
     /// A view from the front, a little above, that shows all of `bounds` (relative to `origin`).
@@ -388,7 +388,7 @@ pub(in crate::scene) struct Lens {
 }
 
 impl Lens {
-    /// From the eye to the near plane.
+    /// From the eye to the near plane, as long as the content is unknown.
     pub(in crate::scene) fn near(&self) -> f64 {
         self.distance * NEAR_FRACTION
     }

@@ -2,6 +2,7 @@
 
 pub(super) mod camera;
 pub(super) mod ground;
+mod near_plane;
 pub(super) mod path;
 pub(super) mod picture_plane;
 pub(super) mod pinhole_view;

@@ -23,7 +23,7 @@ pub(crate) struct Chain {
 }
 
 /// A binary PLY of doubles.
-fn ply(positions: &[DVec3]) -> Vec<u8> {
+pub(super) fn ply(positions: &[DVec3]) -> Vec<u8> {
     let count = positions.len();
     let mut file = format!(
         "ply\nformat binary_little_endian 1.0\nelement vertex {count}\n\

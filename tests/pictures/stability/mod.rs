@@ -3,6 +3,8 @@
 
 mod brute_force;
 mod chain;
+mod near_plane;
+mod time;
 
 use crate::common;
 use chain::{Chain, SIZE_PX, load};

@@ -33,10 +33,11 @@ pub(in crate::app) fn benchmark_job(
         });
     }
     Box::new(move |report, progress| {
-        let context = Context::headless(&ContextOptions::default()).map_err(|error| error.to_string())?;
+        // Without an adapter the CPU renderer is measured alone.
+        let context = Context::headless(&ContextOptions::default()).ok();
         let options = bench::BenchOptions {
-            // No one would choose a mode drawn by a software adapter.
-            modes: if context.is_software() {
+            // What a software adapter draws nobody would choose.
+            modes: if context.as_ref().is_none_or(|context| context.is_software()) {
                 bench::Modes::of_renderer(RendererChoice::Cpu)
             } else {
                 bench::Modes::default()
@@ -55,7 +56,7 @@ pub(in crate::app) fn benchmark_job(
             shape: None,
         };
         let measured =
-            bench::run(&[input], &options, Some(&context), report, progress).map_err(|error| error.to_string())?;
+            bench::run(&[input], &options, context.as_ref(), report, progress).map_err(|error| error.to_string())?;
         Ok(BenchmarkTable::of(measured))
     })
 }

@@ -128,6 +128,7 @@ fn measure_sequence(
         };
         point_counts.extend(
             pictures
+                .views
                 .iter()
                 .flatten()
                 .map(|picture| picture.frame.points.len() as f64),
@@ -135,10 +136,10 @@ fn measure_sequence(
         for way in variants {
             run.begin_step(format!("{}: {}: {}", subject.name, kind.name(), label(way)))?;
             let mut samples = Samples::default();
-            for view in &pictures {
+            for view in &pictures.views {
                 samples.measure(run, runners, subject, view, &way.decided())?;
             }
-            rows.push(samples.row(subject, kind, way));
+            rows.push(samples.row([subject.name, kind.name(), pictures.truth], way));
         }
     }
     Run::check_measured(subject, &point_counts, first_failure)?;
@@ -183,16 +184,16 @@ impl Samples {
         Ok(())
     }
 
-    fn row(&self, subject: &Subject<'_>, kind: SceneKind, way: &Settings) -> Row {
+    fn row(&self, [sequence, scene, truth]: [&str; 3], way: &Settings) -> Row {
         let mean_of = |value: fn(&TemporalError) -> f64| mean(&self.errors.iter().map(value).collect::<Vec<_>>());
         let squared = mean_of(|error| error.difference_rms.powi(2));
         let most = self.errors.iter().map(|error| error.flip).fold(0.0, f64::max);
         Row::new(vec![
-            Cell::Text(subject.name.to_owned()),
-            Cell::Text(kind.name().to_owned()),
+            Cell::Text(sequence.to_owned()),
+            Cell::Text(scene.to_owned()),
             Cell::Text(label(way)),
             Cell::Text(way.decided().drawing.renderer.to_string()),
-            Cell::Text(kind.truth(subject).to_owned()),
+            Cell::Text(truth.to_owned()),
             Cell::Number(mean(&self.points)),
             Cell::Number(mean_of(|error| error.flip)),
             Cell::Number(squared.sqrt()),
