@@ -75,7 +75,7 @@ fn normals(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// What noisy clouds had before neighbourhoods were widened.
+/// Normals of noisy clouds without widened neighbourhoods.
 const TWELVE: SurfaceOptions = SurfaceOptions {
     neighbours: Some(DEFAULT_NEIGHBOURS as u16),
     ..SurfaceOptions::AUTO

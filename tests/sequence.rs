@@ -64,11 +64,8 @@ fn levels(kind: LevelsKind, delta: f32) -> LevelsKey {
 fn voxels(delta: f32) -> Needs {
     Needs {
         shapes: false,
-        ellipses: false,
-        mesh: false,
         levels: Some(levels(LevelsKind::Cubes, delta)),
-        colors: Coloring::of(ColorSource::Auto),
-        hints: ColorHints::NONE,
+        ..SURFELS
     }
 }
 

@@ -22,6 +22,7 @@ pub use search::nearest_point::NearestPoint;
 pub use search::neighbours::{Neighbours, nearest_neighbours};
 pub use surface::curved_splats::{Disk, curved_splats};
 pub use surface::file_surface::FileSurface;
+pub use surface::options::{DEFAULT_NEIGHBOURS, PlaneFit, SurfaceOptions};
 pub use surface::outlier::outliers;
 pub use surface::radii::LONE_RADIUS;
 
@@ -33,14 +34,6 @@ use search::point_tree::PointTree;
 use surface::blocks::SlotSurface;
 use surface::normals::SlotPlanes;
 use surface::steps::{NEIGHBOURS_STEPS, OUTWARDS_STEPS, PLANES_STEPS, RADII_STEPS, REPRESENTATIVES_STEPS, TREE_STEPS};
-
-/// Number of neighbours that normals and radii are estimated from.
-///
-/// Twelve are two rings of a triangulated surface: enough to average noise out of a normal and to enclose a point on
-/// all sides, few enough not to reach round corners. The point itself is not counted.
-// Fewer leave more of a surface open and need larger disks (random samples of a sphere and a torus): 12 leave less than
-// 0.02 %, 10 leave 0.04 % with 1.05 times the area, 9 0.05 % with 1.1 times, 8 0.1 % with 1.16 times.
-pub const DEFAULT_NEIGHBOURS: usize = 12;
 
 /// By what the signs of normals were decided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -69,7 +62,7 @@ pub struct Surface {
     /// The points whose neighbours define no plane, ascending: they lie on a line or in one place, as far as f32
     /// coordinates tell, or there are fewer than three. Their normals are across the line, or +Z.
     pub without_plane: Vec<u32>,
-    /// What normals were estimated from.
+    /// Basis of the normals.
     pub basis: NormalBasis,
 }
 
@@ -80,49 +73,8 @@ pub struct Planes {
     pub normals: Vec<Vec3>,
     /// The points whose neighbours define no plane, ascending: see [`Surface::without_plane`].
     pub without_plane: Vec<u32>,
-    /// What they were estimated from.
+    /// Basis of the normals.
     pub basis: NormalBasis,
-}
-
-/// Method of fitting a plane to neighbours.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
-pub enum PlaneFit {
-    /// Principal components: all points count alike (Hoppe et al. 1992). Fastest, and best against noise that all have.
-    #[default]
-    LeastSquares,
-    /// Principal components of points weighted by their distance from the plane (Cauchy's weights; Holland and Welsch
-    /// 1977): points far off the surface hardly count, nor does the other side of an edge. Takes several times as long.
-    Robust,
-}
-
-impl PlaneFit {
-    /// All ways, in the order in which a list shows them.
-    pub const ALL: [Self; 2] = [Self::LeastSquares, Self::Robust];
-
-    /// Its word in tables and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::LeastSquares => "least squares",
-            Self::Robust => "robust",
-        }
-    }
-}
-
-/// Options of estimating normals.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
-pub struct SurfaceOptions {
-    /// Neighbours that a normal is estimated from; `None` for [`DEFAULT_NEIGHBOURS`], widened where the cloud is noisy.
-    pub neighbours: Option<u16>,
-    /// Method of fitting planes to them.
-    pub fit: PlaneFit,
-}
-
-impl SurfaceOptions {
-    /// Options where no one has chosen.
-    pub const AUTO: Self = Self {
-        neighbours: None,
-        fit: PlaneFit::LeastSquares,
-    };
 }
 
 /// Basis of estimated normals: the neighbours, and the noise that was found.
@@ -173,7 +125,7 @@ pub fn estimate_planes_with(positions: &[Vec3], options: SurfaceOptions) -> Plan
     }
 }
 
-/// What the normals of a cloud are estimated from.
+/// Returns the basis of the normals of a cloud.
 fn basis_of(tree: &PointTree, options: SurfaceOptions) -> NormalBasis {
     if let Some(neighbours) = options.neighbours {
         return NormalBasis {
@@ -228,8 +180,8 @@ impl Smoothed {
     pub fn told(&self, radius_spacings: f32) -> String {
         let count = self.positions.len();
         format!(
-            "{count} points are smoothed (moving least squares within {radius_spacings} point spacings): moved by {} in \
-             the median, {} at most",
+            "{count} points are smoothed (moving least squares within {radius_spacings} point spacings): moved by {} \
+             in the median, {} at most",
             self.median_distance, self.max_distance
         )
     }

@@ -32,8 +32,8 @@ pub struct BenchOptions {
     pub repeat: usize,
     /// Render modes compared by the suite that compares them; all by default.
     pub modes: Modes,
-    /// Share of the points of each frame that is drawn, by the suite that compares it with the truth of all of them; all
-    /// by default.
+    /// Share of the points of each frame that is drawn, by the suite that compares it with the truth of all of them;
+    /// all by default.
     pub subsample: Option<PointShare>,
     /// Point counts of the clouds that are generated in addition to the inputs, by the suite that generates some.
     pub cloud_points: Vec<usize>,

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-/// Share of the points of a frame: a part of them, in percent.
+/// Share of the points of a frame, in percent of all of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(transparent)]
 pub struct PointShare {

@@ -36,8 +36,8 @@ fn fraction(number: u64) -> f64 {
 mod tests {
     use super::*;
     use crate::cloud::attributes::gather;
-    use crate::cloud::{Frame, Positions, RawCloud};
-    use glam::DVec3;
+    use crate::cloud::{Ellipse, Frame, Positions, RawCloud};
+    use glam::{DVec3, Vec3};
     use proptest::prelude::*;
 
     proptest! {
@@ -95,5 +95,58 @@ mod tests {
                 .iter()
                 .all(|index| from_file.file_index().contains(index))
         );
+    }
+
+    #[test]
+    fn ellipses_of_a_sample_scale_with_its_radii() {
+        let mut raw = RawCloud::from_positions(Positions::F32((0..100).map(|x| [x as f32, 0.0, 0.0]).collect()));
+        let ellipse = Ellipse {
+            axis: Vec3::X,
+            ratio: 0.25,
+        };
+        raw.attributes.normals = Some(vec![[0.0, 0.0, 1.0]; 100]);
+        raw.attributes.radii = Some(vec![2.0; 100]);
+        raw.attributes.ellipses = Some(vec![ellipse; 100]);
+        let whole = Frame::from_raw(raw.clone(), DVec3::ZERO).unwrap();
+        let of_file = Frame::from_raw_sample(raw, DVec3::ZERO, 25).unwrap();
+        let (of_memory, _) = whole.sample(25).unwrap();
+        for (frame, half_axes) in [(&whole, [4.0, 1.0]), (&of_file, [8.0, 2.0]), (&of_memory, [8.0, 2.0])] {
+            for (ellipse, &radius) in frame.ellipses().unwrap().iter().zip(frame.radii().unwrap()) {
+                assert_eq!((ellipse.axis, ellipse.half_axes(radius)), (Vec3::X, half_axes));
+            }
+        }
+        let part = whole.part_without_splats(&[1, 2]).unwrap();
+        assert_eq!((part.radii(), part.ellipses()), (None, None));
+        assert!(part.normals().is_some());
+    }
+
+    #[test]
+    fn a_sample_knows_the_file_index_of_its_points() {
+        let position = |i: usize| [(i * 7 % 100) as f32, (i % 10) as f32, (i / 10) as f32];
+        let mut raw = RawCloud::from_positions(Positions::F32((0..100).map(position).collect()));
+        raw.attributes.radii = Some(vec![0.5; 100]);
+        let sample = Frame::from_raw_sample(raw.clone(), DVec3::ZERO, 25).unwrap();
+        assert_eq!(
+            (sample.len(), sample.points_in_file(), sample.is_sample()),
+            (25, 100, true)
+        );
+        assert!(
+            sample.radii().unwrap().iter().all(|&radius| radius == 1.0),
+            "cover as much"
+        );
+        let whole = Frame::from_raw(raw.clone(), DVec3::ZERO).unwrap();
+        assert_eq!(Frame::from_raw_sample(raw, DVec3::ZERO, 100).unwrap(), whole);
+        let (again, slots) = whole.sample(25).unwrap();
+        assert_eq!(again.points_in_file(), 100);
+        for (&slot, at) in slots.iter().zip(again.positions()) {
+            assert_eq!(whole.positions()[slot as usize], *at);
+        }
+        let (twice, _) = again.sample(5).unwrap();
+        assert_eq!((twice.len(), twice.points_in_file()), (5, 100));
+        for frame in [sample, again, twice] {
+            for (&index, at) in frame.file_index().iter().zip(frame.positions()) {
+                assert_eq!(at.to_array(), position(index as usize));
+            }
+        }
     }
 }

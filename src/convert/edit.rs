@@ -1,5 +1,5 @@
-//! Edits of a frame during conversion: transform, voxel downsampling, subsampling, smoothing, normal estimation; in this
-//! order.
+//! Edits of a frame during conversion: transform, voxel downsampling, subsampling, smoothing, normal estimation; in
+//! this order.
 
 use crate::analysis::{FileSurface, PlaneFit, SurfaceOptions, smooth};
 use crate::cloud::{Cells, Ellipse, Frame, Positions, RawCloud, TooManyCells};

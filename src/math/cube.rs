@@ -1,13 +1,13 @@
 //! The cube that encloses a cloud, and the cells its points fall into.
 //!
-//! **One lattice for all clouds.** The cells of a level with edge 2ᵏ have their corners on `2ᵏ·(n + t)`, n an integer, t
-//! ⅓ for even k and ⅔ for odd k, along each axis of scene coordinates. Every cell is then divided into eight of the next
-//! level exactly, whatever the cloud: a surface at rest falls into the same cells in every frame, although other points
-//! move, come or go, and no frame needs to know another. A cube fitted to each frame moved all cells with its farthest
-//! point.
+//! **One lattice for all clouds.** The cells of a level with edge 2ᵏ have their corners on `2ᵏ·(n + t)`, n an integer,
+//! t ⅓ for even k and ⅔ for odd k, along each axis of scene coordinates. Every cell is then divided into eight of the
+//! next level exactly, whatever the cloud: a surface at rest falls into the same cells in every frame, although other
+//! points move, come or go, and no frame needs to know another. A cube fitted to each frame moved all cells with its
+//! farthest point.
 //!
-//! A cloud's cube is the smallest block of two lattice cells along each axis that holds it. So it grows by whole octants,
-//! its edge is one to four times the extent of the cloud, and all levels but the root's are of the lattice.
+//! A cloud's cube is the smallest block of two lattice cells along each axis that holds it. So it grows by whole
+//! octants, its edge is one to four times the extent of the cloud, and all levels but the root's are of the lattice.
 //!
 //! **Thirds.** No f32 is a third of a power of two. So no coordinate lies on a border (unless f32 hardly resolves the
 //! cloud), and planes at round coordinates, as floors at zero, are a third of a cell away from the borders of every
@@ -76,9 +76,9 @@ impl Cube {
     /// has a length.
     fn on_lattice(min: DVec3, max: DVec3) -> Option<Self> {
         // Half an edge is at least half the extent, and twice that is always enough.
-        let at_least = (max - min).max_element().log2().floor() as i32 - 1;
+        let smallest = (max - min).max_element().log2().floor() as i32 - 1;
         let fits = |exponent: i32| Lattice::new(exponent).block(min, max);
-        let exponents = at_least..=at_least + 2;
+        let exponents = smallest..=smallest + 2;
         let (exponent, corner) = exponents
             .filter_map(|exponent| Some((exponent, fits(exponent)?)))
             .next()?;

@@ -1,12 +1,12 @@
 //! Temporal error: how far the change from one image to the next is from the change of the truth.
 //!
-//! How it works: an image that is wrong in the same way in every frame has a spatial error and no temporal one; an image
-//! that *flickers* has changes that the truth does not have. So changes are compared, not images:
+//! How it works: an image that is wrong in the same way in every frame has a spatial error and no temporal one; an
+//! image that *flickers* has changes that the truth does not have. So changes are compared, not images:
 //!
 //! - FLIP between two consecutive images says how much a viewer sees change when one replaces the other. The same is
-//!   done with the truth, and the two are subtracted pixel by pixel. Where the truth is at rest this is the FLIP between
-//!   the images.
-//! - The difference of the difference images tells by how much each channel changes too much or too little, without a
+//!   done with the truth, and the two are subtracted pixel by pixel. Where the truth is at rest this is the FLIP
+//!   between the images.
+//! - The difference of the difference images says by how much each channel changes too much or too little, without a
 //!   model of an observer.
 //!
 //! Both are means over the pixels that show the object in any of the four images; the background never changes.
@@ -69,7 +69,7 @@ impl TemporalError {
 #[derive(Default)]
 struct Sums {
     flip: f64,
-    /// Of all three channels, in steps of 8 bits.
+    /// Sum over all three channels, in steps of 8 bits.
     squared: f64,
     pixels: usize,
 }

@@ -189,9 +189,9 @@ fn write_sphere(path: &Path, rows: u32) {
         }
     }
     let header = format!(
-        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nproperty uchar \
-         red\nproperty uchar green\nproperty uchar blue\nelement face {}\nproperty list uchar int vertex_indices\n\
-         end_header\n",
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         property uchar red\nproperty uchar green\nproperty uchar blue\n\
+         element face {}\nproperty list uchar int vertex_indices\nend_header\n",
         (rows + 1) * columns,
         rows * columns
     );

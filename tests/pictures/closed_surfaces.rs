@@ -14,7 +14,7 @@
 )]
 
 use glam::Vec3;
-use pointreel::analysis::{Orientation, Surface, estimate_surface, nearest_neighbours};
+use pointreel::analysis::{NormalBasis, Orientation, Surface, estimate_surface, nearest_neighbours};
 use std::f32::consts::TAU;
 
 /// Points whose disks may cover a place, the nearest ones; leaving out those farther away can only make more holes.
@@ -255,6 +255,7 @@ fn rays_distinguish_disks_from_holes() {
         orientation: Orientation::Neighbours,
         radii: vec![1.0],
         without_plane: Vec::new(),
+        basis: NormalBasis::default(),
     };
     let up = Vec3::Z;
     let share = |place: Vec3, direction: Vec3| {

@@ -10,12 +10,12 @@
 //! the block's rims 30.
 
 use super::normals;
+use super::options::{DEFAULT_NEIGHBOURS, PlaneFit};
 use super::radii::{self, Limits};
 use super::robust_planes;
 use super::steps::{NEIGHBOURS_STEPS, PLANES_STEPS, RADII_STEPS};
 use crate::analysis::search::neighbours::Neighbours;
 use crate::analysis::search::point_tree::{LANES, PointTree};
-use crate::analysis::{DEFAULT_NEIGHBOURS, PlaneFit};
 use crate::progress::Progress;
 use glam::Vec3;
 use rayon::prelude::*;

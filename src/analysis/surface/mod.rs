@@ -14,6 +14,7 @@ pub(super) mod noise;
 #[cfg(test)]
 pub(super) mod noise_tests;
 pub(super) mod normals;
+pub(super) mod options;
 pub(super) mod orientation;
 pub(super) mod outlier;
 #[cfg(test)]

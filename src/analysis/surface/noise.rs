@@ -115,9 +115,9 @@ impl Quadric {
         }
         // Gauss-Jordan elimination; the matrix is symmetric and has no negative eigenvalues, so it needs no exchange of
         // rows.
-        let least = MIN_PIVOT * rows[0][0];
+        let smallest = MIN_PIVOT * rows[0][0];
         for pivot in 0..COEFFICIENTS {
-            if rows[pivot][pivot].is_nan() || rows[pivot][pivot] <= least {
+            if rows[pivot][pivot].is_nan() || rows[pivot][pivot] <= smallest {
                 return None;
             }
             let factor = 1.0 / rows[pivot][pivot];

@@ -2,8 +2,8 @@
 //!
 //! How it works: after Alexa et al. (2003), each point is moved along the normal of a local reference plane. That plane
 //! is fitted to the neighbours, weighted by their distance from where the point comes to lie on it, which is found in
-//! [`ROUNDS`] steps. Then a quadric over the plane is fitted with the same weights, and the point moves onto it. A plane
-//! alone would shrink round things: their points lie on one side of it.
+//! [`ROUNDS`] steps. Then a quadric over the plane is fitted with the same weights, and the point moves onto it. A
+//! plane alone would shrink round things: their points lie on one side of it.
 //!
 //! The neighbourhood is given in point spacings and holds the number of points that a disk of this radius has; so it is
 //! as wide where a cloud is sparse as its points are apart there. Weights end at the farthest neighbour.

@@ -7,14 +7,15 @@
 //!
 //! A neighbour counts by a power of the cosine between the two normals (after the bilateral filter; Fleishman et al.
 //! 2003), the fourth in the first pass, when normals are still noisy, the eighth in the second. So points of another
-//! face of an edge hardly count, and edges are sharper than they were. Four points are added up and solved side by side.
+//! face of an edge hardly count, and edges are sharper than they were. Four points are added up and solved side by
+//! side.
 //!
 //! Below [`NOISE`] spacings of noise nothing is done, so such clouds have the normals that they had before. In between,
 //! neighbours count in proportion, so that the normals of a sequence do not change at once where its noise does.
 //!
-//! When it wins: over more neighbours. At noise of 0.5 spacings on a sphere, normals are off by 12.2° in the median from
-//! 12 neighbours, by 4.1 from 32, and by 3.3 here. Within two spacings of an edge 32 neighbours are off by 29.1° on
-//! average, 12 by 33.0, this by 27.2; without noise by 27.0, 20.0 and 17.2.
+//! When it wins: over more neighbours. At noise of 0.5 spacings on a sphere, normals are off by 12.2° in the median
+//! from 12 neighbours, by 4.1 from 32, and by 3.3 here. Within two spacings of an edge 32 neighbours are off by 29.1°
+//! on average, 12 by 33.0, this by 27.2; without noise by 27.0, 20.0 and 17.2.
 //!
 //! Means are coordinates, rounded as those of points are; sums are f32, as noise is far above its rounding.
 

@@ -122,7 +122,7 @@ mod tests {
     use glam::{Mat3, Vec3};
     use std::sync::Arc;
 
-    /// The same light from all sides.
+    /// Uniform light from all sides.
     fn white(metallic: f32) -> PhysicalLight {
         let mut harmonics = [Vec3::ZERO; 9];
         harmonics[0] = Vec3::ONE;

@@ -2,8 +2,8 @@
 //!
 //! How it works: the nearest triangle that a ray meets is what is seen ([`TriangleTree`]). Its colour is that of its
 //! vertices, times its texture as light is, and its normal that of the vertices, where the file has some, else of the
-//! face: as the mesh primitive has them (`shaders/primitives/mesh.wgsl`), in f64. Texels are read as there, between four
-//! of them; the samples of a pixel are their filter.
+//! face: as the mesh primitive has them (`shaders/primitives/mesh.wgsl`), in f64. Texels are read as there, between
+//! four of them; the samples of a pixel are their filter.
 //!
 //! Triangles have two sides, unlike disks and shapes. Their order of corners is not reliable in scans: to cull by it
 //! would punch holes into the truth. And a surface hides what is behind it from either side. Closed meshes are the same
@@ -41,7 +41,7 @@ impl TracedMesh {
         }
     }
 
-    /// What a ray of a view shows.
+    /// Surface that a ray of a view hits.
     fn hit(&self, view: &TruthView, ray: DVec3, tolerance: f64, met: &TriangleHit) -> Hit {
         let place = self.triangles[met.triangle];
         let vertices = self.records.triangles[place as usize]

@@ -15,7 +15,7 @@ const SIDE_PX: u32 = 40;
 
 const GREY: Background = Background::solid([119; 3]);
 
-/// Of 40×40 pixels, 20 of which are a slope of 1.
+/// A slope of 1 over 20 of 40×40 pixels.
 fn seen_from(azimuth_deg: f64, distance: f64, lighting: Lighting) -> TruthView {
     let camera = Camera {
         target_in_world: DVec3::ZERO,

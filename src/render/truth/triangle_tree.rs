@@ -218,14 +218,14 @@ impl Build<'_> {
         }
         let [min, max] = around(numbers.iter().map(|&number| self.centroids[number as usize]));
         let axis = (max - min).max_position();
-        let middle = numbers.len() / 2;
+        let half = numbers.len() / 2;
         let along = |number: &u32| self.centroids[*number as usize][axis];
-        numbers.select_nth_unstable_by(middle, |a, b| along(a).total_cmp(&along(b)));
-        let (lower, upper) = numbers.split_at_mut(middle);
+        numbers.select_nth_unstable_by(half, |a, b| along(a).total_cmp(&along(b)));
+        let (lower, upper) = numbers.split_at_mut(half);
         self.divide(lower, first, nodes);
         nodes[place].first = nodes.len() as u32;
         nodes[place].count = 0;
-        self.divide(upper, first + middle, nodes);
+        self.divide(upper, first + half, nodes);
     }
 }
 
@@ -277,18 +277,18 @@ mod tests {
 
         #[test]
         fn no_ray_slips_between_neighbours(
-            middle in prop::array::uniform2(0.01f64..0.99),
+            center in prop::array::uniform2(0.01f64..0.99),
             shares in prop::collection::vec(0.0f64..1.0, 4..40),
             eye in prop::array::uniform3(-3.0f64..3.0),
         ) {
             // A square of four triangles around a corner within it: rays through places on their inner edges.
             let outer = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
-            let middle = DVec3::new(middle[0], middle[1], 0.0);
-            let triangles: Vec<_> = (0..4).map(|corner| [outer[corner], outer[(corner + 1) % 4], middle]).collect();
+            let center = DVec3::new(center[0], center[1], 0.0);
+            let triangles: Vec<_> = (0..4).map(|corner| [outer[corner], outer[(corner + 1) % 4], center]).collect();
             let tree = TriangleTree::new(&triangles);
             let eye = DVec3::new(eye[0], eye[1], eye[2] + 3.5);
             for (place, share) in shares.into_iter().enumerate() {
-                let on_edge = middle.lerp(outer[place % 4], 0.999 * share);
+                let on_edge = center.lerp(outer[place % 4], 0.999 * share);
                 prop_assert!(tree.nearest(&Ray::new(eye, on_edge - eye)).is_some(), "{on_edge}");
             }
         }

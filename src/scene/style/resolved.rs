@@ -8,8 +8,8 @@ use crate::sequence::ColorSource;
 
 impl Settings {
     /// Returns these settings with the render mode of `way`: the colours, estimation, the background and the grid stay,
-    /// as do the clip region and back-face culling. Eye-dome lighting is that of `way` where that decides, which render modes
-    /// that are measured do not.
+    /// as do the clip region and back-face culling. Eye-dome lighting is that of `way` where that decides, which render
+    /// modes that are measured do not.
     #[must_use]
     pub fn drawn_as(&self, way: &Self) -> Self {
         let decides = !way.light.eye_dome.is_open();

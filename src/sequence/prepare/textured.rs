@@ -37,8 +37,8 @@ pub(super) fn is_outlier(frame: &Frame) -> Vec<bool> {
     outliers(frame.positions())
 }
 
-/// Returns the shapes of a frame without its outliers, estimated with `options`; `None` if there are none of these. Precondition: a shape for
-/// each point.
+/// Returns the shapes of a frame without its outliers, estimated with `options`; `None` if there are none of these.
+/// Precondition: a shape for each point.
 pub(super) fn without_outliers(
     frame: &Frame,
     shapes: &[ShapeRecord],

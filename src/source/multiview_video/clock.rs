@@ -149,7 +149,7 @@ mod tests {
         timed(paths.collect())
     }
 
-    /// Names of what is together, a line a moment.
+    /// Names of the images of each time step, one line per time step.
     fn lines(names: &[&[&str]]) -> Vec<String> {
         let cameras = cameras(names);
         let time_steps = together(&cameras).into_iter();

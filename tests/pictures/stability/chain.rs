@@ -8,7 +8,7 @@ use pointreel::cloud::oct_decode;
 use pointreel::levels::octree::StopCriterion;
 use pointreel::levels::{LevelsKey, LevelsKind, SelectView};
 use pointreel::scene::{BackFaces, Background, Camera, Primitive, Scene, Style, UpAxis};
-use pointreel::sequence::{ColorHints, Coloring, Loader, LoaderOptions, Needs, PreparedFrame, Sequence};
+use pointreel::sequence::{Loader, LoaderOptions, Needs, PreparedFrame, Sequence};
 use pointreel::timeline::Direction;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -44,14 +44,11 @@ pub(crate) fn load(positions: &[DVec3], delta: f32) -> Chain {
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default()).unwrap();
     let needs = Needs {
         shapes: true,
-        ellipses: false,
-        mesh: false,
         levels: Some(LevelsKey {
             kind: LevelsKind::Surfels,
             stop: StopCriterion::Loss(delta),
         }),
-        colors: Coloring::default(),
-        hints: ColorHints::NONE,
+        ..Needs::default()
     };
     loader.request(0, Direction::Forward, &needs);
     Chain {

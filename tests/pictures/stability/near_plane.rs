@@ -184,7 +184,7 @@ fn what_is_next_to_the_eye_is_picked_and_has_a_place() {
     }
 }
 
-/// What the usual near plane shows whole is drawn with it, to the bit, and so are orthographic views.
+/// Views that the usual near plane shows whole are drawn with it, to the bit, and so are orthographic views.
 #[test]
 fn views_from_outside_are_unchanged() {
     let frame = common::colored_sphere(500, &style(Primitive::Surfel));

@@ -123,14 +123,16 @@ mod tests {
 
     #[test]
     fn distances_are_measured_to_the_centers() {
-        // Four corners of a cube of edge 2 and a point: at depth 1, cells of edge 1.
+        // Four corners of a cube of edge 2 and a point: at depth 1, cells of edge 1, whose corners are on thirds.
+        let third = Vec3::splat(1.0 / 3.0);
         let positions = [
             Vec3::ZERO,
             Vec3::new(2.0, 0.0, 0.0),
             Vec3::new(0.0, 2.0, 0.0),
             Vec3::new(1.5, 1.5, 1.75),
             Vec3::new(2.0, 2.0, 2.0),
-        ];
+        ]
+        .map(|position| position + third);
         let tree = Octree::build(&positions, &[[0; 4]; 5], StopCriterion::Loss(0.25));
         assert_eq!((tree.depth(), tree.leaf_count()), (1, 4));
         let distances = leaf_distances(&positions, &tree);
@@ -139,7 +141,7 @@ mod tests {
             assert!((found - expected).abs() < 1e-6, "{distances:?}");
         }
         // A point that the tree does not contain.
-        let elsewhere = leaf_distances(&[Vec3::new(0.5, 0.5, 1.5)], &tree);
+        let elsewhere = leaf_distances(&[Vec3::new(0.5, 0.5, 1.5) + third], &tree);
         assert_eq!(elsewhere, [0.0f64; 0]);
         let mut samples = DeltaSamples::default();
         samples.add(&positions, &tree);

@@ -31,10 +31,11 @@ pub const ACCURACY: &Suite = &Suite {
     description: "errors and times of normals, octree leaves and levels of detail",
     measured: "normals: angle to the truth on sampled shapes, either sign; noise is the standard deviation along each \
         axis as a part of the diameter, outliers are 3 % of it off; tree, neighbours and planes on all threads, by \
-        least squares and robust, from k neighbours, given or chosen automatically by the noise found. leaves: from points to the centres of their leaves, scene units and cell edges. lod: \
-        images of voxels, the whole object in view and from 4 times as far, against those of all leaves, τ = 0 (– is \
-        the truth itself, or a PSNR of equal images): PSNR and FLIP over the image, FLIP over the pixels that show the \
-        object; to surfels: the same against surfels",
+        least squares and robust, from k neighbours, given or chosen automatically by the noise found. leaves: from \
+        points to the centres of their leaves, scene units and cell edges. lod: images of voxels, the whole object in \
+        view and from 4 times as far, against those of all leaves, τ = 0 (– is the truth itself, or a PSNR of equal \
+        images): PSNR and FLIP over the image, FLIP over the pixels that show the object; to surfels: the same \
+        against surfels",
     not_measured: "decoding, orientation of normals, radii, building octrees, drawing",
     covered_by: "surfels",
     defaults: Defaults::PROTOCOL,

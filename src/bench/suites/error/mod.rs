@@ -2,9 +2,9 @@
 //!
 //! How it works: each frame is seen from viewpoints around it. The ground truth of a view has 8×8 samples per pixel
 //! (`render/truth`). It is of the shape that the points were sampled from, of the triangles of the file, of its
-//! ellipses, or of the disks of all points (`truths.rs`). Each mode draws the same views; its time is from the camera to
-//! the finished image, traversal and uploads of what it chose included, as a user who turns the object waits for them.
-//! Its errors are means over all images. For each sequence the modes that no other beats in both form its front.
+//! ellipses, or of the disks of all points (`truths.rs`). Each mode draws the same views; its time is from the camera
+//! to the finished image, traversal and uploads of what it chose included, as a user who turns the object waits for
+//! them. Its errors are means over all images. For each sequence the modes that no other beats in both form its front.
 //!
 //! Like is compared with like: a mode is held against the truth in its light, points are lit by their normals as all
 //! else is, and a front is of modes in one light.
@@ -372,8 +372,8 @@ fn measure_way(
     Ok(())
 }
 
-/// The same image on white. The packet's own settings, since composition decides some by the scene: points as wide as
-/// their spacing are drawn as single pixels otherwise, with holes all over.
+/// Packet of the image on white. The packet's own settings, since composition decides some by the scene: points as wide
+/// as their spacing are drawn as single pixels otherwise, with holes all over.
 fn on_white(drawn: &ScenePacket) -> ScenePacket {
     let mut packet = drawn.clone();
     packet.style.backdrop.background = Background::solid([255; 3]);

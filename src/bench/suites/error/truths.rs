@@ -59,7 +59,7 @@ impl TruthKind {
         }
     }
 
-    /// What it is, for the notes of a report.
+    /// Description for the notes of a report.
     pub(super) fn described(self) -> &'static str {
         match self {
             Self::Formula => "the shape that the points were sampled from (formula)",

@@ -56,7 +56,7 @@ impl View {
             .truths
             .iter()
             .find(|truth| truth.lighting == lighting.at_each_pixel());
-        truth.ok_or_else(|| BenchError::Nothing(format!("there is no ground truth in {lighting} light")))
+        truth.ok_or_else(|| BenchError::Nothing(format!("no ground truth in {lighting} light")))
     }
 }
 

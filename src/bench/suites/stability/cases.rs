@@ -25,7 +25,7 @@ pub(super) enum Expected {
     Shape(Shape),
     /// The disks of its points, ray-traced: nothing else is known of it.
     Disks,
-    /// That of another cloud, drawn by the CPU: one without what is hard about this one.
+    /// Image of another cloud, drawn by the CPU: one without the difficulty of this one.
     Of(Scenery),
     /// The background: there is nothing to be seen.
     Background,

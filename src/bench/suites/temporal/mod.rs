@@ -1,11 +1,11 @@
 //! Temporal error: what flickers, crawls or pops although the scene does not.
 //!
 //! How it works: short scenes whose change is known are drawn image by image, as they are played, and the change from
-//! one image to the next is compared with that of the truth ([`TemporalError`]). A render mode that is wrong in the same
-//! way in every image has no temporal error; the error lab has its spatial one.
+//! one image to the next is compared with that of the truth ([`TemporalError`]). A render mode that is wrong in the
+//! same way in every image has no temporal error; the error lab has its spatial one.
 //!
-//! Scenes at rest have a change of zero, so the background is the only assumption. Truths of moving scenes are ray-traced
-//! (`render/truth`).
+//! Scenes at rest have a change of zero, so the background is the only assumption. Truths of moving scenes are
+//! ray-traced (`render/truth`).
 
 mod scenes;
 mod variants;
@@ -45,7 +45,7 @@ pub const TEMPORAL: &Suite = &Suite {
     name: "temporal",
     brief: "flicker of each render mode, from image to image",
     title: "Flicker",
-    hint: "Error of the change from image to image: scenes at rest, sampled again, a camera that turns, shapes that move",
+    hint: "Error of the change from image to image: scenes at rest, a camera that turns, shapes that move",
     description: "temporal error: the change from one image to the next compared with that of the truth",
     measured: "over the pixels that show the object in one of the images: mean absolute difference between the FLIP of \
         two consecutive images and that of the truth (FLIP over time, 0 to 1; most: the worst step), and root mean \
@@ -68,9 +68,6 @@ pub const TEMPORAL: &Suite = &Suite {
     bars_title: "FLIP over time, 0 to 1",
     bar_labels: 3,
 };
-
-/// Steps from image to image in each scene.
-const STEPS: usize = 4;
 
 /// Measurements of one mode in one scene.
 #[derive(Default)]
@@ -187,7 +184,7 @@ impl Samples {
     fn row(&self, [sequence, scene, truth]: [&str; 3], way: &Settings) -> Row {
         let mean_of = |value: fn(&TemporalError) -> f64| mean(&self.errors.iter().map(value).collect::<Vec<_>>());
         let squared = mean_of(|error| error.difference_rms.powi(2));
-        let most = self.errors.iter().map(|error| error.flip).fold(0.0, f64::max);
+        let largest = self.errors.iter().map(|error| error.flip).fold(0.0, f64::max);
         Row::new(vec![
             Cell::Text(sequence.to_owned()),
             Cell::Text(scene.to_owned()),
@@ -197,7 +194,7 @@ impl Samples {
             Cell::Number(mean(&self.points)),
             Cell::Number(mean_of(|error| error.flip)),
             Cell::Number(squared.sqrt()),
-            Cell::Number(most),
+            Cell::Number(largest),
             Cell::Number(self.errors.len() as f64),
         ])
     }

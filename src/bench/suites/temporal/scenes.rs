@@ -1,6 +1,5 @@
 //! Scenes whose change from image to image is known.
 
-use super::STEPS;
 use crate::bench::BenchError;
 use crate::bench::run::Run;
 use crate::bench::subject::Subject;
@@ -13,6 +12,9 @@ use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Shape, prepare};
 use glam::DVec3;
 use image::RgbaImage;
 use std::sync::Arc;
+
+/// Steps from image to image in each scene.
+const STEPS: usize = 4;
 
 /// Turn of the camera from image to image, degrees.
 const TURN_DEG: f64 = 0.5;
@@ -34,7 +36,7 @@ pub(super) enum SceneKind {
     OnePointMoves,
     /// A shape at rest that is scanned again for every frame.
     SampledAgain,
-    /// The same in the sample that playback falls back on.
+    /// [`SceneKind::SampledAgain`] in the sample that playback falls back on.
     SampledAgainByFewer,
     /// A shape that moves with its points.
     ShapeMoves,
@@ -60,7 +62,7 @@ pub(super) struct Picture {
 }
 
 impl SceneKind {
-    /// Those that a subject has.
+    /// Kinds of scene that a subject has.
     pub(super) fn of(subject: &Subject<'_>) -> Vec<Self> {
         let of_shapes = [
             Self::OnePointMoves,

@@ -198,7 +198,7 @@ proptest! {
 #[test]
 fn offsets_move_points_onto_the_surface() {
     let records = records(&sphere(300_000, 0.01));
-    let octree = tree_of(&records, StopCriterion::Depth(7));
+    let octree = tree_of(&records, StopCriterion::Depth(6));
     let cloud = CodedCloud::new(&octree, &records.0, &records.1);
     let depth = cloud.depth();
     let edge = cloud.cube().cell_edge(depth);
@@ -223,7 +223,7 @@ fn offsets_move_points_onto_the_surface() {
 #[test]
 fn positions_take_fewer_bits_than_the_bound_of_the_paper() {
     let records = records(&sphere(400_000, 0.01));
-    let octree = tree_of(&records, StopCriterion::Depth(6));
+    let octree = tree_of(&records, StopCriterion::Depth(7));
     let cloud = CodedCloud::new(&octree, &records.0, &records.1);
     let bits = cloud.bits_per_leaf().unwrap();
     assert!(bits.masks <= 8.0 / 3.0, "{bits:?}");
