@@ -40,9 +40,7 @@ fn neighbours(criterion: &mut Criterion) {
         ("tree", &|| nearest_neighbours(&positions, 0).per_point()),
         ("neighbours", &|| nearest_neighbours(&positions, NEIGHBOURS).per_point()),
         ("planes", &|| {
-            estimate_planes(&positions, NEIGHBOURS, PlaneFit::LeastSquares)
-                .normals
-                .len()
+            estimate_planes(&positions, NEIGHBOURS, PlaneFit::Plain).normals.len()
         }),
         ("kiddo", &|| by_kiddo(&positions).len()),
         ("kiddo, Morton order", &|| by_kiddo(&in_morton_order(&positions)).len()),
@@ -87,7 +85,7 @@ fn in_morton_order(positions: &[Vec3]) -> Vec<Vec3> {
 #[expect(clippy::print_stdout, reason = "part of the result")]
 fn compare_normals(positions: &[Vec3]) {
     let truth = shapes::bumpy_torus_normals(POINTS);
-    let ours = estimate_planes(positions, NEIGHBOURS, PlaneFit::LeastSquares).normals;
+    let ours = estimate_planes(positions, NEIGHBOURS, PlaneFit::Plain).normals;
     let lists = by_kiddo(positions);
     let theirs: Vec<Vec3> = lists
         .par_chunks(NEIGHBOURS)

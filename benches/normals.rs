@@ -65,7 +65,7 @@ fn normals(criterion: &mut Criterion) {
         ("surface to sensor", &|| surface(&positions, Some(Vec3::splat(9.0)))),
         ("radii", &|| splat_radii(&positions, &known).len()),
         ("ellipses", &|| splat_ellipses(&positions, &known).len()),
-        ("planes", &|| planes(PlaneFit::LeastSquares)),
+        ("planes", &|| planes(PlaneFit::Plain)),
         ("planes, robust", &|| planes(PlaneFit::Robust)),
         ("neighbours", &|| {
             nearest_neighbours(&positions, DEFAULT_NEIGHBOURS).per_point()

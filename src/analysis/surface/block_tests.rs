@@ -37,8 +37,7 @@ fn blocks_match_a_single_pass_bit_for_bit() {
 /// Share of normals that face outwards when signs are those of representatives.
 fn share_outwards(shape: &test_shapes::Sampled) -> f64 {
     let tree = PointTree::new(&shape.positions);
-    let found =
-        super::blocks::surface(&tree, DEFAULT_NEIGHBOURS, PlaneFit::LeastSquares, &Progress::default()).unwrap();
+    let found = super::blocks::surface(&tree, DEFAULT_NEIGHBOURS, PlaneFit::Plain, &Progress::default()).unwrap();
     let mut normals = found.normals;
     super::orientation::face_as_representatives(&tree, DEFAULT_NEIGHBOURS, &mut normals);
     let normals = tree.to_file_order(&normals);

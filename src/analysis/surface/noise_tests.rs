@@ -78,7 +78,7 @@ fn normals_of_noisy_shapes_are_those_of_the_shape() {
         (cuboid(count, Vec3::ONE, &mut random), 24.0),
     ] {
         let shape = with_noise(shape, 0.5 * spacing(area, count), &mut random);
-        let twelve = estimate_planes(&shape.positions, DEFAULT_NEIGHBOURS, PlaneFit::LeastSquares);
+        let twelve = estimate_planes(&shape.positions, DEFAULT_NEIGHBOURS, PlaneFit::Plain);
         let widened = estimate_planes_with(&shape.positions, SurfaceOptions::AUTO);
         assert_eq!(
             (widened.basis.is_widened, widened.basis.reach()),
@@ -107,7 +107,7 @@ fn edges_stay_as_sharp_as_without_widening() {
             let angles = angles(normals, &shape, &at_edge);
             angles.iter().sum::<f32>() / angles.len() as f32
         };
-        let twelve = estimate_planes(&shape.positions, DEFAULT_NEIGHBOURS, PlaneFit::LeastSquares);
+        let twelve = estimate_planes(&shape.positions, DEFAULT_NEIGHBOURS, PlaneFit::Plain);
         let widened = estimate_planes_with(&shape.positions, SurfaceOptions::AUTO);
         assert!(widened.basis.is_widened);
         let (before, after) = (mean_of(&twelve.normals), mean_of(&widened.normals));

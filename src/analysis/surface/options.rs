@@ -11,9 +11,10 @@ pub const DEFAULT_NEIGHBOURS: usize = 12;
 /// Method of fitting a plane to neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum PlaneFit {
-    /// Principal components: all points count alike (Hoppe et al. 1992). Fastest, and best against noise that all have.
+    /// Least squares (principal components): all points count alike (Hoppe et al. 1992). Fastest, and best against
+    /// noise that all have.
     #[default]
-    LeastSquares,
+    Plain,
     /// Principal components of points weighted by their distance from the plane (Cauchy's weights; Holland and Welsch
     /// 1977): points far off the surface hardly count, nor does the other side of an edge. Takes several times as long.
     Robust,
@@ -21,12 +22,12 @@ pub enum PlaneFit {
 
 impl PlaneFit {
     /// All ways, in the order in which a list shows them.
-    pub const ALL: [Self; 2] = [Self::LeastSquares, Self::Robust];
+    pub const ALL: [Self; 2] = [Self::Plain, Self::Robust];
 
     /// Its word in tables and files.
     pub fn name(self) -> &'static str {
         match self {
-            Self::LeastSquares => "least squares",
+            Self::Plain => "least squares",
             Self::Robust => "robust",
         }
     }
@@ -45,6 +46,6 @@ impl SurfaceOptions {
     /// Options where no one has chosen.
     pub const AUTO: Self = Self {
         neighbours: None,
-        fit: PlaneFit::LeastSquares,
+        fit: PlaneFit::Plain,
     };
 }

@@ -84,7 +84,7 @@ impl EstimationStyle {
         SurfaceOptions {
             neighbours: (self.neighbours >= 1.0).then_some(self.neighbours as u16),
             fit: match self.fit {
-                NormalFit::Plain => PlaneFit::LeastSquares,
+                NormalFit::Plain => PlaneFit::Plain,
                 NormalFit::Robust => PlaneFit::Robust,
             },
         }

@@ -87,7 +87,7 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
 /// Columns of what [`measure_fit`] measures.
 fn keys(fit: PlaneFit) -> [&'static str; 6] {
     match fit {
-        PlaneFit::LeastSquares => [
+        PlaneFit::Plain => [
             "normals_ms_median",
             "normals_ms_q1",
             "normals_ms_q3",
