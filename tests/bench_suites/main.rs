@@ -9,7 +9,6 @@ mod drawing;
 mod error;
 mod inputs;
 mod runs;
-mod stability;
 mod temporal;
 
 use pointreel::bench::{BenchOptions, Cell, Column, Input, Report, Row, Suite, run};
