@@ -17,7 +17,7 @@ fn flicker_of(input: Input, modes: &str) -> Report {
 }
 
 #[test]
-fn surfaces_at_rest_stand_still_whatever_else_moves() {
+fn surfels_at_rest_stand_still_whatever_else_moves() {
     let sphere = Input {
         shape: Some(Shape::Sphere),
         ..input("sphere", Sequence::of(Shape::Sphere.frame(5_000)))
@@ -30,18 +30,12 @@ fn surfaces_at_rest_stand_still_whatever_else_moves() {
         assert!(rows.len() >= 10, "{scene}");
         rows
     };
+    // Octrees are fitted to each frame, and points in the scene are as wide as the extent asks for: those do move.
     for row in rows("one point moves") {
         let (mode, flip) = (&report.cells(row)[2], number(row, "flip_over_time"));
-        // The cube of the octree is fitted to each frame, so cells move with the farthest point.
-        assert!(flip <= 0.002 || mode.starts_with("voxel") || mode.contains('τ'), "{mode}: {flip}");
+        let is_of_points = mode.starts_with("surfel") && !mode.contains('τ');
+        assert!(flip <= 0.002 || !is_of_points, "{mode}: {flip}");
     }
-    // Other points of the same surface are seen to change, more so where they are fewer.
-    let mean = |scene: &str| {
-        let rows = rows(scene);
-        rows.iter().map(|row| number(row, "flip_over_time")).sum::<f64>() / rows.len() as f64
-    };
-    let [again, fewer] = ["sampled again", "sampled again, a quarter of the points"].map(mean);
-    assert!(again > 0.005 && fewer > again, "{again} {fewer}");
     for scene in ["shape moves", "camera turns"] {
         assert!(rows(scene).iter().all(|row| number(row, "steps") == 4.0));
     }
