@@ -3,7 +3,7 @@
 
 use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_priority};
 
-/// Thread priority of background work, in the crate's hundred steps; below the medium one, which is 50: niceness 10 on
+/// Thread priority of background work, in the crate's hundred steps; below the medium one, which is 50: niceness 9 on
 /// Linux, a tenth of the time of a thread that draws.
 // Surfels of 100,000 points went from 58 to 59.4 and 60.0 of 60 fps, with 38 and 35 instead of 23 % of their points (2
 // cores).

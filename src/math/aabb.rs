@@ -41,7 +41,7 @@ impl Aabb {
         let mut min = [f32::INFINITY; LANES];
         let mut max = [f32::NEG_INFINITY; LANES];
         for row in rows {
-            // The comparisons that are one instruction: no coordinate is NaN.
+            // Comparisons that compile to one instruction: no coordinate is NaN.
             for (least, &new) in min.iter_mut().zip(row) {
                 *least = if new < *least { new } else { *least };
             }
@@ -79,7 +79,7 @@ impl Aabb {
         if self.is_empty() {
             Vec3::ZERO
         } else {
-            // Halved before it is added, so that boxes near f32::MAX do not overflow.
+            // Halved before adding, so that boxes near f32::MAX do not overflow.
             self.min * 0.5 + self.max * 0.5
         }
     }

@@ -37,7 +37,7 @@ pub(crate) fn index_of(item: u64) -> usize {
 /// Sorts `items` as their codes are, equal ones by index. `code` tells the code of an index; `scratch` is as long as
 /// `items`, and has nothing of meaning afterwards.
 pub(crate) fn sort(items: &mut Vec<u64>, scratch: &mut Vec<u64>, code: impl Fn(usize) -> u64) {
-    // Three bits divide a surface by four. Two levels more, so that few cells have two points.
+    // Three bits divide a surface into four. Two more levels, so that few cells contain two points.
     let telling_bits = items.len().max(1).ilog2() * 3 / 2 + 4;
     items::sort(items, scratch, &mut Vec::new(), telling_bits, MAX_DIGIT_BITS);
     let are_alike = |pair: &[u64]| pair[0] ^ pair[1] <= INDEX;

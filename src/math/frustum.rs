@@ -69,12 +69,12 @@ mod tests {
     use super::*;
 
     fn frustum() -> Frustum {
-        // 90° square view from the origin down -Z, near plane at 1.
+        // 90° square view from the origin along -Z, near plane at 1.
         Frustum::from_clip_matrix(&Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::NEG_W, Vec4::Z))
     }
 
     #[test]
-    fn spheres_land_where_they_are() {
+    fn spheres_are_classified_correctly() {
         let cases = [
             (Vec3::new(0.0, 0.0, -5.0), 0.5, Containment::Inside),
             (Vec3::new(0.0, 0.0, -1e6), 0.5, Containment::Inside),

@@ -24,7 +24,7 @@ pub(super) fn sort(
 }
 
 /// One pass of a radix sort by the digit from `first_bit` on; `next` has a counter for each.
-// A function of its own, so that its loops have all registers.
+// A separate function, so that its loops can use all registers.
 #[inline(never)]
 fn scatter_items(from: &[u64], to: &mut [u64], first_bit: u32, next: &mut [u32]) {
     let mask = next.len() - 1;

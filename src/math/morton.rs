@@ -87,8 +87,8 @@ impl PackedCell {
     pub(crate) fn parting(self, next: Self) -> (u8, bool) {
         let different = self.0 ^ next.0;
         let along_any = (different | different >> LEVELS | different >> (2 * LEVELS)) as u32 % FINEST_CELLS;
-        // The exponent of a number of 21 bits, exact as an f32, is its highest bit; this is one SIMD instruction. That
-        // of 0 is −127.
+        // The exponent of a 21-bit number, which is exact as an f32, is the index of its highest bit; this is one SIMD
+        // instruction. That of 0 is −127.
         let exponent = ((along_any as i32 as f32).to_bits() >> 23) as i32 - 127;
         let parting = (LEVELS as i32 - exponent).min(i32::from(NEVER_PART));
         let octants = LOWEST.wrapping_shl(exponent as u32);
@@ -151,7 +151,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn interleaving_is_the_definition_and_reversible(cell in [0..FINEST_CELLS, 0..FINEST_CELLS, 0..FINEST_CELLS]) {
+        fn interleaving_is_correct_and_reversible(cell in [0..FINEST_CELLS, 0..FINEST_CELLS, 0..FINEST_CELLS]) {
             prop_assert_eq!(encode(cell), encode_slowly(cell));
             prop_assert_eq!(decode(encode(cell)), cell);
             prop_assert_eq!(PackedCell::new(cell).code(), encode(cell));
@@ -159,7 +159,7 @@ mod tests {
         }
 
         #[test]
-        fn packed_cells_part_where_their_coordinates_do(
+        fn packed_cells_diverge_where_their_coordinates_do(
             a in [0..FINEST_CELLS, 0..FINEST_CELLS, 0..FINEST_CELLS],
             shared_levels in 0..=LEVELS,
             low in [0..FINEST_CELLS, 0..FINEST_CELLS, 0..FINEST_CELLS],

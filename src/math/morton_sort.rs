@@ -217,7 +217,7 @@ impl<T: Copy + Default> Sorter<T> {
         /// The counters of so wide a digit are a quarter of a first cache.
         const MAX_DIGIT_BITS: u32 = 11;
         let count = self.items.len();
-        // Three bits divide a surface by four. One level more, so that few cells have two points.
+        // Three bits divide a surface into four. One more level, so that few cells contain two points.
         let telling_bits = if count > FEW {
             (count.ilog2() * 3 / 2 + 4).min(layout.differing_bits())
         } else {
@@ -312,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_one_and_equal_codes() {
+    fn empty_single_and_equal_codes_are_sorted() {
         assert_sorted_like_std(&[]);
         assert_sorted_like_std(&[42]);
         assert_sorted_like_std(&vec![7; 5000]);
@@ -337,14 +337,14 @@ mod tests {
 
     /// Many in one bucket, which differ in more bits than an item keeps, some in those that it does not keep alone.
     #[test]
-    fn codes_that_an_item_has_no_room_for() {
+    fn codes_too_long_for_an_item_are_sorted() {
         let codes: Vec<u64> = (0..20_000).map(|i| (mixed(i) % 8) << 48 | mixed(i + 7) & 7).collect();
         assert_sorted_like_std(&codes);
     }
 
     /// Few enough in one bucket that items keep all, but most alike in the bits that passes are made over.
     #[test]
-    fn codes_that_passes_leave_unsorted() {
+    fn codes_that_radix_passes_leave_unsorted_are_sorted() {
         let mut codes: Vec<u64> = (0..1000).map(|i| mixed(i) & 0xf_ffff).collect();
         codes[500] |= 1 << 50;
         assert_sorted_like_std(&codes);
@@ -378,7 +378,7 @@ mod tests {
     }
 
     #[test]
-    fn items_give_back_their_codes_if_they_have_all_bits() {
+    fn items_return_their_codes_if_they_hold_all_bits() {
         for (codes, has_all) in [
             (vec![0x7fff_ffff_ffff_ffff, 1, 0], false),
             (vec![5 << 60 | 3 << 50 | 1, 5 << 60 | 7], true),

@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn two_that_touch_are_held_by_one_as_long_as_both() {
+    fn two_touching_spheres_fit_in_one_spanning_both() {
         let two = [sphere([-1.0, 0.0, 0.0], 1.0), sphere([1.0, 0.0, 0.0], 1.0)];
         assert_eq!(Sphere::around(two.into_iter()), sphere([0.0; 3], 2.0));
         assert_eq!(Sphere::around(std::iter::empty()), sphere([0.0; 3], 0.0));
@@ -82,13 +82,13 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_sphere_around_others_holds_them(
+        fn a_bounding_sphere_contains_its_spheres(
             others in prop::collection::vec((prop::array::uniform3(-1e3f32..1e3), 0f32..10.0), 1..6),
         ) {
             let others = others.into_iter().map(|(center, radius)| sphere(center, radius));
             let around = Sphere::around(others.clone());
             prop_assert!(others.clone().all(|other| around.holds(&other)));
-            // A box around them is no longer than the cube around the sphere is.
+            // A box around them is no longer than the cube around the sphere.
             let reach = others.map(|other| other.reach_from(around.center)).fold(0.0, f64::max);
             prop_assert!(f64::from(around.radius) <= reach * (1.0 + 1e-6));
         }

@@ -96,7 +96,7 @@ impl SymmetricMat3 {
         let mean = (scaled.xx + scaled.yy + scaled.zz) / 3.0;
         let rest = scaled.shifted(-mean);
         let spread = (rest.square_sum() / 6.0).sqrt();
-        // Below this the rest is the rounding of the entries.
+        // Below this the remainder is the rounding of the entries.
         if spread < 4.0 * f64::EPSILON {
             return Err(mean * scale);
         }
@@ -113,7 +113,7 @@ impl SymmetricMat3 {
     }
 
     fn largest_entry(&self) -> f64 {
-        // A sum does not lose NaN as f64::max would.
+        // A sum propagates NaN, unlike f64::max.
         let [xx, xy, xz, yy, yz, zz] = self.entries().map(f64::abs);
         if (xx + xy + xz + yy + yz + zz).is_nan() {
             return f64::NAN;
@@ -322,7 +322,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn composes_again(entries in prop::array::uniform6(-1.0f64..1.0), exponent in -150i32..150) {
+        fn eigen_decompositions_recompose(entries in prop::array::uniform6(-1.0f64..1.0), exponent in -150i32..150) {
             let [xx, xy, xz, yy, yz, zz] = entries;
             check(&SymmetricMat3 { xx, xy, xz, yy, yz, zz }.scaled(10f64.powi(exponent)), 1e-13);
         }

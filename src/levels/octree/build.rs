@@ -29,7 +29,7 @@ impl Octree {
     /// Preconditions: finite positions, one colour a point, at most 2³¹ points.
     pub fn build(positions: &[Vec3], colors: &[[u8; 4]], stop: StopCriterion) -> Self {
         assert_eq!(positions.len(), colors.len(), "one colour for each point");
-        // One way into the pool and out again, instead of one for each parallel stage.
+        // Enters the thread pool once, instead of for each parallel stage.
         rayon::scope(|_| {
             let cube = Cube::around(positions).unwrap_or(Cube::EMPTY);
             let points = SortedPoints::new(&cube, positions, colors);
@@ -57,7 +57,7 @@ impl Octree {
                 };
                 return Self {
                     // Only trees by the spacing have gaps, as these take six times as long as the rest of the tree (27
-                    // blocks of 64 cells are looked at for each block): a quarter of the time of the normals.
+                    // blocks of 64 cells are examined for each block): a quarter of the time of the normals.
                     gaps: points.gaps(&leaves).into(),
                     cube,
                     points,

@@ -125,7 +125,7 @@ const ROOT: u64 = 1;
 /// The `count` children of `cells` with these masks.
 fn children(cells: &[u64], masks: &[u8], count: usize) -> Vec<u64> {
     let mut children = Vec::with_capacity(count);
-    // The masks of eight cells are one word: where its bits end is harder to foresee eight times than once.
+    // The masks of eight cells form one word: one unpredictable loop exit instead of eight.
     for (cells, masks) in cells.chunks(8).zip(masks.chunks(8)) {
         let mut word = [0; 8];
         word[..masks.len()].copy_from_slice(masks);
@@ -149,14 +149,14 @@ mod tests {
     const CODE: [u8; 3] = [0b1000_0001, 0b0000_0110, 0b0001_0000];
 
     #[test]
-    fn a_code_by_hand() {
+    fn a_hand_written_code_is_decoded() {
         let cells = Octree::cells_from_masks(&CODE, 2).unwrap();
         assert_eq!(cells, [[1, 0, 0], [0, 1, 0], [2, 2, 3]]);
         assert_eq!(Octree::cells_from_masks(&[], 0).unwrap(), [[0; 3]]);
     }
 
     #[test]
-    fn damage_is_refused() {
+    fn damaged_codes_are_rejected() {
         let cases = [
             (
                 &CODE[..2],
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn every_lost_or_added_byte_of_a_real_tree_is_noticed() {
+    fn every_lost_or_added_byte_of_a_real_tree_is_detected() {
         let points: Vec<Vec3> = (0..500)
             .map(|i| Vec3::new((i * 37 % 101) as f32, (i * 53 % 97) as f32, (i % 13) as f32))
             .collect();

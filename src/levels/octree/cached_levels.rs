@@ -82,7 +82,7 @@ impl<R> CachedLevels<R> {
                 return cached.records.get();
             }
             let read = cached.points_read.fetch_add(to_be_read[level], Ordering::Relaxed);
-            // Not earlier: a frame that plays once then reads each point once, however many levels its cut has.
+            // Not earlier: a frame that is played once then reads each point once, however many levels its cut has.
             (read >= points.len()).then(|| self.level(level as u32, points, writer))
         })
     }
@@ -103,8 +103,8 @@ impl<R> CachedLevels<R> {
         if let Some(records) = cached.get() {
             return records;
         }
-        // Not inside of `get_or_init`: a thread that waits for its share of the level may take up other work, and come
-        // by here again. If two work out the same, one of them is dropped.
+        // Not inside `get_or_init`: a thread that waits for its share of the level may pick up other work, and end up
+        // here again. If two compute the same level, one result is dropped.
         let worked_out = LevelRecords::work_out(level, points, writer);
         cached.get_or_init(|| worked_out)
     }
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn kept_voxels_are_those_that_are_worked_out() {
+    fn cached_voxels_match_computed_ones() {
         let mut random = Random(31);
         let positions = test_shapes::torus(60_000, 0.4, &mut random).positions;
         let colors = random_colors(positions.len(), &mut random);
@@ -185,11 +185,11 @@ mod tests {
             cached.map(|(_, number)| number).collect()
         };
         let at = |distance: f32, lod_px| view_from(Vec3::new(0.3, 0.5, 0.81) * distance, Vec3::ZERO, lod_px);
-        // All that is in view once reads each point once.
+        // Everything in view is drawn once, which reads each point once.
         drawn(&tree, &positions, &colors, &at(4.0, 6.0));
         assert_eq!(cached(&tree), [0; 0]);
         for turn in 0..6 {
-            // From within, part of it is seen: pieces of levels, between those of others.
+            // From inside, only part of it is visible: pieces of levels, between those of others.
             for (distance, lod_px) in [(4.0, 6.0), (0.9, 6.0), (2.0, 24.0), (2.0, 0.0)] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(1 + turn % 3);
                 pool.build().unwrap().install(|| {
@@ -202,7 +202,7 @@ mod tests {
             cached.len() > 1 && cached.iter().all(|&level| level < coarse),
             "{cached:?} of {coarse}"
         );
-        // Trees of the same points share them.
+        // Trees of the same points share the cached levels.
         let divided = tree.with_stop(StopCriterion::Loss(0.5));
         assert!(divided.points.voxels.levels[cached[0] as usize].records.get().is_some());
         let held: usize = cached

@@ -32,7 +32,7 @@ impl SortedPoints {
     pub(super) fn next_beginning(&self, level: u32, first: usize, end: usize) -> usize {
         let byte = level as u8;
         let mut next = first;
-        // In most places nothing begins, which one look at a row tells.
+        // In most rows no cell begins, which a single pass over a row shows.
         let rows = self.partings[first..end].as_chunks::<ROW>().0;
         let min = |row: &[u8; ROW]| row.iter().fold(u8::MAX, |min, &parting| min.min(parting));
         next += ROW * rows.iter().take_while(|row| min(row) > byte).count();
@@ -93,7 +93,7 @@ impl SortedPoints {
     pub(super) fn is_leaf(&self, leaves: &Leaves, level: u32, points: &Range<usize>) -> bool {
         match leaves {
             Leaves::OnLevel(_) | Leaves::InRuns(_) => leaves.only_level(points) == Some(level),
-            // What one finest cell holds cannot be parted.
+            // The contents of one finest cell cannot be separated.
             Leaves::OfPoints(max) => {
                 points.len() <= *max.max(&1) || self.cells[points.start] == self.cells[points.end - 1]
             }

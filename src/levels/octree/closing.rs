@@ -242,7 +242,7 @@ impl LevelCells {
 
     /// Returns the points of the leaf in the given direction from a cell of the centre block.
     fn leaf_adjacent(&self, site: &Site, bit: u32, direction: usize) -> Option<[u32; 2]> {
-        // From the lowest cell of the blocks before.
+        // Relative to the lowest cell of the preceding blocks.
         let cell = bit_place(bit).map(|coordinate| coordinate + EDGE);
         let cell = neighbour(cell, direction)?;
         let [x, y, z] = cell.map(|coordinate| (coordinate / EDGE) as usize);

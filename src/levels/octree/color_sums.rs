@@ -37,7 +37,7 @@ pub(super) fn running_sums(colors: &[[u8; 4]]) -> Vec<ColorSum> {
     }
     last[rest.len()..].fill(sum);
     let sums = blocks.par_iter().zip(sums_before).with_min_len(BLOCKS_PER_TASK);
-    // Whole arrays, because those can be collected into memory that nobody has cleared.
+    // Whole arrays, because those can be collected into uninitialised memory.
     let sums: Vec<[ColorSum; SUM_BLOCK]> = sums
         .map(|(block, mut sum)| {
             block.map(|color| {
@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn running_sums_are_those_of_one_colour_after_another() {
+    fn blocked_prefix_sums_match_sequential_ones() {
         for count in [0, 1, 63, 64, 65, 128, 1000, 3 * BLOCKS_PER_TASK * SUM_BLOCK + 7] {
             let color = |i: usize| [i, i / 3, i / 7, i / 11].map(|channel| (channel % 256) as u8);
             let colors: Vec<[u8; 4]> = (0..count).map(color).collect();

@@ -54,7 +54,7 @@ impl Octree {
     pub(super) fn cell_of_gap(&self, gap: &Gap) -> [u32; 3] {
         let first = self.points.cells[gap.leaf[0] as usize];
         let leaf = [0, 1, 2].map(|axis| first.coordinate(axis, gap.level.into()));
-        // No gap is outside of the root.
+        // No gap is outside the root.
         neighbour(leaf, gap.direction.into()).unwrap_or(leaf)
     }
 

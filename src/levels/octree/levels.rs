@@ -60,7 +60,7 @@ impl Levels for VoxelLevels {
 
 impl Levels for LodSurfels {
     fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut {
-        // Surfels are culled one by one otherwise, so the image is the same.
+        // Otherwise surfels are culled individually, so the image is the same.
         let cones = hints.culls_back_faces.then_some(self);
         self.octree().cut_between(view, hints.before, cones)
     }

@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_of_ellipses_add_up() {
+    fn second_moments_of_ellipses_add_up() {
         // Along x: a quarter of 4 and the square of 3; across: a quarter of 1.
         let [x, ratio] = merged(3.0, 2.0, 1.0);
         assert!((x - 1.0).abs() < 1e-4);

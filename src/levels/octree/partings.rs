@@ -25,8 +25,7 @@ pub(super) fn count_at_most(partings: &[u8], level: u32) -> usize {
 
 #[inline(always)]
 pub(super) fn count_in_lanes(partings: &[u8], level: u8) -> usize {
-    // As many as a byte can count.
-    // Counting in rows of 128 took 0.03 instead of 0.7 ns each.
+    // As many as fit into a byte counter. Counting in rows of 128 took 0.03 instead of 0.7 ns each.
     let (rows, rest) = partings.as_chunks::<128>();
     let count_in_row = |row: &[u8]| -> u8 { row.iter().map(|&parting| u8::from(parting <= level)).sum() };
     let in_rows: usize = rows.iter().map(|row| usize::from(count_in_row(row))).sum();
@@ -57,9 +56,8 @@ pub(super) fn write_beginnings(partings: &[u8], level: u32, first: u32, out: &mu
 fn write_beginnings_of_word(word: [u8; WORD], level: u32, first: u32, out: &mut [u32]) -> usize {
     let set = beginning_set(word, level) as usize;
     let out: &mut [u32; WORD] = out.first_chunk_mut().expect("room for a word");
-    // All are written, and those behind the ones that begin a cell are written over.
-    // A table of 256 entries instead of eight conditional stores: one of the changes that made writing voxels twice as
-    // fast.
+    // All are written, and those after the ones that begin a cell are overwritten. A table of 256 entries instead of
+    // eight conditional stores: one of the changes that made writing voxels twice as fast.
     for (out, place) in out.iter_mut().zip(PLACES_IN_WORD[set]) {
         *out = first + u32::from(place);
     }
@@ -69,7 +67,7 @@ fn write_beginnings_of_word(word: [u8; WORD], level: u32, first: u32, out: &mut 
 /// One bit for every byte of `partings` that is at most `level`.
 #[inline(always)]
 fn beginning_set(partings: [u8; WORD], level: u32) -> u8 {
-    // Every bit is moved to the highest byte, and no two to the same place.
+    // Every bit is moved into the highest byte, no two to the same place.
     const TO_HIGHEST_BYTE: u64 = 0x0102_0408_1020_4080;
     ((beginnings(partings, level) >> 7).wrapping_mul(TO_HIGHEST_BYTE) >> 56) as u8
 }
@@ -98,7 +96,7 @@ mod tests {
     use crate::math::morton::LEVELS;
 
     #[test]
-    fn words_are_compared_as_bytes_are() {
+    fn word_comparisons_match_byte_comparisons() {
         for level in 0..=LEVELS {
             for parting in 0..=LEVELS as u8 + 1 {
                 let partings = [parting, 0, 22, 1, parting, 21, 7, parting];
@@ -111,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn beginnings_and_their_number() {
+    fn beginnings_and_their_count_match_a_scan() {
         for count in [0, 1, 7, 8, 31, 32, 33, 100, 32 * 255, 32 * 255 + 9] {
             let partings: Vec<u8> = (0..count as u64)
                 .map(|i| (i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as u8 % 23)

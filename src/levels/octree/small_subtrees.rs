@@ -168,7 +168,7 @@ impl Traversal<'_> {
             let nearest_squared = self.nearest_squared(simd, center, 0.5 * limits.edge);
             let may_stop = nearest_squared.simd_gt(limits.may_stop_beyond_squared);
             let must_stop = nearest_squared.simd_gt(limits.must_stop_beyond_squared);
-            // A byte for each of the three, so that the lanes are joined once.
+            // One byte for each of the three, so that the lanes are joined only once.
             let bits = in_view.select(lane_bits, none)
                 | may_stop.select(lane_bits << 8, none)
                 | must_stop.select(lane_bits << 16, none);
@@ -179,7 +179,7 @@ impl Traversal<'_> {
             all_may_stop |= u64::from(may_stop) << (LANES * row);
             all_must_stop |= u64::from(must_stop) << (LANES * row);
         }
-        // The last row may be longer than there are cells.
+        // The last row may be longer than the number of cells.
         block.in_view = all_in_view & u64::MAX >> (BLOCK - count);
         block.may_stop = all_may_stop;
         block.must_stop = all_must_stop;

@@ -45,7 +45,7 @@ impl SortedPoints {
             let cells = cube.cells(positions);
             partings_in_order(&cells).map(|partings| (cells, partings))
         };
-        // A look at some of them mostly tells.
+        // Checking some of them first is usually enough.
         let some = &positions[..positions.len().min(1000)];
         if in_order(some).is_some()
             && let Some((cells, partings)) = in_order(positions)
@@ -66,8 +66,8 @@ impl SortedPoints {
 
     fn in_order(cells: Vec<PackedCell>, partings: Vec<u8>, colors: &[[u8; 4]]) -> Self {
         let count = || occupied_cells(&partings);
-        // No nodes are stored. Masks and first points of all nodes, level by level, took a third of the building time
-        // and 34 bytes per point instead of 17, and their traversal was not faster.
+        // No nodes are stored. Masks and first points of all nodes, level by level, took a third of the build time and
+        // 34 bytes per point instead of 17, and traversing them was not faster.
         let (occupied, colors_before) = rayon::join(count, || color_sums::running_sums(colors));
         Self {
             cells,
@@ -114,7 +114,7 @@ fn sorted_few(cube: &Cube, positions: &[Vec3], colors: &[[u8; 4]]) -> (Vec<Packe
 /// Sorts any number of points, with the same result.
 fn sorted(cube: &Cube, positions: &[Vec3], colors: &[[u8; 4]]) -> (Vec<PackedCell>, Vec<[u8; 4]>) {
     let write_codes = |range, codes: &mut [u64]| cube.write_codes(&positions[range], codes);
-    // Clearing memory takes as long as a few chunks of points, so that it is one task among theirs.
+    // Clearing memory takes as long as a few chunks of points, so it becomes one task among theirs.
     let (buckets, (mut cells, mut colors)) = rayon::join(
         || Buckets::new(positions.len(), write_codes, |point| colors[point]),
         || {
@@ -132,7 +132,8 @@ fn sorted(cube: &Cube, positions: &[Vec3], colors: &[[u8; 4]]) -> (Vec<PackedCel
 #[inline(always)]
 fn write_cells(codes: &[u64], cells: &mut [PackedCell]) {
     for (cell, &code) in cells.iter_mut().zip(codes) {
-        // Packed coordinates, not codes: the traversal needs coordinates, and two packed cells are compared as fast.
+        // Packed coordinates, not codes: the traversal needs coordinates, and two packed cells are compared just as
+        // fast.
         *cell = PackedCell::from_code(code);
     }
 }
@@ -202,7 +203,8 @@ fn occupied_cells(partings: &[u8]) -> OccupiedCells {
 
 /// Counts the points that part at each level.
 fn count_partings(partings: &[u8]) -> [u32; LEVELS as usize + 2] {
-    // Several counters, because most partings are of few levels, and a count that was just written is slow to read.
+    // Several counters, because most partings are at few levels, and a count that was just written is slow to read
+    // back.
     let mut parted = [[0u32; LEVELS as usize + 2]; 4];
     let (chunks, rest) = partings.as_chunks::<4>();
     for partings in chunks {
@@ -222,7 +224,7 @@ mod tests {
     use crate::analysis::test_shapes::Random;
 
     #[test]
-    fn few_points_are_sorted_as_many_are() {
+    fn small_and_large_cloud_sorts_agree() {
         let mut random = Random(22);
         let mut positions: Vec<Vec3> = (0..80_000).map(|_| random.cube()).collect();
         positions.extend_from_within(..2000);

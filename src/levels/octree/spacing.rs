@@ -32,8 +32,8 @@ const MANY_POINTS: f64 = 2.5;
 
 /// Cells of a surface that hold fewer are closed by the gaps between them (`gaps.rs`) while they are so many times as
 /// many as those of the level above; all of them would be four times as many.
-// Without gaps, cells had to be twice as long, and their outline was beyond that of surfels by 5 to 11 % of the object
-// instead of 2.5 to 5 %. Below one spacing nothing closes them.
+// Without gaps, cells had to be twice as long, and their outline extended beyond that of surfels by 5 to 11 % of the
+// object instead of 2.5 to 5 %. Below one spacing nothing closes them.
 const GROWTH: f64 = 2.0;
 
 /// Occupancy threshold in points per cell: if fewer points share a cell, the number of cells is no measure of their
@@ -136,7 +136,7 @@ fn distinct_points(cells: &OccupiedCells) -> usize {
     let all = cells[LEVELS as usize];
     let are_points = |level: &usize| {
         let here = cells[*level];
-        // Some that are together are parted by a face of a cell.
+        // Some points that belong together are separated by a face of a cell.
         all <= MAX_TOGETHER * here && 100 * cells[level + 2] <= 112 * here + 200
     };
     let level = (0..LEVEL_COUNT - 2).find(are_points);
@@ -196,8 +196,8 @@ impl Search<'_> {
     fn visit(&self, node: &NodeRange, inherited: u32, found: &mut LeavesBySpacing) {
         let cells = self.census.cells_in(node);
         let is_asked = node.points.len() >= ASKED_POINTS;
-        // Inherited unless clearly wrong, so that sizes do not follow the noise of sampling; and few points are never
-        // asked, so that a far outlier does not become a giant cube.
+        // Inherited unless clearly wrong, so that sizes do not follow the sampling noise; and nodes with few points
+        // always inherit, so that a far outlier does not become a giant cube.
         let level = if !is_asked || is_cached(inherited, &cells) {
             inherited
         } else {

@@ -43,7 +43,7 @@ fn usual_leaf_edge(tree: &Octree) -> f32 {
 }
 
 #[test]
-fn leaves_of_a_lattice_are_a_few_spacings_long_whatever_its_scale() {
+fn leaves_of_a_lattice_are_a_few_spacings_long_at_any_scale() {
     for (count, spacing) in [(30, 1.0), (64, 0.01), (150, 7.0), (301, 1.0)] {
         let edge = only_leaf_edge(&tree_of(&lattice(count, spacing, Vec3::ZERO)));
         let spacings = edge / spacing;
@@ -70,7 +70,7 @@ fn points_in_a_row_are_a_row_of_voxels() {
 
 /// Points many times at one place, or nearly so, are no smaller spacing.
 #[test]
-fn points_that_are_there_twice_change_nothing() {
+fn duplicate_points_change_nothing() {
     let plain = lattice(100, 1.0, Vec3::ZERO);
     let expected = only_leaf_edge(&tree_of(&plain));
     let mut random = Random(3);
@@ -81,7 +81,7 @@ fn points_that_are_there_twice_change_nothing() {
             .map(|(place, copy)| place + apart * copy as f32 * random.cube())
             .collect();
         let edge = usual_leaf_edge(&tree_of(&copied));
-        // The cube around the points is another by a thousandth.
+        // The cube around the points differs by a thousandth.
         assert!((edge / expected - 1.0).abs() < 0.01, "{copies}: {edge}");
     }
 }
@@ -107,21 +107,21 @@ fn each_of_two_clouds_has_its_own_spacing() {
 
 /// A point far from all others is as small as they are, and hides nothing.
 #[test]
-fn few_points_far_away_are_no_large_cubes() {
+fn a_few_distant_points_do_not_get_large_cubes() {
     let sphere = test_shapes::sphere(20_000, &mut Random(9)).positions;
     let expected = only_leaf_edge(&tree_of(&sphere));
     let far = [Vec3::splat(40.0), Vec3::new(-30.0, 2.0, 8.0), Vec3::X * 3.0];
     let tree = tree_of(&[&sphere[..], &far].concat());
     for voxel in tree.level_voxels(tree.depth()) {
         let edge = tree.cube().cell_edge(u32::from(voxel.level));
-        // The cubes around both clouds differ, so that their cells do by up to a factor of two.
+        // The cubes around the two clouds differ, so their cells do by up to a factor of two.
         let ratio = edge / expected;
         assert!((0.5..=2.0).contains(&ratio), "{ratio} at {:?}", voxel.center);
     }
 }
 
 #[test]
-fn few_or_no_points_and_one_place_are_defined() {
+fn few_coincident_and_no_points_are_handled() {
     assert_eq!(tree_of(&[]).node_count(), 0);
     for positions in [vec![Vec3::ONE], vec![Vec3::ONE; 500], vec![Vec3::ZERO, Vec3::ONE]] {
         let tree = tree_of(&positions);
@@ -150,7 +150,7 @@ fn nodes_are_counted_where_leaves_are_on_several_levels() {
         .map(|level| nodes.iter().filter(|node| node.0 == level).count())
         .collect();
     assert_eq!(tree.level_counts(), expected);
-    // What is counted when leaves are read from a file, one node after the other.
+    // The counts when leaves are read from a file, one node after another.
     let again = Octree::with_leaves(tree.cube, Arc::clone(&tree.points), tree.leaves.clone());
     assert_eq!(again.level_counts(), tree.level_counts());
     assert_eq!(again.leaf_count(), tree.leaf_count());

@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_level_with_little_enough_loss() {
+    fn the_depth_is_the_first_level_with_acceptable_loss() {
         let levels = [1, 8, 50, 90, 95, 98, 100];
         assert_eq!(depth(0.5, &levels, 100), 2);
         assert_eq!(depth(0.49, &levels, 100), 3);
@@ -128,13 +128,13 @@ mod tests {
     }
 
     #[test]
-    fn duplicates_do_not_drive_it_to_the_bottom() {
+    fn duplicates_do_not_force_the_maximum_depth() {
         assert_eq!(depth(0.0, &[1, 4, 40], 100), 2);
         assert_eq!(depth(0.0, &[1], 100), 0);
     }
 
     #[test]
-    fn odd_deltas_are_defined() {
+    fn out_of_range_deltas_are_handled() {
         let levels = [1, 8, 50, 100];
         assert_eq!(depth(f32::NAN, &levels, 100), 3);
         assert_eq!(depth(-3.0, &levels, 100), 3);

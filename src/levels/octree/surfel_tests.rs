@@ -78,7 +78,7 @@ fn the_surfel_of_a_node_is_the_mean_of_its_points_and_covers_them() {
                     assert!(normal.dot(oct_decode(shape.normal)) >= surfel.cone_cosine - 1e-3);
                 }
             }
-            // The disk reaches to the far side of every point's disk.
+            // The disk extends to the far side of every point's disk.
             for (point, shape) in points.iter().zip(shapes) {
                 let offset = position(point) - position(&surfel.point);
                 let in_plane = (offset - normal * offset.dot(normal)).length();
@@ -113,7 +113,7 @@ fn normals_that_cancel_out_have_no_cone() {
 /// Checks that the surfels of a cut are those of its nodes, and that leaves are their points; that only back-facing
 /// surfels are culled, and most of them.
 #[test]
-fn only_what_faces_away_is_left_out() {
+fn only_back_facing_nodes_are_culled() {
     let surfels = torus_surfels(30_000, StopCriterion::Loss(0.02));
     let (all_points, all_shapes) = surfels.records();
     let mut random = Random(3);
@@ -129,7 +129,7 @@ fn only_what_faces_away_is_left_out() {
         let cut = surfels.cut(&view, hints);
         surfels.write_surfels(&cut, &mut points, &mut shapes);
         assert_eq!(points.len(), shapes.len());
-        // Scalars name the points.
+        // Scalars identify the points.
         let found: HashSet<u32> = shapes.iter().map(|shape| shape.scalar as u32).collect();
         assert_eq!(found.len(), points.len());
         for (index, (point, shape)) in all_points.iter().zip(all_shapes).enumerate() {
@@ -172,7 +172,8 @@ fn a_coarse_cut_is_drawn_as_surfels_of_its_levels() {
             let nodes = &surfels.level(range.level)[first..first + count];
             expected.extend(nodes.iter().map(|node| (node.point, node.shape)));
         }
-        // From the points under the cut at first, from kept levels later; those that were asked for above are kept.
+        // Computed from the points below the cut at first, later from cached levels; those that were requested above
+        // are cached.
         for surfels in [surfels.fresh(), surfels] {
             for _ in 0..4 {
                 surfels.write_surfels(&cut, &mut points, &mut shapes);
@@ -185,7 +186,7 @@ fn a_coarse_cut_is_drawn_as_surfels_of_its_levels() {
 
 /// Traversals that share the work of a level with others that want the same level: none waits for itself.
 #[test]
-fn many_traversals_at_once_end() {
+fn concurrent_traversals_terminate() {
     let view = view_from(Vec3::new(0.5, 1.0, 3.5), Vec3::ZERO, 2.0);
     for _ in 0..5 {
         let surfels = torus_surfels(60_000, StopCriterion::Loss(0.02));

@@ -46,8 +46,8 @@ pub struct LodSurfels {
 const FIRST_CONE_LEVEL: u32 = 3;
 
 /// Below so many points a node on average, it costs more to test whether they face away than to draw them.
-// With back-face culling, a cut of 1,000,000 points takes 5.2 ms instead of 2.0 (2 threads), for half of the surfels,
-// whose records take 1.3 instead of 3.3 ms to copy.
+// With back-face culling, a cut of 1,000,000 points takes 5.2 ms instead of 2.0 ms (2 threads), for half of the
+// surfels, whose records take 1.3 instead of 3.3 ms to copy.
 const POINTS_PER_CONE: usize = 16;
 
 impl LodSurfels {

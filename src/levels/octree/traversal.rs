@@ -222,7 +222,7 @@ impl Traversal<'_> {
 
     /// Visits the children of a node with this centre.
     fn visit_nearest_first(&self, mut children: Vec<Visit>, center: Vec3, point_count: usize, cut: &mut Cut) {
-        // An octant can only be hidden by those that differ from the eye's along fewer axes, and along no others: they
+        // An octant can only be occluded by octants that differ from the eye's along a proper subset of its axes: they
         // have smaller numbers when the octant of the eye is number 0.
         let of_eye = |visit: &Visit| {
             (0..3).fold(0, |number, axis| {
@@ -293,7 +293,7 @@ impl Traversal<'_> {
         let farthest_squared = self.farthest_squared(node, distance);
         let nearest_squared = nearest_squared(distance, half_edge + self.slack) * (1.0 - MARGIN);
         let limits = |level: u32| &self.levels[level as usize];
-        // If all were on this level, would they stay? None above it stops, and all of it do.
+        // If all were on this level, would they stop there? None above it stops, and all at it do.
         let before = self.before.as_ref();
         let before = before.and_then(|before| before.at(node.points.start));
         if let Some(before) = before

@@ -50,7 +50,7 @@ impl Octree {
 
     /// Nodes with children: *nodes* in the paper's Table III.
     pub fn internal_count(&self) -> usize {
-        // Internal nodes only: the rows of Table III add up only so.
+        // Internal nodes only: this is the only way the rows of Table III add up.
         self.node_count() - self.leaf_count
     }
 

@@ -66,7 +66,7 @@ fn mean_normal(shapes: &[ShapeRecord]) -> [i16; 2] {
             let normal = oct_decode(shape.normal);
             sum += if normal.dot(sum) < 0.0 { -normal } else { normal };
         }
-        // Each turned to the side of the sum makes it longer, so it is not 0.
+        // Flipping each towards the sum makes the sum longer, so it is not 0.
         return oct_encode(sum.normalize_or(Vec3::Z));
     };
     only.normal
@@ -109,14 +109,14 @@ mod tests {
     }
 
     #[test]
-    fn normals_of_cells_are_those_of_the_surface_whatever_the_signs_of_the_points() {
+    fn cell_normals_match_the_surface_whatever_the_signs_of_point_normals() {
         let (points, shapes) = sphere(30_000);
         let positions: Vec<Vec3> = points.iter().map(|point| point.position.into()).collect();
         let colors = vec![[200; 4]; points.len()];
         let octree = Arc::new(Octree::build(&positions, &colors, StopCriterion::Spacing));
         let surfels = LodSurfels::new(Arc::clone(&octree), Arc::new(points), Arc::new(shapes));
         let (mut voxels, mut normals) = (Vec::new(), Vec::new());
-        // The second and third time levels are kept.
+        // At the second and third time levels are cached.
         for lod_px in [0.0, 12.0, 0.0, 12.0, 0.0] {
             let view = view_from(Vec3::new(2.0, 3.0, 4.0), Vec3::ZERO, lod_px);
             let cut = octree.cut(&view, CutHints::default());
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mean_by_hand() {
+    fn the_mean_matches_one_computed_by_hand() {
         let mean = |normals: &[Vec3]| {
             let shapes: Vec<ShapeRecord> = normals
                 .iter()
@@ -148,7 +148,7 @@ mod tests {
             oct_decode(mean_normal(&shapes))
         };
         assert_eq!(mean(&[Vec3::NEG_Z]), Vec3::NEG_Z);
-        // Two sides of a thin sheet are one direction.
+        // Both sides of a thin sheet count as one direction.
         assert_eq!(mean(&[Vec3::Y, Vec3::NEG_Y, Vec3::Y]), Vec3::Y);
         let between = mean(&[Vec3::X, Vec3::Y]);
         assert!(between.abs_diff_eq(Vec3::new(0.5, 0.5, 0.0).normalize(), 1e-4));

@@ -95,7 +95,7 @@ impl SortedPoints {
 
 /// Minimum average points per node for keeping voxels: with fewer points, a voxel is computed from hardly more bytes
 /// than it has.
-// With 4.7 points per node (1,000,000 points, 4 px), 210,789 voxels take 0.63 ms copied and 1.55 ms computed.
+// With 4.7 points per node (1,000,000 points, 4 px), 210,789 voxels take 0.63 ms to copy and 1.55 ms to compute.
 const POINTS_PER_CACHED_VOXEL: usize = 3;
 
 struct VoxelWriter<'a> {
@@ -121,7 +121,7 @@ impl NodeWriter for VoxelWriter<'_> {
         }
         let mut centers = [[0.0; BATCH]; 3];
         for (axis, centers) in centers.iter_mut().enumerate() {
-            // Twice as many numbers of 32 bits go into a register, so the cells are taken apart first.
+            // A register holds twice as many 32-bit numbers, so the cells are split first.
             let mut finest = [0; BATCH];
             for (coordinate, cell) in finest[..count].iter_mut().zip(&gathered.cells) {
                 *coordinate = cell.coordinate(axis, LEVELS);
@@ -182,7 +182,7 @@ impl VoxelWriter<'_> {
             *sum = before[end as usize].wrapping_sub(before[first as usize]);
         }
         for ((&first, &end), share) in nodes.zip(&mut gathered.shares) {
-            // One division a node; a mean halfway between two numbers may be rounded to either.
+            // One division per node; a mean halfway between two numbers may be rounded to either.
             *share = 1.0 / (end - first) as i32 as f32;
         }
         let counts = firsts.iter().zip(ends).map(|(&first, &end)| end - first);

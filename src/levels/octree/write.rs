@@ -14,7 +14,7 @@ use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
 /// Nodes that are worked out together.
-// 32 instead of 64 brought nothing, 16 took 30 % longer.
+// 32 instead of 64 made no difference, 16 took 30 % longer.
 pub(super) const BATCH: usize = 64;
 
 /// Up to [`BATCH`] nodes, each property in an array of its own. Beyond their number stand nodes of some batch before,
@@ -193,7 +193,7 @@ impl Batch {
         };
         writer.write(&nodes, now);
         for property in [&mut self.firsts, &mut self.ends, &mut self.levels] {
-            // As many as there may be: a number that is known makes it some registers.
+            // A full batch: a constant length is compiled to a few registers.
             let (written, left) = property.split_at_mut(BATCH);
             written.copy_from_slice(&left[..BATCH]);
         }
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn every_node_of_any_ranges_in_order_and_by_any_number_of_threads() {
+    fn nodes_are_written_in_order_for_any_ranges_and_thread_count() {
         // A ramp of 40,000 points along a diagonal that gets sparser: cells of all sizes.
         let positions: Vec<Vec3> = (0..40_000).map(|i| Vec3::splat(i as f32 * (4e4 + i as f32))).collect();
         let cube = Cube::around(&positions).unwrap();
@@ -236,7 +236,7 @@ mod tests {
             .filter(|&point| points.partings[point] <= 6)
             .chain([40_000])
             .collect();
-        // Cells of level 6 on levels 6 to 21 in turn.
+        // Cells of level 6, on levels 6 to 21 in turn.
         let ranges: Vec<NodeRange> = level_6
             .windows(2)
             .zip(0..)

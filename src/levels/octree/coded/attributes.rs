@@ -113,7 +113,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn offsets_with_all_bits_and_fewer() {
+    fn offsets_decode_with_all_and_with_fewer_bits() {
         let edges = |code, bits| offset_of_code(code, bits) / LARGEST_OFFSET;
         assert_eq!([0, 3, 4, 7].map(|code| edges(code, 3)), [-0.875, -0.125, 0.125, 0.875]);
         assert_eq!([0, 1, 5, 7].map(|code| edges(code, 2)), [-0.75, -0.75, 0.25, 0.75]);
@@ -122,7 +122,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn attributes_survive_packing(
+        fn attributes_round_trip_through_packing(
             normal in 0u32..1 << 17,
             offset in -LARGEST_OFFSET..LARGEST_OFFSET,
             radius in 0.26f32..500_000.0,
@@ -141,7 +141,7 @@ mod tests {
         }
 
         #[test]
-        fn odd_numbers_are_packed_to_something(offset: f32, radius: f32, cone: f32) {
+        fn extreme_values_can_be_packed(offset: f32, radius: f32, cone: f32) {
             let node = NodeAttributes::new(u32::MAX, offset, radius, [0; 3], cone);
             prop_assert!(node.radius_edges() >= 0.25);
             prop_assert!(node.offset_edges().abs() <= LARGEST_OFFSET);
