@@ -135,14 +135,7 @@ struct Runners {
 }
 
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
-    let all = variants::variants(!run.runner.is_processor());
-    let modes = &run.options.modes;
-    let variants: Vec<Settings> = all.into_iter().filter(|way| modes.admit(&way.decided())).collect();
-    if variants.is_empty() {
-        return Err(BenchError::Nothing(
-            "none of the requested render modes is available on this machine".to_owned(),
-        ));
-    }
+    let variants = variants::selected(run, variants::variants(!run.runner.is_processor()))?;
     let mut runners = Runners {
         processor: Runner::new(AnyRenderer::cpu()),
         depths: CpuRenderer::new(),

@@ -1,5 +1,7 @@
 //! Compared render modes: the default, and what it becomes when one choice after the other changes.
 
+use crate::bench::BenchError;
+use crate::bench::run::Run;
 use crate::levels::octree::StopCriterion;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::describe::{Described, Label, Place, Value, Values};
@@ -26,15 +28,35 @@ const SPLAT_SCALES: [f32; 4] = [0.7, 1.2, 1.4, 2.0];
 /// Factors on them in the second pass alone, in addition to 2.
 const ENLARGEMENTS: [f32; 2] = [1.2, 1.5];
 
-/// All ways, first those of the processor, then those of the adapter if there is one.
-pub(super) fn variants(has_adapter: bool) -> Vec<Settings> {
-    let base = Settings::default().with(|style| {
+/// Selects those of `all` that the options of a run ask for.
+///
+/// # Errors
+/// If there are none.
+pub(in crate::bench::suites) fn selected(run: &Run<'_>, all: Vec<Settings>) -> Result<Vec<Settings>, BenchError> {
+    let modes = &run.options.modes;
+    let variants: Vec<Settings> = all.into_iter().filter(|way| modes.admit(&way.decided())).collect();
+    if variants.is_empty() {
+        return Err(BenchError::Nothing(
+            "none of the requested render modes is available on this machine".to_owned(),
+        ));
+    }
+    Ok(variants)
+}
+
+/// The default surfels on the CPU, on [`BACKGROUND`].
+pub(in crate::bench::suites) fn base() -> Settings {
+    Settings::default().with(|style| {
         style.primitive = Primitive::Surfel.into();
         style.backdrop.background = Background::solid(BACKGROUND);
         style.drawing.renderer = RendererChoice::Cpu.into();
         // Like the truth and all other primitives: without light, an image of points is another image.
         style.points.light = PointLight::Normals;
-    });
+    })
+}
+
+/// All ways, first those of the processor, then those of the adapter if there is one.
+pub(super) fn variants(has_adapter: bool) -> Vec<Settings> {
+    let base = base();
     let mut variants = of_renderer(&base);
     if has_adapter {
         let base = base.with(|style| style.drawing.renderer = RendererChoice::Gpu.into());

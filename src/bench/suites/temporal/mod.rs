@@ -10,7 +10,7 @@
 mod scenes;
 mod variants;
 
-use super::error::variants::{BACKGROUND, label};
+use super::error::variants::{BACKGROUND, label, selected};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::run::Run;
@@ -24,7 +24,7 @@ use crate::render::AnyRenderer;
 use crate::scene::{RendererChoice, Scene, Settings, Style};
 use crate::sequence::{PrepareCounters, complete};
 use image::RgbaImage;
-use scenes::{Picture, SceneKind};
+use scenes::{Picture, SceneKind, Scenes};
 
 /// Columns, in the order in which [`Samples::row`] fills them.
 const COLUMNS: &[Column] = &[
@@ -83,22 +83,14 @@ struct Runners {
 }
 
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
-    let modes = &run.options.modes;
-    let all = variants::variants(!run.runner.is_processor());
-    let variants: Vec<Settings> = all.into_iter().filter(|way| modes.admit(&way.decided())).collect();
-    if variants.is_empty() {
-        return Err(BenchError::Nothing(
-            "none of the requested render modes is available on this machine".to_owned(),
-        ));
-    }
+    let variants = selected(run, variants::variants(!run.runner.is_processor()))?;
     let mut runners = Runners {
         processor: Runner::new(AnyRenderer::cpu()),
         cache: TruthCache::new(run.options.truth_folder.clone()),
     };
-    for subject in run.subjects(0)? {
-        let kinds = SceneKind::of(&subject);
-        run.add_steps(kinds.len() * (1 + variants.len()));
-        measure_sequence(run, &mut runners, &subject, &kinds, &variants)?;
+    // One step to prepare the first frame.
+    for subject in run.subjects(1)? {
+        measure_sequence(run, &mut runners, &subject, &variants)?;
     }
     Ok(())
 }
@@ -107,22 +99,23 @@ fn measure_sequence(
     run: &mut Run<'_>,
     runners: &mut Runners,
     subject: &Subject<'_>,
-    kinds: &[SceneKind],
     variants: &[Settings],
 ) -> Result<(), BenchError> {
+    let scenes = match Scenes::new(run, &runners.cache, subject)? {
+        Ok(scenes) => scenes,
+        Err(reason) => return Run::check_measured(subject, &[], Some(reason)),
+    };
+    let kinds = SceneKind::of(subject);
+    run.add_steps(kinds.len() * (1 + variants.len()));
     let mut rows = Vec::new();
     let mut point_counts = Vec::new();
-    let mut first_failure = None;
-    for &kind in kinds {
+    for kind in kinds {
         run.begin_step(format!("{}: {}", subject.name, kind.name()))?;
-        let pictures = match scenes::pictures(run, &runners.cache, subject, kind)? {
-            Ok(pictures) => pictures,
-            Err(reason) => {
-                run.note(format!("{}: {}: skipped: {reason}", subject.name, kind.name()));
-                first_failure.get_or_insert(reason);
-                continue;
-            }
-        };
+        let pictures = scenes.pictures(run, kind)?;
+        if pictures.views.iter().all(Vec::is_empty) {
+            run.note(format!("{}: {}: skipped", subject.name, kind.name()));
+            continue;
+        }
         point_counts.extend(
             pictures
                 .views
@@ -134,12 +127,11 @@ fn measure_sequence(
             run.begin_step(format!("{}: {}: {}", subject.name, kind.name(), label(way)))?;
             let mut samples = Samples::default();
             for view in &pictures.views {
-                samples.measure(run, runners, subject, view, &way.decided())?;
+                samples.measure(run, &mut runners.processor, subject, view, &way.decided())?;
             }
             rows.push(samples.row([subject.name, kind.name(), pictures.truth], way));
         }
     }
-    Run::check_measured(subject, &point_counts, first_failure)?;
     run.finish(subject, &point_counts, &[], rows);
     Ok(())
 }
@@ -149,7 +141,7 @@ impl Samples {
     fn measure(
         &mut self,
         run: &mut Run<'_>,
-        runners: &mut Runners,
+        processor: &mut Runner,
         subject: &Subject<'_>,
         pictures: &[Picture],
         way: &Style,
@@ -159,7 +151,7 @@ impl Samples {
         let runner = if way.drawing.renderer == RendererChoice::Gpu {
             &mut run.runner
         } else {
-            &mut runners.processor
+            processor
         };
         // One scene: what it remembers of the image before, it remembers in a window as well.
         let mut scene = Scene::default();

@@ -99,58 +99,151 @@ impl SceneKind {
     }
 }
 
-/// The images of a scene from each viewpoint, or why there are none.
-pub(super) fn pictures(
-    run: &mut Run<'_>,
-    cache: &TruthCache,
-    subject: &Subject<'_>,
-    kind: SceneKind,
-) -> Result<Result<Pictures, String>, BenchError> {
-    let first = subject.chosen[0];
-    let needs = Scene::needs(&Style::default());
-    let frame = match run.load(subject, first, 1, &needs)? {
-        Ok(frame) => with_triangles(run, subject, frame)?,
-        Err(reason) => return Ok(Err(reason)),
-    };
-    let cameras = subject.views(&frame, run.options.viewpoints, 1.0);
-    let builder = Builder {
-        cache,
-        subject,
-        frame: &frame,
-        truth: FrameTruth::new(subject.shape, &frame, &frame),
-        needs: &needs,
-        viewport_px: run.options.viewport_px,
-    };
-    let mut views = Vec::new();
-    for camera in cameras {
-        run.check_cancelled()?;
-        views.push(match (kind, subject.shape) {
-            (SceneKind::NextFrames, _) => match builder.next_frames(run, first, camera)? {
-                Ok(pictures) => pictures,
-                Err(reason) => return Ok(Err(reason)),
-            },
-            (SceneKind::CameraTurns, _) | (_, None) => builder.turns(camera),
-            (SceneKind::ShapeMoves, Some(shape)) => builder.moves(shape, camera)?,
-            (SceneKind::OnePointMoves, Some(shape)) => {
-                builder.at_rest(camera, |step| one_moves(shape, &frame, step))?
-            }
-            (SceneKind::SampledAgain, Some(shape)) => {
-                builder.at_rest(camera, |step| shape.scan(frame.points.len(), step))?
-            }
-            (SceneKind::SampledAgainByFewer, Some(shape)) => {
-                let mut pictures = builder.at_rest(camera, |step| shape.scan(frame.points.len(), step))?;
-                for picture in &mut pictures {
-                    let (sample, _) = picture.frame.frame.sample(frame.points.len() / FALLBACK_SHARE)?;
-                    picture.frame = builder.prepared(sample);
-                }
-                pictures
-            }
-        });
+/// Scenes of one sequence.
+pub(super) struct Scenes<'a> {
+    cache: &'a TruthCache,
+    subject: &'a Subject<'a>,
+    /// The first frame, with the triangles of its file.
+    frame: PreparedFrame,
+    truth: FrameTruth,
+    cameras: Vec<Camera>,
+    needs: Needs,
+    viewport_px: [u32; 2],
+}
+
+impl<'a> Scenes<'a> {
+    /// Loads the first frame, or says why it cannot be measured.
+    pub(super) fn new(
+        run: &mut Run<'_>,
+        cache: &'a TruthCache,
+        subject: &'a Subject<'a>,
+    ) -> Result<Result<Self, String>, BenchError> {
+        let needs = Scene::needs(&Style::default());
+        let frame = match run.load(subject, subject.chosen[0], 1, &needs)? {
+            Ok(frame) => with_triangles(run, subject, frame)?,
+            Err(reason) => return Ok(Err(reason)),
+        };
+        Ok(Ok(Self {
+            cache,
+            subject,
+            truth: FrameTruth::new(subject.shape, &frame, &frame),
+            cameras: subject.views(&frame, run.options.viewpoints, 1.0),
+            frame,
+            needs,
+            viewport_px: run.options.viewport_px,
+        }))
     }
-    Ok(Ok(Pictures {
-        truth: kind.truth(&builder.truth),
-        views,
-    }))
+
+    /// The images of a scene from each viewpoint; none without frames that can be measured.
+    pub(super) fn pictures(&self, run: &mut Run<'_>, kind: SceneKind) -> Result<Pictures, BenchError> {
+        let count = self.frame.points.len();
+        // Of points that are the same from each viewpoint.
+        let frames = match (kind, self.subject.shape) {
+            (SceneKind::NextFrames, _) => self.next_frames(run)?,
+            (SceneKind::CameraTurns, _) | (_, None) => vec![self.frame.clone(); STEPS + 1],
+            (SceneKind::ShapeMoves, Some(shape)) => {
+                // Subtracted in f64, before positions become f32.
+                self.scans(|step| Frame::from_raw(without_normals(shape.scan(count, 0)), -self.moved(step)))?
+            }
+            (SceneKind::OnePointMoves, Some(shape)) => {
+                self.scans(|step| self.scanned(one_moves(shape, &self.frame, step)))?
+            }
+            (SceneKind::SampledAgain, Some(shape)) => self.scans(|step| self.scanned(shape.scan(count, step)))?,
+            (SceneKind::SampledAgainByFewer, Some(shape)) => self.scans(|step| {
+                let (sample, _) = self.scanned(shape.scan(count, step))?.sample(count / FALLBACK_SHARE)?;
+                Ok(sample)
+            })?,
+        };
+        let mut views = Vec::new();
+        for &camera in &self.cameras {
+            run.check_cancelled()?;
+            let steps = frames.iter().zip(0..);
+            views.push(
+                steps
+                    .map(|(frame, step)| self.picture(kind, frame, camera, step))
+                    .collect(),
+            );
+        }
+        Ok(Pictures {
+            truth: kind.truth(&self.truth),
+            views,
+        })
+    }
+
+    /// Image `step` of a scene, by the camera of the first one.
+    fn picture(&self, kind: SceneKind, frame: &PreparedFrame, camera: Camera, step: u32) -> Picture {
+        let turned = Camera {
+            azimuth_deg: camera.azimuth_deg + TURN_DEG * f64::from(step),
+            ..camera
+        };
+        // The truth of a shape that moves is that of a camera that moves the other way.
+        let followed = Camera {
+            target_in_world: camera.target_in_world - self.moved(step),
+            ..camera
+        };
+        let (camera, truth) = match kind {
+            SceneKind::CameraTurns => (turned, Some(self.truth(turned))),
+            SceneKind::ShapeMoves => (camera, Some(self.truth(followed))),
+            SceneKind::OnePointMoves
+            | SceneKind::SampledAgain
+            | SceneKind::SampledAgainByFewer
+            | SceneKind::NextFrames => (camera, None),
+        };
+        Picture {
+            frame: frame.clone(),
+            camera,
+            truth,
+        }
+    }
+
+    /// Offset of a shape that moves, scene units.
+    fn moved(&self, step: u32) -> DVec3 {
+        let spacing = self
+            .subject
+            .shape
+            .map_or(0.0, |shape| shape.spacing(self.frame.points.len()));
+        MOTION_IN_SPACINGS * f64::from(spacing) * f64::from(step)
+    }
+
+    /// A frame of points without normals, in the space of the sequence.
+    fn scanned(&self, cloud: RawCloud) -> Result<Frame, CloudError> {
+        Frame::from_raw(without_normals(cloud), self.subject.sequence.origin())
+    }
+
+    fn scans(&self, scan: impl Fn(u32) -> Result<Frame, CloudError>) -> Result<Vec<PreparedFrame>, CloudError> {
+        let counters = PrepareCounters::default();
+        let prepared = |step| {
+            let frame = Arc::new(scan(step)?);
+            Ok(prepare(self.frame.index, frame, 0.0, &self.needs, &counters))
+        };
+        (0..=STEPS as u32).map(prepared).collect()
+    }
+
+    /// Consecutive frames from the first one on; none if one of them cannot be measured, which a note of the report
+    /// names.
+    fn next_frames(&self, run: &mut Run<'_>) -> Result<Vec<PreparedFrame>, BenchError> {
+        let mut frames = vec![self.frame.clone()];
+        let following = self.frame.index + 1..self.subject.sequence.len();
+        for index in following.take(STEPS) {
+            run.add_steps(1);
+            match run.load(self.subject, index, 1, &self.needs)? {
+                Ok(frame) => frames.push(frame),
+                Err(_) => return Ok(Vec::new()),
+            }
+        }
+        Ok(frames)
+    }
+
+    fn truth(&self, camera: Camera) -> RgbaImage {
+        let light = TruthLight {
+            lighting: Lighting::PerFragment,
+            physical: None,
+        };
+        let origin = self.subject.sequence.origin();
+        self.truth
+            .seen(self.cache, origin, &camera, self.viewport_px, &light)
+            .image
+    }
 }
 
 /// The points of a shape, and one more on a circle around it.
@@ -169,103 +262,6 @@ fn one_moves(shape: Shape, frame: &PreparedFrame, step: u32) -> RawCloud {
         normals.push([0.0, 0.0, 1.0]);
     }
     cloud
-}
-
-struct Builder<'a> {
-    cache: &'a TruthCache,
-    subject: &'a Subject<'a>,
-    frame: &'a PreparedFrame,
-    truth: FrameTruth,
-    needs: &'a Needs,
-    viewport_px: [u32; 2],
-}
-
-impl Builder<'_> {
-    fn prepared(&self, frame: Frame) -> PreparedFrame {
-        let counters = PrepareCounters::default();
-        prepare(self.frame.index, Arc::new(frame), 0.0, self.needs, &counters)
-    }
-
-    fn truth(&self, camera: Camera) -> RgbaImage {
-        let light = TruthLight {
-            lighting: Lighting::PerFragment,
-            physical: None,
-        };
-        let origin = self.subject.sequence.origin();
-        self.truth
-            .seen(self.cache, origin, &camera, self.viewport_px, &light)
-            .image
-    }
-
-    /// The camera and the shape at rest.
-    fn at_rest(&self, camera: Camera, cloud: impl Fn(u32) -> RawCloud) -> Result<Vec<Picture>, CloudError> {
-        let picture = |step| {
-            let frame = Frame::from_raw(without_normals(cloud(step)), self.subject.sequence.origin())?;
-            Ok(Picture {
-                frame: self.prepared(frame),
-                camera,
-                truth: None,
-            })
-        };
-        (0..=STEPS as u32).map(picture).collect()
-    }
-
-    /// The camera at rest: the truth is that of a camera that moves the other way.
-    fn moves(&self, shape: Shape, camera: Camera) -> Result<Vec<Picture>, CloudError> {
-        let count = self.frame.points.len();
-        let step_in_scene = MOTION_IN_SPACINGS * f64::from(shape.spacing(count));
-        let picture = |step| {
-            let moved = step_in_scene * step as f64;
-            // Subtracted in f64, before positions become f32.
-            let frame = Frame::from_raw(without_normals(shape.scan(count, 0)), -moved)?;
-            let seen_from = Camera {
-                target_in_world: camera.target_in_world - moved,
-                ..camera
-            };
-            Ok(Picture {
-                frame: self.prepared(frame),
-                camera,
-                truth: Some(self.truth(seen_from)),
-            })
-        };
-        (0..=STEPS).map(picture).collect()
-    }
-
-    fn turns(&self, camera: Camera) -> Vec<Picture> {
-        let picture = |step| {
-            let camera = Camera {
-                azimuth_deg: camera.azimuth_deg + TURN_DEG * step as f64,
-                ..camera
-            };
-            Picture {
-                frame: self.frame.clone(),
-                camera,
-                truth: Some(self.truth(camera)),
-            }
-        };
-        (0..=STEPS).map(picture).collect()
-    }
-
-    /// Frames from `first` on.
-    fn next_frames(
-        &self,
-        run: &mut Run<'_>,
-        first: usize,
-        camera: Camera,
-    ) -> Result<Result<Vec<Picture>, String>, BenchError> {
-        let mut pictures = Vec::new();
-        for index in (first..self.subject.sequence.len()).take(STEPS + 1) {
-            match run.load(self.subject, index, 1, self.needs)? {
-                Ok(frame) => pictures.push(Picture {
-                    frame,
-                    camera,
-                    truth: None,
-                }),
-                Err(reason) => return Ok(Err(reason)),
-            }
-        }
-        Ok(Ok(pictures))
-    }
 }
 
 /// A scan: normals have to be estimated, as most files have none.

@@ -1,19 +1,13 @@
 //! Compared render modes: those that differ in what they do from image to image.
 
-use crate::bench::suites::error::variants::BACKGROUND;
+use crate::bench::suites::error::variants::base;
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
-use crate::scene::{
-    Background, PointLight, PointShape, PointSizing, Primitive, RendererChoice, Settings, Splatting, VoxelLight,
-};
+use crate::scene::{PointShape, PointSizing, Primitive, RendererChoice, Settings, Splatting, VoxelLight};
 
 /// All modes, first those of the CPU, then those of the adapter if there is one.
 pub(super) fn variants(has_adapter: bool) -> Vec<Settings> {
-    let base = Settings::default().with(|style| {
-        style.primitive = Primitive::Surfel.into();
-        style.backdrop.background = Background::solid(BACKGROUND);
-        style.drawing.renderer = RendererChoice::Cpu.into();
-    });
+    let base = base();
     let mut variants = of_renderer(&base);
     if has_adapter {
         variants.extend(of_renderer(
@@ -33,8 +27,7 @@ fn of_renderer(base: &Settings) -> Vec<Settings> {
         })
     };
     let voxel = of(Primitive::Voxel);
-    // Lit as the ground truth is.
-    let point = of(Primitive::Point).with(|style| style.points.light = PointLight::Normals);
+    let point = of(Primitive::Point);
     let points = |sizing, shape| {
         point.with(|style| {
             style.points.sizing = sizing;
