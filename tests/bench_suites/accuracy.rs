@@ -1,7 +1,7 @@
 //! The suite of errors of normals, octrees and levels of detail.
 
 use super::{assert_files_agree, column, common, demo, rows_of, small};
-use pointreel::bench::{BenchOptions, Cell, Report, Step, run, suites};
+use pointreel::bench::{BenchOptions, Cell, Report, Row, Step, run, suites};
 use pointreel::progress::Progress;
 use std::cell::RefCell;
 
@@ -36,8 +36,10 @@ fn errors_are_measured_alongside_times() {
 
 fn assert_normals(report: &Report) {
     let rows = rows_of(report, "normals");
-    // Four shapes, six disturbances, three numbers of neighbours, in this order.
-    assert_eq!(rows.len(), 72);
+    let is_given = |row: &&Row| report.value(row, "chosen") == Some(&Cell::Text("given".to_owned()));
+    let (rows, automatic): (Vec<&Row>, Vec<&Row>) = rows.into_iter().partition(is_given);
+    // Four shapes, six disturbances, three numbers of neighbours, in this order, and one automatic choice each.
+    assert_eq!((rows.len(), automatic.len()), (72, 24));
     let [mean, p95, max] = ["angle_deg_mean", "angle_deg_p95", "angle_deg_max"].map(|key| column(report, &rows, key));
     for (place, ((mean, p95), max)) in mean.iter().zip(&p95).zip(&max).enumerate() {
         assert!(
@@ -76,6 +78,11 @@ fn assert_normals(report: &Report) {
         for (plain, robust) in plain[outliers_alone.clone()].iter().zip(&robust[outliers_alone]) {
             assert!(robust < plain, "{robust} for {plain}");
         }
+    }
+    // The automatic choice notices noise: it is nearer to the ground truth than the fewest neighbours.
+    let automatic = column(report, &automatic, "angle_deg_mean");
+    for (given, automatic) in mean.chunks(18).zip(automatic.chunks(6)) {
+        assert!(automatic[3] < given[9], "{} for {}", automatic[3], given[9]);
     }
     // Without noise a sphere is nearly flat between neighbours, while edges are not.
     assert!(mean[0] < 2.0 && max[0] < 20.0, "{} and {}", mean[0], max[0]);

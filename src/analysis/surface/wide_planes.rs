@@ -151,8 +151,9 @@ impl Pass<'_> {
         let zero = f32x4::splat(simd, 0.0);
         let mut weights = f32x4::splat(simd, 1.0);
         let mut sums = [zero; 3];
+        let neighbour = |lane: usize, place: usize| &self.known[lists[lane][place] as usize];
         for place in 0..self.neighbours.per_point() {
-            let of = |lane: usize| &self.known[lists[lane][place] as usize];
+            let of = |lane: usize| neighbour(lane, place);
             let [x, y, z, other_x] = registers_of_four(simd, |lane| of(lane).mean);
             let [xx, yy, zz, other_y] = registers_of_four(simd, |lane| of(lane).diagonal);
             let [xy, yz, zx, other_z] = registers_of_four(simd, |lane| of(lane).neighbor);
@@ -161,7 +162,7 @@ impl Pass<'_> {
             for _ in 0..self.squarings {
                 weight = weight * weight;
             }
-            weight = weight * self.share;
+            weight *= self.share;
             weights += weight;
             let offsets = [x - center[0], y - center[1], z - center[2]];
             let (squares, products) = ([xx, yy, zz], [xy, yz, zx]);

@@ -13,7 +13,7 @@ use super::light::{to_display, to_linear};
 use super::rays::{Hit, SampleGrid, TruthView, Visible, unit_color};
 use super::triangle_tree::{Ray, TriangleHit, TriangleTree};
 use crate::cloud::{MeshRecords, VertexRecord, oct_decode};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 /// Triangles to be met by rays.
@@ -84,7 +84,7 @@ impl TracedMesh {
 
 /// The corners of a record, relative to the sequence origin.
 fn corners(records: &MeshRecords, place: u32) -> [DVec3; 3] {
-    records.corners(place as usize).map(|corner| corner.as_dvec3())
+    records.corners(place as usize).map(Vec3::as_dvec3)
 }
 
 /// A mesh with the tolerance of its depths.

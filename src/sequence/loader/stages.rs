@@ -8,7 +8,7 @@
 //!
 //! A small frame comes at once: it would only flash as points.
 
-use crate::analysis::{MAX_JOINED, MAX_WIDENED};
+use crate::analysis::MAX_WIDENED;
 use crate::cloud::{Frame, PointRecord, ShapeRecord};
 use crate::sequence::records::lacks_surface;
 use crate::sequence::{ColorSource, Needs, Paint};
@@ -49,18 +49,17 @@ pub(super) fn completion_bytes(frame: &Frame, needs: &Needs) -> u64 {
     let shapes = if wants_shapes { size_of::<ShapeRecord>() } else { 0 };
     let estimated = match frame.len() {
         _ if !wants_shapes || !lacks_surface(frame) => 0,
-        0..=MAX_JOINED => ESTIMATED_BYTES[0],
-        ..=MAX_WIDENED => ESTIMATED_BYTES[1],
-        _ => ESTIMATED_BYTES[2],
+        points if points <= MAX_WIDENED => ESTIMATED_BYTES[0],
+        _ => ESTIMATED_BYTES[1],
     };
     let octree = needs.levels.map_or(0, |_| OCTREE_BYTES);
     let per_point = size_of::<PointRecord>() + shapes + estimated.max(octree);
     (frame.byte_size() + per_point * frame.len()) as u64
 }
 
-/// Bytes per point for estimating a surface, with few points, with many, and with more than are widened: see
+/// Bytes per point for estimating a surface: up to [`MAX_WIDENED`] points, and beyond. See
 /// [`estimate_surface`](crate::analysis::estimate_surface).
-const ESTIMATED_BYTES: [usize; 3] = [230, 230, 70];
+const ESTIMATED_BYTES: [usize; 2] = [230, 70];
 
 /// Bytes per point for building an octree.
 const OCTREE_BYTES: usize = 29;

@@ -69,7 +69,7 @@ pub(super) fn prepare_observed(
         decode_ms,
         ..Timings::default()
     };
-    let (frame, unsmoothed) = smoothed(&frame, needs.smoothing, &mut timings, progress);
+    let (frame, unsmoothed) = smoothed(frame, needs.smoothing, &mut timings, progress);
     let build = Build {
         index,
         frame,
@@ -115,7 +115,7 @@ pub(super) fn prepare_sample(
         ..Timings::default()
     };
     let never = Progress::default();
-    let (frame, unsmoothed) = smoothed(&Arc::new(frame), needs.smoothing, &mut timings, &never);
+    let (frame, unsmoothed) = smoothed(Arc::new(frame), needs.smoothing, &mut timings, &never);
     let build = Build {
         index: existing.index,
         frame,
@@ -183,7 +183,7 @@ pub(super) fn complete_observed(
     }
     if existing.smoothing != needs.smoothing {
         let mut timings = Timings::default();
-        let (frame, unsmoothed) = smoothed(existing.original(), needs.smoothing, &mut timings, progress);
+        let (frame, unsmoothed) = smoothed(Arc::clone(existing.original()), needs.smoothing, &mut timings, progress);
         let build = Build {
             index: existing.index,
             frame,
@@ -222,13 +222,13 @@ pub(super) fn complete_observed(
 /// Moves the points of a frame onto the surface around them, from neighbourhoods of a radius in point spacings. Returns
 /// the frame as it was in addition, unless that is the same.
 fn smoothed(
-    frame: &Arc<Frame>,
+    frame: Arc<Frame>,
     radius_spacings: f32,
     timings: &mut Timings,
     progress: &Progress,
 ) -> (Arc<Frame>, Option<Arc<Frame>>) {
     if radius_spacings <= 0.0 {
-        return (Arc::clone(frame), None);
+        return (frame, None);
     }
     let start = Instant::now();
     progress.set(0, frame.len());
@@ -236,8 +236,8 @@ fn smoothed(
     let moved = frame.moved(&smoothed.positions, smoothed.told(radius_spacings));
     timings.analysis_ms += milliseconds_since(start) as f32;
     match moved {
-        Ok(moved) => (Arc::new(moved), Some(Arc::clone(frame))),
+        Ok(moved) => (Arc::new(moved), Some(frame)),
         // A frame of these points exists.
-        Err(_) => (Arc::clone(frame), None),
+        Err(_) => (frame, None),
     }
 }

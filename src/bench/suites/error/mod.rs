@@ -264,7 +264,7 @@ fn subsampled(run: &mut Run<'_>, subject: &Subject<'_>, whole: &PreparedFrame) -
     ));
     let needs = Scene::needs(&Style::default());
     let mut part = prepare(whole.index, Arc::new(part), 0.0, &needs, &PrepareCounters::default());
-    part.mesh = whole.mesh.clone();
+    part.mesh.clone_from(&whole.mesh);
     Ok(part)
 }
 

@@ -65,7 +65,7 @@ impl Reference {
     }
 }
 
-/// Errors of an image and the verdict on it.
+/// Errors of an image and its result.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Judged {
     pub(super) result: String,
@@ -181,7 +181,7 @@ fn hole_share(expected: &[bool], found: &[bool], width: usize) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// A square of an edge of 8 pixels in the middle of 16, in grey.
+    /// A grey square with an edge of 8 pixels at the centre of 16.
     fn square(gray: u8) -> RgbaImage {
         let [red, green, blue] = BACKGROUND;
         RgbaImage::from_fn(16, 16, |x, y| {
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn verdicts() {
+    fn results() {
         let [bright, dark] = [square(200), square(120)];
         let nothing = Reference::empty([16, 16]);
         let equal = Reference::drawn(bright.clone());

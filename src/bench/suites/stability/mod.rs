@@ -36,7 +36,7 @@ const COLUMNS: &[Column] = &[
     Column::text("case", "case"),
     Column::text("primitive", "primitive"),
     Column::text("renderer", "renderer"),
-    Column::text("result", "verdict"),
+    Column::text("result", "result"),
     Column::number("points", "points", 0).hidden(),
     Column::number("flip", "FLIP", 4),
     Column::number("psnr_db", "PSNR dB", 1),
@@ -54,7 +54,7 @@ pub const STABILITY: &Suite = &Suite {
     name: "stability",
     brief: "cases that break numerics, on both renderers",
     title: "Stability",
-    hint: "Clouds and cameras that break numerics, as every primitive on both renderers: errors, times and a verdict",
+    hint: "Clouds and cameras that break numerics, as every primitive on both renderers: errors, times and a result",
     description: "clouds and cameras that break numerics, as every primitive, on both renderers",
     measured: "FLIP and PSNR against the reference: a shape or disks ray-traced in f64, or the CPU's image of an equal \
         scene without the difficulty; PSNR between CPU and GPU (99 where equal); background where the reference shows \
