@@ -153,7 +153,8 @@ fn subsampling_is_even_and_preserves_the_order() {
         let octant = (0..3).fold(0, |octant, axis| octant * 2 + usize::from(position[axis] > 5.0));
         counts[octant] += 1;
     }
-    assert!(counts.iter().all(|count| (14..=17).contains(count)), "{counts:?}");
+    // One point of each 2×2×2: five along each axis, of which two or three are in one half.
+    assert!(counts.iter().all(|count| (8..=27).contains(count)), "{counts:?}");
 }
 
 #[test]
