@@ -1,10 +1,11 @@
-//! Edits of a frame during conversion: transform, voxel downsampling, subsampling, smoothing, normal estimation; in
-//! this order.
+//! Edits of a frame during conversion: crop, transform, voxel downsampling, subsampling, smoothing, normal estimation;
+//! in this order.
 
 use crate::analysis::{FileSurface, PlaneFit, SurfaceOptions, smooth};
 use crate::cloud::{Cells, Ellipse, Frame, Positions, RawCloud, TooManyCells};
 use crate::math::{Cube, order_of_codes};
 use crate::progress::Progress;
+use crate::scene::{Clip, ClipShape};
 use glam::{DMat3, DMat4, DVec3, Vec3};
 use std::fmt;
 use std::num::NonZeroUsize;
@@ -12,6 +13,9 @@ use std::num::NonZeroUsize;
 /// Changes to a frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Edit {
+    /// Crop: only the points that this keeps are left, with the faces between them. In file coordinates, before the
+    /// transform.
+    pub crop: Option<Clip>,
     /// Applied to positions in double precision, to normals, radii and ellipses accordingly.
     pub transform: Option<DMat4>,
     /// Edge of cells, in file units after the transform: the points of each become one, the mean of all they have.
@@ -44,6 +48,9 @@ pub enum EditError {
 impl Edit {
     /// Changes `cloud`.
     pub fn apply(&self, cloud: &mut RawCloud) -> Result<(), EditError> {
+        if let Some(clip) = &self.crop {
+            crop(cloud, clip);
+        }
         if let Some(transform) = self
             .transform
             .as_ref()
@@ -75,6 +82,9 @@ impl Edit {
 impl fmt::Display for Edit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut words = Vec::new();
+        if let Some(clip) = &self.crop {
+            words.push(crop_in_words(clip));
+        }
         if let Some(transform) = &self.transform {
             words.push(format!("transform {:?}", transform.transpose().to_cols_array()));
         }
@@ -97,6 +107,40 @@ impl fmt::Display for Edit {
             words.push("as it is".to_owned());
         }
         f.write_str(&words.join(", "))
+    }
+}
+
+fn crop_in_words(clip: &Clip) -> String {
+    let side = if clip.keeps_outside { "outside" } else { "within" };
+    match clip.shape {
+        ClipShape::Box { min, max } => format!("{side} the box from {min} to {max}"),
+        ClipShape::Plane { normal, offset } => format!("{side} the half-space {normal} · p ≥ {offset}"),
+    }
+}
+
+/// Leaves the points that `clip` keeps and the faces whose corners are all left.
+fn crop(cloud: &mut RawCloud, clip: &Clip) {
+    let kept: Vec<u32> = (0..cloud.positions.len() as u32)
+        .filter(|&index| clip.keeps(cloud.positions.get(index as usize)))
+        .collect();
+    if kept.len() == cloud.positions.len() {
+        return;
+    }
+    let mut new_index = vec![None; cloud.positions.len()];
+    for (new, &old) in (0..).zip(&kept) {
+        new_index[old as usize] = Some(new);
+    }
+    let moved = |&[a, b, c]: &[u32; 3]| {
+        let corner = |index: u32| new_index[index as usize];
+        Some([corner(a)?, corner(b)?, corner(c)?])
+    };
+    let faces: Vec<[u32; 3]> = cloud.faces.iter().filter_map(moved).collect();
+    cloud.keep(&kept);
+    cloud.skipped_faces -= faces.len();
+    cloud.faces = faces;
+    if kept.is_empty() {
+        let text = format!("no point is {}: the frame is written without any", crop_in_words(clip));
+        cloud.warnings.push(text);
     }
 }
 

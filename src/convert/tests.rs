@@ -2,6 +2,7 @@ use super::*;
 use crate::cloud::{Attributes, Ellipse, ImageGrid, Positions, RawCloud, ScalarField};
 use crate::io::WriteFormat;
 use crate::progress::Progress;
+use crate::scene::{Clip, ClipShape};
 use crate::sequence::FrameEntry;
 use glam::{DMat4, DVec3};
 use std::fs;
@@ -102,6 +103,51 @@ fn transforms_move_points_and_turn_normals() {
         ..Edit::default()
     };
     assert_eq!(flat.apply(&mut cube()), Err(EditError::FlatTransform));
+}
+
+#[test]
+fn a_crop_keeps_the_points_of_a_box_with_their_attributes_and_faces() {
+    let mut cloud = cube();
+    // Point `x + 10 y + 100 z` is half a metre from (x, y, z); the second face has a corner outside.
+    cloud.faces = vec![[0, 1, 10], [2, 3, 12], [111, 110, 101]];
+    let edit = Edit {
+        crop: Some(Clip::to(ClipShape::Box {
+            min: DVec3::ZERO,
+            max: DVec3::new(3.0, 2.0, 2.0),
+        })),
+        // The box is in the coordinates before this.
+        transform: Some(DMat4::from_translation(DVec3::new(50.0, 0.0, 0.0))),
+        ..Edit::default()
+    };
+    edit.apply(&mut cloud).unwrap();
+    assert_eq!(cloud.positions.len(), 12);
+    assert_eq!(cloud.positions.get(11), DVec3::new(52.5, 1.5, 1.5));
+    let indices = [0.0, 1.0, 2.0, 10.0, 11.0, 12.0, 100.0, 101.0, 102.0, 110.0, 111.0, 112.0];
+    assert_eq!(cloud.attributes.scalars[0].values, indices);
+    assert_eq!((cloud.faces.as_slice(), cloud.skipped_faces), (&[[0, 1, 3], [10, 9, 7]][..], 1));
+    assert_eq!(cloud.grid, None);
+
+    let outside = edited(&Edit {
+        crop: edit.crop.map(|clip| Clip {
+            keeps_outside: true,
+            ..clip
+        }),
+        ..Edit::default()
+    });
+    assert_eq!(outside.positions.len(), 988);
+    let nowhere = Clip::to(ClipShape::Box {
+        min: DVec3::splat(100.0),
+        max: DVec3::splat(101.0),
+    });
+    let none = edited(&Edit {
+        crop: Some(nowhere),
+        ..Edit::default()
+    });
+    assert!(none.positions.is_empty());
+    assert_eq!(
+        none.warnings,
+        ["no point is within the box from [100, 100, 100] to [101, 101, 101]: the frame is written without any"]
+    );
 }
 
 #[test]

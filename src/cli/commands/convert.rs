@@ -3,7 +3,7 @@
 use crate::analysis::SurfaceOptions;
 use crate::assumption::Subject;
 use crate::cli::info_parts::reel_info::ReelInfo;
-use crate::cli::options::arguments::{FrameRange, ReadArgs, open_sequence_and_tell};
+use crate::cli::options::arguments::{FrameRange, ClipArgs, ReadArgs, open_sequence_and_tell};
 use crate::cli::options::reel_arguments::ReelArgs;
 use crate::cli::options::values::FrameChoice;
 use crate::cli::terminal::output::{answer, say};
@@ -39,6 +39,9 @@ pub(in crate::cli) struct ConvertArgs {
     /// Frame or inclusive range A..B, counted from 0; last or -1 is the last one [default: all]
     #[arg(long, value_name = "N|A..B", allow_hyphen_values = true)]
     frames: Option<FrameChoice>,
+
+    #[command(flatten)]
+    clip: ClipArgs,
 
     /// Voxel-downsample with this voxel size (file units)
     #[arg(long, value_name = "SIZE", value_parser = edge)]
@@ -80,7 +83,7 @@ pub(in crate::cli) struct ConvertArgs {
     #[arg(
         long,
         hide_short_help = true,
-        conflicts_with_all = ["format", "frames", "voxel", "transform", "estimate_normals", "smooth", "shard"],
+        conflicts_with_all = ["format", "frames", "clip_box", "voxel", "transform", "estimate_normals", "smooth", "shard"],
     )]
     join: bool,
 
@@ -126,6 +129,7 @@ pub(in crate::cli) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
         frames,
         shard: arguments.shard.unwrap_or(Shard::WHOLE),
         edit: Edit {
+            crop: arguments.clip.clip(),
             transform: arguments.transform,
             voxel_edge: arguments.voxel,
             sample_count: open.read.sample_count,

@@ -198,16 +198,33 @@ pub(in crate::cli) struct PictureArgs {
     #[arg(long, conflicts_with = SurfelSettings::BACK_FACES.flag, hide_short_help = true)]
     two_sided: bool,
 
+    #[command(flatten)]
+    clip: ClipArgs,
+
+    #[command(flatten)]
+    colors: ColorArgs,
+}
+
+/// Options for a part of the space.
+#[derive(Debug, Clone, Args)]
+pub(in crate::cli) struct ClipArgs {
     /// Crop to a bounding box: minimum and maximum, in file coordinates
     #[arg(long, alias = "crop", value_name = "X,Y,Z,X,Y,Z", allow_hyphen_values = true, value_parser = clip_box)]
     clip_box: Option<ClipShape>,
 
-    /// Draw the points outside --clip-box instead
+    /// Keep the points outside --clip-box instead
     #[arg(long, requires = "clip_box", hide_short_help = true)]
     clip_outside: bool,
+}
 
-    #[command(flatten)]
-    colors: ColorArgs,
+impl ClipArgs {
+    /// The clip that is asked for.
+    pub(in crate::cli) fn clip(&self) -> Option<Clip> {
+        self.clip_box.map(|shape| Clip {
+            keeps_outside: self.clip_outside,
+            ..Clip::to(shape)
+        })
+    }
 }
 
 /// Background behind the cloud.
@@ -256,12 +273,7 @@ impl PictureArgs {
         if let Some(Behind::Colors(background)) = self.background {
             style.backdrop.background = background;
         }
-        if let Some(shape) = self.clip_box {
-            style.clip = Some(Clip {
-                keeps_outside: self.clip_outside,
-                ..Clip::to(shape)
-            });
-        }
+        style.clip = self.clip.clip().or(style.clip);
         style
     }
 }
