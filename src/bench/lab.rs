@@ -1,7 +1,8 @@
 //! Render modes as points of time and error, and the selection of the best one for a given budget.
 //!
-//! How it works: a mode is on the *front* (Pareto) if no other in the same light is both as fast and as accurate.
-//! Fastest below an error, best within a time, and a slider from fast to exact all choose from the front alone.
+//! How it works: a mode is on the *front* (Pareto) if no other in the same light is both as fast and as accurate. There
+//! is a front for each error: that of an image, and that of the change from image to image ([`LabError`]). Fastest below an
+//! error, best within a time, and a slider from fast to exact all choose from the front of images alone.
 
 use super::Environment;
 use crate::binary::hex;
@@ -12,6 +13,29 @@ use image::RgbaImage;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::path::PathBuf;
+
+/// Error that render modes are compared by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LabError {
+    /// FLIP of an image against the ground truth.
+    #[default]
+    Image,
+    /// FLIP over time: of the change from image to image against that of the ground truth.
+    OverTime,
+}
+
+impl LabError {
+    /// All errors.
+    pub const ALL: [Self; 2] = [Self::Image, Self::OverTime];
+
+    /// The error of a render mode, 0 to 1.
+    pub fn of(self, point: &LabPoint) -> f64 {
+        match self {
+            Self::Image => point.flip,
+            Self::OverTime => point.flip_over_time,
+        }
+    }
+}
 
 /// Render mode with its cost and its error.
 #[derive(Debug, Clone)]
@@ -26,8 +50,10 @@ pub struct LabPoint {
     pub draw_ms: f64,
     /// Mean FLIP of the pixels that show the object in the picture or in the truth, 0 to 1.
     pub flip: f64,
-    /// True if it is on the Pareto front: no other mode is both as fast and as accurate.
-    pub is_on_front: bool,
+    /// Mean difference between the FLIP of two consecutive images under a turning camera and that of the truth, 0 to 1.
+    pub flip_over_time: f64,
+    /// The Pareto fronts that it is on, in the order of [`LabError::ALL`]: no other mode is both as fast and as accurate.
+    pub is_on_front: [bool; LabError::ALL.len()],
     /// The first view, small.
     pub picture: RgbaImage,
     /// The FLIP error of the first view, as small.
@@ -42,19 +68,20 @@ impl LabPoint {
 
     /// Returns true if another render mode for the same sequence in the same light dominates it: at least as fast and
     /// as accurate, and strictly better in one of the two.
-    pub fn is_beaten_by(&self, other: &Self) -> bool {
-        let is_no_worse = other.draw_ms <= self.draw_ms && other.flip <= self.flip;
-        let is_better = other.draw_ms < self.draw_ms || other.flip < self.flip;
+    pub fn is_beaten_by(&self, other: &Self, error: LabError) -> bool {
+        let [other_error, own_error] = [other, self].map(|point| error.of(point));
+        let is_no_worse = other.draw_ms <= self.draw_ms && other_error <= own_error;
+        let is_better = other.draw_ms < self.draw_ms || other_error < own_error;
         let is_comparable = other.sequence == self.sequence && other.lighting() == self.lighting();
         is_comparable && is_no_worse && is_better
     }
 }
 
-/// Marks the points of each sequence that are on its front.
-pub fn mark_front(points: &mut [LabPoint]) {
+/// Marks the points of each sequence that are on its fronts.
+pub fn mark_fronts(points: &mut [LabPoint]) {
     for index in 0..points.len() {
-        let is_beaten = points.iter().any(|other| points[index].is_beaten_by(other));
-        points[index].is_on_front = !is_beaten;
+        points[index].is_on_front =
+            LabError::ALL.map(|error| !points.iter().any(|other| points[index].is_beaten_by(other, error)));
     }
 }
 
@@ -81,7 +108,7 @@ impl Quality {
     /// The front of `points`, all of one sequence, in the default light; `None` without any.
     pub fn of(points: &[LabPoint]) -> Option<Self> {
         let lighting = Settings::default().decided().light.lighting.at_each_pixel();
-        let is_beaten = |point: &&LabPoint| points.iter().any(|other| point.is_beaten_by(other));
+        let is_beaten = |point: &&LabPoint| points.iter().any(|other| point.is_beaten_by(other, LabError::Image));
         let on_front = points
             .iter()
             .filter(|point| point.lighting() == lighting && !is_beaten(point));
@@ -173,7 +200,9 @@ mod tests {
             label: String::new(),
             draw_ms,
             flip,
-            is_on_front: false,
+            // The more an image is off, the steadier it is.
+            flip_over_time: 1.0 - flip,
+            is_on_front: [false; 2],
             picture: RgbaImage::new(1, 1),
             error_map: RgbaImage::new(1, 1),
         }
@@ -183,13 +212,15 @@ mod tests {
     fn the_pareto_front_is_undominated() {
         let mut points =
             [(1.0, 0.5), (2.0, 0.6), (3.0, 0.2), (3.0, 0.3), (4.0, 0.2)].map(|(draw_ms, flip)| point(draw_ms, flip));
-        mark_front(&mut points);
-        assert_eq!(points.map(|point| point.is_on_front), [true, false, true, false, false]);
+        mark_fronts(&mut points);
+        let of_images = |points: &[LabPoint]| points.iter().map(|point| point.is_on_front[0]).collect::<Vec<_>>();
+        assert_eq!(of_images(&points), [true, false, true, false, false]);
+        assert_eq!(points.map(|point| point.is_on_front[1]), [true, true, false, false, false]);
         // Equal points are both optimal; those of another sequence do not count.
         let mut points = [point(1.0, 0.5), point(1.0, 0.5), point(0.5, 0.1)];
         points[2].sequence = "other".to_owned();
-        mark_front(&mut points);
-        assert!(points.iter().all(|point| point.is_on_front));
+        mark_fronts(&mut points);
+        assert_eq!(of_images(&points), [true; 3]);
         // Nor do those in another light; where the headlight is evaluated makes no other light of it.
         let in_light = |draw_ms: f64, lighting: Lighting| LabPoint {
             style: Settings::default().with(|style| style.light.lighting = lighting.into()),
@@ -200,8 +231,8 @@ mod tests {
             in_light(2.0, Lighting::PerFragment),
             in_light(3.0, Lighting::PerSurfel),
         ];
-        mark_front(&mut points);
-        assert_eq!(points.each_ref().map(|point| point.is_on_front), [true, true, false]);
+        mark_fronts(&mut points);
+        assert_eq!(of_images(&points), [true, true, false]);
         let quality = Quality::of(&points).unwrap();
         assert_eq!(quality.choices().len(), 1);
         assert_eq!(quality.choices()[0].draw_ms, 2.0);

@@ -30,7 +30,7 @@ mod truth_cache;
 pub use environment::Environment;
 pub use error::BenchError;
 pub use excluded::{Excluded, ParseExcludedError};
-pub use lab::{LabPoint, Quality, QualityChoice, QualityKey, mark_front};
+pub use lab::{LabError, LabPoint, Quality, QualityChoice, QualityKey, mark_fronts};
 pub use modes::{Modes, ParseModeError};
 pub use options::{BenchOptions, Input, Measured, Step};
 pub use point_share::{ParsePointShareError, PointShare};

@@ -78,10 +78,8 @@ impl Cube {
         // Half an edge is at least half the extent, and twice that is always enough.
         let smallest = (max - min).max_element().log2().floor() as i32 - 1;
         let fits = |exponent: i32| Lattice::new(exponent).block(min, max);
-        let exponents = smallest..=smallest + 2;
-        let (exponent, corner) = exponents
-            .filter_map(|exponent| Some((exponent, fits(exponent)?)))
-            .next()?;
+        let mut exponents = smallest..=smallest + 2;
+        let (exponent, corner) = exponents.find_map(|exponent| Some((exponent, fits(exponent)?)))?;
         HALF_EDGE_EXPONENTS.contains(&exponent).then(|| Self {
             min: corner,
             edge: 2f32.powi(exponent + 1),

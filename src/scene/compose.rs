@@ -16,6 +16,7 @@ use crate::levels::{
     Affordable, Cut, CutHints, Levels, LevelsKey, LevelsKind, Lod, LodMetric, RecordBuffers, SelectView,
 };
 use crate::rgbd::DepthFrame;
+use crate::scene::sorting::Sorting;
 use crate::scene::visible::screen_surfels::{ScreenInput, ScreenSurfels};
 use crate::scene::visible::visible_points::{PointImages, ScreenStats};
 use crate::sequence::{Needs, Paint, PreparedFrame};
@@ -50,6 +51,7 @@ pub struct Scene {
     /// The last frame whose points were measured, and how far apart they are.
     spacing: Option<(Arc<Frame>, PointSpacing)>,
     screen: ScreenSurfels,
+    sorting: Sorting,
     remembers: bool,
     affordable: Affordable,
     stats: SceneStats,
@@ -219,17 +221,22 @@ impl Scene {
             let ground_box = style.of_sequence.ground_box.unwrap_or(bounds);
             GroundPlane::under(&ground_box, origin, camera.up, style.backdrop.background)
         });
+        let content = self.content(&Wanted {
+            frame,
+            origin,
+            view,
+            viewport_px,
+            style: &style,
+            params: &params,
+        });
         ScenePacket {
             viewport_px,
             view,
-            content: self.content(&Wanted {
-                frame,
-                origin,
-                view,
-                viewport_px,
-                style: &style,
-                params: &params,
-            }),
+            content: if style.sorts_surfels() {
+                self.sorting.sort(content, &view)
+            } else {
+                content
+            },
             style: style.painted(),
             bounds,
             ground,
@@ -270,7 +277,9 @@ impl Scene {
                 metric: style.levels.metric,
                 affordable: self.affordable,
                 clip: params.clip,
-                may_select: style.drawing.renderer == RendererChoice::Gpu && params.clip.is_none(),
+                may_select: style.drawing.renderer == RendererChoice::Gpu
+                    && params.clip.is_none()
+                    && !style.sorts_surfels(),
             });
         }
         let points = || Arc::clone(&frame.points);
@@ -310,7 +319,7 @@ impl Scene {
                 sensor: frame.frame.sensor(),
             },
             shows_errors: style.shows_normal_errors(),
-            is_left_to_card: style.drawing.renderer == RendererChoice::Gpu,
+            is_left_to_card: style.drawing.renderer == RendererChoice::Gpu && !style.sorts_surfels(),
         })
     }
 

@@ -11,6 +11,7 @@ mod first_look;
 mod light;
 mod packet;
 mod photos;
+mod sorting;
 mod style;
 mod view;
 mod visible;

@@ -121,7 +121,8 @@ fn point(draw_ms: f64, flip: f64, style: Settings) -> Arc<LabPoint> {
         label: format!("way of {draw_ms} ms"),
         draw_ms,
         flip,
-        is_on_front: false,
+        flip_over_time: 0.5 * flip,
+        is_on_front: [false; 2],
         picture: image::RgbaImage::new(24, 16),
         error_map: image::RgbaImage::new(24, 16),
     })

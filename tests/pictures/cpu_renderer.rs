@@ -65,7 +65,7 @@ fn surfel_scene(style: Style, distance: f64) -> ScenePacket {
 fn agreement(splatting: Splatting) -> (f64, f64) {
     match splatting {
         // A GPU rounds to bytes whenever it blends: hundreds of layers may add up to a few steps.
-        Splatting::Regular | Splatting::NoDepth => (50.0, 5e-4),
+        Splatting::Regular | Splatting::NoDepth | Splatting::Sorted => (50.0, 5e-4),
         // A pixel where two hard disks intersect shows either.
         Splatting::Opaque => (60.0, 5e-5),
         Splatting::Visibility | Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => (60.0, 1e-5),
@@ -137,6 +137,7 @@ fn splats_of_every_kernel() {
         for splatting in [
             Splatting::Regular,
             Splatting::NoDepth,
+            Splatting::Sorted,
             Splatting::TwoPass,
             Splatting::TwoPassEnlarged,
         ] {

@@ -40,6 +40,7 @@ mod shaders;
 mod shadows;
 mod skipping;
 mod splat_geometry;
+mod sorted;
 mod split_view;
 mod sprites;
 mod stability;

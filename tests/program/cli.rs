@@ -169,6 +169,7 @@ fn render_draws_every_primitive_mode_and_strategy() {
         "two-pass",
         "enlarged",
         "two-pass-enlarged",
+        "sorted",
     ] {
         let (_, stats) = with(&["--splatting", mode]);
         assert_eq!(stats["splatting"], mode);
@@ -454,8 +455,8 @@ fn odd_clouds_are_drawn() {
         ("nothing.xyz", "nan nan nan\n"),
         ("line.xyz", "0 0 0\n1 1 1\n2 2 2\n3 3 3\n"),
         ("far.xyz", "10000000.001 0 0\n10000000.002 0 0\n10000000.001 0.001 0\n"),
-        ("huge.xyz", "-1e30 0 0\n1e30 1e30 0\n0 1e30 1e30\n"),
-        ("tiny.xyz", "-1e-30 0 0\n1e-30 1e-30 0\n0 1e-30 1e-30\n"),
+        ("huge.xyz", "-1e11 0 0\n1e11 1e11 0\n0 1e11 1e11\n"),
+        ("tiny.xyz", "-1e-11 0 0\n1e-11 1e-11 0\n0 1e-11 1e-11\n"),
     ];
     let picture = folder.path().join("o.png");
     for (name, content) in clouds {
@@ -474,6 +475,18 @@ fn odd_clouds_are_drawn() {
             ]);
             assert!(output.status.success(), "{name} as {primitive}: {}", stderr(&output));
         }
+    }
+}
+
+#[test]
+fn clouds_of_extreme_scale_are_refused_with_a_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    for (scale, remedy) in [("1e30", "1e-30 times as large"), ("1e-30", "times as large")] {
+        let path = folder.path().join(format!("{scale}.xyz"));
+        fs::write(&path, format!("-{scale} 0 0\n{scale} {scale} 0\n0 {scale} {scale}\n")).unwrap();
+        let output = pointreel(&["render", text(&path), "-o", text(&folder.path().join("o.png"))]);
+        assert_eq!(output.status.code(), Some(1), "{scale}");
+        assert!(stderr(&output).contains(remedy), "{scale}: {}", stderr(&output));
     }
 }
 

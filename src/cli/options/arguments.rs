@@ -206,7 +206,7 @@ pub(in crate::cli) struct PictureArgs {
 }
 
 /// Options for a part of the space.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Default, Args)]
 pub(in crate::cli) struct ClipArgs {
     /// Crop to a bounding box: minimum and maximum, in file coordinates
     #[arg(long, alias = "crop", value_name = "X,Y,Z,X,Y,Z", allow_hyphen_values = true, value_parser = clip_box)]

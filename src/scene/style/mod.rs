@@ -167,6 +167,11 @@ impl<C: Copy> Style<C> {
         self
     }
 
+    /// Returns true if surfels are drawn from back to front.
+    pub fn sorts_surfels(&self) -> bool {
+        self.draws_surfels() && self.surfels.splatting == Splatting::Sorted
+    }
+
     /// Returns true if surfels are drawn, and blended at the surface that a depth pass finds.
     pub fn blends_surfels(&self) -> bool {
         self.draws_surfels() && self.surfels.splatting.sums_masks()
@@ -319,7 +324,7 @@ impl<C: Copy> Style<C> {
 
     /// Returns true if what is drawn writes depths, by which images can be shaded.
     pub fn leaves_depths(&self) -> bool {
-        !self.draws_surfels() || self.surfels.splatting != Splatting::NoDepth
+        !self.draws_surfels() || self.surfels.splatting.has_depths()
     }
 
     /// Returns true if light falls on the blended surface, which has a position.

@@ -6,7 +6,7 @@ use super::describe::{Label, Numbers, Place, Section, Unit, Values, group};
 use super::light::OnOff;
 
 choices! {
-    /// The six ways of splatting of the 4D media paper, Fig. 3, and hard disks.
+    /// The six ways of splatting of the 4D media paper, Fig. 3, the one that it calls the proper solution, and hard disks.
     Splatting, "splatting mode" {
         /// (a) Square artefacts where splats cut each other.
         Regular = "regular", "Regular", "One pass, depth test and blending";
@@ -21,6 +21,8 @@ choices! {
         /// (f) The paper's proposal.
         TwoPassEnlarged = "two-pass-enlarged", "Two-pass, enlarged",
             "Two passes, enlarged in the second only: the smoothest";
+        /// The reference for blending.
+        Sorted = "sorted", "Sorted", "One pass without depth test, from back to front: the reference, slow";
         /// Sainz and Pajarola 2004, Figs. 5 and 6.
         Opaque = "opaque", "Opaque", "One pass, nothing blended: hard disks, of which the nearest is seen";
     }
@@ -30,7 +32,7 @@ impl Splatting {
     /// Factors on the splat radius in the visibility and in the attribute pass.
     pub fn scales(self, enlargement: f32) -> [f32; 2] {
         match self {
-            Self::Regular | Self::NoDepth | Self::Visibility | Self::TwoPass | Self::Opaque => [1.0, 1.0],
+            Self::Regular | Self::NoDepth | Self::Visibility | Self::TwoPass | Self::Sorted | Self::Opaque => [1.0, 1.0],
             Self::Enlarged => [enlargement, enlargement],
             Self::TwoPassEnlarged => [1.0, enlargement],
         }
@@ -53,7 +55,12 @@ impl Splatting {
 
     /// Returns true if there is a visibility pass: depths are written before colours are blended.
     pub fn has_visibility_pass(self) -> bool {
-        !matches!(self, Self::Regular | Self::NoDepth | Self::Opaque)
+        !matches!(self, Self::Regular | Self::NoDepth | Self::Sorted | Self::Opaque)
+    }
+
+    /// Returns true if depths are tested or written: otherwise splats are blended in the order in which they are drawn.
+    pub fn has_depths(self) -> bool {
+        !matches!(self, Self::NoDepth | Self::Sorted)
     }
 }
 

@@ -4,7 +4,7 @@
 use super::hit::hit;
 use super::pictures::{pictures_ui, side_by_side_or_below};
 use crate::app::theme::{ACCENT, GOOD, ODD};
-use crate::bench::LabPoint;
+use crate::bench::{LabError, LabPoint};
 use crate::scene::{Primitive, RendererChoice};
 use egui::{Color32, ScrollArea, Ui};
 use egui_plot::{Corner, GridMark, Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points};
@@ -36,7 +36,8 @@ pub(in crate::app) fn lab_ui(ui: &mut Ui, points: &[Arc<LabPoint>]) -> Option<Ar
     let id = ui.scope_id().with("chosen way");
     let mut chosen: Option<usize> = ui.data(|data| data.get_temp(id));
     let before = chosen;
-    if let Some(clicked) = plot(ui, points, chosen) {
+    let error = error_choice(ui);
+    if let Some(clicked) = plot(ui, points, chosen, error) {
         chosen = Some(clicked);
     }
     side_by_side_or_below(ui, |ui| {
@@ -47,7 +48,7 @@ pub(in crate::app) fn lab_ui(ui: &mut Ui, points: &[Arc<LabPoint>]) -> Option<Ar
         ui.vertical(|ui| {
             ui.weak("Nothing beats these in both; a click draws as they do:");
             let mut front: Vec<usize> = (0..points.len())
-                .filter(|&index| is_on_front(&points[index], points))
+                .filter(|&index| is_on_front(&points[index], points, error))
                 .collect();
             front.sort_by(|&a, &b| points[a].draw_ms.total_cmp(&points[b].draw_ms));
             // Names are longer than the window is wide, and would widen it.
@@ -60,7 +61,7 @@ pub(in crate::app) fn lab_ui(ui: &mut Ui, points: &[Arc<LabPoint>]) -> Option<Ar
                 .show(ui, |ui| {
                     for index in front {
                         if ui
-                            .selectable_label(chosen == Some(index), words(&points[index]))
+                            .selectable_label(chosen == Some(index), words(&points[index], error))
                             .clicked()
                         {
                             chosen = Some(index);
@@ -75,26 +76,57 @@ pub(in crate::app) fn lab_ui(ui: &mut Ui, points: &[Arc<LabPoint>]) -> Option<Ar
 }
 
 /// While a run goes on, nobody has marked the front yet.
-fn is_on_front(point: &LabPoint, points: &[Arc<LabPoint>]) -> bool {
-    !points.iter().any(|other| point.is_beaten_by(other))
+fn is_on_front(point: &LabPoint, points: &[Arc<LabPoint>], error: LabError) -> bool {
+    !points.iter().any(|other| point.is_beaten_by(other, error))
+}
+
+/// Chooses the error that is plotted.
+fn error_choice(ui: &mut Ui) -> LabError {
+    let id = ui.scope_id().with("plotted error");
+    let mut error: LabError = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+    ui.horizontal(|ui| {
+        ui.label("Error");
+        for choice in LabError::ALL {
+            let (name, hint, _) = texts(choice);
+            ui.selectable_value(&mut error, choice, name).on_hover_text(hint);
+        }
+    });
+    ui.data_mut(|data| data.insert_temp(id, error));
+    error
+}
+
+/// Name, hint and axis title of an error.
+fn texts(error: LabError) -> (&'static str, &'static str, &'static str) {
+    match error {
+        LabError::Image => (
+            "Of an image",
+            "Error of an image against the ground truth",
+            "Visible error 0–1 (FLIP)",
+        ),
+        LabError::OverTime => (
+            "Over time",
+            "Error of the change from image to image while the camera turns: flicker, crawling, popping",
+            "Visible error over time 0–1 (FLIP)",
+        ),
+    }
 }
 
 /// A way in a line.
-fn words(point: &LabPoint) -> String {
-    format!("{:.2} ms, FLIP {:.4}: {}", point.draw_ms, point.flip, point.label)
+fn words(point: &LabPoint, error: LabError) -> String {
+    format!("{:.2} ms, FLIP {:.4}: {}", point.draw_ms, error.of(point), point.label)
 }
 
 /// Plot position of a render mode: powers of ten of milliseconds, and the error.
-fn place(point: &LabPoint) -> [f64; 2] {
-    [point.draw_ms.max(1e-3).log10(), point.flip]
+fn place(point: &LabPoint, error: LabError) -> [f64; 2] {
+    [point.draw_ms.max(1e-3).log10(), error.of(point)]
 }
 
 /// Draws all points; the one that was clicked.
-fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<usize> {
+fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>, error: LabError) -> Option<usize> {
     let mut front: Vec<[f64; 2]> = points
         .iter()
-        .filter(|point| is_on_front(point, points))
-        .map(|point| place(point))
+        .filter(|point| is_on_front(point, points, error))
+        .map(|point| place(point, error))
         .collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let plot = Plot::new("time and error")
@@ -103,7 +135,7 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<
         .legend(Legend::default().position(Corner::RightTop))
         .include_y(0.0)
         .x_axis_label("milliseconds per frame")
-        .y_axis_label("Visible error 0–1 (FLIP)")
+        .y_axis_label(texts(error).2)
         .x_grid_spacer(|input| decades(input.bounds.0, input.bounds.1))
         .x_axis_formatter(|mark, _| milliseconds(mark.value))
         .label_formatter(|_| None);
@@ -120,7 +152,7 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<
                     let is_of_kind = primitives.iter().any(|&primitive| style.primitive == primitive);
                     is_of_kind && style.drawing.renderer == renderer
                 };
-                let places: Vec<[f64; 2]> = points.iter().filter(is_of_it).map(|point| place(point)).collect();
+                let places: Vec<[f64; 2]> = points.iter().filter(is_of_it).map(|point| place(point, error)).collect();
                 // Kinds without points are omitted from the legend.
                 if !places.is_empty() {
                     let marks = Points::new(format!("{kind}, {who}"), PlotPoints::from(places));
@@ -129,14 +161,14 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<
             }
         }
         if let Some(point) = chosen.and_then(|index| points.get(index)) {
-            let ring = Points::new("", PlotPoints::from(vec![place(point)]));
+            let ring = Points::new("", PlotPoints::from(vec![place(point, error)]));
             plot.points(ring.radius(8.0).filled(false).color(Color32::WHITE));
         }
     });
-    let places: Vec<[f64; 2]> = points.iter().map(|point| place(point)).collect();
+    let places: Vec<[f64; 2]> = points.iter().map(|point| place(point, error)).collect();
     let (hovered, clicked) = hit(&response, &places);
     if let Some(index) = hovered {
-        response.response.on_hover_text_at_pointer(words(&points[index]));
+        response.response.on_hover_text_at_pointer(words(&points[index], error));
     }
     clicked
 }

@@ -6,6 +6,9 @@
 //! to the finished image, traversal and uploads of what it chose included, as a user who turns the object waits for
 //! them. Its errors are means over all images. For each sequence the modes that no other beats in both form its front.
 //!
+//! The camera then turns by half a degree, and the change to that image is compared with the change of the truth: the
+//! temporal error, with a front of its own. The suite `temporal` has more kinds of change.
+//!
 //! Like is compared with like: a mode is held against the truth in its light, points are lit by their normals as all
 //! else is, and a front is of modes in one light.
 //!
@@ -14,9 +17,9 @@
 
 pub(super) mod truths;
 pub(super) mod variants;
-mod view;
+pub(super) mod view;
 
-use crate::bench::lab::{LabPoint, mark_front};
+use crate::bench::lab::{LabError, LabPoint, mark_fronts};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::run::Run;
 use crate::bench::runner::Runner;
@@ -49,6 +52,7 @@ const COLUMNS: &[Column] = &[
     Column::text("sequence", "sequence"),
     Column::text("way", "way"),
     Column::text("front", "front"),
+    Column::text("front_over_time", "steady front"),
     Column::text("truth", "truth"),
     Column::text("renderer", "renderer").hidden(),
     Column::text("primitive", "primitive").hidden(),
@@ -66,6 +70,7 @@ const COLUMNS: &[Column] = &[
     Column::number("draw_ms_q3", "75 %", 2).hidden(),
     Column::number("flip_object_mean", "FLIP of object", 4),
     Column::number("flip_mean", "FLIP", 4),
+    Column::number("flip_over_time", "FLIP over time", 4),
     Column::number("psnr_db", "PSNR dB", 2),
     Column::number("ssim", "SSIM", 4),
     Column::percent("hole_share", "holes", 3),
@@ -89,8 +94,10 @@ pub const ERROR: &Suite = &Suite {
         ellipses, or disks of all points, of which --subsample draws a part: a dense twin; 8x8 samples per pixel in \
         f64): FLIP over the pixels that show the object and over all, PSNR, SSIM, \
         background where the surface is (holes), another surface than a splat's diameter away (wrong surface), surface \
-        where the background is (too much); bytes uploaded for a first image; on the front is what no other mode beats \
-        in the same light in time and FLIP of the object",
+        where the background is (too much); bytes uploaded for a first image; mean absolute difference between the \
+        FLIP of two consecutive images, between which the camera turns by half a degree, and that of the truth (FLIP \
+        over time); on the front is what no other mode beats in the same light in time and FLIP of the object, on the \
+        steady front in time and FLIP over time",
     not_measured: "decoding, normals, octrees, reading back, showing",
     covered_by: "surfels",
     defaults: Defaults {
@@ -113,6 +120,7 @@ struct ErrorSamples {
     draw_ms: Vec<f64>,
     flip_object: Vec<f64>,
     flip: Vec<f64>,
+    flip_over_time: Vec<f64>,
     squared: Vec<f64>,
     ssim: Vec<f64>,
     surface: SurfaceError,
@@ -125,6 +133,9 @@ struct ErrorSamples {
     /// Thumbnails of the first view.
     thumbnails: Option<[RgbaImage; 2]>,
 }
+
+/// Turn of the camera from image to image, degrees.
+const TURN_DEG: f64 = 0.5;
 
 /// Renderers: always the CPU, and an adapter if there is one.
 struct Runners {
@@ -210,7 +221,7 @@ fn measure_sequence(
     let mut points: Vec<LabPoint> = measured()
         .map(|(way, samples)| samples.point(subject.name, way))
         .collect();
-    mark_front(&mut points);
+    mark_fronts(&mut points);
     let rows: Vec<Row> = points
         .iter()
         .zip(measured())
@@ -279,6 +290,7 @@ fn view(
     variants: &[Settings],
 ) -> Result<View, BenchError> {
     let (origin, size_px) = (subject.sequence.origin(), run.options.viewport_px);
+    let next_camera = turned(camera, 1);
     let mut truths: Vec<LitTruth> = Vec::new();
     let mut seen: Vec<Lighting> = Vec::new();
     for way in variants {
@@ -293,10 +305,22 @@ fn view(
             .then(|| subject.packet(&mut Scene::default(), frame, &camera, &way, size_px))
             .and_then(|packet| PhysicalLight::of(&packet));
         let light = TruthLight { lighting, physical };
-        let truth = truth.seen(cache, origin, &camera, size_px, &light);
-        truths.push(LitTruth::new(lighting, truth));
+        let [now, next] = [camera, next_camera].map(|camera| truth.seen(cache, origin, &camera, size_px, &light));
+        truths.push(LitTruth::new(lighting, now, next.image));
     }
-    Ok(View { camera, truths })
+    Ok(View {
+        camera,
+        next_camera,
+        truths,
+    })
+}
+
+/// The camera some images later, turning about its target.
+pub(super) fn turned(camera: Camera, images: u32) -> Camera {
+    Camera {
+        azimuth_deg: camera.azimuth_deg + TURN_DEG * f64::from(images),
+        ..camera
+    }
 }
 
 /// The back faces that surfels have: as their truth. Disks and shapes are culled there. A mesh has two sides, and what
@@ -324,12 +348,7 @@ fn measure_way(
     frame.points = Arc::new(frame.points.to_vec());
     frame.shapes = frame.shapes.map(|shapes| Arc::new(shapes.to_vec()));
     let viewport_px = run.options.viewport_px;
-    let packet = |view: &View, style: &Style| {
-        // As after a camera move: cells are selected again.
-        let mut scene = Scene::default();
-        let packet = subject.packet(&mut scene, &frame, &view.camera, style, viewport_px);
-        (packet, scene.stats().visited_nodes)
-    };
+    let packet = |scene: &mut Scene, camera: &Camera| subject.packet(scene, &frame, camera, way, viewport_px);
     let (options, progress) = (run.options, run.progress);
     let runner = if way.drawing.renderer == RendererChoice::Gpu {
         &mut run.runner
@@ -339,12 +358,21 @@ fn measure_way(
     for view in views {
         BenchError::check_cancelled(progress)?;
         let uploaded_before = runner.stats().uploaded_bytes;
-        let (drawn_packet, visited_nodes) = packet(view, way);
+        let mut scene = Scene::default();
+        let drawn_packet = packet(&mut scene, &view.camera);
+        let visited_nodes = scene.stats().visited_nodes;
         let image = runner.image(&drawn_packet)?;
         let uploaded_bytes = runner.stats().uploaded_bytes - uploaded_before;
         let on_white = runner.image(&on_white(&drawn_packet))?;
         let depth = depths(&mut runners.depths, &drawn_packet)?;
-        let drawn = DrawnWay { image, on_white, depth };
+        // What the scene remembers of the image before, it remembers in a window as well.
+        let next_packet = packet(&mut scene, &view.next_camera);
+        let drawn = DrawnWay {
+            image,
+            on_white,
+            next: runner.image(&next_packet)?,
+            depth,
+        };
         let (error, image) = view.truth_in(way.light.lighting)?.compare(drawn)?;
         samples.add(&drawn_packet, visited_nodes, uploaded_bytes, &error);
         if samples.thumbnails.is_none() {
@@ -355,8 +383,8 @@ fn measure_way(
         for view in views {
             BenchError::check_cancelled(progress)?;
             let start = Instant::now();
-            let (packet, _) = packet(view, way);
-            runner.draw(&packet)?;
+            // As after a camera move: cells are selected again.
+            runner.draw(&packet(&mut Scene::default(), &view.camera))?;
             if round >= options.warmup {
                 samples.draw_ms.push(milliseconds_since(start));
             }
@@ -395,6 +423,7 @@ impl ErrorSamples {
         self.uploaded_bytes.push(uploaded_bytes as f64);
         self.flip.push(error.map.mean());
         self.flip_object.push(error.flip_object);
+        self.flip_over_time.push(error.temporal.flip);
         self.squared.push(error.squared);
         self.ssim.push(error.ssim);
         self.surface += error.surface;
@@ -408,7 +437,8 @@ impl ErrorSamples {
             label: variants::label(way),
             draw_ms: Quantiles::of(&self.draw_ms).map_or(0.0, |q| q.median),
             flip: mean(&self.flip_object),
-            is_on_front: false,
+            flip_over_time: mean(&self.flip_over_time),
+            is_on_front: [false; LabError::ALL.len()],
             picture,
             error_map,
         }
@@ -440,7 +470,8 @@ impl ErrorSamples {
         Row::new(vec![
             Cell::Text(point.sequence.clone()),
             Cell::Text(point.label.clone()),
-            text_if(point.is_on_front, "yes"),
+            text_if(point.is_on_front[0], "yes"),
+            text_if(point.is_on_front[1], "yes"),
             Cell::Text(
                 self.truths
                     .iter()
@@ -464,6 +495,7 @@ impl ErrorSamples {
             Cell::maybe(draw.map(|q| q.q3)),
             Cell::Number(point.flip),
             Cell::Number(mean(&self.flip)),
+            Cell::Number(point.flip_over_time),
             Cell::maybe(psnr.is_finite().then_some(psnr)),
             Cell::Number(mean(&self.ssim)),
             Cell::Number(self.surface.hole_share()),

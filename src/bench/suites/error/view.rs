@@ -3,7 +3,8 @@
 use super::variants::BACKGROUND;
 use crate::bench::BenchError;
 use crate::measure::{
-    DepthImage, DepthTolerance, ErrorMap, PIXELS_PER_DEGREE, Perceived, SurfaceError, mean_squared_error, ssim,
+    Consecutive, DepthImage, DepthTolerance, ErrorMap, PIXELS_PER_DEGREE, Perceived, SurfaceError, TemporalError,
+    mean_squared_error, ssim,
 };
 use crate::render::scaled_to;
 use crate::render::truth::Truth;
@@ -13,6 +14,8 @@ use image::RgbaImage;
 /// A view and what it should look like.
 pub(super) struct View {
     pub(super) camera: Camera,
+    /// The camera of the next image, which has turned a little.
+    pub(super) next_camera: Camera,
     /// One for each light of the modes.
     pub(super) truths: Vec<LitTruth>,
 }
@@ -22,6 +25,8 @@ pub(super) struct LitTruth {
     /// Evaluated at each pixel.
     lighting: Lighting,
     truth: Truth,
+    /// Of the next image.
+    next: RgbaImage,
     perceived: Perceived,
 }
 
@@ -35,6 +40,8 @@ pub(super) struct PictureError {
     pub(super) ssim: f64,
     /// Holes are counted from colours, wrong surfaces from depths.
     pub(super) surface: SurfaceError,
+    /// Of the change to the next image.
+    pub(super) temporal: TemporalError,
 }
 
 /// Image rendered in one render mode.
@@ -42,6 +49,8 @@ pub(super) struct DrawnWay {
     pub(super) image: RgbaImage,
     /// Image of the same view on white, by which the object is separated from the background.
     pub(super) on_white: RgbaImage,
+    /// The next image.
+    pub(super) next: RgbaImage,
     /// Depth image, at the size at which it was drawn; `None` where the mode shows no particular surface.
     pub(super) depth: Option<DepthImage>,
 }
@@ -61,9 +70,10 @@ impl View {
 }
 
 impl LitTruth {
-    pub(super) fn new(lighting: Lighting, truth: Truth) -> Self {
+    pub(super) fn new(lighting: Lighting, truth: Truth, next: RgbaImage) -> Self {
         Self {
             lighting,
+            next,
             perceived: Perceived::of(&truth.image, PIXELS_PER_DEGREE),
             truth,
         }
@@ -75,6 +85,7 @@ impl LitTruth {
         let depth = drawn.depth.map(|depth| enlarged(&depth, size_px));
         let image = scaled_to(drawn.image, size_px);
         let on_white = scaled_to(drawn.on_white, size_px);
+        let next = scaled_to(drawn.next, size_px);
         let shows_object: Vec<bool> = image
             .pixels()
             .zip(on_white.pixels())
@@ -87,7 +98,12 @@ impl LitTruth {
             &self.shown_depth(&shows_object, depth.as_ref()),
             DepthTolerance::PerPixel(&self.truth.tolerance),
         )?;
+        let temporal = of_change(
+            [&image, &next],
+            [Some(&self.truth.image), Some(&self.next)],
+        )?;
         let error = PictureError {
+            temporal,
             flip_object: map.mean_where(is_object),
             squared: mean_squared_error(&self.truth.image, &image)?,
             ssim: ssim(&self.truth.image, &image)?,
@@ -114,6 +130,28 @@ impl LitTruth {
             depth: (0..shows_object.len()).map(shown).collect(),
         }
     }
+}
+
+/// The temporal error of two consecutive images of the same size, over the pixels that show the object in an image or
+/// in a truth; without truths, of a scene and a camera at rest.
+pub(in crate::bench::suites) fn of_change(
+    [before, after]: [&RgbaImage; 2],
+    truths: [Option<&RgbaImage>; 2],
+) -> Result<TemporalError, BenchError> {
+    let images: Vec<&RgbaImage> = [before, after]
+        .into_iter()
+        .chain(truths.into_iter().flatten())
+        .collect();
+    let is_object = |pixel: usize| {
+        let width = before.width() as usize;
+        let at = |image: &RgbaImage| image.get_pixel((pixel % width) as u32, (pixel / width) as u32).0;
+        images.iter().any(|image| at(image)[..3] != BACKGROUND)
+    };
+    let truth = match truths {
+        [Some(before), Some(after)] => Some(Consecutive { before, after }),
+        _ => None,
+    };
+    Ok(TemporalError::of(truth, Consecutive { before, after }, is_object)?)
 }
 
 /// Returns the object's coverage of a pixel, computed from what shows of the two backgrounds.

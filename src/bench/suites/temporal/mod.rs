@@ -10,7 +10,8 @@
 mod scenes;
 mod variants;
 
-use super::error::variants::{BACKGROUND, label, selected};
+use super::error::variants::{label, selected};
+use super::error::view::of_change;
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::run::Run;
@@ -19,7 +20,7 @@ use crate::bench::statistics::mean;
 use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, OptionGroup, Suite};
 use crate::bench::truth_cache::TruthCache;
-use crate::measure::{Consecutive, TemporalError};
+use crate::measure::TemporalError;
 use crate::render::AnyRenderer;
 use crate::scene::{RendererChoice, Scene, Settings, Style};
 use crate::sequence::{PrepareCounters, complete};
@@ -163,7 +164,7 @@ impl Samples {
             let image = runner.image(&packet)?;
             self.points.push(frame.points.len() as f64);
             if let Some((image_before, picture_before)) = &before {
-                self.errors.push(change(
+                self.errors.push(of_change(
                     [image_before, &image],
                     [picture_before, picture].map(|picture| picture.truth.as_ref()),
                 )?);
@@ -190,23 +191,4 @@ impl Samples {
             Cell::Number(self.errors.len() as f64),
         ])
     }
-}
-
-/// The temporal error of two consecutive images of the same size, over the pixels that show the object in an image or
-/// in a truth.
-fn change([before, after]: [&RgbaImage; 2], truths: [Option<&RgbaImage>; 2]) -> Result<TemporalError, BenchError> {
-    let images: Vec<&RgbaImage> = [before, after]
-        .into_iter()
-        .chain(truths.into_iter().flatten())
-        .collect();
-    let is_object = |pixel: usize| {
-        let width = before.width() as usize;
-        let at = |image: &RgbaImage| image.get_pixel((pixel % width) as u32, (pixel / width) as u32).0;
-        images.iter().any(|image| at(image)[..3] != BACKGROUND)
-    };
-    let truth = match truths {
-        [Some(before), Some(after)] => Some(Consecutive { before, after }),
-        _ => None,
-    };
-    Ok(TemporalError::of(truth, Consecutive { before, after }, is_object)?)
 }

@@ -4,7 +4,7 @@ use crate::bench::BenchError;
 use crate::bench::run::Run;
 use crate::bench::subject::Subject;
 use crate::bench::suites::error::truths::{FrameTruth, TruthLight};
-use crate::bench::suites::error::with_triangles;
+use crate::bench::suites::error::{turned, with_triangles};
 use crate::bench::truth_cache::TruthCache;
 use crate::cloud::{CloudError, Frame, Positions, RawCloud};
 use crate::scene::{Camera, Lighting, Scene, Style};
@@ -15,9 +15,6 @@ use std::sync::Arc;
 
 /// Steps from image to image in each scene.
 const STEPS: usize = 4;
-
-/// Turn of the camera from image to image, degrees.
-const TURN_DEG: f64 = 0.5;
 
 /// Motion of a shape from image to image, in spacings of its points along each axis: parts of a cell of any octree, and
 /// in no direction that an axis has.
@@ -172,10 +169,7 @@ impl<'a> Scenes<'a> {
 
     /// Image `step` of a scene, by the camera of the first one.
     fn picture(&self, kind: SceneKind, frame: &PreparedFrame, camera: Camera, step: u32) -> Picture {
-        let turned = Camera {
-            azimuth_deg: camera.azimuth_deg + TURN_DEG * f64::from(step),
-            ..camera
-        };
+        let turned = turned(camera, step);
         // The truth of a shape that moves is that of a camera that moves the other way.
         let followed = Camera {
             target_in_world: camera.target_in_world - self.moved(step),

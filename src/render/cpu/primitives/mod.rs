@@ -103,7 +103,7 @@ pub(super) fn of_surfaces(packet: &ScenePacket) -> ScenePacket {
     packet.style.light.lighting = Lighting::Unlit;
     let surfels = &mut packet.style.surfels;
     match surfels.splatting {
-        Splatting::Regular | Splatting::NoDepth | Splatting::Visibility | Splatting::Opaque => {}
+        Splatting::Regular | Splatting::NoDepth | Splatting::Sorted | Splatting::Visibility | Splatting::Opaque => {}
         Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => {
             surfels.splat_scale *= surfels.splatting.scales(surfels.enlargement)[0];
             surfels.splatting = Splatting::Visibility;

@@ -99,8 +99,8 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
     let (passes, resolve): (Passes, Option<&'static ScreenPass>) = match style.surfels.splatting {
         Splatting::Regular if is_deferred => (&[&SURFACE_REGULAR], Some(&RESOLVE)),
         Splatting::Regular => (&[&REGULAR], None),
-        Splatting::NoDepth if is_deferred => (&[&SURFACE_NO_DEPTH], Some(&RESOLVE)),
-        Splatting::NoDepth => (&[&NO_DEPTH], None),
+        Splatting::NoDepth | Splatting::Sorted if is_deferred => (&[&SURFACE_NO_DEPTH], Some(&RESOLVE)),
+        Splatting::NoDepth | Splatting::Sorted => (&[&NO_DEPTH], None),
         Splatting::Opaque if is_deferred => (&[&SURFACE_OPAQUE], Some(&RESOLVE)),
         Splatting::Opaque => (&[&OPAQUE], None),
         Splatting::Visibility => (&[&VISIBILITY], Some(&DEPTH_VIEW)),

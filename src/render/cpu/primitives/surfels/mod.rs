@@ -82,7 +82,9 @@ impl DrawnRecords for Surfels<'_> {
 
     fn held(&self, packet: &ScenePacket) -> Held {
         match self.style.surfels.splatting {
-            Splatting::Regular | Splatting::NoDepth => Held::surfaces(packet).unwrap_or(Held::BlendedColors),
+            Splatting::Regular | Splatting::NoDepth | Splatting::Sorted => {
+                Held::surfaces(packet).unwrap_or(Held::BlendedColors)
+            }
             Splatting::Opaque => Held::surfaces(packet).unwrap_or(Held::SolidColors),
             Splatting::Visibility => Held::depths(packet),
             Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => Held::sums(packet),
@@ -231,7 +233,10 @@ impl<'a> Surfels<'a> {
             return Fate::Drawn;
         }
         // Corners of squares are equally far away, whether disks or ellipses touch their edges.
-        let are_squares = matches!(self.style.surfels.splatting, Splatting::Regular | Splatting::NoDepth);
+        let are_squares = matches!(
+            self.style.surfels.splatting,
+            Splatting::Regular | Splatting::NoDepth | Splatting::Sorted
+        );
         let reach = if are_squares {
             f32x8::splat(simd, SQUARE_REACH_RADII)
         } else {
@@ -269,7 +274,7 @@ impl<'a> Surfels<'a> {
         let [visibility, attribute] = self.scales;
         let mut canvas = self.canvas(view, clip);
         match surfels.splatting {
-            Splatting::Regular | Splatting::NoDepth => {
+            Splatting::Regular | Splatting::NoDepth | Splatting::Sorted => {
                 // Only quads on the surface have corners.
                 if self.style.primitive != Primitive::Sprite {
                     canvas.outline = Outline::Parallelogram;
