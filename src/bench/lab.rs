@@ -215,7 +215,10 @@ mod tests {
         mark_fronts(&mut points);
         let of_images = |points: &[LabPoint]| points.iter().map(|point| point.is_on_front[0]).collect::<Vec<_>>();
         assert_eq!(of_images(&points), [true, false, true, false, false]);
-        assert_eq!(points.map(|point| point.is_on_front[1]), [true, true, false, false, false]);
+        assert_eq!(
+            points.map(|point| point.is_on_front[1]),
+            [true, true, false, false, false]
+        );
         // Equal points are both optimal; those of another sequence do not count.
         let mut points = [point(1.0, 0.5), point(1.0, 0.5), point(0.5, 0.1)];
         points[2].sequence = "other".to_owned();

@@ -122,9 +122,14 @@ fn a_crop_keeps_the_points_of_a_box_with_their_attributes_and_faces() {
     edit.apply(&mut cloud).unwrap();
     assert_eq!(cloud.positions.len(), 12);
     assert_eq!(cloud.positions.get(11), DVec3::new(52.5, 1.5, 1.5));
-    let indices = [0.0, 1.0, 2.0, 10.0, 11.0, 12.0, 100.0, 101.0, 102.0, 110.0, 111.0, 112.0];
+    let indices = [
+        0.0, 1.0, 2.0, 10.0, 11.0, 12.0, 100.0, 101.0, 102.0, 110.0, 111.0, 112.0,
+    ];
     assert_eq!(cloud.attributes.scalars[0].values, indices);
-    assert_eq!((cloud.faces.as_slice(), cloud.skipped_faces), (&[[0, 1, 3], [10, 9, 7]][..], 1));
+    assert_eq!(
+        (cloud.faces.as_slice(), cloud.skipped_faces),
+        (&[[0, 1, 3], [10, 9, 7]][..], 1)
+    );
     assert_eq!(cloud.grid, None);
 
     let outside = edited(&Edit {

@@ -2,8 +2,8 @@
 
 use crate::scene::{DrawSettings, Primitive, SplatFilter};
 
-/// Depth bias of the visibility pass, in splat radii. One radius is the largest depth distance between two splats of
-/// one surface that still overlap, at 45 degrees.
+/// Depth bias of the visibility pass, in splat radii, of the ground truth and of points drawn as patches; of surfels it
+/// is a setting, with the same default.
 pub(super) const DEPTH_SLACK_RADII: f32 = 1.0;
 
 /// Falloff of a splat's mask: at the edge of its disk it is exp(-3) = 0.05.
@@ -141,3 +141,12 @@ pub(super) const FXAA_END_OF_EDGE: f32 = 0.25;
 /// maximum fraction of the surroundings that is blended in.
 pub(super) const FXAA_DETAIL: f32 = 0.25;
 pub(super) const FXAA_MAX_BLENDED: f32 = 0.75;
+
+/// Depth bias of the visibility pass that blends what `style` draws, in splat radii.
+pub(super) fn depth_slack_radii(style: &DrawSettings) -> f32 {
+    if style.draws_surfels() {
+        style.surfels.depth_offset
+    } else {
+        DEPTH_SLACK_RADII
+    }
+}

@@ -125,7 +125,10 @@ mod tests {
         assert_eq!(sorting.sort(content.clone(), &view(0.0)), first);
         let turned = sorting.sort(content.clone(), &view(180.0));
         assert_ne!(turned, first);
-        assert_eq!(turned.points().unwrap()[0].position, first.points().unwrap()[1].position);
+        assert_eq!(
+            turned.points().unwrap()[0].position,
+            first.points().unwrap()[1].position
+        );
         assert_ne!(sorting.sort(surfels(&[[0.0; 3]]), &view(180.0)), turned);
         assert_eq!(sorting.sort(Content::Nothing, &view(0.0)), Content::Nothing);
     }

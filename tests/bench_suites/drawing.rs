@@ -14,7 +14,13 @@ fn assert_draw_rows(report: &Report) {
         [0.0; 5],
         "uploads would be in the draw times"
     );
-    for key in ["draw_ms_min", "upload_ms_median", "upload_bytes", "draw_calls"] {
+    for key in [
+        "draw_ms_min",
+        "upload_ms_median",
+        "upload_and_draw_ms",
+        "upload_bytes",
+        "draw_calls",
+    ] {
         assert!(numbers(report, key).iter().all(|&number| number > 0.0), "{key}");
     }
     let instances = numbers(report, "instances");
@@ -101,6 +107,7 @@ fn octrees_are_measured_at_the_loss_thresholds_of_the_paper() {
         "build_morton_order_one_thread_ms_median",
         "build_morton_order_all_threads_ms_median",
         "traverse_ms_median",
+        "traverse_one_thread_ms_median",
         "visited_nodes",
         "emitted_voxels",
     ] {

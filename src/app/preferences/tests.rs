@@ -31,6 +31,7 @@ fn unusual() -> Preferences {
                 shown: SurfelColors::NormalErrors,
                 splat_scale: 1.25,
                 enlargement: 3.5,
+                depth_offset: 0.5,
                 back_faces: BackFaces::Drawn.into(),
             },
             points: PointStyle {
@@ -132,6 +133,7 @@ fn of_version_6() -> Preferences {
             style.surfels.rims = OnOff::On;
             style.surfels.normals = NormalSource::Neighbours;
             style.surfels.shown = SurfelColors::Points;
+            style.surfels.depth_offset = 1.0;
             style.voxels.light = VoxelLight::Normals;
             style.light.rig = Choice::Auto;
             style.light.metallic = 0.0;

@@ -47,6 +47,7 @@ const COLUMNS: &[Column] = &[
     Column::number("gpu_ms_q1", "GPU 25 %", 3).hidden(),
     Column::number("gpu_ms_q3", "GPU 75 %", 3).hidden(),
     Column::number("upload_ms_median", "upload ms", 3),
+    Column::number("upload_and_draw_ms", "upload + draw ms", 3),
     Column::number("upload_bytes", "bytes", 0),
     Column::number("samples", "pictures", 0),
     Column::number("timed_uploads", "uploads in draw ms", 0).hidden(),
@@ -61,7 +62,8 @@ pub const SURFELS: &Suite = &Suite {
     description: "drawing surfels, two-pass-enlarged (2x), by instancing strategy",
     measured: "CPU wall time from packet to finished picture (draw ms); GPU time of its passes (GPU ms); copying the \
         records to the adapter (upload ms)",
-    not_measured: "decoding, normals, octrees and traversal, reading back, showing; uploads are not in draw ms",
+    not_measured: "decoding, normals, octrees and traversal, reading back, showing; uploads are not in draw ms; upload + \
+        draw ms, the sum of both medians, is a frame that is drawn for the first time",
     covered_by: "surfels",
     defaults: Defaults::PROTOCOL,
     takes: &[],
@@ -245,6 +247,7 @@ impl DrawSamples {
             Cell::maybe(gpu.map(|q| q.q1)),
             Cell::maybe(gpu.map(|q| q.q3)),
             Cell::maybe(upload.map(|q| q.median)),
+            Cell::maybe(draw.map(|draw| draw.median + upload.map_or(0.0, |upload| upload.median))),
             Cell::Number(mean(&self.upload_bytes)),
             Cell::Number(self.draw_ms.len() as f64),
             Cell::Number(self.timed_uploads as f64),

@@ -6,8 +6,8 @@
 //! The four ways take turns, so that what slows the machine down slows all of them. A time is that of the thread that
 //! asks: the way into the pool and back is part of it, freeing the octree is not.
 //!
-//! Traversals run on all threads. Each fills memory that the one before it left, as playing does; the viewpoints are
-//! those from which surfels cover 25 to 85 % of the picture.
+//! Traversals run on all threads, and on one as the paper's do. Each fills memory that the one before it left, as playing
+//! does; the viewpoints are those from which surfels cover 25 to 85 % of the image.
 
 use super::paper_style::surfel_style;
 use super::traversals::Traversals;
@@ -80,6 +80,10 @@ const COLUMNS: &[Column] = &[
     Column::number("traverse_ms_q1", "25 %", 3),
     Column::number("traverse_ms_q3", "75 %", 3),
     Column::number("traverse_ms_mean", "mean ms", 3).hidden(),
+    Column::number("traverse_one_thread_ms_median", "one thread", 3),
+    Column::number("traverse_one_thread_ms_q1", "25 %", 3).hidden(),
+    Column::number("traverse_one_thread_ms_q3", "75 %", 3).hidden(),
+    Column::number("traverse_one_thread_ms_mean", "mean ms", 3).hidden(),
     Column::number("visited_nodes", "visited", 0),
     Column::number("emitted_voxels", "emitted", 0),
     Column::number("samples", "samples", 0).hidden(),
@@ -94,7 +98,7 @@ pub const OCTREE: &Suite = &Suite {
     hint: "Loss, depth, nodes, build and traversal time at δ of 2, 10 and 50 % (paper, Table III)",
     description: "building and traversing octrees by acceptable loss",
     measured: "building from positions and colours in memory, in the order of the file and in Morton order, each on \
-        one thread and on all; traversal into reused memory on all threads; nodes are internal nodes",
+        one thread and on all; traversal into reused memory, on all threads and on one; nodes are internal nodes",
     not_measured: "decoding, normals, drawing; the adapter only draws the pictures whose coverage is counted",
     covered_by: "surfels",
     defaults: Defaults::PROTOCOL,
@@ -157,6 +161,7 @@ struct OctreeSamples {
     /// By [`WAYS`].
     build_ms: [Vec<f64>; WAYS.len()],
     traversals: Traversals,
+    one_thread_traversals: Traversals,
 }
 
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
@@ -196,8 +201,12 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>, one_thread: &Threa
         for (delta, samples) in DELTAS.into_iter().zip(&mut samples) {
             run.begin_step(format!("{}: δ {} %", subject.named(index), percent(delta)))?;
             let octree = measure_builds(run, &beginnings, delta, samples)?;
-            let traversals = &mut samples.traversals;
-            traversals.measure(run, subject, &octree, &cameras, LOD_PX)?;
+            for (traversals, pool) in [
+                (&mut samples.traversals, None),
+                (&mut samples.one_thread_traversals, Some(one_thread)),
+            ] {
+                traversals.measure(run, subject, &octree, &cameras, LOD_PX, pool)?;
+            }
         }
     }
     Run::check_measured(subject, &point_counts, first_failure)?;
@@ -306,6 +315,7 @@ impl OctreeSamples {
         ];
         cells.extend(self.build_ms.iter().flat_map(|times_ms| times(times_ms)));
         cells.extend(times(&self.traversals.times_ms));
+        cells.extend(times(&self.one_thread_traversals.times_ms));
         cells.extend([
             Cell::Number(mean(&self.traversals.visited_nodes)),
             Cell::Number(mean(&self.traversals.emitted_voxels)),

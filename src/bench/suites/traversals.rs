@@ -6,6 +6,7 @@ use crate::bench::subject::Subject;
 use crate::levels::octree::Octree;
 use crate::scene::Camera;
 use crate::stopwatch::milliseconds_since;
+use rayon::ThreadPool;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -18,8 +19,8 @@ pub(super) struct Traversals {
 }
 
 impl Traversals {
-    /// Adds those of one tree from every camera, in rounds. Each fills memory that the one before it left, as playing
-    /// does.
+    /// Adds those of one tree from every camera, in rounds, on the threads of `pool` or on all. Each fills memory that
+    /// the one before it left, as playing does.
     pub(super) fn measure(
         &mut self,
         run: &Run<'_>,
@@ -27,6 +28,7 @@ impl Traversals {
         octree: &Octree,
         cameras: &[Camera],
         lod_px: f32,
+        pool: Option<&ThreadPool>,
     ) -> Result<(), BenchError> {
         let mut voxels = Vec::new();
         for round in 0..run.options.warmup + run.options.repeat {
@@ -35,7 +37,11 @@ impl Traversals {
                 let view = camera.transform(subject.sequence.origin(), run.options.viewport_px);
                 let start = Instant::now();
                 let select_view = view.select_view(lod_px);
-                let selected = octree.select(&select_view, black_box(&mut voxels));
+                let mut select = || octree.select(&select_view, black_box(&mut voxels));
+                let selected = match pool {
+                    Some(pool) => pool.install(select),
+                    None => select(),
+                };
                 let time_ms = milliseconds_since(start);
                 if round >= run.options.warmup {
                     self.times_ms.push(time_ms);

@@ -3,7 +3,7 @@
 use crate::analysis::SurfaceOptions;
 use crate::assumption::Subject;
 use crate::cli::info_parts::reel_info::ReelInfo;
-use crate::cli::options::arguments::{FrameRange, ClipArgs, ReadArgs, open_sequence_and_tell};
+use crate::cli::options::arguments::{ClipArgs, FrameRange, ReadArgs, open_sequence_and_tell};
 use crate::cli::options::reel_arguments::ReelArgs;
 use crate::cli::options::values::FrameChoice;
 use crate::cli::terminal::output::{answer, say};

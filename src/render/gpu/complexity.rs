@@ -10,7 +10,7 @@ use super::passes::ScreenPass;
 use super::plan::Plan;
 use super::shaders::Permutation;
 use crate::scene::ScenePacket;
-use wgpu::naga::{AddressSpace, Block, Expression, Function, Handle, Module, ShaderStage, Statement, front};
+use naga::{AddressSpace, Block, Expression, Function, Handle, Module, ShaderStage, Statement, front};
 
 /// Complexity of one stage per vertex or fragment.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

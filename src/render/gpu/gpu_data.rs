@@ -8,7 +8,7 @@ use super::layout::{Layout, Shared, shared_struct};
 use crate::analysis::screen::{RADIUS_SPACINGS, ScreenCloud, ScreenView};
 use crate::levels::{Selection, SequenceFilter};
 use crate::math::Frustum;
-use crate::render::constants::DEPTH_SLACK_RADII;
+use crate::render::constants::depth_slack_radii;
 use crate::rgbd::{Bilateral, Filters, FlyingPixels, Temporal};
 use crate::scene::{Kernel, Lighting, Lights, PointSize, ScenePacket, Shadow, SplatFilter};
 use crate::stereo::matching::constants::MAX_RADIUS;
@@ -438,7 +438,11 @@ impl ViewUniform {
             viewport_px: packet.viewport_px.map(|edge| edge as f32),
             point_min_px: point_size.min_px,
             cube_half_edge: packet.content.voxels().map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
-            depth_slack: if has_slack { DEPTH_SLACK_RADII } else { 0.0 },
+            depth_slack: if has_slack {
+                depth_slack_radii(&packet.style)
+            } else {
+                0.0
+            },
             lighting: match packet.lighting() {
                 Lighting::Unlit | Lighting::Lambert | Lighting::BlinnPhong | Lighting::Physical => LIGHTING_UNLIT,
                 Lighting::PerSurfel => LIGHTING_PER_SURFEL,

@@ -32,7 +32,9 @@ impl Splatting {
     /// Factors on the splat radius in the visibility and in the attribute pass.
     pub fn scales(self, enlargement: f32) -> [f32; 2] {
         match self {
-            Self::Regular | Self::NoDepth | Self::Visibility | Self::TwoPass | Self::Sorted | Self::Opaque => [1.0, 1.0],
+            Self::Regular | Self::NoDepth | Self::Visibility | Self::TwoPass | Self::Sorted | Self::Opaque => {
+                [1.0, 1.0]
+            }
             Self::Enlarged => [enlargement, enlargement],
             Self::TwoPassEnlarged => [1.0, enlargement],
         }
@@ -308,6 +310,27 @@ group! {
                 retained: [0.01, 100.0],
                 offered: [1.0, 4.0],
                 unit: Unit::Is(" ×"),
+                ..Numbers::USUAL
+            }),
+        }
+        /// Depth of a surface, in splat radii: splats so far behind the nearest one are blended with it, those farther
+        /// behind are hidden. One radius is the largest depth distance between two splats of one surface that still
+        /// overlap, at 45 degrees.
+        depth_offset: f32 = 1.0, "depth_offset" DEPTH_OFFSET {
+            flag: "depth-offset",
+            value_name: "RADII",
+            help: "Blend splats up to this far behind the nearest one, in splat radii",
+            title: "Depth offset",
+            hint: "Splats up to this far behind the nearest one are blended with it, in splat radii (ε of the depth \
+                   test). Less separates sheets that are close together, more closes rough surfaces",
+            section: Section::Surfels,
+            when: |drawn| drawn.blends_surfels(),
+            label: Label::Unusual(Place::What, "ε {} radii"),
+            also: &["epsilon", "depth bias", "z-offset", "visibility threshold"],
+            values: Values::Number(Numbers {
+                retained: [0.0, 100.0],
+                offered: [0.0, 4.0],
+                unit: Unit::Is(" radii"),
                 ..Numbers::USUAL
             }),
         }

@@ -152,7 +152,11 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>, error: Lab
                     let is_of_kind = primitives.iter().any(|&primitive| style.primitive == primitive);
                     is_of_kind && style.drawing.renderer == renderer
                 };
-                let places: Vec<[f64; 2]> = points.iter().filter(is_of_it).map(|point| place(point, error)).collect();
+                let places: Vec<[f64; 2]> = points
+                    .iter()
+                    .filter(is_of_it)
+                    .map(|point| place(point, error))
+                    .collect();
                 // Kinds without points are omitted from the legend.
                 if !places.is_empty() {
                     let marks = Points::new(format!("{kind}, {who}"), PlotPoints::from(places));

@@ -73,7 +73,7 @@ impl LodSamples {
         for (lod_px, samples) in LOD_PX.into_iter().zip(&mut self.0) {
             if let Some(octree) = frame.levels.octree() {
                 let traversals = &mut samples.traversals;
-                traversals.measure(run, subject, octree, &cameras, lod_px)?;
+                traversals.measure(run, subject, octree, &cameras, lod_px, None)?;
             }
         }
         Ok(())

@@ -98,10 +98,7 @@ impl LitTruth {
             &self.shown_depth(&shows_object, depth.as_ref()),
             DepthTolerance::PerPixel(&self.truth.tolerance),
         )?;
-        let temporal = of_change(
-            [&image, &next],
-            [Some(&self.truth.image), Some(&self.next)],
-        )?;
+        let temporal = of_change([&image, &next], [Some(&self.truth.image), Some(&self.next)])?;
         let error = PictureError {
             temporal,
             flip_object: map.mean_where(is_object),

@@ -10,7 +10,7 @@ use super::blocks::Blocks;
 use super::illumination::Illumination;
 use super::records;
 use super::rows::TileRow;
-use crate::render::constants::DEPTH_SLACK_RADII;
+use crate::render::constants::depth_slack_radii;
 use crate::scene::{Content, Lighting, Primitive, ScenePacket, Shadow, Splatting};
 use coded::Coded;
 use mesh::Mesh;
@@ -31,7 +31,7 @@ pub(super) enum Drawable<'a> {
 
 impl<'a> Drawable<'a> {
     pub(super) fn of(packet: &'a ScenePacket) -> Self {
-        Self::with_slack(packet, [DEPTH_SLACK_RADII, 0.0])
+        Self::with_slack(packet, [depth_slack_radii(&packet.style), 0.0])
     }
 
     /// Returns the drawable that writes depths to a shadow map.

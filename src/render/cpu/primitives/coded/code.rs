@@ -1,6 +1,7 @@
 //! The byte code of a packet, and how it is drawn.
 
 use crate::levels::octree::CodedCloud;
+use crate::render::constants::depth_slack_radii;
 use crate::scene::{CodedCells, DrawSettings, Footprint};
 
 /// Factor by which masks may be larger than the splats they stand for: sizes are rounded, and so is the position where
@@ -21,6 +22,8 @@ pub(in crate::render::cpu) struct Coded<'a> {
     pub(super) offset_bits: u32,
     /// Factors on radii in the visibility and in the attribute pass.
     pub(super) scales: [f32; 2],
+    /// Depth bias of the visibility pass, in radii.
+    pub(super) slack_radii: f32,
 }
 
 impl<'a> Coded<'a> {
@@ -37,6 +40,7 @@ impl<'a> Coded<'a> {
             normal_bits: style.codes.normal_bits.bits(),
             offset_bits: style.codes.offset_bits.bits(),
             scales: scales.map(|scale| scale * surfels.splat_scale),
+            slack_radii: depth_slack_radii(style),
         }
     }
 

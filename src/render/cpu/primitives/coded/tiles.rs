@@ -9,7 +9,6 @@ use super::normals::{self, SeenNormal};
 use super::splat::{self, SplatPlacement, WaitingMask};
 use super::transform::{Transform, in_view};
 use crate::levels::octree::coded::{NodeAttributes, radius_of_code};
-use crate::render::constants::DEPTH_SLACK_RADII;
 use crate::render::cpu::facet::{Canvas, Facet, Outline};
 use crate::render::cpu::painter::InTiles;
 use crate::render::cpu::raster;
@@ -201,7 +200,7 @@ impl CodedTiles<'_> {
     /// ε-z, as for exact disks: the factor on depths that leaves room for splats of one surface to blend.
     #[inline(always)]
     fn push_back(&self, node: &SeenNode<'_>) -> f32 {
-        let radius = DEPTH_SLACK_RADII * self.coded.scales[0] * node.radius;
+        let radius = self.coded.slack_radii * self.coded.scales[0] * node.radius;
         1.0 / (1.0 + radius * node.per_distance)
     }
 
